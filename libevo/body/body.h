@@ -1,0 +1,71 @@
+// A body: a matrix of voxels and the links between them. Everything that is
+// made of voxels is one: robots, packages, terrain (spec: robots, section 1;
+// worlds, "From a body matrix").
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace evo {
+
+enum class Voxel : std::uint8_t { empty, rigid, soft, horizontal, vertical, fixed };
+
+// One letter a voxel: . R S H V # in the order of the enumeration.
+char letter(Voxel voxel);
+std::optional<Voxel> voxel_from_letter(char letter);
+inline bool is_actuator(Voxel v) { return v == Voxel::horizontal || v == Voxel::vertical; }
+
+// Two adjacent cells joined to each other, as row-major indices of the whole
+// matrix, the smaller one first.
+struct Link {
+  int a = 0;
+  int b = 0;
+  auto operator<=>(const Link&) const = default;
+};
+
+struct Body {
+  int rows = 0;
+  int cols = 0;
+  std::vector<Voxel> cells;  // rows*cols, row-major, row 0 on top
+  std::vector<Link> links;   // sorted, unique; both ends non-empty and adjacent
+
+  Body() = default;
+  // All adjacent pairs of non-empty cells linked.
+  Body(int rows, int cols, std::vector<Voxel> cells);
+  // As drawn: one string a row, top row first. Throws Error(data) naming the
+  // cell for ragged rows or unknown letters.
+  static Body from_rows(const std::vector<std::string>& rows);
+
+  Voxel at(int row, int col) const {
+    return cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) +
+                 static_cast<std::size_t>(col)];
+  }
+  int index(int row, int col) const { return row * cols + col; }
+  std::vector<std::string> to_rows() const;
+  bool operator==(const Body&) const = default;
+};
+
+// Every adjacent pair of non-empty cells, sorted.
+std::vector<Link> full_links(int rows, int cols, const std::vector<Voxel>& cells);
+
+int count_voxels(const Body& body);     // non-empty cells
+int count_actuators(const Body& body);  // length of an action vector
+
+// The links join all non-empty cells, of which there is at least one.
+bool is_connected(const Body& body);
+// Connected and has an actuator: what every operator on robots keeps true.
+bool is_valid_robot(const Body& body);
+
+// What is wrong with the body, in words that name the cell ("row 2, column 3",
+// counted from 1 at the top left), or nothing. `needs_actuator` for robots.
+std::optional<std::string> defect(const Body& body, bool needs_actuator);
+
+// First 12 hex digits of the SHA-256 of the canonical text of body and links
+// (spec: formats, "id"). Equal bodies have equal ids on any machine.
+std::string identity(const Body& body);
+
+}  // namespace evo

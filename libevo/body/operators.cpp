@@ -1,0 +1,1 @@
+#include "libevo/body/operators.h"

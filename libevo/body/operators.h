@@ -1,0 +1,36 @@
+// Operators on bodies: random bodies, mutation, crossover (spec: robots,
+// sections 1 and 2.2). Each takes its randomness as a stream.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "libevo/base/random.h"
+#include "libevo/body/body.h"
+
+namespace evo {
+
+// Relative weights of empty, rigid, soft, horizontal, vertical.
+using VoxelWeights = std::array<double, 5>;
+inline constexpr VoxelWeights default_weights{0.6, 0.2, 0.2, 0.2, 0.2};
+
+// A random valid robot: cells drawn row by row until the matrix is connected
+// and has an actuator. Throws Error(usage) for weights that cannot give one,
+// Error(work) after `attempts` failures.
+Body sample_body(int rows, int cols, const VoxelWeights& weights, Stream& stream,
+                 int attempts = 1'000'000);
+
+struct MutationSettings {
+  double rate = 0.1;  // probability that a voxel is redrawn
+  int attempts = 50;  // each continues from the matrix of the one before
+  VoxelWeights weights = default_weights;
+};
+
+// A valid child, or nothing after `attempts` failures. It may equal the parent.
+std::optional<Body> mutate(const Body& parent, const MutationSettings& settings, Stream& stream);
+
+// Uniform crossover: every voxel from either parent with probability 1/2, until
+// valid; nothing after `attempts` failures. The parents have the same shape.
+std::optional<Body> crossover(const Body& a, const Body& b, int attempts, Stream& stream);
+
+}  // namespace evo

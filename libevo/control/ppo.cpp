@@ -1,0 +1,1 @@
+#include "libevo/control/policy.h"

@@ -1,0 +1,1 @@
+#include "libevo/body/body.h"

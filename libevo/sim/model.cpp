@@ -1,0 +1,1 @@
+#include "libevo/sim/model.h"

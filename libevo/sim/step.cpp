@@ -1,0 +1,1 @@
+#include "libevo/sim/state.h"

@@ -1,0 +1,127 @@
+// Episodes. An Arena is one robot in one task, compiled once; a VecEnv runs any
+// number of episodes of it side by side. Spec: tasks, section A.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libevo/base/parallel.h"
+#include "libevo/sim/state.h"
+#include "libevo/task/spec.h"
+
+namespace evo {
+
+// Where a part of the observation lies in the vector.
+struct ObservationSlice {
+  std::string name;
+  int offset = 0;
+  int length = 0;
+};
+
+class Arena {
+ public:
+  // Throws Error(data) where the robot cannot stand in the task's world, has no
+  // actuator, or where the task refers to an object that does not exist.
+  Arena(TaskSpec task, Body robot);
+  ~Arena();
+  Arena(const Arena&) = delete;
+  Arena& operator=(const Arena&) = delete;
+
+  const TaskSpec& task() const;
+  const Body& robot() const;
+  const Model& model() const;  // with all draws at their lowest value
+  const std::vector<ObservationSlice>& layout() const;
+  int observation_length() const;
+  int action_length() const;
+
+  // The draws of episode `index` under `seed`: the same for every robot.
+  Draws draw(std::uint64_t seed, std::uint64_t index) const;
+
+  struct Compiled;  // private to libevo/task
+  const Compiled& compiled() const { return *compiled_; }
+
+ private:
+  std::unique_ptr<const Compiled> compiled_;
+};
+
+// How an episode starts.
+struct EpisodeStart {
+  Draws draws;
+  double jitter = 0.0;  // every start coordinate moved by up to this, voxels
+  std::uint64_t jitter_seed = 0;
+};
+
+class VecEnv {
+ public:
+  // `environments` episodes of one arena, which must outlive this. All arrays
+  // are environment-major: observations [E x D], actions [E x A].
+  VecEnv(const Arena& arena, int environments);
+  ~VecEnv();
+  VecEnv(VecEnv&&) noexcept;
+  VecEnv& operator=(VecEnv&&) noexcept;
+
+  int environments() const;
+  void reset(int environment, const EpisodeStart& start);
+
+  // One control step of the environments marked in `active` (all, if empty).
+  // Targets are absolute, share of the rest length, clipped to [0.6, 1.6].
+  // Does not reset what ended. Environments stay in lanes: the work is done by
+  // the calling thread, or in parallel by `pool`.
+  void step(std::span<const double> actions, std::span<const std::uint8_t> active = {},
+            ThreadPool* pool = nullptr);
+
+  // After reset and step, of every environment:
+  std::span<const double> observations() const;      // [E x D]
+  std::span<const double> rewards() const;           // [E]
+  std::span<const std::uint8_t> terminated() const;  // [E] ended by a rule
+  std::span<const std::uint8_t> truncated() const;   // [E] ended by the time limit
+  int steps(int environment) const;                  // steps taken in this episode
+
+  // What queries of the benchmark read: all points of the world in world
+  // order, raw units; after self-folding those of the step before (tasks A.4).
+  std::span<const Vec2> positions(int environment) const;
+  std::span<const Vec2> velocities(int environment) const;
+  const Model& model(int environment) const;  // of this episode (draws move objects)
+
+  // All that decides how the episodes go on, for checkpoints: an opaque array
+  // of bytes of this build's layout, restored by load() into a VecEnv of the
+  // same arena and size.
+  std::vector<std::uint8_t> save() const;
+  void load(std::span<const std::uint8_t> bytes);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// The pure part of a step, for tests: pre and post snapshots of all points in,
+// observation, reward and end flags out. `flips` and `goal` are the episode's
+// counters and are updated (tasks: Flipper-v0, BidirectionalWalker-v0).
+struct Episode {
+  Draws draws;
+  int steps = 0;
+  int turns = 0;  // whole turns counted by Rotation
+  int goal = 0;   // goals reached
+};
+
+struct Snapshot {
+  std::vector<Vec2> positions;
+  std::vector<Vec2> velocities;
+};
+
+struct StepOutcome {
+  double reward = 0.0;
+  bool terminated = false;
+  bool truncated = false;
+};
+
+void observe(const Arena& arena, const Model& model, const Episode& episode, const Snapshot& now,
+             std::span<double> observation);
+// Counts the step in `episode`. `folded`: the simulator reported self-folding.
+StepOutcome judge(const Arena& arena, const Model& model, Episode& episode, const Snapshot& pre,
+                  const Snapshot& post, bool folded);
+
+}  // namespace evo

@@ -1,0 +1,1 @@
+#include "libevo/task/spec.h"

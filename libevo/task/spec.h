@@ -1,0 +1,195 @@
+// A task as data: a world, where the robot stands in it, what it observes, what
+// it is rewarded for, and when an episode ends. The pieces are a closed list;
+// they combine freely. Spec: tasks. The YAML form is read by formats/task.h.
+//
+// Lengths here are in voxels, as tasks are drawn and written; they are turned
+// into raw units as `value * voxel_length`, one rounding, as the benchmark does.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "libevo/sim/physics.h"
+#include "libevo/sim/world.h"
+
+namespace evo {
+
+// The robot is the object of this name in every task.
+inline constexpr const char* robot_name = "robot";
+
+enum class Axis { x, y };
+
+// ---- observation ------------------------------------------------------------
+
+namespace observation {
+struct Velocity {
+  std::string of;
+};  // 2: mean integrator velocity
+struct Orientation {
+  std::string of;
+};  // 1: tasks A.7
+struct RelativePositions {
+  std::string of;
+};  // 2n: offsets to the centre, all x then all y
+struct Offset {
+  std::string of;
+  std::string from;
+};  // 2: centre of `of` minus centre of `from`
+// 2*width+1 distances from the robot's centre to the nearest point below (floor)
+// or above (ceiling), clipped to `range` voxels; tasks A.8.
+struct Floor {
+  int width = 5;
+  double range = 5;
+  std::vector<std::string> over;
+};
+struct Ceiling {
+  int width = 5;
+  double range = 5;
+  std::vector<std::string> over;
+};
+struct GoalIndex {};     // 1: how many goals have been reached
+struct GoalPosition {};  // 1: the current goal, raw length
+struct GoalOffset {};    // 1: the current goal minus the robot's centre
+}  // namespace observation
+
+using ObservationPart =
+    std::variant<observation::Velocity, observation::Orientation, observation::RelativePositions,
+                 observation::Offset, observation::Floor, observation::Ceiling,
+                 observation::GoalIndex, observation::GoalPosition, observation::GoalOffset>;
+
+// ---- conditions -------------------------------------------------------------
+
+// Every condition looks at the state after the step. Bounds are strict.
+namespace condition {
+// Centre of an object against bounds, voxels.
+struct Position {
+  std::string of;
+  Axis axis = Axis::x;
+  std::optional<double> above;     // centre > above
+  std::optional<double> below;     // centre < below
+  std::optional<double> at_least;  // centre >= at_least
+  std::optional<double> at_most;   // centre <= at_most
+};
+// Orientation strictly between the tilt limit and its mirror image:
+// degrees < orientation < 360 - degrees.
+struct Tilt {
+  std::string of;
+  double degrees = 90;
+};
+struct GoalsReached {};  // all goals of the episode
+}  // namespace condition
+
+using Condition = std::variant<condition::Position, condition::Tilt, condition::GoalsReached>;
+
+// ---- reward -----------------------------------------------------------------
+
+// A term's value is weight * what it measures, and 0 unless all of `when` hold.
+namespace reward {
+struct Displacement {
+  std::string of;
+  Axis axis = Axis::x;
+};  // post - pre of the centre
+struct Distance {
+  std::string of;
+  Axis axis = Axis::x;
+};  // |post - pre|
+// How much nearer `of` came to a place (voxels) or to another object along one
+// axis: |target_pre - centre_pre| - |target_post - centre_post|.
+struct Approach {
+  std::string of;
+  Axis axis = Axis::x;
+  std::variant<double, std::string> to;
+};
+struct HullArea {
+  std::string of;
+};  // growth of the convex hull's area
+struct Extent {
+  std::string of;
+  Axis axis = Axis::x;
+};  // growth of max - min
+struct Rotation {
+  std::string of;
+};  // turned, counted over whole turns
+struct GoalApproach {
+  double radius = 2;
+};  // nearer to the current goal
+}  // namespace reward
+
+struct RewardTerm {
+  double weight = 1.0;
+  std::variant<reward::Displacement, reward::Distance, reward::Approach, reward::HullArea,
+               reward::Extent, reward::Rotation, reward::GoalApproach>
+      term;
+  std::vector<Condition> when;
+};
+
+// Rules are tried in order after self-folding; each that holds adds its reward.
+struct Rule {
+  std::vector<Condition> when;  // all of them
+  double reward = 0.0;
+  bool terminate = true;
+};
+
+// ---- draws ------------------------------------------------------------------
+
+// A uniform integer drawn at every reset, by name, in this order.
+struct DrawnInteger {
+  std::string name;
+  int low = 0;
+  int high = 0;  // inclusive
+};
+
+// Goals along x in voxels: from `start`, uniform integers in [low, high] until
+// the path length reaches `distance`.
+struct DrawnGoals {
+  int start = 0;
+  int low = 0;
+  int high = 0;
+  int distance = 0;
+};
+
+struct Placement {
+  Object object;         // at its cell before any offset
+  std::string offset_x;  // names of drawn integers added to the cell, or ""
+  std::string offset_y;
+};
+
+// ---- task -------------------------------------------------------------------
+
+struct TaskSpec {
+  std::string name;
+  std::vector<std::string> aliases;
+  std::string description;
+  std::string difficulty;          // easy, medium, hard, or empty
+  std::vector<std::string> notes;  // differences from the paper, for evo-inspect
+  int episode_steps = 500;
+  int robot_x = 0;  // cell of the lower-left corner of the body's matrix
+  int robot_y = 0;
+  std::vector<Placement> objects;
+  std::vector<DrawnInteger> draws;
+  std::optional<DrawnGoals> goals;
+  std::vector<ObservationPart> observation;
+  std::vector<RewardTerm> reward;
+  double folding_reward = -3.0;
+  std::vector<Rule> rules;
+  std::vector<std::string> follow{robot_name};  // what a camera keeps in view
+  Physics physics;
+  std::string source;  // the YAML text it was read from, kept for records
+};
+
+// What the random parts of one episode came out as.
+struct Draws {
+  std::map<std::string, int> integers;
+  std::vector<int> goals;
+  bool operator==(const Draws&) const = default;
+};
+
+// One word a part, as in YAML and in layouts: "velocity(robot)", ...
+std::string part_name(const ObservationPart& part);
+int part_length(const ObservationPart& part, int robot_points);
+
+}  // namespace evo

@@ -1,0 +1,141 @@
+// Accuracy against the C library's long double functions, and the same bits in
+// lanes of every instruction set of this machine.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tests/unit/base/elementary_test.cpp"
+#include <hwy/foreach_target.h>
+// The line above must come first: it includes this file once a target.
+#include "libevo/base/elementary-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace evo {
+namespace HWY_NAMESPACE {
+
+void tanh_and_exp_in_lanes(const double* x, std::size_t n, double* tanh, double* exp) {
+  const hn::ScalableTag<double> d;
+  for (std::size_t i = 0; i + hn::Lanes(d) <= n; i += hn::Lanes(d)) {
+    const auto v = hn::LoadU(d, x + i);
+    hn::StoreU(Tanh(d, v), d, tanh + i);
+    hn::StoreU(Exp(d, v), d, exp + i);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace evo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <bit>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "libevo/base/elementary.h"
+#include "libevo/base/random.h"
+
+namespace evo {
+namespace {
+
+HWY_EXPORT(tanh_and_exp_in_lanes);
+
+// Error in units of the last place of the true value.
+double error_in_ulps(double value, long double truth) {
+  const auto rounded = static_cast<double>(truth);
+  if (value == rounded) return 0.0;
+  const double size = std::fabs(rounded);
+  const double ulp = std::nextafter(size, HUGE_VAL) - size;
+  return static_cast<double>(std::fabs(static_cast<long double>(value) - truth) /
+                             static_cast<long double>(ulp));
+}
+
+double worst_error(double low, double high, const std::function<double(double)>& f,
+                   const std::function<long double(long double)>& truth) {
+  Stream random(1, "elementary");
+  double worst = 0.0;
+  for (int i = 0; i < 100'000; ++i) {
+    const double x = low + (high - low) * random.uniform();
+    worst = std::max(worst, error_in_ulps(f(x), truth(static_cast<long double>(x))));
+  }
+  return worst;
+}
+
+std::vector<double> assorted_arguments() {
+  std::vector<double> x{0.0,  -0.0,   1e-310, -1e-300,  1e-20,     0.55, -0.55, 22.0,
+                        23.0, -800.0, 720.0,  HUGE_VAL, -HUGE_VAL, 0.3,  1.0,   -1.0};
+  Stream random(2, "elementary");
+  while (x.size() < 4096)
+    x.push_back((random.uniform() - 0.5) * std::exp2(random.integer(-30, 10)));
+  return x;
+}
+
+}  // namespace
+
+TEST_CASE("elementary functions are accurate to the last place") {
+  using LD = long double;
+  CHECK(worst_error(-745.0, 709.0, math::exp, [](LD x) { return std::exp(x); }) < 1.0);
+  CHECK(worst_error(-1.0, 1.0, math::exp, [](LD x) { return std::exp(x); }) < 1.0);
+  CHECK(worst_error(0.0, 3.0, math::log, [](LD x) { return std::log(x); }) < 1.0);
+  CHECK(worst_error(0.0, 1e300, math::log, [](LD x) { return std::log(x); }) < 1.0);
+  CHECK(worst_error(-7.0, 7.0, math::sin, [](LD x) { return std::sin(x); }) < 1.0);
+  CHECK(worst_error(-7.0, 7.0, math::cos, [](LD x) { return std::cos(x); }) < 1.0);
+  CHECK(worst_error(-1e6, 1e6, math::sin, [](LD x) { return std::sin(x); }) < 1.0);
+  CHECK(worst_error(-1e6, 1e6, math::cos, [](LD x) { return std::cos(x); }) < 1.0);
+  CHECK(worst_error(-1.0, 1.0, math::acos, [](LD x) { return std::acos(x); }) < 1.0);
+  CHECK(worst_error(0.999, 1.0, math::acos, [](LD x) { return std::acos(x); }) < 1.0);
+  CHECK(worst_error(-1.0, 1.0, math::tanh, [](LD x) { return std::tanh(x); }) < 2.5);
+  CHECK(worst_error(-25.0, 25.0, math::tanh, [](LD x) { return std::tanh(x); }) < 2.5);
+  CHECK(worst_error(-1e-5, 1e-5, math::tanh, [](LD x) { return std::tanh(x); }) < 2.5);
+}
+
+TEST_CASE("elementary functions at the ends of their ranges") {
+  const double infinity = HUGE_VAL;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(math::exp(0.0) == 1.0);
+  CHECK(math::exp(710.0) == infinity);
+  CHECK(math::exp(-infinity) == 0.0);
+  CHECK(math::exp(infinity) == infinity);
+  CHECK(math::exp(-744.0) == std::exp(-744.0));  // a subnormal
+  CHECK(math::log(1.0) == 0.0);
+  CHECK(math::log(0.0) == -infinity);
+  CHECK(math::log(infinity) == infinity);
+  CHECK(math::log(5e-324) == Approx(-744.4400719213812).epsilon(1e-15));
+  CHECK(std::isnan(math::log(-1.0)));
+  CHECK(math::tanh(infinity) == 1.0);
+  CHECK(math::tanh(-30.0) == -1.0);
+  CHECK(math::tanh(1e-310) == 1e-310);
+  CHECK(std::signbit(math::tanh(-0.0)));
+  CHECK(math::acos(1.0) == 0.0);
+  CHECK(math::acos(-1.0) == std::acos(-1.0));
+  CHECK(math::acos(0.0) == std::acos(0.0));
+  CHECK(std::isnan(math::acos(1.5)));
+  CHECK(std::isnan(math::sin(infinity)));
+  CHECK(std::fabs(math::sin(1e300)) <= 1.0);
+  for (const auto& f : {math::exp, math::log, math::sin, math::cos, math::tanh, math::acos})
+    CHECK(std::isnan(f(nan)));
+}
+
+TEST_CASE("lanes of every instruction set give the scalar bits") {
+  const std::vector<double> x = assorted_arguments();
+  std::vector<double> tanh(x.size()), exp(x.size());
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    HWY_DYNAMIC_DISPATCH(tanh_and_exp_in_lanes)(x.data(), x.size(), tanh.data(), exp.data());
+    int different = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      different +=
+          std::bit_cast<std::uint64_t>(tanh[i]) != std::bit_cast<std::uint64_t>(math::tanh(x[i]));
+      different +=
+          std::bit_cast<std::uint64_t>(exp[i]) != std::bit_cast<std::uint64_t>(math::exp(x[i]));
+    }
+    INFO(hwy::TargetName(target));
+    CHECK(different == 0);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+}  // namespace evo
+#endif

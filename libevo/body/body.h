@@ -19,6 +19,9 @@ char letter(Voxel voxel);
 std::optional<Voxel> voxel_from_letter(char letter);
 inline bool is_actuator(Voxel v) { return v == Voxel::horizontal || v == Voxel::vertical; }
 
+// Robots are refused beyond this many rows or columns.
+inline constexpr int largest_side = 1000;
+
 // Two adjacent cells joined to each other, as row-major indices of the whole
 // matrix, the smaller one first.
 struct Link {
@@ -63,6 +66,9 @@ bool is_valid_robot(const Body& body);
 // What is wrong with the body, in words that name the cell ("row 2, column 3",
 // counted from 1 at the top left), or nothing. `needs_actuator` for robots.
 std::optional<std::string> defect(const Body& body, bool needs_actuator);
+// The same for the links alone: one that names no cell, an empty cell, or two
+// cells that are not adjacent.
+std::optional<std::string> link_defect(const Body& body);
 
 // First 12 hex digits of the SHA-256 of the canonical text of body and links
 // (spec: formats, "id"). Equal bodies have equal ids on any machine.

@@ -15,8 +15,10 @@ using VoxelWeights = std::array<double, 5>;
 inline constexpr VoxelWeights default_weights{0.6, 0.2, 0.2, 0.2, 0.2};
 
 // A random valid robot: cells drawn row by row until the matrix is connected
-// and has an actuator. Throws Error(usage) for weights that cannot give one,
-// Error(work) after `attempts` failures.
+// and has an actuator. Throws Error(usage) for a shape or weights that cannot
+// give one, Error(work) after `attempts` failures, or when so many cells were
+// drawn in vain that no robot is to be expected (large shapes with many empty
+// cells are practically never connected).
 Body sample_body(int rows, int cols, const VoxelWeights& weights, Stream& stream,
                  int attempts = 1'000'000);
 
@@ -26,11 +28,14 @@ struct MutationSettings {
   VoxelWeights weights = default_weights;
 };
 
-// A valid child, or nothing after `attempts` failures. It may equal the parent.
+// A valid child, or nothing after `attempts` failures. It may equal the parent
+// in its cells; its cells are fully linked, whatever links the parent had.
+// Throws Error(usage) for a rate outside [0, 1] or weights without a sum.
 std::optional<Body> mutate(const Body& parent, const MutationSettings& settings, Stream& stream);
 
 // Uniform crossover: every voxel from either parent with probability 1/2, until
-// valid; nothing after `attempts` failures. The parents have the same shape.
+// valid; nothing after `attempts` failures. The child is fully linked. Throws
+// Error(data) for parents of different shapes.
 std::optional<Body> crossover(const Body& a, const Body& b, int attempts, Stream& stream);
 
 }  // namespace evo

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "libevo/sim/contact_lists.h"
 #include "libevo/sim/model.h"
 
 namespace evo {
@@ -19,14 +20,10 @@ struct State {
   std::vector<double> previous_x, previous_y;  // positions one substep ago
   std::vector<double> targets;                 // one a actuator, share of rest length
   // Contact candidates kept between substeps. Derived data: it changes how
-  // fast the next step is, never its result.
-  struct Neighbours {
-    std::vector<double> x, y;  // positions the candidates were found at
-    std::vector<std::uint32_t> candidates;
-    bool valid = false;
-  } neighbours;
+  // fast the next step is, never its result, and need not be saved.
+  ContactLists contacts;
 
-  void restart_contacts() { neighbours.valid = false; }
+  void restart_contacts() { contacts.invalidate(); }
 };
 
 // At rest at the model's initial positions (spec: physics, section 9).

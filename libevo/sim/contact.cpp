@@ -1,0 +1,511 @@
+#include "libevo/sim/contact.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "libevo/base/elementary.h"
+
+namespace evo {
+namespace {
+
+// ---- small geometry --------------------------------------------------------------
+
+struct V {
+  double x = 0.0;
+  double y = 0.0;
+};
+V operator+(V a, V b) { return {a.x + b.x, a.y + b.y}; }
+V operator-(V a, V b) { return {a.x - b.x, a.y - b.y}; }
+V operator*(V a, double s) { return {a.x * s, a.y * s}; }
+V operator/(V a, double s) { return {a.x / s, a.y / s}; }
+double dot(V a, V b) { return a.x * b.x + a.y * b.y; }
+double cross(V a, V b) { return a.x * b.y - a.y * b.x; }
+double norm(V a) { return std::sqrt(dot(a, a)); }
+
+struct Box {
+  V low;
+  V high;
+};
+
+// Boxes that touch overlap.
+bool within(const Box& a, const Box& b, double gap) {
+  return a.low.x - gap <= b.high.x && b.low.x - gap <= a.high.x && a.low.y - gap <= b.high.y &&
+         b.low.y - gap <= a.high.y;
+}
+bool within(V p, const Box& b, double gap) {
+  return b.low.x - gap <= p.x && p.x <= b.high.x + gap && b.low.y - gap <= p.y &&
+         p.y <= b.high.y + gap;
+}
+
+struct Quad {
+  V top_left, top_right, bottom_left, bottom_right;
+};
+
+// The benchmark's test: p lies in one of the two triangles, borders included.
+bool is_inside(V p, const Quad& q) {
+  const V tl = q.top_left - p;
+  const V tr = q.top_right - p;
+  const V br = q.bottom_right - p;
+  const double a = cross(tl, tr);
+  const double b = cross(tr, br);
+  const double c = cross(br, tl);
+  if (c * a >= 0.0 && c * b >= 0.0) return true;
+  const V bl = q.bottom_left - p;
+  const double d = cross(tl, bl);
+  const double e = cross(bl, br);
+  return c * d >= 0.0 && c * e >= 0.0;
+}
+
+double square_distance(V p, V a, V b) {
+  const V along = b - a;
+  const double length = dot(along, along);
+  const double t = length > 0.0 ? std::clamp(dot(p - a, along) / length, 0.0, 1.0) : 0.0;
+  const V off = p - (a + along * t);
+  return dot(off, off);
+}
+
+bool is_near(V p, const Quad& q, double gap) {
+  if (is_inside(p, q)) return true;
+  const double limit = gap * gap;
+  return square_distance(p, q.top_left, q.top_right) <= limit ||
+         square_distance(p, q.top_right, q.bottom_right) <= limit ||
+         square_distance(p, q.bottom_right, q.bottom_left) <= limit ||
+         square_distance(p, q.bottom_left, q.top_left) <= limit ||
+         square_distance(p, q.top_left, q.bottom_right) <= limit;
+}
+
+// ---- points of the world -----------------------------------------------------------
+
+class Points {
+ public:
+  Points(const Model::Compiled& world, const PointView& view)
+      : view_(view), slots_(world.plan.slots), terrain_(world.static_points.data()) {}
+
+  bool moves(std::int32_t slot) const { return slot < slots_; }
+  V operator()(std::int32_t slot) const {
+    if (!moves(slot)) return {terrain_[slot - slots_].x, terrain_[slot - slots_].y};
+    const double* p = view_.position + offset(slot);
+    return {p[0], p[view_.stride]};
+  }
+  V previous(std::int32_t slot) const {
+    if (!moves(slot)) return (*this)(slot);
+    const double* p = view_.previous + offset(slot);
+    return {p[0], p[view_.stride]};
+  }
+  void add_force(std::int32_t slot, V f) const {
+    if (!moves(slot)) return;
+    double* force = view_.force + offset(slot);
+    force[0] += f.x;
+    force[view_.stride] += f.y;
+  }
+  Quad quad(const ContactCell& c) const {
+    return {(*this)(c.corners[top_left]), (*this)(c.corners[top_right]),
+            (*this)(c.corners[bottom_left]), (*this)(c.corners[bottom_right])};
+  }
+  Box box(const ContactCell& c) const {
+    const Quad q = quad(c);
+    const auto [x0, x1] =
+        std::minmax({q.top_left.x, q.top_right.x, q.bottom_left.x, q.bottom_right.x});
+    const auto [y0, y1] =
+        std::minmax({q.top_left.y, q.top_right.y, q.bottom_left.y, q.bottom_right.y});
+    return {{x0, y0}, {x1, y1}};
+  }
+
+ private:
+  std::size_t offset(std::int32_t slot) const {
+    return 2 * static_cast<std::size_t>(slot) * view_.stride;
+  }
+
+  PointView view_;
+  std::int32_t slots_;
+  const Vec2* terrain_;
+};
+
+const ContactCell& cell_of(const Model::Compiled& world, std::uint32_t cell) {
+  return world.contact_cells[cell];
+}
+
+// ---- finding -------------------------------------------------------------------------
+
+// A pair of cells that are near each other, with its place in the order in
+// which contacts are handled.
+struct CellPair {
+  std::uint64_t order;
+  std::uint32_t a;
+  std::uint32_t b;
+};
+
+// Scratch memory of the calling thread, so that finding does not allocate.
+struct Scratch {
+  std::vector<Box> boxes;             // of the surface cells of one or all objects
+  std::vector<Box> object_boxes;      // of all objects
+  std::vector<std::uint32_t> sorted;  // surface cells by left border
+  std::vector<CellPair> cell_pairs;
+};
+Scratch& scratch() {
+  thread_local Scratch memory;
+  return memory;
+}
+
+// Corners of cell a that are near cell b and no corner of it.
+void list_corners(const Model::Compiled& world, const Points& points, std::uint32_t a,
+                  std::uint32_t b, double skin, std::vector<ContactCandidate>& found) {
+  const ContactCell& cell = cell_of(world, b);
+  const Box box = points.box(cell);
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    const std::int32_t corner = cell_of(world, a).corners[k];
+    const V p = points(corner);
+    if (!within(p, box, skin)) continue;
+    if (std::find(cell.corners.begin(), cell.corners.end(), corner) != cell.corners.end()) continue;
+    if (is_near(p, points.quad(cell), skin)) found.push_back({4 * a + k, b});
+  }
+}
+
+// Calls f(a, b) for all surface cells a > b of a range whose boxes are within
+// `gap`; boxes are those of the range.
+template <class F>
+void sweep(const SurfaceRange& range, const std::vector<Box>& boxes, double gap, F f) {
+  std::vector<std::uint32_t>& sorted = scratch().sorted;
+  sorted.clear();
+  for (int i = 0; i < range.count; ++i) sorted.push_back(static_cast<std::uint32_t>(i));
+  const auto left_border = [&](std::uint32_t i) {  // a NaN would confuse the sorting
+    const double x = boxes[i].low.x;
+    return std::isnan(x) ? HUGE_VAL : x;
+  };
+  std::sort(sorted.begin(), sorted.end(),
+            [&](std::uint32_t i, std::uint32_t j) { return left_border(i) < left_border(j); });
+  const auto first = static_cast<std::uint32_t>(range.first);
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const Box& box = boxes[sorted[i]];
+    for (std::size_t j = i + 1; j < sorted.size() && boxes[sorted[j]].low.x - gap <= box.high.x;
+         ++j)
+      if (within(box, boxes[sorted[j]], gap))
+        f(first + std::max(sorted[i], sorted[j]), first + std::min(sorted[i], sorted[j]));
+  }
+}
+
+// Reads the positions of all slots of a block into the reference of a list.
+void copy_reference(const PlanBlock& block, const PointView& view, std::vector<double>& reference) {
+  for (int slot = block.first; slot < block.first + block.count; ++slot) {
+    const auto s = static_cast<std::size_t>(slot);
+    reference[2 * s] = view.position[2 * s * view.stride];
+    reference[2 * s + 1] = view.position[2 * s * view.stride + view.stride];
+  }
+}
+
+// Static cells of the world's grid near a box.
+template <class F>
+void terrain_near(const TerrainGrid& grid, const Box& box, double cell_length, F f) {
+  if (grid.cells.empty()) return;
+  const auto line = [&](double x, int first, int count) {
+    const double c = std::floor(x / cell_length) - first;
+    return c > 0.0 ? (c < count ? static_cast<int>(c) : count) : 0;  // NaN: 0
+  };
+  const int x0 = line(box.low.x - terrain_skin, grid.x0, grid.width);
+  const int x1 = line(box.high.x + terrain_skin + cell_length, grid.x0, grid.width);
+  const int y0 = line(box.low.y - terrain_skin, grid.y0, grid.height);
+  const int y1 = line(box.high.y + terrain_skin + cell_length, grid.y0, grid.height);
+  for (int y = y0; y < y1; ++y) {
+    for (int x = x0; x < x1; ++x) {
+      const std::int32_t cell =
+          grid.cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) +
+                     static_cast<std::size_t>(x)];
+      if (cell >= 0) f(static_cast<std::uint32_t>(cell));
+    }
+  }
+}
+
+// The order in which contacts between objects are handled: pairs of objects
+// (i, j) by i, then j; their cells by a, then b. Limits in compile.cpp make
+// the fields fit.
+std::uint64_t order(const Model::Compiled& world, std::uint32_t a, std::uint32_t b) {
+  const auto i = static_cast<std::uint64_t>(world.surface[a].object);
+  const auto j = static_cast<std::uint64_t>(world.surface[b].object);
+  return i << 54 | j << 44 | std::uint64_t{a} << 22 | b;
+}
+
+void find_terrain_pairs(const Model::Compiled& world, const SurfaceRange& range,
+                        const std::vector<Box>& boxes) {
+  for (int m = range.first; m < range.first + range.count; ++m) {
+    const auto a = static_cast<std::uint32_t>(m);
+    terrain_near(world.terrain, boxes[a], world.physics.voxel_length, [&](std::uint32_t b) {
+      const bool in_order = world.surface[a].object < world.surface[b].object;
+      const std::uint32_t first = in_order ? a : b;
+      const std::uint32_t second = in_order ? b : a;
+      scratch().cell_pairs.push_back({order(world, first, second), first, second});
+    });
+  }
+}
+
+void find_moving_pairs(const Model::Compiled& world, int i, int j, const std::vector<Box>& boxes,
+                       const std::vector<Box>& object_boxes) {
+  const Box& box_i = object_boxes[static_cast<std::size_t>(i)];
+  const Box& box_j = object_boxes[static_cast<std::size_t>(j)];
+  if (!within(box_i, box_j, moving_skin)) return;
+  const SurfaceRange& range_i = world.surface_ranges[static_cast<std::size_t>(i)];
+  const SurfaceRange& range_j = world.surface_ranges[static_cast<std::size_t>(j)];
+  std::vector<std::uint32_t>& reachable = scratch().sorted;
+  reachable.clear();
+  for (int n = range_j.first; n < range_j.first + range_j.count; ++n)
+    if (within(boxes[static_cast<std::size_t>(n)], box_i, moving_skin))
+      reachable.push_back(static_cast<std::uint32_t>(n));
+  for (int m = range_i.first; m < range_i.first + range_i.count; ++m) {
+    const auto a = static_cast<std::uint32_t>(m);
+    if (!within(boxes[a], box_j, moving_skin)) continue;
+    for (const std::uint32_t b : reachable)
+      if (within(boxes[a], boxes[b], moving_skin))
+        scratch().cell_pairs.push_back({order(world, a, b), a, b});
+  }
+}
+
+}  // namespace
+
+void prepare_lists(const Model::Compiled& world, ContactLists& lists) {
+  lists.self.resize(world.plan.blocks.size());
+  lists.first_pair.assign(world.objects.size() + 1, 0);
+  lists.self_reference.assign(2 * static_cast<std::size_t>(world.plan.slots), 0.0);
+  lists.pair_reference.assign(2 * static_cast<std::size_t>(world.plan.slots), 0.0);
+  lists.invalidate();
+}
+
+void find_self_contacts(const Model::Compiled& world, int object, const PointView& view,
+                        ContactLists& lists) {
+  const Points points(world, view);
+  const SurfaceRange& range = world.surface_ranges[static_cast<std::size_t>(object)];
+  const auto block = static_cast<std::size_t>(world.block[static_cast<std::size_t>(object)]);
+  ContactLists::Self& list = lists.self[block];
+
+  std::vector<Box>& boxes = scratch().boxes;
+  boxes.clear();
+  for (int c = range.first; c < range.first + range.count; ++c)
+    boxes.push_back(points.box(world.contact_cells[static_cast<std::size_t>(c)]));
+
+  // Pairs of cells from the last to the first, each pair twice, as (a, b) and
+  // as (b, a).
+  std::vector<CellPair>& cell_pairs = scratch().cell_pairs;
+  cell_pairs.clear();
+  sweep(range, boxes, self_skin, [&](std::uint32_t a, std::uint32_t b) {
+    cell_pairs.push_back({~(std::uint64_t{a} << 32 | b), a, b});
+  });
+  std::sort(cell_pairs.begin(), cell_pairs.end(),
+            [](const CellPair& p, const CellPair& q) { return p.order < q.order; });
+  list.candidates.clear();
+  list.folding.clear();
+  for (const auto& [unused, a, b] : cell_pairs) {
+    list_corners(world, points, a, b, self_skin, list.candidates);
+    list_corners(world, points, b, a, self_skin, list.candidates);
+    list_corners(world, points, b, a, self_skin, list.candidates);
+    list_corners(world, points, a, b, self_skin, list.candidates);
+    const SurfaceCell& first = world.surface[a];
+    const SurfaceCell& second = world.surface[b];
+    const bool adjacent =
+        std::abs(first.row - second.row) <= 1 && std::abs(first.col - second.col) <= 1;
+    if (!adjacent) list.folding.push_back({a, b});
+  }
+  const bool can_fold = world.is_robot[static_cast<std::size_t>(object)] != 0 &&
+                        2 * list.folding.size() > static_cast<std::size_t>(range.count);
+  if (!can_fold) list.folding.clear();
+  copy_reference(world.plan.blocks[block], view, lists.self_reference);
+  list.valid = true;
+}
+
+void find_pair_contacts(const Model::Compiled& world, const PointView& view, ContactLists& lists) {
+  const Points points(world, view);
+  const int objects = static_cast<int>(world.objects.size());
+  std::vector<Box>& boxes = scratch().boxes;
+  std::vector<Box>& object_boxes = scratch().object_boxes;
+  boxes.resize(world.surface.size());
+  object_boxes.resize(world.objects.size());
+  for (int i = 0; i < objects; ++i) {
+    if (world.objects[static_cast<std::size_t>(i)].is_static) continue;
+    const SurfaceRange& range = world.surface_ranges[static_cast<std::size_t>(i)];
+    Box& all = object_boxes[static_cast<std::size_t>(i)];
+    for (int c = range.first; c < range.first + range.count; ++c) {
+      const Box box = boxes[static_cast<std::size_t>(c)] =
+          points.box(world.contact_cells[static_cast<std::size_t>(c)]);
+      if (c == range.first) all = box;
+      all.low = {std::min(all.low.x, box.low.x), std::min(all.low.y, box.low.y)};
+      all.high = {std::max(all.high.x, box.high.x), std::max(all.high.y, box.high.y)};
+    }
+  }
+
+  std::vector<CellPair>& cell_pairs = scratch().cell_pairs;
+  cell_pairs.clear();
+  for (int i = 0; i < objects; ++i) {
+    if (world.objects[static_cast<std::size_t>(i)].is_static) continue;
+    find_terrain_pairs(world, world.surface_ranges[static_cast<std::size_t>(i)], boxes);
+    for (int j = i + 1; j < objects; ++j)
+      if (!world.objects[static_cast<std::size_t>(j)].is_static)
+        find_moving_pairs(world, i, j, boxes, object_boxes);
+  }
+  std::sort(cell_pairs.begin(), cell_pairs.end(),
+            [](const CellPair& p, const CellPair& q) { return p.order < q.order; });
+
+  lists.pairs.clear();
+  std::size_t object = 0;
+  for (const auto& [unused, a, b] : cell_pairs) {
+    for (; object <= static_cast<std::size_t>(world.surface[a].object); ++object)
+      lists.first_pair[object] = static_cast<std::uint32_t>(lists.pairs.size());
+    const bool terrain = cell_of(world, a).is_static || cell_of(world, b).is_static;
+    const double skin = terrain ? terrain_skin : moving_skin;
+    list_corners(world, points, a, b, skin, lists.pairs);
+    list_corners(world, points, b, a, skin, lists.pairs);
+  }
+  for (; object < lists.first_pair.size(); ++object)
+    lists.first_pair[object] = static_cast<std::uint32_t>(lists.pairs.size());
+  for (const PlanBlock& block : world.plan.blocks)
+    copy_reference(block, view, lists.pair_reference);
+  lists.pairs_valid = true;
+}
+
+// ---- pushing -------------------------------------------------------------------------
+
+namespace {
+
+constexpr double parallel_determinant = 1e-4;  // raw area: edges nearer to parallel never cross
+constexpr double shortest_edge = 1e-6;         // raw length
+constexpr double far_away = 1000.0;            // distance to an edge that is shorter
+
+class Pusher {
+ public:
+  Pusher(const Model::Compiled& world, const PointView& view)
+      : world_(world), physics_(world.physics), points_(world, view) {}
+
+  bool push(const ContactCandidate* candidate, const ContactCandidate* end) {
+    bool any = false;
+    for (; candidate != end; ++candidate) any |= push(*candidate);
+    return any;
+  }
+
+ private:
+  using Edge = std::array<std::int32_t, 2>;
+
+  bool push(const ContactCandidate& candidate) {
+    const ContactCell& cell = cell_of(world_, candidate.cell);
+    const ContactCell& owner = cell_of(world_, candidate.corner / 4);
+    const std::uint32_t corner = candidate.corner % 4;
+    const std::int32_t point = owner.corners[corner];
+    const V p = points_(point);
+    if (!is_inside(p, points_.quad(cell))) return false;
+
+    static constexpr std::array<std::array<Side, 2>, 4> probes{
+        {{top, left}, {top, right}, {bottom, left}, {bottom, right}}};
+    const Edge& probe1 = owner.edges[probes[corner][0]];
+    const Edge& probe2 = owner.edges[probes[corner][1]];
+    const Edge* nearest = nullptr;
+    double depth = 0.0;
+    for (const Side side : {top, right, bottom, left}) {
+      if (!cell.surface[side]) continue;
+      const Edge& edge = cell.edges[side];
+      if (!cross_each_other(probe1, edge) && !cross_each_other(probe2, edge)) continue;
+      const double distance = distance_to_line(p, edge);
+      if (nearest == nullptr || distance < depth) {
+        nearest = &edge;
+        depth = distance;
+      }
+    }
+    if (nearest == nullptr) return false;
+    apply(point, *nearest, depth);
+    return true;
+  }
+
+  bool cross_each_other(const Edge& probe, const Edge& edge) const {
+    const V a1 = points_(probe[0]);
+    const V a2 = points_(edge[0]);
+    const V d1 = points_(probe[1]) - a1;
+    const V d2 = points_(edge[1]) - a2;
+    const double det = -d1.x * d2.y + d2.x * d1.y;
+    if (std::abs(det) < parallel_determinant) return false;
+    const V d = a2 - a1;
+    const double t = (-d2.y * d.x + d2.x * d.y) / det;
+    const double s = (-d1.y * d.x + d1.x * d.y) / det;
+    return t >= 0.0 && t <= 1.0 && s >= 0.0 && s <= 1.0;
+  }
+
+  double distance_to_line(V p, const Edge& edge) const {
+    const V a = points_(edge[0]);
+    const V along = points_(edge[1]) - a;
+    const double length = norm(along);
+    if (length < shortest_edge) return far_away;
+    return std::abs(cross(along, p - a)) / length;
+  }
+
+  // Velocity as friction and damping feel it: strain limiting included.
+  V true_velocity(std::int32_t slot) const {
+    return (points_(slot) - points_.previous(slot)) / physics_.substep;
+  }
+
+  // Roundings as in the specification: every product in this order.
+  void apply(std::int32_t point, const Edge& edge, double depth) const {
+    const auto [a, b] = edge;
+    const V along = points_(b) - points_(a);
+    const V n = V{-along.y, along.x} / norm(along);
+    const V force = n * physics_.contact_stiffness * (depth + physics_.contact_margin);
+    const V velocity = true_velocity(point);
+    const auto damping = [&](V v) { return n * dot(n, v) * physics_.contact_damping; };
+    points_.add_force(point, force - damping(velocity));
+    push_back(a, force / 2.0 + damping(true_velocity(a)) / 2.0);
+    push_back(b, force / 2.0 + damping(true_velocity(b)) / 2.0);
+
+    V t{-n.y, n.x};
+    t = t / norm(t);
+    double slip = dot(t, velocity);
+    if (slip < 0.0) {
+      slip = -slip;
+      t = t * -1.0;
+    }
+    const double pressure = norm(force);
+    const double grip = math::tanh(slip / (physics_.friction_coefficient * pressure));
+    const V friction =
+        t * -1.0 * physics_.friction_multiplier * physics_.friction_coefficient * pressure * grip;
+    points_.add_force(point, friction);
+    push_back(a, friction / 2.0);
+    push_back(b, friction / 2.0);
+  }
+
+  void push_back(std::int32_t slot, V f) const { points_.add_force(slot, f * -1.0); }
+
+  const Model::Compiled& world_;
+  const Physics& physics_;
+  Points points_;
+};
+
+}  // namespace
+
+bool push_contacts(const Model::Compiled& world, const ContactLists& lists, const PointView& view) {
+  Pusher pusher(world, view);
+  bool any = false;
+  const ContactCandidate* pairs = lists.pairs.data();
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    if (world.block[i] >= 0) {
+      const auto& self = lists.self[static_cast<std::size_t>(world.block[i])].candidates;
+      any |= pusher.push(self.data(), self.data() + self.size());
+    }
+    any |= pusher.push(pairs + lists.first_pair[i], pairs + lists.first_pair[i + 1]);
+  }
+  return any;
+}
+
+bool is_folding(const Model::Compiled& world, const ContactLists& lists, const PointView& view) {
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    if (world.block[i] < 0) continue;
+    const auto& pairs = lists.self[static_cast<std::size_t>(world.block[i])].folding;
+    if (pairs.empty()) continue;
+    const Points points(world, view);
+    const SurfaceRange& range = world.surface_ranges[i];
+    std::vector<Box>& boxes = scratch().boxes;
+    boxes.clear();
+    for (int c = range.first; c < range.first + range.count; ++c)
+      boxes.push_back(points.box(world.contact_cells[static_cast<std::size_t>(c)]));
+    const auto first = static_cast<std::size_t>(range.first);
+    int overlaps = 0;
+    for (const auto& [a, b] : pairs)
+      if (within(boxes[a - first], boxes[b - first], 0.0)) ++overlaps;
+    if (2 * overlaps > range.count) return true;
+  }
+  return false;
+}
+
+}  // namespace evo

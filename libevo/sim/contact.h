@@ -1,0 +1,50 @@
+// Contact between objects and of an object with itself, and self-folding, for
+// one environment at the positions at the start of a substep (spec: physics,
+// sections 5 and 8). Scalar code: contacts are few and never alike in two lanes.
+//
+// Two steps. Finding: which corners may come to touch which cells, kept in
+// ContactLists until something has moved by half a skin. Pushing: of those
+// candidates, the ones inside a cell, with their forces. Forces are summed in a
+// fixed order of objects, cells and corners, so the result does not depend on
+// when the lists were made; see `order` in contact.cpp.
+#pragma once
+
+#include <cstddef>
+
+#include "libevo/sim/compiled.h"
+#include "libevo/sim/contact_lists.h"
+
+namespace evo {
+
+// Lists hold what is nearer than the skin; they are good while no point moved
+// by more than the limit, which is a little smaller than the skins allow.
+inline constexpr double terrain_skin = 0.02;       // raw length: cell against static cell
+inline constexpr double moving_skin = 0.04;        // cells of two moving objects
+inline constexpr double self_skin = 0.04;          // cells of one object
+inline constexpr double pair_move_limit = 0.0199;  // of any point, for pairs of objects
+inline constexpr double self_move_limit = 0.0398;  // of two points of one object, relative
+
+// One environment's points in the kernels' arrays: slot s has its x at
+// [2*s*stride] and its y at [2*s*stride + stride].
+struct PointView {
+  const double* position = nullptr;
+  const double* previous = nullptr;  // one substep ago
+  double* force = nullptr;           // contact forces are added here
+  std::size_t stride = 1;
+};
+
+// Sizes the lists for the model; they start invalid.
+void prepare_lists(const Model::Compiled& world, ContactLists& lists);
+
+void find_self_contacts(const Model::Compiled& world, int object, const PointView& points,
+                        ContactLists& lists);
+void find_pair_contacts(const Model::Compiled& world, const PointView& points, ContactLists& lists);
+
+// Adds all contact forces; true if there were any.
+bool push_contacts(const Model::Compiled& world, const ContactLists& lists,
+                   const PointView& points);
+
+// Whether any robot is folded onto itself.
+bool is_folding(const Model::Compiled& world, const ContactLists& lists, const PointView& points);
+
+}  // namespace evo

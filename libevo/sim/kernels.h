@@ -1,0 +1,23 @@
+// The stepping kernels, compiled once an instruction set (kernels.cpp).
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "libevo/sim/compiled.h"
+#include "libevo/sim/state.h"
+#include "libevo/sim/workspace.h"
+
+namespace evo {
+
+// Lanes that one register holds under the instruction set in force.
+std::size_t lane_width();
+
+// One control step of up to lane_width() environments with equal dynamics and
+// physics, side by side in the lanes of vector registers.
+void step_side_by_side(std::span<Lane> lanes, Workspace& workspace);
+
+// One control step of one environment, its springs side by side.
+void step_alone(Lane& lane, Workspace& workspace);
+
+}  // namespace evo

@@ -1,0 +1,43 @@
+#include "libevo/sim/state.h"
+
+#include "libevo/sim/compiled.h"
+
+namespace evo {
+
+State initial_state(const Model& model) {
+  const Model::Compiled& world = model.compiled();
+  const auto n = static_cast<std::size_t>(world.moving_points);
+  State state;
+  state.x.resize(n);
+  state.y.resize(n);
+  for (std::size_t i = 0; i < world.references.size(); ++i) {
+    const auto r = static_cast<std::size_t>(world.references[i]);
+    if (r >= n) continue;
+    state.x[r] = world.initial_positions[i].x;
+    state.y[r] = world.initial_positions[i].y;
+  }
+  state.previous_x = state.x;
+  state.previous_y = state.y;
+  state.vx.assign(n, 0.0);
+  state.vy.assign(n, 0.0);
+  state.targets.assign(static_cast<std::size_t>(world.dynamics.actuators), 1.0);
+  return state;
+}
+
+void read_positions(const Model& model, const State& state, std::span<Vec2> positions) {
+  const Model::Compiled& world = model.compiled();
+  for (std::size_t i = 0; i < world.references.size(); ++i) {
+    const auto r = static_cast<std::size_t>(world.references[i]);
+    positions[i] = r < state.x.size() ? Vec2{state.x[r], state.y[r]} : world.initial_positions[i];
+  }
+}
+
+void read_velocities(const Model& model, const State& state, std::span<Vec2> velocities) {
+  const Model::Compiled& world = model.compiled();
+  for (std::size_t i = 0; i < world.references.size(); ++i) {
+    const auto r = static_cast<std::size_t>(world.references[i]);
+    velocities[i] = r < state.x.size() ? Vec2{state.vx[r], state.vy[r]} : Vec2{};
+  }
+}
+
+}  // namespace evo

@@ -1,0 +1,99 @@
+#include "libevo/sim/model.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "libevo/base/error.h"
+#include "libevo/sim/compiled.h"
+#include "tests/unit/sim/fixtures.h"
+
+namespace evo {
+namespace {
+
+Object object(const std::string& name, const std::vector<std::string>& rows, int x, int y) {
+  return {name, Body::from_rows(rows), x, y};
+}
+
+}  // namespace
+
+TEST_CASE("objects come in world order, points in order of creation") {
+  const Model model({{object("b", {"#"}, 0, 0), object("a10", {"S"}, 1, 0),
+                      object("a2", {"S"}, 2, 0), object("walker", {".H", "VV"}, 3, 0)}},
+                    Physics{});
+  const auto& objects = model.objects();
+  REQUIRE(objects.size() == 4);
+  CHECK(objects[0].name == "walker");
+  CHECK(objects[1].name == "a10");
+  CHECK(objects[2].name == "a2");
+  CHECK(objects[3].name == "b");
+  CHECK(objects[3].is_static);
+  CHECK(objects[0].points == 8);
+  CHECK(objects[1].first_point == 8);
+  CHECK(model.actuators() == 3);
+  CHECK(model.object_index("a2") == 2);
+  CHECK(model.object_index("c") == -1);
+  // The top cell's corners first: top left, top right, bottom left, bottom right.
+  const auto& p = model.initial_positions();
+  CHECK(p[0].x == 1 * 0.1 + 3 * 0.1);
+  CHECK(p[0].y == (2 * 0.1 + 0 * 0.1) - 0 * 0.1);
+  CHECK(p[3].y == (2 * 0.1 + 0 * 0.1) - 1 * 0.1);
+}
+
+TEST_CASE("springs of two cells: order, ends, stiffness, limits") {
+  const Physics physics;
+  const Model model({{object("robot", {"RH"}, 1, 1)}}, physics);
+  const Dynamics& d = model.compiled().dynamics;
+  REQUIRE(d.points == 6);
+  REQUIRE(d.springs.size() == 7 + 4);
+  CHECK(d.springs[0].stiffness == physics.rigid.edge);     // top of the rigid cell
+  CHECK(d.springs[3].stiffness == physics.actuator.edge);  // shared: the actuator wins
+  CHECK(d.springs[7].stiffness == physics.rigid.diagonal);
+  CHECK(d.springs[9].stiffness == physics.actuator.diagonal);
+  CHECK(d.springs[7].rest == 0.1 * std::sqrt(2.0));
+  // Bottom and left surface edges run so that their left-hand side is outside.
+  CHECK(d.springs[1].a == 3);
+  CHECK(d.springs[1].b == 2);
+  CHECK(d.springs[2].a == 2);
+  CHECK(d.springs[2].b == 0);
+  CHECK(d.rigid_edges == std::vector<int>{0, 3, 1, 2});
+  CHECK(d.drives.size() == 2);
+
+  const StrainLimit& limit = model.compiled().plan.limits[0];
+  CHECK_FALSE(std::sqrt(limit.longest_square) / 0.1 > 1.25);
+  CHECK(std::sqrt(std::nextafter(limit.longest_square, 1.0)) / 0.1 > 1.25);
+  CHECK_FALSE(std::sqrt(limit.shortest_square) / 0.1 < 0.75);
+  CHECK(std::sqrt(std::nextafter(limit.shortest_square, 0.0)) / 0.1 < 0.75);
+}
+
+TEST_CASE("cells that touch at a corner only have two points there") {
+  const Model linked({{object("robot", {"HH", "HH"}, 0, 0)}}, Physics{});
+  CHECK(linked.points() == 9);
+  const Model corner({{object("robot", {"HH.", "H.H", "HHH"}, 0, 0)}}, Physics{});
+  CHECK(corner.points() == 15 + 1);
+}
+
+TEST_CASE("fixed points that nothing feels are left out of the work") {
+  const Model model({{object("bridge", {"#SS#", "#..#", "#..#", "####"}, 0, 0)}}, Physics{});
+  const Plan& plan = model.compiled().plan;
+  REQUIRE(plan.blocks.size() == 1);
+  CHECK(plan.blocks[0].count == model.points());
+  CHECK(plan.blocks[0].integrated < plan.blocks[0].count);
+  CHECK(plan.live_springs < plan.springs);
+  CHECK(plan.springs < static_cast<int>(model.compiled().dynamics.springs.size()));
+}
+
+TEST_CASE("impossible worlds are refused") {
+  const auto model = [](std::vector<Object> objects) {
+    return Model({std::move(objects)}, Physics{});
+  };
+  CHECK_THROWS_WITH(model({object("a", {"S"}, 0, 0), object("a", {"S"}, 1, 0)}),
+                    Catch::Contains("'a'"));
+  CHECK_THROWS_WITH(model({object("a", {"SS"}, 0, 0), object("b", {"S"}, 1, 0)}),
+                    Catch::Contains("'a'") && Catch::Contains("'b'") && Catch::Contains("(1, 0)"));
+  CHECK_THROWS_WITH(model({object("a", {"S"}, -1, 0)}), Catch::Contains("(-1, 0)"));
+  CHECK_THROWS_WITH(model({object("a", {"S.S"}, 0, 0)}), Catch::Contains("'a'"));
+  // An object may stand in an empty cell of another one's matrix.
+  CHECK_NOTHROW(model({object("a", {"#.#", "###"}, 0, 0), object("b", {"S"}, 1, 1)}));
+}
+
+}  // namespace evo

@@ -23,8 +23,9 @@ struct ObservationSlice {
 
 class Arena {
  public:
-  // Throws Error(data) where the robot cannot stand in the task's world, has no
-  // actuator, or where the task refers to an object that does not exist.
+  // Throws Error(data) where the robot cannot stand in the task's world or has
+  // no actuator, and where the task makes no sense: an object that does not
+  // exist, a world object with actuators, goals observed but never drawn.
   Arena(TaskSpec task, Body robot);
   ~Arena();
   Arena(const Arena&) = delete;
@@ -64,16 +65,19 @@ class VecEnv {
   VecEnv& operator=(VecEnv&&) noexcept;
 
   int environments() const;
+  // Throws Error(usage) for draws that are not the task's.
   void reset(int environment, const EpisodeStart& start);
 
-  // One control step of the environments marked in `active` (all, if empty).
-  // Targets are absolute, share of the rest length, clipped to [0.6, 1.6].
-  // Does not reset what ended. Environments stay in lanes: the work is done by
-  // the calling thread, or in parallel by `pool`.
+  // One control step of the environments marked in `active` (all, if empty);
+  // the others stay as they are. Targets are absolute, share of the rest length,
+  // clipped to [0.6, 1.6]. Does not reset what ended. The work is done by the
+  // calling thread, or in parallel by `pool`, with the same bits. Throws
+  // Error(work) for a target that is not a number, or when the simulation has
+  // become unstable.
   void step(std::span<const double> actions, std::span<const std::uint8_t> active = {},
             ThreadPool* pool = nullptr);
 
-  // After reset and step, of every environment:
+  // After reset and step, of every environment (zeros before its first reset):
   std::span<const double> observations() const;      // [E x D]
   std::span<const double> rewards() const;           // [E]
   std::span<const std::uint8_t> terminated() const;  // [E] ended by a rule
@@ -88,7 +92,7 @@ class VecEnv {
 
   // All that decides how the episodes go on, for checkpoints: an opaque array
   // of bytes of this build's layout, restored by load() into a VecEnv of the
-  // same arena and size.
+  // same arena and size. load() throws Error(data) for bytes that do not fit.
   std::vector<std::uint8_t> save() const;
   void load(std::span<const std::uint8_t> bytes);
 
@@ -97,19 +101,19 @@ class VecEnv {
   std::unique_ptr<Impl> impl_;
 };
 
-// The pure part of a step, for tests: pre and post snapshots of all points in,
-// observation, reward and end flags out. `flips` and `goal` are the episode's
-// counters and are updated (tasks: Flipper-v0, BidirectionalWalker-v0).
-struct Episode {
-  Draws draws;
-  int steps = 0;
-  int turns = 0;  // whole turns counted by Rotation
-  int goal = 0;   // goals reached
-};
+// ---- the pure part of a step ------------------------------------------------
 
+// All points of the world in world order, raw units.
 struct Snapshot {
   std::vector<Vec2> positions;
   std::vector<Vec2> velocities;
+};
+
+// What an episode remembers besides the simulation.
+struct Episode {
+  Draws draws;
+  int steps = 0;
+  int goal = 0;  // goals reached; the next one counts
 };
 
 struct StepOutcome {
@@ -118,9 +122,14 @@ struct StepOutcome {
   bool truncated = false;
 };
 
+// Snapshots in, observation, reward and end flags out: what VecEnv does after
+// the simulation, for states that no simulation gave. Orientations are measured
+// against `model`'s initial positions. In a step, observe() comes first: it
+// shows the goal from before the step.
 void observe(const Arena& arena, const Model& model, const Episode& episode, const Snapshot& now,
              std::span<double> observation);
-// Counts the step in `episode`. `folded`: the simulator reported self-folding.
+// Counts the step in `episode`. `folded`: the simulator reported self-folding,
+// and `post` is what `pre` was.
 StepOutcome judge(const Arena& arena, const Model& model, Episode& episode, const Snapshot& pre,
                   const Snapshot& post, bool folded);
 

@@ -34,13 +34,14 @@ struct Orientation {
 };  // 1: tasks A.7
 struct RelativePositions {
   std::string of;
-};  // 2n: offsets to the centre, all x then all y
+};  // 2n: offsets of its n points to the centre, all x then all y
 struct Offset {
   std::string of;
   std::string from;
 };  // 2: centre of `of` minus centre of `from`
-// 2*width+1 distances from the robot's centre to the nearest point below (floor)
-// or above (ceiling), clipped to `range` voxels; tasks A.8.
+// 2*width+1 distances from the robot's centre to the nearest point of terrain
+// below (floor) or above (ceiling), clipped to `range` voxels; tasks A.8. `over`
+// names the objects that count; empty: all but the robot.
 struct Floor {
   int width = 5;
   double range = 5;
@@ -113,10 +114,8 @@ struct Extent {
 };  // growth of max - min
 struct Rotation {
   std::string of;
-};  // turned, counted over whole turns
-struct GoalApproach {
-  double radius = 2;
-};  // nearer to the current goal
+};                       // post - pre of the orientation, counted on over whole turns
+struct GoalApproach {};  // how much nearer the robot came to the goal, tasks C
 }  // namespace reward
 
 struct RewardTerm {
@@ -144,12 +143,14 @@ struct DrawnInteger {
 };
 
 // Goals along x in voxels: from `start`, uniform integers in [low, high] until
-// the path length reaches `distance`.
+// the path length reaches `distance`. A goal is reached when the robot's centre
+// is nearer to it than `radius`; then the next one counts.
 struct DrawnGoals {
   int start = 0;
   int low = 0;
-  int high = 0;
+  int high = 0;  // inclusive, greater than low
   int distance = 0;
+  double radius = 2;
 };
 
 struct Placement {
@@ -184,12 +185,15 @@ struct TaskSpec {
 // What the random parts of one episode came out as.
 struct Draws {
   std::map<std::string, int> integers;
-  std::vector<int> goals;
+  std::vector<int> goals;  // voxels
   bool operator==(const Draws&) const = default;
 };
 
-// One word a part, as in YAML and in layouts: "velocity(robot)", ...
+// As in layouts: "velocity(robot)", "floor(5)", "goal_index", ...
 std::string part_name(const ObservationPart& part);
-int part_length(const ObservationPart& part, int robot_points);
+// `points`: how many points the object that the part is `of` has.
+int part_length(const ObservationPart& part, int points);
+// The object the part is `of`: its points decide its length. "" for none.
+std::string part_object(const ObservationPart& part);
 
 }  // namespace evo

@@ -1,0 +1,115 @@
+#include "libevo/task/terrain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace evo {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::infinity();
+
+// The bins around a centre, filled with the y nearest to it.
+class Bins {
+ public:
+  Bins(Terrain::Side side, const Vec2& centre, std::span<double> bins)
+      : below_(side == Terrain::Side::below),
+        centre_(centre),
+        width_(static_cast<double>(bins.size() / 2)),
+        bins_(bins) {
+    std::fill(bins.begin(), bins.end(), below_ ? -none : none);
+  }
+
+  double left() const { return centre_.x - (width_ + 0.5); }
+  double right() const { return centre_.x + (width_ + 0.5); }
+
+  // The bin with x strictly inside, or -1: on an edge there is none. Which it is
+  // follows from the released comparisons, not from rounding x - centre.
+  int bin(double x) const {
+    const double guess = std::floor(x - centre_.x + 0.5);
+    for (const double i : {guess, guess - 1.0, guess + 1.0})
+      if (std::abs(i) <= width_ && x > centre_.x + (i - 0.5) && x < centre_.x + (i + 0.5))
+        return static_cast<int>(i + width_);
+    return -1;
+  }
+
+  void add(int bin, double y) {
+    double& nearest = bins_[static_cast<std::size_t>(bin)];
+    if (below_) {
+      if (y < centre_.y) nearest = std::max(nearest, y);
+    } else {
+      if (y > centre_.y) nearest = std::min(nearest, y);
+    }
+  }
+
+ private:
+  bool below_;
+  Vec2 centre_;
+  double width_;
+  std::span<double> bins_;
+};
+
+}  // namespace
+
+Terrain::Terrain(const Model& model, const std::vector<int>& objects)
+    : voxel_length_(model.physics().voxel_length) {
+  std::vector<Vec2> points;
+  for (const int index : objects) {
+    const ModelObject& object = model.objects()[static_cast<std::size_t>(index)];
+    if (!object.is_static) {
+      moving_.push_back({object.first_point, object.points});
+      continue;
+    }
+    for (int i = 0; i < object.points; ++i) {
+      const Vec2& p = model.initial_positions()[static_cast<std::size_t>(object.first_point + i)];
+      points.push_back({p.x / voxel_length_, p.y / voxel_length_});
+    }
+  }
+  std::sort(points.begin(), points.end(),
+            [](const Vec2& a, const Vec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
+  for (const Vec2& p : points) {
+    if (columns_.empty() || columns_.back().x != p.x)
+      columns_.push_back({p.x, y_.size(), y_.size()});
+    y_.push_back(p.y);
+    columns_.back().last = y_.size();
+  }
+}
+
+void Terrain::profile(Side side, const Vec2& centre, double range, std::span<const Vec2> positions,
+                      std::span<double> distances) const {
+  Bins bins(side, centre, distances);
+
+  const auto begin = std::upper_bound(columns_.begin(), columns_.end(), bins.left(),
+                                      [](double x, const Column& column) { return x < column.x; });
+  for (auto column = begin; column != columns_.end() && column->x < bins.right(); ++column) {
+    const int bin = bins.bin(column->x);
+    if (bin < 0) continue;
+    const double* first = y_.data() + column->first;
+    const double* last = y_.data() + column->last;
+    // The neighbours of centre.y in the column: the largest y below, the
+    // smallest above.
+    const double* at = side == Side::below ? std::lower_bound(first, last, centre.y)
+                                           : std::upper_bound(first, last, centre.y);
+    if (side == Side::below && at != first) bins.add(bin, *(at - 1));
+    if (side == Side::above && at != last) bins.add(bin, *at);
+  }
+
+  for (const PointRange& object : moving_) {
+    for (const Vec2& p : object.of(positions)) {
+      const double x = p.x / voxel_length_;
+      if (!(x > bins.left() && x < bins.right())) continue;
+      const int bin = bins.bin(x);
+      if (bin >= 0) bins.add(bin, p.y / voxel_length_);
+    }
+  }
+
+  for (double& value : distances) {
+    const bool below = side == Side::below;
+    if (std::isinf(value)) value = below ? (0.0 - range) + centre.y : (0.0 + range) + centre.y;
+    const double distance = below ? centre.y - value : value - centre.y;
+    value = std::clamp(distance, 0.0, range) * voxel_length_;
+  }
+}
+
+}  // namespace evo

@@ -1,0 +1,43 @@
+// How far the ground is below the robot, or the ceiling above it, column by
+// column. Spec: tasks, A.8.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "libevo/sim/model.h"
+#include "libevo/task/measure.h"
+
+namespace evo {
+
+// Points of terrain, prepared for looking near the robot only: those that never
+// move are sorted into columns. Coordinates in voxels (raw / voxel length).
+class Terrain {
+ public:
+  // `objects`: indices of the model's objects that count.
+  Terrain(const Model& model, const std::vector<int>& objects);
+
+  enum class Side { below, above };
+
+  // Bin i of 2*width+1 is the vertical distance, at most `range` voxels, from
+  // `centre` (voxels) to the nearest terrain point on that side whose x lies
+  // strictly between centre.x + (i - width) -+ 0.5. Result in raw units.
+  // `positions`: all points of the world, raw units.
+  void profile(Side side, const Vec2& centre, double range, std::span<const Vec2> positions,
+               std::span<double> bins) const;
+
+ private:
+  struct Column {
+    double x = 0.0;
+    std::size_t first = 0;  // into y_, ascending
+    std::size_t last = 0;
+  };
+
+  double voxel_length_ = 0.1;
+  std::vector<Column> columns_;  // ascending x
+  std::vector<double> y_;
+  std::vector<PointRange> moving_;  // of objects that may move
+};
+
+}  // namespace evo

@@ -1,0 +1,472 @@
+#include "libevo/task/env.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "libevo/base/error.h"
+#include "libevo/base/random.h"
+
+using namespace evo;
+
+namespace {
+
+Object ground(int length) {
+  return {"ground",
+          Body(1, length, std::vector<Voxel>(static_cast<std::size_t>(length), Voxel::fixed)), 0,
+          0};
+}
+
+TaskSpec walking() {
+  TaskSpec task;
+  task.name = "Test-walk";
+  task.episode_steps = 7;
+  task.robot_x = 2;
+  task.robot_y = 1;
+  task.objects.push_back({ground(30), "", ""});
+  task.observation = {observation::Velocity{robot_name}, observation::Orientation{robot_name},
+                      observation::RelativePositions{robot_name},
+                      observation::Floor{2, 5.0, {"ground"}}};
+  task.reward = {{1.0, reward::Displacement{robot_name, Axis::x}, {}}};
+  return task;
+}
+
+TaskSpec drawing() {
+  TaskSpec task = walking();
+  task.name = "Test-draw";
+  task.draws = {{"ox", -1, 3}, {"oy", 0, 2}};
+  task.objects.push_back({{"box", Body::from_rows({"SS", "SS"}), 12, 2}, "ox", "oy"});
+  task.observation.push_back(observation::Offset{"box", robot_name});
+  return task;
+}
+
+TaskSpec seeking() {
+  TaskSpec task = walking();
+  task.name = "Test-seek";
+  task.goals = DrawnGoals{8, 3, 20, 60, 2.0};
+  task.observation = {observation::GoalIndex{}, observation::GoalPosition{},
+                      observation::GoalOffset{}};
+  task.reward = {{1.0, reward::GoalApproach{}, {}}};
+  task.rules = {{{condition::GoalsReached{}}, 1.0, true}};
+  return task;
+}
+
+Body walker() { return Body::from_rows({"HSH", "V.V"}); }
+
+std::vector<double> actions(const Arena& arena, int environments, int step) {
+  Stream stream(1, "test/actions", static_cast<std::uint64_t>(step));
+  std::vector<double> values(static_cast<std::size_t>(environments * arena.action_length()));
+  for (double& value : values) value = 0.5 + 1.2 * stream.uniform();
+  return values;
+}
+
+std::string message(const TaskSpec& task, const Body& robot) {
+  try {
+    const Arena arena(task, robot);
+  } catch (const Error& error) {
+    CHECK(error.kind() == Failure::data);
+    return error.what();
+  }
+  return "(no error)";
+}
+
+std::vector<double> copy(std::span<const double> values) { return {values.begin(), values.end()}; }
+
+void reset_all(const Arena& arena, VecEnv& env) {
+  for (int i = 0; i < env.environments(); ++i)
+    env.reset(i,
+              {arena.draw(9, static_cast<std::uint64_t>(i)), 0.01, static_cast<std::uint64_t>(i)});
+}
+
+// A translated copy of the start, at rest.
+Snapshot moved(const Model& model, double dx, double dy) {
+  Snapshot snapshot;
+  snapshot.positions = model.initial_positions();
+  snapshot.velocities.resize(snapshot.positions.size());
+  const ModelObject& robot = model.objects().front();
+  for (int i = 0; i < robot.points; ++i) {
+    snapshot.positions[static_cast<std::size_t>(i)].x += dx;
+    snapshot.positions[static_cast<std::size_t>(i)].y += dy;
+  }
+  return snapshot;
+}
+
+double robot_x(const Model& model, const Snapshot& snapshot) {
+  const ModelObject& robot = model.objects().front();
+  double sum = 0.0;
+  for (int i = 0; i < robot.points; ++i)
+    sum += snapshot.positions[static_cast<std::size_t>(i)].x / 0.1 * 0.1;
+  return sum / robot.points;
+}
+
+}  // namespace
+
+TEST_CASE("an arena knows its sizes and layout") {
+  const Arena arena(drawing(), walker());
+  const int n = arena.model().objects().front().points;
+  CHECK(arena.action_length() == 4);
+  CHECK(arena.observation_length() == 2 + 1 + 2 * n + 5 + 2);
+  REQUIRE(arena.layout().size() == 5);
+  CHECK(arena.layout()[2].name == "relative_positions(robot)");
+  CHECK(arena.layout()[2].offset == 3);
+  CHECK(arena.layout()[2].length == 2 * n);
+  CHECK(arena.layout()[4].name == "offset(box from robot)");
+}
+
+TEST_CASE("a robot that does not fit, and a task that makes no sense, are refused") {
+  CHECK_THAT(message(walking(), Body::from_rows({"RR", "SS"})),
+             Catch::Contains("task 'Test-walk'") && Catch::Contains("actuator"));
+  TaskSpec low = walking();
+  low.robot_y = 0;
+  CHECK_THAT(message(low, walker()), Catch::Contains("robot") && Catch::Contains("ground"));
+  TaskSpec misspelt = walking();
+  misspelt.reward = {{1.0, reward::Displacement{"robt", Axis::x}, {}}};
+  CHECK_THAT(message(misspelt, walker()),
+             Catch::Contains("unknown object 'robt' (did you mean 'robot'?)"));
+  TaskSpec aimless = walking();
+  aimless.observation = {observation::GoalIndex{}};
+  CHECK_THAT(message(aimless, walker()),
+             Catch::Contains("goal_index needs the task to draw goals"));
+  TaskSpec crowded = walking();
+  crowded.objects.push_back({{"rival", walker(), 10, 1}, "", ""});
+  CHECK_THAT(message(crowded, walker()), Catch::Contains("'rival' has actuators"));
+  TaskSpec undrawn = walking();
+  undrawn.objects.push_back({{"box", Body::from_rows({"S"}), 12, 2}, "ox", ""});
+  CHECK_THAT(message(undrawn, walker()), Catch::Contains("'ox', which the task does not draw"));
+}
+
+TEST_CASE("draws follow from seed and index alone, and stay in their range") {
+  const Arena one(drawing(), walker());
+  const Arena other(drawing(), Body::from_rows({"HH"}));
+  bool low = false;
+  bool high = false;
+  for (std::uint64_t index = 0; index < 200; ++index) {
+    const Draws draws = one.draw(3, index);
+    CHECK(draws == other.draw(3, index));
+    const int ox = draws.integers.at("ox");
+    CHECK((ox >= -1 && ox <= 3));
+    low = low || ox == -1;
+    high = high || ox == 3;
+  }
+  CHECK(low);
+  CHECK(high);
+  CHECK_FALSE(one.draw(3, 0) == one.draw(4, 0));
+}
+
+TEST_CASE("goals are drawn until the path is long enough") {
+  const Arena arena(seeking(), walker());
+  for (std::uint64_t index = 0; index < 100; ++index) {
+    const std::vector<int> goals = arena.draw(1, index).goals;
+    int place = 8;
+    int path = 0;
+    for (std::size_t i = 0; i < goals.size(); ++i) {
+      CHECK(path < 60);
+      CHECK((goals[i] >= 3 && goals[i] <= 20));
+      path += std::abs(goals[i] - place);
+      place = goals[i];
+    }
+    CHECK(path >= 60);
+  }
+}
+
+TEST_CASE("draws that are not the task's are refused") {
+  const Arena arena(drawing(), walker());
+  VecEnv env(arena, 1);
+  const auto refused = [&](const Draws& draws) {
+    try {
+      env.reset(0, {draws, 0.0, 0});
+    } catch (const Error& error) {
+      CHECK(error.kind() == Failure::usage);
+      return std::string(error.what());
+    }
+    return std::string("(no error)");
+  };
+  CHECK(refused({{{"ox", 1}}, {}}) == "task 'Test-draw' draws 'oy', for which no value was given");
+  CHECK(refused({{{"ox", 1}, {"oy", 0}, {"xo", 2}}, {}}) ==
+        "task 'Test-draw' does not draw 'xo' (did you mean 'ox'?)");
+  CHECK(refused({{{"ox", 1}, {"oy", 0}}, {3}}) == "task 'Test-draw' does not draw goals");
+}
+
+TEST_CASE("draws move objects") {
+  const Arena arena(drawing(), walker());
+  VecEnv env(arena, 2);
+  env.reset(0, {{{{"ox", 0}, {"oy", 0}}, {}}, 0.0, 0});
+  env.reset(1, {{{{"ox", 2}, {"oy", 1}}, {}}, 0.0, 0});
+  const auto d = static_cast<std::size_t>(arena.observation_length());
+  CHECK(env.observations()[d - 2] + 0.2 == Approx(env.observations()[2 * d - 2]));
+  CHECK(env.observations()[d - 1] + 0.1 == Approx(env.observations()[2 * d - 1]));
+}
+
+TEST_CASE("the same episode whatever runs beside it") {
+  const Arena arena(drawing(), walker());
+  constexpr int count = 11;
+  VecEnv together(arena, count);
+  VecEnv pooled(arena, count);
+  ThreadPool pool(3);
+  reset_all(arena, together);
+  reset_all(arena, pooled);
+  VecEnv alone(arena, 1);
+  constexpr int watched = 6;
+  alone.reset(0, {arena.draw(9, watched), 0.01, watched});
+
+  const auto d = static_cast<std::size_t>(arena.observation_length());
+  const auto a = static_cast<std::size_t>(arena.action_length());
+  for (int step = 0; step < 10; ++step) {
+    const auto targets = actions(arena, count, step);
+    together.step(targets);
+    pooled.step(targets, {}, &pool);
+    alone.step(std::span(targets).subspan(watched * a, a));
+    CHECK(copy(together.observations()) == copy(pooled.observations()));
+    CHECK(copy(together.rewards()) == copy(pooled.rewards()));
+    CHECK(copy(together.observations().subspan(watched * d, d)) == copy(alone.observations()));
+    CHECK(together.rewards()[watched] == alone.rewards()[0]);
+  }
+}
+
+TEST_CASE("environments that are not active stay as they are") {
+  const Arena arena(walking(), walker());
+  VecEnv env(arena, 3);
+  reset_all(arena, env);
+  const auto before = copy(env.observations());
+  env.step(actions(arena, 3, 0), std::vector<std::uint8_t>{0, 1, 0});
+  const auto d = static_cast<std::size_t>(arena.observation_length());
+  const auto after = copy(env.observations());
+  const auto part = [&](const std::vector<double>& all, std::size_t i) {
+    return copy(std::span(all).subspan(i * d, d));
+  };
+  CHECK(part(before, 0) == part(after, 0));
+  CHECK(part(before, 1) != part(after, 1));
+  CHECK(part(before, 2) == part(after, 2));
+  CHECK(env.steps(0) == 0);
+  CHECK(env.steps(1) == 1);
+}
+
+TEST_CASE("episodes are truncated at the time limit and not before") {
+  const Arena arena(walking(), walker());
+  VecEnv env(arena, 1);
+  env.reset(0, {});
+  for (int step = 1; step <= 8; ++step) {
+    env.step(actions(arena, 1, step));
+    CHECK(env.steps(0) == step);
+    CHECK((env.truncated()[0] != 0) == (step >= 7));
+    CHECK(env.terminated()[0] == 0);
+  }
+  env.reset(0, {});
+  CHECK(env.truncated()[0] == 0);
+  CHECK(env.steps(0) == 0);
+}
+
+TEST_CASE("an episode does not depend on the one before") {
+  const Arena arena(walking(), walker());
+  VecEnv used(arena, 1);
+  used.reset(0, {});
+  for (int step = 0; step < 5; ++step) used.step(actions(arena, 1, step));
+  VecEnv fresh(arena, 1);
+  used.reset(0, {});
+  fresh.reset(0, {});
+  CHECK(copy(used.observations()) == copy(fresh.observations()));
+  for (int step = 0; step < 5; ++step) {
+    used.step(actions(arena, 1, step));
+    fresh.step(actions(arena, 1, step));
+    CHECK(copy(used.observations()) == copy(fresh.observations()));
+  }
+}
+
+TEST_CASE("jitter shifts start coordinates by up to its size, the same for a seed") {
+  const Arena arena(walking(), walker());
+  VecEnv env(arena, 3);
+  env.reset(0, {});
+  env.reset(1, {{}, 1e-4, 7});
+  env.reset(2, {{}, 1e-4, 7});
+  const int n = arena.model().objects().front().points;
+  double largest = 0.0;
+  for (int i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double dx = std::abs(env.positions(1)[k].x - env.positions(0)[k].x);
+    const double dy = std::abs(env.positions(1)[k].y - env.positions(0)[k].y);
+    CHECK(dx <= 1.0001e-5);
+    CHECK(dy <= 1.0001e-5);
+    largest = std::max({largest, dx, dy});
+    CHECK(env.positions(1)[k].x == env.positions(2)[k].x);
+  }
+  CHECK(largest > 5e-6);
+  // The orientation refers to the shifted start.
+  CHECK(env.observations()[static_cast<std::size_t>(arena.observation_length()) + 2] < 0.0045);
+}
+
+TEST_CASE("saved environments go on to the same bits") {
+  const Arena arena(drawing(), walker());
+  VecEnv env(arena, 3);
+  reset_all(arena, env);
+  for (int step = 0; step < 4; ++step) env.step(actions(arena, 3, step));
+  const auto bytes = env.save();
+  VecEnv copy_of(arena, 3);
+  copy_of.load(bytes);
+  CHECK(copy_of.save() == bytes);
+  for (int step = 4; step < 8; ++step) {
+    env.step(actions(arena, 3, step));
+    copy_of.step(actions(arena, 3, step));
+    CHECK(copy(env.observations()) == copy(copy_of.observations()));
+    CHECK(copy(env.rewards()) == copy(copy_of.rewards()));
+  }
+}
+
+TEST_CASE("bytes that belong elsewhere are refused") {
+  const Arena arena(walking(), walker());
+  VecEnv env(arena, 2);
+  reset_all(arena, env);
+  auto bytes = env.save();
+  VecEnv three(arena, 3);
+  CHECK_THROWS_AS(three.load(bytes), Error);
+  const Arena other(walking(), Body::from_rows({"HH"}));
+  VecEnv smaller(other, 2);
+  CHECK_THROWS_AS(smaller.load(bytes), Error);
+  bytes.pop_back();
+  CHECK_THROWS_AS(env.load(bytes), Error);
+  CHECK_THROWS_AS(env.load({}), Error);
+}
+
+TEST_CASE("a target that is not a number is refused") {
+  const Arena arena(walking(), walker());
+  VecEnv env(arena, 1);
+  env.reset(0, {});
+  auto targets = actions(arena, 1, 0);
+  targets[1] = std::nan("");
+  CHECK_THROWS_WITH(env.step(targets), "target 1 of environment 0 is not a number");
+}
+
+// ---- judging -------------------------------------------------------------------------
+
+TEST_CASE("self-folding costs its reward and ends the episode; rules still apply") {
+  TaskSpec task = walking();
+  task.rules = {{{condition::Position{robot_name, Axis::x, 10.0, {}, {}, {}}}, 1.0, true}};
+  const Arena arena(task, walker());
+  Episode episode;
+  const Snapshot start = moved(arena.model(), 0.0, 0.0);
+  StepOutcome outcome = judge(arena, arena.model(), episode, start, start, true);
+  CHECK(outcome.reward == -3.0);
+  CHECK(outcome.terminated);
+  CHECK_FALSE(outcome.truncated);
+  const Snapshot far = moved(arena.model(), 1.5, 0.0);
+  outcome = judge(arena, arena.model(), episode, far, far, true);
+  CHECK(outcome.reward == -2.0);
+  CHECK(episode.steps == 2);
+}
+
+TEST_CASE("rules add up, and need not end the episode") {
+  TaskSpec task = walking();
+  task.reward.clear();
+  task.rules = {{{condition::Position{robot_name, Axis::x, 10.0, {}, {}, {}}}, 5.0, false},
+                {{condition::Position{robot_name, Axis::x, 12.0, {}, {}, {}},
+                  condition::Position{robot_name, Axis::y, {}, 100.0, {}, {}}},
+                 0.5,
+                 true}};
+  const Arena arena(task, walker());
+  const Model& model = arena.model();
+  Episode episode;
+  const Snapshot start = moved(model, 0.0, 0.0);
+  StepOutcome outcome = judge(arena, model, episode, start, moved(model, 0.7, 0.0), false);
+  CHECK(outcome.reward == 5.0);
+  CHECK_FALSE(outcome.terminated);
+  outcome = judge(arena, model, episode, start, moved(model, 1.0, 0.0), false);
+  CHECK(outcome.reward == 5.5);
+  CHECK(outcome.terminated);
+}
+
+TEST_CASE("bounds are strict or not, as named") {
+  const Arena plain(walking(), walker());
+  const Model& model = plain.model();
+  const Snapshot start = moved(model, 0.0, 0.0);
+  // The exact centre, as the arena measures it.
+  const double x = robot_x(model, start);
+  const auto rewarded = [&](const condition::Position& position) {
+    TaskSpec task = walking();
+    task.reward.clear();
+    task.rules = {{{position}, 1.0, false}};
+    const Arena arena(task, walker());
+    Episode episode;
+    return judge(arena, arena.model(), episode, start, start, false).reward == 1.0;
+  };
+  // A bound b voxels for which b * 0.1 is exactly x.
+  double bound = x / 0.1;
+  while (bound * 0.1 < x) bound = std::nextafter(bound, 1e9);
+  while (bound * 0.1 > x) bound = std::nextafter(bound, -1e9);
+  REQUIRE(bound * 0.1 == x);
+  CHECK_FALSE(rewarded({robot_name, Axis::x, bound, {}, {}, {}}));
+  CHECK_FALSE(rewarded({robot_name, Axis::x, {}, bound, {}, {}}));
+  CHECK(rewarded({robot_name, Axis::x, {}, {}, bound, {}}));
+  CHECK(rewarded({robot_name, Axis::x, {}, {}, {}, bound}));
+}
+
+TEST_CASE("several goals can be reached in one step; the last one looked at counts") {
+  const Arena arena(seeking(), walker());
+  const Model& model = arena.model();
+  const double x0 = robot_x(model, moved(model, 0.0, 0.0));
+  const auto at = [&](double x) { return moved(model, x - x0, 0.0); };
+  Episode episode{{{}, {10, 11, 16}}, 0, 0};
+
+  StepOutcome outcome = judge(arena, model, episode, at(0.5), at(0.7), false);
+  CHECK(episode.goal == 0);
+  CHECK(outcome.reward == Approx(0.2));
+
+  // At 1.05 both 1.0 and 1.1 are within 0.2: the reward is the approach to 1.6.
+  outcome = judge(arena, model, episode, at(0.7), at(1.05), false);
+  CHECK(episode.goal == 2);
+  CHECK(outcome.reward == Approx(0.35));
+  CHECK_FALSE(outcome.terminated);
+
+  // On the edge of the radius: 0.2 away is not near enough.
+  outcome = judge(arena, model, episode, at(1.05), at(1.3999999), false);
+  CHECK(episode.goal == 2);
+  outcome = judge(arena, model, episode, at(1.3), at(1.4000001), false);
+  CHECK(episode.goal == 3);
+  CHECK(outcome.reward == Approx(0.1000001 + 1.0));
+  CHECK(outcome.terminated);
+
+  // Going on after the end is harmless: the last goal stays.
+  std::vector<double> seen(3);
+  observe(arena, model, episode, at(1.5), seen);
+  CHECK(seen[0] == 3.0);
+  CHECK(seen[1] == Approx(1.6));
+  CHECK(seen[2] == Approx(0.1));
+  outcome = judge(arena, model, episode, at(1.5), at(1.4), false);
+  CHECK(outcome.reward == Approx(-0.1 + 1.0));
+}
+
+TEST_CASE("turning is counted on over whole turns") {
+  TaskSpec task = walking();
+  task.reward = {{1.0, reward::Rotation{robot_name}, {}}};
+  const Arena arena(task, walker());
+  const Model& model = arena.model();
+  const auto turned = [&](double angle) {
+    Snapshot snapshot = moved(model, 0.0, 0.0);
+    const ModelObject& robot = model.objects().front();
+    Vec2 c;
+    for (int i = 0; i < robot.points; ++i) {
+      c.x += snapshot.positions[static_cast<std::size_t>(i)].x / robot.points;
+      c.y += snapshot.positions[static_cast<std::size_t>(i)].y / robot.points;
+    }
+    for (int i = 0; i < robot.points; ++i) {
+      Vec2& p = snapshot.positions[static_cast<std::size_t>(i)];
+      const Vec2 d{p.x - c.x, p.y - c.y};
+      p = {c.x + std::cos(angle) * d.x - std::sin(angle) * d.y,
+           c.y + std::sin(angle) * d.x + std::cos(angle) * d.y};
+    }
+    return snapshot;
+  };
+  constexpr double two_turns = 4.0 * std::numbers::pi;
+  for (const double sign : {1.0, -1.0}) {
+    Episode episode;
+    double sum = 0.0;
+    double before = 0.1;
+    for (int step = 1; step <= 40; ++step) {
+      const double after = 0.1 + sign * two_turns * step / 40.0;
+      const double reward =
+          judge(arena, model, episode, turned(before), turned(after), false).reward;
+      CHECK(reward == Approx(sign * two_turns / 40.0).margin(1e-6));
+      sum += reward;
+      before = after;
+    }
+    CHECK(sum == Approx(sign * two_turns).margin(1e-6));
+  }
+}

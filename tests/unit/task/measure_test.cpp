@@ -1,0 +1,149 @@
+#include "libevo/task/measure.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "libevo/base/random.h"
+
+using namespace evo;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double released_pi = 3.1415926;
+
+std::vector<Vec2> random_points(int n, std::uint64_t index) {
+  Stream stream(5, "test/measure", index);
+  std::vector<Vec2> points;
+  for (int i = 0; i < n; ++i) points.push_back({stream.uniform(), stream.uniform()});
+  return points;
+}
+
+std::vector<Vec2> turned(const std::vector<Vec2>& points, double angle, Vec2 shift = {}) {
+  std::vector<Vec2> result;
+  for (const Vec2& p : points)
+    result.push_back({std::cos(angle) * p.x - std::sin(angle) * p.y + shift.x,
+                      std::sin(angle) * p.x + std::cos(angle) * p.y + shift.y});
+  return result;
+}
+
+// Gift wrapping and the shoelace formula: another way to the same number.
+double wrapped_area(const std::vector<Vec2>& points) {
+  std::size_t start = 0;
+  for (std::size_t i = 1; i < points.size(); ++i)
+    if (points[i].x < points[start].x) start = i;
+  std::vector<Vec2> hull;
+  std::size_t at = start;
+  do {
+    hull.push_back(points[at]);
+    std::size_t next = at == 0 ? 1 : 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double side = (points[next].x - points[at].x) * (points[i].y - points[at].y) -
+                          (points[next].y - points[at].y) * (points[i].x - points[at].x);
+      if (side < 0.0) next = i;
+    }
+    at = next;
+  } while (at != start && hull.size() <= points.size());
+  double twice = 0.0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Vec2& a = hull[i];
+    const Vec2& b = hull[(i + 1) % hull.size()];
+    twice += a.x * b.y - b.x * a.y;
+  }
+  return 0.5 * std::abs(twice);
+}
+
+}  // namespace
+
+TEST_CASE("the centre is the mean, in voxels and through voxels") {
+  const auto points = random_points(7, 0);
+  Vec2 voxels, raw;
+  for (const Vec2& p : points) {
+    voxels.x += p.x / 0.1;
+    voxels.y += p.y / 0.1;
+    raw.x += p.x / 0.1 * 0.1;
+    raw.y += p.y / 0.1 * 0.1;
+  }
+  const Centre c = centre(points, 0.1);
+  CHECK(c.voxels.x == voxels.x / 7.0);
+  CHECK(c.voxels.y == voxels.y / 7.0);
+  CHECK(c.raw.x == raw.x / 7.0);
+  CHECK(c.raw.y == raw.y / 7.0);
+}
+
+TEST_CASE("a rigid turn is its own orientation") {
+  const auto points = random_points(9, 1);
+  const OrientationReference reference(points);
+  for (const double angle : {0.01, 0.5, 1.5, 3.0}) {
+    const Vec2 shift{3.0, -1.0};
+    CHECK(orientation(reference, turned(points, angle, shift)) == Approx(angle).margin(1e-9));
+    CHECK(orientation(reference, turned(points, -angle, shift)) ==
+          Approx(2.0 * released_pi - angle).margin(1e-9));
+  }
+  CHECK(orientation(reference, turned(points, 1.5 * pi)) ==
+        Approx(2.0 * released_pi - 0.5 * pi).margin(1e-9));
+}
+
+TEST_CASE("the clamps make the orientation at the start a little more than 0") {
+  const double clamp = std::acos(0.99999);
+  for (std::uint64_t index = 0; index < 50; ++index) {
+    const auto points = random_points(11, 100 + index);
+    const double angle = orientation(OrientationReference(points), points);
+    CHECK(angle >= 0.0);
+    CHECK(angle <= clamp + 1e-12);
+  }
+}
+
+TEST_CASE("deformation alone gives a positive orientation") {
+  auto points = random_points(9, 2);
+  const OrientationReference reference(points);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].x *= 1.3;
+  CHECK(orientation(reference, points) > 0.01);
+}
+
+TEST_CASE("a point in the centre switches the reflection off") {
+  // Exact numbers, so that the centre is hit exactly.
+  const std::vector<Vec2> square{{0, 0}, {4, 0}, {0, 4}, {4, 4}, {2, 2}};
+  const OrientationReference reference(square);
+  const std::vector<Vec2> clockwise{{0, 4}, {0, 0}, {4, 4}, {4, 0}, {2, 2}};  // a quarter turn
+  CHECK(orientation(reference, clockwise) == Approx(pi / 2.0));
+  const std::vector<Vec2> corners(square.begin(), square.end() - 1);
+  const std::vector<Vec2> turned_corners(clockwise.begin(), clockwise.end() - 1);
+  CHECK(orientation(OrientationReference(corners), turned_corners) ==
+        Approx(2.0 * released_pi - pi / 2.0));
+}
+
+TEST_CASE("opposite directions are clamped, too") {
+  const std::vector<Vec2> points{{-1, 0}, {1, 0}, {0, 0.5}};
+  const OrientationReference reference(points);
+  const double angle = orientation(reference, turned(points, pi));
+  CHECK(angle == Approx(pi).margin(0.01));
+}
+
+TEST_CASE("the hull area does not depend on how it is found") {
+  std::vector<Vec2> work;
+  for (std::uint64_t index = 0; index < 200; ++index) {
+    const auto points = random_points(3 + static_cast<int>(index % 40), 200 + index);
+    CHECK(hull_area(points, work) == Approx(wrapped_area(points)).epsilon(1e-13));
+  }
+}
+
+TEST_CASE("the hull area of simple shapes") {
+  std::vector<Vec2> work;
+  std::vector<Vec2> grid;
+  for (int i = 0; i <= 5; ++i)
+    for (int j = 0; j <= 3; ++j) grid.push_back({0.1 * i, 0.1 * j});
+  CHECK(hull_area(grid, work) == Approx(0.15).epsilon(1e-14));
+  CHECK(hull_area(std::vector<Vec2>{{0, 0}, {1, 1}, {2, 2}, {3, 3}}, work) == 0.0);
+  CHECK(hull_area(std::vector<Vec2>{{1, 1}, {1, 1}, {1, 1}, {1, 1}}, work) == 0.0);
+  CHECK(hull_area(std::vector<Vec2>{{0, 0}, {1, 0}}, work) == 0.0);
+}
+
+TEST_CASE("width and height are extents") {
+  const std::vector<Vec2> points{{0.5, -1.0}, {-0.25, 2.0}, {0.75, 0.0}};
+  CHECK(width(points) == 1.0);
+  CHECK(height(points) == 3.0);
+}

@@ -1,1 +1,207 @@
 #include "libevo/control/policy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libevo/base/elementary.h"
+
+namespace evo {
+namespace {
+
+// Rows of `a` made orthonormal in order by modified Gram-Schmidt, twice, which
+// is enough for full precision (Giraud et al. 2005). Rows <= columns.
+void orthonormalize_rows(Eigen::MatrixXd& a) {
+  for (int pass = 0; pass < 2; ++pass) {
+    for (Eigen::Index i = 0; i < a.rows(); ++i) {
+      for (Eigen::Index j = 0; j < i; ++j) {
+        double dot = 0.0;
+        for (Eigen::Index k = 0; k < a.cols(); ++k) dot += a(i, k) * a(j, k);
+        for (Eigen::Index k = 0; k < a.cols(); ++k) a(i, k) -= dot * a(j, k);
+      }
+      double square = 0.0;
+      for (Eigen::Index k = 0; k < a.cols(); ++k) square += a(i, k) * a(i, k);
+      const double norm = std::sqrt(square);
+      for (Eigen::Index k = 0; k < a.cols(); ++k) a(i, k) /= norm;
+    }
+  }
+}
+
+Layer orthogonal_layer(int inputs, int outputs, double gain, Stream& stream) {
+  const bool wide = outputs <= inputs;
+  Eigen::MatrixXd a(wide ? outputs : inputs, wide ? inputs : outputs);
+  for (Eigen::Index i = 0; i < a.rows(); ++i)
+    for (Eigen::Index j = 0; j < a.cols(); ++j) a(i, j) = stream.gaussian();
+  orthonormalize_rows(a);
+  if (!wide) a.transposeInPlace();
+  return {(gain * a).cast<float>(), Vector::Zero(outputs)};
+}
+
+Network zeros_like(const Network& network) {
+  Network zeros;
+  for (const Layer& layer : network.layers)
+    zeros.layers.push_back(
+        {Matrix::Zero(layer.weight.rows(), layer.weight.cols()), Vector::Zero(layer.bias.size())});
+  return zeros;
+}
+
+template <typename Float, typename Parameters>
+std::vector<std::span<Float>> blocks_of(Parameters& parameters) {
+  std::vector<std::span<Float>> blocks;
+  const auto add = [&](auto& x) {
+    blocks.emplace_back(x.data(), static_cast<std::size_t>(x.size()));
+  };
+  for (auto* network : {&parameters.actor, &parameters.critic}) {
+    for (auto& layer : network->layers) {
+      add(layer.weight);
+      add(layer.bias);
+    }
+  }
+  add(parameters.log_std);
+  return blocks;
+}
+
+// Eigen's own comparison takes equal sizes for granted.
+template <typename Dense>
+bool same(const Dense& a, const Dense& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+}
+
+}  // namespace
+
+bool Layer::operator==(const Layer& other) const {
+  return same(weight, other.weight) && same(bias, other.bias);
+}
+
+bool Normalizer::operator==(const Normalizer& other) const {
+  return same(mean, other.mean) && same(variance, other.variance) && count == other.count &&
+         clip == other.clip && epsilon == other.epsilon;
+}
+
+bool Policy::operator==(const Policy& other) const {
+  return actor == other.actor && critic == other.critic && same(log_std, other.log_std) &&
+         normalizer == other.normalizer && action_map == other.action_map &&
+         action_offset == other.action_offset && low == other.low && high == other.high;
+}
+
+int Policy::observation_length() const {
+  return static_cast<int>(actor.layers.front().weight.cols());
+}
+
+int Policy::action_length() const { return static_cast<int>(log_std.size()); }
+
+Network orthogonal_network(int inputs, const std::vector<int>& hidden, int outputs,
+                           double hidden_gain, double head_gain, Stream& stream) {
+  Network network;
+  for (const int width : hidden) {
+    network.layers.push_back(orthogonal_layer(inputs, width, hidden_gain, stream));
+    inputs = width;
+  }
+  network.layers.push_back(orthogonal_layer(inputs, outputs, head_gain, stream));
+  return network;
+}
+
+void forward(const Network& network, const Matrix& x, Activations& activations) {
+  activations.resize(network.layers.size());
+  const Matrix* input = &x;
+  for (std::size_t l = 0; l < network.layers.size(); ++l) {
+    const Layer& layer = network.layers[l];
+    Matrix& y = activations[l];
+    y.resize(x.rows(), layer.bias.size());
+    y.rowwise() = layer.bias.transpose();
+    add_product_transposed_right(*input, layer.weight, y);
+    if (l + 1 < network.layers.size()) tanh_in_place(y);
+    input = &y;
+  }
+}
+
+void backward(const Network& network, const Matrix& x, const Activations& activations,
+              const Matrix& output_gradient, Network& gradient) {
+  Matrix delta = output_gradient;  // dL/d(pre-activation) of layer l
+  for (std::size_t l = network.layers.size(); l-- > 0;) {
+    const Matrix& input = l == 0 ? x : activations[l - 1];
+    add_product_transposed_left(delta, input, gradient.layers[l].weight);
+    for (Eigen::Index b = 0; b < delta.rows(); ++b)
+      gradient.layers[l].bias += delta.row(b).transpose();
+    if (l == 0) break;
+    Matrix below = Matrix::Zero(delta.rows(), input.cols());
+    add_product(delta, network.layers[l].weight, below);
+    below.array() *= 1.0F - input.array().square();  // tanh' = 1 - tanh^2
+    delta.swap(below);
+  }
+}
+
+void update(Normalizer& normalizer, std::span<const double> observations) {
+  const Eigen::Index d = normalizer.mean.size();
+  const Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> batch(
+      observations.data(), static_cast<Eigen::Index>(observations.size()) / d, d);
+  const auto n = static_cast<double>(batch.rows());
+  Eigen::ArrayXd mean = Eigen::ArrayXd::Zero(d);
+  for (Eigen::Index b = 0; b < batch.rows(); ++b) mean += batch.row(b).transpose().array();
+  mean /= n;
+  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(d);
+  for (Eigen::Index b = 0; b < batch.rows(); ++b)
+    squares += (batch.row(b).transpose().array() - mean).square();
+
+  const double total = normalizer.count + n;
+  const Eigen::ArrayXd delta = mean - normalizer.mean.array();
+  normalizer.variance = (normalizer.variance.array() * normalizer.count + squares +
+                         delta.square() * (normalizer.count * n / total)) /
+                        total;
+  normalizer.mean.array() += delta * (n / total);
+  normalizer.count = total;
+}
+
+void normalize(const Normalizer& normalizer, std::span<const double> observations, Matrix& out) {
+  const Eigen::Index d = normalizer.mean.size();
+  const Eigen::Map<const Eigen::Array<double, -1, -1, Eigen::RowMajor>> batch(
+      observations.data(), static_cast<Eigen::Index>(observations.size()) / d, d);
+  out.resize(batch.rows(), d);
+  const bool identity = normalizer.count == 0.0;
+  const Eigen::ArrayXd deviation = (normalizer.variance.array() + normalizer.epsilon).sqrt();
+  for (Eigen::Index b = 0; b < batch.rows(); ++b) {
+    for (Eigen::Index i = 0; i < d; ++i) {
+      const double z = identity ? batch(b, i) : (batch(b, i) - normalizer.mean[i]) / deviation[i];
+      out(b, i) = static_cast<float>(std::clamp(z, -normalizer.clip, normalizer.clip));
+    }
+  }
+}
+
+double target_of(const Policy& policy, double output) {
+  if (policy.action_map == ActionMap::squash) {
+    const double middle = 0.5 * (policy.high + policy.low);
+    return middle + 0.5 * (policy.high - policy.low) * math::tanh(output);
+  }
+  return std::clamp(policy.action_offset + output, policy.low, policy.high);
+}
+
+void act(const Policy& policy, std::span<const double> observations, std::span<double> targets) {
+  Matrix x;
+  Activations activations;
+  normalize(policy.normalizer, observations, x);
+  forward(policy.actor, x, activations);
+  const Matrix& mean = activations.back();
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    targets[i] = target_of(policy, static_cast<double>(mean.data()[i]));
+}
+
+std::vector<std::span<float>> parameter_blocks(Policy& policy) { return blocks_of<float>(policy); }
+
+std::vector<std::span<const float>> parameter_blocks(const Policy& policy) {
+  return blocks_of<const float>(policy);
+}
+
+std::vector<std::span<float>> parameter_blocks(Gradients& gradients) {
+  return blocks_of<float>(gradients);
+}
+
+std::size_t parameter_count(const Policy& policy) {
+  std::size_t count = 0;
+  for (const auto block : parameter_blocks(policy)) count += block.size();
+  return count;
+}
+
+Gradients zero_gradients(const Policy& policy) {
+  return {zeros_like(policy.actor), zeros_like(policy.critic), Vector::Zero(policy.log_std.size())};
+}
+
+}  // namespace evo

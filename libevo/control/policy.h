@@ -1,42 +1,47 @@
-// The controller: two small networks, actor and critic, over a normalised
-// observation. Single precision. Spec: robots, section 5.2; formats, "Policy".
+// The controller PPO trains: two small networks, actor and critic, over a
+// normalised observation. Single precision. Spec: robots, section 5.2;
+// formats, "Policy".
 #pragma once
 
-#include <Eigen/Dense>
-#include <cstdint>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "libevo/base/random.h"
+#include "libevo/control/matrix.h"
 
 namespace evo {
-
-using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Vector = Eigen::VectorXf;
 
 struct Layer {
   Matrix weight;  // [outputs x inputs]
   Vector bias;    // [outputs]
+  bool operator==(const Layer& other) const;
 };
 
 // tanh after every layer but the last.
 struct Network {
   std::vector<Layer> layers;
+  bool operator==(const Network&) const = default;
 };
 
-// Running mean and variance of observations; eps 1e-8, clip +-10.
+// What every layer put out for a batch: [B x outputs], after its tanh.
+using Activations = std::vector<Matrix>;
+
+// Running mean and variance of observations. `epsilon` is added to the variance;
+// the normalised observation is clipped to +-clip.
 struct Normalizer {
   Eigen::VectorXd mean;
   Eigen::VectorXd variance;
-  double count = 0.0;
+  double count = 0.0;  // 0: observations pass unchanged but for the clip
   double clip = 10.0;
   double epsilon = 1e-8;
+  bool operator==(const Normalizer& other) const;
 };
 
 // How network outputs become actuator targets.
-//   offset: target = clip(1 + a, low, high), as in the paper's code
-//   tanh:   target = middle + half * tanh(a), bounded by construction
+//   offset: target = clip(offset + a, low, high), as in the paper's code
+//   squash: target = middle + half * tanh(a), bounded by construction
 enum class ActionMap { offset, squash };
 
 struct Policy {
@@ -51,9 +56,48 @@ struct Policy {
 
   int observation_length() const;
   int action_length() const;
+  bool operator==(const Policy& other) const;
 };
+
+// The shape of the loss's gradient with respect to a policy's parameters.
+struct Gradients {
+  Network actor;
+  Network critic;
+  Vector log_std;
+};
+
+// Orthogonal initialisation (Saxe et al. 2014): gain `hidden_gain` before every
+// tanh, `head_gain` for the last layer, zero biases.
+Network orthogonal_network(int inputs, const std::vector<int>& hidden, int outputs,
+                           double hidden_gain, double head_gain, Stream& stream);
+
+// Y = network(X), X [B x D]; the result is activations.back().
+void forward(const Network& network, const Matrix& x, Activations& activations);
+
+// Adds to `gradient` what dL/dY [B x outputs] of the last layer means for the
+// network's parameters. `activations` come from forward() with the same X.
+void backward(const Network& network, const Matrix& x, const Activations& activations,
+              const Matrix& output_gradient, Network& gradient);
+
+// Takes a batch [B x D] into the running moments (Chan, Golub, LeVeque 1979).
+void update(Normalizer& normalizer, std::span<const double> observations);
+// [B x D] doubles -> [B x D] floats.
+void normalize(const Normalizer& normalizer, std::span<const double> observations, Matrix& out);
+
+// Actuator target of one network output.
+double target_of(const Policy& policy, double output);
 
 // The deterministic controller: observations [E x D] in, targets [E x A] out.
 void act(const Policy& policy, std::span<const double> observations, std::span<double> targets);
+
+// All parameters as runs of floats, in one fixed order: actor, critic (weight,
+// bias of every layer), log_std. The same for gradients, run by run.
+std::vector<std::span<float>> parameter_blocks(Policy& policy);
+std::vector<std::span<const float>> parameter_blocks(const Policy& policy);
+std::vector<std::span<float>> parameter_blocks(Gradients& gradients);
+std::size_t parameter_count(const Policy& policy);
+
+// Gradients of the policy's shape, all zero.
+Gradients zero_gradients(const Policy& policy);
 
 }  // namespace evo

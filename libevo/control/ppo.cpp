@@ -1,1 +1,508 @@
-#include "libevo/control/policy.h"
+// Read from top to bottom: the objective and its gradient, advantages, the
+// optimiser, then the learner that uses them. Implementation details carry the
+// numbers of "The 37 Implementation Details of Proximal Policy Optimization"
+// (Huang et al. 2022) in brackets.
+#include "libevo/control/ppo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "libevo/base/elementary.h"
+
+namespace evo {
+namespace {
+
+constexpr double half_log_two_pi = 0.9189385332046727;
+constexpr double advantage_epsilon = 1e-5;
+constexpr double initial_moment_count = 1e-4;  // weight of the prior mean 0, variance 1
+
+float exp32(float x) { return static_cast<float>(math::exp(static_cast<double>(x))); }
+
+Vector deviations(const Policy& policy) { return policy.log_std.unaryExpr(&exp32); }
+
+// log pi(a|s) of a diagonal Gaussian, without the constant `log_scale` below.
+// `z` receives (a - mu) / sigma.
+template <typename Action, typename Mean>
+float log_density(const Action& action, const Mean& mean, const Vector& deviation, Vector& z) {
+  float sum = 0.0F;
+  for (Eigen::Index i = 0; i < deviation.size(); ++i) {
+    z[i] = (action[i] - mean[i]) / deviation[i];
+    sum += z[i] * z[i];
+  }
+  return -0.5F * sum;
+}
+
+// sum_i log(sigma_i sqrt(2 pi)): what log_density leaves out.
+float log_scale(const Policy& policy) {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < policy.log_std.size(); ++i)
+    sum += static_cast<double>(policy.log_std[i]) + half_log_two_pi;
+  return static_cast<float>(sum);
+}
+
+struct Moments {
+  double mean = 0.0;
+  double variance = 0.0;  // of the sample: divided by n - 1
+};
+
+Moments moments(std::span<const float> x) {
+  Moments result;
+  for (const float value : x) result.mean += static_cast<double>(value);
+  result.mean /= static_cast<double>(x.size());
+  for (const float value : x) {
+    const double difference = static_cast<double>(value) - result.mean;
+    result.variance += difference * difference;
+  }
+  result.variance /= std::max(1.0, static_cast<double>(x.size()) - 1.0);
+  return result;
+}
+
+// [7] Advantages with mean 0 and deviation 1.
+void standardize(Vector& advantages) {
+  const Moments m = moments({advantages.data(), static_cast<std::size_t>(advantages.size())});
+  const double deviation = std::sqrt(m.variance) + advantage_epsilon;
+  for (float& a : advantages) a = static_cast<float>((static_cast<double>(a) - m.mean) / deviation);
+}
+
+}  // namespace
+
+// ---- the objective ------------------------------------------------------------
+
+Losses differentiate(const Policy& policy, const Batch& batch, const Objective& objective,
+                     Gradients& gradients) {
+  const Eigen::Index samples = batch.states.rows();
+  const Eigen::Index actions = batch.actions.cols();
+  const float share = 1.0F / static_cast<float>(samples);
+  const auto clip = static_cast<float>(objective.clip);
+  const auto value_share = static_cast<float>(objective.value_coefficient) * share;
+
+  Activations actor;
+  Activations critic;
+  forward(policy.actor, batch.states, actor);
+  forward(policy.critic, batch.states, critic);
+  const Matrix& mean = actor.back();    // mu(s) [M x A]
+  const Matrix& value = critic.back();  // V(s) [M x 1]
+
+  const Vector deviation = deviations(policy);
+  const float scale = log_scale(policy);
+  Matrix mean_gradient(samples, actions);  // dL/dmu
+  Matrix value_gradient(samples, 1);       // dL/dV
+  Vector log_std_gradient = Vector::Zero(actions);
+  Vector z(actions);
+  Losses losses;
+
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    // [8] Clipped surrogate objective.
+    const float log_ratio =
+        log_density(batch.actions.row(i), mean.row(i), deviation, z) - scale - batch.log_probs[i];
+    const float ratio = exp32(log_ratio);
+    const float advantage = batch.advantages[i];
+    const float surrogate = ratio * advantage;
+    const float clipped = std::clamp(ratio, 1.0F - clip, 1.0F + clip) * advantage;
+    losses.policy -= static_cast<double>(std::min(surrogate, clipped));
+    losses.approx_kl += static_cast<double>((ratio - 1.0F) - log_ratio);
+    losses.clipfrac += std::abs(ratio - 1.0F) > clip ? 1.0 : 0.0;
+    // dL/d log pi: nothing where the clipped, constant branch is the smaller.
+    const float g = surrogate <= clipped ? -surrogate * share : 0.0F;
+    for (Eigen::Index j = 0; j < actions; ++j) {
+      mean_gradient(i, j) = g * z[j] / deviation[j];
+      log_std_gradient[j] += g * (z[j] * z[j] - 1.0F);
+    }
+
+    // [9] Value loss, clipped around the old value.
+    const float old_value = batch.values[i];
+    const float error = value(i, 0) - batch.returns[i];
+    const float change = value(i, 0) - old_value;
+    const float clipped_error = old_value + std::clamp(change, -clip, clip) - batch.returns[i];
+    const bool use_clipped =
+        objective.clip_value_loss && clipped_error * clipped_error > error * error;
+    const float counted = use_clipped ? clipped_error : error;
+    losses.value += 0.5 * static_cast<double>(counted * counted);
+    value_gradient(i, 0) = use_clipped && std::abs(change) > clip ? 0.0F : value_share * counted;
+  }
+  losses.policy /= static_cast<double>(samples);
+  losses.value /= static_cast<double>(samples);
+  losses.approx_kl /= static_cast<double>(samples);
+  losses.clipfrac /= static_cast<double>(samples);
+
+  // [10] Entropy of the Gaussian: sum_j (1/2 + log(sigma_j sqrt(2 pi))).
+  losses.entropy = 0.5 * static_cast<double>(actions) + static_cast<double>(scale);
+  log_std_gradient.array() -= static_cast<float>(objective.entropy_coefficient);
+
+  for (const std::span<float> block : parameter_blocks(gradients))
+    std::fill(block.begin(), block.end(), 0.0F);
+  backward(policy.actor, batch.states, actor, mean_gradient, gradients.actor);
+  backward(policy.critic, batch.states, critic, value_gradient, gradients.critic);
+  gradients.log_std = log_std_gradient;
+  return losses;
+}
+
+// ---- advantages ---------------------------------------------------------------
+
+void estimate_advantages(std::span<const double> rewards, std::span<const std::uint8_t> ended,
+                         std::span<const float> values, std::span<const float> last_values,
+                         double gamma, double lambda, std::span<float> advantages) {
+  const std::size_t environments = last_values.size();
+  const std::size_t steps = rewards.size() / environments;
+  for (std::size_t e = 0; e < environments; ++e) {
+    double next_value = static_cast<double>(last_values[e]);
+    double advantage = 0.0;
+    for (std::size_t t = steps; t-- > 0;) {
+      const std::size_t i = t * environments + e;
+      const double goes_on = ended[i] != 0 ? 0.0 : 1.0;
+      const double value = static_cast<double>(values[i]);
+      const double delta = rewards[i] + gamma * goes_on * next_value - value;
+      advantage = delta + gamma * lambda * goes_on * advantage;
+      advantages[i] = static_cast<float>(advantage);
+      next_value = value;
+    }
+  }
+}
+
+// ---- the optimiser ------------------------------------------------------------
+
+double clip_norm(Gradients& gradients, double limit) {
+  // Eight interleaved sums: a fixed order that still fills vector registers.
+  constexpr std::size_t lanes = 8;
+  double sums[lanes] = {};
+  const auto blocks = parameter_blocks(gradients);
+  for (const std::span<float> block : blocks)
+    for (std::size_t i = 0; i < block.size(); ++i)
+      sums[i % lanes] += static_cast<double>(block[i]) * static_cast<double>(block[i]);
+  const double norm = std::sqrt(std::accumulate(sums, sums + lanes, 0.0));
+  if (limit > 0.0 && norm > limit) {
+    const auto factor = static_cast<float>(limit / norm);
+    for (const std::span<float> block : blocks)
+      for (float& g : block) g *= factor;
+  }
+  return norm;
+}
+
+void Adam::step(Policy& policy, Gradients& gradients, double learning_rate, double epsilon) {
+  constexpr float beta1 = 0.9F;
+  constexpr float beta2 = 0.999F;
+  first_power *= 0.9;
+  second_power *= 0.999;
+  const auto rate = static_cast<float>(learning_rate / (1.0 - first_power));
+  const auto correction = static_cast<float>(1.0 / std::sqrt(1.0 - second_power));
+  const auto eps = static_cast<float>(epsilon);
+  const auto parameters = parameter_blocks(policy);
+  const auto slopes = parameter_blocks(gradients);
+  std::size_t offset = 0;
+  for (std::size_t b = 0; b < parameters.size(); ++b) {
+    float* p = parameters[b].data();
+    const float* g = slopes[b].data();
+    float* m = first.data() + offset;
+    float* v = second.data() + offset;
+    for (std::size_t i = 0; i < parameters[b].size(); ++i) {
+      m[i] = beta1 * m[i] + (1.0F - beta1) * g[i];
+      v[i] = beta2 * v[i] + (1.0F - beta2) * (g[i] * g[i]);
+      p[i] -= rate * m[i] / (std::sqrt(v[i]) * correction + eps);
+    }
+    offset += parameters[b].size();
+  }
+}
+
+// ---- the learner --------------------------------------------------------------
+
+namespace {
+
+// [2, 3] Orthogonal initialisation, separate networks for actor and critic.
+Policy initial_policy(const TrainingSettings& s, int observation_length, int action_length,
+                      double low, double high, Stream stream) {
+  Policy policy;
+  const double hidden_gain = std::sqrt(2.0);
+  policy.actor = orthogonal_network(observation_length, s.hidden, action_length, hidden_gain,
+                                    s.head_gain, stream);
+  policy.critic = orthogonal_network(observation_length, s.hidden, 1, hidden_gain, 1.0, stream);
+  policy.log_std = Vector::Constant(action_length, static_cast<float>(s.initial_log_std));
+  policy.normalizer.mean = Eigen::VectorXd::Zero(observation_length);
+  policy.normalizer.variance = Eigen::VectorXd::Ones(observation_length);
+  policy.normalizer.count = s.normalize_observations ? initial_moment_count : 0.0;
+  policy.normalizer.clip = s.observation_clip;
+  policy.action_map = s.action_map;
+  policy.action_offset = s.action_offset;
+  policy.low = low;
+  policy.high = high;
+  return policy;
+}
+
+double scheduled(double value, Schedule schedule, std::int64_t update, std::int64_t horizon) {
+  if (schedule == Schedule::constant) return value;
+  const double done = static_cast<double>(update) / static_cast<double>(horizon);
+  return value * std::max(0.0, 1.0 - done);
+}
+
+void resize(Batch& batch, Eigen::Index samples, int observation_length, int action_length) {
+  batch.states.resize(samples, observation_length);
+  batch.actions.resize(samples, action_length);
+  for (Vector* v : {&batch.log_probs, &batch.values, &batch.advantages, &batch.returns})
+    v->resize(samples);
+}
+
+void gather(const Batch& from, std::span<const std::uint32_t> samples, Batch& to) {
+  for (Eigen::Index i = 0; i < to.states.rows(); ++i) {
+    const Eigen::Index k = samples[static_cast<std::size_t>(i)];
+    to.states.row(i) = from.states.row(k);
+    to.actions.row(i) = from.actions.row(k);
+    to.log_probs[i] = from.log_probs[k];
+    to.values[i] = from.values[k];
+    to.advantages[i] = from.advantages[k];
+    to.returns[i] = from.returns[k];
+  }
+}
+
+bool all_finite(std::span<const double> x) {
+  return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
+}
+
+std::span<const float> view(const Vector& x) {
+  return {x.data(), static_cast<std::size_t>(x.size())};
+}
+
+double explained_variance(const Batch& rollout) {
+  const Vector residual = rollout.returns - rollout.values;
+  const double total = moments(view(rollout.returns)).variance;
+  return total > 0.0 ? 1.0 - moments(view(residual)).variance / total : 0.0;
+}
+
+}  // namespace
+
+Ppo::Ppo(const TrainingSettings& settings, int observation_length, int action_length, double low,
+         double high, std::uint64_t seed, std::string_view robot_id)
+    : settings_(settings),
+      policy_(initial_policy(settings, observation_length, action_length, low, high,
+                             Stream(seed, "train/initial", robot_id))),
+      adam_(parameter_count(policy_)),
+      noise_(seed, "train/noise", robot_id),
+      shuffle_(seed, "train/shuffle", robot_id),
+      gradients_(zero_gradients(policy_)) {
+  const auto environments = static_cast<std::size_t>(settings.environments);
+  const auto samples = static_cast<std::size_t>(settings.batch());
+  return_moments_.mean = Eigen::VectorXd::Zero(1);
+  return_moments_.variance = Eigen::VectorXd::Ones(1);
+  return_moments_.count = initial_moment_count;
+  discounted_returns_.assign(environments, 0.0);
+  resize(rollout_, settings.batch(), observation_length, action_length);
+  resize(minibatch_, settings.batch() / settings.minibatches, observation_length, action_length);
+  rewards_.resize(samples);
+  ended_.resize(samples);
+  targets_.resize(environments * static_cast<std::size_t>(action_length));
+}
+
+// [20, 21] Observations are normalised by running moments and clipped.
+void Ppo::observe(std::span<const double> observations) {
+  if (!all_finite(observations)) divergence_ = "an observation is not a finite number";
+  if (settings_.normalize_observations) update(policy_.normalizer, observations);
+  normalize(policy_.normalizer, observations, state_);
+}
+
+// [17-19] Independent Gaussians with a deviation that does not depend on the
+// state; the log-probability is that of the action before it is clipped.
+std::span<const double> Ppo::act() {
+  forward(policy_.actor, state_, actor_out_);
+  forward(policy_.critic, state_, critic_out_);
+  const Matrix& mean = actor_out_.back();
+  const Vector deviation = deviations(policy_);
+  const float scale = log_scale(policy_);
+  Vector z(deviation.size());
+  for (Eigen::Index e = 0; e < state_.rows(); ++e) {
+    const Eigen::Index row = t_ * state_.rows() + e;
+    rollout_.states.row(row) = state_.row(e);
+    for (Eigen::Index j = 0; j < deviation.size(); ++j) {
+      const float a = mean(e, j) + deviation[j] * static_cast<float>(noise_.gaussian());
+      rollout_.actions(row, j) = a;
+      targets_[static_cast<std::size_t>(e * deviation.size() + j)] =
+          target_of(policy_, static_cast<double>(a));
+    }
+    rollout_.log_probs[row] =
+        log_density(rollout_.actions.row(row), mean.row(e), deviation, z) - scale;
+    rollout_.values[row] = critic_out_.back()(e, 0);
+  }
+  if (!all_finite(targets_)) divergence_ = "an action is not a finite number";
+  return targets_;
+}
+
+void Ppo::reward(std::span<const double> rewards, std::span<const std::uint8_t> terminated,
+                 std::span<const std::uint8_t> truncated, std::span<const double> reached) {
+  if (!all_finite(rewards)) divergence_ = "a reward is not a finite number";
+  const std::size_t first = static_cast<std::size_t>(t_) * rewards.size();
+  for (std::size_t e = 0; e < rewards.size(); ++e)
+    ended_[first + e] = terminated[e] != 0 || truncated[e] != 0 ? 1 : 0;
+  scale_rewards(rewards, {ended_.data() + first, rewards.size()});
+  if (settings_.time_limit == TimeLimit::bootstrap)
+    bootstrap_truncated(terminated, truncated, reached);
+  ++t_;
+}
+
+// [22, 23] Rewards are divided by the deviation of the discounted sum of
+// rewards, a rolling one without look-ahead, and clipped.
+void Ppo::scale_rewards(std::span<const double> rewards, std::span<const std::uint8_t> ended) {
+  const std::size_t first = static_cast<std::size_t>(t_) * rewards.size();
+  std::copy(rewards.begin(), rewards.end(), rewards_.begin() + static_cast<std::ptrdiff_t>(first));
+  if (!settings_.normalize_rewards) return;
+  for (std::size_t e = 0; e < rewards.size(); ++e)
+    discounted_returns_[e] = settings_.gamma * discounted_returns_[e] + rewards[e];
+  update(return_moments_, discounted_returns_);
+  const double deviation = std::sqrt(return_moments_.variance[0] + return_moments_.epsilon);
+  for (std::size_t e = 0; e < rewards.size(); ++e) {
+    rewards_[first + e] =
+        std::clamp(rewards[e] / deviation, -settings_.reward_clip, settings_.reward_clip);
+    if (ended[e] != 0) discounted_returns_[e] = 0.0;
+  }
+}
+
+// An episode cut off by the time limit is worth what its last state is worth
+// (Pardo et al. 2018).
+void Ppo::bootstrap_truncated(std::span<const std::uint8_t> terminated,
+                              std::span<const std::uint8_t> truncated,
+                              std::span<const double> reached) {
+  const std::size_t length = reached.size() / truncated.size();
+  Matrix state;
+  for (std::size_t e = 0; e < truncated.size(); ++e) {
+    if (truncated[e] == 0 || terminated[e] != 0) continue;
+    normalize(policy_.normalizer, reached.subspan(e * length, length), state);
+    forward(policy_.critic, state, critic_out_);
+    rewards_[static_cast<std::size_t>(t_) * truncated.size() + e] +=
+        settings_.gamma * static_cast<double>(critic_out_.back()(0, 0));
+  }
+}
+
+UpdateReport Ppo::learn() {
+  t_ = 0;
+  forward(policy_.critic, state_, critic_out_);
+  const Matrix& last_values = critic_out_.back();  // V(s_T)
+  estimate_advantages(
+      rewards_, ended_, view(rollout_.values),
+      {last_values.data(), static_cast<std::size_t>(last_values.size())}, settings_.gamma,
+      settings_.lambda,
+      {rollout_.advantages.data(), static_cast<std::size_t>(rollout_.advantages.size())});
+  rollout_.returns = rollout_.advantages + rollout_.values;
+  if (settings_.standardize_advantages == Standardize::batch) standardize(rollout_.advantages);
+
+  // [4] Schedules by update.
+  const std::int64_t horizon = settings_.learning_rate_horizon;
+  UpdateReport report;
+  report.learning_rate = scheduled(settings_.learning_rate, settings_.learning_rate_schedule,
+                                   updates_, horizon > 0 ? horizon : settings_.updates());
+  const Objective objective{settings_.clip, settings_.clip_value_loss, settings_.value_coefficient,
+                            scheduled(settings_.entropy_coefficient, settings_.entropy_schedule,
+                                      updates_, settings_.updates())};
+  report.explained_variance = explained_variance(rollout_);
+
+  // [6] Epochs of minibatches, shuffled by Fisher and Yates.
+  std::vector<std::uint32_t> order(static_cast<std::size_t>(settings_.batch()));
+  std::iota(order.begin(), order.end(), 0U);
+  const auto size = static_cast<std::size_t>(minibatch_.states.rows());
+  for (int epoch = 0; epoch < settings_.epochs; ++epoch) {
+    for (std::size_t i = order.size() - 1; i > 0; --i)
+      std::swap(order[i], order[shuffle_.below(static_cast<std::uint32_t>(i) + 1)]);
+    for (int m = 0; m < settings_.minibatches; ++m) {
+      const std::span<const std::uint32_t> samples{
+          order.data() + static_cast<std::size_t>(m) * size, size};
+      if (!learn_minibatch(samples, report.learning_rate, objective, report.losses)) return report;
+    }
+  }
+  const double minibatches = settings_.epochs * settings_.minibatches;
+  for (double* loss : {&report.losses.policy, &report.losses.value, &report.losses.entropy,
+                       &report.losses.approx_kl, &report.losses.clipfrac})
+    *loss /= minibatches;
+  ++updates_;
+  return report;
+}
+
+bool Ppo::learn_minibatch(std::span<const std::uint32_t> samples, double learning_rate,
+                          const Objective& objective, Losses& sum) {
+  gather(rollout_, samples, minibatch_);
+  if (settings_.standardize_advantages == Standardize::minibatch)
+    standardize(minibatch_.advantages);
+  const Losses losses = differentiate(policy_, minibatch_, objective, gradients_);
+  const double norm = clip_norm(gradients_, settings_.max_gradient_norm);  // [11]
+  if (!std::isfinite(norm) || !std::isfinite(losses.policy + losses.value + losses.entropy)) {
+    divergence_ = "the loss or its gradient is not a finite number";
+    return false;
+  }
+  adam_.step(policy_, gradients_, learning_rate, settings_.adam_epsilon);  // [5]
+  sum.policy += losses.policy;
+  sum.value += losses.value;
+  sum.entropy += losses.entropy;
+  sum.approx_kl += losses.approx_kl;
+  sum.clipfrac += losses.clipfrac;
+  return true;
+}
+
+// ---- checkpoints ----------------------------------------------------------------
+
+namespace {
+
+std::vector<double> values_of(const Eigen::VectorXd& x) { return {x.data(), x.data() + x.size()}; }
+
+void save_moments(Checkpoint& checkpoint, const std::string& name, const Normalizer& n) {
+  checkpoint.put(name + "/mean", values_of(n.mean));
+  checkpoint.put(name + "/variance", values_of(n.variance));
+  checkpoint.put<double>(name + "/count", {n.count});
+}
+
+void load_moments(const Checkpoint& checkpoint, const std::string& name, Normalizer& n) {
+  const auto length = static_cast<std::size_t>(n.mean.size());
+  const auto& mean = checkpoint.get<double>(name + "/mean", length);
+  const auto& variance = checkpoint.get<double>(name + "/variance", length);
+  std::copy(mean.begin(), mean.end(), n.mean.begin());
+  std::copy(variance.begin(), variance.end(), n.variance.begin());
+  n.count = checkpoint.get<double>(name + "/count", 1)[0];
+}
+
+}  // namespace
+
+void save_policy(Checkpoint& checkpoint, const std::string& name, const Policy& policy) {
+  std::vector<float> parameters;
+  for (const auto block : parameter_blocks(policy))
+    parameters.insert(parameters.end(), block.begin(), block.end());
+  checkpoint.put(name + "/parameters", std::move(parameters));
+  save_moments(checkpoint, name + "/normalizer", policy.normalizer);
+}
+
+void load_policy(const Checkpoint& checkpoint, const std::string& name, Policy& policy) {
+  const auto& parameters = checkpoint.get<float>(name + "/parameters", parameter_count(policy));
+  auto next = parameters.begin();
+  for (const auto block : parameter_blocks(policy)) {
+    std::copy_n(next, block.size(), block.begin());
+    next += static_cast<std::ptrdiff_t>(block.size());
+  }
+  load_moments(checkpoint, name + "/normalizer", policy.normalizer);
+}
+
+void Ppo::save(Checkpoint& checkpoint) const {
+  save_policy(checkpoint, "learner/policy", policy_);
+  checkpoint.put("learner/adam/first", adam_.first);
+  checkpoint.put("learner/adam/second", adam_.second);
+  checkpoint.put<double>("learner/adam/powers", {adam_.first_power, adam_.second_power});
+  checkpoint.put("learner/noise", noise_);
+  checkpoint.put("learner/shuffle", shuffle_);
+  checkpoint.put<std::uint64_t>("learner/updates", {static_cast<std::uint64_t>(updates_)});
+  save_moments(checkpoint, "learner/return_moments", return_moments_);
+  checkpoint.put("learner/discounted_returns", discounted_returns_);
+  checkpoint.put<float>("learner/state", {state_.data(), state_.data() + state_.size()});
+}
+
+void Ppo::load(const Checkpoint& checkpoint) {
+  load_policy(checkpoint, "learner/policy", policy_);
+  adam_.first = checkpoint.get<float>("learner/adam/first", adam_.first.size());
+  adam_.second = checkpoint.get<float>("learner/adam/second", adam_.second.size());
+  const auto& powers = checkpoint.get<double>("learner/adam/powers", 2);
+  adam_.first_power = powers[0];
+  adam_.second_power = powers[1];
+  checkpoint.get("learner/noise", noise_);
+  checkpoint.get("learner/shuffle", shuffle_);
+  updates_ = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("learner/updates", 1)[0]);
+  load_moments(checkpoint, "learner/return_moments", return_moments_);
+  discounted_returns_ =
+      checkpoint.get<double>("learner/discounted_returns", discounted_returns_.size());
+  state_.resize(settings_.environments, policy_.observation_length());
+  const auto& state =
+      checkpoint.get<float>("learner/state", static_cast<std::size_t>(state_.size()));
+  std::copy(state.begin(), state.end(), state_.data());
+}
+
+}  // namespace evo

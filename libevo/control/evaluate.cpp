@@ -1,0 +1,212 @@
+#include "libevo/control/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "libevo/base/error.h"
+
+namespace evo {
+namespace {
+
+// An episode in progress.
+struct Running {
+  int job = -1;   // index in the work list; -1: idle
+  int steps = 0;  // taken so far
+  Stream random{0, "random"};
+  Draws draws;
+};
+
+// Targets [E x A] of all lanes that have a job.
+using Choose = std::function<void(const VecEnv&, std::span<Running>, std::span<double>)>;
+
+struct Work {
+  int jobs = 0;
+  int limit = std::numeric_limits<int>::max();  // control steps of an episode
+  std::function<int(int)> episode;              // of a job
+  Choose choose;
+};
+
+void require_finite(std::span<const double> values, const char* what, const Running& lane) {
+  for (const double value : values)
+    if (!std::isfinite(value))
+      throw error(Failure::work, "{} is not a finite number after {} steps of an episode", what,
+                  lane.steps);
+}
+
+void start(const Arena& arena, const EvaluationSettings& settings, const Work& work, VecEnv& env,
+           int environment, Running& lane) {
+  const auto k = static_cast<std::uint64_t>(work.episode(lane.job));
+  lane.steps = 0;
+  lane.random = Stream(settings.seed, "random", k);
+  lane.draws = settings.draws ? *settings.draws : arena.draw(settings.seed, k);
+  env.reset(environment, {lane.draws, settings.jitter, derive_seed(settings.seed, "jitter", k)});
+}
+
+// Runs all jobs, each lane taking the next one when its episode has ended.
+Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Work& work,
+               const EpisodeObserver& observer) {
+  Evaluation result;
+  result.returns.assign(static_cast<std::size_t>(work.jobs), 0.0);
+  result.lengths.assign(static_cast<std::size_t>(work.jobs), 0);
+  if (work.jobs == 0) return result;
+
+  const auto count = static_cast<std::size_t>(std::clamp(settings.lanes, 1, work.jobs));
+  const auto actions = static_cast<std::size_t>(arena.action_length());
+  const auto length = static_cast<std::size_t>(arena.observation_length());
+  VecEnv env(arena, static_cast<int>(count));
+  std::vector<Running> lanes(count);
+  std::vector<std::uint8_t> active(count, 0);
+  std::vector<double> targets(count * actions, 1.0);
+  int next = 0;
+  std::size_t running = 0;
+  const auto begin = [&](std::size_t l) {
+    lanes[l].job = next < work.jobs ? next++ : -1;
+    active[l] = lanes[l].job >= 0 ? 1 : 0;
+    if (active[l] == 0) return;
+    ++running;
+    start(arena, settings, work, env, static_cast<int>(l), lanes[l]);
+    if (observer)
+      observer({work.episode(lanes[l].job), env, static_cast<int>(l), {}, false, lanes[l].draws});
+  };
+  for (std::size_t l = 0; l < count; ++l) begin(l);
+
+  while (running > 0) {
+    work.choose(env, lanes, targets);
+    for (std::size_t l = 0; l < count; ++l)
+      if (active[l] != 0)
+        require_finite({targets.data() + l * actions, actions}, "an action", lanes[l]);
+    env.step(targets, active);
+    for (std::size_t l = 0; l < count; ++l) {
+      if (active[l] == 0) continue;
+      Running& lane = lanes[l];
+      const auto job = static_cast<std::size_t>(lane.job);
+      ++lane.steps;
+      require_finite(env.observations().subspan(l * length, length), "an observation", lane);
+      require_finite(env.rewards().subspan(l, 1), "a reward", lane);
+      result.returns[job] += env.rewards()[l];
+      result.lengths[job] = lane.steps;
+      const bool over = env.terminated()[l] != 0 || env.truncated()[l] != 0 ||
+                        lane.steps >= work.limit ||
+                        (settings.max_steps > 0 && lane.steps >= settings.max_steps);
+      if (observer)
+        observer({work.episode(lane.job), env, static_cast<int>(l),
+                  std::span<const double>(targets).subspan(l * actions, actions), over,
+                  lane.draws});
+      if (!over) continue;
+      --running;
+      begin(l);
+    }
+  }
+  return result;
+}
+
+// ---- one chooser a kind of controller -------------------------------------------
+
+void require_length(const char* what, std::size_t has, std::size_t needs) {
+  if (has != needs)
+    throw error(Failure::data, "the controller has {} {}, robot and task need {}", has, what,
+                needs);
+}
+
+template <typename PerLane>
+Choose lane_by_lane(std::size_t actions, PerLane per_lane) {
+  return [actions, per_lane](const VecEnv&, std::span<Running> lanes, std::span<double> targets) {
+    for (std::size_t l = 0; l < lanes.size(); ++l)
+      if (lanes[l].job >= 0) per_lane(lanes[l], targets.subspan(l * actions, actions));
+  };
+}
+
+struct Prepare {
+  const Arena& arena;
+  Work& work;
+
+  std::size_t actions() const { return static_cast<std::size_t>(arena.action_length()); }
+
+  void operator()(const Policy& policy) const {
+    require_length("inputs", static_cast<std::size_t>(policy.observation_length()),
+                   static_cast<std::size_t>(arena.observation_length()));
+    require_length("outputs", static_cast<std::size_t>(policy.action_length()), actions());
+    work.choose = [&policy](const VecEnv& env, std::span<Running>, std::span<double> targets) {
+      act(policy, env.observations(), targets);
+    };
+  }
+
+  void operator()(const SineController& sine) const {
+    require_length("amplitudes", sine.amplitude.size(), actions());
+    require_length("phases", sine.phase.size(), actions());
+    work.choose = lane_by_lane(actions(), [&sine](const Running& lane, std::span<double> targets) {
+      act(sine, lane.steps, targets);
+    });
+  }
+
+  void operator()(const RandomController& random) const {
+    work.choose = lane_by_lane(actions(), [&random](Running& lane, std::span<double> targets) {
+      for (double& target : targets)
+        target = random.low + (random.high - random.low) * lane.random.uniform();
+    });
+  }
+
+  void operator()(const ReplayController& replay) const {
+    if (replay.actions.empty() || replay.actions.size() % actions() != 0)
+      throw error(Failure::data, "{} recorded actions do not make rows of {} actuators",
+                  replay.actions.size(), actions());
+    work.limit = static_cast<int>(replay.actions.size() / actions());
+    work.choose =
+        lane_by_lane(actions(), [&replay](const Running& lane, std::span<double> targets) {
+          const auto row =
+              static_cast<std::ptrdiff_t>(lane.steps) * static_cast<std::ptrdiff_t>(targets.size());
+          std::copy_n(replay.actions.begin() + row, targets.size(), targets.begin());
+        });
+  }
+};
+
+}  // namespace
+
+double Evaluation::mean() const {
+  return std::accumulate(returns.begin(), returns.end(), 0.0) / static_cast<double>(returns.size());
+}
+
+double Evaluation::standard_error() const {
+  if (returns.size() < 2) return 0.0;
+  const double centre = mean();
+  double squares = 0.0;
+  for (const double r : returns) squares += (r - centre) * (r - centre);
+  const auto n = static_cast<double>(returns.size());
+  return std::sqrt(squares / (n - 1.0) / n);
+}
+
+std::int64_t Evaluation::steps() const {
+  return std::accumulate(lengths.begin(), lengths.end(), std::int64_t{0});
+}
+
+Evaluation evaluate(const Arena& arena, const Controller& controller,
+                    const EvaluationSettings& settings, const EpisodeObserver& observer) {
+  Work work;
+  work.jobs = settings.episodes;
+  work.episode = [](int job) { return job; };
+  std::visit(Prepare{arena, work}, controller);
+  return run(arena, settings, work, observer);
+}
+
+SineEvaluation evaluate_each(const Arena& arena, std::span<const SineController> controllers,
+                             const EvaluationSettings& settings) {
+  const int episodes = settings.episodes;
+  const auto actions = static_cast<std::size_t>(arena.action_length());
+  Work work;
+  work.jobs = episodes * static_cast<int>(controllers.size());
+  work.episode = [episodes](int job) { return job % episodes; };
+  work.choose = lane_by_lane(actions, [=](const Running& lane, std::span<double> targets) {
+    act(controllers[static_cast<std::size_t>(lane.job / episodes)], lane.steps, targets);
+  });
+  const Evaluation all = run(arena, settings, work, {});
+  SineEvaluation result;
+  result.steps = all.steps();
+  for (std::size_t c = 0; c < controllers.size(); ++c) {
+    const auto first = all.returns.begin() + static_cast<std::ptrdiff_t>(c) * episodes;
+    result.means.push_back(std::accumulate(first, first + episodes, 0.0) / episodes);
+  }
+  return result;
+}
+
+}  // namespace evo

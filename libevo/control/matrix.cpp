@@ -1,0 +1,221 @@
+// Compiled once per instruction set by Highway and chosen at run time.
+//
+// The product works on panels of B, a few vectors wide and `panel_rows` high,
+// copied so that they are contiguous and padded with zeros. Against a panel go
+// tiles of up to `tile_rows` rows of C, held in registers while k runs. A sum
+// over more than `panel_rows` terms is put back into C and taken up again from
+// there, which leaves the order of its additions as it was.
+#include "libevo/control/matrix.h"
+
+#include <algorithm>
+#include <cstddef>
+
+// One target for each level the project names: x86-64 (emulated with 128-bit
+// arrays, which the compiler turns into SSE2), -v3, -v4.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "libevo/control/matrix.cpp"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+#include "hwy/highway.h"
+
+#ifndef EVO_CONTROL_MATRIX_OPERAND
+#define EVO_CONTROL_MATRIX_OPERAND
+namespace evo {
+
+// Entry (i, j) of an operand is data[i * row + j * column].
+struct Operand {
+  const float* data;
+  std::ptrdiff_t row;
+  std::ptrdiff_t column;
+};
+
+struct Shape {
+  std::ptrdiff_t m;
+  std::ptrdiff_t n;
+  std::ptrdiff_t k;
+};
+
+}  // namespace evo
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace evo {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::ScalableTag<float>;
+using V = hn::Vec<D>;
+
+constexpr std::ptrdiff_t tile_rows = 6;     // 6 x 2 sums, 2 of B, 1 of A: 15 registers
+constexpr std::ptrdiff_t panel_rows = 256;  // x 2 vectors: at most 32 KiB
+constexpr std::ptrdiff_t max_lanes = 16;
+
+// tile += A rows [Rows x k] times panel [k x Vectors * lanes]; the tile's rows
+// are `stride` apart.
+template <int Rows, int Vectors>
+HWY_INLINE void multiply_tile(const Operand& a, const float* panel, std::ptrdiff_t k, float* tile,
+                              std::ptrdiff_t stride) {
+  const D d;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  V sum[Rows][Vectors];
+  for (int r = 0; r < Rows; ++r)
+    for (int v = 0; v < Vectors; ++v) sum[r][v] = hn::LoadU(d, tile + r * stride + v * lanes);
+  for (std::ptrdiff_t i = 0; i < k; ++i) {
+    V b[Vectors];
+    for (int v = 0; v < Vectors; ++v) b[v] = hn::Load(d, panel + (i * Vectors + v) * lanes);
+    for (int r = 0; r < Rows; ++r) {
+      const V value = hn::Set(d, a.data[r * a.row + i * a.column]);
+      for (int v = 0; v < Vectors; ++v) sum[r][v] = hn::Add(sum[r][v], hn::Mul(value, b[v]));
+    }
+  }
+  for (int r = 0; r < Rows; ++r)
+    for (int v = 0; v < Vectors; ++v) hn::StoreU(sum[r][v], d, tile + r * stride + v * lanes);
+}
+
+template <int Vectors>
+void multiply_rows(std::ptrdiff_t rows, const Operand& a, const float* panel, std::ptrdiff_t k,
+                   float* tile, std::ptrdiff_t stride) {
+  switch (rows) {
+    case 1:
+      return multiply_tile<1, Vectors>(a, panel, k, tile, stride);
+    case 2:
+      return multiply_tile<2, Vectors>(a, panel, k, tile, stride);
+    case 3:
+      return multiply_tile<3, Vectors>(a, panel, k, tile, stride);
+    case 4:
+      return multiply_tile<4, Vectors>(a, panel, k, tile, stride);
+    case 5:
+      return multiply_tile<5, Vectors>(a, panel, k, tile, stride);
+    default:
+      return multiply_tile<6, Vectors>(a, panel, k, tile, stride);
+  }
+}
+
+// Rows [0, k) and columns [0, columns) of B, padded to `width` columns.
+void pack(const Operand& b, std::ptrdiff_t k, std::ptrdiff_t columns, std::ptrdiff_t width,
+          float* panel) {
+  for (std::ptrdiff_t i = 0; i < k; ++i) {
+    float* row = panel + i * width;
+    for (std::ptrdiff_t j = 0; j < columns; ++j) row[j] = b.data[i * b.row + j * b.column];
+    std::fill(row + columns, row + width, 0.0F);
+  }
+}
+
+// `columns` columns of C, at most a panel's width, over at most panel_rows of k.
+template <int Vectors>
+void multiply_panel(const Shape& shape, std::ptrdiff_t columns, const Operand& a, const Operand& b,
+                    float* c, std::ptrdiff_t c_row) {
+  const D d;
+  const auto width = Vectors * static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  HWY_ALIGN float panel[panel_rows * Vectors * max_lanes];
+  pack(b, shape.k, columns, width, panel);
+  for (std::ptrdiff_t i = 0; i < shape.m; i += tile_rows) {
+    const std::ptrdiff_t rows = std::min(tile_rows, shape.m - i);
+    const Operand a_rows{a.data + i * a.row, a.row, a.column};
+    float* c_rows = c + i * c_row;
+    if (columns == width) {
+      multiply_rows<Vectors>(rows, a_rows, panel, shape.k, c_rows, c_row);
+    } else {
+      HWY_ALIGN float tile[tile_rows * Vectors * max_lanes] = {};
+      for (std::ptrdiff_t r = 0; r < rows; ++r)
+        std::copy_n(c_rows + r * c_row, columns, tile + r * width);
+      multiply_rows<Vectors>(rows, a_rows, panel, shape.k, tile, width);
+      for (std::ptrdiff_t r = 0; r < rows; ++r)
+        std::copy_n(tile + r * width, columns, c_rows + r * c_row);
+    }
+  }
+}
+
+void AddProduct(const Shape& shape, const Operand& a, const Operand& b, float* c) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(D()));
+  for (std::ptrdiff_t k = 0; k < shape.k; k += panel_rows) {
+    const Shape part{shape.m, shape.n, std::min(panel_rows, shape.k - k)};
+    const Operand a_part{a.data + k * a.column, a.row, a.column};
+    std::ptrdiff_t j = 0;
+    while (j < shape.n) {
+      const std::ptrdiff_t columns = std::min(2 * lanes, shape.n - j);
+      const Operand b_part{b.data + k * b.row + j * b.column, b.row, b.column};
+      if (columns > lanes) {
+        multiply_panel<2>(part, columns, a_part, b_part, c + j, shape.n);
+      } else {
+        multiply_panel<1>(part, columns, a_part, b_part, c + j, shape.n);
+      }
+      j += columns;
+    }
+  }
+}
+
+// tanh(x) = x P(x^2) / Q(x^2), fitted to the least relative error (2.1e-8) on
+// [-9, 9]; beyond, tanh is 1 to single precision.
+HWY_INLINE V tanh_lanes(V x) {
+  const D d;
+  const V bound = hn::Set(d, 9.0F);
+  const V one = hn::Set(d, 1.0F);
+  // Selections instead of Min and Max, whose treatment of NaN varies.
+  V t = hn::IfThenElse(hn::Gt(x, bound), bound, x);
+  t = hn::IfThenElse(hn::Lt(t, hn::Neg(bound)), hn::Neg(bound), t);
+  const V z = hn::Mul(t, t);
+  V p = hn::Set(d, 1.3354648e-8F);
+  p = hn::Add(hn::Mul(p, z), hn::Set(d, 2.0609072e-5F));
+  p = hn::Add(hn::Mul(p, z), hn::Set(d, 3.4955875e-3F));
+  p = hn::Add(hn::Mul(p, z), hn::Set(d, 1.3381025e-1F));
+  p = hn::Add(hn::Mul(p, z), one);
+  V q = hn::Set(d, 7.7765526e-7F);
+  q = hn::Add(hn::Mul(q, z), hn::Set(d, 3.2856336e-4F));
+  q = hn::Add(hn::Mul(q, z), hn::Set(d, 2.5876980e-2F));
+  q = hn::Add(hn::Mul(q, z), hn::Set(d, 4.6714342e-1F));
+  q = hn::Add(hn::Mul(q, z), one);
+  V y = hn::Div(hn::Mul(t, p), q);
+  y = hn::IfThenElse(hn::Gt(y, one), one, y);
+  return hn::IfThenElse(hn::Lt(y, hn::Neg(one)), hn::Neg(one), y);
+}
+
+void Tanh(float* x, std::ptrdiff_t n) {
+  const D d;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  std::ptrdiff_t i = 0;
+  for (; i + lanes <= n; i += lanes) hn::StoreU(tanh_lanes(hn::LoadU(d, x + i)), d, x + i);
+  if (i == n) return;
+  HWY_ALIGN float rest[max_lanes] = {};
+  std::copy(x + i, x + n, rest);
+  hn::Store(tanh_lanes(hn::Load(d, rest)), d, rest);
+  std::copy_n(rest, n - i, x + i);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace evo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace evo {
+namespace {
+
+HWY_EXPORT(AddProduct);
+HWY_EXPORT(Tanh);
+
+Operand plain(const Matrix& x) { return {x.data(), x.cols(), 1}; }
+Operand transposed(const Matrix& x) { return {x.data(), 1, x.cols()}; }
+
+}  // namespace
+
+void add_product(const Matrix& a, const Matrix& b, Matrix& c) {
+  eigen_assert(a.cols() == b.rows() && c.rows() == a.rows() && c.cols() == b.cols());
+  HWY_DYNAMIC_DISPATCH(AddProduct)({a.rows(), b.cols(), a.cols()}, plain(a), plain(b), c.data());
+}
+
+void add_product_transposed_right(const Matrix& a, const Matrix& b, Matrix& c) {
+  eigen_assert(a.cols() == b.cols() && c.rows() == a.rows() && c.cols() == b.rows());
+  HWY_DYNAMIC_DISPATCH(AddProduct)
+  ({a.rows(), b.rows(), a.cols()}, plain(a), transposed(b), c.data());
+}
+
+void add_product_transposed_left(const Matrix& a, const Matrix& b, Matrix& c) {
+  eigen_assert(a.rows() == b.rows() && c.rows() == a.cols() && c.cols() == b.cols());
+  HWY_DYNAMIC_DISPATCH(AddProduct)
+  ({a.cols(), b.cols(), a.rows()}, transposed(a), plain(b), c.data());
+}
+
+void tanh_in_place(Matrix& x) { HWY_DYNAMIC_DISPATCH(Tanh)(x.data(), x.size()); }
+
+}  // namespace evo
+#endif

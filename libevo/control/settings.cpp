@@ -1,0 +1,63 @@
+#include "libevo/control/settings.h"
+
+#include <algorithm>
+
+#include "libevo/base/error.h"
+
+namespace evo {
+namespace {
+
+void require(bool holds, const char* key, double value, const char* allowed) {
+  if (!holds) throw error(Failure::usage, "training: {} is {}; {}", key, value, allowed);
+}
+
+void at_least(const char* key, double value, double minimum) {
+  if (!(value >= minimum))
+    throw error(Failure::usage, "training: {} is {}; it must be at least {}", key, value, minimum);
+}
+
+void positive(const char* key, double value) {
+  require(value > 0.0, key, value, "it must be positive");
+}
+
+void share(const char* key, double value) {
+  require(value >= 0.0 && value <= 1.0, key, value, "it must lie in [0, 1]");
+}
+
+}  // namespace
+
+void check(const TrainingSettings& s) {
+  at_least("steps", static_cast<double>(s.steps), 1);
+  at_least("environments", s.environments, 1);
+  at_least("rollout", s.rollout, 1);
+  at_least("epochs", s.epochs, 1);
+  at_least("minibatches", s.minibatches, 1);
+  require(s.minibatches <= s.batch(), "minibatches", s.minibatches,
+          "a rollout has fewer samples (environments x rollout)");
+  share("gamma", s.gamma);
+  share("lambda", s.lambda);
+  positive("clip", s.clip);
+  at_least("value_coefficient", s.value_coefficient, 0);
+  at_least("entropy_coefficient", s.entropy_coefficient, 0);
+  at_least("max_gradient_norm", s.max_gradient_norm, 0);
+  positive("learning_rate", s.learning_rate);
+  at_least("learning_rate_horizon", static_cast<double>(s.learning_rate_horizon), 0);
+  positive("adam_epsilon", s.adam_epsilon);
+  for (const int width : s.hidden) at_least("hidden", width, 1);
+  positive("head_gain", s.head_gain);
+  positive("observation_clip", s.observation_clip);
+  positive("reward_clip", s.reward_clip);
+  at_least("evaluation_interval", s.evaluation_interval, 1);
+  at_least("evaluation_episodes", s.evaluation_episodes, 1);
+  at_least("final_episodes", s.final_episodes, 0);
+  at_least("final_jitter", s.final_jitter, 0);
+  at_least("population", s.population, 4);
+  positive("initial_sigma", s.initial_sigma);
+  at_least("shortest_period", s.shortest_period, 2);
+  at_least("longest_period", s.longest_period, s.shortest_period);
+  if (s.algorithm == Algorithm::ppo && s.updates() < 1)
+    throw error(Failure::usage, "training: {} steps are less than one rollout of {} x {}", s.steps,
+                s.environments, s.rollout);
+}
+
+}  // namespace evo

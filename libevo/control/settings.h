@@ -1,0 +1,86 @@
+// Every number that decides a training, with the defaults of the profile
+// `paper` (spec: robots, 5.1 and 5.2). Profiles are the YAML files of
+// tasks/training/, read by formats/training.h.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libevo/control/policy.h"
+
+namespace evo {
+
+// ppo:    a policy network, trained by proximal policy optimisation
+// sine:   open-loop sine waves, optimised by an evolution strategy
+// random: the best of random open-loop sine waves
+enum class Algorithm { ppo, sine, random };
+
+enum class Schedule { constant, linear };           // linear: falls to 0 over the horizon
+enum class TimeLimit { end, bootstrap };            // what an episode cut off by time counts as
+enum class Standardize { none, batch, minibatch };  // over what advantages get mean 0, deviation 1
+
+struct TrainingSettings {
+  Algorithm algorithm = Algorithm::ppo;
+  std::int64_t steps = 512000;  // environment steps in all; a budget, never exceeded
+
+  // Rollout
+  int environments = 4;
+  int rollout = 128;  // steps of each environment between updates
+
+  // Update
+  int epochs = 4;
+  int minibatches = 4;  // per epoch, freshly shuffled; a remainder is dropped
+  double gamma = 0.99;
+  double lambda = 0.95;  // of generalised advantage estimation
+  double clip = 0.1;     // epsilon of the clipped objective
+  bool clip_value_loss = true;
+  double value_coefficient = 0.5;  // times half the squared error
+  double entropy_coefficient = 0.01;
+  Schedule entropy_schedule = Schedule::constant;
+  double max_gradient_norm = 0.5;  // of all parameters together; 0: no limit
+  Standardize standardize_advantages = Standardize::batch;
+  TimeLimit time_limit = TimeLimit::end;
+
+  // Adam
+  double learning_rate = 2.5e-4;
+  Schedule learning_rate_schedule = Schedule::linear;
+  std::int64_t learning_rate_horizon = 19531;  // updates until it is 0; 0: those of the training
+  double adam_epsilon = 1e-5;
+
+  // Networks and distribution
+  std::vector<int> hidden{64, 64};
+  double head_gain = 1.0;        // orthogonal gain of the layer of action means
+  double initial_log_std = 0.0;  // log of the standard deviation of actions
+  ActionMap action_map = ActionMap::offset;
+  double action_offset = 1.0;  // target = clip(offset + action)
+
+  // Normalisation
+  bool normalize_observations = true;
+  bool normalize_rewards = true;  // by the deviation of discounted returns
+  double observation_clip = 10.0;
+  double reward_clip = 10.0;
+
+  // Evaluation
+  int evaluation_interval = 50;  // updates between evaluations; one more after the last
+  int evaluation_episodes = 1;
+  int final_episodes = 0;      // of the best policy, after training
+  double final_jitter = 1e-4;  // of their start coordinates, voxels
+
+  // Open-loop search: `environments` and the like do not apply
+  int population = 16;         // candidates of a generation
+  double initial_sigma = 0.5;  // of the evolution strategy, in its scaled coordinates
+  double shortest_period = 8;  // control steps, of random candidates
+  double longest_period = 100;
+
+  bool operator==(const TrainingSettings&) const = default;
+
+  std::int64_t batch() const { return std::int64_t{environments} * rollout; }
+  std::int64_t updates() const { return steps / batch(); }
+};
+
+// Throws Error(usage) naming the key and the value where a setting makes no
+// sense, alone or with the others.
+void check(const TrainingSettings& settings);
+
+}  // namespace evo

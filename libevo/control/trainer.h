@@ -1,0 +1,102 @@
+// One training of one robot: rollouts, updates, evaluations, and the best
+// controller found. Single-threaded and sharing nothing, so that many robots
+// train side by side; the result depends on arena, settings, seed and robot id.
+// Spec: robots, section 5; cli, evo-train.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "libevo/control/checkpoint.h"
+#include "libevo/control/controller.h"
+#include "libevo/control/settings.h"
+#include "libevo/task/env.h"
+
+namespace evo {
+
+// An evaluation after so many environment steps, and the best until then.
+struct CurvePoint {
+  std::int64_t step = 0;
+  double evaluation = 0.0;
+  double best = 0.0;
+  bool operator==(const CurvePoint&) const = default;
+};
+
+// The best controller over `episodes` episodes with jittered starts.
+struct FinalScore {
+  int episodes = 0;
+  double mean = 0.0;
+  double standard_error = 0.0;
+  bool operator==(const FinalScore&) const = default;
+};
+
+// A training whose numbers left the finite ones.
+struct TrainingFailure {
+  std::string why;
+  std::int64_t step = 0;  // environment steps taken
+  std::uint64_t seed = 0;
+  bool operator==(const TrainingFailure&) const = default;
+};
+
+struct TrainResult {
+  bool complete = false;                 // not stopped early by the caller
+  std::optional<double> fitness;         // best evaluation; none after a failure
+  std::optional<Controller> controller;  // that reached it: a Policy or a SineController
+  std::int64_t best_step = 0;            // when it did
+  std::int64_t steps = 0;                // environment steps of training
+  std::vector<CurvePoint> curve;
+  std::optional<FinalScore> final_score;
+  std::optional<TrainingFailure> failure;
+};
+
+// Named as CleanRL names them: "losses/policy_loss", "charts/learning_rate", ...
+// The caller, who has a clock, adds "charts/SPS".
+struct Metric {
+  std::string name;
+  double value = 0.0;
+};
+
+struct TrainingReport {
+  std::int64_t step = 0;   // environment steps so far
+  std::int64_t steps = 0;  // of the whole training
+  std::vector<Metric> metrics;
+};
+
+class Trainer {
+ public:
+  // `arena` must outlive this. Throws Error(usage) for settings that make no
+  // sense. `robot_id` names the random streams.
+  Trainer(const Arena& arena, const TrainingSettings& settings, std::uint64_t seed,
+          std::string_view robot_id);
+  ~Trainer();
+  Trainer(Trainer&&) noexcept;
+  Trainer& operator=(Trainer&&) noexcept;
+
+  bool done() const;
+  // One update of PPO or one generation of the search, and the evaluation
+  // where one is due. Numbers that stop being finite end the training with a
+  // failure record.
+  TrainingReport advance();
+  // When done, runs the final episodes, too.
+  TrainResult result() const;
+
+  // Everything needed to go on to the same bytes.
+  Checkpoint checkpoint() const;
+  // Into a trainer made with the same arguments. Throws Error(data) otherwise.
+  void restore(const Checkpoint& checkpoint);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// Advances to the end, or until `go_on`, called after every advance, says no.
+using TrainingHook = std::function<bool(const Trainer&, const TrainingReport&)>;
+TrainResult train(Trainer& trainer, const TrainingHook& go_on = {});
+
+}  // namespace evo

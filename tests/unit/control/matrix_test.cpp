@@ -1,0 +1,106 @@
+#include "libevo/control/matrix.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "libevo/base/random.h"
+#include "libevo/sim/state.h"
+
+using evo::Matrix;
+
+namespace {
+
+Matrix random_matrix(Eigen::Index rows, Eigen::Index cols, evo::Stream& stream) {
+  Matrix m(rows, cols);
+  for (Eigen::Index i = 0; i < m.size(); ++i) m.data()[i] = static_cast<float>(stream.gaussian());
+  return m;
+}
+
+// The definition: k ascending, product and sum rounded to single precision.
+Matrix by_definition(const Matrix& a, const Matrix& b, Matrix c) {
+  for (Eigen::Index i = 0; i < a.rows(); ++i)
+    for (Eigen::Index j = 0; j < b.cols(); ++j)
+      for (Eigen::Index k = 0; k < a.cols(); ++k) {
+        const float product = a(i, k) * b(k, j);
+        c(i, j) += product;
+      }
+  return c;
+}
+
+// Runs `f` under every instruction set compiled in that this processor has.
+template <typename F>
+void for_each_isa(F f) {
+  for (const std::string& isa : evo::available_isas()) {
+    evo::select_isa(isa);
+    INFO("instruction set " << isa);
+    f();
+  }
+  evo::select_isa(evo::best_isa());
+}
+
+}  // namespace
+
+TEST_CASE("products have the bits of their definition on every instruction set") {
+  evo::Stream stream(1, "matrix");
+  const auto [m, n, k] = GENERATE(table<int, int, int>({{1, 1, 1},
+                                                        {4, 64, 61},
+                                                        {128, 64, 64},
+                                                        {7, 33, 600},
+                                                        {13, 10, 5},
+                                                        {128, 1, 64},
+                                                        {2, 17, 257}}));
+  const Matrix a = random_matrix(m, k, stream);
+  const Matrix b = random_matrix(k, n, stream);
+  const Matrix c = random_matrix(m, n, stream);
+  const Matrix expected = by_definition(a, b, c);
+  for_each_isa([&] {
+    Matrix plain = c;
+    evo::add_product(a, b, plain);
+    CHECK(plain == expected);
+    Matrix right = c;
+    evo::add_product_transposed_right(a, b.transpose(), right);
+    CHECK(right == expected);
+    Matrix left = c;
+    evo::add_product_transposed_left(a.transpose(), b, left);
+    CHECK(left == expected);
+  });
+}
+
+TEST_CASE("tanh is close, odd, bounded, and the same on every instruction set") {
+  Matrix x(1, 200003);
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    x(0, i) = 12.0F * (static_cast<float>(i) / 100001.0F - 1.0F);
+  Matrix reference = x;
+  evo::tanh_in_place(reference);
+  double worst = 0.0;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    worst = std::max(worst, std::abs(static_cast<double>(reference(0, i)) -
+                                     std::tanh(static_cast<double>(x(0, i)))));
+    REQUIRE(std::abs(reference(0, i)) <= 1.0F);
+  }
+  CHECK(worst < 4e-7);
+  for_each_isa([&] {
+    Matrix y = x;
+    evo::tanh_in_place(y);
+    CHECK(y == reference);
+    Matrix negative = -x;
+    evo::tanh_in_place(negative);
+    CHECK(negative == -reference);
+  });
+}
+
+TEST_CASE("tanh lets what is not a number through") {
+  Matrix x = Matrix::Zero(1, 19);
+  x(0, 3) = std::numeric_limits<float>::quiet_NaN();
+  x(0, 4) = std::numeric_limits<float>::infinity();
+  x(0, 18) = std::numeric_limits<float>::quiet_NaN();
+  for_each_isa([&] {
+    Matrix y = x;
+    evo::tanh_in_place(y);
+    CHECK(std::isnan(y(0, 3)));
+    CHECK(y(0, 4) == 1.0F);
+    CHECK(std::isnan(y(0, 18)));
+    CHECK(y(0, 17) == 0.0F);
+  });
+}

@@ -1,0 +1,255 @@
+#include "libevo/control/trainer.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "libevo/base/error.h"
+#include "libevo/control/evaluate.h"
+#include "libevo/control/ppo.h"
+#include "tests/unit/control/arena.h"
+
+using namespace evo;
+
+namespace {
+
+// A training of a second or less: 6 updates of 4 x 16 steps, episodes of 10.
+TrainingSettings brief() {
+  TrainingSettings s;
+  s.steps = 6 * 64 + 13;
+  s.rollout = 16;
+  s.hidden = {16, 16};
+  s.evaluation_interval = 4;
+  s.learning_rate = 1e-3;
+  s.learning_rate_horizon = 0;
+  return s;
+}
+
+TrainingSettings brief_search(Algorithm algorithm) {
+  TrainingSettings s;
+  s.algorithm = algorithm;
+  s.population = 6;
+  s.steps = 6 * 10 * 5 + 59;
+  return s;
+}
+
+void check_equal(const TrainResult& a, const TrainResult& b) {
+  CHECK(a.fitness == b.fitness);
+  CHECK(a.controller == b.controller);
+  CHECK(a.best_step == b.best_step);
+  CHECK(a.steps == b.steps);
+  CHECK(a.curve == b.curve);
+  CHECK(a.final_score == b.final_score);
+  CHECK(a.failure == b.failure);
+}
+
+}  // namespace
+
+TEST_CASE("a training takes its updates, evaluates when due, and keeps the best") {
+  const Arena arena(test::walker(10), test::small_body());
+  TrainingSettings settings = brief();
+  settings.final_episodes = 3;
+  Trainer trainer(arena, settings, 1, "robot");
+  std::vector<std::string> names;
+  int advances = 0;
+  const TrainResult result = train(trainer, [&](const Trainer&, const TrainingReport& report) {
+    ++advances;
+    CHECK(report.step == 64 * advances);
+    for (const Metric& metric : report.metrics) {
+      CHECK(std::isfinite(metric.value));
+      names.push_back(metric.name);
+    }
+    return true;
+  });
+  CHECK(advances == 6);
+  CHECK(result.complete);
+  CHECK(result.steps == 6 * 64);
+  REQUIRE(result.curve.size() == 2);  // after 4 and after the last
+  CHECK(result.curve[0].step == 4 * 64);
+  CHECK(result.curve[1].step == 6 * 64);
+  CHECK(*result.fitness == std::max(result.curve[0].evaluation, result.curve[1].evaluation));
+  CHECK(result.curve[1].best == *result.fitness);
+  for (const char* name :
+       {"losses/policy_loss", "losses/value_loss", "losses/entropy", "losses/approx_kl",
+        "losses/clipfrac", "losses/explained_variance", "charts/learning_rate",
+        "charts/episodic_return", "eval/return", "eval/best"})
+    CHECK(std::count(names.begin(), names.end(), name) > 0);
+
+  // The controller kept is the one that was evaluated.
+  EvaluationSettings evaluation;
+  evaluation.seed = 1;
+  CHECK(evaluate(arena, *result.controller, evaluation).mean() == *result.fitness);
+  REQUIRE(result.final_score);
+  CHECK(result.final_score->episodes == 3);
+  CHECK(result.final_score->standard_error > 0.0);
+}
+
+TEST_CASE("a resumed training ends with the same bytes") {
+  const Arena arena(test::walker(10), test::small_body());
+  const TrainingSettings settings =
+      GENERATE(brief(), brief_search(Algorithm::sine), brief_search(Algorithm::random));
+  const int before = GENERATE(0, 2, 4);
+  Trainer whole(arena, settings, 5, "robot");
+  for (int i = 0; i < before; ++i) whole.advance();
+  const Checkpoint checkpoint = whole.checkpoint();
+
+  Trainer resumed(arena, settings, 5, "robot");
+  resumed.restore(checkpoint);
+  CHECK(resumed.checkpoint() == checkpoint);
+  check_equal(train(resumed), train(whole));
+  CHECK(resumed.checkpoint() == whole.checkpoint());
+}
+
+TEST_CASE("results depend on seed and robot id, and on nothing else") {
+  const Arena arena(test::walker(10), test::small_body());
+  const TrainingSettings settings =
+      GENERATE(brief(), brief_search(Algorithm::sine), brief_search(Algorithm::random));
+  const auto run = [&](std::uint64_t seed, const char* id) {
+    Trainer trainer(arena, settings, seed, id);
+    return train(trainer);
+  };
+  const TrainResult reference = run(1, "a");
+  check_equal(run(1, "a"), reference);
+  CHECK_FALSE(run(2, "a").controller == reference.controller);
+  CHECK_FALSE(run(1, "b").controller == reference.controller);
+}
+
+TEST_CASE("a training can be stopped, and then has no final score") {
+  const Arena arena(test::walker(10), test::small_body());
+  TrainingSettings settings = brief();
+  settings.final_episodes = 2;
+  Trainer trainer(arena, settings, 1, "robot");
+  const TrainResult result =
+      train(trainer, [](const Trainer&, const TrainingReport& r) { return r.step < 3 * 64; });
+  CHECK_FALSE(result.complete);
+  CHECK(result.steps == 3 * 64);
+  CHECK_FALSE(result.final_score);
+  CHECK_FALSE(trainer.done());
+}
+
+TEST_CASE("a training that diverges is a failure record, not an exception") {
+  const Arena arena(test::walker(10), test::small_body());
+  TrainingSettings settings = brief();
+  settings.learning_rate = 1e30;
+  settings.max_gradient_norm = 0;
+  Trainer trainer(arena, settings, 9, "robot");
+  const TrainResult result = train(trainer);
+  REQUIRE(result.failure);
+  CHECK_THAT(result.failure->why, Catch::Contains("not a finite number"));
+  CHECK(result.failure->seed == 9);
+  CHECK(result.failure->step > 0);
+  CHECK_FALSE(result.fitness);
+  CHECK_FALSE(result.controller);
+  CHECK(trainer.done());
+}
+
+TEST_CASE("open-loop searches stay within their budget") {
+  const Arena arena(test::walker(10), test::small_body());
+  const Algorithm algorithm = GENERATE(Algorithm::sine, Algorithm::random);
+  Trainer trainer(arena, brief_search(algorithm), 1, "robot");
+  const TrainResult result = train(trainer);
+  CHECK(result.complete);
+  CHECK(result.steps == 5 * 60);
+  CHECK(result.curve.size() == 5);
+  REQUIRE(result.controller);
+  CHECK(std::holds_alternative<SineController>(*result.controller));
+  EvaluationSettings evaluation;
+  evaluation.seed = 1;
+  CHECK(evaluate(arena, *result.controller, evaluation).mean() == *result.fitness);
+}
+
+namespace {
+
+// What the profile `default` does, for a training of `steps` steps.
+TrainingSettings lively(std::int64_t steps) {
+  TrainingSettings s;
+  s.steps = steps;
+  s.environments = 16;
+  s.rollout = 64;
+  s.epochs = 10;
+  s.minibatches = 8;
+  s.clip = 0.2;
+  s.clip_value_loss = false;
+  s.entropy_coefficient = 0.0;
+  s.time_limit = TimeLimit::bootstrap;
+  s.learning_rate = 1e-3;
+  s.learning_rate_horizon = 0;
+  s.head_gain = 0.01;
+  s.initial_log_std = -1.0;
+  s.evaluation_interval = 5;
+  return s;
+}
+
+double untrained_return(const Arena& arena, const TrainingSettings& settings) {
+  const Ppo ppo(settings, arena.observation_length(), arena.action_length(), 0.6, 1.6, 1, "robot");
+  return evaluate(arena, ppo.policy(), {}).mean();
+}
+
+}  // namespace
+
+TEST_CASE("training makes body A walk") {
+  const Arena arena(test::walker(100), test::body_a());
+  const TrainingSettings settings = lively(20 * 1024);
+  Trainer trainer(arena, settings, 1, "robot");
+  const TrainResult result = train(trainer);
+  const double before = untrained_return(arena, settings);
+  INFO("untrained " << before << ", trained " << *result.fitness);
+  CHECK(before < 0.1);
+  CHECK(*result.fitness > before + 0.25);
+}
+
+TEST_CASE("training makes body A walk the length of Walker-v0", "[.slow]") {
+  const Arena arena(test::walker(500, 100), test::body_a());
+  const TrainingSettings settings = lively(200 * 1024);
+  Trainer trainer(arena, settings, 1, "robot");
+  const TrainResult result = train(trainer);
+  CHECK(untrained_return(arena, settings) < 0.5);
+  CHECK(*result.fitness > 6.0);
+  CHECK(result.curve.back().evaluation > 0.8 * *result.fitness);
+}
+
+TEST_CASE("an optimised wave walks farther than the best of as many random ones", "[.slow]") {
+  const Arena arena(test::walker(200), test::body_a());
+  const auto best = [&](Algorithm algorithm) {
+    TrainingSettings settings;
+    settings.algorithm = algorithm;
+    settings.steps = 100000;
+    Trainer trainer(arena, settings, 1, "robot");
+    return *train(trainer).fitness;
+  };
+  CHECK(best(Algorithm::sine) > best(Algorithm::random));
+}
+
+TEST_CASE("settings that make no sense are refused by name") {
+  const Arena arena(test::walker(10), test::small_body());
+  const auto message = [&](auto change) {
+    TrainingSettings settings = brief();
+    change(settings);
+    try {
+      Trainer(arena, settings, 1, "robot");
+    } catch (const Error& failure) {
+      CHECK(failure.kind() == Failure::usage);
+      return std::string(failure.what());
+    }
+    return std::string("(no error)");
+  };
+  CHECK_THAT(message([](auto& s) { s.gamma = 1.5; }), Catch::Contains("gamma is 1.5"));
+  CHECK_THAT(message([](auto& s) { s.clip = NAN; }), Catch::Contains("clip"));
+  CHECK_THAT(message([](auto& s) { s.minibatches = 65; }), Catch::Contains("minibatches is 65"));
+  CHECK_THAT(message([](auto& s) { s.steps = 63; }), Catch::Contains("63 steps"));
+  CHECK_THAT(message([](auto& s) {
+               s.algorithm = Algorithm::sine;
+               s.steps = 100;
+             }),
+             Catch::Contains("one generation"));
+}
+
+TEST_CASE("a checkpoint of another training is refused") {
+  const Arena arena(test::walker(10), test::small_body());
+  Trainer one(arena, brief(), 1, "robot");
+  TrainingSettings wider = brief();
+  wider.hidden = {32, 32};
+  Trainer two(arena, wider, 1, "robot");
+  CHECK_THROWS_AS(two.restore(one.checkpoint()), Error);
+  Trainer search(arena, brief_search(Algorithm::sine), 1, "robot");
+  CHECK_THROWS_AS(search.restore(one.checkpoint()), Error);
+}

@@ -1,0 +1,64 @@
+// Bayesian optimisation of bodies: the next batch of designs from all that were
+// scored so far (spec: robots, section 4).
+//
+// As the benchmark: standardised costs, Gaussian process with Matern 5/2,
+// expected improvement, a batch by Thompson sampling. Instead of its relaxed
+// L-BFGS, which leaves the designs that exist and hardly moves, each anchor is
+// improved by changing one voxel at a time among valid designs not yet
+// evaluated; so no invalid robot is ever proposed.
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "libevo/body/body.h"
+#include "libevo/evolve/gp.h"
+
+namespace evo {
+
+struct Observation {
+  std::vector<Voxel> cells;  // rows*cols
+  double fitness = 0.0;      // not finite: failed, counted as the worst of the others
+};
+
+struct SuggestSettings {
+  int candidates = 25'000;     // random valid designs for Thompson sampling
+  int anchors_per_design = 5;  // so many times the batch become anchors
+  double ei_jitter = 0.01;     // least improvement counted, in standard deviations of the costs
+  int local_steps = 1000;      // voxels changed from an anchor, at most
+  GpFitSettings fit;
+};
+
+struct Suggestion {
+  Body body;            // valid, all adjacent voxels linked
+  double mean = 0.0;    // predicted fitness
+  double stddev = 0.0;  // of a fitness observed there, noise included
+};
+
+struct Batch {
+  std::vector<Suggestion> designs;
+  bool from_model = false;  // else random: no observation has succeeded yet
+  GpParameters parameters;  // of the standardised costs
+};
+
+// `count` valid designs, different from each other, from every observation and
+// from `avoid`. Without a finite fitness to learn from they are random, every
+// voxel uniform over the five kinds until valid. Throws Error(data) for
+// observations of another shape, Error(work) when the shape has not so many
+// designs left.
+Batch suggest(int rows, int cols, std::span<const Observation> observations,
+              const std::set<Design>& avoid, int count, const SuggestSettings& settings,
+              std::uint64_t seed);
+
+// ---- parts ------------------------------------------------------------------------
+
+double normal_density(double x);
+double normal_distribution(double x);  // within 1e-14 of the true value
+
+// Expected improvement of a cost distributed as N(mean, stddev^2) over `best`,
+// counted from `jitter` below it. Not negative.
+double expected_improvement(double mean, double stddev, double best, double jitter);
+
+}  // namespace evo

@@ -1,1 +1,410 @@
 #include "formats/robot.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "formats/files.h"
+#include "formats/hdf5.h"
+#include "formats/yaml_json.h"
+#include "libevo/base/error.h"
+
+namespace evo {
+namespace {
+
+constexpr const char* robot_format = "evo/robot";
+constexpr int robot_version = 1;
+
+// In the order they are written; others follow in the order they were read.
+constexpr std::array canonical_fields{"format", "version", "id",     "body",    "connections",
+                                      "genome", "parents", "origin", "fitness", "failure",
+                                      "task",   "steps",   "policy"};
+
+bool is_canonical(const std::string& name) {
+  return std::find(canonical_fields.begin(), canonical_fields.end(), name) !=
+         canonical_fields.end();
+}
+
+// ---- body -------------------------------------------------------------------
+
+bool is_robot_voxel(std::optional<Voxel> voxel) { return voxel && voxel != Voxel::fixed; }
+
+// Why the voxel given as `found` is not one that a robot may have.
+Refusal bad_voxel(std::optional<Voxel> voxel, const std::string& found, std::size_t r,
+                  std::size_t c, const char* allowed) {
+  const bool fixed = voxel == Voxel::fixed;
+  return refusal(fmt::format("/body/{}", r), "{}{} at row {}, column {}{}; allowed {}",
+                 fixed ? "" : "unknown ", found, r + 1, c + 1,
+                 fixed ? " is a fixed cell, which only worlds have" : "", allowed);
+}
+
+void append_row(const std::string& row, std::size_t r, std::vector<Voxel>& cells) {
+  for (std::size_t c = 0; c < row.size(); ++c) {
+    const auto voxel = voxel_from_letter(row[c]);
+    if (!is_robot_voxel(voxel))
+      throw bad_voxel(voxel, "letter " + shown(row[c]), r, c, ". R S H V");
+    cells.push_back(*voxel);
+  }
+}
+
+// Numbers may be real, as NumPy writes its matrices: 3.0.
+void append_row(const Json& row, std::size_t r, std::vector<Voxel>& cells) {
+  for (std::size_t c = 0; c < row.size(); ++c) {
+    const double number = row[c].is_number() ? row[c].get<double>() : -1.0;
+    std::optional<Voxel> voxel;
+    if (number >= 0.0 && number <= static_cast<double>(Voxel::fixed) &&
+        number == std::floor(number))
+      voxel = static_cast<Voxel>(static_cast<int>(number));
+    if (!is_robot_voxel(voxel)) throw bad_voxel(voxel, "value " + shown(row[c]), r, c, "0 1 2 3 4");
+    cells.push_back(*voxel);
+  }
+}
+
+// A picture in one text, a line a row.
+Json split_lines(const std::string& text) {
+  Json rows = Json::array();
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    rows.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return rows;
+}
+
+Body body_from_json(const Json& value) {
+  if (value.is_string()) return body_from_json(split_lines(value.get<std::string>()));
+  if (!value.is_array() || value.empty())
+    throw refusal("/body", "expected a list of rows, found {}", shown(value));
+  std::vector<Voxel> cells;
+  std::size_t width = 0;
+  for (std::size_t r = 0; r < value.size(); ++r) {
+    const Json& row = value[r];
+    const std::string path = fmt::format("/body/{}", r);
+    if (!row.is_string() && !row.is_array())
+      throw refusal(path, "expected a row of letters or a list of numbers, found {}", shown(row));
+    const std::size_t length =
+        row.is_string() ? row.get_ref<const std::string&>().size() : row.size();
+    if (r == 0) width = length;
+    if (width == 0) throw refusal(path, "a row without cells");
+    if (width > largest_side || value.size() > largest_side)
+      throw refusal("/body", "{} rows of {} cells; the largest robot is {}x{}", value.size(), width,
+                    largest_side, largest_side);
+    if (length != width)
+      throw refusal(path, "row {} has {} cells, but row 1 has {}", r + 1, length, width);
+    if (row.is_string())
+      append_row(row.get_ref<const std::string&>(), r, cells);
+    else
+      append_row(row, r, cells);
+  }
+  return {static_cast<int>(value.size()), static_cast<int>(width), std::move(cells)};
+}
+
+// ---- connections ------------------------------------------------------------
+
+int cell_from_json(const Json& value, const std::string& path, const Body& body) {
+  const auto last = static_cast<std::int64_t>(body.cells.size()) - 1;
+  const std::int64_t cell = value.is_number_integer() ? value.get<std::int64_t>() : -1;
+  if (cell < 0 || cell > last)
+    throw refusal(path, "expected the number of a cell, 0 to {}, found {}", last, shown(value));
+  return static_cast<int>(cell);
+}
+
+std::vector<Link> links_from_json(const Json& value, const Body& body) {
+  if (!value.is_array())
+    throw refusal("/connections", "expected a list of pairs of cells, found {}", shown(value));
+  std::vector<Link> links;
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    const std::string path = fmt::format("/connections/{}", k);
+    if (!value[k].is_array() || value[k].size() != 2)
+      throw refusal(path, "expected a pair of cells, found {}", shown(value[k]));
+    const int a = cell_from_json(value[k][0], path + "/0", body);
+    const int b = cell_from_json(value[k][1], path + "/1", body);
+    links.push_back({std::min(a, b), std::max(a, b)});
+  }
+  std::sort(links.begin(), links.end());
+  links.erase(std::unique(links.begin(), links.end()), links.end());
+  return links;
+}
+
+Json links_to_json(const std::vector<Link>& links) {
+  Json pairs = Json::array();
+  for (const Link& link : links) pairs.push_back({link.a, link.b});
+  return pairs;
+}
+
+// ---- the other fields ---------------------------------------------------------
+
+void check_format(const Json& document) {
+  if (const auto found = document.find("format"); found != document.end() && *found != robot_format)
+    throw refusal("/format", "unknown format {}; a robot has \"{}\"", shown(*found), robot_format);
+  const auto found = document.find("version");
+  if (found == document.end()) return;
+  if (!found->is_number_integer() || *found < 1)
+    throw refusal("/version", "expected a whole number from 1, found {}", shown(*found));
+  if (*found > robot_version)
+    throw refusal("/version", "{} version {} is newer than this program, which reads version {}",
+                  robot_format, shown(*found), robot_version);
+}
+
+using TypeTest = bool (*)(const Json&);
+
+bool is_list_of_text(const Json& value) {
+  return value.is_array() &&
+         std::all_of(value.begin(), value.end(), [](const Json& item) { return item.is_string(); });
+}
+
+struct FieldType {
+  const char* name;
+  TypeTest holds;
+  const char* expected;
+};
+
+// Null always means absent.
+constexpr std::array<FieldType, 8> field_types{{
+    {"genome", [](const Json& v) { return v.is_object(); }, "an object"},
+    {"parents", is_list_of_text, "a list of robot ids"},
+    {"origin", [](const Json& v) { return v.is_object(); }, "an object"},
+    {"fitness", [](const Json& v) { return v.is_number(); }, "a number or null"},
+    {"failure", [](const Json& v) { return v.is_object(); }, "an object"},
+    {"task", [](const Json& v) { return v.is_string(); }, "the name of a task"},
+    {"steps", [](const Json& v) { return v.is_number_unsigned(); }, "a number of steps"},
+    {"policy", [](const Json& v) { return v.is_string(); }, "the path of a policy file"},
+}};
+
+void check_fields(const Json& document) {
+  for (const FieldType& field : field_types) {
+    const auto found = document.find(field.name);
+    if (found != document.end() && !found->is_null() && !field.holds(*found))
+      throw refusal(fmt::format("/{}", field.name), "expected {}, found {}", field.expected,
+                    shown(*found));
+  }
+}
+
+// body, id and connections of the document as the robot has them.
+void set_identity(Robot& robot) {
+  robot.document["id"] = robot.id;
+  robot.document["body"] = robot.body.to_rows();
+  if (robot.body.links == full_links(robot.body.rows, robot.body.cols, robot.body.cells))
+    robot.document.erase("connections");
+  else
+    robot.document["connections"] = links_to_json(robot.body.links);
+}
+
+Robot read_document(Json document, BodyCheck check) {
+  if (!document.is_object())
+    throw refusal("", "expected a robot document (an object), found {}", shown(document));
+  check_format(document);
+  const auto body = document.find("body");
+  if (body == document.end()) throw refusal("/body", "is missing");
+  Robot robot;
+  robot.body = body_from_json(*body);
+  const auto links = document.find("connections");
+  if (links != document.end() && !links->is_null()) {
+    robot.body.links = links_from_json(*links, robot.body);
+    if (const auto wrong = link_defect(robot.body)) throw refusal("/connections", "{}", *wrong);
+  }
+  if (check == BodyCheck::robot)
+    if (const auto wrong = defect(robot.body, true)) throw refusal("/body", "{}", *wrong);
+  check_fields(document);
+  robot.id = identity(robot.body);
+  const auto id = document.find("id");
+  if (id != document.end() && !id->is_null() && *id != robot.id)
+    throw refusal("/id", "{} is not the id of this body, which is \"{}\"; correct or remove it",
+                  shown(*id), robot.id);
+  robot.document = std::move(document);
+  set_identity(robot);
+  return robot;
+}
+
+// The document with its fields in canonical order and complete.
+Json in_canonical_order(Robot robot) {
+  set_identity(robot);
+  robot.document["format"] = robot_format;
+  robot.document["version"] = robot_version;
+  Json ordered = Json::object();
+  for (const char* name : canonical_fields)
+    if (const auto found = robot.document.find(name); found != robot.document.end())
+      ordered[name] = std::move(*found);
+  for (auto& [name, value] : robot.document.items())
+    if (!is_canonical(name)) ordered[name] = std::move(value);
+  return ordered;
+}
+
+// ---- the forms of text ------------------------------------------------------
+
+// The robot of a document, or the robots of a list.
+void add_robots(Json value, BodyCheck check, std::vector<Robot>& robots) {
+  if (!value.is_array()) {
+    robots.push_back(read_document(std::move(value), check));
+    return;
+  }
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    try {
+      robots.push_back(read_document(std::move(value[i]), check));
+    } catch (const Refusal& refused) {
+      throw Refusal{fmt::format("/{}{}", i, refused.path), refused.message};
+    }
+  }
+}
+
+std::vector<Robot> parse_json_robots(std::string_view text, const std::string& where,
+                                     BodyCheck check) {
+  std::vector<Robot> robots;
+  JsonPieces pieces(text, where);
+  while (const auto piece = pieces.next()) {
+    // A document that is the whole file needs no line.
+    const bool alone = robots.empty() && piece->line == 1 && pieces.done();
+    try {
+      add_robots(parse_json(*piece, where), check, robots);
+    } catch (const Refusal& refused) {
+      throw refused.at(alone ? where : with_place(where, fmt::format("line {}", piece->line)));
+    }
+  }
+  return robots;
+}
+
+// A document is a robot or a list of them.
+std::vector<Robot> parse_yaml_robots(std::string_view text, const std::string& where,
+                                     BodyCheck check) {
+  std::vector<Robot> robots;
+  for (YamlDocument& document : parse_yaml_documents(text, where, {"id", "parents"})) {
+    try {
+      add_robots(std::move(document.value), check, robots);
+    } catch (const Refusal& refused) {
+      throw refused.at(with_place(where, fmt::format("line {}", document.line_of(refused.path))));
+    }
+  }
+  return robots;
+}
+
+std::string_view without_trailing_blanks(std::string_view line) {
+  const std::size_t last = line.find_last_not_of(" \t\r");
+  return line.substr(0, last == std::string_view::npos ? 0 : last + 1);
+}
+
+std::vector<Robot> parse_grids(std::string_view text, const std::string& where, BodyCheck check) {
+  std::vector<Robot> robots;
+  Json rows = Json::array();
+  std::size_t first_line = 1;
+  const auto finish_grid = [&] {
+    if (rows.empty()) return;
+    try {
+      robots.push_back(read_document({{"body", rows}}, check));
+    } catch (const Refusal& refused) {
+      throw Refusal{"", refused.message}.at(
+          with_place(where, fmt::format("robot drawn from line {}", first_line)));
+    }
+    rows.clear();
+  };
+  std::size_t line = 1;
+  for (std::size_t begin = 0; begin < text.size(); ++line) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view row = without_trailing_blanks(text.substr(begin, end - begin));
+    begin = end + 1;
+    if (row.empty()) {
+      finish_grid();
+      continue;
+    }
+    if (rows.empty()) first_line = line;
+    rows.push_back(row);
+  }
+  finish_grid();
+  return robots;
+}
+
+// By the first line that is not blank: YAML has a colon, a dash, a directive or
+// a comment there, which no row of letters has.
+bool looks_like_yaml(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  const std::string_view line =
+      without_trailing_blanks(text.substr(begin, text.find('\n', begin) - begin));
+  const bool comment = line.front() == '#' && line.find_first_not_of(".RSHV#") != line.npos;
+  return comment || line.front() == '-' || line.front() == '%' || line.find(':') != line.npos;
+}
+
+}  // namespace
+
+// ---- public -------------------------------------------------------------------
+
+Robot::Robot(Body body_) : body(std::move(body_)), id(identity(body)) {
+  document["format"] = robot_format;
+  document["version"] = robot_version;
+  set_identity(*this);
+}
+
+std::optional<double> Robot::fitness() const {
+  const auto found = document.find("fitness");
+  if (found == document.end() || !found->is_number()) return std::nullopt;
+  return found->get<double>();
+}
+
+Robot make_child(Body body, const std::vector<std::string>& parents, const std::string& tool,
+                 std::uint64_t seed, std::uint64_t index) {
+  Robot child(std::move(body));
+  child.document["parents"] = parents;
+  child.document["origin"] = {{"tool", tool}, {"seed", seed}, {"index", index}};
+  return child;
+}
+
+Robot robot_from_json(const Json& document, const std::string& where, BodyCheck check) {
+  try {
+    return read_document(document, check);
+  } catch (const Refusal& refused) {
+    throw refused.at(where);
+  }
+}
+
+std::string robot_to_line(const Robot& robot) { return compact(in_canonical_order(robot)); }
+
+std::string robot_to_json(const Robot& robot) {
+  // One field a line, but the body as a picture.
+  const Json document = in_canonical_order(robot);
+  std::string text = "{";
+  for (const auto& [name, value] : document.items()) {
+    text += fmt::format("{}\n  {}: ", text.size() > 1 ? "," : "", compact(name));
+    if (name != "body") {
+      text += compact(value);
+      continue;
+    }
+    for (std::size_t r = 0; r < value.size(); ++r)
+      text += fmt::format("{}\n    {}", r == 0 ? "[" : ",", compact(value[r]));
+    text += "\n  ]";
+  }
+  return text + "\n}";
+}
+
+std::string robot_to_yaml(const Robot& robot) {
+  // JSON values are YAML values; only the outer level is written the YAML way.
+  const Json document = in_canonical_order(robot);
+  std::string text;
+  for (const auto& [name, value] : document.items()) {
+    if (!text.empty()) text += '\n';
+    text += fmt::format("{}:", is_canonical(name) ? name : compact(name));
+    if (name == "body")
+      for (const Json& row : value) text += fmt::format("\n  - {}", compact(row));
+    else
+      text += fmt::format(" {}", compact(value));
+  }
+  return text;
+}
+
+std::vector<Robot> parse_robots(std::string_view text, const std::string& where, BodyCheck check) {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  if (text.substr(0, byte_order_mark.size()) == byte_order_mark)
+    text.remove_prefix(byte_order_mark.size());
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return {};
+  if (text[first] == '{' || text[first] == '[') return parse_json_robots(text, where, check);
+  if (looks_like_yaml(text)) return parse_yaml_robots(text, where, check);
+  return parse_grids(text, where, check);
+}
+
+std::vector<Robot> read_robots(const std::string& input, BodyCheck check) {
+  if (input == standard_stream || !hdf5::is_hdf5(input))
+    return parse_robots(read_input(input), input_label(input), check);
+  const hdf5::Reader file(input);
+  return parse_robots(file.text("/", "robot"), input + ": /@robot", check);
+}
+
+}  // namespace evo

@@ -2,19 +2,16 @@
 // or a plain grid of letters.
 #pragma once
 
-#include <istream>
-#include <nlohmann/json.hpp>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "formats/json.h"
 #include "libevo/body/body.h"
 
 namespace evo {
-
-// Key order is kept, so that what passes through a tool stays recognisable.
-using Json = nlohmann::ordered_json;
 
 struct Robot {
   Body body;
@@ -28,21 +25,38 @@ struct Robot {
   std::optional<double> fitness() const;
 };
 
-enum class BodyCheck { any, robot };  // robot: connected and has an actuator
+// A child of an operator: `body`, the ids of its parents, and where it came from.
+// `index` counts the outputs of `tool` under `seed`.
+Robot make_child(Body body, const std::vector<std::string>& parents, const std::string& tool,
+                 std::uint64_t seed, std::uint64_t index);
+
+enum class BodyCheck {
+  any,   // rows, letters, size and links make sense
+  robot  // and it is connected and has an actuator
+};
 
 // One document. `where` begins every message (a file name, "line 7", ...).
-// Throws Error(data) with the JSON path or the cell.
+// Throws Error(data) with the JSON path or the cell. Fields that are known have
+// the right type; an `id` that is not the body's own is an error, `connections`
+// are kept in the document only if they differ from all adjacent pairs.
 Robot robot_from_json(const Json& document, const std::string& where,
                       BodyCheck check = BodyCheck::robot);
-// The document in its canonical field order; ends without newline.
+// The document in its canonical field order, unknown fields last; body, links
+// and id as in `robot`. Ends without newline.
 std::string robot_to_line(const Robot& robot);  // JSON Lines
 std::string robot_to_json(const Robot& robot);  // indented, for a file of its own
 std::string robot_to_yaml(const Robot& robot);
 
 // Everything in `text`, whatever the form: JSON Lines, one JSON document, a JSON
 // array, YAML (one or several documents), or grids of letters separated by
-// empty lines.
+// empty lines. Nothing but blanks is no robots. Throws Error(data) with line and
+// JSON path; a key given twice in one object is an error.
 std::vector<Robot> parse_robots(std::string_view text, const std::string& where,
                                 BodyCheck check = BodyCheck::robot);
+
+// The robots of an input as named on a command line: a file, or "-". An HDF5
+// file (rollout, policy) stands for the robot it holds. Throws Error(no_input,
+// io, data).
+std::vector<Robot> read_robots(const std::string& input, BodyCheck check = BodyCheck::robot);
 
 }  // namespace evo

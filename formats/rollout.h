@@ -50,16 +50,21 @@ struct Rollout {
 
 // Written under a temporary name, then renamed. Throws Error(cannot_create, io).
 void write_rollout(const std::filesystem::path& path, const Rollout& rollout);
-// Throws Error(no_input) or Error(data) naming file and dataset.
+// Whatever is absent in files of other makers stays empty (flags: zero), but
+// rewards, which count the steps. Throws Error(no_input) or Error(data) naming
+// file and dataset.
 Rollout read_rollout(const std::filesystem::path& path);
 
-// `actions` at the root or `episode_0/actions`: [T x A] row-major.
+// HDF5: `actions` at the root or `episode_0/actions`, [T x A] row-major. CSV: a
+// row of numbers a step, # for comments, a heading allowed; "-" is standard
+// input. Throws Error(no_input, io, data).
 struct ActionSequence {
   int steps = 0;
   int actuators = 0;
   std::vector<double> values;
 };
-ActionSequence read_actions(const std::filesystem::path& path);  // HDF5 or CSV
-Json read_draws(const std::filesystem::path& path);              // of a rollout
+ActionSequence read_actions(const std::filesystem::path& path);
+// What the task drew in the first episode of a rollout, an object.
+Json read_draws(const std::filesystem::path& path);
 
 }  // namespace evo

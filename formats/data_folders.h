@@ -1,0 +1,26 @@
+// Where tasks and profiles are found by name: folders that hold them as YAML
+// files, searched in order, first hit wins.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace evo {
+
+// Each holds tasks as NAME.yaml and physics profiles as physics/NAME.yaml.
+using DataFolders = std::vector<std::filesystem::path>;
+
+// "my/walk.yaml", "./walk", "walk.yml": a file rather than a name.
+bool is_file_name(const std::string& name_or_file);
+
+// SUBFOLDER/NAME.yaml in the first folder that has it.
+std::optional<std::filesystem::path> find_data_file(const DataFolders& folders,
+                                                    const std::string& subfolder,
+                                                    const std::string& name);
+
+// All names that find_data_file would find, sorted.
+std::vector<std::string> data_names(const DataFolders& folders, const std::string& subfolder);
+
+}  // namespace evo

@@ -1,0 +1,25 @@
+// EvoGym's robots in .npz files (spec: worlds, section 3): a zip archive of two
+// NumPy arrays, the body matrix of kinds 0 to 4 (row 0 on top) and the links as
+// pairs of row-major indices, 2 x k.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "libevo/body/body.h"
+
+namespace evo {
+
+// The first two members, whatever their names; number types of any width; links
+// may be absent (all adjacent pairs) and given twice. Cells and links make
+// sense, connectivity is not asked for. Throws Error(no_input, io, data).
+Body read_npz(const std::filesystem::path& path);
+Body body_from_npz(std::string_view bytes, const std::string& where);
+
+// As EvoGym's examples write it: float64 and int64, each link once, not
+// compressed. The same body gives the same bytes.
+void write_npz(const std::filesystem::path& path, const Body& body);
+std::string body_to_npz(const Body& body);
+
+}  // namespace evo

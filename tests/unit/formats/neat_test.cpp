@@ -1,0 +1,154 @@
+#include "formats/neat.h"
+
+#include <catch2/catch.hpp>
+
+#include "formats/files.h"
+
+using namespace evo;
+
+namespace {
+
+bool accept_all(const Genome&) { return true; }
+
+std::vector<Scored> scored(const std::vector<Individual>& population) {
+  std::vector<Scored> scored;
+  for (const Individual& individual : population)
+    scored.push_back({individual.genome, individual.genome.nodes[1].bias / 3.0});
+  return scored;
+}
+
+NeatState some_state() {
+  NeatSettings settings;
+  NeatState state;
+  auto population = first_generation(settings, accept_all, state, 1);
+  for (int k = 0; k < 4; ++k)
+    population = next_generation(settings, scored(population), accept_all, state, 1);
+  return state;
+}
+
+// What is said about a state after one change to a sound one.
+template <typename Change>
+std::string state_message(Change change) {
+  Json document = Json::parse(neat_state_to_text(some_state()));
+  change(document);
+  try {
+    parse_neat_state(document.dump(), "s.json");
+  } catch (const Error& error) {
+    CHECK(error.kind() == Failure::data);
+    return error.what();
+  }
+  return "(no error)";
+}
+
+NeatSettings settings_of(const std::string& text) {
+  return neat_settings_from_yaml(YamlNode::parse(text, "n.yaml"));
+}
+
+std::string settings_message(const std::string& text) {
+  try {
+    settings_of(text);
+  } catch (const Error& error) {
+    CHECK(error.kind() == Failure::data);
+    return error.what();
+  }
+  return "(no error)";
+}
+
+}  // namespace
+
+TEST_CASE("a state written and read is the same, and so is the generation after it") {
+  NeatSettings settings;
+  NeatState state;
+  auto population = first_generation(settings, accept_all, state, 1);
+  for (int k = 0; k < 6; ++k) {
+    NeatState restored = parse_neat_state(neat_state_to_text(state), "state");
+    REQUIRE(restored == state);
+    const auto again = next_generation(settings, scored(population), accept_all, restored, 1);
+    population = next_generation(settings, scored(population), accept_all, state, 1);
+    REQUIRE(restored == state);
+    for (std::size_t i = 0; i < population.size(); ++i)
+      REQUIRE(again[i].genome == population[i].genome);
+  }
+}
+
+TEST_CASE("a state that cannot be right is refused with its path") {
+  CHECK(state_message([](Json&) {}) == "(no error)");
+  CHECK(state_message([](Json& s) { s["later"] = 1; }) == "(no error)");
+  CHECK(state_message([](Json& s) { s["format"] = "evo/robot"; }) ==
+        "s.json: /format: expected \"evo/neat-state\", found \"evo/robot\"");
+  CHECK(state_message([](Json& s) { s["version"] = 2; }).find("newer than this program") !=
+        std::string::npos);
+  CHECK(state_message([](Json& s) { s.erase("generation"); }) == "s.json: /generation: is missing");
+  CHECK(state_message([](Json& s) { s["species"][0]["last_improved"] = 77; }) ==
+        "s.json: /species/0/last_improved: expected a whole number from 0 to 4, found 77");
+  CHECK(state_message([](Json& s) { s["species"][0]["members"][0] = "x"; }) ==
+        "s.json: /species/0/members/0: expected a whole number from 0 to 1073741824, found "
+        "\"x\"");
+  CHECK(state_message([](Json& s) { s["species"].push_back(s["species"][0]); }).find("twice") !=
+        std::string::npos);
+  CHECK(state_message([](Json& s) { s["next_genome_key"] = 3; }).find("is not beyond genome") !=
+        std::string::npos);
+  CHECK(state_message([](Json& s) {
+          s["species"][0]["representative"]["nodes"][0]["bias"] = nullptr;
+        }) == "s.json: /species/0/representative/nodes/0/bias: expected a number, found null");
+  CHECK_THROWS_WITH(parse_neat_state("[1]", "s.json"), Catch::Contains("expected a JSON object"));
+}
+
+TEST_CASE("tasks/neat.yaml spells out the built-in settings, every one of them") {
+  const std::string file = std::string(EVO_SOURCE_DIR) + "/tasks/neat.yaml";
+  CHECK(load_neat_settings(file) == NeatSettings{});
+  // Another value of each number or flag must arrive somewhere: no key is deaf.
+  const YamlNode document = YamlNode::parse(read_file(file), file);
+  int changed = 0;
+  for (const auto& [key, value] : document.entries()) {
+    const std::string name = key.string();
+    if (!value.is_scalar() || name == "version" || name == "feed_forward") continue;
+    std::string other;
+    if (const auto number = parse_number(value.string())) {
+      const bool whole = *number == static_cast<int>(*number);
+      other = fmt::format("{}", !whole           ? *number / 2
+                                : *number == 0.0 ? 1
+                                : *number == 1.0 ? 2
+                                                 : *number - 1);
+    } else if (value.string() == "true" || value.string() == "false") {
+      other = value.boolean() ? "false" : "true";
+    } else {
+      continue;  // words: tested below
+    }
+    INFO(name << ": " << other);
+    CHECK_FALSE(settings_of(name + ": " + other) == NeatSettings{});
+    ++changed;
+  }
+  CHECK(changed >= 43);
+}
+
+TEST_CASE("settings can be changed one by one") {
+  CHECK(settings_of("initial_connection: unconnected").initial_connection ==
+        InitialConnection{true, 0.0});
+  CHECK(settings_of("initial_connection: full_nodirect").initial_connection ==
+        InitialConnection{false, 1.0});
+  CHECK(settings_of("initial_connection: partial_nodirect 0.25").initial_connection ==
+        InitialConnection{false, 0.25});
+  CHECK(settings_of("weight_mutate_power: 0.75").weight.mutate_power == 0.75);
+  CHECK(settings_of("species_fitness_func: median").species_fitness_func == Statistic::median);
+  CHECK(settings_of("activation_options: [sin, gauss]").activation_options ==
+        std::vector{Activation::sin, Activation::gauss});
+  CHECK(settings_of("keep_surplus: false").keep_surplus == false);
+}
+
+TEST_CASE("bad settings are refused with their place") {
+  CHECK(settings_message("conn_add_probb: 0.1")
+            .find("n.yaml:1:1: NEAT settings: unknown key 'conn_add_probb' (did you mean "
+                  "'conn_add_prob'?)") == 0);
+  CHECK(settings_message("pop_size: 20\nconn_add_prob: 1.5").find("n.yaml:2:16: ") == 0);
+  CHECK(settings_message("feed_forward: false").find("only feed-forward") != std::string::npos);
+  CHECK(settings_message("initial_connection: partial_direct").find("takes one fraction") !=
+        std::string::npos);
+  CHECK(settings_message("initial_connection: partial_direct 2").find("from 0 to 1") !=
+        std::string::npos);
+  CHECK(settings_message("initial_connection: ful_direct").find("did you mean 'full_direct'") !=
+        std::string::npos);
+  CHECK(settings_message("bias_min_value: 40").find("bias: min 40 is above max 30") !=
+        std::string::npos);
+  CHECK(settings_message("format: evo/task").find("evo/task") != std::string::npos);
+}

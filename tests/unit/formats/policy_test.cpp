@@ -1,0 +1,247 @@
+#include "formats/policy.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+
+#include "formats/files.h"
+#include "formats/hdf5.h"
+#include "formats/task.h"
+#include "formats/training.h"
+#include "libevo/control/evaluate.h"
+
+using namespace evo;
+
+namespace {
+
+const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+
+// A folder of its own for every test.
+struct Scratch {
+  std::filesystem::path folder =
+      std::filesystem::temp_directory_path() /
+      ("evo-policy-" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
+  Scratch() { std::filesystem::create_directories(folder); }
+  ~Scratch() { std::filesystem::remove_all(folder); }
+};
+
+Policy network_policy() {
+  Stream stream(1, "policy");
+  Policy policy;
+  policy.actor = orthogonal_network(7, {8, 6}, 3, 1.4, 1.0, stream);
+  policy.critic = orthogonal_network(7, {8, 6}, 1, 1.4, 1.0, stream);
+  policy.log_std = Vector::Constant(3, -0.25F);
+  policy.normalizer.mean = Eigen::VectorXd::LinSpaced(7, -1.0, 1.0);
+  policy.normalizer.variance = Eigen::VectorXd::Constant(7, 1.0 / 3.0);
+  policy.normalizer.count = 512.0001;
+  policy.action_map = ActionMap::squash;
+  policy.low = 0.7;
+  return policy;
+}
+
+PolicyFile example(Controller controller) {
+  PolicyFile file;
+  file.robot = Robot(Body::from_rows({"HV", "VS"}));
+  file.robot.document["fitness"] = 3.5;
+  file.task = "Walker-v0";
+  file.task_yaml = "name: Walker-v0\n";
+  file.physics_yaml = "gravity: 110\n";
+  file.training_yaml = "gamma: 0.99\n";
+  file.layout = {{"velocity(robot)", 0, 2}, {"relative_positions(robot)", 2, 5}};
+  file.seed = 18446744073709551615U;
+  file.created_by = "evo-train 0.1.0";
+  file.settings_hash = std::string(64, 'a');
+  file.controller = std::move(controller);
+  file.fitness = 10.25;
+  file.best_step = 4096;
+  file.steps = 8192;
+  file.curve = {{4096, 10.25, 10.25}, {8192, 9.5, 10.25}};
+  file.final_score = FinalScore{5, 10.0, 0.125};
+  return file;
+}
+
+void check_equal(const PolicyFile& a, const PolicyFile& b) {
+  CHECK(robot_to_line(a.robot) == robot_to_line(b.robot));
+  CHECK(a.task == b.task);
+  CHECK(a.task_yaml == b.task_yaml);
+  CHECK(a.physics_yaml == b.physics_yaml);
+  CHECK(a.training_yaml == b.training_yaml);
+  REQUIRE(a.layout.size() == b.layout.size());
+  for (std::size_t i = 0; i < a.layout.size(); ++i) {
+    CHECK(a.layout[i].name == b.layout[i].name);
+    CHECK(a.layout[i].offset == b.layout[i].offset);
+    CHECK(a.layout[i].length == b.layout[i].length);
+  }
+  CHECK(a.seed == b.seed);
+  CHECK(a.isa == b.isa);
+  CHECK(a.created_by == b.created_by);
+  CHECK(a.settings_hash == b.settings_hash);
+  CHECK(a.controller == b.controller);
+  CHECK(a.fitness == b.fitness);
+  CHECK(a.best_step == b.best_step);
+  CHECK(a.steps == b.steps);
+  CHECK(a.curve == b.curve);
+  CHECK(a.final_score == b.final_score);
+}
+
+// A copy of a policy file without one of its parts, which is then missed.
+std::string message_reading(const std::filesystem::path& path) {
+  try {
+    read_policy(path);
+  } catch (const Error& failure) {
+    return failure.what();
+  }
+  return "(no error)";
+}
+
+}  // namespace
+
+TEST_CASE("policies come back as they were written, and twice the same bytes") {
+  const Scratch scratch;
+  const PolicyFile file = GENERATE(example(network_policy()),
+                                   example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
+  const auto path = scratch.folder / "a.policy.h5";
+  write_policy(path, file);
+  check_equal(read_policy(path), file);
+  CHECK(read_policy_hash(path) == file.settings_hash);
+  const auto again = scratch.folder / "b.policy.h5";
+  write_policy(again, file);
+  CHECK(read_file(path) == read_file(again));
+}
+
+TEST_CASE("a policy without final episodes has no final score") {
+  const Scratch scratch;
+  PolicyFile file = example(network_policy());
+  file.final_score.reset();
+  write_policy(scratch.folder / "a.policy.h5", file);
+  CHECK_FALSE(read_policy(scratch.folder / "a.policy.h5").final_score);
+}
+
+TEST_CASE("a policy file stands for its robot") {
+  const Scratch scratch;
+  const PolicyFile file = example(network_policy());
+  const auto path = scratch.folder / "a.policy.h5";
+  write_policy(path, file);
+  const std::vector<Robot> robots = read_robots(path.string());
+  REQUIRE(robots.size() == 1);
+  CHECK(robots[0].id == file.robot.id);
+  CHECK(robots[0].fitness() == 3.5);
+}
+
+TEST_CASE("files that are no policies are refused with file and place") {
+  const Scratch scratch;
+  CHECK_THAT(message_reading(scratch.folder / "none.h5"), Catch::Contains("none.h5"));
+  write_file(scratch.folder / "text.h5", "not HDF5");
+  CHECK_THAT(message_reading(scratch.folder / "text.h5"), Catch::Contains("text.h5"));
+
+  const auto path = scratch.folder / "p.h5";
+  const auto header = [&](hdf5::Writer& file, const char* format, std::int64_t version) {
+    file.attribute("/", "format", format);
+    file.attribute("/", "version", version);
+  };
+  {
+    hdf5::Writer file(path);
+    header(file, "evo/rollout", 1);
+    file.commit();
+  }
+  CHECK_THAT(message_reading(path),
+             Catch::Contains("'evo/policy' is expected") && Catch::Contains("evo/rollout"));
+  {
+    hdf5::Writer file(path);
+    header(file, "evo/policy", 2);
+    file.commit();
+  }
+  CHECK_THAT(message_reading(path), Catch::Contains("version 2 is newer"));
+  {
+    hdf5::Writer file(path);
+    header(file, "evo/policy", 1);
+    file.commit();
+  }
+  CHECK_THAT(message_reading(path), Catch::Contains("p.h5") && Catch::Contains("robot"));
+}
+
+TEST_CASE("networks whose shapes do not fit are refused") {
+  const Scratch scratch;
+  PolicyFile file = example(network_policy());
+  Policy policy = network_policy();
+  policy.actor.layers[1].bias = Vector::Zero(9);
+  file.controller = policy;
+  const auto path = scratch.folder / "a.policy.h5";
+  write_policy(path, file);
+  CHECK_THAT(message_reading(path), Catch::Contains("/actor/layer_1/bias"));
+}
+
+TEST_CASE("controllers nobody trained are not written") {
+  const Scratch scratch;
+  const auto path = scratch.folder / "a.policy.h5";
+  CHECK_THROWS_AS(write_policy(path, example(RandomController{})), Error);
+  CHECK_THROWS_AS(write_policy(path, example(ReplayController{{1.0, 1.0}})), Error);
+  CHECK_FALSE(std::filesystem::exists(path));
+}
+
+TEST_CASE("checkpoints come back as they were, and only for their settings") {
+  const Scratch scratch;
+  Checkpoint checkpoint;
+  checkpoint.put<double>("learner/moments", {0.1, -2.0});
+  checkpoint.put<float>("learner/weights", {0.1F, 1e-30F, 3.0F});
+  checkpoint.put<std::uint64_t>("steps", {18446744073709551615U});
+  checkpoint.put<std::uint8_t>("environments/state", {0, 255, 7});
+  checkpoint.put<double>("curve/best", {});
+  const auto path = scratch.folder / "a.checkpoint.h5";
+  write_checkpoint(path, checkpoint, "hash");
+  CHECK(read_checkpoint(path, "hash") == checkpoint);
+  CHECK_THROWS_WITH(read_checkpoint(path, "other"), Catch::Contains("other settings"));
+}
+
+TEST_CASE("the same training is the same file, and its policy earns its fitness again") {
+  const Scratch scratch;
+  const Robot robot(Body::from_rows({"HHH", "V.V"}));
+  TrainingSettings settings;
+  settings.algorithm = GENERATE(Algorithm::ppo, Algorithm::sine);
+  settings.steps = settings.algorithm == Algorithm::ppo ? 512 : 4000;
+  settings.population = 4;
+  const Arena arena(load_task("Walker-v0", data), robot.body);
+  const auto train_into = [&](const std::filesystem::path& path, bool interrupted) {
+    const std::string hash = settings_hash(robot.body, arena.task(), settings, 3);
+    const auto checkpoint = scratch.folder / "a.checkpoint.h5";
+    Trainer first(arena, settings, 3, robot.id);
+    write_checkpoint(checkpoint, first.checkpoint(), hash);
+    Trainer second(arena, settings, 3, robot.id);
+    if (interrupted) second.restore(read_checkpoint(checkpoint, hash));
+    const TrainResult result = train(second);
+    write_policy(path, make_policy_file(robot, arena, settings, 3, result, "test"));
+  };
+  train_into(scratch.folder / "a.h5", false);
+  train_into(scratch.folder / "b.h5", true);
+  CHECK(read_file(scratch.folder / "a.h5") == read_file(scratch.folder / "b.h5"));
+
+  const PolicyFile file = read_policy(scratch.folder / "a.h5");
+  CHECK(file.settings_hash == settings_hash(robot.body, arena.task(), settings, 3));
+  CHECK(file.task == "Walker-v0");
+  CHECK(parse_task(file.task_yaml, "stored").name == "Walker-v0");
+  CHECK(training_from_yaml(YamlNode::parse(file.training_yaml, "stored"), "", {}) == settings);
+  CHECK(file.layout.size() == 2);
+  EvaluationSettings evaluation;
+  evaluation.seed = 3;
+  CHECK(evaluate(arena, file.controller, evaluation).mean() == file.fitness);
+}
+
+TEST_CASE("the settings hash changes with everything that decides the result") {
+  const Body robot = Body::from_rows({"HV", "VS"});
+  const TaskSpec task = load_task("Walker-v0", data);
+  const TrainingSettings settings;
+  const std::string hash = settings_hash(robot, task, settings, 1);
+  CHECK(hash.size() == 64);
+  CHECK(settings_hash(robot, task, settings, 1) == hash);
+  CHECK(settings_hash(robot, task, settings, 2) != hash);
+  CHECK(settings_hash(Body::from_rows({"HV", "SS"}), task, settings, 1) != hash);
+  CHECK(settings_hash(robot, load_task("Climber-v0", data), settings, 1) != hash);
+  TrainingSettings longer;
+  longer.steps += 1;
+  CHECK(settings_hash(robot, task, longer, 1) != hash);
+  TaskSpec heavier = task;
+  Physics physics = task.physics;
+  physics.gravity = 120.0;
+  set_physics(heavier, physics);
+  CHECK(settings_hash(robot, heavier, settings, 1) != hash);
+}

@@ -1,0 +1,347 @@
+#include "formats/robot.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "formats/files.h"
+#include "formats/hdf5.h"
+#include "libevo/base/random.h"
+#include "libevo/body/operators.h"
+#include "scratch.h"
+
+using namespace evo;
+using namespace evo::test;
+
+namespace {
+
+std::string refused(const std::string& text, BodyCheck check = BodyCheck::robot) {
+  return error_of(Failure::data, [&] { (void)parse_robots(text, "in", check); });
+}
+
+Robot one(const std::string& text, BodyCheck check = BodyCheck::robot) {
+  const auto robots = parse_robots(text, "in", check);
+  REQUIRE(robots.size() == 1);
+  return robots.front();
+}
+
+const std::string example =
+    R"({"format":"evo/robot","version":1,"id":"66ea808bff25",)"
+    R"("body":["HHHHH","V.R.V","V...V"],"parents":["a01b44d09e2c"],)"
+    R"("origin":{"tool":"evo-mutate","seed":7,"index":3},"fitness":9.81,"task":"Walker-v0",)"
+    R"("steps":512000,"policy":"policies/3f9c02d41b7a.policy.h5"})";
+
+}  // namespace
+
+TEST_CASE("Robot: a document passes through unchanged") {
+  const Robot robot = one(example + "\n");
+  CHECK(robot_to_line(robot) == example);
+  CHECK(robot.fitness() == 9.81);
+  CHECK(robot.id == identity(robot.body));
+  // As an indented document, as YAML, and as an element of an array, too.
+  CHECK(robot_to_line(one(robot_to_json(robot))) == example);
+  CHECK(robot_to_line(one(robot_to_yaml(robot))) == example);
+  CHECK(robot_to_line(one("[" + example + "]")) == example);
+}
+
+TEST_CASE("Robot: unknown fields stay, after the known ones in canonical order") {
+  const std::string line =
+      R"({"note":{"b":[1,2.5,null,true,"x/\u00fc"],"a":0.1},"fitness":1e-7,"body":["H"],)"
+      R"("returns":[0.30000000000000004,-0.0,1e300]})";
+  const std::string written = robot_to_line(one(line));
+  CHECK(written ==
+        R"({"format":"evo/robot","version":1,"id":"84f928926ab9","body":["H"],"fitness":1e-07,)"
+        R"("note":{"b":[1,2.5,null,true,"x/ü"],"a":0.1},)"
+        R"("returns":[0.30000000000000004,-0.0,1e+300]})");
+  CHECK(robot_to_line(one(written)) == written);
+  CHECK(robot_to_line(one(robot_to_yaml(one(line)))) == written);
+  CHECK(robot_to_line(one(robot_to_json(one(line)))) == written);
+}
+
+TEST_CASE("Robot: numbers come back to the last bit") {
+  Stream stream(1, "test/numbers");
+  Robot robot(Body::from_rows({"H"}));
+  for (int i = 0; i < 2000; ++i) {
+    const double value = stream.gaussian() * std::exp(200 * stream.gaussian());
+    if (!std::isfinite(value)) continue;
+    robot.document["fitness"] = value;
+    REQUIRE(one(robot_to_line(robot)).fitness() == value);
+    REQUIRE(one(robot_to_yaml(robot)).fitness() == value);
+  }
+}
+
+TEST_CASE("Robot: all the forms that a body can have") {
+  const std::string id = identity(Body::from_rows({"HH.", "V.S", "VRS"}));
+  for (const std::string text : {
+           R"({"body":["HH.","V.S","VRS"]})",
+           R"({"body":[[3,3,0],[4,0,2],[4,1,2]]})",
+           R"({"body":[[3.0,3.0,0.0],[4.0,0.0,2.0],[4.0,1.0,2.0]]})",
+           R"({"body":"HH.\nV.S\nVRS\n"})",
+           R"({"version":1,"id":null,"connections":null,"body":["HH.","V.S","VRS"]})",
+           "\xEF\xBB\xBF{\"body\":[\"HH.\",\"V.S\",\"VRS\"]}",
+           "HH.\nV.S\nVRS",
+           "\n\n  \nHH.\r\nV.S \r\nVRS\t\r\n\r\n",
+           "body:\n  - HH.\n  - V.S\n  - VRS\n",
+           "# drawn by hand\nbody: |\n  HH.\n  V.S\n  VRS\n",
+           "---\nbody: [HH., V.S, VRS]\n...\n",
+           "- body: [[3, 3, 0], [4, 0, 2], [4, 1, 2]]\n",
+       })
+    CHECK(one(text).id == id);
+}
+
+TEST_CASE("Robot: several documents in every form") {
+  const auto ids = [](const std::string& text) {
+    std::string joined;
+    for (const Robot& robot : parse_robots(text, "in")) joined += robot.body.to_rows()[0] + " ";
+    return joined;
+  };
+  CHECK(ids("{\"body\":[\"H\"]}\n{\"body\":[\"HV\"]}\n\n{\"body\":[\"V\"]}") == "H HV V ");
+  CHECK(ids("{\n\"body\":[\n\"H\"]\n}\n{\"body\":[\"HV\"]}{\"body\":[\"V\"]}") == "H HV V ");
+  CHECK(ids("[{\"body\":[\"H\"]},{\"body\":[\"V\"]}]") == "H V ");
+  CHECK(ids("H\n\n\nHV\nHV\n\nV\n") == "H HV V ");
+  CHECK(ids("body: [H]\n---\nbody: [V]\n---\n") == "H V ");
+  CHECK(ids("- body: [H]\n- body: [V]\n") == "H V ");
+  CHECK(ids("").empty());
+  CHECK(ids(" \n\t\r\n").empty());
+}
+
+TEST_CASE("Robot: YAML values keep their kinds") {
+  const Robot robot =
+      one("body: [H]\nid: 84f928926ab9\nparents: [000000000012, 1e5]\nfitness: 3\na: '3'\nb: -7\n"
+          "c: .5\nd: yes\ne: null\nf: ~\ng: \"true\"\nh: true\ni: 1e400\nj: 18446744073709551615\n"
+          "k: [.inf, 2026-01-01]\nl: {x: {y: -1.5e-3}}\n");
+  CHECK(robot.document["parents"] == Json({"000000000012", "1e5"}));
+  CHECK(robot.fitness() == 3.0);
+  CHECK(robot.document["a"] == "3");
+  CHECK(robot.document["b"] == -7);
+  CHECK(robot.document["c"] == 0.5);
+  CHECK(robot.document["d"] == "yes");
+  CHECK(robot.document["e"].is_null());
+  CHECK(robot.document["f"].is_null());
+  CHECK(robot.document["g"] == "true");
+  CHECK(robot.document["h"] == true);
+  CHECK(robot.document["i"] == "1e400");
+  CHECK(robot.document["j"] == 18446744073709551615U);
+  CHECK(robot.document["k"] == Json({".inf", "2026-01-01"}));
+  CHECK(robot.document["l"]["x"]["y"] == -0.0015);
+  // What looks like something else in YAML is quoted on writing.
+  Robot tricky(Body::from_rows({"...", ".H."}));
+  tricky.document["n: #"] = {"- a", ": b", "# c", "null", "1", "\n\t\"'", "\u00e4"};
+  CHECK(one(robot_to_yaml(tricky)).document == tricky.document);
+}
+
+TEST_CASE("Robot: connections are part of the robot, but only where they say something") {
+  const Robot slit = one(R"({"body":["HH","VV"],"connections":[[1,0],[2,0],[3,1],[1,3]]})");
+  CHECK(slit.body.links == std::vector<Link>{{0, 1}, {0, 2}, {1, 3}});
+  CHECK(slit.document["connections"] == Json({{0, 1}, {0, 2}, {1, 3}}));
+  CHECK(slit.id != one(R"({"body":["HH","VV"]})").id);
+  CHECK(one(robot_to_line(slit)).body == slit.body);
+  CHECK(one(robot_to_yaml(slit)).body == slit.body);
+
+  const Robot full = one(R"({"body":["HH","VV"],"connections":[[0,1],[0,2],[1,3],[2,3]]})");
+  CHECK_FALSE(full.document.contains("connections"));
+  CHECK(full.id == one(R"({"body":["HH","VV"]})").id);
+}
+
+TEST_CASE("Robot: bad documents are refused with line, path and reason") {
+  CHECK(refused(R"({"body":["HHH","V.X"]})") ==
+        "in: /body/1: unknown letter 'X' at row 2, column 3; allowed . R S H V");
+  CHECK(refused("{\"body\":[\"H\"]}\n\n{\"body\":[\"HHH\",\"V.X\"]}\n") ==
+        "in: line 3: /body/1: unknown letter 'X' at row 2, column 3; allowed . R S H V");
+  CHECK(refused(R"([{"body":["H"]},{"body":["HHH","VX"]}])") ==
+        "in: /1/body/1: row 2 has 2 cells, but row 1 has 3");
+  CHECK(contains(refused(R"({"body":[[3,3],[0,7]]})"),
+                 "/body/1: unknown value 7 at row 2, column 2; allowed 0 1 2 3 4"));
+  CHECK(contains(refused(R"({"body":[[3,1.5]]})"), "unknown value 1.5"));
+  CHECK(contains(refused(R"({"body":[[3,"H"]]})"), "unknown value \"H\""));
+  CHECK(contains(refused(R"({"body":["H#"]})"),
+                 "letter '#' at row 1, column 2 is a fixed cell, which only worlds have"));
+  CHECK(contains(refused(R"({"body":[[3,5]]})"), "is a fixed cell"));
+  CHECK(contains(refused("{\"body\":[\"H\xC3\xA4\"]}"), "0xC3"));
+  CHECK(contains(refused(R"({})"), "/body: is missing"));
+  CHECK(contains(refused(R"({"body":7})"), "/body: expected a list of rows, found 7"));
+  CHECK(contains(refused(R"({"body":[]})"), "/body: expected a list of rows"));
+  CHECK(contains(refused(R"({"body":[""]})"), "/body/0: a row without cells"));
+  CHECK(contains(refused(R"({"body":["H",null]})"), "/body/1: expected a row of letters"));
+  CHECK(contains(refused(R"({"body":["...","..."]})"), "/body: there is no voxel"));
+  CHECK(contains(refused(R"({"body":["H.",".V"]})"),
+                 "/body: the voxel at row 2, column 2 is not connected"));
+  CHECK(contains(refused(R"({"body":["RS"]})"), "/body: there is no actuator"));
+  CHECK(contains(refused(R"({"body":["HH"],"connections":[]})"), "is not connected"));
+  CHECK(contains(refused(R"({"body":["HH"],"connections":{"a":1}})"), "/connections: expected"));
+  CHECK(contains(refused(R"({"body":["HH"],"connections":[[0]]})"),
+                 "/connections/0: expected a pair"));
+  CHECK(contains(refused(R"({"body":["HH"],"connections":[[0,2]]})"),
+                 "/connections/0/1: expected the number of a cell, 0 to 1, found 2"));
+  CHECK(contains(refused(R"({"body":["HH"],"connections":[[0,-1]]})"), "/connections/0/1"));
+  CHECK(contains(refused(R"({"body":["HH"],"connections":[[0,18446744073709551615]]})"),
+                 "/connections/0/1"));
+  CHECK(contains(refused(R"({"body":["H.","VV"],"connections":[[0,1]]})"),
+                 "connection 0-1 names the empty cell at row 1, column 2"));
+  CHECK(contains(refused(R"({"body":["HH","VV"],"connections":[[1,2]]})"), "not adjacent"));
+  CHECK(contains(refused(R"({"body":["H"],"id":"84f928926abb"})"),
+                 "/id: \"84f928926abb\" is not the id of this body, which is \"84f928926ab9\""));
+  CHECK(contains(refused(R"({"body":["H"],"id":84})"), "/id"));
+  CHECK(contains(refused(R"({"format":"evo/robt","body":["H"]})"),
+                 "/format: unknown format \"evo/robt\""));
+  CHECK(
+      contains(refused(R"({"version":2,"body":["H"]})"),
+               "/version: evo/robot version 2 is newer than this program, which reads version 1"));
+  CHECK(contains(refused(R"({"version":"1","body":["H"]})"), "/version: expected"));
+  CHECK(
+      contains(refused(R"({"body":["H"],"fitness":"9"})"), "/fitness: expected a number or null"));
+  CHECK(contains(refused(R"({"body":["H"],"parents":["a",1]})"), "/parents: expected"));
+  CHECK(contains(refused(R"({"body":["H"],"steps":-1})"), "/steps: expected"));
+  CHECK(contains(refused(R"(["H"])"), "/0: expected a robot document (an object), found \"H\""));
+  CHECK(contains(refused("HHH\nV.X\n"), "unknown letter 'X' at row 2, column 3"));
+  CHECK(contains(refused("HH\n\nVV\nV\n"), "drawn from line 3: row 2 has 1 cells"));
+}
+
+TEST_CASE("Robot: malformed text is refused with line and column") {
+  CHECK(contains(refused("{\"body\":[\"H\"]}\n{\"body\":[\"H\"],}\n"),
+                 "in: line 2: malformed JSON at column 15: "));
+  CHECK(contains(refused("{\n\"body\":[\n\"H\" \"V\"]}"),
+                 "in: line 3: malformed JSON at column 7: "));
+  CHECK(contains(refused("{\"body\":[\"H\"]"), "unexpected end of input"));
+  CHECK(contains(refused("{\"body\":[\"H\"]} x"), "in: line 1: expected a JSON object"));
+  CHECK(contains(refused(R"({"body":["H"],"body":["V"]})"),
+                 "in: line 1: the key \"body\" is given twice"));
+  CHECK(contains(refused("{\"body\":[\"H\"],\"x\":1e999}"), "number overflow"));
+  CHECK(contains(refused("{\"x\":\"\xFF\"}"), "UTF-8"));
+  CHECK(contains(refused("body: [H\n"), "malformed YAML"));
+  CHECK(contains(refused("body: [H]\nbody: [V]\n"), "in: line 2: the key \"body\" is given twice"));
+  CHECK(contains(refused("body:\n  - HH\n  - VX\n"), "in: line 3: /body/1: unknown letter 'X'"));
+  CHECK(contains(refused("a: 1\nx: [*nothing]\n"), "malformed YAML"));
+  CHECK(contains(refused("body: [H]\nx: !!binary \"\\xFF\"\nid: 7"), "/id"));
+}
+
+TEST_CASE("Robot: deep or endless documents are refused, not followed") {
+  const std::string deep(200'000, '[');
+  CHECK(contains(refused(deep), "nested deeper than 100 levels"));
+  CHECK(contains(refused("{\"body\":" + deep), "nested deeper"));
+  CHECK_FALSE(refused("a: " + deep).empty());
+  std::string dashes;
+  for (int i = 0; i < 50'000; ++i) dashes += "- ";
+  CHECK_FALSE(refused(dashes).empty());
+  CHECK(contains(refused("body: &a [*a]"), "/body"));
+  std::string doubling = "x0: &x0 [1]\n";
+  for (int i = 1; i < 40; ++i) doubling += fmt::format("x{0}: &x{0} [*x{1}, *x{1}]\n", i, i - 1);
+  CHECK(contains(refused(doubling), "aliases repeat too much"));
+  CHECK(contains(refused(std::string(largest_side + 1, 'H')), "the largest robot is 1000x1000"));
+  CHECK(contains(refused(fmt::format("{{\"body\":[{}\"H\"]}}",
+                                     [] {
+                                       std::string rows;
+                                       for (int i = 0; i < largest_side; ++i) rows += "\"H\",";
+                                       return rows;
+                                     }())),
+                 "the largest robot"));
+  CHECK(one(std::string(largest_side, 'H')).body.cols == largest_side);
+}
+
+TEST_CASE("Robot: a body that is no robot can be read where none is needed") {
+  CHECK(one(R"({"body":["RS"]})", BodyCheck::any).id == identity(Body::from_rows({"RS"})));
+  CHECK(one(R"({"body":["H.",".V"]})", BodyCheck::any).body.links.empty());
+  CHECK(contains(refused(R"({"body":["HX"]})", BodyCheck::any), "unknown letter"));
+}
+
+TEST_CASE("Robot: what is written is the body, whatever became of the document") {
+  Robot robot = one(example);
+  robot.body = Body::from_rows({"HV"});
+  robot.id = identity(robot.body);
+  CHECK(one(robot_to_line(robot)).body == robot.body);
+}
+
+TEST_CASE("Robot: fitness") {
+  Robot robot(Body::from_rows({"H"}));
+  CHECK_FALSE(robot.fitness());
+  robot.document["fitness"] = nullptr;
+  CHECK_FALSE(robot.fitness());
+  CHECK_FALSE(one(robot_to_line(robot)).fitness());
+  robot.document["fitness"] = -3;
+  CHECK(robot.fitness() == -3.0);
+}
+
+TEST_CASE("Robot: children say where they come from, and nothing else") {
+  const Robot child = make_child(Body::from_rows({"HV"}), {"a", "b"}, "evo-mutate", 7, 3);
+  CHECK(robot_to_line(child) ==
+        fmt::format(R"({{"format":"evo/robot","version":1,"id":"{}","body":["HV"],)"
+                    R"("parents":["a","b"],"origin":{{"tool":"evo-mutate","seed":7,"index":3}}}})",
+                    identity(child.body)));
+}
+
+TEST_CASE("Robot: random robots pass through every form") {
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    Stream stream(2, "test/robots", i);
+    Robot robot(sample_body(stream.integer(1, 6), stream.integer(1, 6), default_weights, stream));
+    // Take links away as long as the rest holds.
+    for (std::size_t k = robot.body.links.size(); k-- > 0;) {
+      Body fewer = robot.body;
+      fewer.links.erase(fewer.links.begin() + static_cast<std::ptrdiff_t>(k));
+      if (stream.below(2) == 0 && is_connected(fewer)) robot = Robot(fewer);
+    }
+    for (const std::string& text :
+         {robot_to_line(robot), robot_to_json(robot), robot_to_yaml(robot)}) {
+      const Robot back = one(text);
+      REQUIRE(back.body == robot.body);
+      REQUIRE(back.id == robot.id);
+      REQUIRE(back.document == robot.document);
+    }
+  }
+}
+
+TEST_CASE("Robot: an input is a file, and an HDF5 file stands for its robot") {
+  const ScratchFolder folder;
+  write_file(folder / "p.jsonl", example + "\n" + example + "\n");
+  CHECK(read_robots((folder / "p.jsonl").string()).size() == 2);
+  error_of(Failure::no_input, [&] { (void)read_robots((folder / "none").string()); });
+  {
+    hdf5::Writer file(folder / "r.h5");
+    file.attribute("/", "robot", example);
+    file.commit();
+  }
+  const auto robots = read_robots((folder / "r.h5").string());
+  REQUIRE(robots.size() == 1);
+  CHECK(robot_to_line(robots[0]) == example);
+  {
+    hdf5::Writer file(folder / "x.h5");
+    file.attribute("/", "robot", "{");
+    file.commit();
+  }
+  CHECK(contains(error_of(Failure::data, [&] { (void)read_robots((folder / "x.h5").string()); }),
+                 "@robot"));
+}
+
+TEST_CASE("Robot: damaged text throws Error and nothing else") {
+  const Robot robot =
+      one(R"({"body":["HH","VV"],"connections":[[0,1],[0,2],[1,3]],"note":"\u00e4"})");
+  const std::vector<std::string> originals{example, robot_to_json(robot), robot_to_yaml(robot),
+                                           "HHH\nV.V\n\nHH\n"};
+  int refusals = 0;
+  for (std::uint64_t i = 0; i < 6000; ++i) {
+    Stream stream(3, "test/damage", i);
+    std::string text = originals[stream.below(static_cast<std::uint32_t>(originals.size()))];
+    if (stream.below(3) == 0) text.resize(stream.below(static_cast<std::uint32_t>(text.size())));
+    for (std::uint32_t k = stream.below(4); k > 0 && !text.empty(); --k) {
+      const std::size_t at = stream.below(static_cast<std::uint32_t>(text.size()));
+      const std::string signs = "{}[]\",:#&*!|>-\n\\ 0eH.\xFF";
+      const char sign = signs[stream.below(static_cast<std::uint32_t>(signs.size()))];
+      if (stream.below(2) == 0)
+        text[at] = sign;
+      else
+        text.insert(at, 1, sign);
+    }
+    try {
+      for (const Robot& read : parse_robots(text, "in")) {
+        REQUIRE(is_valid_robot(read.body));
+        REQUIRE(one(robot_to_line(read)).id == read.id);
+      }
+    } catch (const Error& e) {
+      REQUIRE(e.kind() == Failure::data);
+      REQUIRE(std::string(e.what()).find('\n') == std::string::npos);
+      ++refusals;
+    }
+  }
+  CHECK(refusals > 1000);
+  CHECK(refusals < 6000);
+}

@@ -1,0 +1,575 @@
+#include "formats/task.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "formats/physics.h"
+#include "formats/task_text.h"
+#include "libevo/task/env.h"
+
+using namespace evo;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path task_folder = fs::path(EVO_SOURCE_DIR) / "tasks";
+const DataFolders data{task_folder};
+
+const Body body_c = full_body(5, 5);
+const Body body_d = Body::from_rows({"HHHHH", "HHH.H", "HH.HH", "H...H", "H...V"});
+
+// A small task to spoil, line by line.
+const std::string good = R"(name: test
+steps: 100
+robot: {at: [1, 1]}
+world:
+  objects:
+    ground: {at: [0, 0], size: [30, 1], fill: "#"}
+    package: {at: [12, 1], size: [3, 2], fill: S}
+observation:
+  - velocity: robot
+reward:
+  - displacement: {of: robot, axis: x}
+rules:
+  - when: {position: {of: robot, axis: x, above: 20}}
+    reward: 1
+)";
+
+std::string message(const std::string& text) {
+  try {
+    parse_task(text, "t.yaml", "", data);
+  } catch (const Error& error) {
+    CHECK(error.kind() == Failure::data);
+    return error.what();
+  }
+  return "(no error)";
+}
+
+// The message for the good task with one piece of text replaced.
+std::string spoilt(const std::string& piece, const std::string& by) {
+  const std::size_t at = good.find(piece);
+  REQUIRE(at != std::string::npos);
+  return message(good.substr(0, at) + by + good.substr(at + piece.size()));
+}
+
+}  // namespace
+
+// ---- the 32 tasks ------------------------------------------------------------------
+
+namespace {
+
+struct Overview {
+  const char* name;
+  const char* difficulty;
+  int robot_x, robot_y;
+  int steps;
+  int fixed_length;  // the observation has 2n + this
+};
+
+// Spec: tasks, section B.
+const std::vector<Overview> overview{
+    {"Walker-v0", "easy", 1, 1, 500, 2},
+    {"BridgeWalker-v0", "easy", 2, 5, 500, 3},
+    {"BidirectionalWalker-v0", "medium", 33, 1, 1000, 5},
+    {"Carrier-v0", "easy", 1, 1, 500, 6},
+    {"Carrier-v1", "hard", 1, 4, 1000, 6},
+    {"Pusher-v0", "easy", 1, 1, 500, 6},
+    {"Pusher-v1", "medium", 13, 1, 600, 6},
+    {"Thrower-v0", "medium", 1, 1, 300, 6},
+    {"Catcher-v0", "hard", 22, 1, 400, 7},
+    {"BeamToppler-v0", "easy", 1, 1, 1000, 7},
+    {"BeamSlider-v0", "hard", 1, 1, 1000, 7},
+    {"Lifter-v0", "hard", 2, 3, 300, 7},
+    {"Climber-v0", "medium", 1, 1, 400, 2},
+    {"Climber-v1", "medium", 1, 1, 600, 2},
+    {"Climber-v2", "hard", 1, 1, 1000, 10},
+    {"UpStepper-v0", "medium", 1, 1, 600, 14},
+    {"DownStepper-v0", "easy", 1, 11, 500, 14},
+    {"ObstacleTraverser-v0", "medium", 2, 1, 1000, 14},
+    {"ObstacleTraverser-v1", "hard", 2, 4, 1000, 14},
+    {"Hurdler-v0", "hard", 2, 4, 1000, 14},
+    {"PlatformJumper-v0", "hard", 1, 6, 1000, 14},
+    {"GapJumper-v0", "hard", 1, 6, 1000, 14},
+    {"Traverser-v0", "hard", 1, 9, 600, 14},
+    {"CaveCrawler-v0", "medium", 1, 2, 1000, 24},
+    {"AreaMaximizer-v0", "easy", 7, 1, 600, 0},
+    {"AreaMinimizer-v0", "medium", 7, 1, 600, 0},
+    {"WingspanMazimizer-v0", "easy", 7, 1, 600, 0},
+    {"HeightMaximizer-v0", "medium", 7, 1, 500, 0},
+    {"Flipper-v0", "easy", 60, 1, 600, 1},
+    {"Jumper-v0", "easy", 32, 1, 500, 7},
+    {"Balancer-v0", "easy", 15, 3, 600, 1},
+    {"Balancer-v1", "medium", 10, 1, 600, 1},
+};
+
+}  // namespace
+
+TEST_CASE("the 32 tasks are as registered") {
+  CHECK(overview.size() == 32);
+  CHECK(task_names(data).size() == 32);
+  for (const Overview& row : overview) {
+    INFO(row.name);
+    const TaskSpec task = load_task(row.name, data);
+    CHECK(task.name == row.name);
+    CHECK(task.difficulty == row.difficulty);
+    CHECK_FALSE(task.description.empty());
+    CHECK(task.episode_steps == row.steps);
+    CHECK(task.robot_x == row.robot_x);
+    CHECK(task.robot_y == row.robot_y);
+    CHECK(task.folding_reward == -3.0);
+    CHECK(task.physics == Physics{});
+    for (const Body& body : {body_c, body_d}) {
+      const Arena arena(task, body);
+      const int n = arena.model().objects().front().points;
+      CHECK(arena.model().objects().front().name == "robot");
+      CHECK(arena.observation_length() == 2 * n + row.fixed_length);
+    }
+    const std::string table = task_table({task}, TableStyle::plain);
+    const std::string formula =
+        row.fixed_length == 0 ? "2n " : "2n+" + std::to_string(row.fixed_length) + " ";
+    CHECK_THAT(table, Catch::Contains(formula) && Catch::Contains(std::to_string(row.steps)) &&
+                          Catch::Contains(std::to_string(72 + row.fixed_length)));
+  }
+}
+
+TEST_CASE("an alias leads to its task") {
+  CHECK(load_task("WingspanMaximizer-v0", data).name == "WingspanMazimizer-v0");
+}
+
+TEST_CASE("written tasks are read back, with nothing else at hand") {
+  for (const Overview& row : overview) {
+    INFO(row.name);
+    const TaskSpec task = load_task(row.name, data);
+    const std::string text = task_to_yaml(task);
+    const TaskSpec again = parse_task(text, "written");
+    CHECK(task_to_yaml(again) == text);
+    CHECK(again.source == text);
+    CHECK(task_to_yaml(parse_task(task.source, "source")) == text);
+    const Arena one(task, body_d);
+    const Arena two(again, body_d);
+    CHECK(one.model().initial_positions().size() == two.model().initial_positions().size());
+    for (std::size_t i = 0; i < one.model().initial_positions().size(); ++i) {
+      CHECK(one.model().initial_positions()[i].x == two.model().initial_positions()[i].x);
+      CHECK(one.model().initial_positions()[i].y == two.model().initial_positions()[i].y);
+    }
+  }
+}
+
+// ---- check values (spec: tasks, section D) ---------------------------------------------
+
+namespace {
+
+struct CheckValue {
+  const char* task;
+  const Body& body;
+  std::optional<double> orientation;
+  std::vector<double> profile;  // floor, then ceiling
+};
+
+std::vector<double> at(std::size_t length, double rest,
+                       std::vector<std::pair<std::size_t, double>> values) {
+  std::vector<double> bins(length, rest);
+  for (const auto& [i, value] : values) bins[i] = value;
+  return bins;
+}
+
+constexpr double below = 0.275757576;
+constexpr double deeper = 0.375757576;
+
+const std::vector<CheckValue> check_values{
+    {"BridgeWalker-v0", body_c, 0.00091336026005980984, {}},
+    {"BridgeWalker-v0", body_d, 0.00087151417608391946, {}},
+    {"UpStepper-v0", body_c, 0.00073196973623294945, at(11, 0.5, {{5, 0.25}, {8, 0.25}})},
+    {"UpStepper-v0", body_d, 0.00026855916703268551, at(11, below, {{0, 0.5}})},
+    {"DownStepper-v0", body_c, 0.0010489046492778791, at(11, 0.5, {{5, 0.35}, {8, 0.35}})},
+    {"DownStepper-v0", body_d, 0.0010016551810701933, at(11, deeper, {{0, 0.5}})},
+    {"ObstacleTraverser-v0", body_c, 0.00059602686374156009, at(11, 0.5, {{4, 0.25}, {7, 0.25}})},
+    {"ObstacleTraverser-v0", body_d, 0.00074617633861345128, at(11, below, {})},
+    {"ObstacleTraverser-v1", body_c, 0.0005960269075783915, at(11, 0.5, {{4, 0.25}, {7, 0.35}})},
+    {"ObstacleTraverser-v1", body_d, 0.00019161300874981406,
+     at(11, below,
+        {{0, deeper},
+         {1, deeper},
+         {6, deeper},
+         {7, deeper},
+         {8, deeper},
+         {9, deeper},
+         {10, deeper}})},
+    {"Hurdler-v0", body_c, 0.0005960269075783915, at(11, 0.5, {})},
+    {"Hurdler-v0", body_d, 0.00019161300874981406, at(11, 0.5, {})},
+    {"GapJumper-v0", body_c, 0.0012716628175524652, at(11, 0.5, {{5, 0.25}, {8, 0.25}})},
+    {"GapJumper-v0", body_d, 0.00052065864261104501, at(11, below, {{0, 0.5}})},
+    {"PlatformJumper-v0", body_c, 0.0012716628175524652, at(11, 0.5, {{5, 0.25}, {8, 0.25}})},
+    {"PlatformJumper-v0", body_d, 0.00052065864261104501, at(11, below, {{0, 0.5}})},
+    {"Traverser-v0", body_c, 0.0013241908024056333, at(11, 0.5, {{5, 0.25}, {8, 0.25}})},
+    {"Traverser-v0", body_d, 0.00052065864261104501, at(11, below, {{0, 0.5}})},
+    {"Climber-v2", body_c, 0.00073196973623294945, at(7, 0.5, {{6, 0.05}})},
+    {"Climber-v2", body_d, 0.00026855916703268551,
+     at(7, 0.5, {{0, 0.0242424242}, {5, 0.0242424242}, {6, 0.0242424242}})},
+    {"Jumper-v0", body_c, {}, at(5, 0.5, {})},
+    {"Jumper-v0", body_d, {}, at(5, below, {})},
+    {"CaveCrawler-v0", body_c, {}, at(22, 0.5, {{5, 0.35}, {8, 0.35}})},
+    {"CaveCrawler-v0",
+     body_d,
+     {},
+     at(22, 0.5,
+        {{1, deeper},
+         {2, deeper},
+         {3, deeper},
+         {4, deeper},
+         {5, deeper},
+         {6, deeper},
+         {7, deeper},
+         {8, deeper},
+         {9, deeper},
+         {10, deeper}})},
+    {"Flipper-v0", body_c, 0.00061699599731075499, {}},
+    {"Flipper-v0", body_d, 0.001503178916449809, {}},
+    {"Balancer-v0", body_c, 0.00096248628355215346, {}},
+    {"Balancer-v0", body_d, 0.00034963959128342831, {}},
+    {"Balancer-v1", body_c, 0.00096248638938362693, {}},
+    {"Balancer-v1", body_d, 0.00075954822011447902, {}},
+};
+
+std::vector<double> first_observation(const Arena& arena, const Draws& draws = {}) {
+  VecEnv env(arena, 1);
+  env.reset(0, {draws, 0.0, 0});
+  return {env.observations().begin(), env.observations().end()};
+}
+
+// All slices whose names begin like this, one after the other.
+std::vector<double> slices(const Arena& arena, const std::vector<double>& observation,
+                           const std::string& name) {
+  std::vector<double> values;
+  for (const ObservationSlice& slice : arena.layout())
+    if (slice.name.rfind(name, 0) == 0)
+      for (int i = 0; i < slice.length; ++i)
+        values.push_back(observation[static_cast<std::size_t>(slice.offset + i)]);
+  return values;
+}
+
+}  // namespace
+
+TEST_CASE("the check values of reset observations") {
+  for (const CheckValue& check : check_values) {
+    INFO(check.task << ", n = " << (&check.body == &body_c ? "36" : "33"));
+    const Arena arena(load_task(check.task, data), check.body);
+    const auto observation = first_observation(arena);
+    if (check.orientation)
+      CHECK(slices(arena, observation, "orientation(robot)").at(0) ==
+            Approx(*check.orientation).epsilon(0).margin(1e-12));
+    auto profile = slices(arena, observation, "floor");
+    const auto ceiling = slices(arena, observation, "ceiling");
+    profile.insert(profile.end(), ceiling.begin(), ceiling.end());
+    REQUIRE(profile.size() == (check.profile.empty() ? 0 : check.profile.size()));
+    for (std::size_t i = 0; i < profile.size(); ++i)
+      CHECK(profile[i] == Approx(check.profile[i]).epsilon(0).margin(1e-9));
+  }
+}
+
+TEST_CASE("the check values of package and beam tasks") {
+  const std::vector<std::pair<const char*, std::vector<double>>> leading{
+      {"Carrier-v0", {0, 0, 0.1, 0.35, 0, 0}},      {"Carrier-v1", {0, 0, 0.1, 0.45, 0, 0}},
+      {"Pusher-v0", {0, 0, 0.6, -0.15, 0, 0}},      {"Pusher-v1", {0, 0, -0.6, -0.15, 0, 0}},
+      {"Thrower-v0", {0, 0, 0.1, 0.45, 0, 0}},      {"Lifter-v0", {0, 0, 0.1, -0.35, 0, 0}},
+      {"BeamToppler-v0", {3.05, 0.25, 0, 0, 0, 0}}, {"BeamSlider-v0", {2.35, 0.25, 0, 0, 0, 0}},
+  };
+  for (const auto& [name, values] : leading) {
+    INFO(name);
+    const Arena arena(load_task(name, data), body_c);
+    const auto observation = first_observation(arena);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      CHECK(observation[i] == Approx(values[i]).epsilon(0).margin(1e-12));
+    const auto turned = slices(arena, observation, "orientation");
+    if (std::string(name) == "Lifter-v0")
+      CHECK(turned.at(0) == Approx(6.0890317139658554e-09).epsilon(1e-12));
+    if (std::string(name).rfind("Beam", 0) == 0)
+      CHECK(turned.at(0) == Approx(5.9163224742113418e-04).epsilon(1e-12));
+  }
+}
+
+// ---- finding tasks ------------------------------------------------------------------------
+
+TEST_CASE("an unknown task is named with the nearest one") {
+  try {
+    load_task("Walkr-v0", data);
+    FAIL("accepted");
+  } catch (const Error& error) {
+    CHECK(error.kind() == Failure::usage);
+    CHECK_THAT(error.what(),
+               Catch::StartsWith("unknown task 'Walkr-v0' (did you mean 'Walker-v0'?)") &&
+                   Catch::Contains("evo-inspect tasks"));
+  }
+  try {
+    load_task("./nowhere.yaml", data);
+    FAIL("accepted");
+  } catch (const Error& error) {
+    CHECK(error.kind() == Failure::no_input);
+  }
+}
+
+TEST_CASE("other YAML in a data folder is no task") {
+  const fs::path folder = fs::temp_directory_path() / "evo-task-test-other";
+  fs::create_directories(folder);
+  std::ofstream(folder / "neat.yaml") << "population: 5\n";
+  std::ofstream(folder / "mine.yaml") << "format: evo/task\naliases: [ours]\n" << good;
+  CHECK(task_names({folder}) == std::vector<std::string>{"mine"});
+  CHECK_THROWS_WITH(load_task("neat", {folder}), Catch::Contains("unknown task 'neat'"));
+  CHECK(load_task("ours", {folder}).name == "test");
+  CHECK(load_task("Walker-v0", {folder, task_folder}).name == "Walker-v0");
+  fs::remove_all(folder);
+}
+
+// ---- worlds ---------------------------------------------------------------------------------
+
+TEST_CASE("a picture with a legend, parts and rows draw the same world") {
+  const auto objects = [](const std::string& world) {
+    const std::string text =
+        "name: w\nsteps: 1\nrobot: {at: [0, 9]}\nobservation: [velocity: robot]\n"
+        "reward: []\nworld:\n" +
+        world;
+    return parse_task(text, "w.yaml").objects;
+  };
+  const auto picture = objects(R"(
+  drawing: |
+    ..bb.
+    #...#
+    ##S##
+  legend:
+    "#": ground
+    S: ground
+    b: {object: beam, voxel: R}
+)");
+  const auto rows = objects(R"(
+  objects:
+    ground: {rows: ["#...#", "##S##"]}
+    beam: {at: [2, 2], size: [2, 1], fill: R}
+)");
+  const auto parts = objects(R"(
+  objects:
+    ground:
+      parts:
+        - {size: [5, 2], fill: "#"}
+        - {at: [1, 1], size: [3, 1], fill: "."}
+        - {at: [2, 0], rows: [S]}
+    beam: {at: [1, 1], rows: ["...", ".RR", "..."]}
+)");
+  for (const auto* other : {&rows, &parts}) {
+    REQUIRE(other->size() == 2);
+    for (std::size_t i = 0; i < 2; ++i) {
+      CHECK(picture[i].object.name == (*other)[i].object.name);
+      CHECK(picture[i].object.body == (*other)[i].object.body);
+      CHECK(picture[i].object.x == (*other)[i].object.x);
+      CHECK(picture[i].object.y == (*other)[i].object.y);
+    }
+  }
+}
+
+TEST_CASE("connections are kept when a drawing is cut to its cells") {
+  const std::string text =
+      "name: w\nsteps: 1\nrobot: {at: [0, 9]}\nobservation: [velocity: robot]\nreward: []\n"
+      "world: {objects: {u: {at: [3, 1], rows: ['....', '.SS.', '.SS.'], "
+      "connections: [[5, 6], [5, 9], [6, 10]]}}}\n";
+  const TaskSpec task = parse_task(text, "w.yaml");
+  const Object& u = task.objects.at(0).object;
+  CHECK(u.x == 4);
+  CHECK(u.y == 1);
+  CHECK(u.body.links == std::vector<Link>{{0, 1}, {0, 2}, {1, 3}});
+  CHECK(parse_task(task_to_yaml(task), "again").objects.at(0).object.body == u.body);
+}
+
+TEST_CASE("bounding boxes may overlap, cells may not") {
+  const std::string nested = R"(  objects:
+    tub: {rows: ["#...#", "#####"]}
+    duck: {at: [2, 1], size: [1, 1], fill: S}
+)";
+  CHECK(
+      spoilt(good.substr(good.find("  objects"), good.find("observation") - good.find("  objects")),
+             nested) == "(no error)");
+  CHECK(spoilt("{at: [12, 1], size", "{at: [12, 0], size") ==
+        "t.yaml:5:3: objects 'ground' and 'package' overlap at cell (12, 0)");
+}
+
+TEST_CASE("a world may come from the design tool, and the task stays complete") {
+  const fs::path folder = fs::temp_directory_path() / "evo-task-test-world";
+  fs::create_directories(folder);
+  std::ofstream(folder / "world.json") << R"({"grid_width": 5, "grid_height": 3, "objects": {
+    "ground": {"indices": [0, 1, 2, 3, 4], "types": [5, 5, 5, 5, 5],
+               "neighbors": {"0": [1], "1": [0, 2], "2": [1, 3], "3": [2, 4], "4": [3]}},
+    "box": {"indices": [8, 13], "types": [1, 2], "neighbors": {"8": [13], "13": [8]}}}})";
+  const std::string head =
+      "name: w\nsteps: 1\nrobot: {at: [0, 1]}\nobservation: [velocity: box]\nreward: []\n";
+  const TaskSpec task = parse_task(head + "world: world.json\n", "w.yaml", folder);
+  REQUIRE(task.objects.size() == 2);
+  CHECK(task.objects[1].object.name == "box");
+  CHECK(task.objects[1].object.x == 3);
+  CHECK(task.objects[1].object.y == 1);
+  CHECK(task.objects[1].object.body.to_rows() == std::vector<std::string>{"S", "R"});
+
+  const TaskSpec more = parse_task(
+      head + "world: {file: world.json, objects: {peg: {at: [0, 2], size: [1, 1], fill: '#'}}}\n",
+      "w.yaml", folder);
+  CHECK(more.objects.size() == 3);
+  fs::remove_all(folder);
+  CHECK(parse_task(task.source, "alone").objects[1].object.body == task.objects[1].object.body);
+  CHECK(parse_task(more.source, "alone").objects.size() == 3);
+  CHECK_THAT(message(head + "world: nowhere.json\n"), Catch::StartsWith("t.yaml:6:8: "));
+}
+
+// ---- physics in tasks -------------------------------------------------------------------------
+
+TEST_CASE("a task may choose and change its physics, and stays complete") {
+  const TaskSpec paper = parse_task(good + "physics: paper\n", "t.yaml", "", data);
+  CHECK(paper.physics == load_physics("paper", data));
+  CHECK(parse_task(paper.source, "alone").physics == paper.physics);
+
+  const TaskSpec light =
+      parse_task(good + "physics:\n  base: paper\n  gravity: 40\n", "t.yaml", "", data);
+  CHECK(light.physics.gravity == 40.0);
+  CHECK(light.physics.contact_stiffness == 2.1e7);
+  CHECK(parse_task(light.source, "alone").physics == light.physics);
+
+  TaskSpec changed = parse_task(good, "t.yaml", "", data);
+  CHECK(changed.source == good);
+  Physics physics = changed.physics;
+  apply_override(physics, "gravity=55");
+  set_physics(changed, physics);
+  CHECK(parse_task(changed.source, "alone").physics.gravity == 55.0);
+
+  CHECK_THAT(
+      message(good + "physics: papr\n"),
+      Catch::StartsWith("t.yaml:15:10: unknown physics profile 'papr' (did you mean 'paper'?)"));
+}
+
+// ---- mistakes -----------------------------------------------------------------------------------
+
+TEST_CASE("mistakes in a task are named with their place and the nearest word") {
+  CHECK(message(good) == "(no error)");
+  CHECK(spoilt("velocity", "velocty") ==
+        "t.yaml:9:5: unknown observation part 'velocty' (did you mean 'velocity'?); allowed: "
+        "velocity, orientation, relative_positions, offset, floor, ceiling, goal_index, "
+        "goal_position, goal_offset");
+  CHECK(spoilt("displacement: {of: robot", "displacement: {of: pakage") ==
+        "t.yaml:11:24: unknown object 'pakage' (did you mean 'package'?); allowed: robot, ground, "
+        "package");
+  CHECK(spoilt("displacement", "displace") ==
+        "t.yaml:11:5: reward term: unknown key 'displace'; allowed: displacement, distance, "
+        "approach, hull_area, extent, rotation, goal_approach, weight, when");
+  CHECK(spoilt("axis: x}\n", "axis: z}\n") ==
+        "t.yaml:11:37: unknown axis 'z' (did you mean 'x'?); allowed: x, y");
+  CHECK_THAT(spoilt("steps: 100", "stesp: 100"),
+             Catch::StartsWith("t.yaml:2:1: task: unknown key 'stesp' (did you mean 'steps'?)"));
+  CHECK(spoilt("steps: 100\n", "") == "t.yaml:1:1: task: key 'steps' is missing");
+  CHECK(spoilt("steps: 100", "steps: 0") ==
+        "t.yaml:2:8: a whole number from 1 to 10000000 is expected, found '0'");
+  CHECK(spoilt("steps: 100", "steps: 100\nsteps: 200") ==
+        "t.yaml:3:1: key 'steps' is given twice (first in line 2)");
+  CHECK(spoilt("above: 20", "abve: 20") ==
+        "t.yaml:13:43: position: unknown key 'abve' (did you mean 'above'?); allowed: of, axis, "
+        "above, below, at_least, at_most");
+  CHECK_THAT(spoilt(", above: 20", ""), Catch::Contains("t.yaml:13:22: a bound is expected"));
+  CHECK_THAT(spoilt("position:", "postion:"),
+             Catch::Contains("unknown condition 'postion' (did you mean 'position'?)"));
+  CHECK_THAT(spoilt("reward: 1", "reward: lots"),
+             Catch::Contains("t.yaml:14:13: a number is expected, found 'lots'"));
+  CHECK_THAT(spoilt("name: test", "name: my test"), Catch::Contains("a name without spaces"));
+  CHECK_THAT(spoilt("- velocity: robot", "- goal_index"),
+             Catch::Contains("goal_index needs the task to have `goals`"));
+  CHECK_THAT(spoilt("- velocity: robot", "- velocity"),
+             Catch::Contains("'velocity' needs a value"));
+  CHECK_THAT(spoilt("- velocity: robot", "- floor: {width: -1}"),
+             Catch::Contains("a whole number from 0 to 1000 is expected, found '-1'"));
+  CHECK_THAT(spoilt("robot: {at: [1, 1]}", "robot: {at: [-1, 1]}"),
+             Catch::Contains("t.yaml:3:14: a whole number from 0"));
+  CHECK_THAT(spoilt("name: test", "format: evo/robot\nname: test"),
+             Catch::Contains("format 'evo/task' is expected, found 'evo/robot'"));
+  CHECK_THAT(spoilt("name: test", "version: 9\nname: test"), Catch::Contains("newer than this"));
+}
+
+TEST_CASE("mistakes in a world are named with their place") {
+  CHECK_THAT(spoilt("size: [30, 1]", "size: [-30, 1]"),
+             Catch::StartsWith("t.yaml:6:33: a whole number from 1 to "));
+  CHECK_THAT(spoilt("fill: S", "fill: X"), Catch::Contains("t.yaml:7:48: unknown letter 'X'"));
+  CHECK_THAT(
+      spoilt("fill: S", "fill: H"),
+      Catch::Contains("object 'package' has actuators (H, V), which only the robot may have"));
+  CHECK_THAT(spoilt("fill: S", "fill: '.'"), Catch::Contains("object 'package' has no cell"));
+  CHECK_THAT(spoilt("size: [3, 2], fill: S", "rows: [SS, S]"),
+             Catch::Contains("row 2 of the drawing has 1 cells, row 1 has 2"));
+  CHECK_THAT(spoilt("size: [3, 2], fill: S", "rows: [S.S]"), Catch::Contains("object 'package': "));
+  CHECK_THAT(spoilt("size: [3, 2], fill: S", "rows: [SS], fill: S"),
+             Catch::Contains("`fill` goes with `size`"));
+  CHECK_THAT(spoilt("size: [3, 2], fill: S", "{}"), Catch::Contains("t.yaml:7:"));
+  CHECK_THAT(spoilt("size: [3, 2], fill: S", "rows: [SS], connections: [[0, 5]]"),
+             Catch::Contains("a whole number from 0 to 1"));
+  CHECK_THAT(spoilt("package:", "robot:"),
+             Catch::Contains("the name 'robot' belongs to the robot"));
+  CHECK_THAT(spoilt("{at: [12, 1], size: [3, 2]", "{at: [12, 1], offset: [ox, 0], size: [3, 2]"),
+             Catch::Contains("unknown draw 'ox'"));
+  CHECK_THAT(spoilt("  objects:", "  drawing: 'x'\n  objects:"),
+             Catch::Contains("world: key 'legend' is missing"));
+  CHECK_THAT(
+      spoilt("  objects:", "  drawing: 'xy'\n  legend: {x: {object: a, voxel: S}}\n  objects:"),
+      Catch::Contains("letter 'y' in row 1, column 2 is not in the legend"));
+  CHECK_THAT(spoilt("robot: {at: [1, 1]}", "draws: {d: [-20, 0]}\nrobot: {at: [1, 1]}"),
+             Catch::Equals("(no error)"));
+}
+
+// ---- examples and words
+// ---------------------------------------------------------------------------
+
+TEST_CASE("the examples of the guide load and run") {
+  for (const char* name : {"ramp", "kick"}) {
+    INFO(name);
+    const TaskSpec task =
+        load_task((task_folder / "examples" / (std::string(name) + ".yaml")).string(), data);
+    const Arena arena(task, Body::from_rows({"SSS", "HSH", "V.V"}));
+    VecEnv env(arena, 2);
+    for (int i = 0; i < 2; ++i)
+      env.reset(i, {arena.draw(0, static_cast<std::uint64_t>(i)), 0.0, 0});
+    const auto before = env.positions(0)[0];
+    double reward = 0.0;
+    for (int step = 0; step < 40; ++step) {
+      std::vector<double> targets(static_cast<std::size_t>(2 * arena.action_length()));
+      for (std::size_t i = 0; i < targets.size(); ++i)
+        targets[i] = 1.1 + 0.5 * std::sin(step / 3.0 + static_cast<double>(i));
+      env.step(targets);
+      reward += std::abs(env.rewards()[0]);
+    }
+    CHECK(reward > 0.0);
+    CHECK(env.positions(0)[0].x != before.x);
+    CHECK_FALSE(describe_task(task, Body::from_rows({"HH"})).empty());
+    CHECK(parse_task(task.source, "alone").physics == task.physics);
+  }
+}
+
+TEST_CASE("a task is described in words") {
+  const std::string text = describe_task(load_task("Carrier-v1", data), body_c);
+  CHECK_THAT(text, Catch::Contains("Carrier-v1 (hard)") && Catch::Contains("1000 steps"));
+  CHECK_THAT(text, Catch::Contains("2-3  offset(package from robot)"));
+  CHECK_THAT(text, Catch::Contains("6-77  relative_positions(robot)"));
+  CHECK_THAT(text, Catch::Contains("-d|4 - X(robot)|"));
+  CHECK_THAT(text,
+             Catch::Contains("while X(package) > 2 (20 voxels) and Y(package) < 0.4 (4 voxels)"));
+  CHECK_THAT(describe_task(load_task("Catcher-v0", data), body_c),
+             Catch::Contains("package at 21 + ox, 41 + oy"));
+}
+
+namespace {
+
+std::string page(const fs::path& path) {
+  std::ifstream file(fs::path(EVO_SOURCE_DIR) / path);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+TEST_CASE("the pages in docs show the tasks as they are") {
+  std::vector<TaskSpec> tasks;
+  for (const std::string& name : task_names(data)) tasks.push_back(load_task(name, data));
+  CHECK_THAT(page("docs/tasks.md"), Catch::Contains(task_table(tasks, TableStyle::markdown)));
+  for (const char* example : {"tasks/examples/ramp.yaml", "tasks/examples/kick.yaml"})
+    CHECK_THAT(page("docs/make-a-task.md"), Catch::Contains(page(example)));
+}

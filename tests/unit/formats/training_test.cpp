@@ -1,0 +1,127 @@
+#include "formats/training.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "formats/files.h"
+
+using namespace evo;
+
+namespace {
+
+const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+
+TrainingSettings read(const std::string& text) {
+  return training_from_yaml(YamlNode::parse(text, "t.yaml"), "", data);
+}
+
+std::string message(const std::string& text) {
+  try {
+    read(text);
+  } catch (const Error& error) {
+    CHECK(error.kind() == Failure::data);
+    return error.what();
+  }
+  return "(no error)";
+}
+
+std::string override_message(const std::string& assignment) {
+  TrainingSettings settings;
+  try {
+    apply_override(settings, assignment);
+  } catch (const Error& error) {
+    CHECK(error.kind() == Failure::usage);
+    return error.what();
+  }
+  return "(no error)";
+}
+
+}  // namespace
+
+TEST_CASE("the profile paper is what libevo has built in, and names every setting") {
+  CHECK(load_training("paper", data) == TrainingSettings{});
+  CHECK(load_training("paper", {}) == TrainingSettings{});
+  CHECK(read("{}") == TrainingSettings{});
+  const auto path = find_data_file(data, "training", "paper");
+  REQUIRE(path);
+  const YamlNode node = YamlNode::parse(read_file(*path), "paper.yaml");
+  const YamlMapping mapping(node, "profile", [] {
+    auto keys = training_keys();
+    for (const char* key : {"format", "version", "name", "description"}) keys.emplace_back(key);
+    return keys;
+  }());
+  for (const std::string& key : training_keys()) {
+    INFO(key);
+    CHECK(mapping.has(key));
+  }
+}
+
+TEST_CASE("every profile in the repository reads and can be written back") {
+  const std::vector<std::string> names = data_names(data, "training");
+  CHECK(names.size() >= 3);
+  for (const std::string& name : names) {
+    INFO(name);
+    const TrainingSettings settings = load_training(name, data);
+    CHECK(read(training_to_yaml(settings)) == settings);
+  }
+}
+
+TEST_CASE("the profile release2 has the minibatches of four of the 2.x examples") {
+  const TrainingSettings s = load_training("release2", data);
+  CHECK(s.environments == 1);
+  CHECK(s.batch() / s.minibatches == 4);
+  CHECK(s.learning_rate_schedule == Schedule::constant);
+  CHECK_FALSE(s.normalize_observations);
+  CHECK_FALSE(s.clip_value_loss);
+  CHECK(s.time_limit == TimeLimit::bootstrap);
+}
+
+TEST_CASE("a training profile gives what differs from its base") {
+  TrainingSettings expected;
+  expected.hidden = {32, 16, 8};
+  expected.entropy_coefficient = 0.0;
+  expected.time_limit = TimeLimit::bootstrap;
+  CHECK(read("base: paper\nhidden: [32, 16, 8]\nentropy_coefficient: 0\ntime_limit: bootstrap\n") ==
+        expected);
+  expected = {};
+  expected.hidden = {};
+  CHECK(read("hidden: []") == expected);
+  CHECK(read(training_to_yaml(expected)) == expected);
+}
+
+TEST_CASE("exact numbers survive the round trip") {
+  TrainingSettings settings;
+  settings.learning_rate = 0.1 + 0.2;
+  settings.initial_log_std = -1.0 / 3.0;
+  settings.steps = 123456789012;
+  CHECK(read(training_to_yaml(settings)) == settings);
+}
+
+TEST_CASE("mistakes in a training profile are named with place and remedy") {
+  CHECK_THAT(message("gama: 0.9"), Catch::Contains("t.yaml:1") && Catch::Contains("'gamma'"));
+  CHECK_THAT(message("epochs: 4\nclip: wide"),
+             Catch::Contains("t.yaml:2") && Catch::Contains("a number is expected for 'clip'") &&
+                 Catch::Contains("'wide'"));
+  CHECK_THAT(message("epochs: 2.5"), Catch::Contains("a whole number is expected for 'epochs'"));
+  CHECK_THAT(message("algorithm: dqn"), Catch::Contains("one of ppo, sine, random"));
+  CHECK_THAT(message("clip: [1, 2]"), Catch::Contains("a value is expected for 'clip'"));
+  CHECK_THAT(message("hidden: [64, x]"), Catch::Contains("a list of whole numbers"));
+  CHECK_THAT(message("gamma: 1.5"), Catch::Contains("gamma is 1.5") && Catch::Contains("[0, 1]"));
+  CHECK_THAT(message("minibatches: 1000"), Catch::Contains("fewer samples"));
+  CHECK_THAT(message("steps: 100"), Catch::Contains("less than one rollout"));
+  CHECK_THAT(message("base: papr"), Catch::Contains("did you mean 'paper'"));
+  CHECK_THAT(message("version: 2"), Catch::Contains("version"));
+}
+
+TEST_CASE("single settings can be overridden") {
+  TrainingSettings settings;
+  apply_override(settings, "gamma=0.995");
+  apply_override(settings, "hidden=32,32");
+  apply_override(settings, "normalize_rewards=false");
+  CHECK(settings.gamma == 0.995);
+  CHECK(settings.hidden == std::vector<int>{32, 32});
+  CHECK_FALSE(settings.normalize_rewards);
+  CHECK_THAT(override_message("gamma"), Catch::Contains("KEY=VALUE"));
+  CHECK_THAT(override_message("gmma=1"), Catch::Contains("did you mean 'gamma'"));
+  CHECK_THAT(override_message("epochs=many"), Catch::Contains("a whole number"));
+}

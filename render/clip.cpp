@@ -1,0 +1,267 @@
+#include "render/clip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "formats/yaml.h"
+#include "libevo/base/error.h"
+#include "render/camera.h"
+
+namespace evo::render {
+namespace {
+
+const RolloutEpisode& checked_episode(const Episode& episode) {
+  const auto& all = episode.rollout->episodes;
+  if (all.empty()) throw Error(Failure::data, "the rollout has no episodes, so nothing to draw");
+  if (episode.index < 0 || static_cast<std::size_t>(episode.index) >= all.size())
+    throw error(Failure::usage, "there is no episode {}: the rollout has episodes 0 to {}",
+                episode.index, all.size() - 1);
+  return all[static_cast<std::size_t>(episode.index)];
+}
+
+void check_world(const Rollout& rollout) {
+  const auto& [objects, cells] = rollout.world;
+  if (cells.empty())
+    throw Error(Failure::data,
+                "the rollout does not say which points make which voxels (datasets cell_object, "
+                "cell_type and cell_points of its group 'world'), so it cannot be drawn; record it "
+                "with evo-eval --rollout");
+  int points = 0;
+  int first_cell = 0;
+  for (const ModelObject& object : objects) {
+    if (object.first_point != points || object.points < 0 || object.first_cell != first_cell ||
+        object.cells < 0)
+      throw error(Failure::data, "object '{}' of the rollout's world does not follow the one before",
+                  object.name);
+    points += object.points;
+    first_cell += object.cells;
+  }
+  if (points != rollout.points || static_cast<std::size_t>(first_cell) != cells.size())
+    throw error(Failure::data,
+                "the objects of the rollout's world have {} points and {} cells, the rollout {} "
+                "and {}",
+                points, first_cell, rollout.points, cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (const int p : cells[c].points)
+      if (p < 0 || p >= points)
+        throw error(Failure::data, "cell {} of the rollout's world has point {} of {}", c, p,
+                    points);
+}
+
+void check_positions(const Rollout& rollout, const RolloutEpisode& episode) {
+  const auto per_step = static_cast<std::size_t>(rollout.points);
+  const std::size_t expected = (episode.rewards.size() + 1) * per_step;
+  if (episode.positions.size() != expected)
+    throw error(Failure::data, "the episode has {} positions, {} steps of {} points need {}",
+                episode.positions.size(), episode.rewards.size(), per_step, expected);
+  constexpr double farthest = 1e6;  // raw length
+  for (std::size_t k = 0; k < episode.positions.size(); ++k) {
+    const Vec2& p = episode.positions[k];
+    if (!(std::abs(p.x) < farthest && std::abs(p.y) < farthest))
+      throw error(Failure::data, "point {} is at ({}, {}) in step {}, which cannot be drawn",
+                  k % per_step, p.x, p.y, k / per_step);
+  }
+}
+
+// Raw length of a voxel: cells start undeformed.
+double voxel_length(const Rollout& rollout, const RolloutEpisode& episode) {
+  double sum = 0;
+  for (const ModelCell& cell : rollout.world.cells) {
+    const Vec2& a = episode.positions[static_cast<std::size_t>(cell.points[0])];
+    const Vec2& b = episode.positions[static_cast<std::size_t>(cell.points[1])];
+    sum += std::hypot(a.x - b.x, a.y - b.y);
+  }
+  const double length = sum / static_cast<double>(rollout.world.cells.size());
+  if (length <= 0) throw Error(Failure::data, "the voxels of the rollout have no size");
+  // Start positions may be jittered by a little; worlds are made on round numbers.
+  constexpr double round_to = 1e-3;
+  const double rounded = std::round(length / round_to) * round_to;
+  return rounded > 0 && std::abs(rounded - length) < 0.01 * length ? rounded : length;
+}
+
+// What the task wants to be kept in view, or nothing.
+std::vector<std::string> task_follow(const Rollout& rollout) {
+  std::vector<std::string> names;
+  if (rollout.task_yaml.empty()) return names;
+  const YamlNode document = YamlNode::parse(rollout.task_yaml, "task of the rollout");
+  if (!document.is_mapping()) return names;
+  for (const YamlNode::Entry& entry : document.entries())
+    if (entry.key.string() == "follow" && entry.value.is_sequence())
+      for (const YamlNode& name : entry.value.items()) names.push_back(name.string());
+  return names;
+}
+
+std::vector<int> followed(const Rollout& rollout, const Mesh& mesh,
+                          const std::vector<std::string>& chosen) {
+  const std::vector<std::string> names = chosen.empty() ? task_follow(rollout) : chosen;
+  std::vector<int> objects;
+  for (const std::string& name : names) {
+    const int object = mesh.object_index(name);
+    if (object < 0) {
+      std::vector<std::string> known;
+      for (const ModelObject& each : mesh.objects) known.push_back(each.name);
+      throw error(Failure::usage, "the camera cannot follow '{}': the objects are {}{}", name,
+                  fmt::join(known, ", "), did_you_mean(name, known));
+    }
+    objects.push_back(object);
+  }
+  if (objects.empty()) objects.push_back(0);  // the robot comes first in world order
+  return objects;
+}
+
+Vec2 between(Vec2 a, Vec2 b, double share) {
+  return {a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share};
+}
+
+struct Moment {
+  int step;      // the last whole step
+  double share;  // of the way to the next
+};
+
+Moment split(double step, int steps) {
+  const double clamped = std::clamp(step, 0.0, static_cast<double>(steps));
+  const int whole = std::min(static_cast<int>(clamped), std::max(0, steps - 1));
+  return {whole, clamped - whole};
+}
+
+// `value` as wide as `widest`, so that the numbers of a video stand still.
+std::string padded(int value, int widest) {
+  constexpr const char* figure_space = "\u2007";
+  std::string text = std::to_string(value);
+  const std::size_t digits = text.size();
+  for (std::size_t k = digits; k < std::to_string(widest).size(); ++k)
+    text.insert(0, figure_space);
+  return text;
+}
+
+std::string short_id(const std::string& id) { return id.substr(0, 12); }
+
+}  // namespace
+
+Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
+    : episode_(episode), overlays_(options.overlays) {
+  const Rollout& rollout = *episode.rollout;
+  const RolloutEpisode& data = checked_episode(episode);
+  check_world(rollout);
+  check_positions(rollout, data);
+  mesh_ = make_mesh(rollout.world);
+  steps_ = data.steps();
+  const double voxel = voxel_length(rollout, data);
+  points_.reserve(data.positions.size());
+  for (const Vec2& p : data.positions) points_.push_back({p.x / voxel, p.y / voxel});
+  for (int t = 0; t <= steps_; ++t) {
+    const ModelObject& object = mesh_.objects.front();
+    Vec2 sum;
+    for (int k = 0; k < object.points; ++k) {
+      sum.x += at(t)[object.first_point + k].x;
+      sum.y += at(t)[object.first_point + k].y;
+    }
+    centres_.push_back({sum.x / object.points, sum.y / object.points});
+  }
+  returns_.push_back(0);
+  for (const double reward : data.rewards) returns_.push_back(returns_.back() + reward);
+  views_ = camera_path(mesh_, points_, options.camera,
+                       followed(rollout, mesh_, options.camera.objects), aspect);
+}
+
+const Vec2* Clip::at(int step) const {
+  return points_.data() +
+         static_cast<std::ptrdiff_t>(step) * static_cast<std::ptrdiff_t>(episode_.rollout->points);
+}
+
+Scene Clip::scene(double step) const {
+  const auto [whole, share] = split(step, steps_);
+  const int next = std::min(whole + 1, steps_);
+  Scene scene;
+  scene.mesh = &mesh_;
+  scene.points.reserve(static_cast<std::size_t>(episode_.rollout->points));
+  for (int k = 0; k < episode_.rollout->points; ++k)
+    scene.points.push_back(between(at(whole)[k], at(next)[k], share));
+  const ViewRect& a = views_[static_cast<std::size_t>(whole)];
+  const ViewRect& b = views_[static_cast<std::size_t>(next)];
+  const Vec2 centre = between({a.centre_x, a.centre_y}, {b.centre_x, b.centre_y}, share);
+  const Vec2 extent = between({a.width, a.height}, {b.width, b.height}, share);
+  scene.view = {centre.x, centre.y, extent.x, extent.y};
+  scene.grid = overlays_.grid;
+  scene.tint = overlays_.tint;
+  if (overlays_.trail) add_trail(whole + share, scene);
+  if (overlays_.velocities) add_arrows(whole + share, scene);
+  return scene;
+}
+
+void Clip::add_trail(double step, Scene& scene) const {
+  const auto [whole, share] = split(step, steps_);
+  scene.trail.assign(centres_.begin(), centres_.begin() + whole + 1);
+  if (share > 0)
+    scene.trail.push_back(between(centres_[static_cast<std::size_t>(whole)],
+                                  centres_[static_cast<std::size_t>(whole) + 1], share));
+}
+
+// Recorded velocities where there are any would do as well; differences need no
+// unit of time and are what the eye sees.
+Vec2 Clip::velocity(int step, int point) const {
+  const int before = std::max(0, step - 1);
+  const int after = std::min(steps_, before + 1);
+  const Vec2 a = at(before)[point];
+  const Vec2 b = at(after)[point];
+  return {(b.x - a.x) * steps_per_second, (b.y - a.y) * steps_per_second};
+}
+
+void Clip::add_arrows(double step, Scene& scene) const {
+  constexpr double seconds = 0.12;  // an arrow ends where its point would be after that
+  const auto [whole, share] = split(step, steps_);
+  for (const ModelObject& object : mesh_.objects) {
+    if (object.is_static) continue;
+    for (int k = object.first_point; k < object.first_point + object.points; ++k) {
+      const Vec2 v = between(velocity(whole, k), velocity(whole + 1, k), share);
+      const Vec2 from = scene.points[static_cast<std::size_t>(k)];
+      scene.arrows.push_back({from, {from.x + v.x * seconds, from.y + v.y * seconds}});
+    }
+  }
+}
+
+std::string signed_score(double value) {
+  return fmt::format("{}{:.3f}", value < 0 ? "\u2212" : "+", std::abs(value));
+}
+
+double Clip::score(double step) const {
+  const auto [whole, share] = split(step, steps_);
+  const std::size_t k = static_cast<std::size_t>(whole) + (share >= 1.0 ? 1 : 0);
+  return returns_[k];
+}
+
+Caption Clip::caption(double step) const {
+  const auto [whole, share] = split(step, steps_);
+  const int shown = whole + (share >= 1.0 ? 1 : 0);
+  Caption caption;
+  caption.title = episode_.rollout->task;
+  caption.detail = !episode_.label.empty()      ? episode_.label
+                   : episode_.rollout->robot    ? short_id(episode_.rollout->robot->id)
+                                                : std::string();
+  if (steps_ == 0) return caption;  // a world at rest
+  caption.moment = fmt::format("step {} / {}   {:.2f} s", padded(shown, steps_), steps_,
+                               shown / steps_per_second);
+  caption.score = "return " + signed_score(score(step));
+  return caption;
+}
+
+std::vector<double> timeline(const RenderOptions& options, int steps) {
+  const int last = std::min(options.to.value_or(steps), steps);
+  if (options.from > last)
+    throw error(Failure::usage, "no step lies between --from {} and --to {}: the episode has steps 0 to {}",
+                options.from, last, steps);
+  const double stride =
+      options.every > 0 ? options.every : options.speed * steps_per_second / options.fps;
+  constexpr double close = 1e-9;
+  std::vector<double> shown;
+  for (std::size_t k = 0;; ++k) {
+    const double step = options.from + static_cast<double>(k) * stride;
+    if (step > last - close) break;
+    shown.push_back(step);
+  }
+  shown.push_back(last);
+  return shown;
+}
+
+}  // namespace evo::render

@@ -1,0 +1,64 @@
+// An episode made ready for drawing: shapes, camera and captions at any step.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/rollout.h"
+#include "render/scene.h"
+
+namespace evo::render {
+
+// What to show: an episode of a rollout that outlives this.
+struct Episode {
+  const Rollout* rollout = nullptr;
+  int index = 0;
+  std::string label;  // of its panel, when several are shown; else the robot's id
+};
+
+// Everything about the text of a frame.
+struct Caption {
+  std::string title;   // the task
+  std::string detail;  // the robot
+  std::string moment;  // step and time
+  std::string score;   // return so far
+};
+
+// "+1.250", "−0.004": as wide for either sign.
+std::string signed_score(double value);
+
+class Clip {
+ public:
+  // `aspect`: width to height of the picture. Throws Error(usage) for an episode
+  // out of range or an unknown object to follow, Error(data) for a rollout that
+  // cannot be drawn, saying what it lacks.
+  Clip(const Episode& episode, const RenderOptions& options, double aspect);
+
+  int steps() const { return steps_; }
+  // Between two steps, shapes are in between, too. Steps outside of the episode
+  // show its nearest end.
+  Scene scene(double step) const;
+  Caption caption(double step) const;
+  double score(double step) const;  // return so far
+
+ private:
+  const Vec2* at(int step) const;
+  void add_trail(double step, Scene& scene) const;
+  void add_arrows(double step, Scene& scene) const;
+  Vec2 velocity(int step, int point) const;  // voxels per second of video
+
+  Episode episode_;
+  Overlays overlays_;
+  Mesh mesh_;
+  int steps_ = 0;
+  std::vector<Vec2> points_;   // [(steps+1) x points], voxels
+  std::vector<Vec2> centres_;  // of the first object
+  std::vector<double> returns_;
+  std::vector<ViewRect> views_;
+};
+
+// The steps shown by the frames of a video of an episode of `steps` steps; the
+// last step shown is always among them. Throws Error(usage) for an empty range.
+std::vector<double> timeline(const RenderOptions& options, int steps);
+
+}  // namespace evo::render

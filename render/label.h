@@ -1,0 +1,14 @@
+// Captions over a picture.
+#pragma once
+
+#include "render/clip.h"
+#include "render/text.h"
+
+namespace evo::render {
+
+// Text on rounded plates in the upper corners of a panel: who on the left, when
+// and how well on the right. What finds no room is left out, the score last.
+void draw_caption(const Caption& caption, const Theme& theme, const Rect& panel,
+                  Typesetter& typesetter, Drawing& drawing);
+
+}  // namespace evo::render

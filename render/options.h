@@ -1,0 +1,61 @@
+// What a user can choose about pictures.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/image.h"
+
+namespace evo::render {
+
+// Control steps in a second of video at speed 1: the benchmark's viewer shows 50
+// steps a second.
+inline constexpr double steps_per_second = 50.0;
+
+// A window of the world, in voxels; y counts upwards.
+struct ViewRect {
+  double centre_x = 0;
+  double centre_y = 0;
+  double width = 0;
+  double height = 0;
+};
+
+enum class CameraMode {
+  follow,  // keep the named objects in view, smoothly
+  world,   // everything, all the time
+  fixed,   // `window`
+};
+
+struct Camera {
+  CameraMode mode = CameraMode::follow;
+  std::vector<std::string> objects;        // to follow; empty: what the task says
+  double zoom = 1.0;                       // of follow; 2 leaves half the room around
+  ViewRect window{12.0, 4.0, 40.0, 20.0};  // fixed; the benchmark viewer's own
+};
+
+struct Overlays {
+  bool labels = true;       // task, robot, step, time, return
+  bool grid = true;         // lines a voxel apart, distances along the floor
+  bool tint = true;         // actuators lighter when expanded, darker when contracted
+  bool trail = false;       // the path of the first object's centre of mass
+  bool velocities = false;  // an arrow at every point of what moves
+};
+
+struct RenderOptions {
+  Size size{1280, 720};
+  double fps = 50.0;
+  double speed = 1.0;               // 0.5 is slow motion
+  int every = 0;                    // steps a frame; 0: from fps and speed
+  int from = 0;                     // first step shown
+  std::optional<int> to;            // last step shown; the end of the episode
+  std::string theme = "light";      // or "dark"
+  Camera camera;
+  Overlays overlays;
+  int workers = 1;                  // processes
+};
+
+// Throws Error(usage) naming the option and what it may be.
+void check_options(const RenderOptions& options);
+
+}  // namespace evo::render

@@ -1,0 +1,50 @@
+// Pictures and videos: the whole of this room from outside. Drawing happens in
+// processes of its own (workers.h), so that these functions may be called from
+// any program, with any number of threads.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/robot.h"
+#include "libevo/sim/model.h"
+#include "render/clip.h"
+#include "render/image.h"
+#include "render/options.h"
+#include "render/png.h"
+#include "render/sheet.h"
+
+namespace evo::render {
+
+// ---- still pictures ---------------------------------------------------------------
+// Errors: usage for options out of range, data for what cannot be drawn. Sheets
+// have options.size.width and the height they need.
+
+// One moment; `step` may lie between two steps.
+Image draw_moment(const Episode& episode, double step, const RenderOptions& options);
+// `moments` moments of one episode side by side, evenly spread over from..to.
+Image draw_moments(const Episode& episode, int moments, const RenderOptions& options);
+// A compiled world at rest at its start.
+Image draw_world(const Model& model, const std::string& title, const RenderOptions& options);
+Image draw_robot(const Robot& robot, const RenderOptions& options);
+Image draw_robots(const std::vector<Robot>& robots, const RenderOptions& options);
+// The best `rows` of each generation.
+Image draw_generations(const std::vector<Generation>& generations, int rows,
+                       const RenderOptions& options);
+
+// ---- moving pictures ----------------------------------------------------------------
+
+// Episodes as a video, side by side when they are several (a shorter one stays at
+// its end). The form follows from `output`: .mp4, .webm, .gif, .png or .apng
+// (animated; one frame is an ordinary PNG), a name with %05d or the like (a PNG
+// a frame, counted from 0; folders are made), "-" (Y4M on standard output).
+// Files appear whole or not at all. A reader of "-" that goes away ends the work
+// quietly. Throws Error(usage) for another ending or odd sizes of videos.
+struct VideoReport {
+  std::size_t frames = 0;
+  double seconds = 0;  // playing time
+};
+VideoReport render_video(const std::vector<Episode>& episodes, const RenderOptions& options,
+                         const std::string& output);
+
+}  // namespace evo::render

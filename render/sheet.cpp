@@ -1,0 +1,299 @@
+#include "render/sheet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libevo/base/error.h"
+#include "render/label.h"
+#include "render/painter.h"
+
+namespace evo::render {
+namespace {
+
+std::string fitness_text(const Robot& robot) {
+  const auto fitness = robot.fitness();
+  if (fitness) return signed_score(*fitness);
+  return robot.document.contains("failure") ? "failed" : std::string();
+}
+
+// Text centred at x, cut to `most` pixels.
+void centred(std::string_view text, Point at, float size, Color color, bool bold, float most,
+             Typesetter& typesetter, Drawing& drawing) {
+  drawing.text({at, size, typesetter.shortened(text, size, bold, most), color, Align::centre, bold});
+}
+
+// Of the box around all cells.
+Vec2 centre_of_voxels(const Mesh& mesh, const std::vector<Vec2>& points) {
+  Vec2 low = points.back();
+  Vec2 high = points.back();
+  bool first = true;
+  for (const ModelCell& cell : mesh.cells)
+    for (const int k : cell.points) {
+      const Vec2& p = points[static_cast<std::size_t>(k)];
+      low = first ? p : Vec2{std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = first ? p : Vec2{std::max(high.x, p.x), std::max(high.y, p.y)};
+      first = false;
+    }
+  return {(low.x + high.x) / 2, (low.y + high.y) / 2};
+}
+
+// ---- cards ------------------------------------------------------------------------
+
+// The measures of sheets of robots, all from the width of a card.
+struct CardStyle {
+  float width;
+  float text = 0.105F * width;
+  float body = 0.94F * width;  // height of the space for the body
+  float lines = 0;             // height of the text below
+  explicit CardStyle(float card, int text_lines)
+      : width(card), lines((static_cast<float>(text_lines) * 1.35F + 0.55F) * text) {}
+  float height() const { return body + lines; }
+};
+
+void draw_card(const Robot& robot, int across, const Theme& theme, const CardStyle& style,
+               Point at, bool with_id, Typesetter& typesetter, Drawing& drawing) {
+  drawing.rounded_rectangle({at.x, at.y, style.width, style.height()}, 0.06F * style.width,
+                            theme.card);
+  const float inset = 0.1F * style.width;
+  draw_body(robot.body, across, theme,
+            {at.x + inset, at.y + inset, style.width - 2 * inset, style.body - 1.5F * inset},
+            drawing);
+  const float most = style.width - inset;
+  const float x = at.x + style.width / 2;
+  float y = at.y + style.body + style.text;
+  centred(fitness_text(robot), {x, y}, style.text, theme.text, true, most, typesetter, drawing);
+  if (!with_id) return;
+  y += 1.35F * style.text;
+  centred(robot.id, {x, y}, 0.88F * style.text, theme.text_muted, false, most, typesetter, drawing);
+}
+
+// The longest side of the matrices, voxels.
+int largest(const std::vector<Robot>& robots) {
+  int most = 1;
+  for (const Robot& robot : robots) most = std::max({most, robot.body.rows, robot.body.cols});
+  return most;
+}
+
+Drawing blank(Size size, const Theme& theme) {
+  check_size(size);
+  Drawing drawing(size);
+  drawing.rectangle(drawing.whole(), theme.paper);
+  return drawing;
+}
+
+struct GridLayout {
+  int columns = 1;
+  int rows = 1;
+  float card = 0;
+  float gap = 0;
+  Size size;
+};
+
+// About `wished` columns, so that the last row is as full as possible.
+int tidy_columns(int count, double wished) {
+  const int middle = std::max(1, static_cast<int>(std::lround(wished)));
+  int best = middle;
+  const auto missing = [count](int columns) { return (columns - count % columns) % columns; };
+  for (const int columns : {middle + 1, middle - 1, middle + 2})
+    if (columns > 0 && missing(columns) < missing(best)) best = columns;
+  return best;
+}
+
+GridLayout lay_out(std::size_t robots, int width) {
+  constexpr float smallest_card = 104;  // pixels, for ids that can be read
+  constexpr float gap_share = 0.08F;    // of a card
+  const auto count = static_cast<int>(robots);
+  const auto across = static_cast<float>(width);
+  int columns = std::max(1, static_cast<int>(across / (smallest_card * (1 + gap_share))));
+  // Few robots are drawn larger, on a sheet about as wide as a screen.
+  constexpr double proportion = 1.9;  // columns to rows
+  columns = std::min({columns, count, tidy_columns(count, std::sqrt(count * proportion))});
+  for (;; ++columns) {
+    GridLayout layout;
+    layout.columns = columns;
+    layout.rows = (count + columns - 1) / columns;
+    layout.card = across / (static_cast<float>(columns) * (1 + gap_share) + gap_share);
+    layout.gap = gap_share * layout.card;
+    const float height =
+        static_cast<float>(layout.rows) * (CardStyle(layout.card, 2).height() + layout.gap) +
+        layout.gap;
+    if (height > static_cast<float>(largest_side) && columns < count) continue;
+    layout.size = {width, static_cast<int>(std::lround(height))};
+    return layout;
+  }
+}
+
+}  // namespace
+
+// ---- robots -------------------------------------------------------------------------
+
+void draw_body(const Body& body, int across, const Theme& theme, const Rect& area,
+               Drawing& drawing) {
+  constexpr double border = 0.2;  // voxels, for the outline
+  Scene scene;
+  const Mesh mesh = make_mesh(body, scene.points);
+  scene.mesh = &mesh;
+  const Vec2 centre = centre_of_voxels(mesh, scene.points);
+  scene.view = {centre.x, centre.y, across + border, across + border};
+  scene.sky = scene.grid = scene.floor = scene.tint = false;
+  draw_scene(scene, theme, area, drawing);
+  drawing.clip(drawing.whole());
+}
+
+Drawing robot_picture(const Robot& robot, const Theme& theme, Size size, Typesetter& typesetter) {
+  check_size(size);
+  Drawing drawing(size);
+  const Rect whole = drawing.whole();
+  const float text = std::max(8.0F, 0.045F * std::min(whole.height, 0.75F * whole.width));
+  const float strip = whole.height > 8 * text ? 4.2F * text : 0;
+  const Rect panel{0, 0, whole.width, whole.height - strip};
+  Scene scene;
+  const Mesh mesh = make_mesh(robot.body, scene.points);
+  scene.mesh = &mesh;
+  constexpr double margin = 1.0;  // voxels around the body
+  const Vec2 centre = centre_of_voxels(mesh, scene.points);
+  scene.view = {centre.x, centre.y, robot.body.cols + 2 * margin, robot.body.rows + 2 * margin};
+  scene.floor = scene.tint = false;
+  draw_scene(scene, theme, panel, drawing);
+  drawing.clip(whole);
+  if (strip == 0) return drawing;
+  drawing.rectangle({0, panel.height, whole.width, strip}, theme.paper);
+  const float x = whole.width / 2;
+  const float most = whole.width - 2 * text;
+  const auto task = robot.document.contains("task") && robot.document["task"].is_string()
+                        ? robot.document["task"].get<std::string>() + "   "
+                        : std::string();
+  const std::string score = fitness_text(robot);
+  const bool scored = !score.empty();
+  const float middle = panel.height + strip / 2;
+  const float first = scored ? middle - 0.35F * text : middle + 0.36F * text;
+  centred(robot.id, {x, first}, text, theme.text, true, most, typesetter, drawing);
+  if (scored)
+    centred(task + "fitness " + score, {x, first + 1.45F * text}, 0.9F * text, theme.text_muted,
+            false, most, typesetter, drawing);
+  return drawing;
+}
+
+Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int width,
+                   Typesetter& typesetter) {
+  if (robots.empty()) throw Error(Failure::data, "there is no robot to draw");
+  check_size({width, 1});
+  const GridLayout layout = lay_out(robots.size(), width);
+  Drawing drawing = blank(layout.size, theme);
+  const CardStyle style(layout.card, 2);
+  const int across = largest(robots);
+  for (std::size_t k = 0; k < robots.size(); ++k) {
+    const auto column = static_cast<float>(k % static_cast<std::size_t>(layout.columns));
+    const auto row = static_cast<float>(k / static_cast<std::size_t>(layout.columns));
+    draw_card(robots[k], across, theme, style,
+              {layout.gap + column * (layout.card + layout.gap),
+               layout.gap + row * (style.height() + layout.gap)},
+              true, typesetter, drawing);
+  }
+  return drawing;
+}
+
+// ---- generations ------------------------------------------------------------------------
+
+std::vector<std::size_t> chosen_generations(std::size_t generations, int width) {
+  constexpr int narrowest = 96;  // pixels a column
+  const auto most = static_cast<std::size_t>(std::max(2, width / narrowest));
+  std::vector<std::size_t> chosen;
+  if (generations <= most) {
+    for (std::size_t k = 0; k < generations; ++k) chosen.push_back(k);
+    return chosen;
+  }
+  for (std::size_t k = 0; k < most; ++k)
+    chosen.push_back((k * (generations - 1) + (most - 1) / 2) / (most - 1));
+  return chosen;
+}
+
+Drawing generation_sheet(const std::vector<Generation>& generations, int rows, const Theme& theme,
+                         int width, Typesetter& typesetter) {
+  if (generations.empty()) throw Error(Failure::data, "there is no generation to draw");
+  check_size({width, 1});
+  const auto chosen = chosen_generations(generations.size(), width);
+  constexpr float gap_share = 0.08F;
+  constexpr int fewest_columns = 5;  // fewer are not drawn larger than that
+  const auto columns = static_cast<float>(std::max<std::size_t>(chosen.size(), fewest_columns));
+  const float card = static_cast<float>(width) / (columns * (1 + gap_share) + gap_share);
+  const float gap = gap_share * card;
+  const CardStyle style(card, 1);
+  const float heading = 3.2F * style.text;
+  std::size_t most = 0;
+  int across = 1;
+  for (const std::size_t c : chosen) {
+    most = std::max(most, generations[c].robots.size());
+    across = std::max(across, largest(generations[c].robots));
+  }
+  rows = std::min(rows, static_cast<int>(most));
+  const float height = heading + static_cast<float>(rows) * (style.height() + gap) + gap;
+  Drawing drawing = blank({width, static_cast<int>(std::lround(height))}, theme);
+  const float used = static_cast<float>(chosen.size()) * (card + gap) - gap;
+  const float start = (static_cast<float>(width) - used) / 2;
+  for (std::size_t c = 0; c < chosen.size(); ++c) {
+    const Generation& generation = generations[chosen[c]];
+    const float x = start + static_cast<float>(c) * (card + gap);
+    centred(generation.name, {x + card / 2, heading - 0.9F * style.text}, style.text,
+            theme.text_muted, true, card, typesetter, drawing);
+    const std::size_t shown = std::min(generation.robots.size(), static_cast<std::size_t>(rows));
+    for (std::size_t r = 0; r < shown; ++r)
+      draw_card(generation.robots[r], across, theme, style,
+                {x, heading + static_cast<float>(r) * (style.height() + gap)}, false, typesetter,
+                drawing);
+  }
+  return drawing;
+}
+
+// ---- moments --------------------------------------------------------------------------------
+
+namespace {
+
+constexpr std::size_t most_in_a_row = 8;
+
+std::size_t moment_columns(std::size_t moments) {
+  if (moments <= most_in_a_row) return moments;
+  return static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(moments) * 1.5)));
+}
+
+}  // namespace
+
+double moment_aspect(std::size_t moments) { return moments <= 2 ? 1.5 : moments <= 4 ? 1.2 : 0.95; }
+
+Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const Theme& theme,
+                     int width, Typesetter& typesetter) {
+  check_size({width, 1});
+  const std::size_t columns = moment_columns(moments.size());
+  const std::size_t rows = (moments.size() + columns - 1) / columns;
+  const float gap = 0.008F * static_cast<float>(width);
+  const auto across = static_cast<float>(columns);
+  const float panel = (static_cast<float>(width) - (across + 1) * gap) / across;
+  const float high = panel / static_cast<float>(moment_aspect(moments.size()));
+  const float text = std::max(8.0F, 0.07F * panel);
+  const float strip = 3.6F * text;
+  const float heading = 2.6F * text + gap;
+  const float height = heading + static_cast<float>(rows) * (high + strip);
+  Drawing drawing = blank({width, static_cast<int>(std::lround(height))}, theme);
+  const Caption who = clip.caption(0);
+  drawing.text({{gap, gap + 1.5F * text}, 1.1F * text, who.title, theme.text, Align::left, true});
+  drawing.text({{static_cast<float>(width) - gap, gap + 1.5F * text}, text, who.detail,
+                theme.text_muted, Align::right, false});
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    const float x = gap + static_cast<float>(k % columns) * (panel + gap);
+    const float y = heading + static_cast<float>(k / columns) * (high + strip);
+    Scene scene = clip.scene(moments[k]);
+    // Whole pixels, so that all panels are cut alike.
+    draw_scene(scene, theme, {std::round(x), std::round(y), std::round(panel), std::round(high)},
+               drawing);
+    drawing.clip(drawing.whole());
+    const int step = static_cast<int>(std::lround(moments[k]));
+    const float middle = x + panel / 2;
+    centred(fmt::format("step {}", step), {middle, y + high + 1.35F * text}, text, theme.text, true,
+            panel, typesetter, drawing);
+    centred("return " + signed_score(clip.score(moments[k])), {middle, y + high + 2.6F * text},
+            0.9F * text, theme.text_muted, false, panel, typesetter, drawing);
+  }
+  return drawing;
+}
+
+}  // namespace evo::render

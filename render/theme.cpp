@@ -1,0 +1,121 @@
+#include "render/theme.h"
+
+#include <cmath>
+
+#include "libevo/base/error.h"
+
+namespace evo::render {
+namespace {
+
+constexpr Color rgb(unsigned hex, unsigned alpha = 255) {
+  return {static_cast<std::uint8_t>(hex >> 16 & 255U), static_cast<std::uint8_t>(hex >> 8 & 255U),
+          static_cast<std::uint8_t>(hex & 255U), static_cast<std::uint8_t>(alpha)};
+}
+
+Theme light() {
+  Theme t;
+  t.name = "light";
+  t.sky_top = rgb(0xe3edf6);
+  t.sky_bottom = rgb(0xfbfcfd);
+  t.earth_top = rgb(0xd8d2c7);
+  t.earth_bottom = rgb(0xc8c0b2);
+  t.floor_line = rgb(0x8d8473);
+  t.grid_minor = rgb(0x40608a, 20);
+  t.grid_major = rgb(0x40608a, 52);
+  t.paper = rgb(0xffffff);
+  t.card = rgb(0xf3f5f8);
+  t.text = rgb(0x1d2733);
+  t.text_muted = rgb(0x5d6a79);
+  t.text_on_earth = rgb(0x6a6253);
+  t.label = rgb(0xffffff, 216);
+  t.rigid = rgb(0x2a2d33);
+  t.soft = rgb(0xc0c5cb);
+  t.horizontal = rgb(0xfb8f3c);
+  t.vertical = rgb(0x62a8dc);
+  t.fixed = rgb(0x646e7b);
+  t.outline = rgb(0x14181d);
+  t.seam = rgb(0x14181d, 96);
+  t.seam_on_dark = rgb(0xffffff, 56);
+  t.fixed_outline = rgb(0x3a424d);
+  t.fixed_seam = rgb(0x3a424d, 80);
+  t.trail = rgb(0xc2255c);
+  t.arrow = rgb(0x2f7d4f);
+  return t;
+}
+
+Theme dark() {
+  Theme t;
+  t.name = "dark";
+  t.sky_top = rgb(0x11161d);
+  t.sky_bottom = rgb(0x202a36);
+  t.earth_top = rgb(0x2f2b27);
+  t.earth_bottom = rgb(0x221f1c);
+  t.floor_line = rgb(0x7c7264);
+  t.grid_minor = rgb(0xa9c4e6, 15);
+  t.grid_major = rgb(0xa9c4e6, 44);
+  t.paper = rgb(0x12161c);
+  t.card = rgb(0x1d242d);
+  t.text = rgb(0xeef2f6);
+  t.text_muted = rgb(0x9aa7b5);
+  t.text_on_earth = rgb(0xa79c8b);
+  t.label = rgb(0x0c1015, 200);
+  t.rigid = rgb(0x0b0d10);
+  t.soft = rgb(0x9fa6ae);
+  t.horizontal = rgb(0xf28a35);
+  t.vertical = rgb(0x5aa2da);
+  t.fixed = rgb(0x4a535f);
+  t.outline = rgb(0xe6ebf0);
+  t.seam = rgb(0xe6ebf0, 84);
+  t.seam_on_dark = t.seam;
+  t.fixed_outline = rgb(0x93a0af);
+  t.fixed_seam = rgb(0x93a0af, 60);
+  t.trail = rgb(0xff7aa8);
+  t.arrow = rgb(0x74d69b);
+  return t;
+}
+
+std::uint8_t channel(double value) {
+  return static_cast<std::uint8_t>(std::lround(std::min(255.0, std::max(0.0, value))));
+}
+
+}  // namespace
+
+const Theme& theme_by_name(const std::string& name) {
+  static const Theme themes[] = {light(), dark()};
+  for (const Theme& theme : themes)
+    if (theme.name == name) return theme;
+  throw error(Failure::usage, "unknown theme '{}': allowed are light and dark{}", name,
+              did_you_mean(name, {"light", "dark"}));
+}
+
+Color color_of(const Theme& theme, Voxel voxel) {
+  switch (voxel) {
+    case Voxel::rigid:
+      return theme.rigid;
+    case Voxel::soft:
+      return theme.soft;
+    case Voxel::horizontal:
+      return theme.horizontal;
+    case Voxel::vertical:
+      return theme.vertical;
+    case Voxel::fixed:
+      return theme.fixed;
+    case Voxel::empty:
+      break;
+  }
+  return {0, 0, 0, 0};
+}
+
+Color mix(Color a, Color b, double share) {
+  const auto blend = [share](std::uint8_t x, std::uint8_t y) {
+    return channel(x + (static_cast<double>(y) - x) * share);
+  };
+  return {blend(a.r, b.r), blend(a.g, b.g), blend(a.b, b.b), blend(a.a, b.a)};
+}
+
+Color with_alpha(Color color, double alpha) {
+  color.a = channel(alpha * 255.0);
+  return color;
+}
+
+}  // namespace evo::render

@@ -1,0 +1,68 @@
+#include "render/drawing.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+namespace evo::render {
+namespace {
+
+double area(const Drawing& drawing) {
+  double sum = 0;
+  const auto& v = drawing.vertices();
+  for (std::size_t k = 0; k + 2 < v.size(); k += 3)
+    sum += std::abs((v[k + 1].x - v[k].x) * (v[k + 2].y - v[k].y) -
+                    (v[k + 1].y - v[k].y) * (v[k + 2].x - v[k].x)) /
+           2;
+  return sum;
+}
+
+TEST_CASE("a deformed cell is filled inside its border, convex or not") {
+  const Point tip = GENERATE(Point{10, 10}, Point{3, 3}, Point{12, 9});  // {3, 3}: a dent
+  const std::array<Point, 4> corners{Point{0, 0}, Point{10, 0}, tip, Point{0, 10}};
+  double shoelace = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Point a = corners[k];
+    const Point b = corners[(k + 1) % 4];
+    shoelace += static_cast<double>(a.x) * b.y - static_cast<double>(b.x) * a.y;
+  }
+  // Whichever corner comes first.
+  for (std::size_t turn = 0; turn < 4; ++turn) {
+    Drawing drawing({20, 20});
+    drawing.quad({corners[turn], corners[(turn + 1) % 4], corners[(turn + 2) % 4],
+                  corners[(turn + 3) % 4]},
+                 {});
+    CHECK(area(drawing) == Approx(std::abs(shoelace) / 2));
+  }
+}
+
+TEST_CASE("a line's box surrounds it on all sides and a pale one stands for a thin one") {
+  Drawing drawing({20, 20});
+  drawing.line({2, 3}, {8, 3}, 2, {1, 2, 3, 255});
+  REQUIRE(drawing.vertices().size() == 6);
+  for (const Vertex& v : drawing.vertices()) {
+    CHECK((v.x < 1.01F || v.x > 8.99F));
+    CHECK((v.y < 2.01F || v.y > 3.99F));
+    CHECK(v.radius == 1.0F);
+  }
+  Drawing thin({20, 20});
+  thin.line({2, 3}, {8, 3}, 0.5F, {1, 2, 3, 200});
+  CHECK(thin.vertices().front().color.a == 100);
+  CHECK(thin.vertices().front().radius == 0.5F);
+}
+
+TEST_CASE("batches change with what is drawn and where") {
+  Drawing drawing({20, 10});
+  drawing.rectangle(drawing.whole(), {});
+  drawing.rectangle({1, 1, 2, 2}, {});
+  drawing.line({0, 0}, {5, 5}, 1, {});
+  drawing.clip({5, 5, 5, 5});
+  drawing.line({0, 0}, {5, 5}, 1, {});
+  REQUIRE(drawing.batches().size() == 3);
+  CHECK(drawing.batches()[0].kind == Drawing::Kind::fill);
+  CHECK(drawing.batches()[1].first_vertex == 12);
+  CHECK(drawing.batches()[1].clip.width == 20);
+  CHECK(drawing.batches()[2].clip.x == 5);
+}
+
+}  // namespace
+}  // namespace evo::render

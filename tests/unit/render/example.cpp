@@ -1,0 +1,69 @@
+#include "tests/unit/render/example.h"
+
+#include <cmath>
+
+#include "formats/task.h"
+#include "libevo/sim/state.h"
+
+namespace evo::example {
+namespace {
+
+double centre_x(const ModelObject& object, const Vec2* points) {
+  double sum = 0;
+  for (int k = 0; k < object.points; ++k) sum += points[object.first_point + k].x;
+  return sum / object.points;
+}
+
+}  // namespace
+
+const std::vector<std::string> walker{"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"};
+const std::vector<std::string> small_box{"HSH", "VRV", "V.V"};
+
+TaskSpec task(const std::string& name) {
+  return load_task(name, {std::string(EVO_SOURCE_DIR) + "/tasks"});
+}
+
+Model build(const TaskSpec& task, const std::vector<std::string>& body) {
+  World world;
+  world.objects.push_back({robot_name, Body::from_rows(body), task.robot_x, task.robot_y});
+  for (const Placement& placement : task.objects) world.objects.push_back(placement.object);
+  return {world, task.physics};
+}
+
+Rollout simulate(const std::string& name, const std::vector<std::string>& body, int steps) {
+  const TaskSpec spec = task(name);
+  const Model model = build(spec, body);
+  Rollout rollout;
+  rollout.task = spec.name;
+  rollout.task_yaml = spec.source;
+  rollout.robot = Robot(Body::from_rows(body));
+  rollout.action_length = model.actuators();
+  rollout.points = model.points();
+  rollout.world = {model.objects(), model.cells()};
+  RolloutEpisode& episode = rollout.episodes.emplace_back();
+  State state = initial_state(model);
+  const auto points = static_cast<std::size_t>(model.points());
+  episode.positions.resize((static_cast<std::size_t>(steps) + 1) * points);
+  const auto at = [&](int t) { return &episode.positions[static_cast<std::size_t>(t) * points]; };
+  read_positions(model, state, {at(0), points});
+  for (int t = 0; t < steps; ++t) {
+    for (std::size_t k = 0; k < state.targets.size(); ++k) {
+      constexpr double amplitude = 0.5;
+      constexpr double period = 20;  // steps
+      constexpr double phase = 0.7;  // between neighbours
+      state.targets[k] = 1.1 + amplitude * std::sin(6.283185307179586 * t / period +
+                                                    phase * static_cast<double>(k));
+    }
+    episode.actions.insert(episode.actions.end(), state.targets.begin(), state.targets.end());
+    Lane lane{&model, &state, StepResult::done};
+    step({&lane, 1});
+    read_positions(model, state, {at(t + 1), points});
+    const ModelObject& robot = model.objects().front();
+    episode.rewards.push_back(centre_x(robot, at(t + 1)) - centre_x(robot, at(t)));
+    episode.terminations.push_back(0);
+    episode.truncations.push_back(0);
+  }
+  return rollout;
+}
+
+}  // namespace evo::example

@@ -1,0 +1,21 @@
+// Rollouts for pictures: real tasks, bodies and physics, a sine for a
+// controller. Rewards are how far the robot moved to the right.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/rollout.h"
+#include "libevo/task/spec.h"
+
+namespace evo::example {
+
+// The two bodies of the reference rollouts.
+extern const std::vector<std::string> walker;     // 5x5
+extern const std::vector<std::string> small_box;  // 3x3
+
+TaskSpec task(const std::string& name);  // of the folder tasks/
+Model build(const TaskSpec& task, const std::vector<std::string>& body);
+Rollout simulate(const std::string& task, const std::vector<std::string>& body, int steps);
+
+}  // namespace evo::example

@@ -1,0 +1,116 @@
+// Pictures compared with those in tests/data/render. Set EVO_UPDATE_GOLDEN=1 to
+// write them anew, then look at them. A picture that differs is left in the
+// current folder as differs-NAME.png.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+
+#include "formats/task.h"
+#include "render/render.h"
+#include "tests/unit/render/example.h"
+
+namespace evo::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Other versions of Mesa and FreeType may smooth an edge a little differently;
+// a shape that moved by a pixel changes far more.
+constexpr double most_mean_difference = 0.5;     // of 255
+constexpr int large_difference = 48;             // of a channel
+constexpr double most_large_differences = 0.002;  // share of pixels
+
+void compare(const std::string& name, const Image& picture) {
+  const fs::path golden = fs::path(EVO_TEST_DATA) / "render" / (name + ".png");
+  if (std::getenv("EVO_UPDATE_GOLDEN") != nullptr) write_png(golden, view(picture), 9);
+  const Image expected = read_png(golden);
+  REQUIRE(picture.size == expected.size);
+  double sum = 0;
+  std::size_t large = 0;
+  for (std::size_t k = 0; k < picture.rgba.size(); k += 4) {
+    int worst = 0;
+    for (std::size_t c = k; c < k + 3; ++c)
+      worst = std::max(worst, std::abs(picture.rgba[c] - expected.rgba[c]));
+    sum += worst;
+    large += worst > large_difference ? 1 : 0;
+  }
+  const auto pixels = static_cast<double>(picture.rgba.size() / 4);
+  const bool same = sum / pixels <= most_mean_difference &&
+                    static_cast<double>(large) / pixels <= most_large_differences;
+  if (!same) write_png("differs-" + name + ".png", view(picture));
+  INFO(name << ": mean difference " << sum / pixels << ", " << large << " pixels differ much");
+  CHECK(same);
+}
+
+RenderOptions small() {
+  RenderOptions options;
+  options.size = {240, 136};
+  return options;
+}
+
+std::vector<Robot> robots(std::size_t n) {
+  std::vector<Robot> result;
+  const std::vector<std::vector<std::string>> bodies{
+      {"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"}, {"HSH", "VRV", "V.V"}, {"S.V", "SHV", "RRR"}};
+  for (std::size_t k = 0; k < n; ++k) {
+    Robot robot(Body::from_rows(bodies[k % bodies.size()]));
+    if (k % 5 == 3)
+      robot.document["failure"] = Json::object({{"why", "folded"}});
+    else
+      robot.document["fitness"] = 10.25 - 1.5 * static_cast<double>(k);
+    result.push_back(std::move(robot));
+  }
+  return result;
+}
+
+TEST_CASE("golden: both themes, with all overlays") {
+  const Rollout rollout = example::simulate("Carrier-v0", example::walker, 60);
+  RenderOptions options = small();
+  options.size = {480, 270};
+  compare("frame-light", draw_moment({&rollout, 0, ""}, 60, options));
+  options.theme = "dark";
+  options.overlays.trail = options.overlays.velocities = true;
+  compare("frame-dark", draw_moment({&rollout, 0, "seed 7"}, 40.5, options));
+}
+
+TEST_CASE("golden: a thumbnail, a tall picture, and a picture without overlays") {
+  const Rollout rollout = example::simulate("BridgeWalker-v0", example::small_box, 40);
+  RenderOptions options = small();
+  options.size = {160, 90};
+  compare("thumbnail", draw_moment({&rollout, 0, ""}, 40, options));
+  options.size = {90, 200};
+  compare("tall", draw_moment({&rollout, 0, ""}, 20, options));
+  options.overlays = {false, false, false, false, false};
+  options.size = {160, 90};
+  compare("bare", draw_moment({&rollout, 0, ""}, 40, options));
+}
+
+TEST_CASE("golden: sheets") {
+  RenderOptions options = small();
+  options.size = {480, 480};
+  compare("robot", draw_robot(robots(1)[0], options));
+  compare("robots", draw_robots(robots(7), options));
+  std::vector<Generation> generations;
+  for (int g = 0; g < 4; ++g) generations.push_back({"gen " + std::to_string(g), robots(3)});
+  compare("generations", draw_generations(generations, 4, options));
+  const Rollout rollout = example::simulate("Walker-v0", example::walker, 100);
+  options.size.width = 720;
+  compare("moments", draw_moments({&rollout, 0, ""}, 6, options));
+}
+
+TEST_CASE("golden: every task at reset and after 100 steps") {
+  const auto tasks = task_names({fs::path(EVO_SOURCE_DIR) / "tasks"});
+  CHECK(tasks.size() == 32);
+  for (const std::string& task : tasks) {
+    RenderOptions options = small();
+    const Rollout rollout = example::simulate(task, example::walker, 100);
+    compare(task + "-100", draw_moment({&rollout, 0, ""}, 100, options));
+    options.camera.mode = CameraMode::world;
+    compare(task + "-0", draw_world(example::build(example::task(task), example::walker), task,
+                                    options));
+  }
+}
+
+}  // namespace
+}  // namespace evo::render

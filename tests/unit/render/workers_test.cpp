@@ -1,0 +1,89 @@
+#include "render/workers.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cerrno>
+#include <csignal>
+
+#include "tests/unit/render/expect_error.h"
+
+namespace evo::render {
+namespace {
+
+using Catch::Matchers::Contains;
+
+bool no_children() { return ::waitpid(-1, nullptr, WNOHANG) < 0 && errno == ECHILD; }
+
+std::size_t put_number(std::size_t frame, std::span<std::uint8_t> slot) {
+  slot[0] = static_cast<std::uint8_t>(frame);
+  return 1;
+}
+
+TEST_CASE("frames arrive in order for any number of workers") {
+  const int workers = GENERATE(1, 2, 3, 8);
+  const std::size_t frames = GENERATE(0, 1, 2, 7, 40);
+  std::vector<std::size_t> order;
+  run_workers({frames, 16, workers,
+               [](Painter&, std::size_t frame, std::span<std::uint8_t> slot) {
+                 if (frame % 3 == 0) ::usleep(500);  // some are slower
+                 return put_number(frame, slot);
+               },
+               [&](std::size_t frame, std::span<const std::uint8_t> bytes) {
+                 REQUIRE(bytes.size() == 1);
+                 CHECK(bytes[0] == frame);
+                 order.push_back(frame);
+                 return true;
+               }});
+  CHECK(order.size() == frames);
+  CHECK(std::is_sorted(order.begin(), order.end()));
+  CHECK(no_children());
+}
+
+TEST_CASE("an error in a worker arrives with its kind and message") {
+  expect_error(Failure::cannot_create, Contains("no room for frame 5"), [] {
+    run_workers({10, 4, 2,
+                 [](Painter&, std::size_t frame, std::span<std::uint8_t> slot) {
+                   if (frame == 5) throw Error(Failure::cannot_create, "no room for frame 5");
+                   return put_number(frame, slot);
+                 },
+                 [](std::size_t, std::span<const std::uint8_t>) { return true; }});
+  });
+  CHECK(no_children());
+}
+
+TEST_CASE("a worker that dies is an error, not a hang") {
+  const int workers = GENERATE(1, 2);
+  expect_error(Failure::work, Contains("signal 9"), [=] {
+    run_workers({10, 4, workers,
+                 [](Painter&, std::size_t frame, std::span<std::uint8_t> slot) {
+                   if (frame == 4) ::raise(SIGKILL);
+                   return put_number(frame, slot);
+                 },
+                 [](std::size_t, std::span<const std::uint8_t>) { return true; }});
+  });
+  CHECK(no_children());
+}
+
+TEST_CASE("the taker may stop early or throw") {
+  std::size_t taken = 0;
+  const auto job = [&](auto take) {
+    return FrameJob{1000, 4, 2,
+                    [](Painter&, std::size_t frame, std::span<std::uint8_t> slot) {
+                      return put_number(frame, slot);
+                    },
+                    take};
+  };
+  run_workers(job([&](std::size_t, std::span<const std::uint8_t>) { return ++taken < 3; }));
+  CHECK(taken == 3);
+  CHECK(no_children());
+  CHECK_THROWS_AS(run_workers(job([](std::size_t, std::span<const std::uint8_t>) -> bool {
+                    throw Error(Failure::io, "full");
+                  })),
+                  Error);
+  CHECK(no_children());
+}
+
+}  // namespace
+}  // namespace evo::render

@@ -1,0 +1,406 @@
+#include "cli/command.h"
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+#include <yaml-cpp/yaml.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
+#include <sstream>
+
+#include "libevo/base/parallel.h"
+#include "libevo/sim/state.h"
+#include "version.h"
+
+namespace evo::cli {
+namespace {
+
+// --config FILE.yaml: a flat mapping from long option names to values.
+class YamlConfig : public CLI::Config {
+ public:
+  std::string to_config(const CLI::App* /*app*/, bool /*default_also*/,
+                        bool /*write_description*/, std::string /*prefix*/) const override {
+    return {};
+  }
+
+  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
+    std::vector<CLI::ConfigItem> items;
+    YAML::Node root;
+    try {
+      root = YAML::Load(input);
+    } catch (const YAML::Exception& e) {
+      throw error(Failure::data, "--config: line {}: {}", e.mark.line + 1, e.msg);
+    }
+    if (root.IsNull()) return items;
+    if (!root.IsMap()) throw error(Failure::data, "--config: expected a mapping of option names");
+    for (const auto& entry : root) {
+      CLI::ConfigItem item;
+      item.name = entry.first.as<std::string>();
+      if (item.name == "config")
+        throw error(Failure::data, "--config: 'config' cannot be set in a configuration file");
+      const YAML::Node& value = entry.second;
+      if (value.IsSequence()) {
+        for (const auto& element : value) item.inputs.push_back(element.as<std::string>());
+      } else if (value.IsScalar()) {
+        item.inputs.push_back(value.as<std::string>());
+      } else {
+        throw error(Failure::data, "--config: line {}: '{}' needs a value or a list of values",
+                    value.Mark().line + 1, item.name);
+      }
+      items.push_back(std::move(item));
+    }
+    return items;
+  }
+};
+
+struct Entry {
+  std::string names;  // "-n, --count N"
+  std::string help;   // with the default in brackets
+};
+
+struct Section {
+  std::string title;
+  std::vector<Entry> entries;
+};
+
+constexpr std::size_t help_column = 28;
+constexpr std::size_t help_width = 80;
+
+// `text` broken into lines that fit beside a column of names.
+void print_wrapped(std::ostream& out, const std::string& text) {
+  std::istringstream words(text);
+  std::string word;
+  std::size_t column = help_column;
+  bool first = true;
+  while (words >> word) {
+    if (!first && column + 1 + word.size() > help_width) {
+      out << '\n' << std::string(help_column, ' ');
+      column = help_column;
+    } else if (!first) {
+      out << ' ';
+      ++column;
+    }
+    out << word;
+    column += word.size();
+    first = false;
+  }
+  out << '\n';
+}
+
+void print_entry(std::ostream& out, const Entry& entry) {
+  const std::string left = "  " + entry.names;
+  out << left;
+  if (left.size() + 2 > help_column) {
+    out << '\n' << std::string(help_column, ' ');
+  } else {
+    out << std::string(help_column - left.size(), ' ');
+  }
+  print_wrapped(out, entry.help);
+}
+
+CLI::Validator not_negative() {
+  return {[](const std::string& text) -> std::string {
+            return text.starts_with('-') ? "'" + text + "' must not be negative" : "";
+          },
+          ""};
+}
+
+std::string with_default(const std::string& help, const std::string& value) {
+  return value.empty() ? help : help + " [" + value + "]";
+}
+
+std::string shown(const std::string& names, const std::string& value) {
+  std::string text = names;
+  const std::size_t comma = text.find(',');
+  if (comma != std::string::npos) {
+    text.replace(comma, 1, ", ");
+  } else {
+    text = "    " + text;
+  }
+  return value.empty() ? text : text + " " + value;
+}
+
+volatile std::sig_atomic_t pending_signal = 0;
+
+extern "C" void remember_signal(int signal) { pending_signal = signal; }
+
+}  // namespace
+
+struct Command::Impl {
+  std::string name;
+  std::string purpose;
+  CLI::App app;
+  std::vector<Section> sections{{"Options", {}}};
+  Section common{"Common options", {}};
+  std::string arguments_value;
+  Entry arguments_entry;
+  std::vector<std::pair<std::string, std::string>> examples;
+  bool help = false;
+  bool version = false;
+  bool has_jobs = false;
+  std::optional<int> jobs;
+
+  template <typename T>
+  CLI::Option* add(const std::string& names, T& target, const std::string& value,
+                   const std::string& help_text, const std::string& default_text,
+                   bool is_common = false) {
+    Section& section = is_common ? common : sections.back();
+    section.entries.push_back({shown(names, value), with_default(help_text, default_text)});
+    return app.add_option(names, target);
+  }
+
+  std::vector<std::string> long_names() const {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    return names;
+  }
+
+  void print_help() const {
+    std::ostringstream out;
+    out << name << " - " << purpose << "\n\nUsage: " << name << " [OPTION]...";
+    if (!arguments_value.empty()) out << " [" << arguments_value << "]...";
+    out << "\n";
+    if (!arguments_value.empty()) {
+      out << "\n";
+      print_entry(out, arguments_entry);
+    }
+    std::vector<Section> all = sections;
+    all.push_back(common);
+    for (const Section& section : all) {
+      if (section.entries.empty()) continue;
+      out << "\n" << section.title << ":\n";
+      for (const Entry& entry : section.entries) print_entry(out, entry);
+    }
+    if (!examples.empty()) {
+      out << "\nExamples:\n";
+      for (const auto& [command, what] : examples) out << "  # " << what << "\n  " << command << "\n";
+    }
+    out << "\nExit status: 0 done, 1 the work failed, 2 wrong usage, 65 bad input data,\n"
+           "66 an input file is missing, 73 an output cannot be created or belongs to\n"
+           "other settings, 74 an I/O error, 130 or 143 interrupted.\n";
+    std::fputs(out.str().c_str(), stdout);
+  }
+
+  // CLI11's complaint in one line that says what to do.
+  Error explain(const CLI::ParseError& e) const {
+    const std::string see = "; see " + name + " --help";
+    if (dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr) {
+      for (const std::string& word : app.remaining())
+        if (word.size() > 1 && word.front() == '-')
+          return {Failure::usage, "unknown option " + word.substr(0, word.find('=')) +
+                                      did_you_mean(word.substr(0, word.find('=')), long_names()) +
+                                      see};
+      return {Failure::usage, std::string("unexpected argument '") +
+                                  (app.remaining().empty() ? "" : app.remaining().front()) + "'" +
+                                  see};
+    }
+    if (dynamic_cast<const CLI::ConfigError*>(&e) != nullptr) {
+      const std::string what = e.what();
+      const std::string key = what.substr(what.rfind(' ') + 1);
+      return {Failure::usage, "--config: unknown option '" + key + "'" +
+                                  did_you_mean("--" + key, long_names()) + see};
+    }
+    if (dynamic_cast<const CLI::FileError*>(&e) != nullptr)
+      return {Failure::no_input, std::string("--config: ") + e.what()};
+    std::string what = e.what();
+    std::replace(what.begin(), what.end(), '\n', ' ');
+    // "Could not convert: --seed = seven"
+    const std::size_t name = what.find(": ") + 2;
+    const std::size_t equals = what.find(" = ");
+    if (dynamic_cast<const CLI::ConversionError*>(&e) != nullptr && equals != std::string::npos)
+      return {Failure::usage, what.substr(name, equals - name) + ": '" + what.substr(equals + 3) +
+                                  "' is not a value it can take" + see};
+    // "--count: 1 required INT missing"
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&e) != nullptr)
+      return {Failure::usage, what.substr(0, what.find(':')) + " needs a value" + see};
+    return {Failure::usage, what + see};
+  }
+};
+
+Command::Command(std::string name, std::string purpose) : impl_(std::make_unique<Impl>()) {
+  impl_->name = std::move(name);
+  impl_->purpose = std::move(purpose);
+  impl_->app.set_help_flag();
+  impl_->app.allow_extras(false);
+}
+
+Command::~Command() = default;
+
+const std::string& Command::name() const { return impl_->name; }
+
+void Command::option(const std::string& names, std::string& target, const std::string& value,
+                     const std::string& help) {
+  impl_->add(names, target, value, help, target);
+}
+void Command::option(const std::string& names, int& target, const std::string& value,
+                     const std::string& help) {
+  impl_->add(names, target, value, help, fmt::format("{}", target));
+}
+void Command::option(const std::string& names, std::uint64_t& target, const std::string& value,
+                     const std::string& help) {
+  impl_->add(names, target, value, help, fmt::format("{}", target))->check(not_negative());
+}
+void Command::option(const std::string& names, double& target, const std::string& value,
+                     const std::string& help) {
+  impl_->add(names, target, value, help, fmt::format("{}", target));
+}
+void Command::option(const std::string& names, std::optional<std::string>& target,
+                     const std::string& value, const std::string& help) {
+  impl_->add(names, target, value, help, "");
+}
+void Command::option(const std::string& names, std::optional<int>& target,
+                     const std::string& value, const std::string& help) {
+  impl_->add(names, target, value, help, "");
+}
+void Command::option(const std::string& names, std::optional<double>& target,
+                     const std::string& value, const std::string& help) {
+  impl_->add(names, target, value, help, "");
+}
+void Command::option(const std::string& names, std::vector<std::string>& target,
+                     const std::string& value, const std::string& help) {
+  // Repeated, never greedy: the word after the value is not another value.
+  impl_->add(names, target, value, help, "")->allow_extra_args(false);
+}
+
+void Command::flag(const std::string& names, bool& target, const std::string& help) {
+  impl_->sections.back().entries.push_back({shown(names, ""), help});
+  impl_->app.add_flag(names, target);
+}
+
+void Command::section(const std::string& title) {
+  if (impl_->sections.back().entries.empty()) {
+    impl_->sections.back().title = title;
+  } else {
+    impl_->sections.push_back({title, {}});
+  }
+}
+
+void Command::arguments(std::vector<std::string>& target, const std::string& value,
+                        const std::string& help) {
+  impl_->arguments_value = value;
+  impl_->arguments_entry = {"    " + value + "...", help};
+  impl_->app.add_option(value, target);
+}
+
+void Command::require(const std::string& long_name) {
+  impl_->app.get_option(long_name)->required();
+}
+
+void Command::example(const std::string& command, const std::string& what) {
+  impl_->examples.emplace_back(command, what);
+}
+
+void Command::seed_option() {
+  impl_->add("--seed", seed, "N", "names the random streams; the same seed gives the same bytes",
+             "0")
+      ->check(not_negative());
+}
+
+void Command::jobs_option() {
+  impl_->has_jobs = true;
+  impl_->add("-j,--jobs", impl_->jobs, "N",
+             "worker threads; results do not depend on it [all cores; 1 under make]", "", true);
+}
+
+void Command::output_option(const std::string& what) {
+  impl_->add("-o,--output", output, "FILE", what, output == "-" ? "standard output" : output);
+}
+
+void Command::progress_option() {
+  impl_->add("--progress", progress, "WHEN", "auto, always or never; auto draws on a terminal only",
+             "auto", true)
+      ->check(CLI::IsMember({"auto", "always", "never"}));
+}
+
+bool Command::show_progress() const {
+  if (quiet || progress == "never") return false;
+  return progress == "always" || isatty(STDERR_FILENO) == 1;
+}
+
+bool Command::given(const std::string& long_name) const {
+  return impl_->app.get_option(long_name)->count() > 0;
+}
+
+int Command::run(int argc, char** argv, const std::function<int()>& work) {
+  Impl& impl = *impl_;
+  impl.common.entries.push_back({shown("-q,--quiet", ""), "say nothing but errors"});
+  impl.app.add_flag("-q,--quiet", quiet);
+  impl.common.entries.push_back({shown("-v,--verbose", ""), "say more"});
+  impl.app.add_flag("-v,--verbose", verbose);
+  impl.common.entries.push_back(
+      {shown("--config", "FILE"), "read options from a YAML file; the command line wins"});
+  impl.app.set_config("--config");
+  impl.app.config_formatter(std::make_shared<YamlConfig>());
+  impl.app.allow_config_extras(false);
+  impl.common.entries.push_back({shown("-h,--help", ""), "show this help"});
+  impl.app.add_flag("-h,--help", impl.help);
+  impl.common.entries.push_back({shown("--version", ""), "show version, commit, instruction set"});
+  impl.app.add_flag("--version", impl.version);
+
+  auto logger = std::make_shared<spdlog::logger>(
+      impl.name, std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  logger->set_pattern("%n: %v");
+  spdlog::set_default_logger(logger);
+
+  try {
+    // Asked for help, a tool helps, whatever else stands on the line.
+    for (int i = 1; i < argc; ++i) {
+      const std::string word = argv[i];
+      if (word == "--") break;
+      impl.help |= word == "-h" || word == "--help";
+      impl.version |= word == "--version";
+    }
+    int status = 0;
+    if (impl.help) {
+      impl.print_help();
+    } else if (impl.version) {
+      fmt::print("{} {} ({}) {}\n", impl.name, EVO_VERSION, EVO_COMMIT, best_isa());
+    } else {
+      try {
+        impl.app.parse(argc, argv);
+      } catch (const CLI::ParseError& e) {
+        throw impl.explain(e);
+      }
+      spdlog::set_level(quiet ? spdlog::level::err
+                              : verbose ? spdlog::level::debug : spdlog::level::info);
+      if (impl.jobs && *impl.jobs < 1)
+        throw error(Failure::usage, "--jobs must be at least 1, not {}", *impl.jobs);
+      // make runs as many of us as it was asked to; each then has one core.
+      jobs = impl.jobs.value_or(std::getenv("MAKELEVEL") != nullptr ? 1 : available_cores());
+      status = work();
+    }
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw error(Failure::io, "cannot write standard output");
+    return status;
+  } catch (const Error& e) {
+    spdlog::error("{}", e.what());
+    return static_cast<int>(e.kind());
+  } catch (const std::bad_alloc&) {
+    spdlog::error("out of memory");
+  } catch (const std::exception& e) {
+    spdlog::error("unexpected failure: {}", e.what());
+  }
+  return static_cast<int>(Failure::work);
+}
+
+std::string version() { return EVO_VERSION; }
+std::string created_by(const std::string& tool) { return tool + " " + EVO_VERSION; }
+
+void catch_interrupts() {
+  struct sigaction action = {};
+  action.sa_handler = remember_signal;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+int interrupted() { return pending_signal; }
+
+}  // namespace evo::cli

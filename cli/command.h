@@ -1,0 +1,89 @@
+// What every tool shares: options, help, version, configuration file, logging,
+// exit statuses (spec: cli, "Rules every tool follows"). A tool describes
+// itself to a Command and hands over its work; main() is then one call.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libevo/base/error.h"
+
+namespace evo::cli {
+
+class Command {
+ public:
+  Command(std::string name, std::string purpose);
+  ~Command();
+  Command(const Command&) = delete;
+  Command& operator=(const Command&) = delete;
+
+  // An option that takes a value: `names` is "-n,--count" or "--rate", `value`
+  // the word for it in the help. The value held by the target is the default;
+  // an option for std::optional has none, one for a vector may be repeated.
+  void option(const std::string& names, std::string& target, const std::string& value,
+              const std::string& help);
+  void option(const std::string& names, int& target, const std::string& value,
+              const std::string& help);
+  void option(const std::string& names, std::uint64_t& target, const std::string& value,
+              const std::string& help);
+  void option(const std::string& names, double& target, const std::string& value,
+              const std::string& help);
+  void option(const std::string& names, std::optional<std::string>& target,
+              const std::string& value, const std::string& help);
+  void option(const std::string& names, std::optional<int>& target, const std::string& value,
+              const std::string& help);
+  void option(const std::string& names, std::optional<double>& target, const std::string& value,
+              const std::string& help);
+  void option(const std::string& names, std::vector<std::string>& target,
+              const std::string& value, const std::string& help);
+  void flag(const std::string& names, bool& target, const std::string& help);
+  // The next option begins a group with this title in the help.
+  void section(const std::string& title);
+
+  // Arguments that are not options.
+  void arguments(std::vector<std::string>& target, const std::string& value,
+                 const std::string& help);
+  void require(const std::string& long_name);  // the option must be given
+
+  void example(const std::string& command, const std::string& what);
+
+  // Options with the same name and meaning in every tool that has them.
+  void seed_option();
+  void jobs_option();
+  void output_option(const std::string& what);
+  void progress_option();
+
+  std::uint64_t seed = 0;
+  int jobs = 1;             // threads; resolved when the work starts
+  std::string output = "-";  // "-" is standard output
+  std::string progress = "auto";
+  bool show_progress() const;  // whether to draw progress on standard error
+  bool quiet = false;
+  bool verbose = false;
+
+  const std::string& name() const;
+  // The option with this long name was given (on the command line or in --config).
+  bool given(const std::string& long_name) const;
+
+  // Parses, then runs `work`, whose value is the exit status. Every Error ends
+  // here, as one line on standard error and its kind as exit status.
+  int run(int argc, char** argv, const std::function<int()>& work);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// "evo 0.1.0"; goes into the files the tools write.
+std::string created_by(const std::string& tool);
+std::string version();
+
+// Set by SIGINT and SIGTERM after catch_interrupts(); 0, or the signal.
+void catch_interrupts();
+int interrupted();
+
+}  // namespace evo::cli

@@ -1,0 +1,111 @@
+#include "cli/episodes.h"
+
+#include <algorithm>
+
+#include "cli/command.h"
+#include "formats/physics.h"
+
+namespace evo::cli {
+namespace {
+
+void append(std::vector<double>& to, std::span<const double> values) {
+  to.insert(to.end(), values.begin(), values.end());
+}
+
+// Row `index` of an array of rows of this length.
+std::span<const double> row(std::span<const double> values, int index, int length) {
+  return values.subspan(static_cast<std::size_t>(index) * static_cast<std::size_t>(length),
+                        static_cast<std::size_t>(length));
+}
+
+}  // namespace
+
+Recorder::Recorder(const Arena& arena, const Robot& robot, std::uint64_t seed, bool velocities,
+                   const std::string& tool)
+    : velocities_(velocities) {
+  const Model& model = arena.model();
+  rollout_.task = arena.task().name;
+  rollout_.task_yaml = arena.task().source;
+  rollout_.physics_yaml = physics_to_yaml(arena.task().physics);
+  rollout_.robot = robot;
+  rollout_.seed = seed;
+  rollout_.created_by = created_by(tool);
+  rollout_.observation_length = arena.observation_length();
+  rollout_.action_length = arena.action_length();
+  rollout_.points = model.points();
+  rollout_.world = {model.objects(), model.cells()};
+}
+
+void Recorder::record(const EpisodeMoment& moment) {
+  const auto index = static_cast<std::size_t>(moment.episode);
+  if (rollout_.episodes.size() <= index) rollout_.episodes.resize(index + 1);
+  RolloutEpisode& episode = rollout_.episodes[index];
+  const VecEnv& env = moment.env;
+  const auto lane = static_cast<std::size_t>(moment.lane);
+  if (moment.targets.empty()) {
+    episode.seed = rollout_.seed;
+    episode.random_draws = draws_to_json(moment.draws);
+  } else {
+    append(episode.actions, moment.targets);
+    episode.rewards.push_back(env.rewards()[lane]);
+    episode.terminations.push_back(env.terminated()[lane]);
+    episode.truncations.push_back(env.truncated()[lane]);
+  }
+  append(episode.observations, row(env.observations(), moment.lane, rollout_.observation_length));
+  const auto positions = env.positions(moment.lane);
+  episode.positions.insert(episode.positions.end(), positions.begin(), positions.end());
+  if (velocities_) {
+    const auto velocities = env.velocities(moment.lane);
+    episode.velocities.insert(episode.velocities.end(), velocities.begin(), velocities.end());
+  }
+}
+
+Json draws_to_json(const Draws& draws) {
+  Json json = Json::object();
+  for (const auto& [name, value] : draws.integers) json[name] = value;
+  if (!draws.goals.empty()) json["goals"] = draws.goals;
+  return json;
+}
+
+Draws draws_from_json(const Json& json, const TaskSpec& task) {
+  std::vector<std::string> names;
+  for (const DrawnInteger& drawn : task.draws) names.push_back(drawn.name);
+  if (task.goals) names.push_back("goals");
+  if (!json.is_object())
+    throw error(Failure::usage, "--draws: expected a JSON object such as {{\"ox\":0,\"oy\":3}}");
+  Draws draws;
+  for (const auto& [name, value] : json.items()) {
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw error(Failure::usage, "--draws: {} draws nothing named '{}'{}; it draws: {}", task.name,
+                  name, did_you_mean(name, names),
+                  names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", ")));
+    const bool is_list = name == "goals" && task.goals;
+    const bool fits = is_list ? value.is_array() && !value.empty() &&
+                                    std::all_of(value.begin(), value.end(),
+                                                [](const Json& v) { return v.is_number_integer(); })
+                              : value.is_number_integer();
+    if (!fits)
+      throw error(Failure::usage, "--draws: '{}' must be {}, not {}", name,
+                  is_list ? "a list of integers" : "an integer", value.dump());
+    if (is_list) {
+      draws.goals = value.get<std::vector<int>>();
+    } else {
+      draws.integers[name] = value.get<int>();
+    }
+  }
+  for (const std::string& name : names)
+    if (!json.contains(name)) throw error(Failure::usage, "--draws: '{}' is missing", name);
+  return draws;
+}
+
+Draws parse_draws(const std::string& text_or_file, const TaskSpec& task) {
+  if (text_or_file.find('{') == std::string::npos)
+    return draws_from_json(read_draws(text_or_file), task);
+  try {
+    return draws_from_json(Json::parse(text_or_file), task);
+  } catch (const Json::exception&) {
+    throw error(Failure::usage, "--draws: '{}' is not JSON", text_or_file);
+  }
+}
+
+}  // namespace evo::cli

@@ -1,0 +1,35 @@
+// Between episodes and files: rollouts as they happen, draws as JSON.
+#pragma once
+
+#include <string>
+
+#include "formats/rollout.h"
+#include "libevo/control/evaluate.h"
+#include "libevo/task/env.h"
+
+namespace evo::cli {
+
+// Gathers what episodes of one arena do into a Rollout.
+class Recorder {
+ public:
+  Recorder(const Arena& arena, const Robot& robot, std::uint64_t seed, bool velocities,
+           const std::string& tool);
+
+  // For evaluate(): call with every moment, in any order of episodes.
+  void record(const EpisodeMoment& moment);
+
+  const Rollout& rollout() const { return rollout_; }
+
+ private:
+  bool velocities_;
+  Rollout rollout_;
+};
+
+// {"ox":0,"oy":3} or {"goals":[47,32]}; {} for a task without random parts.
+Json draws_to_json(const Draws& draws);
+// Throws Error(usage) unless the names are those the task draws.
+Draws draws_from_json(const Json& json, const TaskSpec& task);
+// As above from JSON text, or from the file (a rollout) of that name.
+Draws parse_draws(const std::string& text_or_file, const TaskSpec& task);
+
+}  // namespace evo::cli

@@ -1,0 +1,207 @@
+// evo-eval: episodes with a given controller, and what they earned.
+#include <filesystem>
+#include <optional>
+
+#include "cli/command.h"
+#include "cli/episodes.h"
+#include "cli/robots.h"
+#include "cli/task_options.h"
+#include "formats/policy.h"
+#include "formats/task.h"
+#include "libevo/base/parallel.h"
+#include "libevo/control/evaluate.h"
+
+namespace {
+
+using namespace evo;
+
+struct Settings {
+  cli::TaskOptions task;
+  std::optional<std::string> policy;
+  std::optional<std::string> actions;
+  std::optional<std::string> sine;
+  bool random = false;
+  int episodes = 1;
+  std::optional<int> max_steps;
+  std::optional<std::string> draws;
+  double jitter = 0.0;
+  std::optional<std::string> rollout;
+  std::optional<std::string> rollout_dir;
+  bool velocities = false;
+  std::string failures = "stop";
+};
+
+// Where a robot is measured and what drives it.
+struct Trial {
+  TaskSpec task;
+  // Made for the arena at hand, since open-loop controllers ask its size.
+  std::function<Controller(const Arena&)> controller;
+};
+
+Trial policy_trial(const Settings& settings, const std::string& path) {
+  PolicyFile file = read_policy(path);
+  Trial trial;
+  if (settings.task.given()) {
+    trial.task = settings.task.load();
+  } else {
+    trial.task = parse_task(file.task_yaml, path + ": task");
+    settings.task.change_physics(trial.task);
+  }
+  trial.controller = [controller = std::move(file.controller)](const Arena&) { return controller; };
+  return trial;
+}
+
+Trial make_trial(const Settings& settings, const Robot& robot, std::uint64_t seed) {
+  if (settings.policy) return policy_trial(settings, *settings.policy);
+  if (!settings.actions && !settings.sine && !settings.random) {
+    const auto found = robot.document.find("policy");
+    if (found == robot.document.end() || !found->is_string())
+      throw error(Failure::usage,
+                  "robot {} has no policy; give --policy, --actions, --sine or --random", robot.id);
+    return policy_trial(settings, found->get<std::string>());
+  }
+  Trial trial{settings.task.load(), {}};
+  if (settings.actions) {
+    ActionSequence sequence = read_actions(*settings.actions);
+    trial.controller = [sequence = std::move(sequence), name = *settings.actions,
+                        id = robot.id](const Arena& arena) -> Controller {
+      if (sequence.actuators != arena.action_length())
+        throw error(Failure::data, "{}: {} actions a step, but robot {} has {} actuators", name,
+                    sequence.actuators, id, arena.action_length());
+      return ReplayController{sequence.values};
+    };
+  } else if (settings.sine) {
+    const std::vector<double> wave = cli::parse_numbers(*settings.sine, "--sine");
+    if (wave.size() != 3 || wave[1] == 0.0)
+      throw error(Failure::usage, "--sine: '{}' is not AMPLITUDE,PERIOD,PHASE", *settings.sine);
+    trial.controller = [wave](const Arena& arena) -> Controller {
+      return travelling_wave(arena.action_length(), wave[0], wave[1], wave[2]);
+    };
+  } else {
+    trial.controller = [seed](const Arena& arena) -> Controller {
+      const Physics& physics = arena.task().physics;
+      return RandomController{seed, physics.min_target, physics.max_target};
+    };
+  }
+  return trial;
+}
+
+void check(const Settings& settings) {
+  const int controllers = static_cast<int>(settings.policy.has_value()) +
+                          static_cast<int>(settings.actions.has_value()) +
+                          static_cast<int>(settings.sine.has_value()) +
+                          static_cast<int>(settings.random);
+  if (controllers > 1)
+    throw error(Failure::usage, "give one of --policy, --actions, --sine and --random");
+  if (settings.episodes < 1)
+    throw error(Failure::usage, "--episodes must be at least 1, got {}", settings.episodes);
+  if (settings.max_steps.value_or(1) < 1)
+    throw error(Failure::usage, "--max-steps must be at least 1, got {}", *settings.max_steps);
+  if (!(settings.jitter >= 0.0 && settings.jitter < 0.5))
+    throw error(Failure::usage, "--jitter must be between 0 and 0.5 voxels, got {}",
+                settings.jitter);
+  if (settings.failures != "stop" && settings.failures != "skip")
+    throw error(Failure::usage, "--failures: '{}' is not stop or skip", settings.failures);
+}
+
+Robot measure(const Settings& settings, const Robot& robot, std::uint64_t seed,
+              const std::optional<std::string>& rollout_path) {
+  const Trial trial = make_trial(settings, robot, seed);
+  const Arena arena(trial.task, robot.body);
+  EvaluationSettings evaluation;
+  evaluation.episodes = settings.episodes;
+  evaluation.seed = seed;
+  evaluation.jitter = settings.jitter;
+  evaluation.max_steps = settings.max_steps.value_or(0);
+  if (settings.draws) evaluation.draws = cli::parse_draws(*settings.draws, arena.task());
+
+  std::optional<cli::Recorder> recorder;
+  EpisodeObserver observer;
+  if (rollout_path) {
+    recorder.emplace(arena, robot, seed, settings.velocities, "evo-eval");
+    observer = [&](const EpisodeMoment& moment) { recorder->record(moment); };
+  }
+  const Evaluation result = evaluate(arena, trial.controller(arena), evaluation, observer);
+  if (recorder) write_rollout(*rollout_path, recorder->rollout());
+
+  Robot measured = robot;
+  measured.document.erase("failure");
+  measured.document["fitness"] = result.mean();
+  measured.document["task"] = arena.task().name;
+  measured.document["returns"] = result.returns;
+  measured.document["lengths"] = result.lengths;
+  return measured;
+}
+
+Robot failed(const Robot& robot, const std::string& why, std::uint64_t seed) {
+  Robot result = robot;
+  result.document["fitness"] = nullptr;
+  result.document["failure"] = {{"why", why}, {"seed", seed}};
+  return result;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Command command("evo-eval", "episodes of robots with a given controller, and their returns");
+  Settings settings;
+  std::vector<std::string> files;
+  command.arguments(files, "FILE", "robots, policies or rollouts [standard input]");
+  command.section("Task");
+  settings.task.add_to(command);
+  command.section("Controller (default: the policy named by each robot)");
+  command.option("--policy", settings.policy, "FILE.h5", "a trained policy, for every robot read");
+  command.option("--actions", settings.actions, "FILE",
+                 "replay actions [T, A] of an HDF5 file or rollout, or rows of a CSV");
+  command.option("--sine", settings.sine, "A,PERIOD,PHASE",
+                 "targets 1.1 + A sin(2 pi t / PERIOD + PHASE i) of actuator i, PERIOD in control "
+                 "steps, PHASE in radian");
+  command.flag("--random", settings.random, "uniform random targets");
+  command.section("Episodes");
+  command.option("--episodes", settings.episodes, "N", "episodes of each robot");
+  command.option("--max-steps", settings.max_steps, "N",
+                 "end episodes after N control steps [the task's limit]");
+  command.option("--draws", settings.draws, "JSON|FILE",
+                 "what a random task draws, such as '{\"ox\":0,\"oy\":3}', or a rollout to take it "
+                 "from");
+  command.option("--jitter", settings.jitter, "VOXELS",
+                 "move every start coordinate by up to this, to test robustness");
+  command.seed_option();
+  command.section("Output");
+  command.output_option("where the robots go, with fitness, returns and lengths");
+  command.option("--rollout", settings.rollout, "FILE.h5", "record the episodes of one robot");
+  command.option("--rollout-dir", settings.rollout_dir, "DIR", "record into DIR/<id>.h5");
+  command.flag("--rollout-velocities", settings.velocities, "record velocities, too");
+  command.option("--failures", settings.failures, "WHAT",
+                 "a robot that cannot be measured: stop, or skip (fitness null)");
+  command.jobs_option();
+  command.example("evo-sample -n 9 | evo-eval --task Walker-v0 --sine 0.5,20,0.7",
+                  "how far random bodies get on a travelling wave");
+  command.example("evo-eval best.json --episodes 20 --jitter 1e-4 --rollout best.h5",
+                  "a trained robot from slightly different starts, recorded");
+
+  return command.run(argc, argv, [&] {
+    check(settings);
+    const std::vector<Robot> robots = cli::read_robots(files);
+    if (settings.rollout && robots.size() != 1)
+      throw error(Failure::usage, "--rollout records one robot, but {} were read; use --rollout-dir",
+                  robots.size());
+    if (settings.rollout_dir) std::filesystem::create_directories(*settings.rollout_dir);
+    cli::OrderedWriter out(command.output);
+    ThreadPool pool(command.jobs);
+    pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
+      const Robot& robot = robots[i];
+      std::optional<std::string> rollout = settings.rollout;
+      if (settings.rollout_dir) rollout = *settings.rollout_dir + "/" + robot.id + ".h5";
+      try {
+        out.put(i, measure(settings, robot, command.seed, rollout));
+      } catch (const Error& e) {
+        if (settings.failures == "stop" || e.kind() != Failure::work)
+          throw e.at("robot " + robot.id);
+        out.put(i, failed(robot, e.what(), command.seed));
+      }
+    });
+    out.finish();
+    return 0;
+  });
+}

@@ -1,0 +1,279 @@
+// evo-inspect: what a file is, how a run stands, which tasks there are.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "cli/command.h"
+#include "cli/data.h"
+#include "cli/progress.h"
+#include "cli/robots.h"
+#include "cli/terminal.h"
+#include "formats/hdf5.h"
+#include "formats/policy.h"
+#include "formats/rollout.h"
+#include "formats/task.h"
+#include "formats/task_text.h"
+#include "formats/yaml.h"
+
+namespace {
+
+using namespace evo;
+namespace fs = std::filesystem;
+
+// ---- robots -------------------------------------------------------------------
+
+std::string kinds(const Body& body) {
+  static const std::map<Voxel, const char*> names{{Voxel::rigid, "rigid"},
+                                                  {Voxel::soft, "soft"},
+                                                  {Voxel::horizontal, "horizontal"},
+                                                  {Voxel::vertical, "vertical"}};
+  std::vector<std::string> parts;
+  for (const auto& [kind, name] : names) {
+    const auto count = std::count(body.cells.begin(), body.cells.end(), kind);
+    if (count > 0) parts.push_back(fmt::format("{} {}", count, name));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+void print_robot(const Robot& robot, bool color) {
+  const Body& body = robot.body;
+  fmt::print("{}", cli::draw_body(body, color));
+  fmt::print("id        {}\n", robot.id);
+  fmt::print("size      {}x{}, {} voxels: {}\n", body.rows, body.cols, count_voxels(body),
+             kinds(body));
+  if (body.links != full_links(body.rows, body.cols, body.cells))
+    fmt::print("links     {} of {} adjacent pairs\n", body.links.size(),
+               full_links(body.rows, body.cols, body.cells).size());
+  if (const auto fault = defect(body, true)) fmt::print("not a robot: {}\n", *fault);
+  const Json& document = robot.document;
+  const auto print_field = [&](const char* label, const char* key) {
+    const auto found = document.find(key);
+    if (found == document.end() || found->is_null()) return;
+    fmt::print("{:<9} {}\n", label, found->is_string() ? found->get<std::string>() : found->dump());
+  };
+  print_field("fitness", "fitness");
+  print_field("failure", "failure");
+  print_field("task", "task");
+  print_field("steps", "steps");
+  print_field("policy", "policy");
+  print_field("parents", "parents");
+  print_field("origin", "origin");
+}
+
+void print_robots(const std::vector<Robot>& robots, const std::string& name, bool color) {
+  if (robots.size() == 1) {
+    print_robot(robots.front(), color);
+    return;
+  }
+  std::vector<double> scores;
+  int failed = 0;
+  std::set<std::string> ids;
+  for (const Robot& robot : robots) {
+    ids.insert(robot.id);
+    if (const auto fitness = robot.fitness()) scores.push_back(*fitness);
+    failed += robot.document.contains("failure") ? 1 : 0;
+  }
+  fmt::print("{}: {} robots, {} different\n", name, robots.size(), ids.size());
+  if (!scores.empty()) {
+    const auto [low, high] = std::minmax_element(scores.begin(), scores.end());
+    double sum = 0.0;
+    for (const double score : scores) sum += score;
+    fmt::print("fitness of {}: best {}, mean {:.4g}, worst {}\n", scores.size(), *high,
+               sum / static_cast<double>(scores.size()), *low);
+  }
+  if (failed > 0) fmt::print("failed: {}\n", failed);
+}
+
+// ---- HDF5 files ---------------------------------------------------------------
+
+void print_policy(const std::string& path, bool color) {
+  const PolicyFile file = read_policy(path);
+  fmt::print("{}: policy\n", path);
+  print_robot(file.robot, color);
+  fmt::print("trained   on {}, {} steps, seed {}, best evaluation at step {}\n", file.task, file.steps,
+             file.seed, file.best_step);
+  if (file.final_score)
+    fmt::print("final     {:.6g} +- {:.2g} over {} episodes from shifted starts\n",
+               file.final_score->mean, file.final_score->standard_error,
+               file.final_score->episodes);
+  std::vector<double> evaluations;
+  for (const CurvePoint& point : file.curve) evaluations.push_back(point.evaluation);
+  fmt::print("curve     {}\n", cli::sparkline(evaluations, 60));
+  fmt::print("made by   {}, settings {}\n", file.created_by, file.settings_hash.substr(0, 12));
+  fmt::print("observes");
+  for (const ObservationSlice& slice : file.layout)
+    fmt::print("  {} [{}..{}]", slice.name, slice.offset, slice.offset + slice.length - 1);
+  fmt::print("\n");
+}
+
+void print_rollout(const std::string& path, bool color) {
+  const Rollout rollout = read_rollout(path);
+  fmt::print("{}: rollout of {}\n", path, rollout.task.empty() ? "an unknown task" : rollout.task);
+  if (rollout.robot) print_robot(*rollout.robot, color);
+  fmt::print("{} observations, {} actuators, {} points{}\n", rollout.observation_length,
+             rollout.action_length, rollout.points,
+             rollout.world.cells.empty() ? ", no cells (cannot be drawn)" : "");
+  fmt::print("{:>8} {:>7} {:>20}  {}\n", "episode", "steps", "return", "ended by");
+  for (std::size_t k = 0; k < rollout.episodes.size(); ++k) {
+    const RolloutEpisode& episode = rollout.episodes[k];
+    double sum = 0.0;
+    for (const double reward : episode.rewards) sum += reward;
+    const bool terminated = !episode.terminations.empty() && episode.terminations.back() != 0;
+    const bool truncated = !episode.truncations.empty() && episode.truncations.back() != 0;
+    fmt::print("{:>8} {:>7} {:>20.17g}  {}\n", k, episode.steps(), sum,
+               terminated ? "a rule" : truncated ? "the time limit" : "the end of its actions");
+  }
+}
+
+void print_hdf5(const std::string& path, bool color) {
+  const hdf5::Reader reader(path);
+  const std::string format =
+      reader.has_attribute("/", "format") ? reader.text("/", "format") : std::string();
+  if (format == "evo/policy") return print_policy(path, color);
+  if (format == "evo/rollout") return print_rollout(path, color);
+  if (format == "evo/checkpoint") {
+    fmt::print("{}: checkpoint of a training; evo-train --resume goes on from it\n", path);
+    return;
+  }
+  throw error(Failure::data, "{}: an HDF5 file, but neither a policy nor a rollout{}", path,
+              format.empty() ? "" : " (format '" + format + "')");
+}
+
+// ---- run folders --------------------------------------------------------------
+
+// Seconds a training took, from the last line of its log, or nothing.
+std::optional<double> logged_seconds(const fs::path& log) {
+  std::ifstream in(log);
+  std::optional<double> seconds;
+  double value = 0.0;
+  for (std::string line; std::getline(in, line);)
+    if (std::sscanf(line.c_str(), "# trained in %lf s", &value) == 1) seconds = value;
+  return seconds;
+}
+
+double size_on_disk(const fs::path& folder) {
+  double bytes = 0.0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) bytes += static_cast<double>(entry.file_size());
+  return bytes;
+}
+
+void print_run(const fs::path& folder, bool color) {
+  const fs::path settings_path = folder / "run.yaml";
+  if (!fs::exists(settings_path))
+    throw error(Failure::data, "{}: a folder without run.yaml is not a run", folder.string());
+  const YamlNode settings = YamlNode::parse(read_file(settings_path), settings_path.string());
+  const auto setting = [&](const std::string& key) -> std::string {
+    for (const auto& entry : settings.entries())
+      if (entry.key.string() == key)
+        return entry.value.is_scalar() && !entry.value.is_null() ? entry.value.string() : "";
+    throw error(Failure::data, "{}: '{}' is missing", settings_path.string(), key);
+  };
+  fmt::print("{}: {} on {}, seed {}\n", folder.string(), setting("method"), setting("task"),
+             setting("seed"));
+
+  std::set<std::string> done;
+  std::optional<Robot> best;
+  std::vector<fs::path> generations;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().filename().string().starts_with("gen-")) generations.push_back(entry.path());
+  std::sort(generations.begin(), generations.end());
+  int finished_generations = 0;
+  for (const fs::path& generation : generations) {
+    finished_generations += fs::exists(generation / "ranking.tsv") ? 1 : 0;
+    for (const auto& entry : fs::directory_iterator(generation)) {
+      const std::string name = entry.path().filename().string();
+      if (!name.ends_with(".json") || name == "species.json") continue;
+      for (Robot& robot : cli::read_robots({entry.path().string()}, BodyCheck::any)) {
+        done.insert(robot.id);
+        if (robot.fitness() && (!best || *robot.fitness() > *best->fitness()))
+          best = std::move(robot);
+      }
+    }
+  }
+  const int evaluations = std::stoi(setting("evaluations"));
+  const int left = std::max(0, evaluations - static_cast<int>(done.size()));
+  double seconds = 0.0;
+  int timed = 0;
+  if (fs::exists(folder / "logs"))
+    for (const auto& log : fs::directory_iterator(folder / "logs"))
+      if (const auto took = logged_seconds(log.path())) {
+        seconds += *took;
+        ++timed;
+      }
+  fmt::print("robots       {} of {} trained, {} left\n", done.size(), evaluations, left);
+  fmt::print("generations  {} finished, {} begun\n", finished_generations, generations.size());
+  if (timed > 0) {
+    const double each = seconds / timed;
+    fmt::print("training     {} a robot on average, {:.2f} core hours so far\n",
+               cli::duration(each), seconds / 3600.0);
+    if (left > 0)
+      fmt::print("expected     {:.2f} more core hours: {} on one core\n", each * left / 3600.0,
+                 cli::duration(each * left));
+  }
+  fmt::print("disk         {}\n", cli::file_size(size_on_disk(folder)));
+  if (best) {
+    fmt::print("best so far\n");
+    print_robot(*best, color);
+  }
+}
+
+// ---- the command line ---------------------------------------------------------
+
+void print_tasks(bool markdown) {
+  const DataFolders folders = cli::data_folders();
+  std::vector<TaskSpec> tasks;
+  for (const std::string& name : task_names(folders)) tasks.push_back(load_task(name, folders));
+  fmt::print("{}", task_table(tasks, markdown ? TableStyle::markdown : TableStyle::plain));
+}
+
+void print_file(const std::string& name, bool color) {
+  if (name != standard_stream && fs::is_directory(name)) return print_run(name, color);
+  if (name != standard_stream && hdf5::is_hdf5(name)) return print_hdf5(name, color);
+  print_robots(cli::read_robots({name}, BodyCheck::any), input_label(name), color);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Command command("evo-inspect", "what a file is and says, how a run stands, the tasks");
+  std::vector<std::string> words;
+  std::string color = "auto";
+  std::optional<std::string> shape;
+  bool markdown = false;
+  command.arguments(words, "FILE|RUN_DIR|tasks|task NAME|robot FILE",
+                    "robots, policies, rollouts, run folders; 'tasks' lists the tasks, 'task NAME' "
+                    "explains one, 'robot FILE' draws robots");
+  command.option("--color", color, "WHEN", "auto, always or never");
+  command.option("--shape", shape, "ROWSxCOLS",
+                 "of the full body whose observation 'task NAME' lays out [5x5]");
+  command.flag("--markdown", markdown, "'tasks' as a Markdown table");
+  command.example("evo-inspect tasks", "the benchmark's tasks with difficulty and lengths");
+  command.example("evo-inspect task Carrier-v0", "what is observed, rewarded, and ends an episode");
+  command.example("evo-inspect runs/walker", "how far a run is and what is left");
+
+  return command.run(argc, argv, [&] {
+    const bool colored = cli::use_color(color);
+    if (words.empty()) words.emplace_back(standard_stream);
+    if (words == std::vector<std::string>{"tasks"}) {
+      print_tasks(markdown);
+    } else if (words[0] == "task") {
+      if (words.size() != 2) throw error(Failure::usage, "task: name one task, such as Walker-v0");
+      const cli::Shape size = cli::parse_shape(shape.value_or("5x5"));
+      fmt::print("{}", describe_task(load_task(words[1], cli::data_folders()),
+                                     full_body(size.rows, size.cols)));
+    } else if (words[0] == "robot") {
+      if (words.size() < 2) words.emplace_back(standard_stream);
+      for (std::size_t i = 1; i < words.size(); ++i)
+        for (const Robot& robot : cli::read_robots({words[i]}, BodyCheck::any)) {
+          print_robot(robot, colored);
+          fmt::print("\n");
+        }
+    } else {
+      for (const std::string& word : words) print_file(word, colored);
+    }
+    return 0;
+  });
+}

@@ -1,0 +1,112 @@
+// evo-neat: the next population of CPPN genomes.
+#include <filesystem>
+#include <limits>
+#include <map>
+
+#include "cli/command.h"
+#include "cli/data.h"
+#include "cli/robots.h"
+#include "formats/genome.h"
+#include "formats/neat.h"
+#include "libevo/evolve/cppn_neat.h"
+
+namespace {
+
+using namespace evo;
+
+struct Parents {
+  std::vector<Scored> scored;
+  std::map<int, std::string> ids;  // of robots, by genome key
+};
+
+Parents read_parents(const std::vector<Robot>& robots) {
+  Parents parents;
+  for (const Robot& robot : robots) {
+    const auto genome = genome_of(robot, "robot " + robot.id);
+    if (!genome)
+      throw error(Failure::data, "robot {} has no genome; only robots of evo-neat can go on in it",
+                  robot.id);
+    parents.ids[genome->key] = robot.id;
+    parents.scored.push_back(
+        {*genome, robot.fitness().value_or(std::numeric_limits<double>::quiet_NaN())});
+  }
+  return parents;
+}
+
+NeatSettings read_settings(const std::optional<std::string>& file, int count) {
+  NeatSettings settings;
+  if (file) {
+    settings = load_neat_settings(*file);
+  } else if (const auto found = find_data_file(cli::data_folders(), "", "neat")) {
+    settings = load_neat_settings(found->string());
+  }
+  settings.pop_size = count;
+  return settings;
+}
+
+Robot document(const CppnRobot& made, const Parents& parents, std::uint64_t seed, int index) {
+  std::vector<std::string> ids;
+  for (const int key : made.parents) ids.push_back(parents.ids.at(key));
+  Robot robot =
+      make_child(made.body, ids, "evo-neat", seed, static_cast<std::uint64_t>(index));
+  robot.document["genome"] = genome_to_json(made.genome);
+  return robot;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Command command("evo-neat", "the next population of CPPN-NEAT, from the scored one read");
+  int count = 25;
+  std::string shape_text = "5x5";
+  std::optional<std::string> state_in;
+  std::string state_out;
+  std::optional<std::string> settings_file;
+  std::vector<std::string> avoid;
+  std::vector<std::string> files;
+  command.arguments(files, "FILE", "the scored population [standard input]; not read without "
+                                   "--state-in");
+  command.option("-n,--count", count, "N", "population size");
+  command.option("--shape", shape_text, "ROWSxCOLS", "of the first population's bodies, in voxels");
+  command.option("--state-in", state_in, "FILE",
+                 "species of the population read; without it, a first population is made");
+  command.option("--state-out", state_out, "FILE", "where the species of the new one go; required");
+  command.option("--neat", settings_file, "FILE.yaml", "settings of NEAT [tasks/neat.yaml]");
+  command.option("--avoid", avoid, "FILE", "robots that must not come again (repeatable)");
+  command.seed_option();
+  command.output_option("where the new population goes");
+  command.require("--state-out");
+  command.example("evo-neat -n 25 --seed 1 --state-out species.json -o population.jsonl",
+                  "a first population and its species");
+  command.example(
+      "evo-neat -n 25 --seed 2 --state-in species.json --state-out next.json scores.jsonl",
+      "the population after the scored one");
+
+  return command.run(argc, argv, [&] {
+    if (count < 2) throw error(Failure::usage, "--count must be at least 2, got {}", count);
+    const NeatSettings settings = read_settings(settings_file, count);
+    std::set<std::string> seen = cli::read_ids(avoid);
+    NeatState state;
+    Parents parents;
+    std::vector<CppnRobot> made;
+    if (state_in) {
+      const std::vector<Robot> robots = cli::read_robots(files, BodyCheck::any);
+      if (robots.empty()) throw error(Failure::data, "no scored robots were read");
+      for (const Robot& robot : robots) seen.insert(robot.id);
+      parents = read_parents(robots);
+      state = load_neat_state(*state_in);
+      const Body& body = robots.front().body;
+      made = next_robots(settings, body.rows, body.cols, parents.scored, seen, state, command.seed);
+    } else {
+      const cli::Shape shape = cli::parse_shape(shape_text);
+      made = first_robots(settings, shape.rows, shape.cols, seen, state, command.seed);
+    }
+    // The state first: where the population is, its species are, too.
+    write_file(state_out, neat_state_to_text(state));
+    cli::RobotWriter out(command.output);
+    int index = 0;
+    for (const CppnRobot& robot : made) out.write(document(robot, parents, command.seed, index++));
+    out.finish();
+    return 0;
+  });
+}

@@ -1,0 +1,214 @@
+// evo-render: pictures and videos of rollouts and robots, off-screen.
+#include <algorithm>
+
+#include "cli/command.h"
+#include "cli/robots.h"
+#include "formats/hdf5.h"
+#include "formats/rollout.h"
+#include "render/render.h"
+
+namespace {
+
+using namespace evo;
+using render::RenderOptions;
+
+struct Settings {
+  std::string size = "1280x720";
+  std::vector<std::string> episodes;
+  std::string follow;
+  std::string camera = "follow";
+  std::optional<std::string> window;
+  std::optional<int> to;
+  std::optional<int> sheet;
+  bool grid = false;
+  std::optional<int> generations;
+  bool no_labels = false;
+  bool no_grid_lines = false;
+  bool no_tint = false;
+};
+
+render::Size parse_size(const std::string& text) {
+  render::Size size;
+  if (std::sscanf(text.c_str(), "%dx%d", &size.width, &size.height) != 2)
+    throw error(Failure::usage, "--size: '{}' is not WIDTHxHEIGHT, such as 1280x720", text);
+  return size;
+}
+
+render::Camera parse_camera(const Settings& settings) {
+  render::Camera camera;
+  camera.objects = cli::split_list(settings.follow);
+  if (settings.camera == "follow") {
+    camera.mode = render::CameraMode::follow;
+  } else if (settings.camera == "world") {
+    camera.mode = render::CameraMode::world;
+  } else if (settings.camera == "fixed") {
+    camera.mode = render::CameraMode::fixed;
+  } else {
+    throw error(Failure::usage, "--camera: '{}' is not follow, world or fixed{}", settings.camera,
+                did_you_mean(settings.camera, {"follow", "world", "fixed"}));
+  }
+  if (settings.window) {
+    const std::vector<double> numbers = cli::parse_numbers(*settings.window, "--window");
+    if (numbers.size() != 4)
+      throw error(Failure::usage, "--window: '{}' is not X,Y,WIDTH,HEIGHT in voxels",
+                  *settings.window);
+    camera.window = {numbers[0], numbers[1], numbers[2], numbers[3]};
+    camera.mode = render::CameraMode::fixed;
+  }
+  return camera;
+}
+
+// "0", "2", "all" of every rollout; the first episode when nothing is asked.
+std::vector<render::Episode> choose_episodes(const std::vector<Rollout>& rollouts,
+                                             const std::vector<std::string>& asked) {
+  std::vector<render::Episode> episodes;
+  for (const Rollout& rollout : rollouts) {
+    const auto add = [&](int index) {
+      std::string label = rollout.robot ? rollout.robot->id : std::string();
+      if (asked.size() > 1 || (asked.size() == 1 && asked[0] == "all"))
+        label += fmt::format(" episode {}", index);
+      episodes.push_back({&rollout, index, std::move(label)});
+    };
+    if (asked.empty()) add(0);
+    for (const std::string& word : asked) {
+      if (word == "all") {
+        for (int i = 0; i < static_cast<int>(rollout.episodes.size()); ++i) add(i);
+      } else {
+        const std::vector<double> number = cli::parse_numbers(word, "--episode");
+        if (number.size() != 1)
+          throw error(Failure::usage, "--episode: '{}' is neither a number nor 'all'", word);
+        add(static_cast<int>(number[0]));
+      }
+    }
+  }
+  return episodes;
+}
+
+void write_picture(const std::string& output, render::Image image) {
+  if (output == standard_stream) {
+    const std::string bytes = render::encode_png(render::view(image));
+    if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size())
+      throw error(Failure::io, "cannot write standard output");
+    return;
+  }
+  if (!output.ends_with(".png"))
+    throw error(Failure::usage, "-o: a still picture is a .png file, not '{}'", output);
+  render::write_png(output, render::view(image));
+}
+
+// Robots of several files are generations, named by their folders ("gen-003").
+std::vector<render::Generation> read_generations(const std::vector<std::string>& files) {
+  std::vector<render::Generation> generations;
+  for (const std::string& file : files) {
+    std::string name = file;
+    const std::size_t begin = name.rfind("gen-");
+    if (begin != std::string::npos) name = name.substr(begin, name.find('/', begin) - begin);
+    std::vector<Robot> robots = cli::read_robots({file}, BodyCheck::any);
+    std::stable_sort(robots.begin(), robots.end(), [](const Robot& a, const Robot& b) {
+      return a.fitness() && (!b.fitness() || *a.fitness() > *b.fitness());
+    });
+    generations.push_back({name, std::move(robots)});
+  }
+  return generations;
+}
+
+void render_robots(const Settings& settings, const RenderOptions& options,
+                   const std::vector<std::string>& files, const std::string& output) {
+  if (settings.generations) {
+    write_picture(output, render::draw_generations(read_generations(files), *settings.generations,
+                                                   options));
+    return;
+  }
+  const std::vector<Robot> robots = cli::read_robots(files, BodyCheck::any);
+  if (robots.empty()) throw error(Failure::data, "nothing to draw: no robots were read");
+  write_picture(output, robots.size() == 1 && !settings.grid
+                            ? render::draw_robot(robots.front(), options)
+                            : render::draw_robots(robots, options));
+}
+
+void render_rollouts(const Settings& settings, const RenderOptions& options,
+                     const std::vector<std::string>& files, const std::string& output) {
+  std::vector<Rollout> rollouts;
+  for (const std::string& file : files) rollouts.push_back(read_rollout(file));
+  const auto episodes = choose_episodes(rollouts, settings.episodes);
+  if (settings.sheet) {
+    if (episodes.size() != 1)
+      throw error(Failure::usage, "--sheet shows one episode, but {} were given", episodes.size());
+    write_picture(output, render::draw_moments(episodes.front(), *settings.sheet, options));
+    return;
+  }
+  render::render_video(episodes, options, output);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Command command("evo-render", "pictures and videos of rollouts and robots, off-screen");
+  Settings settings;
+  RenderOptions options;
+  std::vector<std::string> files;
+  command.output = "";
+  command.arguments(files, "FILE",
+                    "rollouts (HDF5) for videos; robot documents for still pictures [standard "
+                    "input: robots]");
+  command.section("Output");
+  command.output_option(
+      "walk.mp4, .webm, .gif, .png (animated), frames/%05d.png, or - for raw Y4M video (for robots "
+      "and sheets: a .png, or - for PNG); required");
+  command.option("--size", settings.size, "WIDTHxHEIGHT",
+                 "of the picture in pixels; sheets take the width and the height they need");
+  command.option("--fps", options.fps, "N", "frames a second");
+  command.option("--speed", options.speed, "X", "playing speed; 0.5 is slow motion");
+  command.option("--every", options.every, "N", "control steps a frame; 0: from --fps and --speed");
+  command.option("--from", options.from, "STEP", "first control step shown");
+  command.option("--to", settings.to, "STEP", "last control step shown [the end]");
+  command.section("What is shown");
+  command.option("--episode", settings.episodes, "N|all",
+                 "which episodes, side by side when several (repeatable) [0]");
+  command.option("--camera", settings.camera, "MODE", "follow, world or fixed");
+  command.option("--follow", settings.follow, "NAMES",
+                 "objects to keep in view, such as robot,package [as the task says]");
+  command.option("--window", settings.window, "X,Y,W,H",
+                 "fixed camera: centre and extent in voxels");
+  command.option("--theme", options.theme, "NAME", "light or dark");
+  command.flag("--no-labels", settings.no_labels, "no task, robot, step and return");
+  command.flag("--no-grid", settings.no_grid_lines, "no lines a voxel apart");
+  command.flag("--no-tint", settings.no_tint, "actuators in one colour, whatever their expansion");
+  command.flag("--trail", options.overlays.trail, "the path of the centre of mass");
+  command.flag("--velocities", options.overlays.velocities, "an arrow at every moving point");
+  command.section("Sheets");
+  command.option("--sheet", settings.sheet, "N", "N moments of an episode side by side");
+  command.flag("--grid", settings.grid, "all robots read with ids and fitness");
+  command.option("--generations", settings.generations, "ROWS",
+                 "each file a generation, its best ROWS robots as a column");
+  command.jobs_option();
+  command.example("evo-render walk.h5 -o walk.mp4", "an episode as a video");
+  command.example("evo-render walk.h5 --sheet 6 -o walk.png", "six moments on one picture");
+  command.example("evo-sample -n 12 | evo-render --grid -o robots.png", "twelve robots");
+
+  return command.run(argc, argv, [&] {
+    if (command.output.empty())
+      throw error(Failure::usage, "-o is required: what to write, such as -o walk.mp4");
+    options.size = parse_size(settings.size);
+    options.to = settings.to;
+    options.camera = parse_camera(settings);
+    options.workers = command.jobs;
+    options.overlays.labels = !settings.no_labels;
+    options.overlays.grid = !settings.no_grid_lines;
+    options.overlays.tint = !settings.no_tint;
+    render::check_options(options);
+    const bool rollouts =
+        !files.empty() && std::all_of(files.begin(), files.end(), [](const std::string& file) {
+          return file != standard_stream && hdf5::is_hdf5(file) &&
+                 hdf5::Reader(file).exists("/episode_0");
+        });
+    if (rollouts && !settings.grid && !settings.generations) {
+      render_rollouts(settings, options, files, command.output);
+    } else {
+      if (settings.sheet)
+        throw error(Failure::usage, "--sheet needs a rollout; for robots there is --grid");
+      render_robots(settings, options, files, command.output);
+    }
+    return 0;
+  });
+}

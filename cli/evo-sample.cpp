@@ -1,0 +1,72 @@
+// evo-sample: random valid robots.
+#include <algorithm>
+
+#include "cli/command.h"
+#include "cli/robots.h"
+#include "libevo/base/random.h"
+#include "libevo/body/operators.h"
+
+namespace {
+
+using namespace evo;
+
+constexpr int max_draws = 10'000;  // of one output, before giving up on finding a new body
+
+VoxelWeights parse_weights(const std::string& text) {
+  const std::vector<double> numbers = cli::parse_numbers(text, "--weights");
+  VoxelWeights weights{};
+  if (numbers.size() != weights.size())
+    throw error(Failure::usage,
+                "--weights: expected {} numbers (empty, rigid, soft, horizontal, vertical), got {}",
+                weights.size(), numbers.size());
+  std::copy(numbers.begin(), numbers.end(), weights.begin());
+  return weights;
+}
+
+// Output k comes from the stream of its own number, so that -n 10 prints the
+// first ten lines of -n 100. A body seen before is drawn again.
+Robot sample(const cli::Shape& shape, const VoxelWeights& weights, std::uint64_t seed, int index,
+             std::set<std::string>& seen) {
+  Stream stream(seed, "sample", static_cast<std::uint64_t>(index));
+  for (int draw = 0; draw < max_draws; ++draw) {
+    Robot robot(sample_body(shape.rows, shape.cols, weights, stream));
+    if (!seen.insert(robot.id).second) continue;
+    robot.document["origin"] = {{"tool", "evo-sample"}, {"seed", seed}, {"index", index}};
+    return robot;
+  }
+  throw error(Failure::work,
+              "no new {}x{} body for robot {} in {} draws; ask for fewer robots or a larger shape",
+              shape.rows, shape.cols, index, max_draws);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Command command("evo-sample", "random valid robots (connected, with an actuator)");
+  int count = 25;
+  std::string shape_text = "5x5";
+  std::string weights_text = "0.6,0.2,0.2,0.2,0.2";
+  std::vector<std::string> avoid;
+  command.option("-n,--count", count, "N", "how many, no two alike");
+  command.option("--shape", shape_text, "ROWSxCOLS", "size of the body's matrix, in voxels");
+  command.option("--weights", weights_text, "E,R,S,H,V",
+                 "relative weights of empty, rigid, soft, horizontal and vertical voxels");
+  command.option("--avoid", avoid, "FILE", "robots that must not come again (repeatable)");
+  command.seed_option();
+  command.output_option("where the robots go, one JSON document a line");
+  command.example("evo-sample -n 5 --seed 1 | jq -r '.body[]'", "five robots, drawn as text");
+  command.example("evo-sample -n 25 --shape 5x7 --seed 2 -o population.jsonl",
+                  "a first population for Lifter-v0");
+
+  return command.run(argc, argv, [&] {
+    if (count < 0) throw error(Failure::usage, "--count must not be negative, got {}", count);
+    const cli::Shape shape = cli::parse_shape(shape_text);
+    const VoxelWeights weights = parse_weights(weights_text);
+    std::set<std::string> seen = cli::read_ids(avoid);
+    cli::RobotWriter out(command.output);
+    for (int i = 0; i < count; ++i)
+      out.write(sample(shape, weights, command.seed, i, seen));
+    out.finish();
+    return 0;
+  });
+}

@@ -1,0 +1,80 @@
+// evo-suggest: the next batch of Bayesian optimisation.
+#include <limits>
+
+#include <spdlog/spdlog.h>
+
+#include "cli/command.h"
+#include "cli/robots.h"
+#include "libevo/evolve/suggest.h"
+
+namespace {
+
+using namespace evo;
+
+struct History {
+  cli::Shape shape;
+  std::vector<Observation> observations;
+};
+
+// All robots of the files, each once; all of one shape.
+History read_history(const std::vector<std::string>& files) {
+  History history;
+  std::set<std::string> ids;
+  for (const Robot& robot : cli::read_robots(files, BodyCheck::any)) {
+    const Body& body = robot.body;
+    if (ids.empty()) history.shape = {body.rows, body.cols};
+    if (body.rows != history.shape.rows || body.cols != history.shape.cols)
+      throw error(Failure::data, "robot {} is {}x{}, the first one {}x{}; one history, one shape",
+                  robot.id, body.rows, body.cols, history.shape.rows, history.shape.cols);
+    if (!ids.insert(robot.id).second) continue;
+    history.observations.push_back(
+        {body.cells, robot.fitness().value_or(std::numeric_limits<double>::quiet_NaN())});
+  }
+  return history;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Command command("evo-suggest",
+                       "Bayesian optimisation: the next batch of bodies from all scored so far");
+  SuggestSettings settings;
+  int count = 25;
+  std::string shape_text = "5x5";
+  std::vector<std::string> history_files;
+  command.option("-n,--count", count, "N", "bodies to propose; all valid and new");
+  command.option("--history", history_files, "FILE", "scored robots (repeatable)");
+  command.option("--shape", shape_text, "ROWSxCOLS", "of the bodies, while there is no history");
+  command.option("--candidates", settings.candidates, "N", "random valid bodies considered");
+  command.option("--ei-jitter", settings.ei_jitter, "X",
+                 "least improvement counted, in standard deviations");
+  command.seed_option();
+  command.output_option("where the bodies go, one JSON document a line");
+  command.example("evo-suggest -n 25 --history history.jsonl --seed 3", "the next batch");
+  command.example("evo-suggest -n 1 --history a.jsonl --history b.jsonl | evo-inspect robot -",
+                  "the most promising body, drawn");
+
+  return command.run(argc, argv, [&] {
+    if (count < 1) throw error(Failure::usage, "--count must be at least 1, got {}", count);
+    if (settings.candidates < 1)
+      throw error(Failure::usage, "--candidates must be at least 1, got {}", settings.candidates);
+    History history;
+    if (!history_files.empty()) history = read_history(history_files);
+    const cli::Shape shape =
+        history.observations.empty() ? cli::parse_shape(shape_text) : history.shape;
+    const Batch batch = suggest(shape.rows, shape.cols, history.observations, {}, count, settings,
+                                command.seed);
+    if (!batch.from_model)
+      spdlog::warn("no scored robot to learn from; these bodies are random");
+    cli::RobotWriter out(command.output);
+    int index = 0;
+    for (const Suggestion& suggestion : batch.designs) {
+      Robot robot = make_child(suggestion.body, {}, "evo-suggest", command.seed,
+                               static_cast<std::uint64_t>(index++));
+      spdlog::debug("{}: expected {:.4g} +- {:.2g}", robot.id, suggestion.mean, suggestion.stddev);
+      out.write(std::move(robot));
+    }
+    out.finish();
+    return 0;
+  });
+}

@@ -1,0 +1,80 @@
+#include "cli/progress.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "cli/terminal.h"
+
+namespace evo::cli {
+
+std::string sparkline(const std::vector<double>& values, std::size_t width) {
+  static constexpr std::array bars{"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  if (values.empty()) return {};
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const double range = *high - *low;
+  const std::size_t columns = std::min(width, values.size());
+  std::string text;
+  for (std::size_t column = 0; column < columns; ++column) {
+    // The last value of the column's share, so that the newest is always seen.
+    const double value = values[(column + 1) * values.size() / columns - 1];
+    const double level = range > 0.0 ? (value - *low) / range : 0.0;
+    text += bars[std::min(bars.size() - 1,
+                          static_cast<std::size_t>(level * static_cast<double>(bars.size())))];
+  }
+  return text;
+}
+
+TrainingProgress::~TrainingProgress() { erase(); }
+
+void TrainingProgress::update(std::size_t index, const TrainingView& view, double steps) {
+  if (!enabled_) return;
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(running_.begin(), running_.end(),
+                                  [&](const auto& entry) { return entry.first == index; });
+  steps_ += steps;
+  if (found == running_.end()) {
+    running_.emplace_back(index, view);
+  } else {
+    found->second = view;
+  }
+  draw();
+}
+
+void TrainingProgress::finish(std::size_t index) {
+  if (!enabled_) return;
+  const std::lock_guard lock(mutex_);
+  std::erase_if(running_, [&](const auto& entry) { return entry.first == index; });
+  ++finished_;
+  draw();
+}
+
+void TrainingProgress::draw() {
+  const double now = clock_.seconds();
+  if (now - last_drawn_ < 0.1) return;
+  last_drawn_ = now;
+  double share = static_cast<double>(finished_);
+  for (const auto& [index, view] : running_) share += view.done;
+  share /= static_cast<double>(std::max<std::size_t>(1, total_));
+  std::string line = fmt::format("\r\x1b[K{:3.0f}%", 100.0 * share);
+  if (total_ > 1) line += fmt::format("  {}/{} robots", finished_, total_);
+  line += fmt::format("  {} steps/s", grouped(static_cast<long long>(steps_ / std::max(now, 1e-9))));
+  if (share > 0.0) line += "  " + duration(now * (1.0 - share) / share) + " left";
+  for (const auto& [index, view] : running_) {
+    if (view.evaluations.empty()) continue;
+    line += fmt::format("  {} {} {:.2f} (best {:.2f})", view.id.substr(0, 6),
+                        sparkline(view.evaluations, 12), view.evaluations.back(), view.best);
+  }
+  std::fputs(line.c_str(), stderr);
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+void TrainingProgress::erase() {
+  if (drawn_) std::fputs("\r\x1b[K", stderr);
+  drawn_ = false;
+}
+
+}  // namespace evo::cli

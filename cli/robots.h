@@ -1,0 +1,69 @@
+// Populations on their way through a tool: in from files or standard input,
+// out as JSON Lines.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "formats/files.h"
+#include "formats/robot.h"
+
+namespace evo::cli {
+
+// Every robot of the named files in order; standard input when none is named. A
+// policy or rollout file stands for the robot it holds. `policy` paths inside a
+// document are relative to its file and come back relative to the current
+// folder.
+std::vector<Robot> read_robots(const std::vector<std::string>& files,
+                               BodyCheck check = BodyCheck::robot);
+
+// Ids of every robot in the files, for --avoid.
+std::set<std::string> read_ids(const std::vector<std::string>& files);
+
+// Robots on their way out, one JSON document a line. `policy` paths are written
+// relative to the folder of the file, or to the current one for standard output.
+class RobotWriter {
+ public:
+  explicit RobotWriter(const std::string& target) : target_(target), out_(target) {}
+
+  void write(Robot robot);
+  void finish() { out_.finish(); }
+
+ private:
+  std::string target_;
+  LineWriter out_;
+};
+
+// Robots finished in any order by several threads, written in the order of their
+// numbers as soon as all before them are there.
+class OrderedWriter {
+ public:
+  explicit OrderedWriter(const std::string& target) : out_(target) {}
+
+  void put(std::size_t index, Robot robot);
+  void finish() { out_.finish(); }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::size_t, Robot> waiting_;
+  std::size_t next_ = 0;
+  RobotWriter out_;
+};
+
+// "5x7" as rows and columns. Throws Error(usage).
+struct Shape {
+  int rows = 0;
+  int cols = 0;
+};
+Shape parse_shape(const std::string& text);
+
+// "0.6,0.2,..." as numbers; `what` names the option. Throws Error(usage).
+std::vector<double> parse_numbers(const std::string& text, const std::string& what);
+
+// Splits at commas, empty pieces dropped.
+std::vector<std::string> split_list(const std::string& text);
+
+}  // namespace evo::cli

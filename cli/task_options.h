@@ -1,0 +1,27 @@
+// --task, --physics and --set: what robots are trained and measured in.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/command.h"
+#include "libevo/task/spec.h"
+
+namespace evo::cli {
+
+struct TaskOptions {
+  std::optional<std::string> task;
+  std::optional<std::string> physics;
+  std::vector<std::string> set;
+
+  void add_to(Command& command);
+
+  bool given() const { return task.has_value(); }
+  // The task, with physics changed as asked. Throws Error(usage) without --task.
+  TaskSpec load() const;
+  // Changes the physics of a task that came from elsewhere (a policy file).
+  void change_physics(TaskSpec& spec) const;
+};
+
+}  // namespace evo::cli

@@ -1,0 +1,94 @@
+#include "cli/terminal.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "libevo/base/error.h"
+
+namespace evo::cli {
+namespace {
+
+// Background colours of the 256-colour palette, the kinds' colours in pictures.
+struct Paint {
+  int background;
+  int letter;
+};
+
+Paint paint(Voxel voxel) {
+  switch (voxel) {
+    case Voxel::rigid:
+      return {234, 250};
+    case Voxel::soft:
+      return {250, 240};
+    case Voxel::horizontal:
+      return {214, 94};
+    case Voxel::vertical:
+      return {74, 24};
+    case Voxel::fixed:
+      return {240, 252};
+    case Voxel::empty:
+      break;
+  }
+  return {-1, -1};
+}
+
+}  // namespace
+
+bool use_color(const std::string& when) {
+  if (when == "always") return true;
+  if (when == "never") return false;
+  if (when != "auto")
+    throw error(Failure::usage, "--color: '{}' is not auto, always or never", when);
+  return isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
+}
+
+std::string draw_body(const Body& body, bool color) {
+  std::string text;
+  for (int row = 0; row < body.rows; ++row) {
+    for (int col = 0; col < body.cols; ++col) {
+      const Voxel voxel = body.at(row, col);
+      const char symbol = letter(voxel);
+      if (!color) {
+        text += symbol;
+        if (col + 1 < body.cols) text += ' ';
+      } else if (voxel == Voxel::empty) {
+        text += "  ";
+      } else {
+        const Paint p = paint(voxel);
+        text += fmt::format("\x1b[48;5;{}m\x1b[38;5;{}m{} \x1b[0m", p.background, p.letter, symbol);
+      }
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string grouped(long long number) {
+  std::string digits = fmt::format("{}", number < 0 ? -number : number);
+  for (std::ptrdiff_t i = static_cast<std::ptrdiff_t>(digits.size()) - 3; i > 0; i -= 3)
+    digits.insert(static_cast<std::size_t>(i), " ");
+  return number < 0 ? "-" + digits : digits;
+}
+
+std::string duration(double seconds) {
+  if (!(seconds >= 0.0)) return "?";
+  if (seconds < 60.0) return fmt::format("{:.1f} s", seconds);
+  const auto whole = static_cast<long long>(std::llround(seconds));
+  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
+}
+
+std::string file_size(double bytes) {
+  static constexpr std::array units{"B", "kB", "MB", "GB", "TB"};
+  std::size_t unit = 0;
+  while (bytes >= 1000.0 && unit + 1 < units.size()) {
+    bytes /= 1000.0;
+    ++unit;
+  }
+  return unit == 0 ? fmt::format("{:.0f} B", bytes) : fmt::format("{:.1f} {}", bytes, units[unit]);
+}
+
+}  // namespace evo::cli

@@ -1,0 +1,26 @@
+// Text for a terminal: colour when there is one, plain letters in a pipe.
+#pragma once
+
+#include <string>
+
+#include "libevo/body/body.h"
+
+namespace evo::cli {
+
+// "auto" (colour when standard output is a terminal and $NO_COLOR is unset),
+// "always" or "never". Throws Error(usage).
+bool use_color(const std::string& when);
+
+// The body, top row first, two characters a voxel: blocks of colour, or letters.
+std::string draw_body(const Body& body, bool color);
+
+// "1 234 567"
+std::string grouped(long long number);
+
+// "4.2 s", "3 min 20 s", "2 h 05 min"
+std::string duration(double seconds);
+
+// "812 B", "4.1 MB"
+std::string file_size(double bytes);
+
+}  // namespace evo::cli

@@ -1,0 +1,130 @@
+# What the pipelines share: settings, the run folder, training by slots, the
+# final files. A pipeline sets METHOD and GENERATIONS, gives `slots` and a rule
+# for $(POPULATION), and includes this file.
+#
+# A generation is one recursive make, so that a long run stays as quick as a
+# short one. Rules ask only whether a file exists (order-only prerequisites);
+# every file appears under its name when it is whole. Killing the run at any
+# moment and giving the same command again goes on where it was.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DELETE_ON_ERROR:
+.SUFFIXES:
+MAKEFLAGS += --no-builtin-rules --no-print-directory
+
+SCRIPTS := $(dir $(lastword $(MAKEFILE_LIST)))
+# The tools of this checkout, if it was built; else the installed ones.
+export PATH := $(or $(abspath $(wildcard $(SCRIPTS)../build/release/bin)),/usr/local/bin):$(PATH)
+
+# Lines of a tool's table without its heading, tabs as commas.
+tool_lines = $(shell PATH='$(PATH)' $(1) | tail -n +2 | tr '\t' ,)
+# 00 01 02 .. for a count
+counting = $(shell seq -f %02.0f 0 $$(( $(1) - 1 )))
+# How many batches of $(2) hold $(1) evaluations, and the size of batch $(1).
+batches = $(shell echo $$(( ($(1) + $(2) - 1) / $(2) )))
+batch_size = $(shell left=$$(( $(EVALS) - $(1) * $(POP) )); echo $$(( left < $(POP) ? left : $(POP) )))
+# The number of lines of a file, or a number where there is none yet.
+lines_or = $(if $(wildcard $(1)),$(shell wc -l < '$(1)'),$(2))
+
+RUN    ?= $(error give RUN=folder, such as RUN=runs/first)
+TASK   ?= Walker-v0
+POP    ?= 25
+EVALS  ?= 250
+STEPS  ?= 512000
+SEED   ?= 0
+SHAPE  ?= $(if $(filter Lifter-v0,$(TASK)),5x7,5x5)
+ALGO   ?= ppo
+TRAIN  ?= default
+PHYSICS ?=
+TRAIN_OPTIONS ?=
+VIDEO  ?= mp4
+# Put in front of every training, such as LAUNCH='srun --exact -n1 -c1'.
+LAUNCH ?=
+
+SETTINGS := method=$(METHOD) task=$(TASK) population=$(POP) evaluations=$(EVALS) steps=$(STEPS) \
+  seed=$(SEED) shape=$(SHAPE) algo=$(ALGO) train=$(TRAIN) physics=$(if $(PHYSICS),$(PHYSICS),task) \
+  $(METHOD_SETTINGS)
+# Given as it is, quotes and all.
+export EVO_TRAIN_OPTIONS := $(TRAIN_OPTIONS)
+
+BEST := $(RUN)/best.json $(RUN)/best.policy.h5 $(RUN)/best.$(VIDEO) $(RUN)/report.html
+
+# One seed a stage and generation.
+stage_seed = $$(( $(SEED) * 1000000 + $(1) ))
+
+ifndef GEN
+# ---- the whole run -----------------------------------------------------------
+
+.PHONY: all generations
+all: $(BEST)
+
+dry_run := $(findstring n,$(firstword -$(MAKEFLAGS)))
+
+# First the population, then its slots, whose number it may decide.
+generations: | $(RUN)/run.yaml
+	+@for gen in $(GENERATIONS); do \
+	  gen=$$(( 10#$$gen )); folder=$$(printf '$(RUN)/gen-%03d' $$gen); \
+	  [ -e "$$folder/ranking.tsv" ] || { \
+	    $(if $(dry_run),,$(MAKE) -f $(firstword $(MAKEFILE_LIST)) GEN=$$gen "$$folder/population.jsonl" &&) \
+	    $(MAKE) -f $(firstword $(MAKEFILE_LIST)) GEN=$$gen "$$folder/ranking.tsv"; }; \
+	done
+
+# Every setting of the run. A changed one is refused, never mixed in.
+$(RUN)/run.yaml: FORCE
+	@mkdir -p '$(RUN)/policies' '$(RUN)/logs'
+	@{ echo 'format: evo/run'; echo 'version: 1'; \
+	  for setting in $(SETTINGS); do echo "$${setting%%=*}: $${setting#*=}"; done; \
+	  echo "train_options: '$${EVO_TRAIN_OPTIONS//\'/\'\'}'"; } > '$@.tmp'
+	@if [ ! -e '$@' ]; then mv '$@.tmp' '$@'; \
+	elif difference=$$(diff <(sed 's/^/  /' '$@') <(sed 's/^/  /' '$@.tmp')); then rm '$@.tmp'; \
+	else rm '$@.tmp'; \
+	  echo "$(RUN) belongs to a run with other settings (< there, > asked for); choose another RUN or the same settings:" >&2; \
+	  echo "$$difference" | grep '^[<>]' >&2; exit 73; fi
+FORCE:
+
+$(RUN)/history.jsonl: | generations
+	@evo-convert --unique $$(for gen in $(GENERATIONS); do \
+	  printf '$(RUN)/gen-%03d/scores.jsonl ' $$(( 10#$$gen )); done) -o '$@'
+
+$(RUN)/best.json: | $(RUN)/history.jsonl
+	@evo-select --keep 1 '$(RUN)/history.jsonl' -o '$@'
+
+$(RUN)/best.policy.h5: | $(RUN)/best.json
+	@cp '$(RUN)/'"$$(jq -r .policy '$(RUN)/best.json')" '$@.tmp' && mv '$@.tmp' '$@'
+
+$(RUN)/best.rollout.h5: | $(RUN)/best.policy.h5
+	@evo-eval --policy '$(RUN)/best.policy.h5' --rollout '$@' '$(RUN)/best.json' > /dev/null
+
+$(RUN)/best.$(VIDEO): | $(RUN)/best.rollout.h5
+	@evo-render '$(RUN)/best.rollout.h5' -o '$@'
+
+$(RUN)/report.html: | $(RUN)/best.$(VIDEO)
+	@evo-report '$(RUN)' -o '$@'
+
+else
+# ---- one generation ----------------------------------------------------------
+
+# One word a generation up to this one, so that $(words) counts without a shell.
+GEN_COUNT := $(shell seq 0 $(GEN))
+FOLDERS := $(shell printf '$(RUN)/gen-%03d ' $(GEN_COUNT))
+GENERATION := $(lastword $(FOLDERS))
+ALL_BEFORE := $(filter-out $(GENERATION),$(FOLDERS))
+PREVIOUS := $(lastword $(ALL_BEFORE))
+POPULATION := $(GENERATION)/population.jsonl
+SLOTS := $(foreach slot,$(slots),$(GENERATION)/$(slot).json)
+
+# The robot of one slot, trained. A survivor's policy is there already, made
+# with the same settings: evo-train gives its fitness back without training.
+$(SLOTS): $(GENERATION)/%.json: | $(POPULATION)
+	@sed -n "$$(( 10#$* + 1 ))p" '$(POPULATION)' | \
+	  $(LAUNCH) evo-train --task '$(TASK)' --steps $(STEPS) --algo $(ALGO) --train '$(TRAIN)' \
+	    $(if $(PHYSICS),--physics '$(PHYSICS)') --seed $(SEED) --resume --failures skip \
+	    --out-dir '$(RUN)/policies' --log-dir '$(RUN)/logs' $(TRAIN_OPTIONS) -o '$@'
+
+$(GENERATION)/scores.jsonl: | $(SLOTS)
+	@cat $(SLOTS) > '$@.tmp' && mv '$@.tmp' '$@'
+
+$(GENERATION)/ranking.tsv: | $(GENERATION)/scores.jsonl
+	@evo-select '$(GENERATION)/scores.jsonl' | jq -r '[.id, .fitness // "failed"] | @tsv' > '$@.tmp' && mv '$@.tmp' '$@'
+endif

@@ -1,0 +1,43 @@
+# The genetic algorithm of the benchmark, as a pipeline of small tools:
+#
+#   make -f scripts/ga.mk RUN=runs/walker TASK=Walker-v0 POP=25 EVALS=250 STEPS=512000 SEED=1 -j8
+#
+# POP robots are sampled and trained; the best of them (a share that shrinks as
+# evaluations are used up) survive with their fitness and have mutated children;
+# no body is trained twice; the run ends at exactly EVALS trained robots.
+
+METHOD := ga
+MUTATE_OPTIONS ?=
+METHOD_SETTINGS = mutate_options='$(MUTATE_OPTIONS)'
+
+# A row a generation: generation,robots,created,survivors,children
+PLAN = $(call tool_lines,evo-select --schedule paper --population $(POP) --of $(EVALS) --plan)
+GENERATIONS = $(call counting,$(words $(or $(PLAN),$(error no plan for POP=$(POP) EVALS=$(EVALS)))))
+
+all:
+
+comma := ,
+row = $(subst $(comma), ,$(word $(1),$(PLAN)))
+robots = $(word 2,$(call row,$(words $(GEN_COUNT))))
+before = $(call row,$(words $(wordlist 2,$(words $(GEN_COUNT)),$(GEN_COUNT))))
+slots = $(call counting,$(robots))
+
+include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
+
+ifdef GEN
+ifeq ($(GEN),0)
+$(POPULATION):
+	@mkdir -p '$(@D)'
+	@evo-sample -n $(POP) --shape $(SHAPE) --seed $(call stage_seed,$(GEN)) -o '$@'
+else
+# Survivors keep their fitness and policy; their children are new to the run.
+$(POPULATION):
+	@mkdir -p '$(@D)'
+	@evo-select --schedule paper --population $(POP) --evaluated $(word 3,$(before)) --of $(EVALS) \
+	  '$(PREVIOUS)/scores.jsonl' -o '$@.survivors.tmp'
+	@evo-mutate -n $(word 5,$(before)) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \
+	  $(ALL_BEFORE:%=--avoid '%/population.jsonl') '$@.survivors.tmp' -o '$@.children.tmp'
+	@cat '$@.survivors.tmp' '$@.children.tmp' > '$@.tmp'
+	@mv '$@.tmp' '$@' && rm '$@.survivors.tmp' '$@.children.tmp'
+endif
+endif

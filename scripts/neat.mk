@@ -1,0 +1,31 @@
+# CPPN-NEAT as a pipeline: networks that paint bodies are evolved with
+# speciation; every robot trained is new to the run.
+#
+#   make -f scripts/neat.mk RUN=runs/walker-neat TASK=Walker-v0 POP=25 EVALS=250 STEPS=512000 SEED=1 -j8
+
+METHOD := neat
+NEAT ?=
+METHOD_SETTINGS = neat=$(if $(NEAT),$(NEAT),default)
+GENERATIONS = $(call counting,$(call batches,$(EVALS),$(POP)))
+slots = $(call counting,$(call lines_or,$(POPULATION),$(call batch_size,$(GEN))))
+
+all:
+
+include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
+
+ifdef GEN
+NEAT_OPTIONS := -n $(call batch_size,$(GEN)) --seed $(call stage_seed,$(GEN)) $(if $(NEAT),--neat '$(NEAT)')
+
+# The population's file comes last, so that where it is, the species are too.
+ifeq ($(GEN),0)
+$(POPULATION):
+	@mkdir -p '$(@D)'
+	@evo-neat $(NEAT_OPTIONS) --shape $(SHAPE) --state-out '$(@D)/species.json' -o '$@' < /dev/null
+else
+$(POPULATION):
+	@mkdir -p '$(@D)'
+	@evo-neat $(NEAT_OPTIONS) $(ALL_BEFORE:%=--avoid '%/population.jsonl') \
+	  --state-in '$(PREVIOUS)/species.json' --state-out '$(@D)/species.json' \
+	  '$(PREVIOUS)/scores.jsonl' -o '$@'
+endif
+endif

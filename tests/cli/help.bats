@@ -1,0 +1,36 @@
+# Help, version and wrong usage, for every tool.
+load helpers
+
+tools() { (cd "$EVO_BIN" && printf '%s\n' evo-*); }
+
+@test "every tool's help is as agreed" {
+  for tool in $(tools); do "$tool" --help | golden "help/$tool.txt"; done
+}
+
+@test "help fits a terminal and shows two examples and the exit statuses" {
+  for tool in $(tools); do
+    "$tool" --help > help
+    ! grep -E '^.{101}' help
+    grep -q '^Exit status:' help
+    [ "$(sed -n '/^Examples:/,$p' help | grep -c '^  # ')" -ge 2 ]
+  done
+}
+
+@test "version: tool, version, commit, instruction set in one line" {
+  for tool in $(tools); do "$tool" --version | grep -Eqx "$tool [0-9.]+ \(.+\) [a-z0-9-]+"; done
+}
+
+@test "wrong usage: status 2 and one line that names the nearest option" {
+  for tool in $(tools); do fails_with 2 "$tool" "--verbsoe" "--verbose" -- "$tool" --verbsoe; done
+  fails_with 2 "--seed" -- evo-sample --seed seven
+  fails_with 2 "--jobs" -- evo-eval -j 0 --task Walker-v0 --random
+}
+
+@test "options from a file, the command line winning" {
+  printf 'count: 3\nseed: 9\n' > options.yaml
+  evo-sample --config options.yaml | cmp - <(evo-sample -n 3 --seed 9)
+  evo-sample --config options.yaml -n 2 | cmp - <(evo-sample -n 2 --seed 9)
+  printf 'cuont: 3\n' > wrong.yaml
+  fails_with 2 "cuont" "--count" -- evo-sample --config wrong.yaml
+  fails_with 66 "missing.yaml" -- evo-sample --config missing.yaml
+}

@@ -1,0 +1,33 @@
+# Shared by the command-line tests. CMake sets EVO_BIN (the tools), EVO_SOURCE
+# (the checkout) and runs each file in a folder of its own.
+bats_require_minimum_version 1.5.0
+export PATH="$EVO_BIN:$PATH"
+unset MAKELEVEL MAKEFLAGS
+data="$EVO_SOURCE/tests/data"
+
+setup() { cd "$BATS_TEST_TMPDIR" || return; }
+
+# The command ends with this status, says nothing on standard output, and says
+# exactly one line on standard error, which contains every text given.
+fails_with() {
+  local status_wanted=$1; shift
+  local texts=()
+  while [ "$1" != -- ]; do texts+=("$1"); shift; done
+  shift
+  run --separate-stderr "$@"
+  if [ "$status" -ne "$status_wanted" ]; then
+    echo "status $status, not $status_wanted; $stderr" >&2; return 1
+  fi
+  [ -z "$output" ] || { echo "standard output: $output" >&2; return 1; }
+  [ "$(wc -l <<<"$stderr")" -eq 1 ] || { echo "not one line: $stderr" >&2; return 1; }
+  local text
+  for text in "${texts[@]}"; do
+    [[ $stderr == *"$text"* ]] || { echo "no '$text' in: $stderr" >&2; return 1; }
+  done
+}
+
+# Standard input equals the golden file (UPDATE_GOLDEN=1 writes it anew).
+golden() {
+  local file="$EVO_SOURCE/tests/cli/golden/$1"
+  if [ -n "${UPDATE_GOLDEN:-}" ]; then mkdir -p "$(dirname "$file")"; cat > "$file"; else diff -u "$file" -; fi
+}

@@ -1,0 +1,75 @@
+# The pipelines of scripts/*.mk as a user runs them: planned, run, killed and
+# given again, refused. Small populations and short trainings; the chain is whole.
+load helpers
+
+settings=(TASK=Walker-v0 POP=4 EVALS=9 STEPS=4096 SEED=1 VIDEO=gif)
+
+run_make() {
+  local method=$1 folder=$2
+  shift 2
+  make -f "$EVO_SOURCE/scripts/$method.mk" RUN="$folder" "${settings[@]}" "$@"
+}
+
+# Everything of a run that must not depend on how it came about.
+essence() {
+  (cd "$1" && cat run.yaml gen-*/population.jsonl gen-*/scores.jsonl gen-*/ranking.tsv \
+    history.jsonl best.json && sha256sum best.policy.h5 policies/*.policy.h5)
+}
+
+# Kills the pipeline with all its children at a random moment, until it has run
+# through; at most $3 times.
+kill_and_repeat() {
+  local method=$1 folder=$2 kills=$3 i pid
+  for ((i = 0; i < kills; i++)); do
+    setsid make -f "$EVO_SOURCE/scripts/$method.mk" RUN="$folder" "${settings[@]}" -j2 >/dev/null 2>&1 3>&- &
+    pid=$!
+    sleep "0.$((RANDOM % 9 + 1))"
+    kill -KILL -- "-$pid" 2>/dev/null || true
+    wait "$pid" 2>/dev/null || true
+  done
+  run_make "$method" "$folder" -j2
+}
+
+@test "ga: ends at exactly EVALS robots, with everything a run ends with" {
+  run_make ga run -j2
+  [ "$(wc -l < run/history.jsonl)" -eq 9 ]
+  [ "$(jq -r .id run/history.jsonl | sort -u | wc -l)" -eq 9 ]
+  for file in best.json best.policy.h5 best.gif report.html; do [ -s "run/$file" ]; done
+  for generation in run/gen-*; do
+    [ "$(wc -l < "$generation/ranking.tsv")" -eq "$(wc -l < "$generation/population.jsonl")" ]
+    sort -t $'\t' -k2,2gr -s "$generation/ranking.tsv" | cmp - "$generation/ranking.tsv"
+  done
+  [ "$(jq -s 'map(.fitness) | max' run/history.jsonl)" = "$(jq .fitness run/best.json)" ]
+  # The best policy earns its recorded fitness again, to the last digit.
+  evo-eval run/best.json | jq -e ".fitness == $(jq .fitness run/best.json)"
+  evo-eval --policy run/best.policy.h5 run/best.json | jq -e ".fitness == $(jq .fitness run/best.json)"
+  # Survivors keep their fitness and were not trained again.
+  [ "$(ls run/policies/*.policy.h5 | wc -l)" -eq 9 ]
+  evo-inspect run | grep -q '9 of 9 trained, 0 left'
+}
+
+@test "ga: twice the same bytes, whatever -j" {
+  run_make ga one -j2
+  run_make ga two
+  diff <(essence one) <(essence two)
+}
+
+@test "ga: killed again and again, it ends with the same result" {
+  run_make ga calm -j2
+  kill_and_repeat ga stormy 6
+  diff <(essence calm) <(essence stormy)
+}
+
+@test "a changed setting in an existing run is refused, not mixed in" {
+  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${settings[@]}" run/run.yaml
+  run make -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${settings[@]}" STEPS=8192 run/run.yaml
+  [ "$status" -ne 0 ]
+  [[ $output == *"other settings"* && $output == *"steps: 8192"* ]]
+  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${settings[@]}" run/run.yaml
+}
+
+@test "make -n shows the plan by slots" {
+  run_make ga run -n > plan
+  [ "$(grep -c 'evo-train' plan)" -ge 9 ]
+  [ ! -e run ] || [ ! -e run/gen-000 ]
+}

@@ -1,0 +1,93 @@
+# evo-sample, evo-mutate, evo-select: populations through pipes.
+load helpers
+
+@test "sampling: the same seed gives the same bytes, a longer list begins like a shorter one" {
+  evo-sample -n 30 --seed 5 > a
+  evo-sample -n 30 --seed 5 -o b
+  cmp a b
+  evo-sample -n 10 --seed 5 | cmp - <(head -10 a)
+  evo-sample -n 30 --seed 6 > c
+  ! cmp -s a c
+  [ "$(jq -r .id a | sort -u | wc -l)" -eq 30 ]
+}
+
+@test "sampling: shape, weights, avoidance" {
+  evo-sample -n 5 --shape 3x7 --weights 0,0,1,1,1 > a
+  [ "$(jq -r '.body | length' a | sort -u)" = 3 ]
+  [ "$(jq -r '.body[] | length' a | sort -u)" = 7 ]
+  ! grep -q '[.R]' <(jq -r '.body[]' a)
+  evo-sample -n 5 --seed 3 > a
+  evo-sample -n 5 --seed 3 --avoid a > b
+  [ "$(cat a b | jq -r .id | sort -u | wc -l)" -eq 10 ]
+}
+
+@test "sampling: what cannot be is refused" {
+  fails_with 2 "--shape: '5y5'" "ROWSxCOLS" -- evo-sample --shape 5y5
+  fails_with 2 "actuator" -- evo-sample --weights 1,1,1,0,0
+  fails_with 2 "expected 5 numbers" -- evo-sample --weights 1,1
+  fails_with 1 "no new 1x1 body" -- evo-sample --shape 1x1 -n 3 -o few
+  fails_with 73 "missing-folder" -- evo-sample -o missing-folder/x.jsonl
+  [ ! -e missing-folder ]
+}
+
+@test "mutation: children are valid, new, and know their parents" {
+  evo-sample -n 10 --seed 3 > parents
+  evo-mutate -n 50 --seed 4 parents > children
+  evo-sample -n 10 --seed 3 | evo-mutate -n 50 --seed 4 | cmp - children
+  [ "$(cat parents children | jq -r .id | sort -u | wc -l)" -eq 60 ]
+  jq -r '.parents[]' children | sort -u > used
+  [ -z "$(comm -23 used <(jq -r .id parents | sort))" ]
+  evo-mutate -n 5 --crossover 1 --seed 1 parents | jq -e '.parents | length == 2'
+}
+
+@test "mutation: nothing left to find ends in status 1" {
+  echo H | evo-mutate -n 1 > child
+  printf 'H\n' > h; printf 'V\n' > v
+  fails_with 1 "no new body for child 0" -- evo-mutate -n 1 --avoid v h
+}
+
+@test "selection: best first, failures last, ties in input order" {
+  cat > scored <<'J'
+{"body":["H"],"fitness":1.5}
+{"body":["V"],"fitness":null,"failure":{"why":"diverged"}}
+{"body":["HH"],"fitness":3}
+{"body":["HV"],"fitness":1.5,"note":"kept"}
+J
+  evo-select scored | jq -r '.body[0]' | tr '\n' ' ' | grep -qx 'HH H HV V '
+  evo-select --keep 1 < scored | jq -e '.fitness == 3'
+  evo-select --keep 3 scored | tail -1 | jq -e '.note == "kept"'
+  evo-select --fraction 0.5 scored | wc -l | grep -qx 2
+  evo-select --method pareto --objectives=fitness,-actuators --keep 2 scored | jq -r '.body[0]' | sort | tr '\n' ' ' | grep -qx 'H HH '
+  evo-select --method tournament --keep 2 --seed 1 scored | wc -l | grep -qx 2
+}
+
+@test "selection: the schedule of the paper" {
+  evo-select --schedule paper --population 25 --of 250 --plan | golden plan-25-250.tsv
+  evo-sample -n 25 | jq -c '.fitness = 1' > scored
+  evo-select --schedule paper --evaluated 25 --of 250 scored | wc -l | grep -qx 14
+  evo-select --schedule paper --evaluated 235 --of 250 scored | wc -l | grep -qx 2
+}
+
+@test "unknown fields of a robot stay, whatever it passes through" {
+  echo '{"body":["HV"],"fitness":2,"lab":{"shelf":7},"parents":["a01b44d09e2c"]}' |
+    evo-select | jq -e '.lab.shelf == 7 and .parents == ["a01b44d09e2c"]'
+}
+
+@test "a robot that cannot be is refused with the cell" {
+  printf 'HV.\n...\n..S\n' > apart
+  printf 'SS\nRS\n' > idle
+  printf 'HV\nHVS\n' > ragged
+  printf 'HV\nHX\n' > letter
+  fails_with 65 apart "row 3, column 3" -- evo-mutate apart
+  fails_with 65 idle "actuator" -- evo-mutate idle
+  fails_with 65 ragged "row 2" -- evo-mutate ragged
+  fails_with 65 letter "'X'" "row 2, column 2" -- evo-mutate letter
+  fails_with 65 "row 2, column 2" -- evo-select <(echo '{"body":["HV","HX"]}')
+  fails_with 66 "no-such-file" -- evo-select no-such-file
+}
+
+@test "a closed pipe and a full disk are ordinary events" {
+  run --separate-stderr bash -c 'evo-sample -n 2000 | head -1 >/dev/null'
+  [ -z "$stderr" ]
+  fails_with 74 "standard output" -- bash -c 'evo-sample -n 3 > /dev/full'
+}

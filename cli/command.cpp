@@ -24,8 +24,8 @@ namespace {
 // --config FILE.yaml: a flat mapping from long option names to values.
 class YamlConfig : public CLI::Config {
  public:
-  std::string to_config(const CLI::App* /*app*/, bool /*default_also*/,
-                        bool /*write_description*/, std::string /*prefix*/) const override {
+  std::string to_config(const CLI::App* /*app*/, bool /*default_also*/, bool /*write_description*/,
+                        std::string /*prefix*/) const override {
     return {};
   }
 
@@ -152,7 +152,8 @@ struct Command::Impl {
                    bool is_common = false) {
     Section& section = is_common ? common : sections.back();
     section.entries.push_back({shown(names, value), with_default(help_text, default_text)});
-    return app.add_option(names, target);
+    // Given twice, the last one counts.
+    return app.add_option(names, target)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   }
 
   std::vector<std::string> long_names() const {
@@ -180,7 +181,8 @@ struct Command::Impl {
     }
     if (!examples.empty()) {
       out << "\nExamples:\n";
-      for (const auto& [command, what] : examples) out << "  # " << what << "\n  " << command << "\n";
+      for (const auto& [command, what] : examples)
+        out << "  # " << what << "\n  " << command << "\n";
     }
     out << "\nExit status: 0 done, 1 the work failed, 2 wrong usage, 65 bad input data,\n"
            "66 an input file is missing, 73 an output cannot be created or belongs to\n"
@@ -191,16 +193,15 @@ struct Command::Impl {
   // CLI11's complaint in one line that says what to do.
   Error explain(const CLI::ParseError& e) const {
     const std::string see = "; see " + name + " --help";
-    if (dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr) {
-      for (const std::string& word : app.remaining())
-        if (word.size() > 1 && word.front() == '-')
-          return {Failure::usage, "unknown option " + word.substr(0, word.find('=')) +
-                                      did_you_mean(word.substr(0, word.find('=')), long_names()) +
-                                      see};
-      return {Failure::usage, std::string("unexpected argument '") +
-                                  (app.remaining().empty() ? "" : app.remaining().front()) + "'" +
-                                  see};
-    }
+    // A misspelt option is the likelier reason of whatever else is missing.
+    for (const std::string& word : app.remaining())
+      if (word.size() > 1 && word.front() == '-') {
+        const std::string option = word.substr(0, word.find('='));
+        return {Failure::usage,
+                "unknown option " + option + did_you_mean(option, long_names()) + see};
+      }
+    if (dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr)
+      return {Failure::usage, "unexpected argument '" + app.remaining().front() + "'" + see};
     if (dynamic_cast<const CLI::ConfigError*>(&e) != nullptr) {
       const std::string what = e.what();
       const std::string key = what.substr(what.rfind(' ') + 1);
@@ -255,8 +256,8 @@ void Command::option(const std::string& names, std::optional<std::string>& targe
                      const std::string& value, const std::string& help) {
   impl_->add(names, target, value, help, "");
 }
-void Command::option(const std::string& names, std::optional<int>& target,
-                     const std::string& value, const std::string& help) {
+void Command::option(const std::string& names, std::optional<int>& target, const std::string& value,
+                     const std::string& help) {
   impl_->add(names, target, value, help, "");
 }
 void Command::option(const std::string& names, std::optional<double>& target,
@@ -266,7 +267,9 @@ void Command::option(const std::string& names, std::optional<double>& target,
 void Command::option(const std::string& names, std::vector<std::string>& target,
                      const std::string& value, const std::string& help) {
   // Repeated, never greedy: the word after the value is not another value.
-  impl_->add(names, target, value, help, "")->allow_extra_args(false);
+  impl_->add(names, target, value, help, "")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
 }
 
 void Command::flag(const std::string& names, bool& target, const std::string& help) {
@@ -298,8 +301,9 @@ void Command::example(const std::string& command, const std::string& what) {
 }
 
 void Command::seed_option() {
-  impl_->add("--seed", seed, "N", "names the random streams; the same seed gives the same bytes",
-             "0")
+  impl_
+      ->add("--seed", seed, "N", "names the random streams; the same seed gives the same bytes",
+            "0")
       ->check(not_negative());
 }
 
@@ -314,8 +318,9 @@ void Command::output_option(const std::string& what) {
 }
 
 void Command::progress_option() {
-  impl_->add("--progress", progress, "WHEN", "auto, always or never; auto draws on a terminal only",
-             "auto", true)
+  impl_
+      ->add("--progress", progress, "WHEN", "auto, always or never; auto draws on a terminal only",
+            "auto", true)
       ->check(CLI::IsMember({"auto", "always", "never"}));
 }
 
@@ -344,8 +349,8 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
   impl.common.entries.push_back({shown("--version", ""), "show version, commit, instruction set"});
   impl.app.add_flag("--version", impl.version);
 
-  auto logger = std::make_shared<spdlog::logger>(
-      impl.name, std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  auto logger = std::make_shared<spdlog::logger>(impl.name,
+                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
   logger->set_pattern("%n: %v");
   spdlog::set_default_logger(logger);
 
@@ -368,8 +373,9 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
       } catch (const CLI::ParseError& e) {
         throw impl.explain(e);
       }
-      spdlog::set_level(quiet ? spdlog::level::err
-                              : verbose ? spdlog::level::debug : spdlog::level::info);
+      spdlog::set_level(quiet     ? spdlog::level::err
+                        : verbose ? spdlog::level::debug
+                                  : spdlog::level::info);
       if (impl.jobs && *impl.jobs < 1)
         throw error(Failure::usage, "--jobs must be at least 1, not {}", *impl.jobs);
       // make runs as many of us as it was asked to; each then has one core.

@@ -38,8 +38,8 @@ class Command {
               const std::string& help);
   void option(const std::string& names, std::optional<double>& target, const std::string& value,
               const std::string& help);
-  void option(const std::string& names, std::vector<std::string>& target,
-              const std::string& value, const std::string& help);
+  void option(const std::string& names, std::vector<std::string>& target, const std::string& value,
+              const std::string& help);
   void flag(const std::string& names, bool& target, const std::string& help);
   // The next option begins a group with this title in the help.
   void section(const std::string& title);
@@ -58,7 +58,7 @@ class Command {
   void progress_option();
 
   std::uint64_t seed = 0;
-  int jobs = 1;             // threads; resolved when the work starts
+  int jobs = 1;              // threads; resolved when the work starts
   std::string output = "-";  // "-" is standard output
   std::string progress = "auto";
   bool show_progress() const;  // whether to draw progress on standard error

@@ -8,14 +8,16 @@
 #include "cli/robots.h"
 #include "cli/task_options.h"
 #include "formats/evogym.h"
+#include "formats/minari.h"
 #include "formats/npz.h"
+#include "formats/rollout.h"
 
 namespace {
 
 using namespace evo;
 namespace fs = std::filesystem;
 
-const std::vector<std::string> formats{"jsonl", "json", "yaml", "text", "npz", "evogym"};
+const std::vector<std::string> formats{"jsonl", "json", "yaml", "text", "npz", "evogym", "minari"};
 
 // The format asked for, or the one the output's ending says, or JSON Lines.
 std::string output_format(const std::optional<std::string>& asked, const std::string& output) {
@@ -119,15 +121,27 @@ void write_robots(const std::vector<Robot>& robots, const std::string& format,
   } else if (format == "npz") {
     write_text(output, body_to_npz(single(robots, format).body));
   } else {
-    write_text(output, evogym_world_to_json(evogym_world_of_robot(single(robots, format))).dump(2) +
-                           "\n");
+    write_text(output,
+               evogym_world_to_json(evogym_world_of_robot(single(robots, format))).dump(2) + "\n");
   }
+}
+
+// Rollouts as a dataset for offline learning.
+void write_dataset(const std::vector<std::string>& files, const std::string& folder,
+                   const std::optional<std::string>& id) {
+  if (folder == standard_stream)
+    throw error(Failure::usage, "--to minari writes a folder; name it with -o");
+  std::vector<Rollout> rollouts;
+  for (const std::string& file : files) rollouts.push_back(read_rollout(file));
+  if (rollouts.empty()) throw error(Failure::usage, "--to minari needs rollout files");
+  write_minari(folder, rollouts, id.value_or(minari_dataset_id(rollouts.front())));
 }
 
 // The world of a task, without a robot, for EvoGym's design tool.
 void write_task_world(const cli::TaskOptions& options, const std::string& output) {
   World world;
-  for (const Placement& placement : options.load().objects) world.objects.push_back(placement.object);
+  for (const Placement& placement : options.load().objects)
+    world.objects.push_back(placement.object);
   write_text(output, evogym_world_to_json(world).dump(2) + "\n");
 }
 
@@ -137,14 +151,16 @@ int main(int argc, char** argv) {
   cli::Command command("evo-convert", "robots and worlds between formats, EvoGym's included");
   std::vector<std::string> files;
   std::optional<std::string> format;
+  std::optional<std::string> dataset_id;
   bool unique = false;
   cli::TaskOptions task;
   command.arguments(files, "FILE",
                     "robots (JSON, JSON Lines, YAML, letters, .npz, design-tool JSON, policies, "
                     "rollouts) or EvoGym experiment folders [standard input]");
   command.option("--to", format, "FORMAT",
-                 "jsonl, json, yaml, text, npz or evogym (design-tool JSON) [by the ending of -o, "
-                 "else jsonl]");
+                 "jsonl, json, yaml, text, npz, evogym (design-tool JSON), or minari (a dataset "
+                 "folder of rollouts) [by the ending of -o, else jsonl]");
+  command.option("--dataset-id", dataset_id, "ID", "of the Minari dataset [evo/<task>/rollouts-v0]");
   command.flag("--unique", unique, "each body once, where it first came");
   command.option("--task", task.task, "TASK",
                  "instead of robots, the world of a task as design-tool JSON");
@@ -159,6 +175,10 @@ int main(int argc, char** argv) {
       return 0;
     }
     const std::string to = output_format(format, command.output);
+    if (to == "minari") {
+      write_dataset(files, command.output, dataset_id);
+      return 0;
+    }
     std::vector<Robot> robots = read_any(files);
     if (unique) keep_first_of_each(robots);
     write_robots(robots, to, command.output);

@@ -38,11 +38,13 @@ struct Trial {
   std::function<Controller(const Arena&)> controller;
 };
 
-Trial policy_trial(const Settings& settings, const std::string& path) {
+// `task`: what --task names, if it was given; else the policy's own is used.
+Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task,
+                   const std::string& path) {
   PolicyFile file = read_policy(path);
   Trial trial;
-  if (settings.task.given()) {
-    trial.task = settings.task.load();
+  if (task) {
+    trial.task = *task;
   } else {
     trial.task = parse_task(file.task_yaml, path + ": task");
     settings.task.change_physics(trial.task);
@@ -51,16 +53,17 @@ Trial policy_trial(const Settings& settings, const std::string& path) {
   return trial;
 }
 
-Trial make_trial(const Settings& settings, const Robot& robot, std::uint64_t seed) {
-  if (settings.policy) return policy_trial(settings, *settings.policy);
+Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
+                 std::uint64_t seed) {
+  if (settings.policy) return policy_trial(settings, task, *settings.policy);
   if (!settings.actions && !settings.sine && !settings.random) {
     const auto found = robot.document.find("policy");
     if (found == robot.document.end() || !found->is_string())
       throw error(Failure::usage,
                   "robot {} has no policy; give --policy, --actions, --sine or --random", robot.id);
-    return policy_trial(settings, found->get<std::string>());
+    return policy_trial(settings, task, found->get<std::string>());
   }
-  Trial trial{settings.task.load(), {}};
+  Trial trial{task ? *task : settings.task.load(), {}};
   if (settings.actions) {
     ActionSequence sequence = read_actions(*settings.actions);
     trial.controller = [sequence = std::move(sequence), name = *settings.actions,
@@ -104,9 +107,9 @@ void check(const Settings& settings) {
     throw error(Failure::usage, "--failures: '{}' is not stop or skip", settings.failures);
 }
 
-Robot measure(const Settings& settings, const Robot& robot, std::uint64_t seed,
-              const std::optional<std::string>& rollout_path) {
-  const Trial trial = make_trial(settings, robot, seed);
+Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
+              std::uint64_t seed, const std::optional<std::string>& rollout_path) {
+  const Trial trial = make_trial(settings, task, robot, seed);
   const Arena arena(trial.task, robot.body);
   EvaluationSettings evaluation;
   evaluation.episodes = settings.episodes;
@@ -182,9 +185,12 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     check(settings);
+    std::optional<TaskSpec> task;
+    if (settings.task.given()) task = settings.task.load();
     const std::vector<Robot> robots = cli::read_robots(files);
     if (settings.rollout && robots.size() != 1)
-      throw error(Failure::usage, "--rollout records one robot, but {} were read; use --rollout-dir",
+      throw error(Failure::usage,
+                  "--rollout records one robot, but {} were read; use --rollout-dir",
                   robots.size());
     if (settings.rollout_dir) std::filesystem::create_directories(*settings.rollout_dir);
     cli::OrderedWriter out(command.output);
@@ -194,7 +200,7 @@ int main(int argc, char** argv) {
       std::optional<std::string> rollout = settings.rollout;
       if (settings.rollout_dir) rollout = *settings.rollout_dir + "/" + robot.id + ".h5";
       try {
-        out.put(i, measure(settings, robot, command.seed, rollout));
+        out.put(i, measure(settings, task, robot, command.seed, rollout));
       } catch (const Error& e) {
         if (settings.failures == "stop" || e.kind() != Failure::work)
           throw e.at("robot " + robot.id);

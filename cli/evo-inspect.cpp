@@ -92,8 +92,8 @@ void print_policy(const std::string& path, bool color) {
   const PolicyFile file = read_policy(path);
   fmt::print("{}: policy\n", path);
   print_robot(file.robot, color);
-  fmt::print("trained   on {}, {} steps, seed {}, best evaluation at step {}\n", file.task, file.steps,
-             file.seed, file.best_step);
+  fmt::print("trained   on {}, {} steps, seed {}, best evaluation at step {}\n", file.task,
+             file.steps, file.seed, file.best_step);
   if (file.final_score)
     fmt::print("final     {:.6g} +- {:.2g} over {} episodes from shifted starts\n",
                file.final_score->mean, file.final_score->standard_error,
@@ -123,7 +123,9 @@ void print_rollout(const std::string& path, bool color) {
     const bool terminated = !episode.terminations.empty() && episode.terminations.back() != 0;
     const bool truncated = !episode.truncations.empty() && episode.truncations.back() != 0;
     fmt::print("{:>8} {:>7} {:>20.17g}  {}\n", k, episode.steps(), sum,
-               terminated ? "a rule" : truncated ? "the time limit" : "the end of its actions");
+               terminated  ? "a rule"
+               : truncated ? "the time limit"
+                           : "the end of its actions");
   }
 }
 

@@ -36,7 +36,7 @@ std::optional<Body> make_body(const std::vector<Robot>& robots, const Settings& 
 }
 
 Robot new_child(const std::vector<Robot>& robots, const Settings& settings, std::uint64_t seed,
-                 int index, std::set<std::string>& seen) {
+                int index, std::set<std::string>& seen) {
   Stream stream(seed, "mutate", static_cast<std::uint64_t>(index));
   std::vector<const Robot*> parents;
   for (int draw = 0; draw < max_draws; ++draw) {
@@ -44,13 +44,14 @@ Robot new_child(const std::vector<Robot>& robots, const Settings& settings, std:
     if (!body) continue;
     std::vector<std::string> ids;
     for (const Robot* parent : parents) ids.push_back(parent->id);
-    Robot child = make_child(std::move(*body), ids, "evo-mutate", seed, static_cast<std::uint64_t>(index));
+    Robot child =
+        make_child(std::move(*body), ids, "evo-mutate", seed, static_cast<std::uint64_t>(index));
     if (!seen.insert(child.id).second) continue;
     return child;
   }
   throw error(Failure::work,
-              "no new body for child {} in {} draws of a parent; raise --rate or --attempts",
-              index, max_draws);
+              "no new body for child {} in {} draws of a parent; raise --rate or --attempts", index,
+              max_draws);
 }
 
 }  // namespace

@@ -47,8 +47,7 @@ NeatSettings read_settings(const std::optional<std::string>& file, int count) {
 Robot document(const CppnRobot& made, const Parents& parents, std::uint64_t seed, int index) {
   std::vector<std::string> ids;
   for (const int key : made.parents) ids.push_back(parents.ids.at(key));
-  Robot robot =
-      make_child(made.body, ids, "evo-neat", seed, static_cast<std::uint64_t>(index));
+  Robot robot = make_child(made.body, ids, "evo-neat", seed, static_cast<std::uint64_t>(index));
   robot.document["genome"] = genome_to_json(made.genome);
   return robot;
 }
@@ -64,8 +63,9 @@ int main(int argc, char** argv) {
   std::optional<std::string> settings_file;
   std::vector<std::string> avoid;
   std::vector<std::string> files;
-  command.arguments(files, "FILE", "the scored population [standard input]; not read without "
-                                   "--state-in");
+  command.arguments(files, "FILE",
+                    "the scored population [standard input]; not read without "
+                    "--state-in");
   command.option("-n,--count", count, "N", "population size");
   command.option("--shape", shape_text, "ROWSxCOLS", "of the first population's bodies, in voxels");
   command.option("--state-in", state_in, "FILE",

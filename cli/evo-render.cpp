@@ -115,8 +115,8 @@ std::vector<render::Generation> read_generations(const std::vector<std::string>&
 void render_robots(const Settings& settings, const RenderOptions& options,
                    const std::vector<std::string>& files, const std::string& output) {
   if (settings.generations) {
-    write_picture(output, render::draw_generations(read_generations(files), *settings.generations,
-                                                   options));
+    write_picture(
+        output, render::draw_generations(read_generations(files), *settings.generations, options));
     return;
   }
   const std::vector<Robot> robots = cli::read_robots(files, BodyCheck::any);

@@ -3,8 +3,10 @@
 
 #include "cli/command.h"
 #include "cli/robots.h"
+#include "formats/genome.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
+#include "libevo/evolve/cppn_neat.h"
 
 namespace {
 
@@ -29,14 +31,29 @@ Robot sample(const cli::Shape& shape, const VoxelWeights& weights, std::uint64_t
              std::set<std::string>& seen) {
   Stream stream(seed, "sample", static_cast<std::uint64_t>(index));
   for (int draw = 0; draw < max_draws; ++draw) {
-    Robot robot(sample_body(shape.rows, shape.cols, weights, stream));
+    Robot robot = make_child(sample_body(shape.rows, shape.cols, weights, stream), {}, "evo-sample",
+                             seed, static_cast<std::uint64_t>(index));
     if (!seen.insert(robot.id).second) continue;
-    robot.document["origin"] = {{"tool", "evo-sample"}, {"seed", seed}, {"index", index}};
     return robot;
   }
   throw error(Failure::work,
               "no new {}x{} body for robot {} in {} draws; ask for fewer robots or a larger shape",
               shape.rows, shape.cols, index, max_draws);
+}
+
+// Bodies painted by random networks, ready for evo-neat's genomes.
+void sample_cppn(const cli::Shape& shape, int count, std::uint64_t seed,
+                 std::set<std::string>& seen, cli::RobotWriter& out) {
+  NeatSettings settings;
+  settings.pop_size = count;
+  NeatState state;
+  int index = 0;
+  for (const CppnRobot& made : first_robots(settings, shape.rows, shape.cols, seen, state, seed)) {
+    Robot robot =
+        make_child(made.body, {}, "evo-sample", seed, static_cast<std::uint64_t>(index++));
+    robot.document["genome"] = genome_to_json(made.genome);
+    out.write(std::move(robot));
+  }
 }
 
 }  // namespace
@@ -46,11 +63,15 @@ int main(int argc, char** argv) {
   int count = 25;
   std::string shape_text = "5x5";
   std::string weights_text = "0.6,0.2,0.2,0.2,0.2";
+  std::string encoding = "voxel";
   std::vector<std::string> avoid;
   command.option("-n,--count", count, "N", "how many, no two alike");
   command.option("--shape", shape_text, "ROWSxCOLS", "size of the body's matrix, in voxels");
   command.option("--weights", weights_text, "E,R,S,H,V",
                  "relative weights of empty, rigid, soft, horizontal and vertical voxels");
+  command.option(
+      "--encoding", encoding, "NAME",
+      "voxel: every cell drawn; cppn: painted by a random network, whose genome is kept");
   command.option("--avoid", avoid, "FILE", "robots that must not come again (repeatable)");
   command.seed_option();
   command.output_option("where the robots go, one JSON document a line");
@@ -64,8 +85,13 @@ int main(int argc, char** argv) {
     const VoxelWeights weights = parse_weights(weights_text);
     std::set<std::string> seen = cli::read_ids(avoid);
     cli::RobotWriter out(command.output);
-    for (int i = 0; i < count; ++i)
-      out.write(sample(shape, weights, command.seed, i, seen));
+    if (encoding == "cppn") {
+      sample_cppn(shape, count, command.seed, seen, out);
+      count = 0;
+    } else if (encoding != "voxel") {
+      throw error(Failure::usage, "--encoding: '{}' is not voxel or cppn", encoding);
+    }
+    for (int i = 0; i < count; ++i) out.write(sample(shape, weights, command.seed, i, seen));
     out.finish();
     return 0;
   });

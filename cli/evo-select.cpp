@@ -64,8 +64,7 @@ std::size_t survivors(const Settings& settings, std::size_t population) {
   }
   if (settings.fraction) {
     if (!(*settings.fraction >= 0.0 && *settings.fraction <= 1.0))
-      throw error(Failure::usage, "--fraction must be between 0 and 1, got {}",
-                  *settings.fraction);
+      throw error(Failure::usage, "--fraction must be between 0 and 1, got {}", *settings.fraction);
     return static_cast<std::size_t>(
         std::ceil(*settings.fraction * static_cast<double>(population)));
   }
@@ -133,8 +132,9 @@ Indices choose(const Settings& settings, const std::vector<Robot>& robots, std::
     Stream stream(seed, "select");
     return select_tournament(scores, keep, settings.tournament_size, stream);
   }
-  throw error(Failure::usage, "--method: unknown method '{}'{}; allowed: truncation, tournament, pareto",
-              settings.method, did_you_mean(settings.method, {"truncation", "tournament", "pareto"}));
+  throw error(
+      Failure::usage, "--method: unknown method '{}'{}; allowed: truncation, tournament, pareto",
+      settings.method, did_you_mean(settings.method, {"truncation", "tournament", "pareto"}));
 }
 
 }  // namespace
@@ -176,8 +176,7 @@ int main(int argc, char** argv) {
     }
     const std::vector<Robot> robots = cli::read_robots(files);
     cli::RobotWriter out(command.output);
-    for (const std::size_t i : choose(settings, robots, command.seed))
-      out.write(robots[i]);
+    for (const std::size_t i : choose(settings, robots, command.seed)) out.write(robots[i]);
     out.finish();
     return 0;
   });

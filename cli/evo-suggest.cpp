@@ -62,10 +62,9 @@ int main(int argc, char** argv) {
     if (!history_files.empty()) history = read_history(history_files);
     const cli::Shape shape =
         history.observations.empty() ? cli::parse_shape(shape_text) : history.shape;
-    const Batch batch = suggest(shape.rows, shape.cols, history.observations, {}, count, settings,
-                                command.seed);
-    if (!batch.from_model)
-      spdlog::warn("no scored robot to learn from; these bodies are random");
+    const SuggestedBatch batch =
+        suggest(shape.rows, shape.cols, history.observations, {}, count, settings, command.seed);
+    if (!batch.from_model) spdlog::warn("no scored robot to learn from; these bodies are random");
     cli::RobotWriter out(command.output);
     int index = 0;
     for (const Suggestion& suggestion : batch.designs) {

@@ -72,7 +72,9 @@ class Log {
       out_ << '\t' << metric.name << ' ' << fmt::format("{:.6g}", metric.value);
     out_ << std::endl;
   }
-  void end(double seconds) { out_ << fmt::format("# trained in {:.2f} s\n", seconds) << std::flush; }
+  void end(double seconds) {
+    out_ << fmt::format("# trained in {:.2f} s\n", seconds) << std::flush;
+  }
 
  private:
   std::ofstream out_;
@@ -122,7 +124,8 @@ Robot failed(const Robot& robot, const Job& job, const TrainingFailure& failure)
   result.document["fitness"] = nullptr;
   result.document["task"] = job.task.name;
   result.document["steps"] = failure.step;
-  result.document["failure"] = {{"why", failure.why}, {"step", failure.step}, {"seed", failure.seed}};
+  result.document["failure"] = {
+      {"why", failure.why}, {"step", failure.step}, {"seed", failure.seed}};
   return result;
 }
 
@@ -175,7 +178,7 @@ std::optional<Robot> train_robot(const Robot& robot, const Job& job,
       save();
       return std::nullopt;
     }
-    if (job.settings.checkpoint_every > 0 && 
+    if (job.settings.checkpoint_every > 0 &&
         report.step - saved_step >= job.settings.checkpoint_every) {
       save();
       saved_step = report.step;
@@ -197,8 +200,10 @@ void check_options(const Settings& settings, std::size_t robots) {
   if (settings.failures != "stop" && settings.failures != "skip")
     throw error(Failure::usage, "--failures: '{}' is not stop or skip", settings.failures);
   if (settings.curve && robots != 1)
-    throw error(Failure::usage, "--curve writes the curve of one robot, but {} were read; the "
-                "policy files hold the curves of all", robots);
+    throw error(Failure::usage,
+                "--curve writes the curve of one robot, but {} were read; the "
+                "policy files hold the curves of all",
+                robots);
 }
 
 void make_folder(const std::string& folder) {

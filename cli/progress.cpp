@@ -60,7 +60,8 @@ void TrainingProgress::draw() {
   share /= static_cast<double>(std::max<std::size_t>(1, total_));
   std::string line = fmt::format("\r\x1b[K{:3.0f}%", 100.0 * share);
   if (total_ > 1) line += fmt::format("  {}/{} robots", finished_, total_);
-  line += fmt::format("  {} steps/s", grouped(static_cast<long long>(steps_ / std::max(now, 1e-9))));
+  line +=
+      fmt::format("  {} steps/s", grouped(static_cast<long long>(steps_ / std::max(now, 1e-9))));
   if (share > 0.0) line += "  " + duration(now * (1.0 - share) / share) + " left";
   for (const auto& [index, view] : running_) {
     if (view.evaluations.empty()) continue;

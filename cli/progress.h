@@ -22,7 +22,7 @@ class Clock {
 // What a training shows of itself while it runs.
 struct TrainingView {
   std::string id;
-  double done = 0.0;              // share of its steps
+  double done = 0.0;                // share of its steps
   std::vector<double> evaluations;  // so far, drawn as a small curve
   double best = 0.0;
 };

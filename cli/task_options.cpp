@@ -15,8 +15,7 @@ void TaskOptions::add_to(Command& command) {
 }
 
 TaskSpec TaskOptions::load() const {
-  if (!task)
-    throw error(Failure::usage, "--task is required; 'evo-inspect tasks' lists the tasks");
+  if (!task) throw error(Failure::usage, "--task is required; 'evo-inspect tasks' lists the tasks");
   TaskSpec spec = load_task(*task, data_folders());
   change_physics(spec);
   return spec;

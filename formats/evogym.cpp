@@ -26,8 +26,8 @@ constexpr std::int64_t largest_box = 100'000'000;
 
 struct Cell {
   int x = 0;
-  int y = 0;  // upwards
-  auto operator<=>(const Cell&) const = default;
+  int y = 0;                                      // upwards
+  auto operator<=>(const Cell&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
 };
 
 struct Grid {
@@ -65,15 +65,14 @@ const Json& field(const Json& record, const std::string& path, const char* name,
 int grid_side(const Json& document, const char* name) {
   const auto found = document.find(name);
   if (found == document.end()) throw Refusal{step(name), "is missing"};
-  if (!found->is_number_unsigned() || *found < 1 || *found > largest_grid)
+  if (!found->is_number_integer() || *found < 1 || *found > largest_grid)
     throw refusal(step(name), "expected a number of cells, 1 to {}, found {}", largest_grid,
                   shown(*found));
   return found->get<int>();
 }
 
 std::int64_t cell_index(const Json& value, const Grid& grid, const std::string& path) {
-  const bool natural = value.is_number_unsigned();
-  if (!natural || value.get<std::uint64_t>() >= static_cast<std::uint64_t>(grid.cells()))
+  if (!value.is_number_integer() || value < 0 || value >= grid.cells())
     throw refusal(path, "cell {} is outside the grid of {}x{} cells, 0 to {}", shown(value),
                   grid.width, grid.height, grid.cells() - 1);
   return value.get<std::int64_t>();
@@ -95,7 +94,7 @@ Cells read_cells(const Json& record, const Grid& grid, const std::string& path) 
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const std::int64_t index = cell_index(indices[i], grid, fmt::format("{}/indices/{}", path, i));
     const Json& type = types[i];
-    if (!type.is_number_unsigned() || type > static_cast<int>(Voxel::fixed))
+    if (!type.is_number_integer() || type < 0 || type > static_cast<int>(Voxel::fixed))
       throw refusal(fmt::format("{}/types/{}", path, i), "unknown type {}; allowed 0 1 2 3 4 5",
                     shown(type));
     if (!cells.emplace(index, static_cast<Voxel>(type.get<int>())).second)

@@ -168,7 +168,7 @@ constexpr std::array<FieldType, 8> field_types{{
     {"fitness", [](const Json& v) { return v.is_number(); }, "a number or null"},
     {"failure", [](const Json& v) { return v.is_object(); }, "an object"},
     {"task", [](const Json& v) { return v.is_string(); }, "the name of a task"},
-    {"steps", [](const Json& v) { return v.is_number_unsigned(); }, "a number of steps"},
+    {"steps", [](const Json& v) { return v.is_number_integer() && v >= 0; }, "a number of steps"},
     {"policy", [](const Json& v) { return v.is_string(); }, "the path of a policy file"},
 }};
 
@@ -342,7 +342,7 @@ std::optional<double> Robot::fitness() const {
 Robot make_child(Body body, const std::vector<std::string>& parents, const std::string& tool,
                  std::uint64_t seed, std::uint64_t index) {
   Robot child(std::move(body));
-  child.document["parents"] = parents;
+  if (!parents.empty()) child.document["parents"] = parents;
   child.document["origin"] = {{"tool", tool}, {"seed", seed}, {"index", index}};
   return child;
 }

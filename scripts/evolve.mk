@@ -38,7 +38,9 @@ ALGO   ?= ppo
 TRAIN  ?= default
 PHYSICS ?=
 TRAIN_OPTIONS ?=
+# Format of the champion's video, and options of evo-render for it.
 VIDEO  ?= mp4
+VIDEO_OPTIONS ?=
 # Put in front of every training, such as LAUNCH='srun --exact -n1 -c1'.
 LAUNCH ?=
 
@@ -97,7 +99,7 @@ $(RUN)/best.rollout.h5: | $(RUN)/best.policy.h5
 	@evo-eval --policy '$(RUN)/best.policy.h5' --rollout '$@' '$(RUN)/best.json' > /dev/null
 
 $(RUN)/best.$(VIDEO): | $(RUN)/best.rollout.h5
-	@evo-render '$(RUN)/best.rollout.h5' -o '$@'
+	@evo-render '$(RUN)/best.rollout.h5' $(VIDEO_OPTIONS) -o '$@'
 
 $(RUN)/report.html: | $(RUN)/best.$(VIDEO)
 	@evo-report '$(RUN)' -o '$@'

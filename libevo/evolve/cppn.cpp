@@ -42,7 +42,7 @@ float activate(Activation activation, float z) {
 
 }  // namespace
 
-Network::Network(const Genome& genome, int inputs, int outputs)
+CppnNetwork::CppnNetwork(const Genome& genome, int inputs, int outputs)
     : inputs_(static_cast<std::size_t>(inputs)),
       outputs_(static_cast<std::size_t>(outputs)),
       slots_(inputs_ + genome.nodes.size()) {
@@ -85,7 +85,7 @@ Network::Network(const Genome& genome, int inputs, int outputs)
   }
 }
 
-float Network::value(const Node& node, const std::vector<float>& slots) const {
+float CppnNetwork::value(const Node& node, const std::vector<float>& slots) const {
   if (node.edges == 0) return node.bias;
   const bool is_sum = node.aggregation == Aggregation::sum;
   float total = is_sum ? 0.0F : 1.0F;
@@ -96,7 +96,7 @@ float Network::value(const Node& node, const std::vector<float>& slots) const {
   return activate(node.activation, node.response * total + node.bias);
 }
 
-std::vector<float> Network::evaluate(std::span<const float> inputs) const {
+std::vector<float> CppnNetwork::evaluate(std::span<const float> inputs) const {
   if (inputs.size() != inputs_)
     throw error(Failure::data, "the network has {} inputs, {} values given", inputs_,
                 inputs.size());
@@ -109,7 +109,7 @@ std::vector<float> Network::evaluate(std::span<const float> inputs) const {
 }
 
 Body decode(const Genome& genome, int rows, int cols) {
-  const Network network(genome, cppn_inputs, cppn_outputs);
+  const CppnNetwork network(genome, cppn_inputs, cppn_outputs);
   const double middle_row = (rows - 1) / 2.0;
   const double middle_col = (cols - 1) / 2.0;
   std::vector<Voxel> cells;

@@ -16,10 +16,10 @@ namespace evo {
 // precision, one rounding an operation, sources in ascending order of keys. A
 // node without incoming connections gives its bare bias, without f. Disabled
 // connections and those that start at an output do not count.
-class Network {
+class CppnNetwork {
  public:
   // Throws Error(data) with the genome's defect.
-  Network(const Genome& genome, int inputs, int outputs);
+  CppnNetwork(const Genome& genome, int inputs, int outputs);
 
   // inputs[k] is the value of key -1-k; returns the outputs 0, 1, ..
   std::vector<float> evaluate(std::span<const float> inputs) const;

@@ -253,9 +253,9 @@ double expected_improvement(double mean, double stddev, double best, double jitt
 
 // ---- suggest ------------------------------------------------------------------------
 
-Batch suggest(int rows, int cols, std::span<const Observation> observations,
-              const std::set<Design>& avoid, int count, const SuggestSettings& settings,
-              std::uint64_t seed) {
+SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observations,
+                       const std::set<Design>& avoid, int count, const SuggestSettings& settings,
+                       std::uint64_t seed) {
   const Shape shape{rows, cols};
   check(shape, observations, count);
   const auto wanted = static_cast<std::size_t>(count);
@@ -265,7 +265,7 @@ Batch suggest(int rows, int cols, std::span<const Observation> observations,
   const std::uint64_t index = observations.size();
   Stream candidates(seed, "suggest/candidates", index);
 
-  Batch batch;
+  SuggestedBatch batch;
   batch.from_model = std::any_of(observations.begin(), observations.end(),
                                  [](const Observation& o) { return std::isfinite(o.fitness); });
   if (!batch.from_model) {

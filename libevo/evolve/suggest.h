@@ -37,7 +37,7 @@ struct Suggestion {
   double stddev = 0.0;  // of a fitness observed there, noise included
 };
 
-struct Batch {
+struct SuggestedBatch {
   std::vector<Suggestion> designs;
   bool from_model = false;  // else random: no observation has succeeded yet
   GpParameters parameters;  // of the standardised costs
@@ -48,9 +48,9 @@ struct Batch {
 // voxel uniform over the five kinds until valid. Throws Error(data) for
 // observations of another shape, Error(work) when the shape has not so many
 // designs left.
-Batch suggest(int rows, int cols, std::span<const Observation> observations,
-              const std::set<Design>& avoid, int count, const SuggestSettings& settings,
-              std::uint64_t seed);
+SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observations,
+                       const std::set<Design>& avoid, int count, const SuggestSettings& settings,
+                       std::uint64_t seed);
 
 // ---- parts ------------------------------------------------------------------------
 

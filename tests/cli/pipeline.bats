@@ -2,7 +2,7 @@
 # given again, refused. Small populations and short trainings; the chain is whole.
 load helpers
 
-settings=(TASK=Walker-v0 POP=4 EVALS=9 STEPS=4096 SEED=1 VIDEO=gif)
+settings=(TASK=Walker-v0 POP=4 EVALS=9 STEPS=4096 SEED=1 VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 10")
 
 run_make() {
   local method=$1 folder=$2
@@ -58,6 +58,17 @@ kill_and_repeat() {
   run_make ga calm -j2
   kill_and_repeat ga stormy 6
   diff <(essence calm) <(essence stormy)
+}
+
+@test "neat and bo: exactly as asked, no body twice, twice the same bytes" {
+  for method in neat bo; do
+    run_make $method $method-one -j2
+    [ "$(wc -l < $method-one/history.jsonl)" -ge 9 ]
+    [ "$(jq -r .id $method-one/history.jsonl | sort -u | wc -l)" -eq "$(wc -l < $method-one/history.jsonl)" ]
+    run_make $method $method-two -j1
+    diff <(essence $method-one) <(essence $method-two)
+  done
+  jq -e '.genome.kind == "cppn"' neat-one/best.json
 }
 
 @test "a changed setting in an existing run is refused, not mixed in" {

@@ -104,7 +104,7 @@ TEST_CASE("hidden nodes are evaluated before those they feed, whatever their key
   CHECK(picture(genome, 1, 3) == Rows{"VSS"});
   genome.nodes[2].bias = 0.49;
   CHECK(picture(genome, 1, 3) == Rows{"VVS"});
-  const Network network(genome, cppn_inputs, cppn_outputs);
+  const CppnNetwork network(genome, cppn_inputs, cppn_outputs);
   CHECK(network.evaluate(std::array{0.0F, 0.0F, 0.0F})[4] == Approx(0.92160).margin(1e-5));
   CHECK(network.evaluate(std::array{0.0F, 2.0F, 0.0F})[4] == Approx(0.07840).margin(1e-5));
 }
@@ -125,7 +125,7 @@ TEST_CASE("sums are rounded to single precision term by term") {
   insert(genome, ConnectionGene{-3, 0, 1e8});
   insert(genome, ConnectionGene{-2, 0, 1.0});
   insert(genome, ConnectionGene{-1, 0, -1e8});
-  CHECK(Network(genome, 3, 1).evaluate(std::array{1.0F, 1.0F, 1.0F})[0] == 0.0F);
+  CHECK(CppnNetwork(genome, 3, 1).evaluate(std::array{1.0F, 1.0F, 1.0F})[0] == 0.0F);
 }
 
 TEST_CASE("every activation and aggregation computes what its name says") {
@@ -133,7 +133,7 @@ TEST_CASE("every activation and aggregation computes what its name says") {
     Genome genome;
     insert(genome, NodeGene{0, 0.0, 1.0, activation});
     insert(genome, ConnectionGene{-1, 0, 1.0});
-    return Network(genome, 1, 1).evaluate(std::array{x})[0];
+    return CppnNetwork(genome, 1, 1).evaluate(std::array{x})[0];
   };
   CHECK(value(Activation::sigmoid, 0.3F) == Approx(1 / (1 + std::exp(-1.5))));
   CHECK(value(Activation::sigmoid, -100.0F) == 0.0F);
@@ -149,7 +149,7 @@ TEST_CASE("every activation and aggregation computes what its name says") {
   insert(product, NodeGene{0, 1.0, 1.0, Activation::identity, Aggregation::product});
   insert(product, ConnectionGene{-1, 0, 2.0});
   insert(product, ConnectionGene{-2, 0, 3.0});
-  CHECK(Network(product, 2, 1).evaluate(std::array{5.0F, 7.0F})[0] == 211.0F);
+  CHECK(CppnNetwork(product, 2, 1).evaluate(std::array{5.0F, 7.0F})[0] == 211.0F);
 }
 
 TEST_CASE("a chain of a hundred thousand nodes is evaluated without running out of stack") {
@@ -159,10 +159,10 @@ TEST_CASE("a chain of a hundred thousand nodes is evaluated without running out 
     genome.nodes.push_back({key, 1.0, 1.0, Activation::identity, Aggregation::sum});
   genome.connections.push_back({-1, length, 1.0, true});
   for (int key = 1; key <= length; ++key) genome.connections.push_back({key, key - 1, 1.0, true});
-  CHECK(Network(genome, 1, 1).evaluate(std::array{1.0F})[0] == length + 2.0F);
+  CHECK(CppnNetwork(genome, 1, 1).evaluate(std::array{1.0F})[0] == length + 2.0F);
 }
 
 TEST_CASE("a defective genome is refused, not evaluated") {
   CHECK_THROWS_AS(decode(Genome{}, 5, 5), Error);
-  CHECK_THROWS_AS(Network(painter({}), 3, 5).evaluate(std::array{1.0F}), Error);
+  CHECK_THROWS_AS(CppnNetwork(painter({}), 3, 5).evaluate(std::array{1.0F}), Error);
 }

@@ -387,7 +387,7 @@ Genome without_bare_nodes(Genome genome) {
 // Outputs for the four rows; 0 when nothing reaches the output.
 std::array<double, 4> xor_outputs(const Genome& genome) {
   const Genome fed = without_bare_nodes(genome);
-  const Network network(fed, 2, 1);
+  const CppnNetwork network(fed, 2, 1);
   const bool reached = std::any_of(fed.connections.begin(), fed.connections.end(),
                                    [](const ConnectionGene& gene) { return gene.out == 0; });
   std::array<double, 4> outputs{};

@@ -115,7 +115,7 @@ TEST_CASE("expected improvement, by hand") {
 }
 
 TEST_CASE("without observations the batch is random, valid and without repetition") {
-  const Batch batch = suggest(5, 5, {}, {}, 25, {}, 1);
+  const SuggestedBatch batch = suggest(5, 5, {}, {}, 25, {}, 1);
   CHECK_FALSE(batch.from_model);
   REQUIRE(batch.designs.size() == 25);
   std::set<Design> seen;
@@ -135,7 +135,7 @@ TEST_CASE("a batch is valid, new, without repetition and the same for the same s
   observations[3].fitness = failure;
   const std::set<Design> avoid{
       suggest(4, 4, observations, {}, 1, quick(), 9).designs[0].body.cells};
-  const Batch batch = suggest(4, 4, observations, avoid, 12, quick(), 9);
+  const SuggestedBatch batch = suggest(4, 4, observations, avoid, 12, quick(), 9);
   CHECK(batch.from_model);
   REQUIRE(batch.designs.size() == 12);
   std::set<Design> seen = avoid;
@@ -145,8 +145,8 @@ TEST_CASE("a batch is valid, new, without repetition and the same for the same s
     CHECK(seen.insert(s.body.cells).second);
     CHECK(s.stddev > 0.0);
   }
-  const Batch again = suggest(4, 4, observations, avoid, 12, quick(), 9);
-  const Batch other = suggest(4, 4, observations, avoid, 12, quick(), 10);
+  const SuggestedBatch again = suggest(4, 4, observations, avoid, 12, quick(), 9);
+  const SuggestedBatch other = suggest(4, 4, observations, avoid, 12, quick(), 10);
   int same = 0;
   for (std::size_t i = 0; i < 12; ++i) {
     CHECK(again.designs[i].body == batch.designs[i].body);
@@ -176,7 +176,7 @@ TEST_CASE("equal scores, failures and a single observation make no difference in
   observations.resize(1);
   CHECK(suggest(3, 3, observations, {}, 5, quick(), 1).designs.size() == 5);
   observations[0].fitness = failure;
-  const Batch batch = suggest(3, 3, observations, {}, 5, quick(), 1);
+  const SuggestedBatch batch = suggest(3, 3, observations, {}, 5, quick(), 1);
   CHECK_FALSE(batch.from_model);
   for (const Suggestion& s : batch.designs) CHECK(s.body.cells != observations[0].cells);
 }

@@ -1,0 +1,40 @@
+// The files as bytes of the program: the assembler includes them where CMake
+// found them.
+#include "cli/report/assets.h"
+
+#define EVO_EMBED(symbol, path)            \
+  __asm__(".section .rodata\n" #symbol     \
+          ":\n"                            \
+          ".incbin \"" path "\"\n" #symbol \
+          "_end:\n"                        \
+          ".byte 0\n"                      \
+          ".previous\n");                  \
+  extern "C" const char symbol[];          \
+  extern "C" const char symbol##_end[]
+
+EVO_EMBED(evo_report_page, EVO_REPORT_PAGE);
+EVO_EMBED(evo_report_style, EVO_REPORT_STYLE);
+EVO_EMBED(evo_report_script, EVO_REPORT_SCRIPT);
+EVO_EMBED(evo_report_dygraphs_script, EVO_DYGRAPHS_SCRIPT);
+EVO_EMBED(evo_report_dygraphs_style, EVO_DYGRAPHS_STYLE);
+
+namespace evo::report {
+namespace {
+
+std::string_view between(const char* begin, const char* end) {
+  return {begin, static_cast<std::size_t>(end - begin)};
+}
+
+}  // namespace
+
+std::string_view page_template() { return between(evo_report_page, evo_report_page_end); }
+std::string_view style() { return between(evo_report_style, evo_report_style_end); }
+std::string_view script() { return between(evo_report_script, evo_report_script_end); }
+std::string_view dygraphs_script() {
+  return between(evo_report_dygraphs_script, evo_report_dygraphs_script_end);
+}
+std::string_view dygraphs_style() {
+  return between(evo_report_dygraphs_style, evo_report_dygraphs_style_end);
+}
+
+}  // namespace evo::report

@@ -1,0 +1,280 @@
+#include "cli/report/charts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <set>
+
+namespace evo::report {
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+// A value with its spread.
+struct Point {
+  double low = nothing;
+  double value = nothing;
+  double high = nothing;
+
+  Point() = default;
+  explicit Point(double v) : low(v), value(v), high(v) {}
+  Point(double l, double v, double h) : low(l), value(v), high(h) {}
+};
+
+Json to_json(const Point& point) {
+  if (std::isnan(point.value)) return {nullptr, nullptr, nullptr};
+  return {point.low, point.value, point.high};
+}
+
+struct Chart {
+  Json json;
+
+  Chart(const char* x, const char* y, bool whole)
+      : json({{"x", x},
+              {"y", y},
+              {"whole", whole},
+              {"labels", Json::array({x})},
+              {"series", Json::array()},
+              {"rows", Json::array()}}) {}
+
+  void series(const std::string& label, const char* kind, const char* band = nullptr,
+              bool off = false) {
+    json["labels"].push_back(label);
+    Json look{{"kind", kind}};
+    if (band != nullptr) look["band"] = band;
+    if (off) look["off"] = true;
+    json["series"].push_back(std::move(look));
+  }
+  void row(double x, const std::vector<Point>& points) {
+    Json cells = Json::array({x});
+    for (const Point& point : points) cells.push_back(to_json(point));
+    json["rows"].push_back(std::move(cells));
+  }
+};
+
+// ---- statistics ---------------------------------------------------------------------
+
+// Between the two nearest values, linearly (type 7 of Hyndman and Fan, 1996).
+double quantile(const std::vector<double>& sorted, double share) {
+  const double place = share * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  return sorted[below] + (place - std::floor(place)) * (sorted[above] - sorted[below]);
+}
+
+Point median_and_quartiles(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  return {quantile(values, 0.25), quantile(values, 0.5), quantile(values, 0.75)};
+}
+
+Point mean_and_deviation(const std::vector<double>& values) {
+  if (values.empty()) return {};
+  const auto count = static_cast<double>(values.size());
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+  double squares = 0.0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  const double deviation = values.size() > 1 ? std::sqrt(squares / (count - 1.0)) : 0.0;
+  return {mean - deviation, mean, mean + deviation};
+}
+
+double better(double best, double value) { return std::isnan(best) || value > best ? value : best; }
+
+// After each robot trained; NaN while all have failed.
+std::vector<double> best_so_far(const Run& run) {
+  std::vector<double> curve;
+  double best = nothing;
+  for (const Entry& entry : run.robots) {
+    if (entry.fitness) best = better(best, *entry.fitness);
+    curve.push_back(best);
+  }
+  return curve;
+}
+
+// ---- runs that are repetitions of each other ------------------------------------------
+
+// All settings but the seed, as text.
+std::string without_seed(const Run& run) {
+  std::string key;
+  for (const Setting& setting : run.settings)
+    if (setting.name != "seed") key += setting.name + "=" + setting.value + "\n";
+  return key;
+}
+
+struct Repetitions {
+  std::string label;
+  std::vector<const Run*> runs;
+};
+
+// Names the settings that tell a group from the others of the same method.
+std::string name_of(const Run& run, const std::vector<Repetitions>& groups) {
+  const std::string method = run.setting("method");
+  std::string name = method;
+  for (const Setting& setting : run.settings) {
+    const bool differs = std::any_of(groups.begin(), groups.end(), [&](const Repetitions& other) {
+      return other.runs[0]->setting("method") == method &&
+             other.runs[0]->setting(setting.name) != setting.value;
+    });
+    if (differs && setting.name != "seed")
+      name += fmt::format(", {} {}", setting.name, setting.value);
+  }
+  return name;
+}
+
+std::vector<Repetitions> repetitions(const std::vector<const Run*>& runs) {
+  std::vector<Repetitions> groups;
+  std::map<std::string, std::size_t> known;
+  for (const Run* run : runs) {
+    const auto [group, is_new] = known.emplace(without_seed(*run), groups.size());
+    if (is_new) groups.emplace_back();
+    groups[group->second].runs.push_back(run);
+  }
+  for (Repetitions& group : groups)
+    group.label =
+        fmt::format("{} (mean of {})", name_of(*group.runs[0], groups), group.runs.size());
+  return groups;
+}
+
+// The mean of the runs' curves as far as all of them have come.
+std::vector<Point> mean_curve(const Repetitions& group,
+                              const std::map<const Run*, std::vector<double>>& curves) {
+  std::size_t length = std::numeric_limits<std::size_t>::max();
+  for (const Run* run : group.runs) length = std::min(length, curves.at(run).size());
+  std::vector<Point> mean;
+  for (std::size_t k = 0; k < length; ++k) {
+    std::vector<double> values;
+    for (const Run* run : group.runs) values.push_back(curves.at(run)[k]);
+    mean.push_back(mean_and_deviation(values));
+  }
+  return mean;
+}
+
+// ---- features of bodies ------------------------------------------------------------------
+
+double share_of(const Body& body, Voxel kind) {
+  return static_cast<double>(std::count(body.cells.begin(), body.cells.end(), kind)) /
+         static_cast<double>(std::max(1, count_voxels(body)));
+}
+
+struct Feature {
+  const char* name;
+  bool whole;
+  std::function<double(const Body&)> of;
+};
+
+std::vector<Feature> features() {
+  const auto share = [](Voxel kind) {
+    return [kind](const Body& body) { return share_of(body, kind); };
+  };
+  return {{"voxels", true, [](const Body& body) { return count_voxels(body); }},
+          {"actuators", true, [](const Body& body) { return count_actuators(body); }},
+          {"share of rigid voxels", false, share(Voxel::rigid)},
+          {"share of soft voxels", false, share(Voxel::soft)},
+          {"share of horizontal actuators", false, share(Voxel::horizontal)},
+          {"share of vertical actuators", false, share(Voxel::vertical)}};
+}
+
+Json feature_chart(const Run& run, const Feature& feature) {
+  std::vector<std::pair<double, const Entry*>> points;
+  for (const Entry& entry : run.robots)
+    if (entry.fitness) points.emplace_back(feature.of(entry.robot.body), &entry);
+  std::stable_sort(points.begin(), points.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  Chart chart(feature.name, "fitness", feature.whole);
+  chart.series("robots", "points");
+  chart.series("champion", "best");
+  Json ids = Json::array();
+  for (const auto& [x, entry] : points) {
+    const bool is_champion = entry == &run.robots[*run.champion];
+    chart.row(x, {Point(*entry->fitness), is_champion ? Point(*entry->fitness) : Point()});
+    ids.push_back(entry->robot.id);
+  }
+  chart.json["robots"] = std::move(ids);
+  return chart.json;
+}
+
+}  // namespace
+
+Json progress_chart(const Run& run) {
+  Chart chart("robots trained", "fitness", true);
+  chart.series("best so far", "step");
+  chart.series("each robot", "points");
+  Json ids = Json::array();
+  const std::vector<double> best = best_so_far(run);
+  for (std::size_t k = 0; k < run.robots.size(); ++k) {
+    chart.row(static_cast<double>(k + 1),
+              {Point(best[k]), Point(run.robots[k].fitness.value_or(nothing))});
+    ids.push_back(run.robots[k].robot.id);
+  }
+  chart.json["robots"] = std::move(ids);
+  return chart.json;
+}
+
+Json generation_chart(const Run& run) {
+  Chart chart("generation", "fitness", true);
+  chart.series("best so far", "thick");
+  chart.series("best of the generation", "line");
+  chart.series("median", "line", "quartiles");
+  chart.series("mean", "line", "standard deviation", true);
+  double best = nothing;
+  for (const Generation& generation : run.generations) {
+    std::vector<double> scores;
+    for (const std::size_t member : generation.members)
+      if (run.robots[member].fitness) scores.push_back(*run.robots[member].fitness);
+    if (generation.members.empty()) continue;
+    const double highest =
+        scores.empty() ? nothing : *std::max_element(scores.begin(), scores.end());
+    if (!scores.empty()) best = better(best, highest);
+    chart.row(generation.number, {Point(best), Point(highest), median_and_quartiles(scores),
+                                  mean_and_deviation(scores)});
+  }
+  return chart.json;
+}
+
+Json comparison_chart(const std::vector<const Run*>& runs) {
+  Chart chart("robots trained", "best fitness so far", true);
+  std::map<const Run*, std::vector<double>> curves;
+  std::size_t longest = 0;
+  for (const Run* run : runs) longest = std::max(longest, (curves[run] = best_so_far(*run)).size());
+
+  std::vector<std::vector<Point>> columns;
+  for (const Repetitions& group : repetitions(runs)) {
+    if (group.runs.size() > 1) {
+      chart.series(group.label, "step", "standard deviation");
+      columns.push_back(mean_curve(group, curves));
+    }
+    for (const Run* run : group.runs) {
+      chart.series(run->label, "step", nullptr, group.runs.size() > 1);
+      columns.emplace_back();
+      for (const double value : curves[run]) columns.back().emplace_back(value);
+    }
+  }
+  for (std::size_t k = 0; k < longest; ++k) {
+    std::vector<Point> points;
+    for (const auto& column : columns) points.push_back(k < column.size() ? column[k] : Point());
+    chart.row(static_cast<double>(k + 1), points);
+  }
+  return chart.json;
+}
+
+Json learning_chart(const Run& run) {
+  if (run.curve.empty()) return nullptr;
+  Chart chart("training steps", "return", true);
+  chart.series("best so far", "step");
+  chart.series("evaluation", "line");
+  for (const CurvePoint& point : run.curve)
+    chart.row(static_cast<double>(point.step), {Point(point.best), Point(point.evaluation)});
+  return chart.json;
+}
+
+std::vector<FeatureChart> feature_charts(const Run& run) {
+  std::vector<FeatureChart> charts;
+  if (!run.champion) return charts;
+  for (const Feature& feature : features())
+    charts.push_back({feature.name, feature_chart(run, feature)});
+  return charts;
+}
+
+}  // namespace evo::report

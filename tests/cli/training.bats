@@ -1,0 +1,117 @@
+# evo-train and evo-eval as processes: reproducible, resumable, careful.
+load helpers
+
+robots() { evo-sample -n 3 --seed 2; }
+train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
+
+@test "training: the same bytes for any -j and grouping, other ones for another seed" {
+  robots | train a -j1 > a.jsonl
+  robots | train b -j3 | sed 's|"b/|"a/|' | cmp - a.jsonl
+  robots | tail -1 | train c > /dev/null
+  for policy in a/*.policy.h5; do cmp "$policy" "b/$(basename "$policy")"; done
+  cmp c/*.policy.h5 "a/$(basename c/*.policy.h5)"
+  robots | head -1 | train d --seed 7 > /dev/null
+  ! cmp -s d/*.policy.h5 "a/$(basename d/*.policy.h5)"
+}
+
+@test "training: interrupted and resumed, it ends with the same bytes" {
+  robots | head -1 | train calm --steps 65536 > /dev/null
+  for _ in 1 2 3; do
+    robots | head -1 | timeout -s TERM 0.7 evo-train --task Walker-v0 --steps 65536 --out-dir stormy --resume > /dev/null && break
+  done
+  [ -n "$(ls stormy)" ]
+  robots | head -1 | evo-train --task Walker-v0 --steps 65536 --out-dir stormy --resume > /dev/null
+  cmp calm/*.policy.h5 stormy/*.policy.h5
+  [ -z "$(ls stormy | grep checkpoint)" ]
+}
+
+@test "training: SIGTERM ends with status 143, a checkpoint, and how to go on" {
+  robots | head -1 > robot
+  run --separate-stderr timeout --preserve-status -s TERM 1 \
+    evo-train --task Walker-v0 --steps 51200000 --out-dir long robot
+  [ "$status" -eq 143 ]
+  [[ $stderr == *--resume* ]]
+  [ -s long/*.checkpoint.h5 ]
+}
+
+@test "training: done is done, and other settings are refused" {
+  robots | train p > first
+  robots | train p | cmp - first
+  fails_with 73 "other settings" "--force" -- bash -c 'evo-sample -n 3 --seed 2 | evo-train --task Walker-v0 --steps 8192 --out-dir p -j1'
+  robots | evo-train --task Walker-v0 --steps 8192 --out-dir p --force | jq -e '.steps <= 8192' > /dev/null
+}
+
+@test "training: open-loop algorithms and a curve" {
+  robots | head -1 > robot
+  for algo in sine random; do
+    evo-train --task Walker-v0 --algo $algo --steps 16000 --out-dir $algo --curve $algo.tsv robot > $algo.json
+    [ "$(head -1 $algo.tsv)" = "$(printf 'step\treturn\tbest')" ]
+    evo-eval $algo.json | jq -e ".fitness == $(jq .fitness $algo.json)"
+  done
+}
+
+@test "training: a diverging robot ends alone" {
+  robots > three
+  fails_with 1 "seed" -- evo-train --task Walker-v0 --steps 16384 --train-set learning_rate=1e30 --out-dir x three
+  evo-train --task Walker-v0 --steps 16384 --train-set learning_rate=1e30 --failures skip --out-dir x three > failed
+  [ "$(wc -l < failed)" -eq 3 ]
+  jq -e '.fitness == null and (.failure.why | length > 0)' failed > /dev/null
+}
+
+@test "the policy gives its recorded fitness again, to the last digit" {
+  robots | train p > trained
+  evo-eval trained | jq -c '[.id, .fitness]' | cmp - <(jq -c '[.id, .fitness]' trained)
+  head -1 trained > one
+  evo-eval --rollout r.h5 one > /dev/null
+  # A policy and a rollout stand for the robot they hold; paths follow the file.
+  evo-eval --policy p/"$(jq -r .id one)".policy.h5 r.h5 | jq -e ".fitness == $(jq .fitness one)"
+  mkdir sub && evo-select trained -o sub/best.jsonl
+  evo-eval sub/best.jsonl | jq -c '[.id, .fitness]' | sort | cmp - <(jq -c '[.id, .fitness]' trained | sort)
+}
+
+@test "one pipe from sampling to the five best" {
+  evo-sample -n 20 --seed 3 | evo-mutate -n 10 --seed 4 |
+    evo-eval --task Walker-v0 --sine 0.5,20,0.7 -j2 | evo-select --keep 5 | jq -r .fitness > five
+  [ "$(wc -l < five)" -eq 5 ]
+  sort -gr five | cmp - five
+}
+
+@test "evaluation: physics can be changed, and a typo names the nearest key" {
+  robots | head -1 > robot
+  evo-eval --task Walker-v0 --sine 0.5,20,0.7 robot > normal
+  evo-eval --task Walker-v0 --sine 0.5,20,0.7 --set gravity=110 robot | cmp - normal
+  evo-eval --task Walker-v0 --sine 0.5,20,0.7 --set gravity=50 robot > light
+  ! cmp -s normal light
+  evo-eval --task Walker-v0 --sine 0.5,20,0.7 --physics paper robot > paper
+  ! cmp -s normal paper
+  fails_with 2 "gravty" "gravity" -- evo-eval --task Walker-v0 --random --set gravty=50 robot
+  fails_with 2 "Walkr-v0" "Walker-v0" -- evo-eval --task Walkr-v0 --random robot
+  fails_with 2 "no policy" -- evo-eval --task Walker-v0 robot
+}
+
+@test "evaluation: the random tasks draw by seed, and take draws" {
+  robots | head -1 > robot
+  evo-eval --task Catcher-v0 --random --seed 1 --rollout a.h5 robot > one
+  evo-eval --task Catcher-v0 --random --seed 1 --draws a.h5 robot | cmp - one
+  evo-eval --task Catcher-v0 --random --seed 1 --draws '{"ox":0,"oy":3}' robot > /dev/null
+  fails_with 2 "ox" -- evo-eval --task Catcher-v0 --random --draws '{"oz":0}' robot
+}
+
+@test "evaluation: -j and the company of other robots change nothing" {
+  robots | evo-eval --task Thrower-v0 --random --episodes 3 -j1 > a
+  robots | evo-eval --task Thrower-v0 --random --episodes 3 -j3 | cmp - a
+  robots | tail -1 | evo-eval --task Thrower-v0 --random --episodes 3 | cmp - <(tail -1 a)
+}
+
+@test "a truncated or foreign HDF5 file: status 65 and one line" {
+  robots | head -1 > robot
+  evo-eval --task Walker-v0 --random --max-steps 5 --rollout r.h5 robot > /dev/null
+  head -c 3000 r.h5 > cut.h5
+  /usr/bin/python3 -c "import h5py; h5py.File('foreign.h5','w')['x'] = [1.0, 2.0]"
+  for file in cut.h5 foreign.h5; do
+    fails_with 65 "$file" -- evo-eval --task Walker-v0 --actions "$file" robot
+    fails_with 65 "$file" -- evo-render "$file" -o x.png
+    fails_with 65 "$file" -- evo-inspect "$file"
+    [ ! -e x.png ]
+  done
+}

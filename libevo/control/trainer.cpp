@@ -316,6 +316,23 @@ Record load(const Checkpoint& checkpoint, Controller blank) {
   return record;
 }
 
+// ---- the end ----------------------------------------------------------------------------
+
+FinalScore score(const Job& job, const Controller& controller) {
+  EvaluationSettings final;
+  final.episodes = job.settings.final_episodes;
+  final.seed = derive_seed(job.seed, "final");
+  final.jitter = job.settings.final_jitter;
+  const Evaluation scores = evaluate(job.arena, controller, final);
+  return {final.episodes, scores.mean(), scores.standard_error()};
+}
+
+// Work that failed becomes a record; any other error is thrown on.
+TrainingFailure failure_record(const Error& failure, const Job& job, const Record& record) {
+  if (failure.kind() != Failure::work) throw failure;
+  return {failure.what(), record.steps, job.seed};
+}
+
 }  // namespace
 
 // ---- the trainer ----------------------------------------------------------------------
@@ -354,8 +371,7 @@ TrainingReport Trainer::advance() {
   try {
     std::visit([&](auto& m) { m.advance(it.job, it.record, report.metrics); }, it.method);
   } catch (const Error& failure) {
-    if (failure.kind() != Failure::work) throw;
-    it.record.failure = TrainingFailure{failure.what(), it.record.steps, it.job.seed};
+    it.record.failure = failure_record(failure, it.job, it.record);
   }
   report.step = it.record.steps;
   report.steps = it.job.settings.steps;
@@ -363,26 +379,25 @@ TrainingReport Trainer::advance() {
 }
 
 TrainResult Trainer::result() const {
+  const Job& job = impl_->job;
   const Record& record = impl_->record;
   TrainResult result;
   result.complete = done();
   result.steps = record.steps;
   result.curve = record.curve;
   result.failure = record.failure;
-  if (record.failure || !record.best) return result;
+  if (result.failure || !record.best) return result;
+  if (result.complete && job.settings.final_episodes > 0) {
+    try {
+      result.final_score = score(job, *record.best);
+    } catch (const Error& failure) {
+      result.failure = failure_record(failure, job, record);
+      return result;
+    }
+  }
   result.fitness = record.fitness;
   result.controller = record.best;
   result.best_step = record.best_step;
-
-  const TrainingSettings& settings = impl_->job.settings;
-  if (result.complete && settings.final_episodes > 0) {
-    EvaluationSettings final;
-    final.episodes = settings.final_episodes;
-    final.seed = derive_seed(impl_->job.seed, "final");
-    final.jitter = settings.final_jitter;
-    const Evaluation scores = evaluate(impl_->job.arena, *record.best, final);
-    result.final_score = FinalScore{final.episodes, scores.mean(), scores.standard_error()};
-  }
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include "libevo/base/error.h"
 #include "libevo/control/evaluate.h"
 #include "libevo/control/ppo.h"
+#include "libevo/sim/state.h"
 #include "tests/unit/control/arena.h"
 
 using namespace evo;
@@ -111,6 +112,23 @@ TEST_CASE("results depend on seed and robot id, and on nothing else") {
   check_equal(run(1, "a"), reference);
   CHECK_FALSE(run(2, "a").controller == reference.controller);
   CHECK_FALSE(run(1, "b").controller == reference.controller);
+}
+
+TEST_CASE("results are the same on every instruction set") {
+  const Arena arena(test::walker(10), test::small_body());
+  const auto run = [&] {
+    Trainer trainer(arena, brief(), 1, "robot");
+    train(trainer);
+    return trainer.checkpoint();
+  };
+  const Checkpoint reference = run();
+  for (const std::string& isa : available_isas()) {
+    INFO(isa);
+    select_isa(isa);
+    CHECK(run().arrays.at("learner/policy/parameters") ==
+          reference.arrays.at("learner/policy/parameters"));
+  }
+  select_isa(best_isa());
 }
 
 TEST_CASE("a training can be stopped, and then has no final score") {

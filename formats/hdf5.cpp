@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <new>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -470,6 +471,15 @@ struct Reader::File {
     return elements;
   }
 
+  template <Number T>
+  std::vector<T> room_for(const Shape& shape, const std::string& path) const {
+    try {
+      return std::vector<T>(count(shape, sizeof(T), path));
+    } catch (const std::bad_alloc&) {
+      throw failed(path, fmt::format("the shape {} does not fit into memory", shape_text(shape)));
+    }
+  }
+
   void check_number(const Handle& type, const std::string& path) const {
     const H5T_class_t kind = H5Tget_class(type.get());
     if (kind != H5T_FLOAT && kind != H5T_INTEGER && kind != H5T_ENUM)
@@ -488,7 +498,7 @@ struct Reader::File {
     check_number(type, path);
     Array<T> result;
     result.shape = shape_of(Handle(H5Aget_space(opened.get()), H5Sclose), path);
-    result.values.resize(count(result.shape, sizeof(T), path));
+    result.values = room_for<T>(result.shape, path);
     if (H5Aread(opened.get(), memory_type<T>(), result.values.data()) < 0) throw unreadable(path);
     return result;
   }
@@ -527,7 +537,7 @@ Array<T> Reader::array(const std::string& path) const {
   file_->check_number(type, path);
   Array<T> result;
   result.shape = file_->shape_of(Handle(H5Dget_space(dataset.get()), H5Sclose), path);
-  result.values.resize(file_->count(result.shape, sizeof(T), path));
+  result.values = file_->room_for<T>(result.shape, path);
   if (!result.values.empty() && H5Dread(dataset.get(), memory_type<T>(), H5S_ALL, H5S_ALL,
                                         H5P_DEFAULT, result.values.data()) < 0)
     throw file_->unreadable(path);

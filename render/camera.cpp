@@ -50,7 +50,7 @@ Series smoothed(const Series& values, double sigma) {
   for (int i = 0; i < n; ++i) {
     double mean = 0;
     for (int k = -reach; k <= reach; ++k)
-      mean += kernel[static_cast<std::size_t>(k + reach)] *
+      mean += kernel[static_cast<std::size_t>(k) + static_cast<std::size_t>(reach)] *
               values[static_cast<std::size_t>(std::clamp(i + k, 0, n - 1))];
     out[static_cast<std::size_t>(i)] = mean / sum;
   }
@@ -86,13 +86,15 @@ double raise(double centre_y, double height, const Box& box) {
 std::vector<Box> boxes(const Mesh& mesh, std::span<const Vec2> points,
                        const std::vector<int>& objects) {
   std::size_t per_step = 0;
-  for (const ModelObject& object : mesh.objects) per_step += static_cast<std::size_t>(object.points);
+  for (const ModelObject& object : mesh.objects)
+    per_step += static_cast<std::size_t>(object.points);
   std::vector<Box> result(per_step == 0 ? 0 : points.size() / per_step);
   for (std::size_t t = 0; t < result.size(); ++t)
     for (const int k : objects) {
       const ModelObject& object = mesh.objects[static_cast<std::size_t>(k)];
-      for (const Vec2& p : points.subspan(t * per_step + static_cast<std::size_t>(object.first_point),
-                                          static_cast<std::size_t>(object.points)))
+      for (const Vec2& p :
+           points.subspan(t * per_step + static_cast<std::size_t>(object.first_point),
+                          static_cast<std::size_t>(object.points)))
         result[t].add(p);
     }
   return result;
@@ -132,8 +134,8 @@ ViewRect world_view(const std::vector<Box>& boxes, double aspect) {
   }
   all.y0 = std::min(all.y0, 0.0);
   all.y1 += label_share * (all.y1 - all.y0);
-  ViewRect view = fit({(all.x0 + all.x1) / 2, (all.y0 + all.y1) / 2,
-                       all.x1 - all.x0 + 2 * margin, all.y1 - all.y0 + 2 * margin},
+  ViewRect view = fit({(all.x0 + all.x1) / 2, (all.y0 + all.y1) / 2, all.x1 - all.x0 + 2 * margin,
+                       all.y1 - all.y0 + 2 * margin},
                       aspect);
   view.centre_y = raise(view.centre_y, view.height, all);
   view.centre_y = keep_inside(view.centre_y, view.height, all.y0, all.y1, margin);

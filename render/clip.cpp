@@ -32,8 +32,8 @@ void check_world(const Rollout& rollout) {
   for (const ModelObject& object : objects) {
     if (object.first_point != points || object.points < 0 || object.first_cell != first_cell ||
         object.cells < 0)
-      throw error(Failure::data, "object '{}' of the rollout's world does not follow the one before",
-                  object.name);
+      throw error(Failure::data,
+                  "object '{}' of the rollout's world does not follow the one before", object.name);
     points += object.points;
     first_cell += object.cells;
   }
@@ -130,8 +130,7 @@ std::string padded(int value, int widest) {
   constexpr const char* figure_space = "\u2007";
   std::string text = std::to_string(value);
   const std::size_t digits = text.size();
-  for (std::size_t k = digits; k < std::to_string(widest).size(); ++k)
-    text.insert(0, figure_space);
+  for (std::size_t k = digits; k < std::to_string(widest).size(); ++k) text.insert(0, figure_space);
   return text;
 }
 
@@ -236,9 +235,10 @@ Caption Clip::caption(double step) const {
   const int shown = whole + (share >= 1.0 ? 1 : 0);
   Caption caption;
   caption.title = episode_.rollout->task;
-  caption.detail = !episode_.label.empty()      ? episode_.label
-                   : episode_.rollout->robot    ? short_id(episode_.rollout->robot->id)
-                                                : std::string();
+  caption.detail = !episode_.label.empty()   ? episode_.label
+                   : episode_.rollout->robot ? short_id(episode_.rollout->robot->id)
+                                             : std::string();
+  caption.brief = episode_.label.empty() ? caption.title : episode_.label;
   if (steps_ == 0) return caption;  // a world at rest
   caption.moment = fmt::format("step {} / {}   {:.2f} s", padded(shown, steps_), steps_,
                                shown / steps_per_second);
@@ -249,7 +249,8 @@ Caption Clip::caption(double step) const {
 std::vector<double> timeline(const RenderOptions& options, int steps) {
   const int last = std::min(options.to.value_or(steps), steps);
   if (options.from > last)
-    throw error(Failure::usage, "no step lies between --from {} and --to {}: the episode has steps 0 to {}",
+    throw error(Failure::usage,
+                "no step lies between --from {} and --to {}: the episode has steps 0 to {}",
                 options.from, last, steps);
   const double stride =
       options.every > 0 ? options.every : options.speed * steps_per_second / options.fps;

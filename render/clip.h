@@ -19,7 +19,8 @@ struct Episode {
 // Everything about the text of a frame.
 struct Caption {
   std::string title;   // the task
-  std::string detail;  // the robot
+  std::string detail;  // the robot, or the label
+  std::string brief;   // the one of both to show where there is room for one
   std::string moment;  // step and time
   std::string score;   // return so far
 };

@@ -114,8 +114,8 @@ void Drawing::stroke(std::span<const Point> points, bool closed, float width, Co
     const Point end = corner_offset(here, last ? here : unit(k + 1), reach);
     const Point p = points[k];
     const Point q = points[(k + 1) % n];
-    band({p.x + start.x, p.y + start.y}, {q.x + end.x, q.y + end.y},
-         {q.x - end.x, q.y - end.y}, {p.x - start.x, p.y - start.y}, width, color);
+    band({p.x + start.x, p.y + start.y}, {q.x + end.x, q.y + end.y}, {q.x - end.x, q.y - end.y},
+         {p.x - start.x, p.y - start.y}, width, color);
   }
 }
 

@@ -2,14 +2,14 @@
 // package fonts-dejavu-core, whose paths CMake found.
 #include "render/font_data.h"
 
-#define EVO_EMBED(symbol, path)           \
-  __asm__(                                \
-      ".section .rodata\n"                \
-      ".balign 16\n" #symbol              \
-      ":\n"                               \
-      ".incbin \"" path "\"\n" #symbol    \
-      "_end:\n"                           \
-      ".byte 0\n"                         \
+#define EVO_EMBED(symbol, path)        \
+  __asm__(                             \
+      ".section .rodata\n"             \
+      ".balign 16\n" #symbol           \
+      ":\n"                            \
+      ".incbin \"" path "\"\n" #symbol \
+      "_end:\n"                        \
+      ".byte 0\n"                      \
       ".previous\n")
 
 EVO_EMBED(evo_font_regular, EVO_FONT_REGULAR);
@@ -24,9 +24,7 @@ extern const unsigned char evo_font_bold_end[];
 
 namespace evo::render {
 
-std::span<const unsigned char> font_regular() {
-  return {evo_font_regular, evo_font_regular_end};
-}
+std::span<const unsigned char> font_regular() { return {evo_font_regular, evo_font_regular_end}; }
 std::span<const unsigned char> font_bold() { return {evo_font_bold, evo_font_bold_end}; }
 
 }  // namespace evo::render

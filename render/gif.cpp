@@ -89,12 +89,13 @@ void GifEncoder::add(const PixelView& frame, int delay) {
     indices[k] = map_.index(frame.rgba[4 * k], frame.rgba[4 * k + 1], frame.rgba[4 * k + 2]);
   const Area area = changed_area(size_, previous_, indices, 1);
   file_->control(delay);
-  file_->check(
-      EGifPutImageDesc(file_->gif, area.x, area.y, area.size.width, area.size.height, false, nullptr));
+  file_->check(EGifPutImageDesc(file_->gif, area.x, area.y, area.size.width, area.size.height,
+                                false, nullptr));
   std::vector<std::uint8_t> line(static_cast<std::size_t>(area.size.width));
   for (int y = 0; y < area.size.height; ++y) {
-    const auto start = static_cast<std::size_t>(area.y + y) * static_cast<std::size_t>(size_.width) +
-                       static_cast<std::size_t>(area.x);
+    const auto start =
+        static_cast<std::size_t>(area.y + y) * static_cast<std::size_t>(size_.width) +
+        static_cast<std::size_t>(area.x);
     for (std::size_t x = 0; x < line.size(); ++x) {
       const bool as_before = !previous_.empty() && previous_[start + x] == indices[start + x];
       line[x] = as_before ? transparent : indices[start + x];

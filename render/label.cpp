@@ -75,7 +75,7 @@ void draw_caption(const Caption& caption, const Theme& theme, const Rect& panel,
   if (both < right - left)
     put({{caption.title, theme.text, true}, {caption.detail, theme.text_muted, false}}, false);
   else
-    put({{caption.detail.empty() ? caption.title : caption.detail, theme.text, true}}, false);
+    put({{caption.brief, theme.text, true}}, false);
   put({{caption.moment, theme.text, false}}, true);
 }
 

@@ -13,19 +13,26 @@ void check_options(const RenderOptions& o) {
   (void)theme_by_name(o.theme);
   constexpr double most_fps = 240;
   if (!(o.fps > 0 && o.fps <= most_fps))
-    throw error(Failure::usage, "a video of {} frames a second cannot be made: allowed are more than 0 to {}", o.fps,
-                most_fps);
+    throw error(Failure::usage,
+                "a video of {} frames a second cannot be made: allowed are more than 0 to {}",
+                o.fps, most_fps);
   if (!(o.speed > 0 && o.speed <= 1000))
-    throw error(Failure::usage, "a speed of {} cannot be shown: allowed are more than 0 to 1000", o.speed);
+    throw error(Failure::usage, "a speed of {} cannot be shown: allowed are more than 0 to 1000",
+                o.speed);
   if (o.every < 0)
-    throw error(Failure::usage, "every {} steps a frame: must be 1 or more, or 0 to follow fps and speed", o.every);
-  if (o.from < 0) throw error(Failure::usage, "the first step shown is {}: must be 0 or more", o.from);
+    throw error(Failure::usage,
+                "every {} steps a frame: must be 1 or more, or 0 to follow fps and speed", o.every);
+  if (o.from < 0)
+    throw error(Failure::usage, "the first step shown is {}: must be 0 or more", o.from);
   if (o.to && *o.to < o.from)
-    throw error(Failure::usage, "the last step shown, {}, comes before the first, {}", *o.to, o.from);
-  if (o.workers < 1) throw error(Failure::usage, "{} drawing processes: must be 1 or more", o.workers);
+    throw error(Failure::usage, "the last step shown, {}, comes before the first, {}", *o.to,
+                o.from);
+  if (o.workers < 1)
+    throw error(Failure::usage, "{} drawing processes: must be 1 or more", o.workers);
   if (!(o.camera.zoom >= 0.1 && o.camera.zoom <= 10))
     throw error(Failure::usage, "a zoom of {}: allowed are 0.1 to 10", o.camera.zoom);
-  if (o.camera.mode == CameraMode::fixed && !(o.camera.window.width > 0 && o.camera.window.height > 0))
+  if (o.camera.mode == CameraMode::fixed &&
+      !(o.camera.window.width > 0 && o.camera.window.height > 0))
     throw error(Failure::usage, "a camera window of {}x{} voxels shows nothing",
                 o.camera.window.width, o.camera.window.height);
 }

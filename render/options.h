@@ -45,14 +45,14 @@ struct Overlays {
 struct RenderOptions {
   Size size{1280, 720};
   double fps = 50.0;
-  double speed = 1.0;               // 0.5 is slow motion
-  int every = 0;                    // steps a frame; 0: from fps and speed
-  int from = 0;                     // first step shown
-  std::optional<int> to;            // last step shown; the end of the episode
-  std::string theme = "light";      // or "dark"
+  double speed = 1.0;           // 0.5 is slow motion
+  int every = 0;                // steps a frame; 0: from fps and speed
+  int from = 0;                 // first step shown
+  std::optional<int> to;        // last step shown; the end of the episode
+  std::string theme = "light";  // or "dark"
   Camera camera;
   Overlays overlays;
-  int workers = 1;                  // processes
+  int workers = 1;  // processes
 };
 
 // Throws Error(usage) naming the option and what it may be.

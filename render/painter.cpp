@@ -130,8 +130,9 @@ bool scissor(const Rect& clip, int tile_x, int tile_y, Size tile) {
 
 void check_size(Size size) {
   if (size.width < 1 || size.height < 1 || size.width > largest_side || size.height > largest_side)
-    throw error(Failure::usage, "a picture of {}x{} pixels cannot be drawn: each side must be 1 to {}",
-                size.width, size.height, largest_side);
+    throw error(Failure::usage,
+                "a picture of {}x{} pixels cannot be drawn: each side must be 1 to {}", size.width,
+                size.height, largest_side);
 }
 
 struct Painter::Gl {
@@ -211,10 +212,10 @@ struct Painter::Gl {
     const int rows = std::min(tile.height, target.size.height - y);
     for (int row = 0; row < rows; ++row) {
       const auto from = static_cast<std::size_t>(row) * static_cast<std::size_t>(tile.width) * 4;
-      const auto to = (static_cast<std::size_t>(y + row) *
-                           static_cast<std::size_t>(target.size.width) +
-                       static_cast<std::size_t>(x)) *
-                      4;
+      const auto to =
+          (static_cast<std::size_t>(y + row) * static_cast<std::size_t>(target.size.width) +
+           static_cast<std::size_t>(x)) *
+          4;
       std::memcpy(&target.rgba[to], &pixels[from], static_cast<std::size_t>(columns) * 4);
     }
   }

@@ -92,8 +92,8 @@ void refine(const std::vector<Sample>& samples, std::vector<Color>& palette) {
   }
   for (std::size_t k = 0; k < palette.size(); ++k)
     if (sums[k][3] > 0)
-      palette[k] = rounded({sums[k][0] / sums[k][3], sums[k][1] / sums[k][3],
-                            sums[k][2] / sums[k][3]});
+      palette[k] =
+          rounded({sums[k][0] / sums[k][3], sums[k][1] / sums[k][3], sums[k][2] / sums[k][3]});
 }
 
 }  // namespace
@@ -129,9 +129,9 @@ std::vector<Color> make_palette(const Histogram& histogram, std::size_t most) {
   }
   std::vector<Box> boxes{measure(samples, 0, samples.size())};
   while (boxes.size() < most) {
-    const auto worst = std::max_element(
-        boxes.begin(), boxes.end(),
-        [](const Box& a, const Box& b) { return a.error() < b.error(); });
+    const auto worst = std::max_element(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) {
+      return a.error() < b.error();
+    });
     if (worst->error() <= 0) break;
     const auto [low, high] = cut(samples, *worst);
     *worst = low;
@@ -146,8 +146,8 @@ PaletteMap::PaletteMap(std::vector<Color> palette)
     : palette_(std::move(palette)), known_(std::size_t{1} << 24U) {}
 
 std::uint8_t PaletteMap::index(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
-  std::uint16_t& entry = known_[static_cast<std::size_t>(r) << 16U |
-                                static_cast<std::size_t>(g) << 8U | b];
+  std::uint16_t& entry =
+      known_[static_cast<std::size_t>(r) << 16U | static_cast<std::size_t>(g) << 8U | b];
   if (entry == 0) entry = static_cast<std::uint16_t>(nearest(palette_, r, g, b) + 1);
   return static_cast<std::uint8_t>(entry - 1);
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <regex>
 
 #include "formats/files.h"
 #include "libevo/base/error.h"
@@ -76,8 +75,10 @@ std::vector<Rect> panels(std::size_t n, Size size) {
   const float height = (whole_height - (down - 1) * gap) / down;
   std::vector<Rect> result;
   for (std::size_t k = 0; k < n; ++k) {
-    const float x = std::round(static_cast<float>(k % best) * (width + gap));
-    const float y = std::round(static_cast<float>(k / best) * (height + gap));
+    const std::size_t column = k % best;
+    const std::size_t row = k / best;
+    const float x = std::round(static_cast<float>(column) * (width + gap));
+    const float y = std::round(static_cast<float>(row) * (height + gap));
     result.push_back({x, y, std::round(width), std::round(height)});
   }
   return result;
@@ -135,7 +136,8 @@ void each_frame(const Film& film, const TakePixels& take) {
 }
 
 // As each_frame, in planes for video; the conversion is the workers' work.
-void each_yuv_frame(const Film& film, const std::function<bool(std::span<const std::uint8_t>)>& take) {
+void each_yuv_frame(const Film& film,
+                    const std::function<bool(std::span<const std::uint8_t>)>& take) {
   const Size size = film.options->size;
   run_workers({film.steps.size(), yuv_bytes(size), film.options->workers,
                [&film, size, image = Image(size)](Painter& painter, std::size_t k,
@@ -235,10 +237,18 @@ struct Pattern {
 };
 
 std::optional<Pattern> pattern_of(const std::string& output) {
-  static const std::regex form("([^%]*)%(?:0([0-9]{1,2}))?d([^%]*)");
-  std::smatch parts;
-  if (!std::regex_match(output, parts, form)) return std::nullopt;
-  return Pattern{parts[1], parts[3], parts[2].matched ? std::stoul(parts[2]) : 1};
+  constexpr std::size_t most_digits = 20;
+  const std::size_t percent = output.find('%');
+  const std::size_t letter = output.find_first_not_of("0123456789", percent + 1);
+  if (percent == std::string::npos || letter == std::string::npos || output[letter] != 'd' ||
+      output.find('%', letter) != std::string::npos)
+    return std::nullopt;
+  const std::string width = output.substr(percent + 1, letter - percent - 1);
+  const bool padded = width.size() >= 2 && width.size() <= 3 && width.front() == '0';
+  if (!width.empty() && !padded) return std::nullopt;
+  const std::size_t digits = padded ? std::stoul(width) : 1;
+  if (digits > most_digits) return std::nullopt;
+  return Pattern{output.substr(0, percent), output.substr(letter + 1), digits};
 }
 
 // Workers write the files of their frames themselves.
@@ -305,8 +315,8 @@ Image draw_moments(const Episode& episode, int moments, const RenderOptions& opt
   constexpr int most = 100;
   constexpr double moment_zoom = 2.5;
   if (moments < 1 || moments > most)
-    throw error(Failure::usage, "a sheet of {} moments cannot be drawn: allowed are 1 to {}", moments,
-                most);
+    throw error(Failure::usage, "a sheet of {} moments cannot be drawn: allowed are 1 to {}",
+                moments, most);
   const auto n = static_cast<std::size_t>(moments);
   RenderOptions closer = options;  // small panels have no room to spare
   closer.camera.zoom *= moment_zoom;
@@ -357,7 +367,8 @@ Image draw_generations(const std::vector<Generation>& generations, int rows,
   });
 }
 
-// ---- moving pictures ------------------------------------------------------------------------------
+// ---- moving pictures
+// ------------------------------------------------------------------------------
 
 VideoReport render_video(const std::vector<Episode>& episodes, const RenderOptions& options,
                          const std::string& output) {

@@ -78,8 +78,8 @@ void draw_grid(const Scene& scene, const Theme& theme, const Projection& to_pixe
   if (bottom >= to_pixels.top) return;
   const bool fine = to_pixels.scale >= fine_grid_from;
   const float width = to_pixels.pixels(0.025, 1.0);
-  const double fade = std::clamp(
-      (to_pixels.scale - fine_grid_from) / (fine_grid_full - fine_grid_from), 0.0, 1.0);
+  const double fade =
+      std::clamp((to_pixels.scale - fine_grid_from) / (fine_grid_full - fine_grid_from), 0.0, 1.0);
   const Color minor = with_alpha(theme.grid_minor, theme.grid_minor.a / 255.0 * fade);
   const auto color = [&](long k) { return k % major == 0 ? theme.grid_major : minor; };
   const int step = fine ? 1 : major;
@@ -90,7 +90,7 @@ void draw_grid(const Scene& scene, const Theme& theme, const Projection& to_pixe
   each_line(bottom, to_pixels.top, step, [&](long y) {
     const auto at = static_cast<double>(y);
     drawing.segment(to_pixels({to_pixels.left, at}), to_pixels({to_pixels.right(), at}), width,
-                 color(y));
+                    color(y));
   });
 }
 
@@ -116,8 +116,12 @@ void draw_ruler(const Scene& scene, const Theme& theme, const Projection& to_pix
     if (at.x < to_pixels.panel.x + margin ||
         at.x > to_pixels.panel.x + to_pixels.panel.width - margin)
       return;
-    drawing.text({{at.x, at.y + tick + 1.15F * size}, size, digits, theme.text_on_earth,
-                  Align::centre, false});
+    drawing.text({{at.x, at.y + tick + 1.15F * size},
+                  size,
+                  digits,
+                  theme.text_on_earth,
+                  Align::centre,
+                  false});
   });
 }
 
@@ -134,7 +138,8 @@ Color tinted(Color color, Voxel type, const std::array<Vec2, 4>& p) {
   const bool across = type == Voxel::horizontal;
   const double length = across ? (distance(p[0], p[1]) + distance(p[2], p[3])) / 2
                                : (distance(p[0], p[2]) + distance(p[1], p[3])) / 2;
-  if (length < 1) return mix(color, {40, 24, 30}, strength * std::min(1.0, (1 - length) / (1 - shortest)));
+  if (length < 1)
+    return mix(color, {40, 24, 30}, strength * std::min(1.0, (1 - length) / (1 - shortest)));
   return mix(color, {255, 255, 255}, strength * std::min(1.0, (length - 1) / (longest - 1)));
 }
 
@@ -327,7 +332,8 @@ std::vector<Mesh::Outline> outlines(const Mesh& mesh, std::size_t object) {
 
 }  // namespace
 
-// ---- mesh ----------------------------------------------------------------------------------------
+// ---- mesh
+// ----------------------------------------------------------------------------------------
 
 int Mesh::object_index(const std::string& name) const {
   for (std::size_t k = 0; k < objects.size(); ++k)
@@ -345,10 +351,9 @@ Mesh make_mesh(const RolloutWorld& world) {
     std::map<std::pair<int, int>, Mesh::Edge> edges;
     for (int c = object.first_cell; c < object.first_cell + object.cells; ++c) {
       const auto [tl, tr, bl, br] = mesh.cells[static_cast<std::size_t>(c)].points;
-      for (const auto& [a, b] : {std::minmax(tl, tr), std::minmax(bl, br), std::minmax(tl, bl),
-                                 std::minmax(tr, br)}) {
-        const auto [entry, fresh] =
-            edges.try_emplace({a, b}, Mesh::Edge{a, b, c, -1});
+      for (const auto& [a, b] :
+           {std::minmax(tl, tr), std::minmax(bl, br), std::minmax(tl, bl), std::minmax(tr, br)}) {
+        const auto [entry, fresh] = edges.try_emplace({a, b}, Mesh::Edge{a, b, c, -1});
         if (!fresh) entry->second.other = c;
       }
     }
@@ -403,7 +408,8 @@ Mesh make_mesh(const Body& body, std::vector<Vec2>& corners) {
   return mesh;
 }
 
-// ---- scene ---------------------------------------------------------------------------------------
+// ---- scene
+// ---------------------------------------------------------------------------------------
 
 void draw_scene(const Scene& scene, const Theme& theme, const Rect& panel, Drawing& drawing) {
   const Projection to_pixels(

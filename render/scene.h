@@ -29,7 +29,7 @@ struct Mesh {
   std::vector<ModelObject> objects;
   std::vector<ModelCell> cells;  // of object k: [first_cell, first_cell + cells)
   std::vector<Edge> edges;
-  std::vector<std::size_t> first_edge;  // of object k; one more than objects
+  std::vector<std::size_t> first_edge;         // of object k; one more than objects
   std::vector<std::vector<Outline>> outlines;  // of object k
 
   int object_index(const std::string& name) const;  // -1 when there is none
@@ -49,7 +49,7 @@ struct Scene {
   const Mesh* mesh = nullptr;
   std::vector<Vec2> points;
   ViewRect view;
-  bool sky = true;    // a background of its own; else what was drawn before
+  bool sky = true;  // a background of its own; else what was drawn before
   bool grid = true;
   bool floor = true;  // the world's floor at y = 0
   bool tint = true;

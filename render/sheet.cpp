@@ -19,7 +19,8 @@ std::string fitness_text(const Robot& robot) {
 // Text centred at x, cut to `most` pixels.
 void centred(std::string_view text, Point at, float size, Color color, bool bold, float most,
              Typesetter& typesetter, Drawing& drawing) {
-  drawing.text({at, size, typesetter.shortened(text, size, bold, most), color, Align::centre, bold});
+  drawing.text(
+      {at, size, typesetter.shortened(text, size, bold, most), color, Align::centre, bold});
 }
 
 // Of the box around all cells.
@@ -50,8 +51,8 @@ struct CardStyle {
   float height() const { return body + lines; }
 };
 
-void draw_card(const Robot& robot, int across, const Theme& theme, const CardStyle& style,
-               Point at, bool with_id, Typesetter& typesetter, Drawing& drawing) {
+void draw_card(const Robot& robot, int across, const Theme& theme, const CardStyle& style, Point at,
+               bool with_id, Typesetter& typesetter, Drawing& drawing) {
   drawing.rounded_rectangle({at.x, at.y, style.width, style.height()}, 0.06F * style.width,
                             theme.card);
   const float inset = 0.1F * style.width;
@@ -183,11 +184,11 @@ Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int wid
   const CardStyle style(layout.card, 2);
   const int across = largest(robots);
   for (std::size_t k = 0; k < robots.size(); ++k) {
-    const auto column = static_cast<float>(k % static_cast<std::size_t>(layout.columns));
-    const auto row = static_cast<float>(k / static_cast<std::size_t>(layout.columns));
+    const std::size_t column = k % static_cast<std::size_t>(layout.columns);
+    const std::size_t row = k / static_cast<std::size_t>(layout.columns);
     draw_card(robots[k], across, theme, style,
-              {layout.gap + column * (layout.card + layout.gap),
-               layout.gap + row * (style.height() + layout.gap)},
+              {layout.gap + static_cast<float>(column) * (layout.card + layout.gap),
+               layout.gap + static_cast<float>(row) * (style.height() + layout.gap)},
               true, typesetter, drawing);
   }
   return drawing;
@@ -276,11 +277,17 @@ Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const
   Drawing drawing = blank({width, static_cast<int>(std::lround(height))}, theme);
   const Caption who = clip.caption(0);
   drawing.text({{gap, gap + 1.5F * text}, 1.1F * text, who.title, theme.text, Align::left, true});
-  drawing.text({{static_cast<float>(width) - gap, gap + 1.5F * text}, text, who.detail,
-                theme.text_muted, Align::right, false});
+  drawing.text({{static_cast<float>(width) - gap, gap + 1.5F * text},
+                text,
+                who.detail,
+                theme.text_muted,
+                Align::right,
+                false});
   for (std::size_t k = 0; k < moments.size(); ++k) {
-    const float x = gap + static_cast<float>(k % columns) * (panel + gap);
-    const float y = heading + static_cast<float>(k / columns) * (high + strip);
+    const std::size_t column = k % columns;
+    const std::size_t row = k / columns;
+    const float x = gap + static_cast<float>(column) * (panel + gap);
+    const float y = heading + static_cast<float>(row) * (high + strip);
     Scene scene = clip.scene(moments[k]);
     // Whole pixels, so that all panels are cut alike.
     draw_scene(scene, theme, {std::round(x), std::round(y), std::round(panel), std::round(high)},

@@ -33,8 +33,8 @@ std::vector<char32_t> decode(std::string_view utf8) {
     constexpr unsigned masks[] = {0x7F, 0x1F, 0x0F, 0x07};
     char32_t point = lead & masks[extra];
     for (int k = 1; k <= extra; ++k)
-      point = point << 6U |
-              (static_cast<unsigned char>(utf8[i + static_cast<std::size_t>(k)]) & 0x3FU);
+      point =
+          point << 6U | (static_cast<unsigned char>(utf8[i + static_cast<std::size_t>(k)]) & 0x3FU);
     points.push_back(point);
     i += static_cast<std::size_t>(extra) + 1;
   }
@@ -67,7 +67,8 @@ void paste(const Glyph& glyph, int pen_x, int baseline, Color color, PixelTarget
     for (int col = 0; col < glyph.width; ++col) {
       const int x = pen_x + glyph.left + col;
       if (x < 0 || x >= target.size.width) continue;
-      const auto source = static_cast<std::size_t>(row * glyph.width + col);
+      const auto source = static_cast<std::size_t>(row) * static_cast<std::size_t>(glyph.width) +
+                          static_cast<std::size_t>(col);
       const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(target.size.width) +
                       static_cast<std::size_t>(x);
       blend(&target.rgba[4 * at], color, glyph.coverage[source]);
@@ -124,9 +125,9 @@ struct Typesetter::Faces {
     glyph.width = static_cast<int>(slot->bitmap.width);
     glyph.rows = static_cast<int>(slot->bitmap.rows);
     glyph.advance = static_cast<float>(slot->linearHoriAdvance) / 65536.0F;
-    glyph.coverage.reserve(static_cast<std::size_t>(glyph.width * glyph.rows));
     for (int row = 0; row < glyph.rows; ++row) {
-      const unsigned char* from = slot->bitmap.buffer + row * slot->bitmap.pitch;
+      const unsigned char* from =
+          slot->bitmap.buffer + static_cast<std::ptrdiff_t>(row) * slot->bitmap.pitch;
       glyph.coverage.insert(glyph.coverage.end(), from, from + glyph.width);
     }
     return glyph;
@@ -150,7 +151,7 @@ std::string Typesetter::shortened(std::string_view utf8, float size, bool bold, 
   while (!text.empty()) {
     while (!text.empty() && continues(text.back())) text.pop_back();
     if (!text.empty()) text.pop_back();
-    const std::string candidate = text + std::string(ellipsis);
+    std::string candidate = text + std::string(ellipsis);
     if (width(candidate, size, bold) <= most) return candidate;
   }
   return {};

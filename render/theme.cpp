@@ -54,12 +54,12 @@ Theme dark() {
   t.grid_minor = rgb(0xa9c4e6, 15);
   t.grid_major = rgb(0xa9c4e6, 44);
   t.paper = rgb(0x12161c);
-  t.card = rgb(0x1d242d);
+  t.card = rgb(0x2b3541);
   t.text = rgb(0xeef2f6);
   t.text_muted = rgb(0x9aa7b5);
   t.text_on_earth = rgb(0xa79c8b);
   t.label = rgb(0x0c1015, 200);
-  t.rigid = rgb(0x0b0d10);
+  t.rigid = rgb(0x07080a);
   t.soft = rgb(0x9fa6ae);
   t.horizontal = rgb(0xf28a35);
   t.vertical = rgb(0x5aa2da);

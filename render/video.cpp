@@ -17,8 +17,6 @@
 
 #include "libevo/base/error.h"
 
-extern "C" char** environ;
-
 namespace evo::render {
 namespace {
 
@@ -70,19 +68,21 @@ using Arguments = std::vector<std::string>;
 Arguments encoder_arguments(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".mp4")
-    return {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18", "-pix_fmt", "yuv420p",
-            "-movflags", "+faststart", "-f", "mp4"};
+    return {"-c:v",     "libx264", "-preset",   "veryfast",   "-crf", "18",
+            "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f",   "mp4"};
   if (extension == ".webm")
-    return {"-c:v", "libvpx-vp9", "-crf", "30", "-b:v", "0", "-deadline", "realtime", "-cpu-used",
-            "6", "-row-mt", "1", "-pix_fmt", "yuv420p", "-f", "webm"};
+    return {"-c:v",      "libvpx-vp9", "-crf",      "30",  "-b:v",    "0",
+            "-deadline", "realtime",   "-cpu-used", "6",   "-row-mt", "1",
+            "-pix_fmt",  "yuv420p",    "-f",        "webm"};
   throw error(Failure::usage, "{}: a video ends in .mp4 or .webm", path.string());
 }
 
 Arguments ffmpeg_arguments(const std::filesystem::path& path, const std::filesystem::path& output) {
-  Arguments all{"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-y", "-f",
-                "yuv4mpegpipe", "-i", "pipe:0", "-an", "-map_metadata", "-1", "-fflags",
-                "+bitexact", "-color_primaries", "bt709", "-color_trc", "bt709", "-colorspace",
-                "bt709", "-color_range", "tv"};
+  Arguments all{
+      "ffmpeg", "-nostdin",     "-hide_banner", "-loglevel",        "error", "-y",
+      "-f",     "yuv4mpegpipe", "-i",           "pipe:0",           "-an",   "-map_metadata",
+      "-1",     "-fflags",      "+bitexact",    "-color_primaries", "bt709", "-color_trc",
+      "bt709",  "-colorspace",  "bt709",        "-color_range",     "tv"};
   const Arguments encoder = encoder_arguments(path);
   all.insert(all.end(), encoder.begin(), encoder.end());
   all.push_back("file:" + output.string());
@@ -111,11 +111,12 @@ void to_yuv(const PixelView& image, std::span<std::uint8_t> out) {
   std::uint8_t* u_plane = y_plane + static_cast<std::ptrdiff_t>(width) * height;
   std::uint8_t* v_plane = u_plane + static_cast<std::ptrdiff_t>(half(width)) * half(height);
   for (std::ptrdiff_t k = 0; k < static_cast<std::ptrdiff_t>(width) * height; ++k)
-    y_plane[k] = static_cast<std::uint8_t>(
-        luma(pixels[4 * k], pixels[4 * k + 1], pixels[4 * k + 2]));
+    y_plane[k] =
+        static_cast<std::uint8_t>(luma(pixels[4 * k], pixels[4 * k + 1], pixels[4 * k + 2]));
   for (int y = 0; y < height; y += 2) {
     const std::uint8_t* upper = pixels + 4 * static_cast<std::ptrdiff_t>(y) * width;
-    const std::uint8_t* lower = y + 1 < height ? upper + 4 * width : upper;
+    const std::uint8_t* lower =
+        y + 1 < height ? upper + 4 * static_cast<std::ptrdiff_t>(width) : upper;
     for (int x = 0; x < width; x += 2) {
       const int here = 4 * x;
       const int next = x + 1 < width ? here + 4 : here;
@@ -153,7 +154,7 @@ bool write_quietly(int descriptor, std::string_view bytes, const std::string& la
 
 struct FfmpegEncoder::Process {
   pid_t id = -1;
-  int input = -1;      // frames go in here
+  int input = -1;       // frames go in here
   int complaints = -1;  // its standard error, an unlinked temporary file
 
   Process() = default;
@@ -193,8 +194,7 @@ struct FfmpegEncoder::Process {
     posix_spawn_file_actions_adddup2(&actions, frames, STDIN_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, complaints, STDERR_FILENO);
-    const int code =
-        ::posix_spawnp(&id, words.front(), &actions, nullptr, words.data(), environ);
+    const int code = ::posix_spawnp(&id, words.front(), &actions, nullptr, words.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     if (code != 0) id = -1;
     return code;

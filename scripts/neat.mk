@@ -7,14 +7,16 @@ METHOD := neat
 NEAT ?=
 METHOD_SETTINGS = neat=$(if $(NEAT),$(NEAT),default)
 GENERATIONS = $(call counting,$(call batches,$(EVALS),$(POP)))
-slots = $(call counting,$(call lines_or,$(POPULATION),$(call batch_size,$(GEN))))
+# Whole populations: EVALS is rounded up to a multiple of POP, as in the benchmark.
+# Reproduction may yield a few robots more, all of which are kept.
+slots = $(call counting,$(call lines_or,$(POPULATION),$(POP)))
 
 all:
 
 include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
 
 ifdef GEN
-NEAT_OPTIONS := -n $(call batch_size,$(GEN)) --seed $(call stage_seed,$(GEN)) $(if $(NEAT),--neat '$(NEAT)')
+NEAT_OPTIONS := -n $(POP) --seed $(call stage_seed,$(GEN)) $(if $(NEAT),--neat '$(NEAT)')
 
 # The population's file comes last, so that where it is, the species are too.
 ifeq ($(GEN),0)

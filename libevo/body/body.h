@@ -27,7 +27,7 @@ inline constexpr int largest_side = 1000;
 struct Link {
   int a = 0;
   int b = 0;
-  auto operator<=>(const Link&) const = default;
+  auto operator<=>(const Link&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
 };
 
 struct Body {

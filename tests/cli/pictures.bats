@@ -25,9 +25,9 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   cmp a.png b.png
 }
 
-@test "works in a read-only folder with the output elsewhere, and refuses what it cannot do" {
+@test "what cannot be drawn is refused in one line, and leaves no file" {
   episode r.h5
-  fails_with 2 "--size" -- evo-render r.h5 -o x.png --size 0x9
+  fails_with 2 "0x9" "8192" -- evo-render r.h5 -o x.png --size 0x9
   fails_with 2 "-o" -- evo-render r.h5
   fails_with 2 "walk.xyz" -- evo-render r.h5 -o walk.xyz
   fails_with 66 "none.h5" -- evo-render none.h5 -o x.mp4

@@ -57,7 +57,9 @@ TEST_CASE("captions tell task, robot, step, time and return so far") {
   CHECK(caption.moment == "step \u20077 / 10   0.14 s");
   CHECK(caption.score == "return \u22123.500");
   CHECK(clip.score(10) == -5);
+  CHECK(caption.brief == "Walker-v0");
   CHECK(Clip({&rollout, 0, "seed 3"}, {}, 1.5).caption(0).detail == "seed 3");
+  CHECK(Clip({&rollout, 0, "seed 3"}, {}, 1.5).caption(0).brief == "seed 3");
 }
 
 TEST_CASE("overlays are made on demand") {
@@ -82,8 +84,9 @@ TEST_CASE("the camera follows what the task says, or what is asked for") {
   const Clip robot({&rollout, 0, ""}, alone, 1.5);
   CHECK(task.scene(60).view.width > robot.scene(60).view.width);
   alone.camera.objects = {"packag"};
-  expect_error(Failure::usage, Contains("did you mean 'package'"),
-               [&] { Clip({&rollout, 0, ""}, alone, 1.5); });
+  expect_error(Failure::usage, Contains("did you mean 'package'"), [&] {
+    Clip({&rollout, 0, ""}, alone, 1.5);
+  });
 }
 
 TEST_CASE("what cannot be drawn is refused with the reason") {
@@ -130,9 +133,17 @@ TEST_CASE("borders of cells that touch without a link are surfaces") {
   CHECK(make_mesh(body, points).edges.size() == 7);
   body.links.clear();
   CHECK(surfaces(make_mesh(body, points)) == 8);
+  // Unlinked, each has an outline of its own.
+  CHECK(make_mesh(body, points).outlines[0].size() == 2);
+  // A ring has one outside and one inside.
+  const auto ring = make_mesh(Body::from_rows({"HHH", "H.H", "HHH"}), points).outlines[0];
+  REQUIRE(ring.size() == 2);
+  CHECK((ring[0].closed && ring[1].closed));
+  CHECK(ring[0].points.size() + ring[1].points.size() == 12 + 4);
   // The same from a compiled model.
   const Model model = example::build(example::task("Walker-v0"), {"HH"});
-  CHECK(surfaces(make_mesh({{model.objects()[0]}, {model.cells().begin(), model.cells().begin() + 2}})) == 6);
+  CHECK(surfaces(make_mesh(
+            {{model.objects()[0]}, {model.cells().begin(), model.cells().begin() + 2}})) == 6);
 }
 
 }  // namespace

@@ -28,9 +28,9 @@ TEST_CASE("a deformed cell is filled inside its border, convex or not") {
   // Whichever corner comes first.
   for (std::size_t turn = 0; turn < 4; ++turn) {
     Drawing drawing({20, 20});
-    drawing.quad({corners[turn], corners[(turn + 1) % 4], corners[(turn + 2) % 4],
-                  corners[(turn + 3) % 4]},
-                 {});
+    drawing.quad(
+        {corners[turn], corners[(turn + 1) % 4], corners[(turn + 2) % 4], corners[(turn + 3) % 4]},
+        {});
     CHECK(area(drawing) == Approx(std::abs(shoelace) / 2));
   }
 }
@@ -48,6 +48,25 @@ TEST_CASE("a line's box surrounds it on all sides and a pale one stands for a th
   thin.line({2, 3}, {8, 3}, 0.5F, {1, 2, 3, 200});
   CHECK(thin.vertices().front().color.a == 100);
   CHECK(thin.vertices().front().radius == 0.5F);
+}
+
+TEST_CASE("the pieces of a stroke share their corners") {
+  const std::array<Point, 4> square{Point{5, 5}, Point{15, 5}, Point{15, 15}, Point{5, 15}};
+  Drawing drawing({20, 20});
+  drawing.stroke(square, true, 2, {});
+  REQUIRE(drawing.vertices().size() == 24);
+  // Half a pixel wider than the line, for smoothing: a frame of 13 x 13 less 7 x 7.
+  CHECK(area(drawing) == Approx(13 * 13 - 7 * 7));
+  Drawing open({20, 20});
+  open.stroke(square, false, 2, {});
+  CHECK(open.vertices().size() == 18);
+
+  // A hairpin, a piece without length, a single point: nothing infinite.
+  Drawing odd({20, 20});
+  const std::array<Point, 4> hairpin{Point{1, 1}, Point{9, 1}, Point{9, 1}, Point{1, 1}};
+  odd.stroke(hairpin, false, 2, {});
+  odd.stroke(std::span(hairpin).first(1), false, 2, {});
+  for (const Vertex& v : odd.vertices()) CHECK((std::abs(v.x) < 20 && std::abs(v.y) < 20));
 }
 
 TEST_CASE("batches change with what is drawn and where") {

@@ -136,7 +136,8 @@ TEST_CASE("few colours are kept exactly, many are close") {
   CHECK(exact.size() == histogram.counts().size());
   PaletteMap map(exact);
   for (std::size_t k = 0; k < frame.rgba.size(); k += 4) {
-    const Color color = map.palette()[map.index(frame.rgba[k], frame.rgba[k + 1], frame.rgba[k + 2])];
+    const Color color =
+        map.palette()[map.index(frame.rgba[k], frame.rgba[k + 1], frame.rgba[k + 2])];
     CHECK((color.r == frame.rgba[k] && color.g == frame.rgba[k + 1]));
   }
 
@@ -153,7 +154,8 @@ TEST_CASE("few colours are kept exactly, many are close") {
   CHECK((orange.r == 250 && orange.g == 140 && orange.b == 60));
   double error = 0;
   for (std::size_t k = 4000; k < noisy.rgba.size(); k += 4) {
-    const Color c = close.palette()[close.index(noisy.rgba[k], noisy.rgba[k + 1], noisy.rgba[k + 2])];
+    const Color c =
+        close.palette()[close.index(noisy.rgba[k], noisy.rgba[k + 1], noisy.rgba[k + 2])];
     error += std::pow(c.r - noisy.rgba[k], 2) + std::pow(c.g - noisy.rgba[k + 1], 2) +
              std::pow(c.b - noisy.rgba[k + 2], 2);
   }

@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 
 // Other versions of Mesa and FreeType may smooth an edge a little differently;
 // a shape that moved by a pixel changes far more.
-constexpr double most_mean_difference = 0.5;     // of 255
-constexpr int large_difference = 48;             // of a channel
+constexpr double most_mean_difference = 0.5;      // of 255
+constexpr int large_difference = 48;              // of a channel
 constexpr double most_large_differences = 0.002;  // share of pixels
 
 void compare(const std::string& name, const Image& picture) {
@@ -45,7 +45,7 @@ void compare(const std::string& name, const Image& picture) {
 
 RenderOptions small() {
   RenderOptions options;
-  options.size = {240, 136};
+  options.size = {208, 118};
   return options;
 }
 
@@ -107,8 +107,8 @@ TEST_CASE("golden: every task at reset and after 100 steps") {
     const Rollout rollout = example::simulate(task, example::walker, 100);
     compare(task + "-100", draw_moment({&rollout, 0, ""}, 100, options));
     options.camera.mode = CameraMode::world;
-    compare(task + "-0", draw_world(example::build(example::task(task), example::walker), task,
-                                    options));
+    compare(task + "-0",
+            draw_world(example::build(example::task(task), example::walker), task, options));
   }
 }
 

@@ -52,9 +52,23 @@ TEST_CASE("a sequence has a file a frame, equal to the picture of that moment") 
   options.every = 2;
   options.workers = 2;
   CHECK(render_video({{&rollout, 0, ""}}, options, folder / "frames/%05d.png").frames == 4);
-  CHECK(read_png(folder / "frames/00002.png").rgba == draw_moment({&rollout, 0, ""}, 4, options).rgba);
+  CHECK(read_png(folder / "frames/00002.png").rgba ==
+        draw_moment({&rollout, 0, ""}, 4, options).rgba);
   CHECK(fs::exists(folder / "frames/00003.png"));
   CHECK_FALSE(fs::exists(folder / "frames/00004.png"));
+}
+
+TEST_CASE("names of sequences are padded as asked for") {
+  const Folder folder;
+  const Rollout rollout = example::simulate("Walker-v0", example::walker, 1);
+  render_video({{&rollout, 0, ""}}, tiny(), folder / "a-%d.png");
+  CHECK(fs::exists(folder / "a-1.png"));
+  render_video({{&rollout, 0, ""}}, tiny(), folder / "b-%03d-c.png");
+  CHECK(fs::exists(folder / "b-001-c.png"));
+  for (const std::string name : {"%5d.png", "%05x.png", "%0999d.png", "%d-%d.png", "%.png"})
+    expect_error(Failure::usage, Contains("frames/%05d.png"), [&] {
+      render_video({{&rollout, 0, ""}}, tiny(), folder / name);
+    });
 }
 
 TEST_CASE("one frame is an ordinary PNG") {
@@ -83,8 +97,9 @@ std::string captured(const std::string& file, F f) {
 TEST_CASE("standard output gets Y4M") {
   const Folder folder;
   const Rollout rollout = example::simulate("Walker-v0", example::walker, 6);
-  const std::string bytes =
-      captured(folder / "y4m", [&] { render_video({{&rollout, 0, ""}}, tiny(), "-"); });
+  const std::string bytes = captured(folder / "y4m", [&] {
+    render_video({{&rollout, 0, ""}}, tiny(), "-");
+  });
   CHECK(bytes.substr(0, 28) == "YUV4MPEG2 W96 H54 F50000:100");
   CHECK(bytes.size() == bytes.find('\n') + 1 + 7 * (6 + 96 * 54 * 3 / 2));
 }
@@ -144,16 +159,20 @@ TEST_CASE("outputs that make no sense are refused") {
     options.size = size;
     render_video({{&rollout, 0, ""}}, options, output);
   };
-  expect_error(Failure::usage, Contains(".avi") && Contains(".mp4"), [&] { to("a.avi", {96, 54}); });
+  expect_error(Failure::usage, Contains(".avi") && Contains(".mp4"), [&] {
+    to("a.avi", {96, 54});
+  });
   expect_error(Failure::usage, Contains("%05d"), [&] { to("a%s.png", {96, 54}); });
   expect_error(Failure::usage, Contains("96x56"), [&] { to("a.mp4", {96, 55}); });
   expect_error(Failure::cannot_create, Contains("nowhere"), [&] { to("nowhere/a.gif", {96, 54}); });
   expect_error(Failure::data, Contains("no episode"), [&] { render_video({}, tiny(), "a.gif"); });
   expect_error(Failure::data, Contains("no robot"), [&] { draw_robots({}, tiny()); });
-  expect_error(Failure::usage, Contains("101"),
-               [&] { draw_moments({&rollout, 0, ""}, 101, tiny()); });
-  expect_error(Failure::usage, Contains("steps 0 to 2"),
-               [&] { draw_moment({&rollout, 0, ""}, 3, tiny()); });
+  expect_error(Failure::usage, Contains("101"), [&] {
+    draw_moments({&rollout, 0, ""}, 101, tiny());
+  });
+  expect_error(Failure::usage, Contains("steps 0 to 2"), [&] {
+    draw_moment({&rollout, 0, ""}, 3, tiny());
+  });
 }
 
 }  // namespace

@@ -1,0 +1,132 @@
+# evo-report: one page about a run, whatever state it is in, or about several.
+load helpers
+
+make_run() { "$EVO_SOURCE/tests/report/make-run.sh" "$@"; }
+# The file has no line like this. (A bare `! grep` would not fail a test.)
+lacks() { if grep -E -- "$1" "$2"; then echo "unwanted: $1" >&2; return 1; fi; }
+count() { grep -o -- "$1" "$2" | wc -l; }
+
+@test "a run: every robot in the table, every generation on the sheet, the champion's line" {
+  make_run run ga 1 4 8 trained
+  evo-report run -o page.html
+  robots=$(wc -l < run/history.jsonl)
+  [ "$(count '<tr id="run-1-' page.html)" -eq "$robots" ]
+  [ "$(count '<symbol id="b-' page.html)" -eq "$robots" ]
+  [ "$(count '<li class="generation">' page.html)" -eq 4 ]
+  # The lineage, followed here by hand.
+  line=0
+  id=$(jq -r .id run/best.json)
+  while [ -n "$id" ]; do
+    line=$((line + 1))
+    id=$(jq -r --arg id "$id" 'select(.id == $id) | .parents[0] // empty' run/history.jsonl)
+  done
+  [ "$(count '<div class="step">' page.html)" -eq "$line" ]
+  grep -q "<dd>$(jq .fitness run/best.json)</dd>" page.html
+  for part in 'data:image/gif' 'data:image/png' 'training steps' 'share of soft voxels'; do
+    grep -q "$part" page.html
+  done
+}
+
+@test "the same run gives the same bytes, wherever its folder is" {
+  make_run here/run ga 1 3 6
+  mkdir elsewhere
+  cp -r here/run elsewhere/run
+  evo-report here/run -o one.html
+  (cd elsewhere/run && evo-report .) > two.html
+  cmp one.html two.html
+}
+
+@test "the page needs no network and says nothing of the machine" {
+  make_run run ga 1 2 6 trained
+  evo-report run -o page.html
+  lacks '(src|href)="([^#d]|d[^a])' page.html
+  lacks '<link|@import|url\(|sourceMappingURL' page.html
+  lacks "$PWD" page.html
+  grep -q '<td class="wrap">fast.yaml</td>' page.html
+}
+
+@test "what comes from files stays text" {
+  make_run '<i>run' ga 1 2 6
+  evo-report '<i>run' --title 'A & <b>' -o page.html
+  grep -q '<h1>A &amp; &lt;b&gt;</h1>' page.html
+  grep -q 'failed: numbers left the finite ones at &lt;b&gt;step&lt;/b&gt;' page.html
+  lacks '<img src=x|<i>run|at <b>step' page.html
+}
+
+@test "an unfinished run: settings alone, half a generation, no video" {
+  make_run run ga 1 2 6
+  mkdir bare half
+  cp run/run.yaml bare
+  evo-report bare > page.html
+  grep -q 'No robot has been trained yet' page.html
+  cp -r run/run.yaml run/gen-000 half
+  mkdir half/gen-001
+  cp run/gen-001/population.jsonl half/gen-001
+  for slot in 0 3 4; do
+    sed -n "$((slot + 1))p" run/gen-001/scores.jsonl > "half/gen-001/0$slot.json"
+  done
+  evo-report half > page.html
+  grep -q '<li class="generation"><b>1 (3/6)</b>' page.html
+  grep -q '>unfinished<' page.html
+}
+
+@test "a run in which every training failed" {
+  make_run run bo 1 1 4
+  jq -c '.fitness = null' run/gen-000/scores.jsonl > failed && mv failed run/gen-000/scores.jsonl
+  evo-report run > page.html
+  grep -q 'every training failed' page.html
+  [ "$(count '<tr id="run-1-' page.html)" -eq 4 ]
+}
+
+@test "a video larger than allowed is left out, and the page says so" {
+  make_run run ga 1 2 6 trained
+  evo-report run --max-video 0.001 > page.html
+  lacks 'data:image/gif' page.html
+  grep -q 'is left out (--max-video)' page.html
+}
+
+@test "several runs: methods side by side, repetitions as their mean" {
+  for seed in 1 2; do make_run "ga-$seed" ga "$seed" 3 6; done
+  make_run neat neat 1 3 6
+  make_run bo bo 1 2 6
+  evo-report ga-1 ga-2 neat bo -o page.html
+  sed -n 's|.*id="charts">\(.*\)</script>|\1|p' page.html > charts.json
+  jq -e '.["chart-1"].labels == ["robots trained", "ga, mean of 2", "ga-1", "ga-2", "neat", "bo"]' charts.json
+  # The mean after the third robot, by hand.
+  mean=$(for seed in 1 2; do head -3 "ga-$seed/history.jsonl" | jq -s 'map(.fitness // empty) | max'; done | jq -s 'add / 2')
+  jq -e --argjson mean "$mean" '.["chart-1"].rows[2][1][1] - $mean | fabs < 1e-12' charts.json
+  [ "$(count '<details id=' page.html)" -eq 4 ]
+  grep -q 'It has no parents' page.html
+  grep -q '>nodes</th>' page.html
+}
+
+@test "curves: best so far and the quartiles of a generation" {
+  make_run run ga 1 3 9
+  evo-report run > page.html
+  sed -n 's|.*id="charts">\(.*\)</script>|\1|p' page.html > charts.json
+  jq -e --argjson best "$(jq .fitness run/best.json)" '.["chart-1"].rows[-1][1][1] == $best' charts.json
+  wanted=$(jq -sc 'map(.fitness) | sort | [.[2], .[4], .[6]]' run/gen-002/scores.jsonl)
+  jq -e --argjson wanted "$wanted" '.["chart-2"].rows[2][3] == $wanted' charts.json
+}
+
+@test "25 robots x 250 evaluations stay far below 10 MB" {
+  make_run run ga 1 18 25
+  [ "$(wc -l < run/history.jsonl)" -ge 225 ]
+  evo-report run -o page.html
+  [ "$(stat -c %s page.html)" -lt 2000000 ]
+}
+
+@test "what is no run is refused" {
+  fails_with 66 "missing" -- evo-report missing
+  mkdir folder && touch file
+  fails_with 65 "folder" "run.yaml" -- evo-report folder
+  fails_with 65 "file" -- evo-report file
+  echo 'format: evo/neat' > folder/run.yaml
+  fails_with 65 "folder/run.yaml:1" "evo/run" -- evo-report folder
+  printf 'format: evo/run\nversion: 9\n' > folder/run.yaml
+  fails_with 65 "folder/run.yaml:2" "newer" -- evo-report folder
+  make_run run ga 1 1 4
+  echo '{"body":["HX"]}' >> run/gen-000/scores.jsonl
+  fails_with 65 "run/gen-000/scores.jsonl" "X" -- evo-report run
+  fails_with 2 "run folder" -- evo-report
+}

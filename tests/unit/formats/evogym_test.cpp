@@ -1,0 +1,299 @@
+#include "formats/evogym.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <string>
+
+#include "formats/files.h"
+#include "formats/npz.h"
+#include "libevo/base/random.h"
+#include "libevo/body/operators.h"
+#include "scratch.h"
+
+using namespace evo;
+using namespace evo::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+// A 5x3 grid: a ground of three fixed cells at the bottom, a block of two soft
+// cells on it, listed top row first as the design tool does.
+const char* const example = R"({
+  "grid_width": 5, "grid_height": 3,
+  "objects": {
+    "ground": {"indices": [1, 2, 3], "types": [5, 5, 5],
+               "neighbors": {"1": [2], "2": [1, 3], "3": [2]}},
+    "block":  {"indices": [12, 7], "types": [2, 1],
+               "neighbors": {"12": [7], "7": [12]}}
+  },
+  "made_by": "a field that is not known"
+})";
+
+World world_of(const Json& document) { return evogym_world_from_json(document, "w.json"); }
+
+// The example after a change at a JSON path.
+std::string refused_with(const char* path, const Json& value) {
+  Json document = Json::parse(example);
+  document[Json::json_pointer(path)] = value;
+  return error_of(Failure::data, [&] { (void)world_of(document); });
+}
+
+std::string refused_without(const std::string& parent, const std::string& key) {
+  Json document = Json::parse(example);
+  document[Json::json_pointer(parent)].erase(key);
+  return error_of(Failure::data, [&] { (void)world_of(document); });
+}
+
+bool same(const World& a, const World& b) {
+  return std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(),
+                    [](const Object& p, const Object& q) {
+                      return p.name == q.name && p.x == q.x && p.y == q.y && p.body == q.body;
+                    });
+}
+
+}  // namespace
+
+TEST_CASE("EvoGym world: objects with their boxes and links") {
+  const World world = world_of(Json::parse(example));
+  REQUIRE(world.objects.size() == 2);
+  CHECK(world.objects[0].name == "ground");
+  CHECK(world.objects[0].x == 1);
+  CHECK(world.objects[0].y == 0);
+  CHECK(world.objects[0].body == Body::from_rows({"###"}));
+  CHECK(world.objects[1].name == "block");
+  CHECK(world.objects[1].x == 2);
+  CHECK(world.objects[1].y == 1);
+  CHECK(world.objects[1].body == Body::from_rows({"S", "R"}));
+}
+
+TEST_CASE("EvoGym world: the grid's own size is not kept, the rest comes back") {
+  const World world = world_of(Json::parse(example));
+  const Json written = evogym_world_to_json(world);
+  CHECK(written["grid_width"] == 4);
+  CHECK(written["grid_height"] == 3);
+  CHECK(same(world_of(written), world));
+  const ScratchFolder folder;
+  write_evogym_world(folder / "w.json", world);
+  CHECK(same(read_evogym_world(folder / "w.json"), world));
+}
+
+TEST_CASE("EvoGym world: round trip of random worlds") {
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    Stream stream(1, "test/worlds", i);
+    World world;
+    int x = 0;
+    for (int k = stream.integer(1, 4); k > 0; --k) {
+      Body body = sample_body(stream.integer(1, 5), stream.integer(1, 5), default_weights, stream);
+      // Trim: a file knows cells, not the empty border of a matrix.
+      const auto rows = body.to_rows();
+      if (rows.front().find_first_not_of('.') == std::string::npos ||
+          rows.back().find_first_not_of('.') == std::string::npos)
+        continue;
+      bool bordered = true;
+      for (const int c : {0, body.cols - 1}) {
+        bool filled = false;
+        for (int r = 0; r < body.rows; ++r) filled = filled || body.at(r, c) != Voxel::empty;
+        bordered = bordered && filled;
+      }
+      if (!bordered) continue;
+      const int cols = body.cols;
+      world.objects.push_back(
+          {"object/" + std::to_string(k), std::move(body), x, stream.integer(0, 3)});
+      x += cols;
+    }
+    REQUIRE(same(world_of(evogym_world_to_json(world)), world));
+  }
+}
+
+TEST_CASE("EvoGym world: single cells, enclosed objects, links from one end") {
+  // A block inside the box of a frame, listed before it.
+  const World world = world_of(Json::parse(R"({"grid_width":3,"grid_height":2,"objects":{
+      "inside":{"indices":[1],"types":[1],"neighbors":{"1":[]}},
+      "frame":{"indices":[0,3,4,5,2],"types":[5,5,5,5,5],
+               "neighbors":{"0":[3],"3":[4],"4":[5],"5":[2],"2":[]}}}})"));
+  REQUIRE(world.objects.size() == 2);
+  CHECK(world.objects[0].body == Body::from_rows({"R"}));
+  CHECK(world.objects[0].x == 1);
+  CHECK(world.objects[1].body == Body::from_rows({"###", "#.#"}));
+  CHECK(same(world_of(evogym_world_to_json(world)), world));
+}
+
+TEST_CASE("EvoGym world: partial links are kept") {
+  Json document = Json::parse(R"({"grid_width":2,"grid_height":2,"objects":{
+      "a":{"indices":[0,1,2,3],"types":[3,3,3,3],
+           "neighbors":{"0":[2],"1":[3],"2":[0,3],"3":[1,2]}}}})");
+  const World world = world_of(document);
+  CHECK(world.objects[0].body.links == std::vector<Link>{{0, 1}, {0, 2}, {1, 3}});
+  CHECK(same(world_of(evogym_world_to_json(world)), world));
+}
+
+TEST_CASE("EvoGym world: every broken rule is named with its path") {
+  CHECK(refused_without("", "grid_width") == "w.json: /grid_width: is missing");
+  CHECK(contains(refused_without("", "objects"), "/objects: is missing"));
+  CHECK(contains(refused_without("/objects/block", "types"), "/objects/block/types: is missing"));
+  CHECK(contains(refused_without("/objects/block", "neighbors"),
+                 "/objects/block/neighbors: is missing"));
+  CHECK(contains(refused_without("/objects/block/neighbors", "7"),
+                 "/objects/block: 2 indices, 2 types and 1 neighbors"));
+  CHECK(contains(refused_with("/grid_width", 0), "/grid_width: expected a number of cells"));
+  CHECK(contains(refused_with("/grid_height", "3"), "/grid_height: expected a number of cells"));
+  CHECK(contains(refused_with("/grid_height", 1000000000), "/grid_height"));
+  CHECK(contains(refused_with("/objects", Json::array()), "/objects: expected a mapping"));
+  CHECK(contains(refused_with("/objects/block", 3), "/objects/block: expected an object record"));
+  CHECK(contains(refused_with("/objects/block/indices/0", 15),
+                 "/objects/block/indices/0: cell 15 is outside the grid of 5x3 cells, 0 to 14"));
+  CHECK(contains(refused_with("/objects/block/indices/0", -1), "cell -1 is outside"));
+  CHECK(contains(refused_with("/objects/block/indices/0", 1.5), "cell 1.5 is outside"));
+  CHECK(contains(refused_with("/objects/block/indices/0", 7),
+                 "/objects/block/indices/1: cell 7 is listed twice"));
+  CHECK(contains(refused_with("/objects/block/types/1", 6),
+                 "/objects/block/types/1: unknown type 6; allowed 0 1 2 3 4 5"));
+  CHECK(contains(refused_with("/objects/block/types/1", "R"), "unknown type \"R\""));
+  CHECK(contains(refused_with("/objects/block/neighbors/12/0", 2),
+                 "/objects/block/neighbors/12/0: neighbour 2 of cell 12 is not a cell of this"));
+  CHECK(contains(refused_with("/objects/block/neighbors/12/0", 99), "outside the grid"));
+  CHECK(contains(refused_with("/objects/ground/neighbors/1/0", 3),
+                 "/objects/ground/neighbors/1/0: neighbour 3 of cell 1 is not adjacent"));
+  CHECK(contains(refused_with("/objects/ground/neighbors/1/0", 1), "not adjacent"));
+  CHECK(contains(refused_with("/objects/ground/neighbors/1", 2), "expected a list"));
+  CHECK(
+      contains(refused_with("/objects/block/types", {0, 0}), "/objects/block: an object without"));
+  CHECK(contains(refused_with("/objects/block/types", {0, 1}), "but one is empty"));
+  CHECK(contains(refused_with("/objects/ground/neighbors",
+                              Json({{"1", {2}}, {"2", {1}}, {"3", Json::array()}})),
+                 "/objects/ground: inside its box, the voxel at row 1, column 3 is not connected"));
+  CHECK(contains(refused_with("/objects/ground/neighbors",
+                              Json({{"1", {2}}, {"2", {3}}, {"x", Json::array()}})),
+                 "/objects/ground/neighbors/x: \"x\" is not a cell of this object"));
+
+  // 4 and 5 follow each other in the numbering, but lie at both ends of a row.
+  CHECK(contains(error_of(Failure::data,
+                          [] {
+                            (void)world_of(Json::parse(
+                                R"({"grid_width":5,"grid_height":2,"objects":{"a":{"indices":
+                                [0,1,2,3,4,5],"types":[1,1,1,1,1,1],"neighbors":{"0":[1],"1":[2],
+                                "2":[3],"3":[4],"4":[5],"5":[]}}}})"));
+                          }),
+                 "neighbour 5 of cell 4 is not adjacent"));
+  // Two objects in one cell.
+  Json overlapping = Json::parse(example);
+  overlapping["objects"]["peg"] = {
+      {"indices", {7}}, {"types", {1}}, {"neighbors", {{"7", Json::array()}}}};
+  CHECK(error_of(Failure::data, [&] { (void)world_of(overlapping); }) ==
+        "w.json: /objects/peg: the cell at x 2, y 1 belongs to object \"block\", too");
+  // A few cells cannot span a large box.
+  CHECK(contains(error_of(Failure::data,
+                          [] {
+                            (void)world_of(Json::parse(
+                                R"({"grid_width":100000,"grid_height":100000,"objects":{"a":
+                                {"indices":[0,9999999999],"types":[1,1],
+                                "neighbors":{"0":[],"9999999999":[]}}}})"));
+                          }),
+                 "2 cells cannot connect the 100000x100000 cells"));
+
+  const ScratchFolder folder;
+  write_file(folder / "w.json", R"({"grid_width":1,"grid_height":1,"objects":{"a":1,"a":2}})");
+  CHECK(contains(error_of(Failure::data, [&] { (void)read_evogym_world(folder / "w.json"); }),
+                 "the key \"a\" is given twice"));
+  error_of(Failure::no_input, [&] { (void)read_evogym_world(folder / "none.json"); });
+}
+
+TEST_CASE("EvoGym world: what the format cannot hold is not written") {
+  const Body cell = Body::from_rows({"R"});
+  error_of(Failure::data, [&] { (void)evogym_world_to_json({{{"a", cell, -1, 0}}}); });
+  error_of(Failure::data, [&] {
+    (void)evogym_world_to_json({{{"a", cell, 0, 0}, {"a", cell, 1, 0}}});
+  });
+}
+
+TEST_CASE("EvoGym world: a robot is a world of one object") {
+  const Robot robot(Body::from_rows({"HVH", "S.S"}));
+  const World world = evogym_world_of_robot(robot);
+  CHECK(robot_from_evogym_world(world_of(evogym_world_to_json(world)), "r.json").id == robot.id);
+  const World two = world_of(Json::parse(example));
+  CHECK(contains(error_of(Failure::data, [&] { (void)robot_from_evogym_world(two, "r.json"); }),
+                 "r.json: holds 2 objects; a robot file holds exactly one"));
+}
+
+TEST_CASE("EvoGym experiment: robots with fitness, each once") {
+  const ScratchFolder folder;
+  const Body a = Body::from_rows({"HV"});
+  const Body b = Body::from_rows({"VV"});
+  const Body c = Body::from_rows({"HH", "V."});
+  const auto structures = [&](int generation) {
+    const fs::path place = folder.path() / fmt::format("generation_{}", generation) / "structure";
+    fs::create_directories(place);
+    return place;
+  };
+  write_file(folder / "metadata.txt", "POP_SIZE: 2\nSTRUCTURE_SHAPE: 1 2\nMAX_EVALUATIONS: 4\n");
+  CHECK_FALSE(is_evogym_experiment(folder.path()));
+  write_npz(structures(0) / "0.npz", a);
+  write_npz(structures(0) / "1.npz", b);
+  write_file(structures(0).parent_path() / "output.txt", "1\t\t2.5\n0\t\t-0.1\n");
+  write_npz(structures(1) / "0.npz", b);  // the survivor
+  write_npz(structures(1) / "1.npz", c);
+  write_file(structures(1).parent_path() / "output.txt", "1\t\t3.25\n0\t\t2.5\n");
+  CHECK(is_evogym_experiment(folder.path()));
+
+  auto robots = read_evogym_experiment(folder.path());
+  REQUIRE(robots.size() == 3);
+  CHECK(robots[0].body == b);
+  CHECK(robots[0].fitness() == 2.5);
+  CHECK(robots[0].document["origin"] ==
+        Json({{"tool", "evogym"}, {"generation", 0}, {"label", 1}}));
+  CHECK(robots[1].body == a);
+  CHECK(robots[1].fitness() == -0.1);
+  CHECK(robots[2].body == c);
+  CHECK(robots[2].fitness() == 3.25);
+  CHECK(robots[2].document["origin"]["generation"] == 1);
+
+  SECTION("an unfinished generation has robots without fitness") {
+    write_npz(structures(2) / "0.npz", Body::from_rows({"H"}));
+    robots = read_evogym_experiment(folder.path());
+    REQUIRE(robots.size() == 4);
+    CHECK_FALSE(robots[3].document.contains("fitness"));
+  }
+  SECTION("a fitness that is no number is null") {
+    write_file(structures(1).parent_path() / "output.txt", "1\t\t-inf\n0\t\t7\n");
+    robots = read_evogym_experiment(folder.path());
+    CHECK(robots[2].document["fitness"].is_null());
+    CHECK(robots[0].fitness() == 7.0);  // trained again and better
+  }
+  SECTION("what is wrong is named") {
+    const fs::path ranking = structures(1).parent_path() / "output.txt";
+    const auto refused = [&](Failure kind) {
+      return error_of(kind, [&] { (void)read_evogym_experiment(folder.path()); });
+    };
+    write_file(ranking, "1\t\t3\n0\t\tx\n");
+    CHECK(contains(refused(Failure::data), "output.txt: line 2: expected a label and a fitness"));
+    write_file(ranking, "1\t\t3\n1\t\t2\n");
+    CHECK(contains(refused(Failure::data), "label 1 is ranked twice"));
+    write_file(ranking, "5\t\t3\n");
+    CHECK(contains(refused(Failure::no_input), "5.npz"));
+    error_of(Failure::no_input, [&] { (void)read_evogym_experiment(folder / "none"); });
+    error_of(Failure::no_input, [&] { (void)read_evogym_experiment(structures(0)); });
+  }
+}
+
+TEST_CASE("EvoGym world: damaged text throws Error and nothing else") {
+  const std::string original = compact(Json::parse(example));
+  int refusals = 0;
+  for (std::uint64_t i = 0; i < 5000; ++i) {
+    Stream stream(3, "test/damage", i);
+    std::string text = original;
+    for (std::uint32_t k = 1 + stream.below(3); k > 0; --k) {
+      const std::string signs = "{}[]\",:-0123456789. ";
+      text[stream.below(static_cast<std::uint32_t>(text.size()))] =
+          signs[stream.below(static_cast<std::uint32_t>(signs.size()))];
+    }
+    try {
+      for (const Object& object : world_of(parse_json(text, "in")).objects)
+        REQUIRE_FALSE(defect(object.body, false));
+    } catch (const Error& e) {
+      REQUIRE(e.kind() == Failure::data);
+      ++refusals;
+    }
+  }
+  CHECK(refusals > 2500);
+}

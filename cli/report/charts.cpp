@@ -132,8 +132,7 @@ std::vector<Repetitions> repetitions(const std::vector<const Run*>& runs) {
     groups[group->second].runs.push_back(run);
   }
   for (Repetitions& group : groups)
-    group.label =
-        fmt::format("{} (mean of {})", name_of(*group.runs[0], groups), group.runs.size());
+    group.label = fmt::format("{}, mean of {}", name_of(*group.runs[0], groups), group.runs.size());
   return groups;
 }
 
@@ -215,9 +214,9 @@ Json progress_chart(const Run& run) {
 Json generation_chart(const Run& run) {
   Chart chart("generation", "fitness", true);
   chart.series("best so far", "thick");
-  chart.series("best of the generation", "line");
+  chart.series("best", "line");
   chart.series("median", "line", "quartiles");
-  chart.series("mean", "line", "standard deviation", true);
+  chart.series("mean", "line", "s.d.", true);
   double best = nothing;
   for (const Generation& generation : run.generations) {
     std::vector<double> scores;
@@ -242,7 +241,7 @@ Json comparison_chart(const std::vector<const Run*>& runs) {
   std::vector<std::vector<Point>> columns;
   for (const Repetitions& group : repetitions(runs)) {
     if (group.runs.size() > 1) {
-      chart.series(group.label, "step", "standard deviation");
+      chart.series(group.label, "step", "s.d.");
       columns.push_back(mean_curve(group, curves));
     }
     for (const Run* run : group.runs) {

@@ -46,8 +46,9 @@ struct Page {
   }
 };
 
-std::string heading(const std::string& title, const std::string& about) {
-  return fmt::format("<h3>{}</h3>\n<p class=\"about\">{}</p>\n", title, about);
+std::string heading(const std::string& id, const std::string& title, const std::string& about) {
+  return fmt::format("<h3{}>{}</h3>\n<p class=\"about\">{}</p>\n",
+                     id.empty() ? "" : fmt::format(" id=\"{}\"", id), title, about);
 }
 
 std::string count_of(std::size_t count, const std::string& thing) {
@@ -127,7 +128,8 @@ std::string kinds_of(const Body& body) {
   for (const Voxel kind : kinds)
     if (const auto count = std::count(body.cells.begin(), body.cells.end(), kind); count > 0)
       parts.push_back(
-          fmt::format("<span class=\"swatch {0}\"></span>{1} {0}", kind_name(kind), count));
+          fmt::format("<span class=\"part\"><span class=\"swatch {0}\"></span>{1} {0}</span>",
+                      kind_name(kind), count));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -145,11 +147,14 @@ std::string moving_picture(const Video& video) {
       "<video src=\"{}\" controls loop muted playsinline preload=\"auto\"></video>\n", source);
 }
 
+// Both themes; the style sheet shows one.
 std::string still_pictures(const Film& film) {
-  return fmt::format(
-      "<picture><source media=\"screen and (prefers-color-scheme: dark)\" srcset=\"{}\">"
-      "<img class=\"film\" src=\"{}\" alt=\"Six moments of the champion at its task\"></picture>\n",
-      data_uri("image/png", film.dark), data_uri("image/png", film.light));
+  const auto image = [](const char* theme, const std::string& png) {
+    return fmt::format(
+        "<img class=\"film {}\" src=\"{}\" alt=\"Six moments of the champion at its task\">\n",
+        theme, data_uri("image/png", png));
+  };
+  return image("light", film.light) + image("dark", film.dark);
 }
 
 std::string champion_facts(const Run& run) {
@@ -174,7 +179,8 @@ std::string champion_facts(const Run& run) {
 
 std::string champion_card(const Run& run, const std::string& anchor, Page& page) {
   const Robot& robot = run.robots[*run.champion].robot;
-  std::string html = fmt::format("<section class=\"card\" id=\"{}-champion\">\n<h3>Champion</h3>\n", anchor);
+  std::string html =
+      fmt::format("<section class=\"card\">\n<h3 id=\"{}-champion\">Champion</h3>\n", anchor);
   html += fmt::format("<div class=\"champion{}\">\n", run.video ? "" : " still");
   if (run.video) html += "<div>" + moving_picture(*run.video) + "</div>\n";
   if (!run.video) html += "<div>" + page.body(robot) + "</div>\n";
@@ -222,35 +228,35 @@ std::string sheet_cell(const Run& run, std::size_t robot, int generation, const 
                      anchor, entry.robot.id, page.body(entry.robot), shown(entry.fitness));
 }
 
+std::string sheet_column(const Run& run, const Generation& generation, const std::string& anchor,
+                         Page& page) {
+  const bool partial = generation.members.size() < generation.planned;
+  std::string column = fmt::format(
+      "<li class=\"generation\"><b>{}{}</b>", generation.number,
+      partial ? fmt::format(" ({}/{})", generation.members.size(), generation.planned) : "");
+  for (const std::size_t robot : best_of(generation, run))
+    column += sheet_cell(run, robot, generation.number, anchor, page);
+  return column + "</li>\n";
+}
+
 std::string evolution_card(const Run& run, const std::string& anchor, Page& page) {
   const std::vector<const Generation*> generations = sheet_generations(run);
-  std::string head = "<th scope=\"row\">generation</th>";
-  std::array<std::string, sheet_rows> rows;
-  for (const Generation* generation : generations) {
-    const bool partial = generation->members.size() < generation->planned;
-    head += fmt::format(
-        "<th scope=\"col\">{}{}</th>", generation->number,
-        partial ? fmt::format(" ({}/{})", generation->members.size(), generation->planned) : "");
-    const std::vector<std::size_t> best = best_of(*generation, run);
-    for (std::size_t rank = 0; rank < sheet_rows; ++rank)
-      rows[rank] += fmt::format(
-          "<td>{}</td>",
-          rank < best.size() ? sheet_cell(run, best[rank], generation->number, anchor, page) : "");
-  }
-  std::string body;
-  for (std::size_t rank = 0; rank < sheet_rows; ++rank)
-    body += fmt::format("<tr><th scope=\"row\">{}</th>{}</tr>\n",
-                        rank == 0 ? "best" : fmt::format("{}.", rank + 1), rows[rank]);
+  std::string columns = "<li class=\"ranks\"><b>generation</b><span>best</span>";
+  for (std::size_t rank = 2; rank <= sheet_rows; ++rank)
+    columns += fmt::format("<span>{}.</span>", rank);
+  columns += "</li>\n";
+  for (const Generation* generation : generations)
+    columns += sheet_column(run, *generation, anchor, page);
   const std::string some =
       generations.size() < run.generations.size() ? " Not every generation is shown." : "";
   return fmt::format(
-      "<section class=\"card long\">\n{}<div class=\"scroll\"><table class=\"sheet\">\n"
-      "<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody></table></div>\n</section>\n",
-      heading("Evolution",
+      "<section class=\"card long\">\n{}<div class=\"scroll\"><ol class=\"sheet\">\n{}</ol></div>\n"
+      "</section>\n",
+      heading(anchor + "-evolution", "Evolution",
               "The best four robots of each generation, fitness below. A frame marks robots that "
               "were new in their generation, a coloured one the champion." +
                   some),
-      head, body);
+      columns);
 }
 
 // ---- the lineage ------------------------------------------------------------------------------
@@ -297,8 +303,8 @@ std::string lineage_step(const Run& run, const Entry& entry, const Entry* from,
   std::optional<std::vector<Change>> changed;
   if (from != nullptr) changed = changes(from->robot.body, entry.robot.body);
   return fmt::format(
-      "<li><div class=\"step\"><a href=\"#{}-{}\">{}</a><span class=\"score\">{}</span>{}"
-      "<div class=\"note\">generation {}</div></div></li>\n",
+      "<li><div class=\"step\"><a href=\"#{}-{}\">{}</a><div><span class=\"score\">{}</span>{}"
+      "<div class=\"note\">generation {}</div></div></div></li>\n",
       anchor, entry.robot.id, page.body(entry.robot, changed.value_or(std::vector<Change>{})),
       shown(entry.fitness), from != nullptr ? descent(run, entry, *from, changed) : "",
       entry.generation);
@@ -308,12 +314,12 @@ std::string lineage_card(const Run& run, const std::string& anchor, Page& page) 
   const std::vector<std::size_t> line = lineage(run, *run.champion);
   std::string html = "<section class=\"card long\">\n";
   if (line.size() == 1) {
-    html += heading("Lineage of the champion",
+    html += heading(anchor + "-lineage", "Lineage of the champion",
                     parent_ids(run.robots[line[0]].robot).empty()
                         ? "It has no parents: it was drawn anew, not made from another robot."
                         : "Its parents are not in this run.");
   } else {
-    html += heading("Lineage of the champion",
+    html += heading(anchor + "-lineage", "Lineage of the champion",
                     fmt::format("{} from the first ancestor; voxels that differ from the robot "
                                 "before are outlined, and the gain in fitness stands beside it.",
                                 count_of(line.size() - 1, "step")));
@@ -392,10 +398,9 @@ std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
   for (std::size_t k = 0; k < run.robots.size(); ++k)
     rows += robot_row(run, k, has_genomes, anchor, page);
   return fmt::format(
-      "<section class=\"card long\" id=\"{}-robots\">\n{}<div class=\"scroll\">"
+      "<section class=\"card long\">\n{}<div class=\"scroll\">"
       "<table class=\"data robots sortable\">\n{}<tbody>\n{}</tbody></table></div>\n</section>\n",
-      anchor,
-      heading("All robots",
+      heading(anchor + "-robots", "All robots",
               fmt::format("{}. A click on a heading sorts by it. Numbers are the order of "
                           "training, "
                           "generations where a robot was new; &ldquo;changed&rdquo; counts the "
@@ -434,7 +439,7 @@ std::string settings_card(const std::vector<const Run*>& runs) {
                         escape(name), cells);
   }
   return fmt::format(
-      "<section class=\"card\">\n<h3>Settings</h3>\n<div class=\"scroll\">"
+      "<section class=\"card\">\n<h3 id=\"settings\">Settings</h3>\n<div class=\"scroll\">"
       "<table class=\"data\">\n{}<tbody>\n{}</tbody></table></div>\n</section>\n",
       head, rows);
 }
@@ -442,20 +447,19 @@ std::string settings_card(const std::vector<const Run*>& runs) {
 // ---- sections
 // ---------------------------------------------------------------------------------------------
 
-std::string chart_card(const std::string& title, const std::string& about,
+std::string chart_card(const std::string& id, const std::string& title, const std::string& about,
                        const std::string& chart) {
-  return "<section class=\"card\">\n" + heading(title, about) + chart + "</section>\n";
+  return "<section class=\"card\">\n" + heading(id, title, about) + chart + "</section>\n";
 }
 
 std::string curves(const Run& run, const std::string& anchor, Page& page) {
-  return "<div class=\"two\">\n" +
-         chart_card("Fitness by robots trained",
-                    "The best fitness so far, and the fitness of every robot.",
-                    page.chart(progress_chart(run), anchor)) +
-         chart_card("Fitness by generation",
-                    "What each generation holds, survivors included.",
-                    page.chart(generation_chart(run), anchor)) +
-         "</div>\n";
+  std::string html = "<div class=\"two\">\n";
+  html += chart_card(anchor + "-curves", "Fitness by robots trained",
+                     "The best fitness so far, and the fitness of every robot.",
+                     page.chart(progress_chart(run), anchor));
+  html += chart_card("", "Fitness by generation", "Survivors included; the bands show the spread.",
+                     page.chart(generation_chart(run), anchor));
+  return html + "</div>\n";
 }
 
 std::string features_card(const Run& run, const std::string& anchor, Page& page) {
@@ -463,7 +467,7 @@ std::string features_card(const Run& run, const std::string& anchor, Page& page)
   for (FeatureChart& feature : feature_charts(run))
     charts += page.chart(std::move(feature.chart), anchor, "small");
   return "<section class=\"card long\">\n" +
-         heading("Fitness and the body",
+         heading(anchor + "-body", "Fitness and the body",
                  "Every robot a point, the champion in orange. Hover over a point to see its "
                  "robot; a click leads to its row below.") +
          "<div class=\"three\">\n" + charts + "</div>\n</section>\n";
@@ -473,17 +477,33 @@ std::string learning_card(const Run& run, const std::string& anchor, Page& page)
   Json chart = learning_chart(run);
   if (chart.is_null())
     return "<section class=\"card\">\n" +
-           heading("Learning curve of the champion",
+           heading(anchor + "-learning", "Learning curve of the champion",
                    "Its policy file is not in the run folder, so there is no curve.") +
            "</section>\n";
-  return chart_card("Learning curve of the champion", "Returns of its evaluations during training.",
+  return chart_card(anchor + "-learning", "Learning curve of the champion",
+                    "Returns of its evaluations during training.",
                     page.chart(std::move(chart), anchor));
+}
+
+void link_parts(const Run& run, const std::string& anchor, Page& page) {
+  if (run.champion) {
+    page.link(anchor + "-champion", "Champion");
+    page.link(anchor + "-curves", "Curves");
+    page.link(anchor + "-evolution", "Evolution");
+    page.link(anchor + "-lineage", "Lineage");
+    page.link(anchor + "-body", "Bodies");
+    page.link(anchor + "-learning", "Learning");
+  }
+  page.link("settings", "Settings");
+  if (!run.robots.empty()) page.link(anchor + "-robots", "Robots");
 }
 
 void add_run(const Run& run, const std::string& anchor, bool alone, Page& page) {
   std::string html;
+  if (alone) link_parts(run, anchor, page);
   if (!alone)
-    html += fmt::format("<h2 id=\"{}\">{} {}</h2>\n", anchor, escape(run.label), badge(run));
+    html += fmt::format("<details id=\"{}\">\n<summary><h2>{} {}</h2></summary>\n", anchor,
+                        escape(run.label), badge(run));
   html += tiles(run);
   if (run.champion) {
     html += champion_card(run, anchor, page);
@@ -501,6 +521,7 @@ void add_run(const Run& run, const std::string& anchor, bool alone, Page& page) 
     if (alone) html += settings_card({&run});
   }
   if (!run.robots.empty()) html += robots_card(run, anchor, page);
+  if (!alone) html += "</details>\n";
   page.sections += html;
 }
 
@@ -537,7 +558,7 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
   page.sections += fmt::format(
       "<section class=\"card\">\n{}<div class=\"scroll\"><table class=\"data sortable\">\n{}"
       "<tbody>\n{}</tbody></table></div>\n</section>\n",
-      heading("Runs", "The champion of each run, and the robot of the run it was."),
+      heading("", "Runs", "The champion of each run, and the robot of the run it was."),
       table_head({{"champion", "", nullptr},
                   {"run", "", "ascending"},
                   {"task", "", "ascending"},
@@ -551,7 +572,7 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
       rows);
   for (const auto& [task, group] : tasks)
     page.sections += chart_card(
-        "Best fitness so far on " + escape(task),
+        "", "Best fitness so far on " + escape(task),
         "By robots trained. Runs that differ in nothing but their seed are one curve, their mean "
         "with its standard deviation as far as all of them have come; each can be added.",
         page.chart(comparison_chart(group), ""));
@@ -562,7 +583,12 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
 // --------------------------------------------------------------------------------------------
 
 std::string default_title(const std::vector<Run>& runs) {
-  if (runs.size() > 1) return fmt::format("Comparison of {} runs", runs.size());
+  if (runs.size() > 1) {
+    const std::string task = runs[0].setting("task");
+    const bool same = std::all_of(runs.begin(), runs.end(),
+                                  [&](const Run& run) { return run.setting("task") == task; });
+    return fmt::format("{}{} runs compared", same ? task + ": " : "", runs.size());
+  }
   return fmt::format("{}: {}", runs[0].setting("task"), runs[0].label);
 }
 
@@ -582,6 +608,12 @@ std::string legend() {
   return html;
 }
 
+// A browser's developer tools would look for the map beside the page.
+std::string without_source_map(std::string_view text) {
+  const std::size_t end = std::min(text.rfind("//# sourceMap"), text.rfind("/*# sourceMap"));
+  return std::string(text.substr(0, end));
+}
+
 // JSON inside of a script element: no text in it can end the element.
 std::string script_data(const Json& data) {
   std::string safe;
@@ -595,6 +627,7 @@ std::string make_page(const std::vector<Run>& runs, const PageOptions& options) 
   Page page;
   const bool alone = runs.size() == 1;
   if (!alone) add_comparison(runs, page);
+  if (!alone) page.link("settings", "Settings");
   for (std::size_t k = 0; k < runs.size(); ++k) {
     if (!alone) page.link(anchor_of(k), runs[k].label);
     add_run(runs[k], anchor_of(k), alone, page);
@@ -603,8 +636,8 @@ std::string make_page(const std::vector<Run>& runs, const PageOptions& options) 
   return fill(page_template(), {{"title", title},
                                 {"lead", lead(runs)},
                                 {"generator", escape(options.generator)},
-                                {"dygraphs_css", std::string(dygraphs_style())},
-                                {"dygraphs_js", std::string(dygraphs_script())},
+                                {"dygraphs_css", without_source_map(dygraphs_style())},
+                                {"dygraphs_js", without_source_map(dygraphs_script())},
                                 {"style", std::string(style())},
                                 {"script", std::string(script())},
                                 {"symbols", page.symbols},

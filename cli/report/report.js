@@ -99,7 +99,7 @@
       visibility: chart.visible.slice(), legend: 'never', fillAlpha: 0.18,
       xlabel: chart.x, ylabel: chart.y, xLabelHeight: 18, yLabelWidth: 18,
       gridLineColor: faint, axisLineColor: faint, gridLineWidth: 1,
-      xRangePad: 14, yRangePad: 14, animatedZooms: false, highlightCircleSize: 4,
+      xRangePad: 18, yRangePad: 14, animatedZooms: false, highlightCircleSize: 4,
       ...(scattered ? { highlightSeriesOpts: { highlightCircleSize: 6 }, highlightSeriesBackgroundAlpha: 1 } : {}),
       ...(xs[0] === xs[xs.length - 1] ? { dateWindow: [xs[0] - (xs[0] || 1), 2 * xs[0] + (xs[0] ? 0 : 1)] } : {}),
       axes: {
@@ -118,7 +118,7 @@
     chart.series.forEach((series, k) => {
       const box = element('input', { type: 'checkbox' });
       box.checked = chart.visible[k];
-      const label = element('label', {}, box, chart.labels[k + 1] + (series.band ? ` (band: ${series.band})` : ''));
+      const label = element('label', {}, box, chart.labels[k + 1] + (series.band ? ` (${series.band})` : ''));
       label.style.setProperty('--series', colors[k]);
       label.classList.toggle('off', !box.checked);
       box.addEventListener('change', () => {
@@ -133,9 +133,20 @@
     toggles.append(reset);
   };
 
-  // Paper is narrower than a screen, and the charts are pictures of a fixed width.
-  const printing = (on) => () => {
-    document.body.classList.toggle('printing', on);
+  // Paper is narrower than a screen, and what is drawn on a canvas now would not be
+  // printed: pictures of the charts stand in for them.
+  const beforePrint = () => {
+    document.body.classList.add('printing');
+    for (const graph of drawn) graph.resize();
+    for (const canvas of document.querySelectorAll('.plot canvas')) {
+      const image = element('img', { class: 'frozen', style: canvas.style.cssText, decoding: 'sync' });
+      image.src = canvas.toDataURL();
+      canvas.after(image);
+    }
+  };
+  const afterPrint = () => {
+    document.body.classList.remove('printing');
+    for (const image of document.querySelectorAll('.frozen')) image.remove();
     for (const graph of drawn) graph.resize();
   };
 
@@ -170,8 +181,23 @@
     });
   };
 
-  document.querySelectorAll('[data-chart]').forEach(draw);
+  // Runs of a comparison are folded; their charts are drawn when they have a size.
+  const drawVisible = () => document.querySelectorAll('[data-chart]').forEach((holder) => {
+    if (holder.offsetWidth > 0 && !holder.hasChildNodes()) draw(holder);
+  });
+  const unfold = () => {
+    const target = document.getElementById(location.hash.slice(1));
+    const fold = target && target.closest('details');
+    if (!fold || fold.open) return;
+    fold.open = true;
+    target.scrollIntoView();
+  };
+
+  drawVisible();
+  document.querySelectorAll('details').forEach((fold) => fold.addEventListener('toggle', drawVisible));
+  addEventListener('hashchange', unfold);
+  unfold();
   document.querySelectorAll('table.sortable').forEach(sortable);
-  addEventListener('beforeprint', printing(true));
-  addEventListener('afterprint', printing(false));
+  addEventListener('beforeprint', beforePrint);
+  addEventListener('afterprint', afterPrint);
 })();

@@ -58,6 +58,16 @@ bool is_inside(V p, const Quad& q) {
   return c * d >= 0.0 && c * e >= 0.0;
 }
 
+// Of an upright rectangle: outside, as is_inside would find. Its other products
+// have the same factor twice (tl.y and tr.y, tr.x and br.x, ...), which keeps
+// their signs right whatever the rounding; only a point that lies exactly on the
+// diagonal's line counts as inside wherever it is.
+bool is_beyond(V p, V top_left, V bottom_right) {
+  const bool outside =
+      p.x < top_left.x || p.x > bottom_right.x || p.y > top_left.y || p.y < bottom_right.y;
+  return outside && cross(bottom_right - p, top_left - p) != 0.0;
+}
+
 double square_distance(V p, V a, V b) {
   const V along = b - a;
   const double length = dot(along, along);
@@ -96,7 +106,7 @@ class Points {
   }
   void add_force(std::int32_t slot, V f) const {
     if (!moves(slot)) return;
-    double* force = view_.force + offset(slot);
+    double* force = view_.force + offset(slot) * view_.force_spacing;
     force[0] += f.x;
     force[view_.stride] += f.y;
   }
@@ -149,6 +159,17 @@ Scratch& scratch() {
   return memory;
 }
 
+// Whether a cell is at rest for ever, as drawn: terrain, or fixed cells that
+// nothing moving feels.
+bool is_still_rectangle(const Model::Compiled& world, const Points& points, std::uint32_t cell) {
+  for (const std::int32_t corner : cell_of(world, cell).corners)
+    if (points.moves(corner) && !world.plan.held[static_cast<std::size_t>(corner)]) return false;
+  const Quad q = points.quad(cell_of(world, cell));
+  return q.top_left.x == q.bottom_left.x && q.top_right.x == q.bottom_right.x &&
+         q.top_left.y == q.top_right.y && q.bottom_left.y == q.bottom_right.y &&
+         q.top_left.x < q.top_right.x && q.bottom_left.y < q.top_left.y;
+}
+
 // Corners of cell a that are near cell b and no corner of it.
 void list_corners(const Model::Compiled& world, const Points& points, std::uint32_t a,
                   std::uint32_t b, double skin, std::vector<ContactCandidate>& found) {
@@ -159,7 +180,8 @@ void list_corners(const Model::Compiled& world, const Points& points, std::uint3
     const V p = points(corner);
     if (!within(p, box, skin)) continue;
     if (std::find(cell.corners.begin(), cell.corners.end(), corner) != cell.corners.end()) continue;
-    if (is_near(p, points.quad(cell), skin)) found.push_back({4 * a + k, b});
+    if (!is_near(p, points.quad(cell), skin)) continue;
+    found.push_back({4 * a + k, b & 0x7FFFFFFFU, is_still_rectangle(world, points, b) ? 1U : 0U});
   }
 }
 
@@ -388,6 +410,9 @@ class Pusher {
     const std::uint32_t corner = candidate.corner % 4;
     const std::int32_t point = owner.corners[corner];
     const V p = points_(point);
+    if (candidate.rectangle &&
+        is_beyond(p, points_(cell.corners[top_left]), points_(cell.corners[bottom_right])))
+      return false;
     if (!is_inside(p, points_.quad(cell))) return false;
 
     static constexpr std::array<std::array<Side, 2>, 4> probes{

@@ -25,12 +25,14 @@ inline constexpr double pair_move_limit = 0.0199;  // of any point, for pairs of
 inline constexpr double self_move_limit = 0.0398;  // of two points of one object, relative
 
 // One environment's points in the kernels' arrays: slot s has its x at
-// [2*s*stride] and its y at [2*s*stride + stride].
+// [2*s*stride] and its y at [2*s*stride + stride]; forces are `force_spacing`
+// times as far apart.
 struct PointView {
   const double* position = nullptr;
   const double* previous = nullptr;  // one substep ago
   double* force = nullptr;           // contact forces are added here
   std::size_t stride = 1;
+  std::size_t force_spacing = 1;
 };
 
 // Sizes the lists for the model; they start invalid.

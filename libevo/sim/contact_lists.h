@@ -2,6 +2,7 @@
 // far (a neighbour list with a skin, as molecular dynamics uses them).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,7 +11,8 @@ namespace evo {
 // A corner of one surface cell against another surface cell.
 struct ContactCandidate {
   std::uint32_t corner = 0;  // 4 * surface cell + Corner
-  std::uint32_t cell = 0;
+  std::uint32_t cell : 31 = 0;
+  std::uint32_t rectangle : 1 = 0;  // the cell cannot move and is an upright rectangle
 };
 
 struct ContactLists {
@@ -19,7 +21,7 @@ struct ContactLists {
     std::vector<ContactCandidate> candidates;
     // Pairs of surface cells that count for self-folding and whose boxes may
     // overlap; empty when there are too few of them to fold the object.
-    std::vector<ContactCandidate> folding;
+    std::vector<std::array<std::uint32_t, 2>> folding;
     bool valid = false;
   };
   std::vector<Self> self;  // one a block of the plan

@@ -64,10 +64,12 @@ class Planner {
 
   Plan make(const std::vector<int>& first_points) {
     choose_springs();
-    gather_ends();
-    choose_roles();
     number_slots(first_points);
+    order_points();
+    order_springs();
+    list_points();
     list_springs();
+    list_strain_limits();
     list_rigid_edges();
     list_drives();
     return std::move(plan_);
@@ -83,102 +85,148 @@ class Planner {
       moves[at(dynamics_.springs[at(edge)].a)] = 1;
       moves[at(dynamics_.springs[at(edge)].b)] = 1;
     }
-    felt_.assign(at(dynamics_.points), 0);
+    std::vector<std::uint8_t> felt(at(dynamics_.points));  // an end of a live spring
     for (int s = 0; s < static_cast<int>(dynamics_.springs.size()); ++s) {
       const Spring& spring = dynamics_.springs[at(s)];
       if (!moves[at(spring.a)] && !moves[at(spring.b)]) continue;
-      chosen_.push_back(s);
-      felt_[at(spring.a)] = felt_[at(spring.b)] = 1;
+      live_.push_back(s);
+      felt[at(spring.a)] = felt[at(spring.b)] = 1;
     }
-    plan_.live_springs = static_cast<int>(chosen_.size());
     for (int s = 0; s < static_cast<int>(dynamics_.springs.size()); ++s) {
       const Spring& spring = dynamics_.springs[at(s)];
       if (moves[at(spring.a)] || moves[at(spring.b)]) continue;
-      if (felt_[at(spring.a)] || felt_[at(spring.b)]) chosen_.push_back(s);
+      if (felt[at(spring.a)] || felt[at(spring.b)]) frozen_.push_back(s);
     }
-    plan_.springs = static_cast<int>(chosen_.size());
-    number_.assign(dynamics_.springs.size(), -1);
-    for (int n = 0; n < plan_.springs; ++n) number_[at(chosen_[at(n)])] = n;
-  }
-
-  void gather_ends() {
-    a_ends_.resize(at(dynamics_.points));
-    b_ends_.resize(at(dynamics_.points));
-    for (std::size_t s = 0; s < dynamics_.springs.size(); ++s) {  // the order of summation
-      if (number_[s] < 0) continue;
-      a_ends_[at(dynamics_.springs[s].a)].push_back(number_[s]);
-      b_ends_[at(dynamics_.springs[s].b)].push_back(number_[s]);
-    }
-  }
-
-  void choose_roles() {
-    for (std::size_t i = 0; i < at(dynamics_.points); ++i)
-      roles_.push_back(!dynamics_.fixed[i] ? Role::free : felt_[i] ? Role::anchored : Role::held);
+    for (std::size_t i = 0; i < felt.size(); ++i)
+      roles_.push_back(!dynamics_.fixed[i] ? Role::free : felt[i] ? Role::anchored : Role::held);
   }
 
   void number_slots(const std::vector<int>& first_points) {
     plan_.slots = dynamics_.points;
     plan_.slot_of.resize(at(dynamics_.points));
     for (std::size_t block = 0; block + 1 < first_points.size(); ++block) {
-      std::vector<int> points;
-      for (int i = first_points[block]; i < first_points[block + 1]; ++i) points.push_back(i);
-      const auto key = [&](int i) {
-        return std::tuple(roles_[at(i)], a_ends_[at(i)].size(), b_ends_[at(i)].size());
-      };
-      std::stable_sort(points.begin(), points.end(), [&](int i, int j) {
-        if (roles_[at(i)] == Role::held && roles_[at(j)] == Role::held) return false;
-        return key(i) < key(j);
-      });
       PlanBlock info;
       info.first = static_cast<int>(plan_.state_of.size());
-      info.count = static_cast<int>(points.size());
-      for (std::size_t k = 0; k < points.size(); ++k) {
-        const int i = points[k];
-        const int slot = static_cast<int>(plan_.state_of.size());
-        plan_.slot_of[at(i)] = slot;
-        plan_.state_of.push_back(i);
-        if (roles_[at(i)] == Role::held) continue;
-        ++info.integrated;
-        if (k == 0 || key(points[k - 1]) != key(i)) {
-          PlanRun run;
-          run.first = slot;
-          run.a_ends = static_cast<int>(a_ends_[at(i)].size());
-          run.b_ends = static_cast<int>(b_ends_[at(i)].size());
-          run.first_end = static_cast<int>(plan_.ends.size());
-          run.anchored = roles_[at(i)] == Role::anchored;
-          plan_.runs.push_back(run);
+      info.count = first_points[block + 1] - first_points[block];
+      for (const Role role : {Role::free, Role::anchored, Role::held}) {
+        for (int i = first_points[block]; i < first_points[block + 1]; ++i) {
+          if (roles_[at(i)] != role) continue;
+          plan_.slot_of[at(i)] = static_cast<std::int32_t>(plan_.state_of.size());
+          plan_.state_of.push_back(i);
+          plan_.held.push_back(role == Role::held ? 1 : 0);
+          if (role != Role::held) ++info.integrated;
         }
-        ++plan_.runs.back().count;
-        plan_.ends.insert(plan_.ends.end(), a_ends_[at(i)].begin(), a_ends_[at(i)].end());
-        plan_.ends.insert(plan_.ends.end(), b_ends_[at(i)].begin(), b_ends_[at(i)].end());
       }
       plan_.blocks.push_back(info);
     }
   }
 
-  void list_springs() {
-    LimitTable limits(physics_.strain_limit);
+  // Free points by slot, those with too many springs last; then anchored ones.
+  void order_points() {
+    a_ends_.resize(at(dynamics_.points));
+    b_ends_.resize(at(dynamics_.points));
+    std::vector<int> chosen = live_;
+    chosen.insert(chosen.end(), frozen_.begin(), frozen_.end());
+    std::sort(chosen.begin(), chosen.end());  // the order of summation
+    for (const int s : chosen) {
+      a_ends_[at(dynamics_.springs[at(s)].a)].push_back(s);
+      b_ends_[at(dynamics_.springs[at(s)].b)].push_back(s);
+    }
+    for (const std::int32_t i : plan_.state_of)
+      if (roles_[at(i)] != Role::held) order_.push_back(i);
+    std::stable_sort(order_.begin(), order_.end(), [&](int i, int j) { return turn(i) < turn(j); });
+    rank_.assign(at(dynamics_.points), static_cast<int>(order_.size()));
+    for (std::size_t k = 0; k < order_.size(); ++k) rank_[at(order_[k])] = static_cast<int>(k);
+  }
+
+  bool is_regular(int i) const {
+    return a_ends_[at(i)].size() <= Plan::regular_ends &&
+           b_ends_[at(i)].size() <= Plan::regular_ends;
+  }
+  int turn(int i) const { return roles_[at(i)] == Role::anchored ? 2 : is_regular(i) ? 0 : 1; }
+  int first_rank(int s) const {
+    const Spring& spring = dynamics_.springs[at(s)];
+    return std::min(rank_[at(spring.a)], rank_[at(spring.b)]);
+  }
+
+  // Springs follow the points: whichever end is integrated first decides, so
+  // that a point can be integrated soon after its last spring is computed.
+  void order_springs() {
+    std::vector<int> sorted = live_;
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [&](int s, int t) { return first_rank(s) < first_rank(t); });
+    number_.assign(dynamics_.springs.size(), -1);
+    for (const std::vector<int>* springs : {&sorted, &frozen_}) {
+      for (const int s : *springs) {
+        number_[at(s)] = static_cast<std::int32_t>(computed_.size());
+        computed_.push_back(s);
+      }
+    }
+  }
+
+  void list_points() {
     const auto padded =
-        (chosen_.size() + Plan::spring_padding - 1) / Plan::spring_padding * Plan::spring_padding;
-    for (std::size_t n = 0; n < padded; ++n) {
-      const Spring& s = dynamics_.springs[at(chosen_[std::min(n, chosen_.size() - 1)])];
+        (computed_.size() + Plan::spring_padding - 1) / Plan::spring_padding * Plan::spring_padding;
+    plan_.null_spring = static_cast<int>(padded);
+    std::size_t springs = 0;  // whose first end has been integrated
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+      const int i = order_[k];
+      const bool regular = turn(i) == 0;
+      PlanPoint point{plan_.slot_of[at(i)], static_cast<std::int32_t>(plan_.ends.size()), 0, 0};
+      point.a_ends = list_ends(a_ends_[at(i)], regular);
+      point.b_ends = list_ends(b_ends_[at(i)], regular);
+      plan_.points.push_back(point);
+      if (roles_[at(i)] == Role::anchored) continue;
+      ++plan_.free_points;
+      if (regular) ++plan_.regular_points;
+      while (springs < live_.size() && first_rank(computed_[springs]) <= static_cast<int>(k))
+        ++springs;
+      plan_.springs_before.push_back(static_cast<std::int32_t>(springs));
+    }
+  }
+
+  std::int32_t list_ends(const std::vector<int>& springs, bool regular) {
+    const std::size_t count = regular ? Plan::regular_ends : springs.size();
+    for (std::size_t k = 0; k < count; ++k)
+      plan_.ends.push_back(k < springs.size() ? number_[at(springs[k])] : plan_.null_spring);
+    return static_cast<std::int32_t>(count);
+  }
+
+  void list_springs() {
+    plan_.live_springs = static_cast<int>(live_.size());
+    plan_.springs = static_cast<int>(computed_.size());
+    for (std::size_t n = 0; n < at(plan_.null_spring); ++n) {
+      const Spring& s = dynamics_.springs[at(computed_[std::min(n, computed_.size() - 1)])];
       plan_.a.push_back(plan_.slot_of[at(s.a)]);
       plan_.b.push_back(plan_.slot_of[at(s.b)]);
-      plan_.a_free.push_back(dynamics_.fixed[at(s.a)] ? 0 : 1);
-      plan_.b_free.push_back(dynamics_.fixed[at(s.b)] ? 0 : 1);
       plan_.rest.push_back(s.rest);
       plan_.stiffness.push_back(s.stiffness);
-      plan_.limits.push_back(limits.of(s.rest));
-      plan_.shortest_square.push_back(plan_.limits.back().shortest_square);
-      plan_.longest_square.push_back(plan_.limits.back().longest_square);
+    }
+  }
+
+  void list_strain_limits() {
+    LimitTable limits(physics_.strain_limit);
+    Plan::Strain& strain = plan_.strain;
+    const auto padded =
+        (live_.size() + Plan::spring_padding - 1) / Plan::spring_padding * Plan::spring_padding;
+    for (std::size_t n = 0; n < padded; ++n) {
+      const Spring& s = dynamics_.springs[at(live_[std::min(n, live_.size() - 1)])];
+      strain.a.push_back(plan_.slot_of[at(s.a)]);
+      strain.b.push_back(plan_.slot_of[at(s.b)]);
+      strain.a_free.push_back(dynamics_.fixed[at(s.a)] ? 0 : 1);
+      strain.b_free.push_back(dynamics_.fixed[at(s.b)] ? 0 : 1);
+      strain.limits.push_back(limits.of(s.rest));
+      strain.shortest_square.push_back(strain.limits.back().shortest_square);
+      strain.longest_square.push_back(strain.limits.back().longest_square);
     }
   }
 
   void list_rigid_edges() {
     LimitTable limits(physics_.rigid_strain_limit);
     for (const int edge : dynamics_.rigid_edges) {
-      plan_.rigid_edges.push_back(number_[at(edge)]);
-      plan_.rigid_limits.push_back(limits.of(dynamics_.springs[at(edge)].rest));
+      const Spring& s = dynamics_.springs[at(edge)];
+      plan_.rigid_edges.push_back(
+          {plan_.slot_of[at(s.a)], plan_.slot_of[at(s.b)], limits.of(s.rest)});
     }
   }
 
@@ -191,11 +239,13 @@ class Planner {
   const Dynamics& dynamics_;
   const Physics& physics_;
   Plan plan_;
-  std::vector<int> chosen_;           // springs of Dynamics in plan order
-  std::vector<std::int32_t> number_;  // spring of Dynamics -> of the plan, or -1
-  std::vector<std::uint8_t> felt_;    // a point: it is an end of a live spring
-  std::vector<std::vector<std::int32_t>> a_ends_, b_ends_;
+  std::vector<int> live_, frozen_;    // springs, in the order of Dynamics
+  std::vector<int> computed_;         // springs, in the order of the plan
+  std::vector<std::int32_t> number_;  // a spring -> its place in the plan, or -1
   std::vector<Role> roles_;
+  std::vector<std::vector<int>> a_ends_, b_ends_;  // a point: its springs
+  std::vector<int> order_;                         // points as they are integrated
+  std::vector<int> rank_;                          // a point: its place in that order
 };
 
 }  // namespace

@@ -13,8 +13,7 @@ namespace evo {
 struct Dynamics;
 
 // The kernels number points by slot. Every moving object has a block of slots:
-// first its free points, then its anchored, then its held ones, the first two
-// sorted by how many springs they gather, so that loops have steady lengths.
+// first its free points, then its anchored, then its held ones.
 //
 //   free      not fixed
 //   anchored  fixed, but joined by a spring to a point that can move: its final
@@ -26,14 +25,13 @@ struct PlanBlock {
   int count = 0;
 };
 
-// Slots in a row that gather equally many springs, all free or all anchored.
-struct PlanRun {
-  int first = 0;
-  int count = 0;
-  int a_ends = 0;     // springs whose first end this point is, then
-  int b_ends = 0;     // springs whose second end it is
-  int first_end = 0;  // into Plan::ends; a_ends + b_ends entries a point
-  bool anchored = false;
+// A point with the springs it gathers, in the order in which forces are summed:
+// first those whose end a it is, then those whose end b.
+struct PlanPoint {
+  std::int32_t slot = 0;
+  std::int32_t first_end = 0;  // into Plan::ends
+  std::int32_t a_ends = 0;
+  std::int32_t b_ends = 0;
 };
 
 // What strain limiting compares with. A spring is within its limits when the
@@ -51,25 +49,48 @@ struct Plan {
   std::vector<std::int32_t> slot_of;   // State index -> slot
   std::vector<std::int32_t> state_of;  // slot -> State index
   std::vector<PlanBlock> blocks;       // one a moving object, world order
-  std::vector<PlanRun> runs;
-  std::vector<std::int32_t> ends;  // spring numbers, in the order forces are summed
+  std::vector<std::uint8_t> held;      // a slot: its point is held
 
-  // Springs in the order of Dynamics. The first `live_springs` change: an end
-  // can move. Frozen ones follow, between fixed points, one of them anchored:
-  // their force is the same in every substep of a control step. The arrays are
-  // padded with copies of the last spring up to a multiple of spring_padding.
+  // Springs in the order forces are computed: the first `live_springs` change,
+  // as an end can move. Frozen ones follow, between fixed points, one of them
+  // anchored: their force is the same in every substep of a control step. The
+  // arrays are padded with copies of the last spring to a multiple of
+  // spring_padding; the spring after that, null_spring, has no force.
   static constexpr int spring_padding = 8;
   int live_springs = 0;
   int springs = 0;
-  std::vector<std::int32_t> a, b;            // slots of the ends
-  std::vector<std::uint8_t> a_free, b_free;  // strain limiting may move this end
+  int null_spring = 0;
+  std::vector<std::int32_t> a, b;  // slots of the ends
   std::vector<double> rest;
   std::vector<double> stiffness;
-  std::vector<double> shortest_square, longest_square;  // of `limits`, for vector loads
-  std::vector<StrainLimit> limits;
 
-  std::vector<std::int32_t> rigid_edges;  // springs of rigid cells, in order of correction
-  std::vector<StrainLimit> rigid_limits;
+  // Free points, then anchored ones, each in the order they are integrated.
+  // `springs_before` of the i-th free point: how many springs must have been
+  // computed before it; it never falls. Nearly every point has at most
+  // regular_ends springs of either kind; its list is filled up with null_spring
+  // to that many, so that loops over points have no branches.
+  static constexpr int regular_ends = 4;
+  std::vector<PlanPoint> points;
+  std::size_t regular_points = 0;  // the first ones
+  std::size_t free_points = 0;     // the first ones, regular or not
+  std::vector<std::int32_t> springs_before;
+  std::vector<std::int32_t> ends;  // springs
+
+  // Live springs once more, in the order of Dynamics: that of corrections.
+  struct Strain {
+    std::vector<std::int32_t> a, b;
+    std::vector<std::uint8_t> a_free, b_free;             // this end may be moved
+    std::vector<double> shortest_square, longest_square;  // of `limits`, for vector loads
+    std::vector<StrainLimit> limits;
+  } strain;
+
+  // Edges of rigid cells in order of correction.
+  struct RigidEdge {
+    std::int32_t a = 0;
+    std::int32_t b = 0;
+    StrainLimit limit;
+  };
+  std::vector<RigidEdge> rigid_edges;
 
   // Drives whose spring something feels.
   struct Drive {

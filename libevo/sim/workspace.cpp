@@ -1,18 +1,47 @@
 #include "libevo/sim/workspace.h"
 
+#include <algorithm>
+
 namespace evo {
 
-void Workspace::prepare(const Plan& plan, std::size_t lanes) {
+void Workspace::prepare(const Plan& plan, const Layout& layout) {
+  lay_out(plan, layout);
+  const auto slot = [&](std::int32_t s) {
+    return static_cast<std::uint32_t>(2 * static_cast<std::size_t>(s) * layout.lanes);
+  };
+  spring_ends_.clear();
+  for (std::size_t s = 0; s < plan.a.size(); ++s)
+    spring_ends_.push_back({slot(plan.a[s]), slot(plan.b[s]), plan.stiffness[s]});
+  strain_ends_.clear();
+  for (std::size_t s = 0; s < plan.strain.a.size(); ++s)
+    strain_ends_.push_back({slot(plan.strain.a[s]), slot(plan.strain.b[s]), 0.0});
+  point_offsets_.clear();
+  for (const PlanPoint& point : plan.points) point_offsets_.push_back(slot(point.slot));
+  ends_.clear();
+  for (const std::int32_t end : plan.ends)
+    ends_.push_back(static_cast<std::uint32_t>(static_cast<std::size_t>(end) * layout.force_record +
+                                               layout.force_offset));
+  corrected_.resize(plan.strain.a.size());
+  spring_ends = spring_ends_.data();
+  strain_ends = strain_ends_.data();
+  point_offsets = point_offsets_.data();
+  ends = ends_.data();
+  corrected = corrected_.data();
+}
+
+void Workspace::lay_out(const Plan& plan, const Layout& layout) {
   const std::size_t slots = static_cast<std::size_t>(plan.slots);
   const std::size_t springs = plan.a.size();
-  // Every array starts at a cache line; a vector load of four or eight springs
-  // may read a little past the last.
+  // Every array starts at a cache line, and one line more keeps equal indices
+  // of two arrays out of the same cache set.
   constexpr std::size_t line = HWY_ALIGNMENT / sizeof(double);
-  // One line more, so that equal indices of two arrays do not share a cache set.
   const auto rounded = [](std::size_t n) { return (n + line - 1) / line * line + line; };
-  const std::size_t per_slot = rounded(2 * slots * lanes);
-  const std::size_t per_spring = rounded(springs * lanes);
-  const std::size_t needed = 10 * per_slot + 2 * per_spring + 2 * rounded(2 * springs * lanes);
+  const std::size_t positions = rounded(2 * slots * layout.lanes);
+  const std::size_t motions = rounded(Motion::records * 2 * slots * layout.lanes);
+  const std::size_t lengths = rounded(springs * layout.lanes);
+  const std::size_t forces = rounded((springs + 1) * layout.force_record);
+  const std::size_t corrections = rounded(2 * springs * layout.lanes);
+  const std::size_t needed = 6 * positions + motions + 2 * lengths + forces + corrections;
   if (needed > capacity_) {
     memory_ = hwy::AllocateAligned<double>(needed);
     capacity_ = needed;
@@ -23,15 +52,15 @@ void Workspace::prepare(const Plan& plan, std::size_t lanes) {
     next += n;
     return taken;
   };
-  for (double** array : {&position, &previous, &velocity, &stage_position, &stage_velocity,
-                         &position_sum, &velocity_sum, &contact, &self_reference, &pair_reference})
-    *array = take(per_slot);
-  goal = take(per_spring);
-  length = take(per_spring);
-  force = take(rounded(2 * springs * lanes));
-  correction = take(rounded(2 * springs * lanes));
-  if (corrected_.size() < springs) corrected_.resize(springs);
-  corrected = corrected_.data();
+  for (double** array : {&position, &previous, &stage_position[0], &stage_position[1],
+                         &self_reference, &pair_reference})
+    *array = take(positions);
+  motion = take(motions);
+  goal = take(lengths);
+  length = take(lengths);
+  force = take(forces);
+  correction = take(corrections);
+  std::fill_n(force + springs * layout.force_record, layout.force_record, 0.0);
 }
 
 }  // namespace evo

@@ -12,32 +12,64 @@
 
 namespace evo {
 
-// Lane-interleaved: for W lanes, point (or spring) i has its W values of x at
-// [2*i*W] and its W values of y at [(2*i+1)*W]; scalars of springs at [i*W].
+// A point's record in Workspace::motion holds (x, y) pairs of these; with W
+// lanes, the x of the n-th pair is at [2*n*W], its y at [2*n*W + W].
+struct Motion {
+  static constexpr std::size_t velocity = 0;
+  static constexpr std::size_t stage_velocity = 2;
+  static constexpr std::size_t position_sum = 4;  // k1 + 2 k2 + 2 k3 + k4
+  static constexpr std::size_t velocity_sum = 6;
+  static constexpr std::size_t contact = 8;  // contact force, constant in a substep
+  static constexpr std::size_t records = 5;  // pairs
+};
+
+// Offsets of a spring's ends in arrays of positions.
+struct SpringEnds {
+  std::uint32_t a = 0;
+  std::uint32_t b = 0;
+  double stiffness = 0.0;
+};
+
+// How a kernel lays out its arrays.
+struct Layout {
+  std::size_t lanes = 1;
+  std::size_t force_record = 2;  // values a spring in Workspace::force
+  std::size_t force_offset = 0;  // of the force in that record
+};
+
 struct Workspace {
-  double* position = nullptr;         // slots: at the start of the substep
-  double* previous = nullptr;         // slots: one substep earlier; then the next positions
-  double* velocity = nullptr;         // slots
-  double* stage_position = nullptr;   // slots: where a Runge-Kutta stage evaluates
-  double* stage_velocity = nullptr;   // slots
-  double* position_sum = nullptr;     // slots: k1 + 2 k2 + 2 k3 + k4
-  double* velocity_sum = nullptr;     // slots
-  double* contact = nullptr;          // slots: contact forces of the substep
-  double* self_reference = nullptr;   // slots: where contact lists were made
-  double* pair_reference = nullptr;   // slots
-  double* goal = nullptr;             // springs, one value: goal length
-  double* length = nullptr;           // springs, one value: rest length L of the substep
-  double* force = nullptr;            // springs
+  // Positions: for W lanes, slot i has its W values of x at [2*i*W], its W
+  // values of y at [2*i*W + W].
+  double* position = nullptr;        // at the start of the substep
+  double* previous = nullptr;        // one substep earlier; then the next positions
+  double* stage_position[2] = {};    // where a Runge-Kutta stage evaluates, and the next
+  double* self_reference = nullptr;  // where contact lists were made
+  double* pair_reference = nullptr;
+  double* motion = nullptr;  // a record a slot
+
+  double* goal = nullptr;             // springs: goal length
+  double* length = nullptr;           // springs: rest length L of the substep
+  double* force = nullptr;            // springs and the null spring: a record each
   double* correction = nullptr;       // springs: of those beyond their strain limit, in turn
   std::int32_t* corrected = nullptr;  // springs: which they are
 
-  // Lays the arrays out for a plan and a number of lanes.
-  void prepare(const Plan& plan, std::size_t lanes);
+  // The plan's tables as offsets in these arrays.
+  const SpringEnds* spring_ends = nullptr;
+  const SpringEnds* strain_ends = nullptr;
+  const std::uint32_t* point_offsets = nullptr;  // positions of Plan::points
+  const std::uint32_t* ends = nullptr;           // forces of Plan::ends
+
+  // Makes room for a plan, and its tables.
+  void prepare(const Plan& plan, const Layout& layout);
 
  private:
+  void lay_out(const Plan& plan, const Layout& layout);
+
   hwy::AlignedFreeUniquePtr<double[]> memory_;
   std::size_t capacity_ = 0;
   std::vector<std::int32_t> corrected_;
+  std::vector<SpringEnds> spring_ends_, strain_ends_;
+  std::vector<std::uint32_t> point_offsets_, ends_;
 };
 
 }  // namespace evo

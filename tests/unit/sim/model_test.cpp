@@ -58,7 +58,7 @@ TEST_CASE("springs of two cells: order, ends, stiffness, limits") {
   CHECK(d.rigid_edges == std::vector<int>{0, 3, 1, 2});
   CHECK(d.drives.size() == 2);
 
-  const StrainLimit& limit = model.compiled().plan.limits[0];
+  const StrainLimit& limit = model.compiled().plan.strain.limits[0];
   CHECK_FALSE(std::sqrt(limit.longest_square) / 0.1 > 1.25);
   CHECK(std::sqrt(std::nextafter(limit.longest_square, 1.0)) / 0.1 > 1.25);
   CHECK_FALSE(std::sqrt(limit.shortest_square) / 0.1 < 0.75);

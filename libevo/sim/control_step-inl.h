@@ -1,0 +1,271 @@
+// One control step with either kernel (see kernels.cpp): loads states into the
+// workspace, runs the substeps, stores them back. Included once an instruction
+// set (see Highway's "-inl.h" files).
+
+#if defined(LIBEVO_SIM_CONTROL_STEP_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LIBEVO_SIM_CONTROL_STEP_INL_H_
+#undef LIBEVO_SIM_CONTROL_STEP_INL_H_
+#else
+#define LIBEVO_SIM_CONTROL_STEP_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "libevo/sim/compiled.h"
+#include "libevo/sim/contact.h"
+#include "libevo/sim/state.h"
+#include "libevo/sim/workspace.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace evo {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <class Kernel>
+class ControlStep {
+ public:
+  static constexpr std::size_t width = Kernel::width;
+
+  ControlStep(std::span<Lane> lanes, Workspace& workspace)
+      : lanes_(lanes),
+        plan_(lanes[0].model->compiled().plan),
+        physics_(lanes[0].model->physics()),
+        w_(workspace),
+        kernel_(plan_, physics_, workspace),
+        lead_(lead_of(plan_)) {}
+
+  void run() {
+    w_.prepare(plan_, {width, Kernel::force_record, Kernel::force_offset});
+    for (std::size_t i = 0; i < width; ++i) load(i, lanes_[std::min(i, lanes_.size() - 1)]);
+    clear_contacts();
+    kernel_.template last_springs<true>(w_.position, static_cast<std::size_t>(plan_.live_springs),
+                                        static_cast<std::size_t>(plan_.springs));
+    std::size_t running = lanes_.size();
+    for (int i = 0; i < physics_.substeps && running > 0; ++i) {
+      substep();
+      running -= stop_folded();
+    }
+    for (std::size_t i = 0; i < lanes_.size(); ++i)
+      if (lanes_[i].result == StepResult::done) store(i);
+  }
+
+ private:
+  void substep() {
+    contacts();
+    stage<1>(w_.position, w_.stage_position[0]);
+    stage<2>(w_.stage_position[0], w_.stage_position[1]);
+    stage<3>(w_.stage_position[1], w_.stage_position[0]);
+    stage<4>(w_.stage_position[0], w_.previous);
+    kernel_.limit_strain(w_.previous);
+    kernel_.limit_rigid_strain(w_.previous);
+    std::swap(w_.position, w_.previous);
+  }
+
+  // One stage of Runge-Kutta. Points follow the springs at a distance: while
+  // the divider works on springs, the rest of the processor integrates points.
+  template <int n>
+  void stage(const double* HWY_RESTRICT at, double* HWY_RESTRICT next) {
+    const auto springs = static_cast<std::size_t>(plan_.live_springs);
+    const auto regular = static_cast<std::size_t>(plan_.regular_points);
+    constexpr int few = Plan::regular_ends;
+    const std::uint32_t* points = w_.point_offsets;
+    const std::uint32_t* ends = w_.ends;
+    std::size_t s = 0;
+    std::size_t i = 0;
+    for (; s < lead_ && s + Kernel::springs_at_once <= springs; s += Kernel::springs_at_once)
+      kernel_.template springs<n == 1>(at, s);
+    for (; i < regular && s + Kernel::springs_at_once <= springs; ++i, ends += 2 * few) {
+      kernel_.template springs<n == 1>(at, s);
+      s += Kernel::springs_at_once;
+      kernel_.template point<n>(points[i], ends, few, few, at, next);
+    }
+    kernel_.template last_springs<n == 1>(at, s, springs);
+    for (; i < regular; ++i, ends += 2 * few)
+      kernel_.template point<n>(points[i], ends, few, few, at, next);
+    for (; i < plan_.free_points; ++i) irregular_point<n>(i, at, next);
+    for (; i < plan_.points.size(); ++i) anchored_point<n>(i, at, next);
+  }
+
+  // What others feel of an anchored point is where stages 3 and 4 see it, which
+  // the forces of stages 1 and 2 decide; it ends the substep where it began.
+  template <int n>
+  HWY_INLINE void anchored_point(std::size_t i, const double* at, double* next) {
+    const std::size_t o = w_.point_offsets[i];
+    if constexpr (n < 3) {
+      irregular_point<n>(i, at, next);
+    } else if constexpr (n == 3) {
+      const double* velocity = w_.motion + Motion::records * o + Motion::stage_velocity * width;
+      for (std::size_t k = 0; k < 2 * width; ++k)
+        next[o + k] = w_.position[o + k] + velocity[k] * physics_.substep;
+    } else {
+      std::copy_n(w_.position + o, 2 * width, next + o);
+    }
+  }
+
+  template <int n>
+  HWY_NOINLINE void irregular_point(std::size_t i, const double* at, double* next) {
+    const PlanPoint& point = plan_.points[i];
+    kernel_.template point<n>(w_.point_offsets[i], w_.ends + point.first_end, point.a_ends,
+                              point.b_ends, at, next);
+  }
+
+  // How many springs the points stay behind: enough for every one of them, and
+  // for the roots and quotients under way.
+  static std::size_t lead_of(const Plan& plan) {
+    constexpr std::size_t under_way = 2;
+    std::size_t rounds = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(plan.regular_points); ++i) {
+      const auto needed = static_cast<std::size_t>(plan.springs_before[i]);
+      const std::size_t done = (needed + Kernel::springs_at_once - 1) / Kernel::springs_at_once;
+      if (done > i + 1) rounds = std::max(rounds, done - (i + 1));
+    }
+    return (rounds + under_way) * Kernel::springs_at_once;
+  }
+
+  const Model::Compiled& world(std::size_t i) const { return lanes_[i].model->compiled(); }
+  PointView view(std::size_t i) const {
+    return {w_.position + i, w_.previous + i, w_.motion + Motion::contact * width + i, width,
+            Motion::records};
+  }
+
+  void clear_contacts() {
+    for (std::size_t slot = 0; slot < static_cast<std::size_t>(plan_.slots); ++slot)
+      std::fill_n(w_.motion + (Motion::records * 2 * slot + Motion::contact) * width, 2 * width,
+                  0.0);
+  }
+
+  void contacts() {
+    renew_lists();
+    if (std::exchange(touching_, false)) clear_contacts();
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      if (lanes_[i].result != StepResult::done) continue;
+      const ContactLists& lists = lanes_[i].state->contacts;
+      touching_ |= push_contacts(world(i), lists, view(i));
+      folding_[i] = is_folding(world(i), lists, view(i));
+    }
+  }
+
+  // Finds contact candidates again where something has moved too far.
+  void renew_lists() {
+    HWY_ALIGN double moved[width];
+    kernel_.square_moved(moved);
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      ContactLists& lists = lanes_[i].state->contacts;
+      if (lanes_[i].result != StepResult::done) continue;
+      if (lists.pairs_valid && moved[i] <= pair_move_limit * pair_move_limit) continue;
+      find_pair_contacts(world(i), view(i), lists);
+      load_reference(i, lists.pair_reference, w_.pair_reference, 0, plan_.slots);
+    }
+    for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
+      kernel_.square_sheared(plan_.blocks[block], moved);
+      for (std::size_t i = 0; i < lanes_.size(); ++i) {
+        ContactLists& lists = lanes_[i].state->contacts;
+        if (lanes_[i].result != StepResult::done) continue;
+        if (lists.self[block].valid && moved[i] <= self_move_limit * self_move_limit) continue;
+        find_self_contacts(world(i), world(i).object_of_block[block], view(i), lists);
+        load_reference(i, lists.self_reference, w_.self_reference, plan_.blocks[block].first,
+                       plan_.blocks[block].count);
+      }
+    }
+  }
+
+  // Lanes that folded keep the state at the end of this substep.
+  std::size_t stop_folded() {
+    std::size_t stopped = 0;
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      if (!folding_[i] || lanes_[i].result != StepResult::done) continue;
+      store(i);
+      lanes_[i].result = StepResult::self_folding;
+      ++stopped;
+    }
+    return stopped;
+  }
+
+  void load(std::size_t i, Lane& lane) {
+    State& state = *lane.state;
+    lane.result = StepResult::done;
+    if (state.contacts.self_reference.size() != 2 * state.x.size())
+      prepare_lists(lane.model->compiled(), state.contacts);
+    for (std::size_t slot = 0; slot < static_cast<std::size_t>(plan_.slots); ++slot) {
+      const auto p = static_cast<std::size_t>(plan_.state_of[slot]);
+      set(w_.position, i, slot, state.x[p], state.y[p]);
+      set(w_.previous, i, slot, state.previous_x[p], state.previous_y[p]);
+      set(w_.motion + Motion::velocity * width, i, Motion::records * slot, state.vx[p],
+          state.vy[p]);
+    }
+    for (const PlanBlock& block : plan_.blocks) {
+      for (int held = block.first + block.integrated; held < block.first + block.count; ++held) {
+        const auto slot = static_cast<std::size_t>(held);
+        const auto p = static_cast<std::size_t>(plan_.state_of[slot]);
+        set(w_.previous, i, slot, state.x[p], state.y[p]);
+        for (double* stage_position : w_.stage_position)
+          set(stage_position, i, slot, state.x[p], state.y[p]);
+      }
+    }
+    load_reference(i, state.contacts.self_reference, w_.self_reference, 0, plan_.slots);
+    load_reference(i, state.contacts.pair_reference, w_.pair_reference, 0, plan_.slots);
+    for (std::size_t s = 0; s < plan_.rest.size(); ++s) w_.goal[s * width + i] = plan_.rest[s];
+    for (const Plan::Drive& drive : plan_.drives) {
+      const double mean =
+          (target(state, drive.first_actuator) + target(state, drive.second_actuator)) / 2.0;
+      const auto s = static_cast<std::size_t>(drive.spring);
+      w_.goal[s * width + i] = mean * plan_.rest[s];
+    }
+  }
+
+  double target(const State& state, std::int32_t actuator) const {
+    return std::clamp(state.targets[static_cast<std::size_t>(actuator)], physics_.min_target,
+                      physics_.max_target);
+  }
+
+  void store(std::size_t i) const {
+    State& state = *lanes_[i].state;
+    for (std::size_t slot = 0; slot < static_cast<std::size_t>(plan_.slots); ++slot) {
+      const auto p = static_cast<std::size_t>(plan_.state_of[slot]);
+      const std::size_t o = 2 * slot * width + i;
+      state.x[p] = w_.position[o];
+      state.y[p] = w_.position[o + width];
+      state.previous_x[p] = w_.previous[o];
+      state.previous_y[p] = w_.previous[o + width];
+      const double* velocity =
+          w_.motion + (Motion::records * 2 * slot + Motion::velocity) * width + i;
+      state.vx[p] = velocity[0];
+      state.vy[p] = velocity[width];
+    }
+  }
+
+  static void set(double* array, std::size_t i, std::size_t slot, double x, double y) {
+    array[2 * slot * width + i] = x;
+    array[2 * slot * width + width + i] = y;
+  }
+
+  static void load_reference(std::size_t i, const std::vector<double>& from, double* to, int first,
+                             int count) {
+    for (auto slot = static_cast<std::size_t>(first);
+         slot < static_cast<std::size_t>(first + count); ++slot)
+      set(to, i, slot, from[2 * slot], from[2 * slot + 1]);
+  }
+
+  std::span<Lane> lanes_;
+  const Plan& plan_;
+  const Physics& physics_;
+  Workspace& w_;
+  Kernel kernel_;
+  std::size_t lead_;
+  std::array<bool, width> folding_{};
+  bool touching_ = false;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace evo
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

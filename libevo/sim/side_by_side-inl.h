@@ -1,0 +1,315 @@
+// The kernel for environments in the lanes of vectors (see kernels.cpp). Included
+// once an instruction set (see Highway's "-inl.h" files).
+
+#if defined(LIBEVO_SIM_SIDE_BY_SIDE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LIBEVO_SIM_SIDE_BY_SIDE_INL_H_
+#undef LIBEVO_SIM_SIDE_BY_SIDE_INL_H_
+#else
+#define LIBEVO_SIM_SIDE_BY_SIDE_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "libevo/sim/exact-inl.h"
+#include "libevo/sim/integrate-inl.h"
+#include "libevo/sim/plan.h"
+#include "libevo/sim/workspace.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace evo {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+class SideBySide {
+ public:
+  using D = hn::ScalableTag<double>;
+  using V = hn::Vec<D>;
+  static constexpr std::size_t width = hn::MaxLanes(D());
+
+  SideBySide(const Plan& plan, const Physics& physics, Workspace& workspace)
+      : plan_(plan), physics_(physics), constants_(physics), w_(workspace) {}
+
+  // The record of a spring in Workspace::force: its rest length L, its force.
+  static constexpr std::size_t force_record = 3 * width;
+  static constexpr std::size_t force_offset = width;
+
+  // How many springs `springs` computes.
+  static constexpr std::size_t springs_at_once = 3;
+
+  // Forces of springs s, s+1, .. at the given positions. In the first stage the
+  // rest length of the substep is found as well.
+  template <bool first_stage>
+  HWY_INLINE void springs(const double* HWY_RESTRICT at, std::size_t s) const {
+#if HWY_NATIVE_FMA
+    if constexpr (width >= width_of_slow_divider) {
+      spring<first_stage>(at, s);
+      two_springs<first_stage>(at, s + 1);
+      return;
+    }
+#endif
+    for (std::size_t i = 0; i < springs_at_once; ++i) spring<first_stage>(at, s + i);
+  }
+
+  // Those after the last full `springs`.
+  template <bool first_stage>
+  void last_springs(const double* HWY_RESTRICT at, std::size_t s, std::size_t end) const {
+    for (; s < end; ++s) spring<first_stage>(at, s);
+  }
+
+  // Gathers the forces of a point, positions being `at`, and does its part of a
+  // Runge-Kutta stage; `next` is where the next stage, or substep, evaluates.
+  // `o` is the point's offset in arrays of positions, `end` its list of forces.
+  template <int stage>
+  HWY_INLINE void point(std::size_t o, const std::uint32_t* HWY_RESTRICT end, int a_ends,
+                        int b_ends, const double* HWY_RESTRICT at,
+                        double* HWY_RESTRICT next) const {
+    const D d;
+    double* HWY_RESTRICT motion = w_.motion + Motion::records * o;
+    V fx = hn::Zero(d);
+    V fy = hn::Zero(d);
+    for (int i = 0; i < a_ends; ++i, ++end) {
+      fx = hn::Sub(fx, hn::Load(d, w_.force + *end));
+      fy = hn::Sub(fy, hn::Load(d, w_.force + *end + width));
+    }
+    for (int i = 0; i < b_ends; ++i, ++end) {
+      fx = hn::Add(fx, hn::Load(d, w_.force + *end));
+      fy = hn::Add(fy, hn::Load(d, w_.force + *end + width));
+    }
+    const double* velocity =
+        motion + (stage == 1 ? Motion::velocity : Motion::stage_velocity) * width;
+    const V vx = hn::Load(d, velocity);
+    const V vy = hn::Load(d, velocity + width);
+    const V drag = hn::Set(d, constants_.drag);
+    fx = hn::Sub(fx, hn::Mul(drag, vx));
+    fy = hn::Sub(hn::Sub(fy, hn::Mul(drag, vy)), hn::Set(d, constants_.gravity));
+    fx = hn::Add(fx, hn::Load(d, motion + Motion::contact * width));
+    fy = hn::Add(fy, hn::Load(d, motion + Motion::contact * width + width));
+    const V y = hn::Load(d, at + o + width);
+    if (HWY_UNLIKELY(!hn::AllFalse(d, hn::Lt(y, hn::Zero(d))))) add_floor(y, vx, fx, fy);
+    const double dt = constants_.substep;
+    Advance<stage, width>(d, vx, fx, dt, w_.position + o, next + o, motion);
+    Advance<stage, width>(d, vy, fy, dt, w_.position + o + width, next + o + width, motion + width);
+  }
+
+  void limit_strain(double* HWY_RESTRICT at) {
+    const D d;
+    std::size_t count = 0;
+    const Plan::Strain& strain = plan_.strain;
+    const auto live = static_cast<std::size_t>(plan_.live_springs);
+    for (std::size_t s = 0; s < live; ++s) {
+      V qx, qy;
+      load_difference(at, w_.strain_ends[s], qx, qy);
+      const V square = hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy));
+      const auto long_ones = hn::Gt(square, hn::Set(d, strain.longest_square[s]));
+      const auto beyond = hn::Or(long_ones, hn::Lt(square, hn::Set(d, strain.shortest_square[s])));
+      if (HWY_LIKELY(hn::AllFalse(d, beyond))) continue;
+      const V c = correction(square, long_ones, beyond, strain.limits[s]);
+      const V share = hn::Set(d, constants_.correction);
+      hn::Store(hn::Mul(hn::Mul(qx, c), share), d, w_.correction + 2 * count * width);
+      hn::Store(hn::Mul(hn::Mul(qy, c), share), d, w_.correction + 2 * count * width + width);
+      w_.corrected[count++] = static_cast<std::int32_t>(s);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto s = static_cast<std::size_t>(w_.corrected[i]);
+      if (strain.a_free[s]) add<-1>(at + w_.strain_ends[s].a, w_.correction + 2 * i * width);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto s = static_cast<std::size_t>(w_.corrected[i]);
+      if (strain.b_free[s]) add<+1>(at + w_.strain_ends[s].b, w_.correction + 2 * i * width);
+    }
+  }
+
+  void limit_rigid_strain(double* HWY_RESTRICT at) {
+    const D d;
+    const V share = hn::Set(d, constants_.rigid_correction);
+    for (const auto& [edge_a, edge_b, limit] : plan_.rigid_edges) {
+      double* a = at + offset(edge_a);
+      double* b = at + offset(edge_b);
+      const V ax = hn::Load(d, a);
+      const V ay = hn::Load(d, a + width);
+      const V bx = hn::Load(d, b);
+      const V by = hn::Load(d, b + width);
+      const V qx = hn::Sub(ax, bx);
+      const V qy = hn::Sub(ay, by);
+      const V square = hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy));
+      const auto long_ones = hn::Gt(square, hn::Set(d, limit.longest_square));
+      const auto beyond = hn::Or(long_ones, hn::Lt(square, hn::Set(d, limit.shortest_square)));
+      if (HWY_LIKELY(hn::AllFalse(d, beyond))) continue;
+      const V c = correction(square, long_ones, beyond, limit);
+      const V cx = hn::Mul(hn::Mul(qx, c), share);
+      const V cy = hn::Mul(hn::Mul(qy, c), share);
+      hn::Store(hn::Sub(ax, cx), d, a);
+      hn::Store(hn::Sub(ay, cy), d, a + width);
+      hn::Store(hn::Add(bx, cx), d, b);
+      hn::Store(hn::Add(by, cy), d, b + width);
+    }
+  }
+
+  // Square of the longest way that a point of any block has moved from the
+  // reference, one value a lane.
+  void square_moved(double* HWY_RESTRICT result) const {
+    const D d;
+    V farthest = hn::Zero(d);
+    for (const PlanBlock& block : plan_.blocks) {
+      for (int slot = block.first; slot < block.first + block.integrated; ++slot) {
+        const std::size_t o = offset(slot);
+        const V dx = hn::Sub(hn::Load(d, w_.position + o), hn::Load(d, w_.pair_reference + o));
+        const V dy = hn::Sub(hn::Load(d, w_.position + o + width),
+                             hn::Load(d, w_.pair_reference + o + width));
+        farthest = hn::Max(farthest, hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)));
+      }
+    }
+    hn::Store(farthest, d, result);
+  }
+
+  // A bound of the square of how far two points of a block have moved relative
+  // to each other, one value a lane.
+  void square_sheared(const PlanBlock& block, double* HWY_RESTRICT result) const {
+    const D d;
+    // Held points have not moved at all.
+    const double start = block.integrated < block.count ? 0.0 : HUGE_VAL;
+    V low_x = hn::Set(d, start);
+    V low_y = low_x;
+    V high_x = hn::Set(d, -start);
+    V high_y = high_x;
+    for (int slot = block.first; slot < block.first + block.integrated; ++slot) {
+      const std::size_t o = offset(slot);
+      const V dx = hn::Sub(hn::Load(d, w_.position + o), hn::Load(d, w_.self_reference + o));
+      const V dy =
+          hn::Sub(hn::Load(d, w_.position + o + width), hn::Load(d, w_.self_reference + o + width));
+      low_x = hn::Min(low_x, dx);
+      low_y = hn::Min(low_y, dy);
+      high_x = hn::Max(high_x, dx);
+      high_y = hn::Max(high_y, dy);
+    }
+    const V x = hn::Sub(high_x, low_x);
+    const V y = hn::Sub(high_y, low_y);
+    hn::Store(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), d, result);
+  }
+
+ private:
+  static std::size_t offset(std::int32_t slot) {
+    return 2 * static_cast<std::size_t>(slot) * width;
+  }
+
+  HWY_INLINE void load_difference(const double* HWY_RESTRICT at, const SpringEnds& ends, V& qx,
+                                  V& qy) const {
+    const D d;
+    qx = hn::Sub(hn::Load(d, at + ends.a), hn::Load(d, at + ends.b));
+    qy = hn::Sub(hn::Load(d, at + ends.a + width), hn::Load(d, at + ends.b + width));
+  }
+
+  // k (d - L): L is found in the first stage and kept for the others.
+  template <bool first_stage>
+  HWY_INLINE V tension(std::size_t s, V length) const {
+    const D d;
+    double* const kept = w_.force + s * force_record;
+    V rest;
+    if constexpr (first_stage) {
+      const V goal = hn::Load(d, w_.goal + s * width);
+      rest = hn::Add(length, hn::Mul(hn::Set(d, constants_.rate), hn::Sub(goal, length)));
+      hn::Store(rest, d, kept);
+    } else {
+      rest = hn::Load(d, kept);
+    }
+    return hn::Mul(hn::Set(d, w_.spring_ends[s].stiffness), hn::Sub(length, rest));
+  }
+
+  HWY_INLINE void store_force(std::size_t s, V x, V y) const {
+    const D d;
+    double* const force = w_.force + s * force_record + force_offset;
+    hn::Store(x, d, force);
+    hn::Store(y, d, force + width);
+  }
+
+  template <bool first_stage>
+  HWY_INLINE void spring(const double* HWY_RESTRICT at, std::size_t s) const {
+    V qx, qy;
+    load_difference(at, w_.spring_ends[s], qx, qy);
+    const V length = hn::Sqrt(hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy)));
+    const V f = hn::Div(tension<first_stage>(s, length), length);
+    store_force(s, hn::Mul(qx, f), hn::Mul(qy, f));
+  }
+
+#if HWY_NATIVE_FMA
+  // The divider of processors with AVX-512 takes about 40 cycles for the root
+  // and the quotient of a vector: of three springs one goes there, while two go
+  // through the multipliers, to the same bits. With four lanes (measured on
+  // Zen 3) the divider alone is quicker.
+  static constexpr std::size_t width_of_slow_divider = 8;
+
+  template <bool first_stage>
+  HWY_INLINE void two_springs(const double* HWY_RESTRICT at, std::size_t s) const {
+    const D d;
+    V qx[2], qy[2], square[2], length[2], reciprocal[2], pull[2], f[2];
+    for (std::size_t i = 0; i < 2; ++i) {
+      load_difference(at, w_.spring_ends[s + i], qx[i], qy[i]);
+      square[i] = hn::Add(hn::Mul(qx[i], qx[i]), hn::Mul(qy[i], qy[i]));
+    }
+    const auto too_short =
+        hn::Lt(hn::Min(square[0], square[1]), hn::Set(d, smallest_root_argument));
+    const auto too_long = hn::Gt(hn::Max(square[0], square[1]), hn::Set(d, largest_root_argument));
+    if (HWY_UNLIKELY(!hn::AllFalse(d, hn::Or(too_short, too_long)))) {
+      spring<first_stage>(at, s);
+      spring<first_stage>(at, s + 1);
+      return;
+    }
+    RootsOf(d, square, length, reciprocal);
+    for (std::size_t i = 0; i < 2; ++i) pull[i] = tension<first_stage>(s + i, length[i]);
+    QuotientsOf(d, pull, length, reciprocal, f);
+    for (std::size_t i = 0; i < 2; ++i)
+      store_force(s + i, hn::Mul(qx[i], f[i]), hn::Mul(qy[i], f[i]));
+  }
+#endif
+
+  HWY_NOINLINE void add_floor(V y, V vx, V& fx, V& fy) const {
+    const D d;
+    HWY_ALIGN double ys[width], vs[width], fxs[width], fys[width];
+    hn::Store(y, d, ys);
+    hn::Store(vx, d, vs);
+    hn::Store(fx, d, fxs);
+    hn::Store(fy, d, fys);
+    for (std::size_t i = 0; i < width; ++i)
+      if (ys[i] < 0.0) AddFloor(physics_, ys[i], vs[i], fxs[i], fys[i]);
+    fx = hn::Load(d, fxs);
+    fy = hn::Load(d, fys);
+  }
+
+  // The factor of q that brings a spring back to its limit; 0 in lanes within.
+  HWY_INLINE V correction(V square, hn::Mask<D> long_ones, hn::Mask<D> beyond,
+                          const StrainLimit& limit) const {
+    const D d;
+    const V length = hn::Sqrt(square);
+    const V target =
+        hn::IfThenElse(long_ones, hn::Set(d, limit.longest), hn::Set(d, limit.shortest));
+    const V c = hn::Div(hn::Sub(length, target), hn::Mul(hn::Set(d, 2.0), length));
+    return hn::IfThenElseZero(beyond, c);
+  }
+
+  template <int sign>
+  HWY_INLINE void add(double* HWY_RESTRICT to, const double* HWY_RESTRICT c) const {
+    const D d;
+    const V x = hn::Load(d, to);
+    const V y = hn::Load(d, to + width);
+    const V cx = hn::Load(d, c);
+    const V cy = hn::Load(d, c + width);
+    hn::Store(sign > 0 ? hn::Add(x, cx) : hn::Sub(x, cx), d, to);
+    hn::Store(sign > 0 ? hn::Add(y, cy) : hn::Sub(y, cy), d, to + width);
+  }
+
+  const Plan& plan_;
+  const Physics& physics_;
+  Constants constants_;
+  Workspace& w_;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace evo
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -160,7 +160,8 @@ int main(int argc, char** argv) {
   command.option("--to", format, "FORMAT",
                  "jsonl, json, yaml, text, npz, evogym (design-tool JSON), or minari (a dataset "
                  "folder of rollouts) [by the ending of -o, else jsonl]");
-  command.option("--dataset-id", dataset_id, "ID", "of the Minari dataset [evo/<task>/rollouts-v0]");
+  command.option("--dataset-id", dataset_id, "ID",
+                 "of the Minari dataset [evo/<task>/rollouts-v0]");
   command.flag("--unique", unique, "each body once, where it first came");
   command.option("--task", task.task, "TASK",
                  "instead of robots, the world of a task as design-tool JSON");

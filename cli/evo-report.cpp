@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
       throw error(Failure::usage, "--max-video must be at least 0, got {}", largest_video);
     const std::vector<std::filesystem::path> folders(names.begin(), names.end());
     std::vector<report::Run> runs;
+    runs.reserve(folders.size());
     for (const auto& folder : folders)
       runs.push_back(report::read_run(folder, largest_video * bytes_per_megabyte));
     report::tell_apart(runs, folders);

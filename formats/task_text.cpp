@@ -7,17 +7,11 @@
 #include <utility>
 #include <variant>
 
+#include "libevo/base/overloaded.h"
 #include "libevo/task/env.h"
 
 namespace evo {
 namespace {
-
-template <typename... Cases>
-struct Overloaded : Cases... {
-  using Cases::operator()...;
-};
-template <typename... Cases>
-Overloaded(Cases...) -> Overloaded<Cases...>;
 
 // ---- formulas -------------------------------------------------------------------
 

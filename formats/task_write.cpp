@@ -4,16 +4,10 @@
 #include "formats/physics.h"
 #include "formats/task.h"
 #include "formats/task_world.h"
+#include "libevo/base/overloaded.h"
 
 namespace evo {
 namespace {
-
-template <typename... Cases>
-struct Overloaded : Cases... {
-  using Cases::operator()...;
-};
-template <typename... Cases>
-Overloaded(Cases...) -> Overloaded<Cases...>;
 
 std::string axis_name(Axis axis) { return axis == Axis::x ? "x" : "y"; }
 

@@ -252,6 +252,7 @@ Json comparison_chart(const std::vector<const Run*>& runs) {
   }
   for (std::size_t k = 0; k < longest; ++k) {
     std::vector<Point> points;
+    points.reserve(columns.size());
     for (const auto& column : columns) points.push_back(k < column.size() ? column[k] : Point());
     chart.row(static_cast<double>(k + 1), points);
   }

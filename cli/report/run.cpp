@@ -80,6 +80,7 @@ std::vector<fs::path> score_files(const fs::path& generation) {
         slots.emplace_back(*slot, entry.path());
   std::sort(slots.begin(), slots.end());
   std::vector<fs::path> files;
+  files.reserve(slots.size());
   for (auto& [slot, file] : slots) files.push_back(std::move(file));
   return files;
 }

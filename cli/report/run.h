@@ -72,7 +72,7 @@ Run read_run(const std::filesystem::path& folder, double largest_video);
 // numbers where that is not enough.
 void tell_apart(std::vector<Run>& runs, const std::vector<std::filesystem::path>& folders);
 
-// "train=/home/me/fast.yaml" as "train=fast.yaml".
+// "train=profiles/fast.yaml" as "train=fast.yaml".
 std::string without_folders(const std::string& text);
 
 }  // namespace evo::report

@@ -4,18 +4,9 @@
 
 #include <type_traits>
 
+#include "libevo/base/overloaded.h"
+
 namespace evo {
-namespace {
-
-template <typename... Cases>
-struct Overloaded : Cases... {
-  using Cases::operator()...;
-};
-template <typename... Cases>
-Overloaded(Cases...) -> Overloaded<Cases...>;
-
-}  // namespace
-
 std::string part_name(const ObservationPart& part) {
   using namespace observation;
   return std::visit(

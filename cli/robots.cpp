@@ -29,11 +29,9 @@ std::filesystem::path seen_from(const std::filesystem::path& folder,
 
 void RobotWriter::write(Robot robot) {
   const auto found = robot.document.find("policy");
-  if (target_ != standard_stream && found != robot.document.end() && found->is_string()) {
-    const std::filesystem::path policy = found->get<std::string>();
-    if (policy.is_relative())
-      *found = seen_from(std::filesystem::path(target_).parent_path(), policy).string();
-  }
+  if (target_ != standard_stream && found != robot.document.end() && found->is_string())
+    *found = seen_from(std::filesystem::path(target_).parent_path(), found->get<std::string>())
+                 .string();
   out_.line(robot_to_line(robot));
 }
 

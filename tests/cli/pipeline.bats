@@ -48,6 +48,14 @@ kill_and_repeat() {
   evo-inspect run | grep -q '9 of 9 trained, 0 left'
 }
 
+@test "ga: an absolute folder and one that is moved work like any other" {
+  run_make ga "$PWD/here" -j2
+  mv here there
+  evo-eval there/best.json | jq -e ".fitness == $(jq .fitness there/best.json)"
+  run_make ga near -j2
+  diff <(essence there) <(essence near)
+}
+
 @test "ga: twice the same bytes, whatever -j" {
   run_make ga one -j2
   run_make ga two

@@ -7,7 +7,7 @@ load helpers
   cmp a b
   evo-sample -n 10 --seed 5 | cmp - <(head -10 a)
   evo-sample -n 30 --seed 6 > c
-  ! cmp -s a c
+  run ! cmp -s a c
   [ "$(jq -r .id a | sort -u | wc -l)" -eq 30 ]
 }
 
@@ -15,7 +15,7 @@ load helpers
   evo-sample -n 5 --shape 3x7 --weights 0,0,1,1,1 > a
   [ "$(jq -r '.body | length' a | sort -u)" = 3 ]
   [ "$(jq -r '.body[] | length' a | sort -u)" = 7 ]
-  ! grep -q '[.R]' <(jq -r '.body[]' a)
+  run ! grep -q '[.R]' <(jq -r '.body[]' a)
   evo-sample -n 5 --seed 3 > a
   evo-sample -n 5 --seed 3 --avoid a > b
   [ "$(cat a b | jq -r .id | sort -u | wc -l)" -eq 10 ]

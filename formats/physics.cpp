@@ -71,6 +71,7 @@ constexpr int most_substeps = 10'000;
 
 std::vector<std::string> constant_names() {
   std::vector<std::string> names;
+  names.reserve(constants.size());
   for (const Constant& constant : constants) names.emplace_back(constant.key);
   return names;
 }

@@ -281,7 +281,7 @@ std::vector<std::string> read_words(const YamlNode& node) {
 }
 
 std::string read_task_name(const YamlNode& node) {
-  const std::string name = node.string();
+  std::string name = node.string();
   if (is_file_name(name) || name.find_first_of(" \t\n") != std::string::npos)
     throw node.error("a name without spaces, '/' or '.yaml' is expected, found " + node.found());
   return name;

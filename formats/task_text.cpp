@@ -52,6 +52,7 @@ std::string condition_text(const Condition& condition, const Physics& physics) {
 
 std::string conditions_text(const std::vector<Condition>& conditions, const Physics& physics) {
   std::vector<std::string> parts;
+  parts.reserve(conditions.size());
   for (const Condition& condition : conditions) parts.push_back(condition_text(condition, physics));
   return fmt::format("{}", fmt::join(parts, " and "));
 }

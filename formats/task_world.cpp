@@ -18,7 +18,7 @@ constexpr long most_cells = 4'000'000;       // of one object's bounding box
 struct Cell {
   int x = 0;  // of the world, or of the object while it is being painted
   int y = 0;  // upwards
-  auto operator<=>(const Cell&) const = default;
+  auto operator<=>(const Cell&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
 };
 
 Cell read_cell(const YamlNode& node, int low) {
@@ -226,6 +226,7 @@ void check_name(const YamlNode& node, const std::string& name) {
 std::string read_offset(const YamlNode& node, const std::vector<DrawnInteger>& draws) {
   if (node.is_null() || node.found() == "'0'") return "";
   std::vector<std::string> names;
+  names.reserve(draws.size());
   for (const DrawnInteger& drawn : draws) names.push_back(drawn.name);
   return node.choice("draw", names);
 }

@@ -243,7 +243,7 @@ const std::vector<YamlNode::Entry>& YamlNode::entries() const {
 
 std::string YamlNode::choice(const std::string& what,
                              const std::vector<std::string>& allowed) const {
-  const std::string name = string();
+  std::string name = string();
   for (const std::string& candidate : allowed)
     if (candidate == name) return name;
   throw error(unknown_name(what, name, allowed));

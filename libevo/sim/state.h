@@ -43,8 +43,8 @@ struct Lane {
   StepResult result = StepResult::done;
 };
 
-// Instruction sets the stepping kernels were compiled for, slowest first, of
-// which this processor has `best_isa()`: "x86-64", "x86-64-v3", "x86-64-v4".
+// Instruction sets of this processor that the stepping kernels were compiled for,
+// slowest first: "x86-64", "x86-64-v2", "x86-64-v3", "x86-64-v4".
 std::vector<std::string> available_isas();
 std::string best_isa();
 // Restricts the process to one of available_isas(); Error(usage) otherwise.

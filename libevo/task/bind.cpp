@@ -45,6 +45,7 @@ class Binder {
 
   int terrain(const std::vector<std::string>& over) {
     std::vector<int> objects;
+    objects.reserve(over.size());
     for (const std::string& name : over) objects.push_back(object(name));
     if (over.empty()) {
       const int robot = object(robot_name);
@@ -162,6 +163,7 @@ struct TestCompiler {
 
 std::vector<compiled::Test> compile_tests(const std::vector<Condition>& conditions, Binder& bind) {
   std::vector<compiled::Test> tests;
+  tests.reserve(conditions.size());
   for (const Condition& condition : conditions)
     tests.push_back(std::visit(TestCompiler{bind}, condition));
   return tests;

@@ -16,7 +16,7 @@ class Bins {
   Bins(Terrain::Side side, const Vec2& centre, std::span<double> bins)
       : below_(side == Terrain::Side::below),
         centre_(centre),
-        width_(static_cast<double>(bins.size() / 2)),
+        width_(0.5 * static_cast<double>(bins.size() - 1)),
         bins_(bins) {
     std::fill(bins.begin(), bins.end(), below_ ? -none : none);
   }
@@ -57,14 +57,13 @@ Terrain::Terrain(const Model& model, const std::vector<int>& objects)
   std::vector<Vec2> points;
   for (const int index : objects) {
     const ModelObject& object = model.objects()[static_cast<std::size_t>(index)];
+    const PointRange range{object.first_point, object.points};
     if (!object.is_static) {
-      moving_.push_back({object.first_point, object.points});
+      moving_.push_back(range);
       continue;
     }
-    for (int i = 0; i < object.points; ++i) {
-      const Vec2& p = model.initial_positions()[static_cast<std::size_t>(object.first_point + i)];
+    for (const Vec2& p : range.of(model.initial_positions()))
       points.push_back({p.x / voxel_length_, p.y / voxel_length_});
-    }
   }
   std::sort(points.begin(), points.end(),
             [](const Vec2& a, const Vec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });

@@ -49,8 +49,7 @@ Rollout example() {
     episode.actions = numbers(stream, steps);
     episode.rewards = numbers(stream, steps);
     episode.truncations.assign(static_cast<std::size_t>(steps), 0);
-    episode.terminations.assign(static_cast<std::size_t>(steps), 0);
-    episode.terminations.back() = 1;
+    for (int t = 1; t <= steps; ++t) episode.terminations.push_back(t == steps ? 1 : 0);
     for (int i = 0; i < (steps + 1) * 8; ++i)
       episode.positions.push_back({stream.gaussian(), stream.gaussian()});
     episode.velocities = episode.positions;

@@ -30,8 +30,8 @@ std::filesystem::path seen_from(const std::filesystem::path& folder,
 void RobotWriter::write(Robot robot) {
   const auto found = robot.document.find("policy");
   if (target_ != standard_stream && found != robot.document.end() && found->is_string())
-    *found = seen_from(std::filesystem::path(target_).parent_path(), found->get<std::string>())
-                 .string();
+    *found =
+        seen_from(std::filesystem::path(target_).parent_path(), found->get<std::string>()).string();
   out_.line(robot_to_line(robot));
 }
 

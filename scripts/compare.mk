@@ -1,0 +1,57 @@
+# Methods against each other: every method on every task with every seed, each a
+# run of its own, then a table and a plot of best-so-far against evaluations.
+#
+#   make -f scripts/compare.mk RUN=runs/compare TASKS="Walker-v0 Carrier-v0" METHODS="ga neat bo" SEEDS="1 2 3" \
+#     POP=25 EVALS=250 STEPS=65536 -j8
+#
+# Runs are $(RUN)/task/method-seed; other settings (TRAIN, PHYSICS, ..) go to all
+# of them. Killed and given again it goes on; more SEEDS or METHODS later add to
+# what is there. Ends with compare.tsv, compare.svg and compare.html in $(RUN).
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DELETE_ON_ERROR:
+.SUFFIXES:
+MAKEFLAGS += --no-builtin-rules --no-print-directory
+
+SCRIPTS := $(dir $(lastword $(MAKEFILE_LIST)))
+export PATH := $(or $(abspath $(wildcard $(SCRIPTS)../build/release/bin)),/usr/local/bin):$(PATH)
+
+RUN     ?= $(error give RUN=folder, such as RUN=runs/compare)
+TASKS   ?= Walker-v0
+METHODS ?= ga neat bo
+SEEDS   ?= 1 2 3
+# svg, png or pdf
+PLOT    ?= svg
+
+unknown := $(filter-out $(patsubst $(SCRIPTS)%.mk,%,$(wildcard $(SCRIPTS)ga.mk $(SCRIPTS)neat.mk $(SCRIPTS)bo.mk)),$(METHODS))
+$(if $(unknown),$(error METHODS may be ga, neat and bo; there is no '$(unknown)'))
+
+RUNS := $(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach seed,$(SEEDS),$(RUN)/$(task)/$(method)-$(seed))))
+
+.PHONY: all $(RUNS)
+all: $(RUN)/compare.$(PLOT) $(RUN)/compare.html
+
+# $(1) folder, $(2) task, $(3) method, $(4) seed
+define run
+$(1):
+	+@$$(MAKE) -f '$$(SCRIPTS)$(3).mk' RUN='$(1)' TASK='$(2)' SEED='$(4)'
+endef
+$(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach seed,$(SEEDS),\
+  $(eval $(call run,$(RUN)/$(task)/$(method)-$(seed),$(task),$(method),$(seed))))))
+
+# task, method, evaluations, runs, mean, sd, min, max
+$(RUN)/compare.tsv: $(RUNS)
+	@for run in $(RUNS); do \
+	  name=$${run##*/}; task=$${run%/*}; \
+	  jq -c --arg task "$${task##*/}" --arg method "$${name%-*}" --arg seed "$${name##*-}" \
+	    '{task: $$task, method: $$method, seed: $$seed, fitness}' "$$run/history.jsonl"; \
+	done | jq -rs -f '$(SCRIPTS)compare.jq' > '$@.tmp' && mv '$@.tmp' '$@'
+
+$(RUN)/compare.$(PLOT): $(RUN)/compare.tsv
+	@command -v gnuplot > /dev/null || \
+	  { echo "compare.$(PLOT) is drawn by gnuplot, which is not here; the table is $<. To install it: apt install gnuplot-nox" >&2; exit 69; }
+	@gnuplot -e "table='$<'; picture='$@.tmp'; format='$(PLOT)'" '$(SCRIPTS)compare.gnuplot' && mv '$@.tmp' '$@'
+
+$(RUN)/compare.html: $(RUNS)
+	@evo-report $(RUNS) -o '$@'

@@ -64,7 +64,7 @@ kill_and_repeat() {
 
 @test "ga: killed again and again, it ends with the same result" {
   run_make ga calm -j2
-  kill_and_repeat ga stormy 6
+  kill_and_repeat ga stormy 10
   diff <(essence calm) <(essence stormy)
 }
 
@@ -77,6 +77,40 @@ kill_and_repeat() {
     diff <(essence $method-one) <(essence $method-two)
   done
   jq -e '.genome.kind == "cppn"' neat-one/best.json
+}
+
+@test "neat and bo: killed, they end with the same result" {
+  for method in neat bo; do
+    run_make $method $method-calm -j2
+    kill_and_repeat $method $method-stormy 3
+    diff <(essence $method-calm) <(essence $method-stormy)
+  done
+}
+
+@test "compare: methods and seeds side by side end as a table, a plot and a report" {
+  compare() {
+    make -f "$EVO_SOURCE/scripts/compare.mk" RUN=all "${settings[@]:1}" EVALS=6 -j2 METHODS="ga bo" SEEDS="1 2" "$@"
+  }
+  compare TASKS="Walker-v0 Jumper-v0"
+  [ "$(cut -f 1,2,4 all/compare.tsv | sort -u | wc -l)" -eq 5 ]
+  [ "$(wc -l < all/compare.tsv)" -eq $((1 + 2 * 2 * 6)) ]
+  # What the table says of one method after its last robot, from the runs themselves.
+  local mean
+  mean=$(cat all/Jumper-v0/bo-{1,2}/best.json | jq -s 'map(.fitness) | add / length')
+  awk -F'\t' -v mean="$mean" '$1 == "Jumper-v0" && $2 == "bo" && $3 == 6 {
+    found = ($5 - mean) ^ 2 < 1e-18 && $7 <= $5 && $5 <= $8 } END { exit !found }' all/compare.tsv
+  # Best so far never falls.
+  awk -F'\t' 'NR > 1 { if (last[$1 $2] != "" && $5 < last[$1 $2]) exit 1; last[$1 $2] = $5 }' all/compare.tsv
+  grep -q '</svg>' all/compare.svg
+  [ -s all/compare.html ]
+  # A further seed adds to what is there.
+  touch all/mark
+  compare TASKS=Walker-v0 SEEDS="1 2 3"
+  [ "$(tail -n 1 all/compare.tsv | cut -f 4)" -eq 3 ]
+  [ -z "$(find all/Walker-v0/ga-1/policies -newer all/mark)" ]
+  run compare TASKS=Walker-v0 METHODS=gaa
+  [ "$status" -ne 0 ]
+  [[ $output == *"there is no 'gaa'"* ]]
 }
 
 @test "a changed setting in an existing run is refused, not mixed in" {

@@ -36,14 +36,14 @@ class Alone {
   static constexpr std::size_t width = 1;
   static constexpr std::size_t springs_at_once = hn::MaxLanes(D());
 
-  Alone(const Plan& plan, const Physics& physics, Workspace& workspace)
+  Alone(const Plan& plan, const Physics& physics, const Arrays& arrays)
       : plan_(plan),
         physics_(physics),
         constants_(physics),
-        w_(workspace),
+        w_(arrays),
         gravity_{0.0, physics.gravity} {}
 
-  // The record of a spring in Workspace::force: its force alone.
+  // The record of a spring in Arrays::force: its force alone.
   static constexpr std::size_t force_record = 2;
   static constexpr std::size_t force_offset = 0;
 
@@ -83,9 +83,9 @@ class Alone {
     for (int i = 0; i < a_ends; ++i, ++end) f = hn::Sub(f, hn::Load(p, w_.force + *end));
     for (int i = 0; i < b_ends; ++i, ++end) f = hn::Add(f, hn::Load(p, w_.force + *end));
     const XY v = hn::Load(p, motion + (stage == 1 ? Motion::velocity : Motion::stage_velocity));
-    f = hn::Sub(hn::Sub(f, hn::Mul(hn::Set(p, constants_.drag), v)), hn::Load(p, gravity_));
+    f = hn::Sub(hn::Sub(f, hn::Mul(hn::Set(p, constants_.drag), v)), hn::LoadU(p, gravity_));
     f = hn::Add(f, hn::Load(p, motion + Motion::contact));
-    if (HWY_UNLIKELY(at[o + 1] < 0.0)) f = with_floor(at[o + 1], v, f);
+    if (HWY_UNLIKELY(at[o + 1] < 0.0)) f = with_floor(physics_, at[o + 1], v, f);
     Advance<stage, width>(p, v, f, constants_.substep, w_.position + o, next + o, motion);
   }
 
@@ -223,19 +223,19 @@ class Alone {
     }
   }
 
-  HWY_NOINLINE XY with_floor(double y, XY v, XY f) const {
+  static HWY_NOINLINE XY with_floor(const Physics& physics, double y, XY v, XY f) {
     const P p;
     HWY_ALIGN double force[2];
     hn::Store(f, p, force);
-    AddFloor(physics_, y, hn::GetLane(v), force[0], force[1]);
+    AddFloor(physics, y, hn::GetLane(v), force[0], force[1]);
     return hn::Load(p, force);
   }
 
   const Plan& plan_;
   const Physics& physics_;
   Constants constants_;
-  Workspace& w_;
-  HWY_ALIGN double gravity_[2];
+  Arrays w_;
+  double gravity_[2];
 };
 
 #endif  // vectors

@@ -38,16 +38,14 @@ class ControlStep {
       : lanes_(lanes),
         plan_(lanes[0].model->compiled().plan),
         physics_(lanes[0].model->physics()),
-        w_(workspace),
-        kernel_(plan_, physics_, workspace),
+        w_(workspace.prepare(plan_, {width, Kernel::force_record, Kernel::force_offset})),
         lead_(lead_of(plan_)) {}
 
   void run() {
-    w_.prepare(plan_, {width, Kernel::force_record, Kernel::force_offset});
     for (std::size_t i = 0; i < width; ++i) load(i, lanes_[std::min(i, lanes_.size() - 1)]);
     clear_contacts();
-    kernel_.template last_springs<true>(w_.position, static_cast<std::size_t>(plan_.live_springs),
-                                        static_cast<std::size_t>(plan_.springs));
+    kernel().template last_springs<true>(w_.position, static_cast<std::size_t>(plan_.live_springs),
+                                         static_cast<std::size_t>(plan_.springs));
     std::size_t running = lanes_.size();
     for (int i = 0; i < physics_.substeps && running > 0; ++i) {
       substep();
@@ -64,8 +62,8 @@ class ControlStep {
     stage<2>(w_.stage_position[0], w_.stage_position[1]);
     stage<3>(w_.stage_position[1], w_.stage_position[0]);
     stage<4>(w_.stage_position[0], w_.previous);
-    kernel_.limit_strain(w_.previous);
-    kernel_.limit_rigid_strain(w_.previous);
+    kernel().limit_strain(w_.previous);
+    kernel().limit_rigid_strain(w_.previous);
     std::swap(w_.position, w_.previous);
   }
 
@@ -78,18 +76,19 @@ class ControlStep {
     constexpr int few = Plan::regular_ends;
     const std::uint32_t* points = w_.point_offsets;
     const std::uint32_t* ends = w_.ends;
+    const Kernel kernel = this->kernel();
     std::size_t s = 0;
     std::size_t i = 0;
     for (; s < lead_ && s + Kernel::springs_at_once <= springs; s += Kernel::springs_at_once)
-      kernel_.template springs<n == 1>(at, s);
+      kernel.template springs<n == 1>(at, s);
     for (; i < regular && s + Kernel::springs_at_once <= springs; ++i, ends += 2 * few) {
-      kernel_.template springs<n == 1>(at, s);
+      kernel.template springs<n == 1>(at, s);
       s += Kernel::springs_at_once;
-      kernel_.template point<n>(points[i], ends, few, few, at, next);
+      kernel.template point<n>(points[i], ends, few, few, at, next);
     }
-    kernel_.template last_springs<n == 1>(at, s, springs);
+    kernel.template last_springs<n == 1>(at, s, springs);
     for (; i < regular; ++i, ends += 2 * few)
-      kernel_.template point<n>(points[i], ends, few, few, at, next);
+      kernel.template point<n>(points[i], ends, few, few, at, next);
     for (; i < plan_.free_points; ++i) irregular_point<n>(i, at, next);
     for (; i < plan_.points.size(); ++i) anchored_point<n>(i, at, next);
   }
@@ -113,8 +112,8 @@ class ControlStep {
   template <int n>
   HWY_NOINLINE void irregular_point(std::size_t i, const double* at, double* next) {
     const PlanPoint& point = plan_.points[i];
-    kernel_.template point<n>(w_.point_offsets[i], w_.ends + point.first_end, point.a_ends,
-                              point.b_ends, at, next);
+    kernel().template point<n>(w_.point_offsets[i], w_.ends + point.first_end, point.a_ends,
+                               point.b_ends, at, next);
   }
 
   // How many springs the points stay behind: enough for every one of them, and
@@ -129,6 +128,9 @@ class ControlStep {
     }
     return (rounds + under_way) * Kernel::springs_at_once;
   }
+
+  // Made where it is used, so that its pointers are locals there.
+  Kernel kernel() const { return {plan_, physics_, w_}; }
 
   const Model::Compiled& world(std::size_t i) const { return lanes_[i].model->compiled(); }
   PointView view(std::size_t i) const {
@@ -156,7 +158,7 @@ class ControlStep {
   // Finds contact candidates again where something has moved too far.
   void renew_lists() {
     HWY_ALIGN double moved[width];
-    kernel_.square_moved(moved);
+    kernel().square_moved(moved);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       ContactLists& lists = lanes_[i].state->contacts;
       if (lanes_[i].result != StepResult::done) continue;
@@ -165,7 +167,7 @@ class ControlStep {
       load_reference(i, lists.pair_reference, w_.pair_reference, 0, plan_.slots);
     }
     for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-      kernel_.square_sheared(plan_.blocks[block], moved);
+      kernel().square_sheared(plan_.blocks[block], moved);
       for (std::size_t i = 0; i < lanes_.size(); ++i) {
         ContactLists& lists = lanes_[i].state->contacts;
         if (lanes_[i].result != StepResult::done) continue;
@@ -257,8 +259,7 @@ class ControlStep {
   std::span<Lane> lanes_;
   const Plan& plan_;
   const Physics& physics_;
-  Workspace& w_;
-  Kernel kernel_;
+  Arrays w_;
   std::size_t lead_;
   std::array<bool, width> folding_{};
   bool touching_ = false;

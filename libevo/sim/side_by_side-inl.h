@@ -31,10 +31,10 @@ class SideBySide {
   using V = hn::Vec<D>;
   static constexpr std::size_t width = hn::MaxLanes(D());
 
-  SideBySide(const Plan& plan, const Physics& physics, Workspace& workspace)
-      : plan_(plan), physics_(physics), constants_(physics), w_(workspace) {}
+  SideBySide(const Plan& plan, const Physics& physics, const Arrays& arrays)
+      : plan_(plan), physics_(physics), constants_(physics), w_(arrays) {}
 
-  // The record of a spring in Workspace::force: its rest length L, its force.
+  // The record of a spring in Arrays::force: its rest length L, its force.
   static constexpr std::size_t force_record = 3 * width;
   static constexpr std::size_t force_offset = width;
 
@@ -90,7 +90,11 @@ class SideBySide {
     fx = hn::Add(fx, hn::Load(d, motion + Motion::contact * width));
     fy = hn::Add(fy, hn::Load(d, motion + Motion::contact * width + width));
     const V y = hn::Load(d, at + o + width);
-    if (HWY_UNLIKELY(!hn::AllFalse(d, hn::Lt(y, hn::Zero(d))))) add_floor(y, vx, fx, fy);
+    if (HWY_UNLIKELY(!hn::AllFalse(d, hn::Lt(y, hn::Zero(d))))) {
+      const Force sum = with_floor(physics_, y, vx, {fx, fy});
+      fx = sum.x;
+      fy = sum.y;
+    }
     const double dt = constants_.substep;
     Advance<stage, width>(d, vx, fx, dt, w_.position + o, next + o, motion);
     Advance<stage, width>(d, vy, fy, dt, w_.position + o + width, next + o + width, motion + width);
@@ -269,17 +273,19 @@ class SideBySide {
   }
 #endif
 
-  HWY_NOINLINE void add_floor(V y, V vx, V& fx, V& fy) const {
+  struct Force {
+    V x, y;
+  };
+  static HWY_NOINLINE Force with_floor(const Physics& physics, V y, V vx, Force f) {
     const D d;
     HWY_ALIGN double ys[width], vs[width], fxs[width], fys[width];
     hn::Store(y, d, ys);
     hn::Store(vx, d, vs);
-    hn::Store(fx, d, fxs);
-    hn::Store(fy, d, fys);
+    hn::Store(f.x, d, fxs);
+    hn::Store(f.y, d, fys);
     for (std::size_t i = 0; i < width; ++i)
-      if (ys[i] < 0.0) AddFloor(physics_, ys[i], vs[i], fxs[i], fys[i]);
-    fx = hn::Load(d, fxs);
-    fy = hn::Load(d, fys);
+      if (ys[i] < 0.0) AddFloor(physics, ys[i], vs[i], fxs[i], fys[i]);
+    return {hn::Load(d, fxs), hn::Load(d, fys)};
   }
 
   // The factor of q that brings a spring back to its limit; 0 in lanes within.
@@ -307,7 +313,7 @@ class SideBySide {
   const Plan& plan_;
   const Physics& physics_;
   Constants constants_;
-  Workspace& w_;
+  Arrays w_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -4,8 +4,8 @@
 
 namespace evo {
 
-void Workspace::prepare(const Plan& plan, const Layout& layout) {
-  lay_out(plan, layout);
+Arrays Workspace::prepare(const Plan& plan, const Layout& layout) {
+  Arrays arrays = lay_out(plan, layout);
   const auto slot = [&](std::int32_t s) {
     return static_cast<std::uint32_t>(2 * static_cast<std::size_t>(s) * layout.lanes);
   };
@@ -22,14 +22,15 @@ void Workspace::prepare(const Plan& plan, const Layout& layout) {
     ends_.push_back(static_cast<std::uint32_t>(static_cast<std::size_t>(end) * layout.force_record +
                                                layout.force_offset));
   corrected_.resize(plan.strain.a.size());
-  spring_ends = spring_ends_.data();
-  strain_ends = strain_ends_.data();
-  point_offsets = point_offsets_.data();
-  ends = ends_.data();
-  corrected = corrected_.data();
+  arrays.spring_ends = spring_ends_.data();
+  arrays.strain_ends = strain_ends_.data();
+  arrays.point_offsets = point_offsets_.data();
+  arrays.ends = ends_.data();
+  arrays.corrected = corrected_.data();
+  return arrays;
 }
 
-void Workspace::lay_out(const Plan& plan, const Layout& layout) {
+Arrays Workspace::lay_out(const Plan& plan, const Layout& layout) {
   const std::size_t slots = static_cast<std::size_t>(plan.slots);
   const std::size_t springs = plan.a.size();
   // Every array starts at a cache line, and one line more keeps equal indices
@@ -52,15 +53,17 @@ void Workspace::lay_out(const Plan& plan, const Layout& layout) {
     next += n;
     return taken;
   };
-  for (double** array : {&position, &previous, &stage_position[0], &stage_position[1],
-                         &self_reference, &pair_reference})
+  Arrays arrays;
+  for (double** array : {&arrays.position, &arrays.previous, &arrays.stage_position[0],
+                         &arrays.stage_position[1], &arrays.self_reference, &arrays.pair_reference})
     *array = take(positions);
-  motion = take(motions);
-  goal = take(lengths);
-  length = take(lengths);
-  force = take(forces);
-  correction = take(corrections);
-  std::fill_n(force + springs * layout.force_record, layout.force_record, 0.0);
+  arrays.motion = take(motions);
+  arrays.goal = take(lengths);
+  arrays.length = take(lengths);
+  arrays.force = take(forces);
+  arrays.correction = take(corrections);
+  std::fill_n(arrays.force + springs * layout.force_record, layout.force_record, 0.0);
+  return arrays;
 }
 
 }  // namespace evo

@@ -12,7 +12,7 @@
 
 namespace evo {
 
-// A point's record in Workspace::motion holds (x, y) pairs of these; with W
+// A point's record in Arrays::motion holds (x, y) pairs of these; with W
 // lanes, the x of the n-th pair is at [2*n*W], its y at [2*n*W + W].
 struct Motion {
   static constexpr std::size_t velocity = 0;
@@ -33,11 +33,13 @@ struct SpringEnds {
 // How a kernel lays out its arrays.
 struct Layout {
   std::size_t lanes = 1;
-  std::size_t force_record = 2;  // values a spring in Workspace::force
+  std::size_t force_record = 2;  // values a spring in Arrays::force
   std::size_t force_offset = 0;  // of the force in that record
 };
 
-struct Workspace {
+// The arrays. Kernels keep a copy of these pointers in locals: values stored
+// through vectors might change any other copy, for all that the compiler knows.
+struct Arrays {
   // Positions: for W lanes, slot i has its W values of x at [2*i*W], its W
   // values of y at [2*i*W + W].
   double* position = nullptr;        // at the start of the substep
@@ -58,12 +60,15 @@ struct Workspace {
   const SpringEnds* strain_ends = nullptr;
   const std::uint32_t* point_offsets = nullptr;  // positions of Plan::points
   const std::uint32_t* ends = nullptr;           // forces of Plan::ends
+};
 
+class Workspace {
+ public:
   // Makes room for a plan, and its tables.
-  void prepare(const Plan& plan, const Layout& layout);
+  Arrays prepare(const Plan& plan, const Layout& layout);
 
  private:
-  void lay_out(const Plan& plan, const Layout& layout);
+  Arrays lay_out(const Plan& plan, const Layout& layout);
 
   hwy::AlignedFreeUniquePtr<double[]> memory_;
   std::size_t capacity_ = 0;

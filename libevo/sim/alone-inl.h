@@ -10,6 +10,7 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -154,6 +155,24 @@ class Alone {
       b[0] += cx;
       b[1] += cy;
     }
+  }
+
+  void add_travel() const {
+    const P p;
+    double fastest = 0.0;
+    for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
+      const PlanBlock& slots = plan_.blocks[block];
+      XY farthest = hn::Zero(p);
+      for (int slot = slots.first; slot < slots.first + slots.integrated; ++slot) {
+        const XY d = hn::Sub(hn::Load(p, w_.position + offset(slot)),
+                             hn::Load(p, w_.previous + offset(slot)));
+        farthest = hn::Max(farthest, hn::Mul(d, d));
+      }
+      const double way = std::sqrt(hn::GetLane(hn::SumOfLanes(p, farthest)));
+      w_.travel[block] += way;
+      fastest = std::max(fastest, way);
+    }
+    w_.travel[plan_.blocks.size() + 1] += fastest;
   }
 
   void square_moved(double* HWY_RESTRICT result) const {

@@ -12,6 +12,8 @@ namespace {
 
 // ---- small geometry --------------------------------------------------------------
 
+constexpr double reach_slack = 1e-9;  // raw length, far above all roundings
+
 struct V {
   double x = 0.0;
   double y = 0.0;
@@ -43,47 +45,41 @@ struct Quad {
   V top_left, top_right, bottom_left, bottom_right;
 };
 
-// The benchmark's test: p lies in one of the two triangles, borders included.
-bool is_inside(V p, const Quad& q) {
+// How far the points may move relative to each other before the sign of the
+// cross product of u and v can change, but for roundings: x = |u x v| changes by
+// at most r (|u| + |v| + r) when both change by r, and r <= x / (|u| + |v|).
+double reach(double product, V u, V v) {
+  const double x = std::abs(product);
+  const double size = std::abs(u.x) + std::abs(u.y) + std::abs(v.x) + std::abs(v.y);
+  return x * size / (size * size + x);
+}
+
+// Whether p is inside: in one of the two triangles of the cell, borders included.
+// The benchmark's test, which only looks at signs. If not, by how much the points
+// may move relative to each other, by any path, before it can become true.
+struct Clearance {
+  bool inside = false;
+  double distance = 0.0;
+};
+Clearance clearance(V p, const Quad& q) {
   const V tl = q.top_left - p;
   const V tr = q.top_right - p;
   const V br = q.bottom_right - p;
   const double a = cross(tl, tr);
   const double b = cross(tr, br);
   const double c = cross(br, tl);
-  if (c * a >= 0.0 && c * b >= 0.0) return true;
+  if (c * a >= 0.0 && c * b >= 0.0) return {true, 0.0};
   const V bl = q.bottom_left - p;
   const double d = cross(tl, bl);
   const double e = cross(bl, br);
-  return c * d >= 0.0 && c * e >= 0.0;
-}
-
-// Of an upright rectangle: outside, as is_inside would find. Its other products
-// have the same factor twice (tl.y and tr.y, tr.x and br.x, ...), which keeps
-// their signs right whatever the rounding; only a point that lies exactly on the
-// diagonal's line counts as inside wherever it is.
-bool is_beyond(V p, V top_left, V bottom_right) {
-  const bool outside =
-      p.x < top_left.x || p.x > bottom_right.x || p.y > top_left.y || p.y < bottom_right.y;
-  return outside && cross(bottom_right - p, top_left - p) != 0.0;
-}
-
-double square_distance(V p, V a, V b) {
-  const V along = b - a;
-  const double length = dot(along, along);
-  const double t = length > 0.0 ? std::clamp(dot(p - a, along) / length, 0.0, 1.0) : 0.0;
-  const V off = p - (a + along * t);
-  return dot(off, off);
-}
-
-bool is_near(V p, const Quad& q, double gap) {
-  if (is_inside(p, q)) return true;
-  const double limit = gap * gap;
-  return square_distance(p, q.top_left, q.top_right) <= limit ||
-         square_distance(p, q.top_right, q.bottom_right) <= limit ||
-         square_distance(p, q.bottom_right, q.bottom_left) <= limit ||
-         square_distance(p, q.bottom_left, q.top_left) <= limit ||
-         square_distance(p, q.top_left, q.bottom_right) <= limit;
+  if (c * d >= 0.0 && c * e >= 0.0) return {true, 0.0};
+  const auto apart = [c](double side, V u, V v) {
+    return c * side < 0.0 ? reach(side, u, v) : 0.0;
+  };
+  const double upper = std::max(apart(a, tl, tr), apart(b, tr, br));
+  const double lower = std::max(apart(d, tl, bl), apart(e, bl, br));
+  const double all = std::min({reach(c, br, tl), upper, lower});
+  return {false, all - reach_slack};
 }
 
 // ---- points of the world -----------------------------------------------------------
@@ -110,6 +106,7 @@ class Points {
     force[0] += f.x;
     force[view_.stride] += f.y;
   }
+  double travel(std::uint32_t block) const { return view_.travel[block * view_.stride]; }
   Quad quad(const ContactCell& c) const {
     return {(*this)(c.corners[top_left]), (*this)(c.corners[top_right]),
             (*this)(c.corners[bottom_left]), (*this)(c.corners[bottom_right])};
@@ -159,17 +156,6 @@ Scratch& scratch() {
   return memory;
 }
 
-// Whether a cell is at rest for ever, as drawn: terrain, or fixed cells that
-// nothing moving feels.
-bool is_still_rectangle(const Model::Compiled& world, const Points& points, std::uint32_t cell) {
-  for (const std::int32_t corner : cell_of(world, cell).corners)
-    if (points.moves(corner) && !world.plan.held[static_cast<std::size_t>(corner)]) return false;
-  const Quad q = points.quad(cell_of(world, cell));
-  return q.top_left.x == q.bottom_left.x && q.top_right.x == q.bottom_right.x &&
-         q.top_left.y == q.top_right.y && q.bottom_left.y == q.bottom_right.y &&
-         q.top_left.x < q.top_right.x && q.bottom_left.y < q.top_left.y;
-}
-
 // Corners of cell a that are near cell b and no corner of it.
 void list_corners(const Model::Compiled& world, const Points& points, std::uint32_t a,
                   std::uint32_t b, double skin, std::vector<ContactCandidate>& found) {
@@ -177,11 +163,9 @@ void list_corners(const Model::Compiled& world, const Points& points, std::uint3
   const Box box = points.box(cell);
   for (std::uint32_t k = 0; k < 4; ++k) {
     const std::int32_t corner = cell_of(world, a).corners[k];
-    const V p = points(corner);
-    if (!within(p, box, skin)) continue;
+    if (!within(points(corner), box, skin)) continue;
     if (std::find(cell.corners.begin(), cell.corners.end(), corner) != cell.corners.end()) continue;
-    if (!is_near(p, points.quad(cell), skin)) continue;
-    found.push_back({4 * a + k, b & 0x7FFFFFFFU, is_still_rectangle(world, points, b) ? 1U : 0U});
+    found.push_back({4 * a + k, b, 0.0});
   }
 }
 
@@ -248,6 +232,13 @@ std::uint64_t order(const Model::Compiled& world, std::uint32_t a, std::uint32_t
   return i << 54 | j << 44 | std::uint64_t{a} << 22 | b;
 }
 
+// Where the travel of an object stands.
+std::uint32_t travel_block(const Model::Compiled& world, int object) {
+  const int block = world.block[static_cast<std::size_t>(object)];
+  return block >= 0 ? static_cast<std::uint32_t>(block)
+                    : static_cast<std::uint32_t>(world.plan.blocks.size());
+}
+
 void find_terrain_pairs(const Model::Compiled& world, const SurfaceRange& range,
                         const std::vector<Box>& boxes) {
   for (int m = range.first; m < range.first + range.count; ++m) {
@@ -286,7 +277,7 @@ void find_moving_pairs(const Model::Compiled& world, int i, int j, const std::ve
 
 void prepare_lists(const Model::Compiled& world, ContactLists& lists) {
   lists.self.resize(world.plan.blocks.size());
-  lists.first_pair.assign(world.objects.size() + 1, 0);
+  lists.first_group.assign(world.objects.size() + 1, 0);
   lists.self_reference.assign(2 * static_cast<std::size_t>(world.plan.slots), 0.0);
   lists.pair_reference.assign(2 * static_cast<std::size_t>(world.plan.slots), 0.0);
   lists.invalidate();
@@ -329,6 +320,8 @@ void find_self_contacts(const Model::Compiled& world, int object, const PointVie
   const bool can_fold = world.is_robot[static_cast<std::size_t>(object)] != 0 &&
                         2 * list.folding.size() > static_cast<std::size_t>(range.count);
   if (!can_fold) list.folding.clear();
+  const auto both = static_cast<std::uint32_t>(block);
+  list.group = {0, static_cast<std::uint32_t>(list.candidates.size()), {both, both}, 0.0};
   copy_reference(world.plan.blocks[block], view, lists.self_reference);
   list.valid = true;
 }
@@ -366,17 +359,27 @@ void find_pair_contacts(const Model::Compiled& world, const PointView& view, Con
             [](const CellPair& p, const CellPair& q) { return p.order < q.order; });
 
   lists.pairs.clear();
+  lists.groups.clear();
   std::size_t object = 0;
+  int partner = -1;
   for (const auto& [unused, a, b] : cell_pairs) {
-    for (; object <= static_cast<std::size_t>(world.surface[a].object); ++object)
-      lists.first_pair[object] = static_cast<std::uint32_t>(lists.pairs.size());
+    const int i = world.surface[a].object;
+    const int j = world.surface[b].object;
+    if (object <= static_cast<std::size_t>(i) || partner != j) {
+      for (; object <= static_cast<std::size_t>(i); ++object)
+        lists.first_group[object] = static_cast<std::uint32_t>(lists.groups.size());
+      partner = j;
+      const auto first = static_cast<std::uint32_t>(lists.pairs.size());
+      lists.groups.push_back({first, first, {travel_block(world, i), travel_block(world, j)}, 0.0});
+    }
     const bool terrain = cell_of(world, a).is_static || cell_of(world, b).is_static;
     const double skin = terrain ? terrain_skin : moving_skin;
     list_corners(world, points, a, b, skin, lists.pairs);
     list_corners(world, points, b, a, skin, lists.pairs);
+    lists.groups.back().last = static_cast<std::uint32_t>(lists.pairs.size());
   }
-  for (; object < lists.first_pair.size(); ++object)
-    lists.first_pair[object] = static_cast<std::uint32_t>(lists.pairs.size());
+  for (; object < lists.first_group.size(); ++object)
+    lists.first_group[object] = static_cast<std::uint32_t>(lists.groups.size());
   for (const PlanBlock& block : world.plan.blocks)
     copy_reference(block, view, lists.pair_reference);
   lists.pairs_valid = true;
@@ -395,25 +398,32 @@ class Pusher {
   Pusher(const Model::Compiled& world, const PointView& view)
       : world_(world), physics_(world.physics), points_(world, view) {}
 
-  bool push(const ContactCandidate* candidate, const ContactCandidate* end) {
+  // Of the candidates of a group, those that are inside.
+  bool push(ContactGroup& group, std::vector<ContactCandidate>& candidates) const {
+    const double travel = points_.travel(group.blocks[0]) + points_.travel(group.blocks[1]);
+    if (travel < group.due) return false;
     bool any = false;
-    for (; candidate != end; ++candidate) any |= push(*candidate);
+    group.due = HUGE_VAL;
+    for (std::uint32_t i = group.first; i < group.last; ++i) {
+      ContactCandidate& candidate = candidates[i];
+      if (!(travel < candidate.due)) any |= push(candidate, travel);
+      group.due = std::min(group.due, candidate.due);
+    }
     return any;
   }
 
  private:
   using Edge = std::array<std::int32_t, 2>;
 
-  bool push(const ContactCandidate& candidate) {
+  bool push(ContactCandidate& candidate, double travel) const {
     const ContactCell& cell = cell_of(world_, candidate.cell);
     const ContactCell& owner = cell_of(world_, candidate.corner / 4);
     const std::uint32_t corner = candidate.corner % 4;
     const std::int32_t point = owner.corners[corner];
     const V p = points_(point);
-    if (candidate.rectangle &&
-        is_beyond(p, points_(cell.corners[top_left]), points_(cell.corners[bottom_right])))
-      return false;
-    if (!is_inside(p, points_.quad(cell))) return false;
+    const Clearance clear = clearance(p, points_.quad(cell));
+    candidate.due = travel + clear.distance;
+    if (!clear.inside) return false;
 
     static constexpr std::array<std::array<Side, 2>, 4> probes{
         {{top, left}, {top, right}, {bottom, left}, {bottom, right}}};
@@ -499,16 +509,16 @@ class Pusher {
 
 }  // namespace
 
-bool push_contacts(const Model::Compiled& world, const ContactLists& lists, const PointView& view) {
-  Pusher pusher(world, view);
+bool push_contacts(const Model::Compiled& world, ContactLists& lists, const PointView& view) {
+  const Pusher pusher(world, view);
   bool any = false;
-  const ContactCandidate* pairs = lists.pairs.data();
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     if (world.block[i] >= 0) {
-      const auto& self = lists.self[static_cast<std::size_t>(world.block[i])].candidates;
-      any |= pusher.push(self.data(), self.data() + self.size());
+      ContactLists::Self& self = lists.self[static_cast<std::size_t>(world.block[i])];
+      any |= pusher.push(self.group, self.candidates);
     }
-    any |= pusher.push(pairs + lists.first_pair[i], pairs + lists.first_pair[i + 1]);
+    for (std::uint32_t g = lists.first_group[i]; g < lists.first_group[i + 1]; ++g)
+      any |= pusher.push(lists.groups[g], lists.pairs);
   }
   return any;
 }

@@ -4,9 +4,10 @@
 //
 // Two steps. Finding: which corners may come to touch which cells, kept in
 // ContactLists until something has moved by half a skin. Pushing: of those
-// candidates, the ones inside a cell, with their forces. Forces are summed in a
-// fixed order of objects, cells and corners, so the result does not depend on
-// when the lists were made; see `order` in contact.cpp.
+// candidates, the ones inside a cell, with their forces. A candidate that is
+// outside is not looked at again before something has moved far enough to bring
+// it inside. Forces are summed in a fixed order of objects, cells and corners, so
+// the result does not depend on when that was; see `order` in contact.cpp.
 #pragma once
 
 #include <cstddef>
@@ -26,11 +27,14 @@ inline constexpr double self_move_limit = 0.0398;  // of two points of one objec
 
 // One environment's points in the kernels' arrays: slot s has its x at
 // [2*s*stride] and its y at [2*s*stride + stride]; forces are `force_spacing`
-// times as far apart.
+// times as far apart. Block b has travelled [b*stride] in this control step: the
+// sum over substeps of the longest way of any of its points. After the blocks
+// comes the travel of what never moves, 0, then the sum of the fastest block's.
 struct PointView {
   const double* position = nullptr;
   const double* previous = nullptr;  // one substep ago
   double* force = nullptr;           // contact forces are added here
+  const double* travel = nullptr;    // of each block of the plan, see below
   std::size_t stride = 1;
   std::size_t force_spacing = 1;
 };
@@ -43,8 +47,7 @@ void find_self_contacts(const Model::Compiled& world, int object, const PointVie
 void find_pair_contacts(const Model::Compiled& world, const PointView& points, ContactLists& lists);
 
 // Adds all contact forces; true if there were any.
-bool push_contacts(const Model::Compiled& world, const ContactLists& lists,
-                   const PointView& points);
+bool push_contacts(const Model::Compiled& world, ContactLists& lists, const PointView& points);
 
 // Whether any robot is folded onto itself.
 bool is_folding(const Model::Compiled& world, const ContactLists& lists, const PointView& points);

@@ -8,27 +8,40 @@
 
 namespace evo {
 
-// A corner of one surface cell against another surface cell.
+// A corner of one surface cell against another surface cell. The corner is
+// outside as long as the travel (contact.h) of its group is below `due`.
 struct ContactCandidate {
   std::uint32_t corner = 0;  // 4 * surface cell + Corner
-  std::uint32_t cell : 31 = 0;
-  std::uint32_t rectangle : 1 = 0;  // the cell cannot move and is an upright rectangle
+  std::uint32_t cell = 0;
+  double due = 0.0;
+};
+
+// Candidates [first, last) between two objects, or of one with itself.
+struct ContactGroup {
+  std::uint32_t first = 0;
+  std::uint32_t last = 0;
+  std::array<std::uint32_t, 2> blocks{};  // of the plan; their number for static objects
+  double due = 0.0;                       // the earliest of the candidates
 };
 
 struct ContactLists {
   // Within one moving object.
   struct Self {
     std::vector<ContactCandidate> candidates;
+    ContactGroup group;  // all of them
     // Pairs of surface cells that count for self-folding and whose boxes may
     // overlap; empty when there are too few of them to fold the object.
     std::vector<std::array<std::uint32_t, 2>> folding;
     bool valid = false;
+    double due = 0.0;  // travel of the block at which the list may be too old
   };
   std::vector<Self> self;  // one a block of the plan
-  // Between objects, one range an object i in world order, of pairs (i, j>i).
+  // Between objects: groups in world order of pairs (i, j>i).
   std::vector<ContactCandidate> pairs;
-  std::vector<std::uint32_t> first_pair;  // objects + 1 entries
+  std::vector<ContactGroup> groups;
+  std::vector<std::uint32_t> first_group;  // of each object i; objects + 1 entries
   bool pairs_valid = false;
+  double pairs_due = 0.0;  // travel of the fastest block at which they may be too old
   // Positions the lists were found at, by slot: x, y interleaved.
   std::vector<double> self_reference;
   std::vector<double> pair_reference;
@@ -36,6 +49,16 @@ struct ContactLists {
   void invalidate() {
     pairs_valid = false;
     for (Self& s : self) s.valid = false;
+  }
+  // Travel is counted from 0 again: everything is due.
+  void rewind() {
+    pairs_due = 0.0;
+    for (ContactCandidate& c : pairs) c.due = 0.0;
+    for (ContactGroup& g : groups) g.due = 0.0;
+    for (Self& s : self) {
+      s.due = s.group.due = 0.0;
+      for (ContactCandidate& c : s.candidates) c.due = 0.0;
+    }
   }
 };
 

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -48,6 +49,7 @@ class ControlStep {
                                          static_cast<std::size_t>(plan_.springs));
     std::size_t running = lanes_.size();
     for (int i = 0; i < physics_.substeps && running > 0; ++i) {
+      if (i > 0) kernel().add_travel();
       substep();
       running -= stop_folded();
     }
@@ -134,8 +136,8 @@ class ControlStep {
 
   const Model::Compiled& world(std::size_t i) const { return lanes_[i].model->compiled(); }
   PointView view(std::size_t i) const {
-    return {w_.position + i, w_.previous + i, w_.motion + Motion::contact * width + i, width,
-            Motion::records};
+    return {w_.position + i, w_.previous + i, w_.motion + Motion::contact * width + i,
+            w_.travel + i,   width,           Motion::records};
   }
 
   void clear_contacts() {
@@ -149,33 +151,62 @@ class ControlStep {
     if (std::exchange(touching_, false)) clear_contacts();
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (lanes_[i].result != StepResult::done) continue;
-      const ContactLists& lists = lanes_[i].state->contacts;
+      ContactLists& lists = lanes_[i].state->contacts;
       touching_ |= push_contacts(world(i), lists, view(i));
       folding_[i] = is_folding(world(i), lists, view(i));
     }
   }
 
-  // Finds contact candidates again where something has moved too far.
+  // Finds contact candidates again where something has moved too far. How far is
+  // only looked at once the travel since the last look would allow it.
   void renew_lists() {
+    const std::size_t blocks = plan_.blocks.size();
+    if (is_due(blocks + 1, [](const ContactLists& lists) { return lists.pairs_due; }))
+      renew_pair_lists();
+    for (std::size_t block = 0; block < blocks; ++block)
+      if (is_due(block, [&](const ContactLists& lists) { return lists.self[block].due; }))
+        renew_self_lists(block);
+  }
+
+  template <class Due>
+  bool is_due(std::size_t travel, Due due) const {
+    for (std::size_t i = 0; i < lanes_.size(); ++i)
+      if (lanes_[i].result == StepResult::done &&
+          !(w_.travel[travel * width + i] < due(lanes_[i].state->contacts)))
+        return true;
+    return false;
+  }
+
+  void renew_pair_lists() {
+    const double* travel = w_.travel + (plan_.blocks.size() + 1) * width;
     HWY_ALIGN double moved[width];
     kernel().square_moved(moved);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       ContactLists& lists = lanes_[i].state->contacts;
       if (lanes_[i].result != StepResult::done) continue;
-      if (lists.pairs_valid && moved[i] <= pair_move_limit * pair_move_limit) continue;
-      find_pair_contacts(world(i), view(i), lists);
-      load_reference(i, lists.pair_reference, w_.pair_reference, 0, plan_.slots);
+      if (!lists.pairs_valid || !(moved[i] <= pair_move_limit * pair_move_limit)) {
+        find_pair_contacts(world(i), view(i), lists);
+        load_reference(i, lists.pair_reference, w_.pair_reference, 0, plan_.slots);
+        moved[i] = 0.0;
+      }
+      lists.pairs_due = travel[i] + (pair_move_limit - std::sqrt(moved[i]));
     }
-    for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-      kernel().square_sheared(plan_.blocks[block], moved);
-      for (std::size_t i = 0; i < lanes_.size(); ++i) {
-        ContactLists& lists = lanes_[i].state->contacts;
-        if (lanes_[i].result != StepResult::done) continue;
-        if (lists.self[block].valid && moved[i] <= self_move_limit * self_move_limit) continue;
+  }
+
+  void renew_self_lists(std::size_t block) {
+    const double* travel = w_.travel + block * width;
+    HWY_ALIGN double sheared[width];
+    kernel().square_sheared(plan_.blocks[block], sheared);
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      ContactLists& lists = lanes_[i].state->contacts;
+      if (lanes_[i].result != StepResult::done) continue;
+      if (!lists.self[block].valid || !(sheared[i] <= self_move_limit * self_move_limit)) {
         find_self_contacts(world(i), world(i).object_of_block[block], view(i), lists);
         load_reference(i, lists.self_reference, w_.self_reference, plan_.blocks[block].first,
                        plan_.blocks[block].count);
+        sheared[i] = 0.0;
       }
+      lists.self[block].due = travel[i] + (self_move_limit - std::sqrt(sheared[i])) / 2.0;
     }
   }
 
@@ -196,6 +227,7 @@ class ControlStep {
     lane.result = StepResult::done;
     if (state.contacts.self_reference.size() != 2 * state.x.size())
       prepare_lists(lane.model->compiled(), state.contacts);
+    state.contacts.rewind();
     for (std::size_t slot = 0; slot < static_cast<std::size_t>(plan_.slots); ++slot) {
       const auto p = static_cast<std::size_t>(plan_.state_of[slot]);
       set(w_.position, i, slot, state.x[p], state.y[p]);

@@ -113,7 +113,6 @@ class Planner {
           if (roles_[at(i)] != role) continue;
           plan_.slot_of[at(i)] = static_cast<std::int32_t>(plan_.state_of.size());
           plan_.state_of.push_back(i);
-          plan_.held.push_back(role == Role::held ? 1 : 0);
           if (role != Role::held) ++info.integrated;
         }
       }

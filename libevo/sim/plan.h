@@ -49,7 +49,6 @@ struct Plan {
   std::vector<std::int32_t> slot_of;   // State index -> slot
   std::vector<std::int32_t> state_of;  // slot -> State index
   std::vector<PlanBlock> blocks;       // one a moving object, world order
-  std::vector<std::uint8_t> held;      // a slot: its point is held
 
   // Springs in the order forces are computed: the first `live_springs` change,
   // as an end can move. Frozen ones follow, between fixed points, one of them

@@ -154,6 +154,26 @@ class SideBySide {
     }
   }
 
+  // Adds the last substep to the travel of all blocks.
+  void add_travel() const {
+    const D d;
+    V fastest = hn::Zero(d);
+    for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
+      const PlanBlock& slots = plan_.blocks[block];
+      V farthest = hn::Zero(d);
+      for (int slot = slots.first; slot < slots.first + slots.integrated; ++slot) {
+        const std::size_t o = offset(slot);
+        const V dx = hn::Sub(hn::Load(d, w_.position + o), hn::Load(d, w_.previous + o));
+        const V dy =
+            hn::Sub(hn::Load(d, w_.position + o + width), hn::Load(d, w_.previous + o + width));
+        farthest = hn::Max(farthest, hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)));
+      }
+      fastest = hn::Max(fastest, farthest);
+      add_root(farthest, w_.travel + block * width);
+    }
+    add_root(fastest, w_.travel + (plan_.blocks.size() + 1) * width);
+  }
+
   // Square of the longest way that a point of any block has moved from the
   // reference, one value a lane.
   void square_moved(double* HWY_RESTRICT result) const {
@@ -199,6 +219,11 @@ class SideBySide {
  private:
   static std::size_t offset(std::int32_t slot) {
     return 2 * static_cast<std::size_t>(slot) * width;
+  }
+
+  static HWY_INLINE void add_root(V square, double* to) {
+    const D d;
+    hn::Store(hn::Add(hn::Load(d, to), hn::Sqrt(square)), d, to);
   }
 
   HWY_INLINE void load_difference(const double* HWY_RESTRICT at, const SpringEnds& ends, V& qx,

@@ -39,10 +39,11 @@ Arrays Workspace::lay_out(const Plan& plan, const Layout& layout) {
   const auto rounded = [](std::size_t n) { return (n + line - 1) / line * line + line; };
   const std::size_t positions = rounded(2 * slots * layout.lanes);
   const std::size_t motions = rounded(Motion::records * 2 * slots * layout.lanes);
+  const std::size_t travels = rounded((plan.blocks.size() + 2) * layout.lanes);
   const std::size_t lengths = rounded(springs * layout.lanes);
   const std::size_t forces = rounded((springs + 1) * layout.force_record);
   const std::size_t corrections = rounded(2 * springs * layout.lanes);
-  const std::size_t needed = 6 * positions + motions + 2 * lengths + forces + corrections;
+  const std::size_t needed = 6 * positions + motions + travels + 2 * lengths + forces + corrections;
   if (needed > capacity_) {
     memory_ = hwy::AllocateAligned<double>(needed);
     capacity_ = needed;
@@ -58,11 +59,13 @@ Arrays Workspace::lay_out(const Plan& plan, const Layout& layout) {
                          &arrays.stage_position[1], &arrays.self_reference, &arrays.pair_reference})
     *array = take(positions);
   arrays.motion = take(motions);
+  arrays.travel = take(travels);
   arrays.goal = take(lengths);
   arrays.length = take(lengths);
   arrays.force = take(forces);
   arrays.correction = take(corrections);
   std::fill_n(arrays.force + springs * layout.force_record, layout.force_record, 0.0);
+  std::fill_n(arrays.travel, travels, 0.0);
   return arrays;
 }
 

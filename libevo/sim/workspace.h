@@ -48,6 +48,7 @@ struct Arrays {
   double* self_reference = nullptr;  // where contact lists were made
   double* pair_reference = nullptr;
   double* motion = nullptr;  // a record a slot
+  double* travel = nullptr;  // W values a block, of what is static and of the fastest (contact.h)
 
   double* goal = nullptr;             // springs: goal length
   double* length = nullptr;           // springs: rest length L of the substep

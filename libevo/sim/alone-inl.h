@@ -95,7 +95,7 @@ class Alone {
     const P p;
     std::size_t count = 0;
     const Plan::Strain& strain = plan_.strain;
-    const auto live = static_cast<std::size_t>(plan_.live_springs);
+    const std::size_t live = strain.springs;
     HWY_ALIGN double pairs[2 * springs_at_once];
     for (std::size_t s = 0; s < live; s += springs_at_once) {
       V qx, qy;

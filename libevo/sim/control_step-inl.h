@@ -45,7 +45,7 @@ class ControlStep {
   void run() {
     for (std::size_t i = 0; i < width; ++i) load(i, lanes_[std::min(i, lanes_.size() - 1)]);
     clear_contacts();
-    kernel().template last_springs<true>(w_.position, static_cast<std::size_t>(plan_.live_springs),
+    kernel().template last_springs<true>(w_.position, static_cast<std::size_t>(plan_.first_frozen),
                                          static_cast<std::size_t>(plan_.springs));
     std::size_t running = lanes_.size();
     for (int i = 0; i < physics_.substeps && running > 0; ++i) {
@@ -74,7 +74,7 @@ class ControlStep {
   template <int n>
   void stage(const double* HWY_RESTRICT at, double* HWY_RESTRICT next) {
     const auto springs = static_cast<std::size_t>(plan_.live_springs);
-    const auto regular = static_cast<std::size_t>(plan_.regular_points);
+    const std::size_t regular = n < 3 ? plan_.regular : plan_.free_regular;
     constexpr int few = Plan::regular_ends;
     const std::uint32_t* points = w_.point_offsets;
     const std::uint32_t* ends = w_.ends;
@@ -91,22 +91,25 @@ class ControlStep {
     kernel.template last_springs<n == 1>(at, s, springs);
     for (; i < regular; ++i, ends += 2 * few)
       kernel.template point<n>(points[i], ends, few, few, at, next);
-    for (; i < plan_.free_points; ++i) irregular_point<n>(i, at, next);
-    for (; i < plan_.points.size(); ++i) anchored_point<n>(i, at, next);
+    for (; i < plan_.regular; ++i) anchored_point<n>(w_.point_offsets[i], next);
+    for (; i < plan_.free_irregular; ++i) irregular_point<n>(i, at, next);
+    for (; i < plan_.points.size(); ++i) {
+      if constexpr (n < 3)
+        irregular_point<n>(i, at, next);
+      else
+        anchored_point<n>(w_.point_offsets[i], next);
+    }
   }
 
   // What others feel of an anchored point is where stages 3 and 4 see it, which
   // the forces of stages 1 and 2 decide; it ends the substep where it began.
   template <int n>
-  HWY_INLINE void anchored_point(std::size_t i, const double* at, double* next) {
-    const std::size_t o = w_.point_offsets[i];
-    if constexpr (n < 3) {
-      irregular_point<n>(i, at, next);
-    } else if constexpr (n == 3) {
+  HWY_INLINE void anchored_point(std::size_t o, double* next) {
+    if constexpr (n == 3) {
       const double* velocity = w_.motion + Motion::records * o + Motion::stage_velocity * width;
       for (std::size_t k = 0; k < 2 * width; ++k)
         next[o + k] = w_.position[o + k] + velocity[k] * physics_.substep;
-    } else {
+    } else if constexpr (n == 4) {
       std::copy_n(w_.position + o, 2 * width, next + o);
     }
   }
@@ -123,7 +126,7 @@ class ControlStep {
   static std::size_t lead_of(const Plan& plan) {
     constexpr std::size_t under_way = 2;
     std::size_t rounds = 0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(plan.regular_points); ++i) {
+    for (std::size_t i = 0; i < plan.regular; ++i) {
       const auto needed = static_cast<std::size_t>(plan.springs_before[i]);
       const std::size_t done = (needed + Kernel::springs_at_once - 1) / Kernel::springs_at_once;
       if (done > i + 1) rounds = std::max(rounds, done - (i + 1));

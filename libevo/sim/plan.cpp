@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <tuple>
+#include <utility>
 
 #include "libevo/sim/compiled.h"
 
@@ -66,9 +67,9 @@ class Planner {
     choose_springs();
     number_slots(first_points);
     order_points();
+    mirror_springs();
     order_springs();
     list_points();
-    list_springs();
     list_strain_limits();
     list_rigid_edges();
     list_drives();
@@ -120,7 +121,7 @@ class Planner {
     }
   }
 
-  // Free points by slot, those with too many springs last; then anchored ones.
+  // Regular points before irregular ones, free before anchored ones, by slot.
   void order_points() {
     a_ends_.resize(at(dynamics_.points));
     b_ends_.resize(at(dynamics_.points));
@@ -134,53 +135,109 @@ class Planner {
     for (const std::int32_t i : plan_.state_of)
       if (roles_[at(i)] != Role::held) order_.push_back(i);
     std::stable_sort(order_.begin(), order_.end(), [&](int i, int j) { return turn(i) < turn(j); });
+    const auto first_of = [&](int t) {
+      const auto comes_before = [&](int i) { return turn(i) < t; };
+      return static_cast<std::size_t>(
+          std::partition_point(order_.begin(), order_.end(), comes_before) - order_.begin());
+    };
+    plan_.free_regular = first_of(1);
+    plan_.regular = first_of(2);
+    plan_.free_irregular = first_of(3);
     rank_.assign(at(dynamics_.points), static_cast<int>(order_.size()));
     for (std::size_t k = 0; k < order_.size(); ++k) rank_[at(order_[k])] = static_cast<int>(k);
   }
 
   bool is_regular(int i) const {
-    return a_ends_[at(i)].size() <= Plan::regular_ends &&
-           b_ends_[at(i)].size() <= Plan::regular_ends;
+    return a_ends_[at(i)].size() + b_ends_[at(i)].size() <= 2 * Plan::regular_ends;
   }
-  int turn(int i) const { return roles_[at(i)] == Role::anchored ? 2 : is_regular(i) ? 0 : 1; }
-  int first_rank(int s) const {
-    const Spring& spring = dynamics_.springs[at(s)];
-    return std::min(rank_[at(spring.a)], rank_[at(spring.b)]);
+  int turn(int i) const {
+    return (is_regular(i) ? 0 : 2) + (roles_[at(i)] == Role::anchored ? 1 : 0);
   }
 
-  // Springs follow the points: whichever end is integrated first decides, so
-  // that a point can be integrated soon after its last spring is computed.
-  void order_springs() {
-    std::vector<int> sorted = live_;
-    std::stable_sort(sorted.begin(), sorted.end(),
-                     [&](int s, int t) { return first_rank(s) < first_rank(t); });
-    number_.assign(dynamics_.springs.size(), -1);
-    for (const std::vector<int>* springs : {&sorted, &frozen_}) {
-      for (const int s : *springs) {
-        number_[at(s)] = static_cast<std::int32_t>(computed_.size());
-        computed_.push_back(s);
+  // Moves what is too much for one list of a regular point to the other one.
+  void mirror_springs() {
+    const std::size_t few = Plan::regular_ends;
+    for (const int i : order_) {
+      if (!is_regular(i)) continue;
+      std::vector<int>& a = a_ends_[at(i)];
+      std::vector<int>& b = b_ends_[at(i)];
+      while (a.size() > few) {  // the last a becomes the first b
+        b.insert(b.begin(), mirror(a.back()));
+        a.pop_back();
+      }
+      while (b.size() > few) {  // the first b becomes the last a
+        a.push_back(mirror(b.front()));
+        b.erase(b.begin());
       }
     }
   }
 
-  void list_points() {
-    const auto padded =
-        (computed_.size() + Plan::spring_padding - 1) / Plan::spring_padding * Plan::spring_padding;
-    plan_.null_spring = static_cast<int>(padded);
-    std::size_t springs = 0;  // whose first end has been integrated
-    for (std::size_t k = 0; k < order_.size(); ++k) {
-      const int i = order_[k];
-      const bool regular = turn(i) == 0;
-      PlanPoint point{plan_.slot_of[at(i)], static_cast<std::int32_t>(plan_.ends.size()), 0, 0};
-      point.a_ends = list_ends(a_ends_[at(i)], regular);
-      point.b_ends = list_ends(b_ends_[at(i)], regular);
-      plan_.points.push_back(point);
-      if (roles_[at(i)] == Role::anchored) continue;
-      ++plan_.free_points;
-      if (regular) ++plan_.regular_points;
-      while (springs < live_.size() && first_rank(computed_[springs]) <= static_cast<int>(k))
-        ++springs;
+  // A spring of Dynamics, or, numbered from their count on, a mirror image.
+  Spring spring(int s) const {
+    const int count = static_cast<int>(dynamics_.springs.size());
+    Spring result = dynamics_.springs[at(s < count ? s : s - count)];
+    if (s >= count) std::swap(result.a, result.b);
+    return result;
+  }
+  int mirror(int s) {
+    const int image = s + static_cast<int>(dynamics_.springs.size());
+    const bool is_frozen = std::find(frozen_.begin(), frozen_.end(), s) != frozen_.end();
+    std::vector<int>& images = is_frozen ? frozen_images_ : live_images_;
+    if (std::find(images.begin(), images.end(), image) == images.end()) images.push_back(image);
+    return image;
+  }
+
+  int first_rank(int s) const { return std::min(rank_[at(spring(s).a)], rank_[at(spring(s).b)]); }
+
+  // Springs follow the points: whichever end is integrated first decides, so
+  // that a point can be integrated soon after its last spring is computed.
+  void order_springs() {
+    std::vector<int> live = live_;
+    live.insert(live.end(), live_images_.begin(), live_images_.end());
+    std::stable_sort(live.begin(), live.end(),
+                     [&](int s, int t) { return first_rank(s) < first_rank(t); });
+    std::vector<int> frozen = frozen_;
+    frozen.insert(frozen.end(), frozen_images_.begin(), frozen_images_.end());
+    number_.assign(2 * dynamics_.springs.size(), -1);
+    list_springs(live);
+    plan_.live_springs = static_cast<int>(live.size());
+    plan_.first_frozen = static_cast<int>(plan_.a.size());
+    list_springs(frozen);
+    plan_.springs = plan_.first_frozen + static_cast<int>(frozen.size());
+    plan_.null_spring = static_cast<int>(plan_.a.size());
+    list_springs_before(live);
+  }
+
+  void list_springs(const std::vector<int>& springs) {
+    for (std::size_t n = 0; n < padded(springs.size()); ++n) {
+      const int name = springs[std::min(n, springs.size() - 1)];
+      if (n < springs.size()) number_[at(name)] = static_cast<std::int32_t>(plan_.a.size());
+      const Spring s = spring(name);
+      plan_.a.push_back(plan_.slot_of[at(s.a)]);
+      plan_.b.push_back(plan_.slot_of[at(s.b)]);
+      plan_.rest.push_back(s.rest);
+      plan_.stiffness.push_back(s.stiffness);
+    }
+  }
+
+  static std::size_t padded(std::size_t springs) {
+    return (springs + Plan::spring_padding - 1) / Plan::spring_padding * Plan::spring_padding;
+  }
+
+  void list_springs_before(const std::vector<int>& live) {
+    std::size_t springs = 0;
+    for (std::size_t k = 0; k < plan_.regular; ++k) {
+      while (springs < live.size() && first_rank(live[springs]) <= static_cast<int>(k)) ++springs;
       plan_.springs_before.push_back(static_cast<std::int32_t>(springs));
+    }
+  }
+
+  void list_points() {
+    for (const int i : order_) {
+      PlanPoint point{plan_.slot_of[at(i)], static_cast<std::int32_t>(plan_.ends.size()), 0, 0};
+      point.a_ends = list_ends(a_ends_[at(i)], is_regular(i));
+      point.b_ends = list_ends(b_ends_[at(i)], is_regular(i));
+      plan_.points.push_back(point);
     }
   }
 
@@ -191,24 +248,11 @@ class Planner {
     return static_cast<std::int32_t>(count);
   }
 
-  void list_springs() {
-    plan_.live_springs = static_cast<int>(live_.size());
-    plan_.springs = static_cast<int>(computed_.size());
-    for (std::size_t n = 0; n < at(plan_.null_spring); ++n) {
-      const Spring& s = dynamics_.springs[at(computed_[std::min(n, computed_.size() - 1)])];
-      plan_.a.push_back(plan_.slot_of[at(s.a)]);
-      plan_.b.push_back(plan_.slot_of[at(s.b)]);
-      plan_.rest.push_back(s.rest);
-      plan_.stiffness.push_back(s.stiffness);
-    }
-  }
-
   void list_strain_limits() {
     LimitTable limits(physics_.strain_limit);
     Plan::Strain& strain = plan_.strain;
-    const auto padded =
-        (live_.size() + Plan::spring_padding - 1) / Plan::spring_padding * Plan::spring_padding;
-    for (std::size_t n = 0; n < padded; ++n) {
+    strain.springs = live_.size();
+    for (std::size_t n = 0; n < padded(live_.size()); ++n) {
       const Spring& s = dynamics_.springs[at(live_[std::min(n, live_.size() - 1)])];
       strain.a.push_back(plan_.slot_of[at(s.a)]);
       strain.b.push_back(plan_.slot_of[at(s.b)]);
@@ -231,16 +275,17 @@ class Planner {
 
   void list_drives() {
     for (const Drive& d : dynamics_.drives)
-      if (number_[at(d.spring)] >= 0)
-        plan_.drives.push_back({number_[at(d.spring)], d.first_actuator, d.second_actuator});
+      for (const std::int32_t n :
+           {number_[at(d.spring)], number_[dynamics_.springs.size() + at(d.spring)]})
+        if (n >= 0) plan_.drives.push_back({n, d.first_actuator, d.second_actuator});
   }
 
   const Dynamics& dynamics_;
   const Physics& physics_;
   Plan plan_;
-  std::vector<int> live_, frozen_;    // springs, in the order of Dynamics
-  std::vector<int> computed_;         // springs, in the order of the plan
-  std::vector<std::int32_t> number_;  // a spring -> its place in the plan, or -1
+  std::vector<int> live_, frozen_;  // springs, in the order of Dynamics
+  std::vector<int> live_images_, frozen_images_;
+  std::vector<std::int32_t> number_;  // a spring or image -> its place in the plan, or -1
   std::vector<Role> roles_;
   std::vector<std::vector<int>> a_ends_, b_ends_;  // a point: its springs
   std::vector<int> order_;                         // points as they are integrated

@@ -51,32 +51,40 @@ struct Plan {
   std::vector<PlanBlock> blocks;       // one a moving object, world order
 
   // Springs in the order forces are computed: the first `live_springs` change,
-  // as an end can move. Frozen ones follow, between fixed points, one of them
-  // anchored: their force is the same in every substep of a control step. The
-  // arrays are padded with copies of the last spring to a multiple of
-  // spring_padding; the spring after that, null_spring, has no force.
+  // as an end can move. Frozen ones, [first_frozen, springs), lie between fixed
+  // points, one of them anchored: their force is the same in every substep of a
+  // control step. Both are padded with copies of the last spring to a multiple of
+  // spring_padding; the spring after that, null_spring, has no force. Some
+  // springs are there twice, the second time with their ends exchanged: their
+  // mirror images, whose force is the same but for its sign.
   static constexpr int spring_padding = 8;
   int live_springs = 0;
+  int first_frozen = 0;
   int springs = 0;
   int null_spring = 0;
   std::vector<std::int32_t> a, b;  // slots of the ends
   std::vector<double> rest;
   std::vector<double> stiffness;
 
-  // Free points, then anchored ones, each in the order they are integrated.
-  // `springs_before` of the i-th free point: how many springs must have been
-  // computed before it; it never falls. Nearly every point has at most
-  // regular_ends springs of either kind; its list is filled up with null_spring
-  // to that many, so that loops over points have no branches.
+  // Points in the order they are integrated: regular ones, free then anchored;
+  // irregular ones, free then anchored. `springs_before` of the i-th regular
+  // point: how many springs must have been computed before it; it never falls.
+  //
+  // A regular point has exactly regular_ends springs of either kind, so that
+  // loops over points have no branches: lists are filled up with null_spring, and
+  // what one list cannot hold the other one gets as a mirror image, since f - x is
+  // f + (-x). No point of a body with all its links has more than eight springs.
   static constexpr int regular_ends = 4;
   std::vector<PlanPoint> points;
-  std::size_t regular_points = 0;  // the first ones
-  std::size_t free_points = 0;     // the first ones, regular or not
+  std::size_t free_regular = 0;  // where the groups of points end
+  std::size_t regular = 0;
+  std::size_t free_irregular = 0;
   std::vector<std::int32_t> springs_before;
   std::vector<std::int32_t> ends;  // springs
 
   // Live springs once more, in the order of Dynamics: that of corrections.
   struct Strain {
+    std::size_t springs = 0;  // the arrays are padded as above
     std::vector<std::int32_t> a, b;
     std::vector<std::uint8_t> a_free, b_free;             // this end may be moved
     std::vector<double> shortest_square, longest_square;  // of `limits`, for vector loads

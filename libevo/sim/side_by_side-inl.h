@@ -104,7 +104,7 @@ class SideBySide {
     const D d;
     std::size_t count = 0;
     const Plan::Strain& strain = plan_.strain;
-    const auto live = static_cast<std::size_t>(plan_.live_springs);
+    const std::size_t live = strain.springs;
     for (std::size_t s = 0; s < live; ++s) {
       V qx, qy;
       load_difference(at, w_.strain_ends[s], qx, qy);

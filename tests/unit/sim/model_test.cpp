@@ -1,5 +1,6 @@
 #include "libevo/sim/model.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -78,8 +79,23 @@ TEST_CASE("fixed points that nothing feels are left out of the work") {
   REQUIRE(plan.blocks.size() == 1);
   CHECK(plan.blocks[0].count == model.points());
   CHECK(plan.blocks[0].integrated < plan.blocks[0].count);
-  CHECK(plan.live_springs < plan.springs);
+  CHECK(plan.live_springs > 0);
+  CHECK(plan.first_frozen < plan.springs);
   CHECK(plan.springs < static_cast<int>(model.compiled().dynamics.springs.size()));
+}
+
+TEST_CASE("mirror images of springs make every point of a fully linked body regular") {
+  const Model model({{object("robot", {"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"}, 0, 0)}},
+                    Physics{});
+  const Model::Compiled& world = model.compiled();
+  const Plan& plan = world.plan;
+  CHECK(plan.regular == static_cast<std::size_t>(model.points()));
+  CHECK(plan.ends.size() == 2 * Plan::regular_ends * plan.regular);
+  // Springs and images: as many ends are gathered as there are.
+  const auto is_spring = [&](std::int32_t s) { return s < plan.live_springs; };
+  CHECK(std::count_if(plan.ends.begin(), plan.ends.end(), is_spring) ==
+        static_cast<std::ptrdiff_t>(2 * world.dynamics.springs.size()));
+  CHECK(plan.live_springs > static_cast<int>(world.dynamics.springs.size()));
 }
 
 TEST_CASE("impossible worlds are refused") {

@@ -319,14 +319,16 @@ void Command::output_option(const std::string& what) {
 
 void Command::progress_option() {
   impl_
-      ->add("--progress", progress, "WHEN", "auto, always or never; auto draws on a terminal only",
-            "auto", true)
+      ->add("--progress", progress, "WHEN",
+            "auto, always or never; auto draws on a terminal, but not under make", "auto", true)
       ->check(CLI::IsMember({"auto", "always", "never"}));
 }
 
 bool Command::show_progress() const {
   if (quiet || progress == "never") return false;
-  return progress == "always" || isatty(STDERR_FILENO) == 1;
+  // Under make, others draw on the same terminal.
+  return progress == "always" ||
+         (isatty(STDERR_FILENO) == 1 && std::getenv("MAKELEVEL") == nullptr);
 }
 
 bool Command::given(const std::string& long_name) const {

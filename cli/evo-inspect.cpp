@@ -1,7 +1,6 @@
 // evo-inspect: what a file is, how a run stands, which tasks there are.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 
@@ -9,13 +8,13 @@
 #include "cli/data.h"
 #include "cli/progress.h"
 #include "cli/robots.h"
+#include "cli/run_status.h"
 #include "cli/terminal.h"
 #include "formats/hdf5.h"
 #include "formats/policy.h"
 #include "formats/rollout.h"
 #include "formats/task.h"
 #include "formats/task_text.h"
-#include "formats/yaml.h"
 
 namespace {
 
@@ -145,16 +144,6 @@ void print_hdf5(const std::string& path, bool color) {
 
 // ---- run folders --------------------------------------------------------------
 
-// Seconds a training took, from the last line of its log, or nothing.
-std::optional<double> logged_seconds(const fs::path& log) {
-  std::ifstream in(log);
-  std::optional<double> seconds;
-  double value = 0.0;
-  for (std::string line; std::getline(in, line);)
-    if (std::sscanf(line.c_str(), "# trained in %lf s", &value) == 1) seconds = value;
-  return seconds;
-}
-
 double size_on_disk(const fs::path& folder) {
   double bytes = 0.0;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
@@ -163,62 +152,26 @@ double size_on_disk(const fs::path& folder) {
 }
 
 void print_run(const fs::path& folder, bool color) {
-  const fs::path settings_path = folder / "run.yaml";
-  if (!fs::exists(settings_path))
-    throw error(Failure::data, "{}: a folder without run.yaml is not a run", folder.string());
-  const YamlNode settings = YamlNode::parse(read_file(settings_path), settings_path.string());
-  const auto setting = [&](const std::string& key) -> std::string {
-    for (const auto& entry : settings.entries())
-      if (entry.key.string() == key)
-        return entry.value.is_scalar() && !entry.value.is_null() ? entry.value.string() : "";
-    throw error(Failure::data, "{}: '{}' is missing", settings_path.string(), key);
-  };
-  fmt::print("{}: {} on {}, seed {}\n", folder.string(), setting("method"), setting("task"),
-             setting("seed"));
-
-  std::set<std::string> done;
-  std::optional<Robot> best;
-  std::vector<fs::path> generations;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().filename().string().starts_with("gen-")) generations.push_back(entry.path());
-  std::sort(generations.begin(), generations.end());
-  int finished_generations = 0;
-  for (const fs::path& generation : generations) {
-    finished_generations += fs::exists(generation / "ranking.tsv") ? 1 : 0;
-    for (const auto& entry : fs::directory_iterator(generation)) {
-      const std::string name = entry.path().filename().string();
-      if (!name.ends_with(".json") || name == "species.json") continue;
-      for (Robot& robot : cli::read_robots({entry.path().string()}, BodyCheck::any)) {
-        done.insert(robot.id);
-        if (robot.fitness() && (!best || *robot.fitness() > *best->fitness()))
-          best = std::move(robot);
-      }
-    }
-  }
-  const int evaluations = std::stoi(setting("evaluations"));
-  const int left = std::max(0, evaluations - static_cast<int>(done.size()));
-  double seconds = 0.0;
-  int timed = 0;
-  if (fs::exists(folder / "logs"))
-    for (const auto& log : fs::directory_iterator(folder / "logs"))
-      if (const auto took = logged_seconds(log.path())) {
-        seconds += *took;
-        ++timed;
-      }
-  fmt::print("robots       {} of {} trained, {} left\n", done.size(), evaluations, left);
-  fmt::print("generations  {} finished, {} begun\n", finished_generations, generations.size());
-  if (timed > 0) {
-    const double each = seconds / timed;
+  const cli::RunStatus run(folder);
+  fmt::print("{}: {} on {}, seed {}\n", folder.string(), run.setting("method"), run.setting("task"),
+             run.setting("seed"));
+  fmt::print("robots       {} of {} trained, {} left\n", run.trained(), run.evaluations(),
+             run.left());
+  fmt::print("generations  {} finished, {} begun\n",
+             std::count_if(run.generations().begin(), run.generations().end(),
+                           [](const auto& generation) { return generation.finished; }),
+             run.generations().size());
+  if (const auto each = run.seconds_each()) {
     fmt::print("training     {} a robot on average, {:.2f} core hours so far\n",
-               cli::duration(each), seconds / 3600.0);
-    if (left > 0)
-      fmt::print("expected     {:.2f} more core hours: {} on one core\n", each * left / 3600.0,
-                 cli::duration(each * left));
+               cli::duration(*each), run.seconds() / 3600.0);
+    if (run.left() > 0)
+      fmt::print("expected     {:.2f} more core hours: {} on one core\n",
+                 *each * run.left() / 3600.0, cli::duration(*each * run.left()));
   }
   fmt::print("disk         {}\n", cli::file_size(size_on_disk(folder)));
-  if (best) {
-    fmt::print("best so far\n");
-    print_robot(*best, color);
+  if (run.best()) {
+    fmt::print("best so far  {}\n", cli::sparkline(run.best_so_far(), 60));
+    print_robot(*run.best(), color);
   }
 }
 
@@ -245,6 +198,7 @@ int main(int argc, char** argv) {
   std::string color = "auto";
   std::optional<std::string> shape;
   bool markdown = false;
+  bool watch = false;
   command.arguments(words, "FILE|RUN_DIR|tasks|task NAME|robot FILE",
                     "robots, policies, rollouts, run folders; 'tasks' lists the tasks, 'task NAME' "
                     "explains one, 'robot FILE' draws robots");
@@ -252,12 +206,21 @@ int main(int argc, char** argv) {
   command.option("--shape", shape, "ROWSxCOLS",
                  "of the full body whose observation 'task NAME' lays out [5x5]");
   command.flag("--markdown", markdown, "'tasks' as a Markdown table");
+  command.flag("--watch", watch,
+               "follow a run until it is over: a line a generation, on a terminal live curves");
+  command.progress_option();
   command.example("evo-inspect tasks", "the benchmark's tasks with difficulty and lengths");
   command.example("evo-inspect task Carrier-v0", "what is observed, rewarded, and ends an episode");
   command.example("evo-inspect runs/walker", "how far a run is and what is left");
+  command.example("evo-inspect --watch runs/walker", "the same, live");
 
   return command.run(argc, argv, [&] {
     const bool colored = cli::use_color(color);
+    if (watch) {
+      if (words.size() != 1) throw error(Failure::usage, "--watch: name one run folder");
+      cli::watch_run(words[0], command.show_progress());
+      return 0;
+    }
     if (words.empty()) words.emplace_back(standard_stream);
     if (words == std::vector<std::string>{"tasks"}) {
       print_tasks(markdown);

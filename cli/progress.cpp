@@ -27,10 +27,35 @@ std::string sparkline(const std::vector<double>& values, std::size_t width) {
   return text;
 }
 
-TrainingProgress::~TrainingProgress() { erase(); }
+std::string training_curve(const TrainingView& view) {
+  if (view.evaluations.empty()) return {};
+  return fmt::format("{} {} {:.2f} (best {:.2f})", view.id.substr(0, 6),
+                     sparkline(view.evaluations, 12), view.evaluations.back(), view.best);
+}
+
+std::string time_left(double share, double seconds) {
+  if (!(share > 0.0)) return {};
+  return duration(seconds * (1.0 - share) / share) + " left";
+}
+
+// ---- one line -------------------------------------------------------------------
+
+void LiveLine::draw(const std::string& text) {
+  if (!enabled_) return;
+  last_drawn_ = clock_.seconds();
+  drawn_ = true;
+  fmt::print(stderr, "\r\x1b[K{}", cut_to_width(text, terminal_columns() - 1));
+  std::fflush(stderr);
+}
+
+void LiveLine::erase() {
+  if (drawn_) std::fputs("\r\x1b[K", stderr);
+  drawn_ = false;
+}
+
+// ---- trainings ------------------------------------------------------------------
 
 void TrainingProgress::update(std::size_t index, const TrainingView& view, double steps) {
-  if (!enabled_) return;
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(running_.begin(), running_.end(),
                                   [&](const auto& entry) { return entry.first == index; });
@@ -44,7 +69,6 @@ void TrainingProgress::update(std::size_t index, const TrainingView& view, doubl
 }
 
 void TrainingProgress::finish(std::size_t index) {
-  if (!enabled_) return;
   const std::lock_guard lock(mutex_);
   std::erase_if(running_, [&](const auto& entry) { return entry.first == index; });
   ++finished_;
@@ -52,30 +76,19 @@ void TrainingProgress::finish(std::size_t index) {
 }
 
 void TrainingProgress::draw() {
-  const double now = clock_.seconds();
-  if (now - last_drawn_ < 0.1) return;
-  last_drawn_ = now;
+  if (!line_.due()) return;
+  const double seconds = line_.seconds();
   double share = static_cast<double>(finished_);
   for (const auto& [index, view] : running_) share += view.done;
   share /= static_cast<double>(std::max<std::size_t>(1, total_));
-  std::string line = fmt::format("\r\x1b[K{:3.0f}%", 100.0 * share);
-  if (total_ > 1) line += fmt::format("  {}/{} robots", finished_, total_);
-  line +=
-      fmt::format("  {} steps/s", grouped(static_cast<long long>(steps_ / std::max(now, 1e-9))));
-  if (share > 0.0) line += "  " + duration(now * (1.0 - share) / share) + " left";
-  for (const auto& [index, view] : running_) {
-    if (view.evaluations.empty()) continue;
-    line += fmt::format("  {} {} {:.2f} (best {:.2f})", view.id.substr(0, 6),
-                        sparkline(view.evaluations, 12), view.evaluations.back(), view.best);
-  }
-  std::fputs(line.c_str(), stderr);
-  std::fflush(stderr);
-  drawn_ = true;
-}
-
-void TrainingProgress::erase() {
-  if (drawn_) std::fputs("\r\x1b[K", stderr);
-  drawn_ = false;
+  std::string text = fmt::format("{:3.0f}%", 100.0 * share);
+  if (total_ > 1) text += fmt::format("  {}/{} robots", finished_, total_);
+  text += fmt::format("  {} steps/s",
+                      grouped(static_cast<long long>(steps_ / std::max(seconds, 1e-9))));
+  text += "  " + time_left(share, seconds);
+  for (const auto& [index, view] : running_)
+    if (!view.evaluations.empty()) text += "  " + training_curve(view);
+  line_.draw(text);
 }
 
 }  // namespace evo::cli

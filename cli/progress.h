@@ -1,4 +1,4 @@
-// Live progress of several jobs on standard error: one line that is redrawn.
+// Live progress on standard error: one line that is redrawn.
 #pragma once
 
 #include <chrono>
@@ -19,6 +19,28 @@ class Clock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// The last line of the terminal while this lives; cut to its width, and gone at
+// the end. Draws nothing at all when `enabled` is false.
+class LiveLine {
+ public:
+  explicit LiveLine(bool enabled) : enabled_(enabled) {}
+  ~LiveLine() { erase(); }
+  LiveLine(const LiveLine&) = delete;
+  LiveLine& operator=(const LiveLine&) = delete;
+
+  // Whether it is time to draw again: at most ten times a second.
+  bool due() const { return enabled_ && clock_.seconds() - last_drawn_ >= 0.1; }
+  void draw(const std::string& text);
+  void erase();
+  double seconds() const { return clock_.seconds(); }  // since it began
+
+ private:
+  bool enabled_;
+  bool drawn_ = false;
+  Clock clock_;
+  double last_drawn_ = -1.0;
+};
+
 // What a training shows of itself while it runs.
 struct TrainingView {
   std::string id;
@@ -30,14 +52,17 @@ struct TrainingView {
 // A curve in one character a column, "▁▂▅█", scaled to its own range.
 std::string sparkline(const std::vector<double>& values, std::size_t width);
 
-// Shows `total` trainings. Thread-safe; draws at most ten times a second, and
-// nothing at all when `enabled` is false.
+// "0a3bb6 ▁▃▅█ 4.21 (best 5.02)"; nothing before the first evaluation.
+std::string training_curve(const TrainingView& view);
+
+// "12 min 05 s left" of a work of which this share took so long; nothing at the
+// beginning.
+std::string time_left(double share, double seconds);
+
+// Shows `total` trainings of one process. Thread-safe.
 class TrainingProgress {
  public:
-  TrainingProgress(bool enabled, std::size_t total) : enabled_(enabled), total_(total) {}
-  ~TrainingProgress();
-  TrainingProgress(const TrainingProgress&) = delete;
-  TrainingProgress& operator=(const TrainingProgress&) = delete;
+  TrainingProgress(bool enabled, std::size_t total) : line_(enabled), total_(total) {}
 
   // The training with this number stands so; `steps` more were taken.
   void update(std::size_t index, const TrainingView& view, double steps);
@@ -45,17 +70,13 @@ class TrainingProgress {
 
  private:
   void draw();
-  void erase();
 
-  bool enabled_;
+  LiveLine line_;
   std::size_t total_;
   std::mutex mutex_;
-  Clock clock_;
-  double last_drawn_ = -1.0;
   std::size_t finished_ = 0;
   double steps_ = 0.0;
   std::vector<std::pair<std::size_t, TrainingView>> running_;
-  bool drawn_ = false;
 };
 
 }  // namespace evo::cli

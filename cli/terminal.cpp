@@ -1,5 +1,6 @@
 #include "cli/terminal.h"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <array>
@@ -79,6 +80,22 @@ std::string duration(double seconds) {
   const auto whole = static_cast<long long>(std::llround(seconds));
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
+}
+
+std::size_t terminal_columns() {
+  constexpr std::size_t usual = 80;
+  winsize size{};
+  const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : usual;
+}
+
+std::string cut_to_width(const std::string& text, std::size_t columns) {
+  std::size_t characters = 0;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const bool begins = (static_cast<unsigned char>(text[k]) & 0xC0U) != 0x80U;
+    if (begins && characters++ == columns) return text.substr(0, k);
+  }
+  return text;
 }
 
 std::string file_size(double bytes) {

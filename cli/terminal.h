@@ -1,6 +1,7 @@
 // Text for a terminal: colour when there is one, plain letters in a pipe.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "libevo/body/body.h"
@@ -19,6 +20,12 @@ std::string grouped(long long number);
 
 // "4.2 s", "3 min 20 s", "2 h 05 min"
 std::string duration(double seconds);
+
+// Of standard error, or 80 where it is no terminal.
+std::size_t terminal_columns();
+
+// The first `columns` characters of UTF-8 text whose characters are one column wide.
+std::string cut_to_width(const std::string& text, std::size_t columns);
 
 // "812 B", "4.1 MB"
 std::string file_size(double bytes);

@@ -61,11 +61,20 @@ ifndef GEN
 .PHONY: all generations
 all: $(BEST)
 
-dry_run := $(findstring n,$(firstword -$(MAKEFLAGS)))
+# The letters stand in the first word; without any, that is an option with dashes.
+letters := $(filter-out -%,$(firstword $(MAKEFLAGS)))
+dry_run := $(findstring n,$(letters))
+silent := $(findstring s,$(letters))
+
+# One tool watches all trainings and alone writes about them, a line a
+# generation, live curves on a terminal; `make -s` does without.
+watch := env -u MAKELEVEL evo-inspect --watch '$(RUN)' >&2 & \
+  watcher=$$!; trap 'kill $$watcher 2> /dev/null && wait $$watcher || true' EXIT;
 
 # First the population, then its slots, whose number it may decide.
 generations: | $(RUN)/run.yaml
-	+@for gen in $(GENERATIONS); do \
+	+@$(if $(dry_run)$(silent),,$(watch)) \
+	for gen in $(GENERATIONS); do \
 	  gen=$$(( 10#$$gen )); folder=$$(printf '$(RUN)/gen-%03d' $$gen); \
 	  [ -e "$$folder/ranking.tsv" ] || { \
 	    $(if $(dry_run),,$(MAKE) -f $(firstword $(MAKEFILE_LIST)) GEN=$$gen "$$folder/population.jsonl" &&) \

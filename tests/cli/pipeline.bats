@@ -126,3 +126,26 @@ kill_and_repeat() {
   [ "$(grep -c 'evo-train' plan)" -ge 9 ]
   [ ! -e run ] || [ ! -e run/gen-000 ]
 }
+
+@test "live: a line a generation in a file, one redrawn line on a terminal, no two at once" {
+  run_make ga run -j2 > log 2>&1
+  [ "$(grep -c 'robots  best' log)" -eq "$(ls -d run/gen-* | wc -l)" ]
+  tail -1 log | grep -q '^gen-003 .* 9/9 robots  best .*[█▁]$'
+  if grep -q $'[\r\x1b]' log; then return 1; fi
+  # On a terminal of 60 columns nothing is wider, and what was live is wiped.
+  command="make -f $EVO_SOURCE/scripts/ga.mk RUN=seen ${settings[*]:0:6} VIDEO_OPTIONS='--size 160x90' -j2"
+  script -qec "stty cols 60; $command" /dev/null > raw
+  [ "$(tr '\r' '\n' < raw | grep -c ' 9/9 robots')" -ge 1 ]
+  tr '\r' '\n' < raw | sed 's/\x1b\[K//g' | LC_ALL=C.UTF-8 awk '/robots/ && !/^gen-/ && length > 59 { exit 1 }'
+  diff <(essence run) <(essence seen)
+  # Silent when make is.
+  run_make bo quiet -j2 -s > log 2>&1
+  [ ! -s log ]
+}
+
+@test "watching a run ends with it" {
+  run_make ga run -j2
+  evo-inspect --watch run > lines
+  [ ! -s lines ]
+  fails_with 65 "run.yaml" -- evo-inspect --watch "$BATS_TEST_TMPDIR"
+}

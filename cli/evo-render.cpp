@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "cli/command.h"
+#include "cli/progress.h"
 #include "cli/robots.h"
 #include "formats/hdf5.h"
 #include "formats/rollout.h"
@@ -13,18 +14,20 @@ using namespace evo;
 using render::RenderOptions;
 
 struct Settings {
-  std::string size = "1280x720";
+  std::optional<std::string> size;
+  std::optional<double> fps;
   std::vector<std::string> episodes;
   std::string follow;
   std::string camera = "follow";
   std::optional<std::string> window;
+  int from = 0;
   std::optional<int> to;
   std::optional<int> sheet;
   bool grid = false;
   std::optional<int> generations;
   bool no_labels = false;
   bool no_grid_lines = false;
-  bool no_tint = false;
+  std::string tint = "actuation";
 };
 
 render::Size parse_size(const std::string& text) {
@@ -32,6 +35,19 @@ render::Size parse_size(const std::string& text) {
   if (std::sscanf(text.c_str(), "%dx%d", &size.width, &size.height) != 2)
     throw error(Failure::usage, "--size: '{}' is not WIDTHxHEIGHT, such as 1280x720", text);
   return size;
+}
+
+// A GIF or animated PNG.
+bool is_animation(const Settings& settings, const std::string& output) {
+  if (output.ends_with(".gif") || output.ends_with(".apng")) return true;
+  return output.ends_with(".png") && output.find('%') == std::string::npos && !settings.sheet &&
+         settings.to != settings.from;
+}
+
+// Animations know no motion and are large: half of everything, unless asked.
+void choose_format(const Settings& settings, bool animation, RenderOptions& options) {
+  options.size = parse_size(settings.size.value_or(animation ? "640x360" : "1280x720"));
+  options.fps = settings.fps.value_or(animation ? 25.0 : 50.0);
 }
 
 render::Camera parse_camera(const Settings& settings) {
@@ -56,6 +72,13 @@ render::Camera parse_camera(const Settings& settings) {
     camera.mode = render::CameraMode::fixed;
   }
   return camera;
+}
+
+bool parse_tint(const std::string& text) {
+  if (text != "actuation" && text != "none")
+    throw error(Failure::usage, "--tint: '{}' is not actuation or none{}", text,
+                did_you_mean(text, {"actuation", "none"}));
+  return text == "actuation";
 }
 
 // "0", "2", "all" of every rollout; the first episode when nothing is asked.
@@ -127,7 +150,8 @@ void render_robots(const Settings& settings, const RenderOptions& options,
 }
 
 void render_rollouts(const Settings& settings, const RenderOptions& options,
-                     const std::vector<std::string>& files, const std::string& output) {
+                     const std::vector<std::string>& files, const std::string& output,
+                     bool show_progress) {
   std::vector<Rollout> rollouts;
   for (const std::string& file : files) rollouts.push_back(read_rollout(file));
   const auto episodes = choose_episodes(rollouts, settings.episodes);
@@ -137,7 +161,14 @@ void render_rollouts(const Settings& settings, const RenderOptions& options,
     write_picture(output, render::draw_moments(episodes.front(), *settings.sheet, options));
     return;
   }
-  render::render_video(episodes, options, output);
+  cli::LiveLine line(show_progress);
+  render::render_video(episodes, options, output, [&](std::size_t frames, std::size_t of) {
+    if (!line.due()) return;
+    const double share = static_cast<double>(frames) / static_cast<double>(of);
+    line.draw(fmt::format("{:3.0f}%  {}/{} frames  {:.0f} frames/s  {}", 100.0 * share, frames, of,
+                          static_cast<double>(frames) / line.seconds(),
+                          cli::time_left(share, line.seconds())));
+  });
 }
 
 }  // namespace
@@ -156,11 +187,12 @@ int main(int argc, char** argv) {
       "walk.mp4, .webm, .gif, .png (animated), frames/%05d.png, or - for raw Y4M video (for robots "
       "and sheets: a .png, or - for PNG); required");
   command.option("--size", settings.size, "WIDTHxHEIGHT",
-                 "of the picture in pixels; sheets take the width and the height they need");
-  command.option("--fps", options.fps, "N", "frames a second");
+                 "of the picture in pixels; sheets take the width and the height they need "
+                 "[1280x720; GIF and animated PNG 640x360]");
+  command.option("--fps", settings.fps, "N", "frames a second [50; GIF and animated PNG 25]");
   command.option("--speed", options.speed, "X", "playing speed; 0.5 is slow motion");
   command.option("--every", options.every, "N", "control steps a frame; 0: from --fps and --speed");
-  command.option("--from", options.from, "STEP", "first control step shown");
+  command.option("--from", settings.from, "STEP", "first control step shown");
   command.option("--to", settings.to, "STEP", "last control step shown [the end]");
   command.section("What is shown");
   command.option("--episode", settings.episodes, "N|all",
@@ -173,7 +205,8 @@ int main(int argc, char** argv) {
   command.option("--theme", options.theme, "NAME", "light or dark");
   command.flag("--no-labels", settings.no_labels, "no task, robot, step and return");
   command.flag("--no-grid", settings.no_grid_lines, "no lines a voxel apart");
-  command.flag("--no-tint", settings.no_tint, "actuators in one colour, whatever their expansion");
+  command.option("--tint", settings.tint, "WHAT",
+                 "actuation: actuators lighter when expanded, darker when contracted; or none");
   command.flag("--trail", options.overlays.trail, "the path of the centre of mass");
   command.flag("--velocities", options.overlays.velocities, "an arrow at every moving point");
   command.section("Sheets");
@@ -182,6 +215,7 @@ int main(int argc, char** argv) {
   command.option("--generations", settings.generations, "ROWS",
                  "each file a generation, its best ROWS robots as a column");
   command.jobs_option();
+  command.progress_option();
   command.example("evo-render walk.h5 -o walk.mp4", "an episode as a video");
   command.example("evo-render walk.h5 --sheet 6 -o walk.png", "six moments on one picture");
   command.example("evo-sample -n 12 | evo-render --grid -o robots.png", "twelve robots");
@@ -189,21 +223,23 @@ int main(int argc, char** argv) {
   return command.run(argc, argv, [&] {
     if (command.output.empty())
       throw error(Failure::usage, "-o is required: what to write, such as -o walk.mp4");
-    options.size = parse_size(settings.size);
+    options.from = settings.from;
     options.to = settings.to;
     options.camera = parse_camera(settings);
     options.workers = command.jobs;
     options.overlays.labels = !settings.no_labels;
     options.overlays.grid = !settings.no_grid_lines;
-    options.overlays.tint = !settings.no_tint;
-    render::check_options(options);
+    options.overlays.tint = parse_tint(settings.tint);
     const bool rollouts =
         !files.empty() && std::all_of(files.begin(), files.end(), [](const std::string& file) {
           return file != standard_stream && hdf5::is_hdf5(file) &&
                  hdf5::Reader(file).exists("/episode_0");
         });
-    if (rollouts && !settings.grid && !settings.generations) {
-      render_rollouts(settings, options, files, command.output);
+    const bool film = rollouts && !settings.grid && !settings.generations;
+    choose_format(settings, film && is_animation(settings, command.output), options);
+    render::check_options(options);
+    if (film) {
+      render_rollouts(settings, options, files, command.output, command.show_progress());
     } else {
       if (settings.sheet)
         throw error(Failure::usage, "--sheet needs a rollout; for robots there is --grid");

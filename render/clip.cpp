@@ -183,6 +183,7 @@ Scene Clip::scene(double step) const {
   const Vec2 extent = between({a.width, a.height}, {b.width, b.height}, share);
   scene.view = {centre.x, centre.y, extent.x, extent.y};
   scene.grid = overlays_.grid;
+  scene.fine_grid = overlays_.fine_grid;
   scene.tint = overlays_.tint;
   if (overlays_.trail) add_trail(whole + share, scene);
   if (overlays_.velocities) add_arrows(whole + share, scene);

@@ -37,6 +37,7 @@ struct Camera {
 struct Overlays {
   bool labels = true;       // task, robot, step, time, return
   bool grid = true;         // lines a voxel apart, distances along the floor
+  bool fine_grid = true;    // else only every tenth line
   bool tint = true;         // actuators lighter when expanded, darker when contracted
   bool trail = false;       // the path of the first object's centre of mass
   bool velocities = false;  // an arrow at every point of what moves

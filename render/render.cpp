@@ -91,6 +91,7 @@ struct Film {
   std::vector<double> steps;  // of each frame
   const RenderOptions* options = nullptr;
   const Theme* theme = nullptr;
+  Progress progress;
 
   Film(const std::vector<Episode>& episodes, const RenderOptions& chosen)
       : options(&chosen), theme(&theme_by_name(chosen.theme)) {
@@ -115,6 +116,10 @@ struct Film {
     return drawing;
   }
 
+  void finished(std::size_t k) const {
+    if (progress) progress(k + 1, steps.size());
+  }
+
   // Pixels of frame k.
   void paint(Painter& painter, std::size_t k, std::span<std::uint8_t> rgba) const {
     painter.paint(frame(steps[k], painter.typesetter()), {options->size, rgba});
@@ -131,6 +136,7 @@ void each_frame(const Film& film, const TakePixels& take) {
                  return rgba_bytes(size);
                },
                [&](std::size_t k, std::span<const std::uint8_t> bytes) {
+                 film.finished(k);
                  return take(k, {size, bytes});
                }});
 }
@@ -146,7 +152,10 @@ void each_yuv_frame(const Film& film,
                  to_yuv(view(image), slot);
                  return yuv_bytes(size);
                },
-               [&](std::size_t, std::span<const std::uint8_t> bytes) { return take(bytes); }});
+               [&](std::size_t k, std::span<const std::uint8_t> bytes) {
+                 film.finished(k);
+                 return take(bytes);
+               }});
 }
 
 // ---- forms of output -------------------------------------------------------------------------
@@ -267,7 +276,10 @@ void write_sequence(const Film& film, const Pattern& pattern) {
                  write_png(pattern.name(k), view(image), quick);
                  return std::size_t{0};
                },
-               [](std::size_t, std::span<const std::uint8_t>) { return true; }});
+               [&film](std::size_t k, std::span<const std::uint8_t>) {
+                 film.finished(k);
+                 return true;
+               }});
 }
 
 void check_video_size(Size size, const std::string& output) {
@@ -367,15 +379,19 @@ Image draw_generations(const std::vector<Generation>& generations, int rows,
   });
 }
 
-// ---- moving pictures
-// ------------------------------------------------------------------------------
+// ---- moving pictures --------------------------------------------------------------------------
 
 VideoReport render_video(const std::vector<Episode>& episodes, const RenderOptions& options,
-                         const std::string& output) {
+                         const std::string& output, const Progress& progress) {
   check_options(options);
   const Form form = form_of(output);
   if (form == Form::ffmpeg || form == Form::y4m) check_video_size(options.size, output);
-  const Film film(episodes, options);
+  RenderOptions chosen = options;
+  if (form == Form::gif || form == Form::png)
+    // Nothing in them moves with the camera: every line costs again in each frame.
+    chosen.overlays.fine_grid = false;
+  Film film(episodes, chosen);
+  film.progress = progress;
   switch (form) {
     case Form::ffmpeg:
       write_ffmpeg(film, output);

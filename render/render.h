@@ -3,6 +3,7 @@
 // any program, with any number of threads.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,9 @@ struct VideoReport {
   std::size_t frames = 0;
   double seconds = 0;  // playing time
 };
+// `progress`, if given, hears how many frames are finished, of how many.
+using Progress = std::function<void(std::size_t frames, std::size_t of)>;
 VideoReport render_video(const std::vector<Episode>& episodes, const RenderOptions& options,
-                         const std::string& output);
+                         const std::string& output, const Progress& progress = {});
 
 }  // namespace evo::render

@@ -76,7 +76,7 @@ void draw_grid(const Scene& scene, const Theme& theme, const Projection& to_pixe
   if (to_pixels.scale < least_grid_voxel) return;
   const double bottom = scene.floor ? std::max(0.0, to_pixels.low()) : to_pixels.low();
   if (bottom >= to_pixels.top) return;
-  const bool fine = to_pixels.scale >= fine_grid_from;
+  const bool fine = scene.fine_grid && to_pixels.scale >= fine_grid_from;
   const float width = to_pixels.pixels(0.025, 1.0);
   const double fade =
       std::clamp((to_pixels.scale - fine_grid_from) / (fine_grid_full - fine_grid_from), 0.0, 1.0);

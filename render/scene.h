@@ -51,7 +51,8 @@ struct Scene {
   ViewRect view;
   bool sky = true;  // a background of its own; else what was drawn before
   bool grid = true;
-  bool floor = true;  // the world's floor at y = 0
+  bool fine_grid = true;  // a line every voxel where there is room, not every ten
+  bool floor = true;      // the world's floor at y = 0
   bool tint = true;
   std::vector<Vec2> trail;  // oldest first
   std::vector<Arrow> arrows;

@@ -404,6 +404,9 @@ std::vector<Robot> read_robots(const std::string& input, BodyCheck check) {
   if (input == standard_stream || !hdf5::is_hdf5(input))
     return parse_robots(read_input(input), input_label(input), check);
   const hdf5::Reader file(input);
+  if (!file.has_attribute("/", "robot"))
+    throw error(Failure::data, "{}: an HDF5 file without a robot: neither a policy nor a rollout",
+                input);
   return parse_robots(file.text("/", "robot"), input + ": /@robot", check);
 }
 

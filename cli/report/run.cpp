@@ -17,6 +17,12 @@ namespace fs = std::filesystem;
 
 constexpr int newest_run_version = 1;
 
+// A folder as it is called, "." too; the folders above need not be readable.
+fs::path full_path(const fs::path& folder) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();
+}
+
 std::optional<std::size_t> whole_number(std::string_view text) {
   std::size_t value = 0;
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -195,7 +201,7 @@ Run read_run(const fs::path& folder, double largest_video) {
   if (!fs::exists(folder / "run.yaml"))
     throw error(Failure::data, "{}: a folder without run.yaml is not a run", folder.string());
   Run run;
-  run.label = fs::canonical(folder).filename().string();
+  run.label = full_path(folder).filename().string();
   run.settings = read_settings(folder / "run.yaml");
   read_generations(folder, run);
   run.champion = fittest(run.robots);
@@ -218,7 +224,7 @@ void tell_apart(std::vector<Run>& runs, const std::vector<fs::path>& folders) {
   for (std::size_t k = 0; k < runs.size(); ++k)
     if (by_name.at(runs[k].label) > 1)
       runs[k].label =
-          fs::canonical(folders[k]).parent_path().filename().string() + "/" + runs[k].label;
+          full_path(folders[k]).parent_path().filename().string() + "/" + runs[k].label;
   const auto by_both = count_labels();
   std::map<std::string, int> seen;
   for (Run& run : runs)

@@ -60,3 +60,59 @@ import numpy as np
 a = np.load('r.npz'); assert a['arr_0'].shape == (5, 5) and a['arr_1'].shape[0] == 2"
   fails_with 2 "jsn" "json" -- evo-convert r.jsonl --to jsn
 }
+
+# As another user where we are root, as ourselves elsewhere.
+as_user() {
+  if [ "$(id -u)" -eq 0 ]; then setpriv --reuid=65534 --regid=65534 --clear-groups "$@"; else "$@"; fi
+}
+
+@test "an unprivileged user without display in a read-only folder" {
+  mkdir -p locked out
+  episode locked/r.h5
+  "$EVO_SOURCE/tests/report/make-run.sh" locked/run ga 1 2 4 trained
+  chmod a+rx . locked && chmod a+rwx out && chmod -R a+rX,a-w locked
+  cd locked
+  unset DISPLAY WAYLAND_DISPLAY XDG_RUNTIME_DIR
+  export HOME=/nonexistent
+  if as_user touch here 2>/dev/null; then skip "nothing is read-only for this user"; fi
+  for output in walk.mp4 walk.gif walk.png; do as_user evo-render r.h5 --size 160x90 -o "../out/$output"; done
+  as_user evo-render r.h5 --sheet 3 -o ../out/sheet.png
+  as_user evo-render --grid run/gen-001/scores.jsonl -o ../out/grid.png
+  as_user evo-report run -o ../out/report.html
+  [ "$(find ../out -size +1k | wc -l)" -ge 6 ]
+  fails_with 73 "here.png" -- as_user evo-render r.h5 --sheet 3 -o here.png
+  chmod -R u+w .
+}
+
+@test "damaged and foreign HDF5: status 65 and one line" {
+  episode r.h5
+  head -c 20000 r.h5 > cut.h5
+  head -c 100 r.h5 > stump.h5
+  /usr/bin/python3 -c "
+import h5py
+h5py.File('foreign.h5', 'w')['x'] = [1.0]
+h5py.File('similar.h5', 'w')['episode_0/rewards'] = [1.0, 2.0]"
+  for file in cut stump foreign similar; do
+    fails_with 65 "$([ $file = similar ] || echo $file.h5)" -- evo-render $file.h5 -o x.mp4
+    [ ! -e x.mp4 ]
+  done
+  "$EVO_SOURCE/tests/report/make-run.sh" run ga 1 2 4 trained
+  for file in best.rollout.h5 "policies/$(jq -r .id run/best.json).policy.h5"; do
+    cp "run/$file" whole.h5
+    for damaged in cut stump foreign; do
+      cp "$damaged.h5" "run/$file"
+      fails_with 65 "run/$file" -- evo-report run -o page.html
+      [ ! -e page.html ]
+    done
+    cp whole.h5 "run/$file"
+  done
+}
+
+@test "progress on a terminal is wiped, and there is none in a file" {
+  episode r.h5
+  evo-render r.h5 --size 160x90 -o x.gif 2> log
+  [ ! -s log ]
+  script -qec "evo-render r.h5 --size 320x180 -o x.mp4" /dev/null > raw
+  [ -s raw ]
+  [ "$(tail -c 4 raw)" = $'\r\x1b[K' ]
+}

@@ -44,10 +44,12 @@ bool is_animation(const Settings& settings, const std::string& output) {
          settings.to != settings.from;
 }
 
-// Animations know no motion and are large: half of everything, unless asked.
+// Animations know no motion: every line that moves with the camera is there again
+// in each frame. They are smaller and slower, unless asked, and have fewer lines.
 void choose_format(const Settings& settings, bool animation, RenderOptions& options) {
   options.size = parse_size(settings.size.value_or(animation ? "640x360" : "1280x720"));
   options.fps = settings.fps.value_or(animation ? 25.0 : 50.0);
+  options.overlays.fine_grid = !animation;
 }
 
 render::Camera parse_camera(const Settings& settings) {

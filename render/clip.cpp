@@ -7,6 +7,7 @@
 #include "formats/yaml.h"
 #include "libevo/base/error.h"
 #include "render/camera.h"
+#include "render/goals.h"
 
 namespace evo::render {
 namespace {
@@ -158,6 +159,7 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
     }
     centres_.push_back({sum.x / object.points, sum.y / object.points});
   }
+  goals_ = goals_by_step(rollout, data, centres_);
   returns_.push_back(0);
   for (const double reward : data.rewards) returns_.push_back(returns_.back() + reward);
   views_ = camera_path(mesh_, points_, options.camera,
@@ -185,6 +187,10 @@ Scene Clip::scene(double step) const {
   scene.grid = overlays_.grid;
   scene.fine_grid = overlays_.fine_grid;
   scene.tint = overlays_.tint;
+  if (!goals_.empty()) {
+    const double x = goals_[static_cast<std::size_t>(share < 1 ? whole : next)];
+    scene.goal = Vec2{x, ground(x)};
+  }
   if (overlays_.trail) add_trail(whole + share, scene);
   if (overlays_.velocities) add_arrows(whole + share, scene);
   return scene;
@@ -196,6 +202,17 @@ void Clip::add_trail(double step, Scene& scene) const {
   if (share > 0)
     scene.trail.push_back(between(centres_[static_cast<std::size_t>(whole)],
                                   centres_[static_cast<std::size_t>(whole) + 1], share));
+}
+
+double Clip::ground(double x) const {
+  double height = 0;
+  for (const ModelObject& object : mesh_.objects) {
+    if (!object.is_static) continue;
+    for (int k = object.first_cell; k < object.first_cell + object.cells; ++k)
+      for (const int point : mesh_.cells[static_cast<std::size_t>(k)].points)
+        if (std::abs(at(0)[point].x - x) <= 1) height = std::max(height, at(0)[point].y);
+  }
+  return height;
 }
 
 // Recorded velocities where there are any would do as well; differences need no

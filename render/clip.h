@@ -46,6 +46,7 @@ class Clip {
   const Vec2* at(int step) const;
   void add_trail(double step, Scene& scene) const;
   void add_arrows(double step, Scene& scene) const;
+  double ground(double x) const;             // height of what stands still there
   Vec2 velocity(int step, int point) const;  // voxels per second of video
 
   Episode episode_;
@@ -56,6 +57,7 @@ class Clip {
   std::vector<Vec2> centres_;  // of the first object
   std::vector<double> returns_;
   std::vector<ViewRect> views_;
+  std::vector<double> goals_;  // x of the goal at every step, if there are any
 };
 
 // The steps shown by the frames of a video of an episode of `steps` steps; the

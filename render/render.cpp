@@ -386,11 +386,7 @@ VideoReport render_video(const std::vector<Episode>& episodes, const RenderOptio
   check_options(options);
   const Form form = form_of(output);
   if (form == Form::ffmpeg || form == Form::y4m) check_video_size(options.size, output);
-  RenderOptions chosen = options;
-  if (form == Form::gif || form == Form::png)
-    // Nothing in them moves with the camera: every line costs again in each frame.
-    chosen.overlays.fine_grid = false;
-  Film film(episodes, chosen);
+  Film film(episodes, options);
   film.progress = progress;
   switch (form) {
     case Form::ffmpeg:

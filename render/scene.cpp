@@ -245,6 +245,54 @@ void draw_trail(const Scene& scene, const Theme& theme, const Projection& to_pix
   drawing.disc(to_pixels(scene.trail.back()), 1.6F * width, theme.trail);
 }
 
+void smooth_triangle(const std::array<Point, 3>& corners, Color color, Drawing& drawing) {
+  drawing.triangle(corners, color);
+  drawing.stroke(corners, true, static_cast<float>(least_line), color);
+}
+
+// A flag on the ground, as tall as a robot.
+void draw_flag(Vec2 foot, const Theme& theme, const Projection& to_pixels, Drawing& drawing) {
+  constexpr double pole = 6.0;  // voxels
+  constexpr double cloth = 1.6;
+  const float width = to_pixels.pixels(0.14, 1.2);
+  const Point top = to_pixels({foot.x, foot.y + pole});
+  drawing.line(to_pixels(foot), top, width, theme.outline);
+  smooth_triangle({top, to_pixels({foot.x + 1.5 * cloth, foot.y + pole - cloth / 2}),
+                   to_pixels({foot.x, foot.y + pole - cloth})},
+                  theme.trail, drawing);
+  drawing.disc(to_pixels(foot), 1.6F * width, theme.outline);
+}
+
+// Towards a goal out of the picture: a triangle at its border, and how many voxels
+// lie between.
+void draw_way_to_goal(Vec2 goal, const Theme& theme, const Projection& to_pixels,
+                      Drawing& drawing) {
+  const Rect& panel = to_pixels.panel;
+  const float size = std::max(8.0F, label_size(panel));
+  const bool right = goal.x > to_pixels.right();
+  const float side = right ? 1.0F : -1.0F;
+  const float border = right ? panel.x + panel.width : panel.x;
+  const float y = panel.y + 0.45F * panel.height;
+  const Point tip{border - side * 0.6F * size, y};
+  const float base = tip.x - side * 1.1F * size;
+  smooth_triangle({tip, {base, y - 0.8F * size}, {base, y + 0.8F * size}}, theme.trail, drawing);
+  const double voxels = right ? goal.x - to_pixels.right() : to_pixels.left - goal.x;
+  drawing.text({{base - side * 0.4F * size, y + 0.36F * size},
+                size,
+                std::to_string(std::lround(voxels)),
+                theme.trail,
+                right ? Align::right : Align::left,
+                true});
+}
+
+void draw_goal(Vec2 goal, const Theme& theme, const Projection& to_pixels, Drawing& drawing) {
+  if (goal.x < to_pixels.left || goal.x > to_pixels.right()) {
+    draw_way_to_goal(goal, theme, to_pixels, drawing);
+  } else {
+    draw_flag(goal, theme, to_pixels, drawing);
+  }
+}
+
 void draw_arrow(const Arrow& arrow, const Theme& theme, const Projection& to_pixels,
                 Drawing& drawing) {
   const Point a = to_pixels(arrow.from);
@@ -408,8 +456,7 @@ Mesh make_mesh(const Body& body, std::vector<Vec2>& corners) {
   return mesh;
 }
 
-// ---- scene
-// ---------------------------------------------------------------------------------------
+// ---- scene ---------------------------------------------------------------------------------
 
 void draw_scene(const Scene& scene, const Theme& theme, const Rect& panel, Drawing& drawing) {
   const Projection to_pixels(
@@ -418,6 +465,7 @@ void draw_scene(const Scene& scene, const Theme& theme, const Rect& panel, Drawi
   draw_sky_and_earth(scene, theme, to_pixels, drawing);
   if (scene.grid) draw_grid(scene, theme, to_pixels, drawing);
   draw_ruler(scene, theme, to_pixels, drawing);
+  if (scene.goal) draw_goal(*scene.goal, theme, to_pixels, drawing);
   ObjectPainter objects(scene, theme, to_pixels, drawing);
   // The robot comes first in world order and is seen in front of everything.
   for (std::size_t k = scene.mesh->objects.size(); k-- > 0;) objects.draw(k);

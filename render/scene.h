@@ -2,6 +2,7 @@
 // laid out in a panel of a drawing.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,7 @@ struct Scene {
   bool tint = true;
   std::vector<Vec2> trail;  // oldest first
   std::vector<Arrow> arrows;
+  std::optional<Vec2> goal;  // where the robot is sent, on the ground
 };
 
 // Fills `panel` with the scene, cut at its border. Line widths follow the size

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <set>
 
 #include "cli/report/assets.h"
@@ -69,15 +70,17 @@ struct Column {
   const char* name;
   const char* look = "n";
   const char* first_order = "descending";  // nothing: not to be sorted by
+  bool sorted = false;                     // in that order, as it is
 };
 
 std::string table_head(const std::vector<Column>& columns) {
   std::string head = "<thead><tr>";
-  for (const Column& column : columns)
-    head += fmt::format(
-        "<th class=\"{}\"{}>{}</th>", column.look,
-        column.first_order != nullptr ? fmt::format(" data-sort=\"{}\"", column.first_order) : "",
-        column.name);
+  for (const Column& column : columns) {
+    head += fmt::format("<th class=\"{}\"", column.look);
+    if (column.first_order != nullptr) head += fmt::format(" data-sort=\"{}\"", column.first_order);
+    if (column.sorted) head += fmt::format(" aria-sort=\"{}\"", column.first_order);
+    head += fmt::format(">{}</th>", column.name);
+  }
   return head + "</tr></thead>\n";
 }
 
@@ -377,12 +380,22 @@ std::string robot_row(const Run& run, std::size_t number, bool has_genomes,
   return row + "</tr>\n";
 }
 
+// The fittest first, failed ones last, each in the order they were trained.
+std::vector<std::size_t> ranked(const Run& run) {
+  std::vector<std::size_t> order(run.robots.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return run.robots[a].fitness > run.robots[b].fitness;  // nothing is less than any number
+  });
+  return order;
+}
+
 std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
   const bool has_genomes =
       std::any_of(run.robots.begin(), run.robots.end(),
                   [](const Entry& entry) { return genes(entry.robot, "nodes").has_value(); });
   std::vector<Column> columns{{"robot", "", nullptr},
-                              {"fitness"},
+                              {"fitness", "n", "descending", true},
                               {"number", "n", "ascending"},
                               {"generation", "n", "ascending"},
                               {"voxels"},
@@ -395,8 +408,7 @@ std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
   if (has_genomes) columns.insert(columns.end(), {{"nodes"}, {"links"}});
   columns.push_back({"id", "", "ascending"});
   std::string rows;
-  for (std::size_t k = 0; k < run.robots.size(); ++k)
-    rows += robot_row(run, k, has_genomes, anchor, page);
+  for (const std::size_t k : ranked(run)) rows += robot_row(run, k, has_genomes, anchor, page);
   return fmt::format(
       "<section class=\"card long\">\n{}<div class=\"scroll\">"
       "<table class=\"data robots sortable\">\n{}<tbody>\n{}</tbody></table></div>\n</section>\n",

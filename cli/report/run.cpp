@@ -223,8 +223,7 @@ void tell_apart(std::vector<Run>& runs, const std::vector<fs::path>& folders) {
   const auto by_name = count_labels();
   for (std::size_t k = 0; k < runs.size(); ++k)
     if (by_name.at(runs[k].label) > 1)
-      runs[k].label =
-          full_path(folders[k]).parent_path().filename().string() + "/" + runs[k].label;
+      runs[k].label = full_path(folders[k]).parent_path().filename().string() + "/" + runs[k].label;
   const auto by_both = count_labels();
   std::map<std::string, int> seen;
   for (Run& run : runs)

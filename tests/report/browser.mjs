@@ -1,10 +1,12 @@
-// browser.mjs BROWSER PAGE PROFILE: the page of evo-report as a user meets it, in a
-// real browser (with its profile in that folder) driven over the DevTools protocol.
-// Says what fails; status 1 then.
+// browser.mjs BROWSER PAGE PROFILE [PICTURES]: the page of evo-report as a user meets
+// it, in a real browser (with its profile in that folder) driven over the DevTools
+// protocol. Says what fails; status 1 then. With a folder for PICTURES, the page is
+// left there as it looks on a desk, on a phone, in the dark and printed.
 import { spawn } from 'node:child_process';
+import { writeFileSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
 
-const [program, file, profile] = process.argv.slice(2);
+const [program, file, profile, pictures] = process.argv.slice(2);
 const browser = spawn(program, ['--headless=new', '--no-sandbox', '--disable-gpu',
   '--remote-debugging-pipe', `--user-data-dir=${profile}`],
   { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
@@ -62,6 +64,14 @@ const open = async (width, height, scheme) => {
   await evaluate(painted);
 };
 
+const keep = (name, data) => pictures && writeFileSync(`${pictures}/${name}`, Buffer.from(data, 'base64'));
+const photograph = async (name) => {
+  if (!pictures) return;
+  const { cssContentSize: { width, height } } = await call('Page.getLayoutMetrics');
+  const clip = { x: 0, y: 0, width, height: Math.min(height, 8000), scale: 1 };
+  keep(name, (await call('Page.captureScreenshot', { captureBeyondViewport: true, clip })).data);
+};
+
 // The rectangle of what a selector finds, scrolled into view.
 const place = (selector) => evaluate(`(() => {
   const found = document.querySelector(${JSON.stringify(selector)});
@@ -95,6 +105,18 @@ const checkCharts = async () => {
   }).map((holder) => holder.dataset.chart)`);
   const all = await evaluate(`document.querySelectorAll('[data-chart]').length`);
   check(`all ${all} charts are drawn`, all >= 8 && blank.length === 0, blank);
+};
+
+// The evolution sheet, the champion's ancestors, its film, and its video, which plays.
+const checkParts = async () => {
+  const missing = await evaluate(`['.generation', '.step', '.film, video, img'].filter((s) => !document.querySelector(s))`);
+  check('generations, lineage and champion are there', missing.length === 0, missing);
+  const videos = await evaluate(`Promise.all([...document.querySelectorAll('video')].map(async (video) => {
+    video.preload = 'auto';
+    if (video.readyState < 2) await new Promise((done) => { video.onloadeddata = video.onerror = done; setTimeout(done, 5000); });
+    return video.readyState >= 2 && video.videoWidth > 0 && video.duration > 0;
+  }))`);
+  check(`${videos.length} videos can be played`, videos.every(Boolean), videos);
 };
 
 const checkHovering = async () => {
@@ -151,7 +173,24 @@ const checkSorting = async () => {
   }
   await click(`table.robots th:nth-child(${names.indexOf('fitness') + 1}) button`);
   const scores = await evaluate(column(names.indexOf('fitness')));
-  check('a failed robot comes last', scores.filter((value) => value === '').length === 1 && scores.at(-1) === '', scores);
+  const failures = scores.filter((value) => value === '').length;
+  check('failed robots come last', scores.slice(scores.length - failures).every((value) => value === ''), scores);
+};
+
+// Several runs: their curves side by side, each run folded until it is asked for.
+const checkComparison = async () => {
+  const curve = await place('.chart .plot');
+  await mouse('mouseMoved', curve.left + curve.width / 2, curve.top + curve.height / 2);
+  const said = await text('.chart .readout');
+  check('hovering over the curves says the value of each run', (said.match(/\d\.\d+/g) ?? []).length >= 2, said);
+  await click('details > summary');
+  await evaluate(painted);
+  check('a run unfolds', await evaluate(`document.querySelector('details').open`));
+  await checkCharts();
+  await open(390, 844, 'dark');
+  const width = await evaluate('document.documentElement.scrollWidth');
+  check('nothing sticks out on a phone', width <= 390, width);
+  await photograph('phone.png');
 };
 
 const checkPhone = async () => {
@@ -161,10 +200,12 @@ const checkPhone = async () => {
   const paper = await evaluate('getComputedStyle(document.body).backgroundColor');
   check('dark where the user wants it', paper === 'rgb(18, 22, 28)', paper);
   await checkCharts();
+  await photograph('phone.png');
 };
 
 const checkPaper = async () => {
   const { data } = await call('Page.printToPDF', { printBackground: true });
+  keep('paper.pdf', data);
   const pages = Buffer.from(data, 'base64').toString('latin1').match(/\/Type\s*\/Page\b/g)?.length ?? 0;
   const clean = await evaluate(`!document.querySelector('.frozen, body.printing')`);
   check('it prints, and is as before afterwards', pages >= 1 && clean, { pages, clean });
@@ -175,12 +216,18 @@ try {
   session = (await call('Target.attachToTarget', { targetId, flatten: true })).sessionId;
   for (const domain of ['Runtime', 'Log', 'Page', 'Network']) await call(`${domain}.enable`);
   await open(1280, 1000, 'light');
-  await checkCharts();
-  await checkHovering();
-  await checkZooming();
-  await checkSeries();
-  await checkSorting();
-  await checkPhone();
+  await photograph('desk.png');
+  if (await evaluate(`document.querySelector('details') !== null`)) {
+    await checkComparison();
+  } else {
+    await checkCharts();
+    await checkParts();
+    await checkHovering();
+    await checkZooming();
+    await checkSeries();
+    await checkSorting();
+    await checkPhone();
+  }
   await checkPaper();
   check('text of files stays text', await evaluate(`document.querySelector('img[src="x"]') === null`));
   check('no complaint on the console', complaints.length === 0, complaints);

@@ -75,6 +75,10 @@ kill_and_repeat() {
     [ "$(jq -r .id $method-one/history.jsonl | sort -u | wc -l)" -eq "$(wc -l < $method-one/history.jsonl)" ]
     run_make $method $method-two -j1
     diff <(essence $method-one) <(essence $method-two)
+    # Every robot of a population was trained, however many there are.
+    for generation in $method-one/gen-*; do
+      [ "$(wc -l < "$generation/scores.jsonl")" -eq "$(wc -l < "$generation/population.jsonl")" ]
+    done
   done
   jq -e '.genome.kind == "cppn"' neat-one/best.json
 }
@@ -136,7 +140,8 @@ kill_and_repeat() {
   command="make -f $EVO_SOURCE/scripts/ga.mk RUN=seen ${settings[*]:0:6} VIDEO_OPTIONS='--size 160x90' -j2"
   script -qec "stty cols 60; $command" /dev/null > raw
   [ "$(tr '\r' '\n' < raw | grep -c ' 9/9 robots')" -ge 1 ]
-  tr '\r' '\n' < raw | sed 's/\x1b\[K//g' | LC_ALL=C.UTF-8 awk '/robots/ && !/^gen-/ && length > 59 { exit 1 }'
+  tr '\r' '\n' < raw | sed 's/\x1b\[K//g' | grep '^[ 0-9]*/9 robots' > live
+  [ "$(LC_ALL=C.UTF-8 wc -L < live)" -le 59 ]
   diff <(essence run) <(essence seen)
   # Silent when make is.
   run_make bo quiet -j2 -s > log 2>&1

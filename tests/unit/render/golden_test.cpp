@@ -81,7 +81,7 @@ TEST_CASE("golden: a thumbnail, a tall picture, and a picture without overlays")
   compare("thumbnail", draw_moment({&rollout, 0, ""}, 40, options));
   options.size = {90, 200};
   compare("tall", draw_moment({&rollout, 0, ""}, 20, options));
-  options.overlays = {false, false, false, false, false};
+  options.overlays = {false, false, false, false, false, false};
   options.size = {160, 90};
   compare("bare", draw_moment({&rollout, 0, ""}, 40, options));
 }

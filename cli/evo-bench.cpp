@@ -67,7 +67,8 @@ class Runner {
   Runner(const Arena& arena, int envs, std::uint64_t seed)
       : arena_(arena), seed_(seed), envs_(arena, envs) {
     Stream random(seed, "bench/actions");
-    const auto length = static_cast<std::size_t>(envs * arena.action_length());
+    const auto length =
+        static_cast<std::size_t>(envs) * static_cast<std::size_t>(arena.action_length());
     const Physics& physics = arena.task().physics;
     const double range = physics.max_target - physics.min_target;
     for (auto& set : actions_) {

@@ -109,7 +109,7 @@ std::vector<render::Episode> choose_episodes(const std::vector<Rollout>& rollout
   return episodes;
 }
 
-void write_picture(const std::string& output, render::Image image) {
+void write_picture(const std::string& output, const render::Image& image) {
   if (output == standard_stream) {
     const std::string bytes = render::encode_png(render::view(image));
     if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size())
@@ -155,6 +155,7 @@ void render_rollouts(const Settings& settings, const RenderOptions& options,
                      const std::vector<std::string>& files, const std::string& output,
                      bool show_progress) {
   std::vector<Rollout> rollouts;
+  rollouts.reserve(files.size());
   for (const std::string& file : files) rollouts.push_back(read_rollout(file));
   const auto episodes = choose_episodes(rollouts, settings.episodes);
   if (settings.sheet) {

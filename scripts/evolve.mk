@@ -77,7 +77,7 @@ generations: | $(RUN)/run.yaml
 	for gen in $(GENERATIONS); do \
 	  gen=$$(( 10#$$gen )); folder=$$(printf '$(RUN)/gen-%03d' $$gen); \
 	  [ -e "$$folder/ranking.tsv" ] || { \
-	    $(if $(dry_run),,$(MAKE) -f $(firstword $(MAKEFILE_LIST)) GEN=$$gen "$$folder/population.jsonl" &&) \
+	    $(if $(dry_run),,$(MAKE) -s -f $(firstword $(MAKEFILE_LIST)) GEN=$$gen "$$folder/population.jsonl" &&) \
 	    $(MAKE) -f $(firstword $(MAKEFILE_LIST)) GEN=$$gen "$$folder/ranking.tsv"; }; \
 	done
 

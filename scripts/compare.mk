@@ -32,10 +32,12 @@ RUNS := $(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach seed,$(SEE
 .PHONY: all $(RUNS)
 all: $(RUN)/compare.$(PLOT) $(RUN)/compare.html
 
-# $(1) folder, $(2) task, $(3) method, $(4) seed
+# $(1) folder, $(2) task, $(3) method, $(4) seed. Runs go side by side, so none
+# of them draws live curves; evo-inspect shows how far one is.
 define run
 $(1):
-	+@$$(MAKE) -f '$$(SCRIPTS)$(3).mk' RUN='$(1)' TASK='$(2)' SEED='$(4)'
+	+@$$(MAKE) -s -f '$$(SCRIPTS)$(3).mk' RUN='$(1)' TASK='$(2)' SEED='$(4)'
+	@jq -r '"$(2)  $(3)-$(4)  best \(.fitness)"' '$(1)/best.json'
 endef
 $(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach seed,$(SEEDS),\
   $(eval $(call run,$(RUN)/$(task)/$(method)-$(seed),$(task),$(method),$(seed))))))

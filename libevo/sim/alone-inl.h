@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "libevo/sim/arithmetic-inl.h"
 #include "libevo/sim/integrate-inl.h"
 #include "libevo/sim/plan.h"
 #include "libevo/sim/workspace.h"
@@ -28,9 +29,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 #if HWY_TARGET != HWY_SCALAR
 
 // D: vectors of springs. Points are vectors of two.
-template <class D>
+template <Arithmetic arithmetic_, class D>
 class Alone {
  public:
+  static constexpr Arithmetic arithmetic = arithmetic_;
+  using Math = SpringMath<arithmetic>;
   using P = hn::FixedTag<hn::TFromD<D>, 2>;  // a point: x, y
   using V = hn::Vec<D>;
   using XY = hn::Vec<P>;
@@ -54,17 +57,9 @@ class Alone {
     const D d;
     V qx, qy;
     load_differences(at, w_.spring_ends + s, qx, qy);
-    const V length = hn::Sqrt(hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy)));
-    V rest;
-    if constexpr (first_stage) {
-      const V rate = hn::Set(d, constants_.rate);
-      rest = hn::Add(length, hn::Mul(rate, hn::Sub(hn::LoadU(d, w_.goal + s), length)));
-      hn::StoreU(rest, d, w_.length + s);
-    } else {
-      rest = hn::LoadU(d, w_.length + s);
-    }
-    const V k = hn::LoadU(d, plan_.stiffness.data() + s);
-    const V f = hn::Div(hn::Mul(k, hn::Sub(length, rest)), length);
+    const V f = Math::template pull<first_stage>(
+        d, Math::square(d, qx, qy), hn::LoadU(d, plan_.stiffness.data() + s), constants_.rate,
+        w_.goal + s, w_.kept + Math::kept * s);
     store_pairs(hn::Mul(qx, f), hn::Mul(qy, f), w_.force + 2 * s);
   }
 
@@ -80,14 +75,13 @@ class Alone {
                         double* HWY_RESTRICT next) const {
     const P p;
     double* HWY_RESTRICT motion = w_.motion + Motion::records * o;
-    XY f = hn::Zero(p);
-    for (int i = 0; i < a_ends; ++i, ++end) f = hn::Sub(f, hn::Load(p, w_.force + *end));
-    for (int i = 0; i < b_ends; ++i, ++end) f = hn::Add(f, hn::Load(p, w_.force + *end));
-    const XY v = hn::Load(p, motion + (stage == 1 ? Motion::velocity : Motion::stage_velocity));
-    f = hn::Sub(hn::Sub(f, hn::Mul(hn::Set(p, constants_.drag), v)), hn::LoadU(p, gravity_));
-    f = hn::Add(f, hn::Load(p, motion + Motion::contact));
+    XY f = SumForces<arithmetic>(p, w_.force, end, a_ends, b_ends);
+    const XY v = hn::Load(p, motion + Motion::velocity_of(stage, arithmetic == Arithmetic::fast));
+    f = AddLoads<arithmetic>(p, f, v, hn::LoadU(p, gravity_), constants_.drag,
+                             motion + Motion::contact);
     if (HWY_UNLIKELY(at[o + 1] < 0.0)) f = with_floor(physics_, at[o + 1], v, f);
-    Advance<stage, width>(p, v, f, constants_.substep, w_.position + o, next + o, motion);
+    Advance<arithmetic, stage, width>(p, v, f, constants_.substep, w_.position + o, next + o,
+                                      motion);
   }
 
   void limit_strain(double* HWY_RESTRICT at) {
@@ -100,7 +94,7 @@ class Alone {
     for (std::size_t s = 0; s < live; s += springs_at_once) {
       V qx, qy;
       load_differences(at, w_.strain_ends + s, qx, qy);
-      const V square = hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy));
+      const V square = Math::square(d, qx, qy);
       const auto long_ones = hn::Gt(square, hn::LoadU(d, strain.longest_square.data() + s));
       const auto beyond =
           hn::Or(long_ones, hn::Lt(square, hn::LoadU(d, strain.shortest_square.data() + s)));
@@ -112,8 +106,7 @@ class Alone {
         const StrainLimit& limit = strain.limits[s + i];
         targets[i] = squares[i] > limit.longest_square ? limit.longest : limit.shortest;
       }
-      const V length = hn::Sqrt(square);
-      const V c = hn::Div(hn::Sub(length, hn::Load(d, targets)), hn::Mul(hn::Set(d, 2.0), length));
+      const V c = Math::correction(d, square, V(hn::Load(d, targets)));
       const V share = hn::Set(d, constants_.correction);
       store_pairs(hn::Mul(hn::Mul(qx, c), share), hn::Mul(hn::Mul(qy, c), share), pairs);
       for (std::size_t i = 0; i < springs_at_once && s + i < live; ++i) {
@@ -138,16 +131,18 @@ class Alone {
   }
 
   void limit_rigid_strain(double* HWY_RESTRICT at) {
+    const hn::CappedTag<double, 1> one;
     for (const auto& [edge_a, edge_b, limit] : plan_.rigid_edges) {
       double* a = at + offset(edge_a);
       double* b = at + offset(edge_b);
       const double qx = a[0] - b[0];
       const double qy = a[1] - b[1];
-      const double square = qx * qx + qy * qy;
+      const auto lane = Math::square(one, hn::Set(one, qx), hn::Set(one, qy));
+      const double square = hn::GetLane(lane);
       const bool too_long = square > limit.longest_square;
       if (HWY_LIKELY(!too_long && !(square < limit.shortest_square))) continue;
-      const double length = std::sqrt(square);
-      const double c = (length - (too_long ? limit.longest : limit.shortest)) / (2.0 * length);
+      const auto target = hn::Set(one, too_long ? limit.longest : limit.shortest);
+      const double c = hn::GetLane(Math::correction(one, lane, target));
       const double cx = qx * c * constants_.rigid_correction;
       const double cy = qy * c * constants_.rigid_correction;
       a[0] -= cx;

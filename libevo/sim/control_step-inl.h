@@ -106,7 +106,9 @@ class ControlStep {
   template <int n>
   HWY_INLINE void anchored_point(std::size_t o, double* next) {
     if constexpr (n == 3) {
-      const double* velocity = w_.motion + Motion::records * o + Motion::stage_velocity * width;
+      constexpr bool fast = Kernel::arithmetic == Arithmetic::fast;
+      const double* velocity =
+          w_.motion + Motion::records * o + Motion::velocity_of(3, fast) * width;
       for (std::size_t k = 0; k < 2 * width; ++k)
         next[o + k] = w_.position[o + k] + velocity[k] * physics_.substep;
     } else if constexpr (n == 4) {

@@ -11,15 +11,20 @@
 //   root      y = 1/sqrt(s) (1 + 3u), g = s*y, and g + (s - g^2) * y/2 before its
 //             last rounding is within 2^-102 of sqrt(s). Roots of doubles keep
 //             farther from the middle between two doubles than that, but for a
-//             few hundred s; the unit test goes through all of those.
-//   quotient  two Newton steps make y the rounded 1/d, except where all bits of
-//             d's mantissa are ones. For such y the last correction of a quotient
-//             that is off by less than a unit in the last place rounds a/d
-//             correctly (Markstein's theorem). Where y is the exception, only a
-//             power of two for `a` goes wrong, by the last bit: of random
-//             operands one pair in 2^105, which no run will ever meet.
+//             few hundred s; the unit test goes through all of those, for any
+//             estimate to 1.6 * 2^-12.
+//   quotient  The first Newton step leaves y = (1 + t)/d with |t| <= u (1 + 30u) m/2,
+//             m the mantissa of d in [1, 2). In the second the residual is exact, so
+//             what is rounded is (1 - t^2)/d: rounded as 1/d would be, unless a
+//             middle z between two doubles is in between, 0 < 1 - m z <= t^2. In
+//             units of u^2, 1 - m z is a whole number and t^2 at most (m/2)^2 (1 + 60u):
+//             z would need m z = 1 - u^2 and m > 2 - 60u, and of those mantissas
+//             only all ones divides. Else y is the rounded 1/d, and the last
+//             correction of a quotient that is off by less than a unit in the last
+//             place rounds a/d correctly (Markstein's theorem).
 //
-// The range of s is limited by the first estimate, in single precision.
+// AreOrdinary() says whether the operands are such: the range of s is that of the
+// first estimate in single precision, that of a keeps residuals exact.
 
 #if defined(LIBEVO_SIM_EXACT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LIBEVO_SIM_EXACT_INL_H_
@@ -29,6 +34,9 @@
 #endif
 
 #include <hwy/highway.h>
+
+#include <cstddef>
+#include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
 namespace evo {
@@ -40,18 +48,19 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 inline constexpr double smallest_root_argument = 0x1p-120;
 inline constexpr double largest_root_argument = 0x1p+120;
+inline constexpr double smallest_dividend = 0x1p-500;
+inline constexpr double largest_dividend = 0x1p+500;
 
 // Several at once, step by step: each is one long chain of dependent operations.
 #define EVO_EACH for (std::size_t i = 0; i < n; ++i)
 
-// root = sqrt(s), y about its reciprocal.
+// root = sqrt(s), and y, which is an estimate of its reciprocal to 2^-11 before, to a
+// few units in the last place afterwards.
 template <std::size_t n, class D, class V = hn::Vec<D>>
-HWY_INLINE void RootsOf(D d, const V (&s)[n], V (&root)[n], V (&y)[n]) {
-  const hn::Rebind<float, D> single;
+HWY_INLINE void RefineRoots(D d, const V (&s)[n], V (&root)[n], V (&y)[n]) {
   const V one = hn::Set(d, 1.0);
   const V half = hn::Set(d, 0.5);
   V e[n], series[n], g[n];
-  EVO_EACH y[i] = hn::PromoteTo(d, hn::ApproximateReciprocalSqrt(hn::DemoteTo(single, s[i])));
   // 1/sqrt(1 - e) = 1 + e/2 + 3/8 e^2 + 5/16 e^3 + 35/128 e^4 + ..., e < 2^-10
   EVO_EACH e[i] = hn::Mul(s[i], y[i]);
   EVO_EACH e[i] = hn::NegMulAdd(e[i], y[i], one);
@@ -62,6 +71,14 @@ HWY_INLINE void RootsOf(D d, const V (&s)[n], V (&root)[n], V (&y)[n]) {
   EVO_EACH y[i] = hn::MulAdd(e[i], series[i], y[i]);
   EVO_EACH g[i] = hn::Mul(s[i], y[i]);
   EVO_EACH root[i] = hn::MulAdd(hn::NegMulAdd(g[i], g[i], s[i]), hn::Mul(half, y[i]), g[i]);
+}
+
+// root = sqrt(s), y about its reciprocal.
+template <std::size_t n, class D, class V = hn::Vec<D>>
+HWY_INLINE void RootsOf(D d, const V (&s)[n], V (&root)[n], V (&y)[n]) {
+  const hn::Rebind<float, D> single;
+  EVO_EACH y[i] = hn::PromoteTo(d, hn::ApproximateReciprocalSqrt(hn::DemoteTo(single, s[i])));
+  RefineRoots(d, s, root, y);
 }
 
 // q = a / d, given y, 1/d to a few units in the last place.
@@ -75,6 +92,24 @@ HWY_INLINE void QuotientsOf(D tag, const V (&a)[n], const V (&d)[n], V (&y)[n], 
   EVO_EACH q[i] = hn::MulAdd(hn::NegMulAdd(q[i], d[i], a[i]), y[i], q[i]);
 }
 #undef EVO_EACH
+
+// Whether the roots of s and the quotients of a by them, d, are IEEE's in all lanes.
+template <std::size_t n, class D, class V = hn::Vec<D>>
+HWY_INLINE bool AreOrdinary(D tag, const V (&s)[n], const V (&a)[n], const V (&d)[n]) {
+  const hn::RebindToUnsigned<D> bits;
+  const auto mantissa = hn::Set(bits, (std::uint64_t{1} << 52) - 1);
+  auto ordinary = hn::Eq(s[0], s[0]);
+  for (std::size_t i = 0; i < n; ++i) {
+    const V size = hn::Abs(a[i]);
+    const auto zeros = hn::AndNot(hn::BitCast(bits, d[i]), mantissa);
+    ordinary = hn::And(ordinary, hn::Ge(s[i], hn::Set(tag, smallest_root_argument)));
+    ordinary = hn::And(ordinary, hn::Le(s[i], hn::Set(tag, largest_root_argument)));
+    ordinary = hn::And(ordinary, hn::Ge(size, hn::Set(tag, smallest_dividend)));
+    ordinary = hn::And(ordinary, hn::Le(size, hn::Set(tag, largest_dividend)));
+    ordinary = hn::And(ordinary, hn::RebindMask(tag, hn::Ne(zeros, hn::Zero(bits))));
+  }
+  return hn::AllTrue(tag, ordinary);
+}
 
 #endif  // HWY_NATIVE_FMA
 

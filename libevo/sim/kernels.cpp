@@ -14,6 +14,11 @@
 // of a trajectory depend neither on which way was taken nor on how wide the
 // registers are. tests/unit/sim compares both with a plain scalar simulator.
 //
+// Physics::arithmetic `fast` takes the same ways with the arithmetic of
+// arithmetic-inl.h and integrate-inl.h: no root, no quotient, fused operations.
+// Its bits are others, and still depend on neither way nor width; only
+// processors without fused multiply-adds have a result of their own.
+//
 // A substep is
 //   contacts      scalar, environment by environment (contact.h)
 //   4 x { springs: length, force
@@ -46,18 +51,37 @@ namespace evo {
 namespace HWY_NAMESPACE {
 
 #if HWY_TARGET != HWY_SCALAR
-using OneAlone = Alone<hn::CappedTag<double, 4>>;
+template <Arithmetic arithmetic>
+using OneAlone = Alone<arithmetic, hn::CappedTag<double, 4>>;
 #else
-using OneAlone = SideBySide;  // of one lane
+template <Arithmetic arithmetic>
+using OneAlone = SideBySide<arithmetic>;  // of one lane
 #endif
 
-std::size_t LaneWidth() { return SideBySide::width; }
+template <template <Arithmetic> class Kernel>
+void Step(std::span<Lane> lanes, Workspace& workspace) {
+  if (lanes[0].model->physics().arithmetic == Arithmetic::exact)
+    ControlStep<Kernel<Arithmetic::exact>>(lanes, workspace).run();
+  else
+    ControlStep<Kernel<Arithmetic::fast>>(lanes, workspace).run();
+}
+
+template <Arithmetic arithmetic>
+using ManySideBySide = SideBySide<arithmetic>;
+
+template <Arithmetic arithmetic>
+Layout LayoutOf() {
+  using Kernel = SideBySide<arithmetic>;
+  return {Kernel::width, Kernel::force_record, Kernel::force_offset};
+}
+Layout LaneLayout(Arithmetic arithmetic) {
+  return arithmetic == Arithmetic::exact ? LayoutOf<Arithmetic::exact>()
+                                         : LayoutOf<Arithmetic::fast>();
+}
 void StepSideBySide(std::span<Lane> lanes, Workspace& workspace) {
-  ControlStep<SideBySide>(lanes, workspace).run();
+  Step<ManySideBySide>(lanes, workspace);
 }
-void StepAlone(Lane& lane, Workspace& workspace) {
-  ControlStep<OneAlone>({&lane, 1}, workspace).run();
-}
+void StepAlone(Lane& lane, Workspace& workspace) { Step<OneAlone>({&lane, 1}, workspace); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace evo
@@ -67,13 +91,13 @@ HWY_AFTER_NAMESPACE();
 namespace evo {
 namespace {
 
-HWY_EXPORT(LaneWidth);
+HWY_EXPORT(LaneLayout);
 HWY_EXPORT(StepSideBySide);
 HWY_EXPORT(StepAlone);
 
 }  // namespace
 
-std::size_t lane_width() { return HWY_DYNAMIC_DISPATCH(LaneWidth)(); }
+Layout lane_layout(Arithmetic arithmetic) { return HWY_DYNAMIC_DISPATCH(LaneLayout)(arithmetic); }
 void step_side_by_side(std::span<Lane> lanes, Workspace& workspace) {
   HWY_DYNAMIC_DISPATCH(StepSideBySide)(lanes, workspace);
 }

@@ -10,10 +10,11 @@
 
 namespace evo {
 
-// Lanes that one register holds under the instruction set in force.
-std::size_t lane_width();
+// How environments side by side are laid out under the instruction set in force;
+// `lanes` is what one register holds.
+Layout lane_layout(Arithmetic arithmetic);
 
-// One control step of up to lane_width() environments with equal dynamics and
+// One control step of up to a register of environments with equal dynamics and
 // physics, side by side in the lanes of vector registers.
 void step_side_by_side(std::span<Lane> lanes, Workspace& workspace);
 

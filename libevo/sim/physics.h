@@ -3,7 +3,14 @@
 // benchmark simulator (spec: physics; profiles in tasks/physics/*.yaml).
 #pragma once
 
+#include <cstdint>
+
 namespace evo {
+
+// How the kernels round. `exact`: the reference's operations in its order, the
+// same bits on every processor. `fast`: the same physics with fewer roundings and
+// no square roots or divisions (docs/fast.md says what that costs).
+enum class Arithmetic : std::uint8_t { exact, fast };
 
 struct SpringStiffness {
   double edge;      // force per length, the four sides of a cell
@@ -40,6 +47,8 @@ struct Physics {
 
   double min_target = 0.6;  // actuator targets, share of the rest length
   double max_target = 1.6;
+
+  Arithmetic arithmetic = Arithmetic::exact;
 
   bool operator==(const Physics&) const = default;
 };

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "libevo/sim/arithmetic-inl.h"
 #include "libevo/sim/exact-inl.h"
 #include "libevo/sim/integrate-inl.h"
 #include "libevo/sim/plan.h"
@@ -25,8 +26,22 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Who computes roots and quotients in exact arithmetic: the divider alone, or the
+// multipliers two of three.
+enum class Divider { alone, helped };
+
+// The divider of processors with AVX-512 takes about 40 cycles for the root and
+// the quotient of a vector of eight: there, of three springs one goes to it and two
+// through the multipliers. With four lanes (measured on Zen 3) it is quicker alone.
+inline constexpr Divider quickest_divider =
+    HWY_NATIVE_FMA && hn::MaxLanes(hn::ScalableTag<double>()) >= 8 ? Divider::helped
+                                                                   : Divider::alone;
+
+template <Arithmetic arithmetic_, Divider divider = quickest_divider>
 class SideBySide {
  public:
+  static constexpr Arithmetic arithmetic = arithmetic_;
+  using Math = SpringMath<arithmetic>;
   using D = hn::ScalableTag<double>;
   using V = hn::Vec<D>;
   static constexpr std::size_t width = hn::MaxLanes(D());
@@ -34,9 +49,9 @@ class SideBySide {
   SideBySide(const Plan& plan, const Physics& physics, const Arrays& arrays)
       : plan_(plan), physics_(physics), constants_(physics), w_(arrays) {}
 
-  // The record of a spring in Arrays::force: its rest length L, its force.
-  static constexpr std::size_t force_record = 3 * width;
-  static constexpr std::size_t force_offset = width;
+  // The record of a spring in Arrays::force: what SpringMath keeps, its force.
+  static constexpr std::size_t force_offset = Math::kept * width;
+  static constexpr std::size_t force_record = force_offset + 2 * width;
 
   // How many springs `springs` computes.
   static constexpr std::size_t springs_at_once = 3;
@@ -46,7 +61,7 @@ class SideBySide {
   template <bool first_stage>
   HWY_INLINE void springs(const double* HWY_RESTRICT at, std::size_t s) const {
 #if HWY_NATIVE_FMA
-    if constexpr (width >= width_of_slow_divider) {
+    if constexpr (arithmetic == Arithmetic::exact && divider == Divider::helped) {
       spring<first_stage>(at, s);
       two_springs<first_stage>(at, s + 1);
       return;
@@ -70,25 +85,16 @@ class SideBySide {
                         double* HWY_RESTRICT next) const {
     const D d;
     double* HWY_RESTRICT motion = w_.motion + Motion::records * o;
-    V fx = hn::Zero(d);
-    V fy = hn::Zero(d);
-    for (int i = 0; i < a_ends; ++i, ++end) {
-      fx = hn::Sub(fx, hn::Load(d, w_.force + *end));
-      fy = hn::Sub(fy, hn::Load(d, w_.force + *end + width));
-    }
-    for (int i = 0; i < b_ends; ++i, ++end) {
-      fx = hn::Add(fx, hn::Load(d, w_.force + *end));
-      fy = hn::Add(fy, hn::Load(d, w_.force + *end + width));
-    }
+    V fx = SumForces<arithmetic>(d, w_.force, end, a_ends, b_ends);
+    V fy = SumForces<arithmetic>(d, w_.force + width, end, a_ends, b_ends);
     const double* velocity =
-        motion + (stage == 1 ? Motion::velocity : Motion::stage_velocity) * width;
+        motion + Motion::velocity_of(stage, arithmetic == Arithmetic::fast) * width;
     const V vx = hn::Load(d, velocity);
     const V vy = hn::Load(d, velocity + width);
-    const V drag = hn::Set(d, constants_.drag);
-    fx = hn::Sub(fx, hn::Mul(drag, vx));
-    fy = hn::Sub(hn::Sub(fy, hn::Mul(drag, vy)), hn::Set(d, constants_.gravity));
-    fx = hn::Add(fx, hn::Load(d, motion + Motion::contact * width));
-    fy = hn::Add(fy, hn::Load(d, motion + Motion::contact * width + width));
+    const double* contact = motion + Motion::contact * width;
+    fx = AddLoads<arithmetic>(d, fx, vx, hn::Zero(d), constants_.drag, contact);
+    fy = AddLoads<arithmetic>(d, fy, vy, hn::Set(d, constants_.gravity), constants_.drag,
+                              contact + width);
     const V y = hn::Load(d, at + o + width);
     if (HWY_UNLIKELY(!hn::AllFalse(d, hn::Lt(y, hn::Zero(d))))) {
       const Force sum = with_floor(physics_, y, vx, {fx, fy});
@@ -96,8 +102,9 @@ class SideBySide {
       fy = sum.y;
     }
     const double dt = constants_.substep;
-    Advance<stage, width>(d, vx, fx, dt, w_.position + o, next + o, motion);
-    Advance<stage, width>(d, vy, fy, dt, w_.position + o + width, next + o + width, motion + width);
+    Advance<arithmetic, stage, width>(d, vx, fx, dt, w_.position + o, next + o, motion);
+    Advance<arithmetic, stage, width>(d, vy, fy, dt, w_.position + o + width, next + o + width,
+                                      motion + width);
   }
 
   void limit_strain(double* HWY_RESTRICT at) {
@@ -108,7 +115,7 @@ class SideBySide {
     for (std::size_t s = 0; s < live; ++s) {
       V qx, qy;
       load_difference(at, w_.strain_ends[s], qx, qy);
-      const V square = hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy));
+      const V square = Math::square(d, qx, qy);
       const auto long_ones = hn::Gt(square, hn::Set(d, strain.longest_square[s]));
       const auto beyond = hn::Or(long_ones, hn::Lt(square, hn::Set(d, strain.shortest_square[s])));
       if (HWY_LIKELY(hn::AllFalse(d, beyond))) continue;
@@ -140,7 +147,7 @@ class SideBySide {
       const V by = hn::Load(d, b + width);
       const V qx = hn::Sub(ax, bx);
       const V qy = hn::Sub(ay, by);
-      const V square = hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy));
+      const V square = Math::square(d, qx, qy);
       const auto long_ones = hn::Gt(square, hn::Set(d, limit.longest_square));
       const auto beyond = hn::Or(long_ones, hn::Lt(square, hn::Set(d, limit.shortest_square)));
       if (HWY_LIKELY(hn::AllFalse(d, beyond))) continue;
@@ -233,22 +240,6 @@ class SideBySide {
     qy = hn::Sub(hn::Load(d, at + ends.a + width), hn::Load(d, at + ends.b + width));
   }
 
-  // k (d - L): L is found in the first stage and kept for the others.
-  template <bool first_stage>
-  HWY_INLINE V tension(std::size_t s, V length) const {
-    const D d;
-    double* const kept = w_.force + s * force_record;
-    V rest;
-    if constexpr (first_stage) {
-      const V goal = hn::Load(d, w_.goal + s * width);
-      rest = hn::Add(length, hn::Mul(hn::Set(d, constants_.rate), hn::Sub(goal, length)));
-      hn::Store(rest, d, kept);
-    } else {
-      rest = hn::Load(d, kept);
-    }
-    return hn::Mul(hn::Set(d, w_.spring_ends[s].stiffness), hn::Sub(length, rest));
-  }
-
   HWY_INLINE void store_force(std::size_t s, V x, V y) const {
     const D d;
     double* const force = w_.force + s * force_record + force_offset;
@@ -260,38 +251,34 @@ class SideBySide {
   HWY_INLINE void spring(const double* HWY_RESTRICT at, std::size_t s) const {
     V qx, qy;
     load_difference(at, w_.spring_ends[s], qx, qy);
-    const V length = hn::Sqrt(hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy)));
-    const V f = hn::Div(tension<first_stage>(s, length), length);
+    const D d;
+    const V f = Math::template pull<first_stage>(
+        d, Math::square(d, qx, qy), hn::Set(d, w_.spring_ends[s].stiffness), constants_.rate,
+        w_.goal + s * width, w_.force + s * force_record);
     store_force(s, hn::Mul(qx, f), hn::Mul(qy, f));
   }
 
 #if HWY_NATIVE_FMA
-  // The divider of processors with AVX-512 takes about 40 cycles for the root
-  // and the quotient of a vector: of three springs one goes there, while two go
-  // through the multipliers. With four lanes (measured on Zen 3) the divider alone
-  // is quicker. No width uses this yet: one pattern of divisors loses the last bit
-  // (exact-inl.h), and the same bits everywhere come before speed. It may become 8
-  // once that is mended and the pinned hashes have passed on such a processor.
-  static constexpr std::size_t width_of_slow_divider = 16;
-
   template <bool first_stage>
   HWY_INLINE void two_springs(const double* HWY_RESTRICT at, std::size_t s) const {
     const D d;
     V qx[2], qy[2], square[2], length[2], reciprocal[2], pull[2], f[2];
     for (std::size_t i = 0; i < 2; ++i) {
       load_difference(at, w_.spring_ends[s + i], qx[i], qy[i]);
-      square[i] = hn::Add(hn::Mul(qx[i], qx[i]), hn::Mul(qy[i], qy[i]));
+      square[i] = Math::square(d, qx[i], qy[i]);
     }
-    const auto too_short =
-        hn::Lt(hn::Min(square[0], square[1]), hn::Set(d, smallest_root_argument));
-    const auto too_long = hn::Gt(hn::Max(square[0], square[1]), hn::Set(d, largest_root_argument));
-    if (HWY_UNLIKELY(!hn::AllFalse(d, hn::Or(too_short, too_long)))) {
+    RootsOf(d, square, length, reciprocal);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const std::size_t n = s + i;
+      pull[i] = Math::template tension<first_stage>(
+          d, length[i], hn::Set(d, w_.spring_ends[n].stiffness), constants_.rate,
+          w_.goal + n * width, w_.force + n * force_record);
+    }
+    if (HWY_UNLIKELY(!AreOrdinary(d, square, pull, length))) {
       spring<first_stage>(at, s);
       spring<first_stage>(at, s + 1);
       return;
     }
-    RootsOf(d, square, length, reciprocal);
-    for (std::size_t i = 0; i < 2; ++i) pull[i] = tension<first_stage>(s + i, length[i]);
     QuotientsOf(d, pull, length, reciprocal, f);
     for (std::size_t i = 0; i < 2; ++i)
       store_force(s + i, hn::Mul(qx[i], f[i]), hn::Mul(qy[i], f[i]));
@@ -317,11 +304,9 @@ class SideBySide {
   HWY_INLINE V correction(V square, hn::Mask<D> long_ones, hn::Mask<D> beyond,
                           const StrainLimit& limit) const {
     const D d;
-    const V length = hn::Sqrt(square);
     const V target =
         hn::IfThenElse(long_ones, hn::Set(d, limit.longest), hn::Set(d, limit.shortest));
-    const V c = hn::Div(hn::Sub(length, target), hn::Mul(hn::Set(d, 2.0), length));
-    return hn::IfThenElseZero(beyond, c);
+    return hn::IfThenElseZero(beyond, Math::correction(d, square, target));
   }
 
   template <int sign>

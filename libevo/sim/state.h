@@ -1,6 +1,7 @@
 // The mutable part of a simulation and the function that advances it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -53,8 +54,13 @@ void select_isa(const std::string& isa);
 // One control step (spec: physics, sections 1 and 3) of every lane. Lanes whose
 // models share their moving objects run side by side in vector registers. The
 // bits of each lane's result do not depend on its neighbours, on the width of
-// the batch, or on the instruction set. Targets are clipped to the physics'
-// range. A lane that folds stops after the folding substep.
+// the batch, or on the instruction set (in fast arithmetic only on whether it
+// fuses multiply-adds). Targets are clipped to the physics' range. A lane that
+// folds stops after the folding substep.
 void step(std::span<Lane> lanes);
+
+// Memory that stepping takes for an environment: its state, with the contact lists
+// it has now, and its share of the arrays it is stepped in.
+std::size_t bytes_per_lane(const Model& model, const State& state);
 
 }  // namespace evo

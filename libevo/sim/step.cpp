@@ -26,12 +26,37 @@ struct Memory {
   std::vector<std::uint8_t> taken;   // one a lane: it is in a group already
 };
 
+template <class T>
+std::size_t bytes_of(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
+
+std::size_t bytes_of(const ContactLists& lists) {
+  std::size_t bytes = bytes_of(lists.self) + bytes_of(lists.pairs) + bytes_of(lists.groups) +
+                      bytes_of(lists.first_group) + bytes_of(lists.self_reference) +
+                      bytes_of(lists.pair_reference);
+  for (const ContactLists::Self& self : lists.self)
+    bytes += bytes_of(self.candidates) + bytes_of(self.folding);
+  return bytes;
+}
+
 }  // namespace
+
+std::size_t bytes_per_lane(const Model& model, const State& state) {
+  std::size_t bytes = sizeof(State) + bytes_of(state.contacts) + bytes_of(state.targets);
+  for (const std::vector<double>* values :
+       {&state.x, &state.y, &state.vx, &state.vy, &state.previous_x, &state.previous_y})
+    bytes += bytes_of(*values);
+  const Layout layout = lane_layout(model.physics().arithmetic);
+  Workspace workspace;
+  workspace.prepare(model.compiled().plan, layout);
+  return bytes + workspace.bytes() / layout.lanes;
+}
 
 void step(std::span<Lane> lanes) {
   thread_local Memory memory;
   auto& [workspace, group, members, taken] = memory;
-  const std::size_t width = lane_width();
+  const std::size_t width = lane_layout(Arithmetic::exact).lanes;
   taken.assign(lanes.size(), 0);
   for (std::size_t first = 0; first < lanes.size(); ++first) {
     if (taken[first]) continue;

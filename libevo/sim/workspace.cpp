@@ -30,20 +30,29 @@ Arrays Workspace::prepare(const Plan& plan, const Layout& layout) {
   return arrays;
 }
 
+std::size_t Workspace::bytes() const {
+  return capacity_ * sizeof(double) + corrected_.capacity() * sizeof(std::int32_t) +
+         (spring_ends_.capacity() + strain_ends_.capacity()) * sizeof(SpringEnds) +
+         (point_offsets_.capacity() + ends_.capacity()) * sizeof(std::uint32_t);
+}
+
 Arrays Workspace::lay_out(const Plan& plan, const Layout& layout) {
   const std::size_t slots = static_cast<std::size_t>(plan.slots);
   const std::size_t springs = plan.a.size();
   // Every array starts at a cache line, and one line more keeps equal indices
   // of two arrays out of the same cache set.
   constexpr std::size_t line = HWY_ALIGNMENT / sizeof(double);
+  constexpr std::size_t most_kept = 2;
   const auto rounded = [](std::size_t n) { return (n + line - 1) / line * line + line; };
   const std::size_t positions = rounded(2 * slots * layout.lanes);
   const std::size_t motions = rounded(Motion::records * 2 * slots * layout.lanes);
   const std::size_t travels = rounded((plan.blocks.size() + 2) * layout.lanes);
   const std::size_t lengths = rounded(springs * layout.lanes);
+  const std::size_t kept_values = rounded(most_kept * springs * layout.lanes);
   const std::size_t forces = rounded((springs + 1) * layout.force_record);
   const std::size_t corrections = rounded(2 * springs * layout.lanes);
-  const std::size_t needed = 6 * positions + motions + travels + 2 * lengths + forces + corrections;
+  const std::size_t needed =
+      6 * positions + motions + travels + lengths + kept_values + forces + corrections;
   if (needed > capacity_) {
     memory_ = hwy::AllocateAligned<double>(needed);
     capacity_ = needed;
@@ -61,7 +70,7 @@ Arrays Workspace::lay_out(const Plan& plan, const Layout& layout) {
   arrays.motion = take(motions);
   arrays.travel = take(travels);
   arrays.goal = take(lengths);
-  arrays.length = take(lengths);
+  arrays.kept = take(kept_values);
   arrays.force = take(forces);
   arrays.correction = take(corrections);
   std::fill_n(arrays.force + springs * layout.force_record, layout.force_record, 0.0);

@@ -21,6 +21,13 @@ struct Motion {
   static constexpr std::size_t velocity_sum = 6;
   static constexpr std::size_t contact = 8;  // contact force, constant in a substep
   static constexpr std::size_t records = 5;  // pairs
+
+  // Where the velocity is that stage 1, 2, 3 or 4 sees. Fast arithmetic keeps all
+  // of them in place of the sums; exact arithmetic keeps the last.
+  static constexpr std::size_t velocity_of(int stage, bool keeps_all) {
+    if (stage == 1) return velocity;
+    return keeps_all ? 2 * static_cast<std::size_t>(stage - 1) : stage_velocity;
+  }
 };
 
 // Offsets of a spring's ends in arrays of positions.
@@ -51,7 +58,7 @@ struct Arrays {
   double* travel = nullptr;  // W values a block, of what is static and of the fastest (contact.h)
 
   double* goal = nullptr;             // springs: goal length
-  double* length = nullptr;           // springs: rest length L of the substep
+  double* kept = nullptr;             // springs: what SpringMath keeps, in Alone
   double* force = nullptr;            // springs and the null spring: a record each
   double* correction = nullptr;       // springs: of those beyond their strain limit, in turn
   std::int32_t* corrected = nullptr;  // springs: which they are
@@ -67,6 +74,8 @@ class Workspace {
  public:
   // Makes room for a plan, and its tables.
   Arrays prepare(const Plan& plan, const Layout& layout);
+
+  std::size_t bytes() const;  // held at present
 
  private:
   Arrays lay_out(const Plan& plan, const Layout& layout);

@@ -6,12 +6,26 @@
 
 namespace evo::cli {
 
+namespace {
+
+constexpr const char* fast_profile = "fast";
+
+}  // namespace
+
 void TaskOptions::add_to(Command& command) {
-  command.option("--task", task, "TASK", "a benchmark task by name, or a task file of your own");
+  command.option(
+      "--task", task, "TASK",
+      "a benchmark task by name, or a task file of your own" + (task ? " [" + *task + "]" : ""));
   command.option("--physics", physics, "PROFILE",
-                 "physics profile by name or file (evogym, paper) [the task's]");
+                 "physics profile by name or file (evogym, paper, fast) [the task's]");
+  command.flag("--fast", fast,
+               "as --physics fast: the same physics, last bits other than the reference's");
   command.option("--set", set, "KEY=VALUE",
                  "one constant of the physics, such as gravity=50 (repeatable)");
+}
+
+std::string TaskOptions::profile() const {
+  return fast ? fast_profile : physics.value_or("evogym");
 }
 
 TaskSpec TaskOptions::load() const {
@@ -22,8 +36,15 @@ TaskSpec TaskOptions::load() const {
 }
 
 void TaskOptions::change_physics(TaskSpec& spec) const {
-  if (!physics && set.empty()) return;
-  Physics changed = physics ? load_physics(*physics, data_folders()) : spec.physics;
+  if (fast && physics.value_or(fast_profile) != fast_profile)
+    throw error(Failure::usage,
+                "--fast means --physics fast and does not go with --physics {}; to change another "
+                "profile give --set arithmetic=fast",
+                *physics);
+  const std::optional<std::string> profile =
+      fast ? std::optional<std::string>(fast_profile) : physics;
+  if (!profile && set.empty()) return;
+  Physics changed = profile ? load_physics(*profile, data_folders()) : spec.physics;
   for (const std::string& assignment : set) apply_override(changed, assignment);
   set_physics(spec, changed);
 }

@@ -1,4 +1,4 @@
-// --task, --physics and --set: what robots are trained and measured in.
+// --task, --physics, --fast and --set: what robots are trained and measured in.
 #pragma once
 
 #include <optional>
@@ -13,10 +13,13 @@ namespace evo::cli {
 struct TaskOptions {
   std::optional<std::string> task;
   std::optional<std::string> physics;
+  bool fast = false;
   std::vector<std::string> set;
 
   void add_to(Command& command);
 
+  // What the options call the physics: "evogym" where they leave it to the task.
+  std::string profile() const;
   bool given() const { return task.has_value(); }
   // The task, with physics changed as asked. Throws Error(usage) without --task.
   TaskSpec load() const;

@@ -67,12 +67,17 @@ constexpr std::array<Constant, 23> constants{{
      "largest actuator target"},
 }};
 
+// The one setting that is a word.
+constexpr const char* arithmetic_key = "arithmetic";
+constexpr std::array<const char*, 2> arithmetic_words{"exact", "fast"};
+
 constexpr int most_substeps = 10'000;
 
 std::vector<std::string> constant_names() {
   std::vector<std::string> names;
   names.reserve(constants.size());
   for (const Constant& constant : constants) names.emplace_back(constant.key);
+  names.emplace_back(arithmetic_key);
   return names;
 }
 
@@ -123,6 +128,17 @@ void set(Physics& physics, const Constant& constant, double value) {
     physics.*(*real) = value;
   else if (const auto* count = std::get_if<int Physics::*>(&constant.member))
     physics.*(*count) = static_cast<int>(value);
+}
+
+std::optional<Arithmetic> arithmetic_named(std::string_view word) {
+  if (word == arithmetic_words[0]) return Arithmetic::exact;
+  if (word == arithmetic_words[1]) return Arithmetic::fast;
+  return std::nullopt;
+}
+
+std::string arithmetic_problem(const std::string& found) {
+  return fmt::format("'{}' must be {}, found {}", arithmetic_key,
+                     fmt::join(arithmetic_words, " or "), found);
 }
 
 std::string targets_problem(const Physics& physics) {
@@ -180,6 +196,12 @@ Physics read_profile(const YamlNode& node, const std::filesystem::path& folder,
     else
       set(physics, constant, read_value(constant, *value));
   }
+  if (const auto word = profile.find(arithmetic_key)) {
+    const auto arithmetic =
+        word->is_scalar() ? arithmetic_named(word->string()) : std::optional<Arithmetic>{};
+    if (!arithmetic) throw word->error(arithmetic_problem(word->found()));
+    physics.arithmetic = *arithmetic;
+  }
   if (const std::string problem = targets_problem(physics); !problem.empty())
     throw node.error(problem);
   return physics;
@@ -228,6 +250,7 @@ std::vector<std::string> physics_keys() {
       keys.emplace_back(constant.key);
     }
   }
+  keys.emplace_back(arithmetic_key);
   return keys;
 }
 
@@ -237,6 +260,12 @@ void apply_override(Physics& physics, std::string_view assignment) {
     throw error(Failure::usage, "KEY=VALUE is expected (as in gravity=50), found '{}'", assignment);
   const std::string key(assignment.substr(0, equals));
   const std::string value(assignment.substr(equals + 1));
+  if (key == arithmetic_key) {
+    const auto arithmetic = arithmetic_named(value);
+    if (!arithmetic) throw Error(Failure::usage, arithmetic_problem("'" + value + "'"));
+    physics.arithmetic = *arithmetic;
+    return;
+  }
   for (const Constant& constant : constants) {
     const auto* stiffness = std::get_if<SpringStiffness Physics::*>(&constant.member);
     const bool edge = stiffness && key == std::string(constant.key) + ".edge";
@@ -273,6 +302,11 @@ std::string physics_constants_to_yaml(const Physics& physics, const std::string&
     text += fmt::format("{}{}: {}  # {}; {}\n", indent, constant.key, value, constant.unit,
                         constant.meaning);
   }
+  // Left out where it is the default: files and hashes from before there was a
+  // choice stay what they were.
+  if (physics.arithmetic == Arithmetic::fast)
+    text += fmt::format("{}{}: {}  # roots and sums rounded in another way\n", indent,
+                        arithmetic_key, arithmetic_words[1]);
   return text;
 }
 

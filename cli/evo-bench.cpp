@@ -1,15 +1,19 @@
-// evo-bench: how many control steps a second one core does.
+// evo-bench: how many control steps a second this machine does.
 #include <fmt/format.h>
 #include <time.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <span>
+#include <thread>
 
 #include "cli/command.h"
 #include "cli/data.h"
 #include "cli/robots.h"
+#include "cli/task_options.h"
 #include "formats/json.h"
 #include "formats/task.h"
 #include "libevo/base/random.h"
@@ -26,12 +30,14 @@ constexpr int action_sets = 97;  // drawn beforehand and used in turn
 constexpr const char* flat_task = "Walker-v0";
 
 struct Settings {
-  std::string sizes = "5,10,20,35";
+  cli::TaskOptions task;
+  std::string sizes = "5,10,15,20,25,30,35";
   std::string envs = "1,8";
-  std::string task = flat_task;
+  std::string isa = "best";
   bool tasks = false;
+  bool model = false;
   bool json = false;
-  std::optional<std::string> isa;
+  int threads = 1;
   int repetitions = 5;
   double seconds = 0.5;
 };
@@ -99,22 +105,44 @@ class Runner {
   std::uint64_t turn_ = 0;
 };
 
+double wall_clock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Control steps a second of one runner by the given clock.
+double rate_of(Runner& runner, int envs, double seconds, double (*clock)()) {
+  const double start = clock();
+  double used = 0.0;
+  std::uint64_t steps = 0;
+  while (used < seconds) {
+    runner.step();
+    ++steps;
+    used = clock() - start;
+  }
+  return static_cast<double>(steps) * envs / used;
+}
+
+// One thread is measured in its processor time, several in the time that passes:
+// what they take from one another is to count.
 Measurement measure(const TaskSpec& task, const Body& body, int envs, const Settings& settings,
                     std::uint64_t seed) {
   const Arena arena(task, body);
-  Runner runner(arena, envs, seed);
+  const auto clock = settings.threads == 1 ? seconds_used : wall_clock;
+  std::vector<Runner> runners;
+  for (int i = 0; i < settings.threads; ++i)
+    runners.emplace_back(arena, envs, seed + static_cast<std::uint64_t>(i));
   Measurement result{task.name, body, envs, {}};
-  runner.step();  // allocates what later steps use
-  for (int repetition = 0; repetition < settings.repetitions; ++repetition) {
-    const double start = seconds_used();
-    double used = 0.0;
-    std::uint64_t steps = 0;
-    while (used < settings.seconds) {
-      runner.step();
-      ++steps;
-      used = seconds_used() - start;
-    }
-    result.rates.push_back(static_cast<double>(steps) * envs / used);
+  for (int repetition = -1; repetition < settings.repetitions; ++repetition) {
+    const bool warm_up = repetition < 0;  // allocates what later steps use
+    std::vector<double> rates(runners.size());
+    std::vector<std::thread> threads;
+    const auto run = [&](std::size_t i) {
+      rates[i] = rate_of(runners[i], envs, warm_up ? 0.0 : settings.seconds, clock);
+    };
+    for (std::size_t i = 1; i < runners.size(); ++i) threads.emplace_back(run, i);
+    run(0);
+    for (std::thread& thread : threads) thread.join();
+    if (!warm_up) result.rates.push_back(std::accumulate(rates.begin(), rates.end(), 0.0));
   }
   std::sort(result.rates.begin(), result.rates.end());
   return result;
@@ -122,37 +150,40 @@ Measurement measure(const TaskSpec& task, const Body& body, int envs, const Sett
 
 class Report {
  public:
-  explicit Report(bool json, std::string isa) : json_(json), isa_(std::move(isa)) {
+  Report(const Settings& settings, std::string profile)
+      : json_(settings.json), threads_(settings.threads), profile_(std::move(profile)) {
     if (!json_)
-      fmt::print("{:<24} {:>7} {:>6} {:>5} {:>12} {:>14}\n", "task", "shape", "voxels", "envs",
-                 "steps/s", "steps*voxels/s");
+      fmt::print("{:<24} {:>7} {:>6} {:>5} {:>10} {:>7} {:>12} {:>14}\n", "task", "shape", "voxels",
+                 "envs", "isa", "profile", "steps/s", "steps*voxels/s");
   }
 
-  void add(const Measurement& m) const {
+  void add(const Measurement& m, const std::string& isa) const {
     const int voxels = count_voxels(m.body);
     if (json_) {
       const Json line{{"task", m.task},
                       {"shape", {m.body.rows, m.body.cols}},
                       {"voxels", voxels},
                       {"width", m.envs},
-                      {"isa", isa_},
-                      {"profile", "evogym"},
-                      {"threads", 1},
+                      {"isa", isa},
+                      {"profile", profile_},
+                      {"threads", threads_},
                       {"steps_per_second", m.median()},
                       {"steps_per_second_min", m.rates.front()},
                       {"steps_per_second_max", m.rates.back()}};
       fmt::print("{}\n", line.dump());
     } else {
-      fmt::print("{:<24} {:>7} {:>6} {:>5} {:>12.0f} {:>14.0f}\n", m.task,
-                 fmt::format("{}x{}", m.body.rows, m.body.cols), voxels, m.envs, m.median(),
-                 m.median() * voxels);
+      fmt::print("{:<24} {:>7} {:>6} {:>5} {:>10} {:>7} {:>12.0f} {:>14.0f}\n", m.task,
+                 shape(m.body), voxels, m.envs, isa, profile_, m.median(), m.median() * voxels);
     }
     std::fflush(stdout);
   }
 
+  static std::string shape(const Body& body) { return fmt::format("{}x{}", body.rows, body.cols); }
+
  private:
   bool json_;
-  std::string isa_;
+  int threads_;
+  std::string profile_;
 };
 
 Body random_body(int rows, int cols, std::uint64_t seed) {
@@ -160,44 +191,123 @@ Body random_body(int rows, int cols, std::uint64_t seed) {
   return sample_body(rows, cols, body_weights, random);
 }
 
-int bench(const Settings& settings, std::uint64_t seed) {
-  if (settings.isa) select_isa(*settings.isa);
-  if (settings.repetitions < 1)
-    throw error(Failure::usage, "--repetitions must be at least 1, got {}", settings.repetitions);
-  const std::vector<int> sizes = parse_counts(settings.sizes, "--sizes");
-  const std::vector<int> envs = parse_counts(settings.envs, "--envs");
-  const DataFolders folders = cli::data_folders();
-  const Report report(settings.json, settings.isa.value_or(best_isa()));
+// A body in a task, as often as --tasks and --sizes say.
+struct Subject {
+  TaskSpec task;
+  Body body;
+};
+
+std::vector<Subject> subjects(const Settings& settings, std::uint64_t seed) {
+  std::vector<Subject> found;
   if (settings.tasks) {
     const Body body = Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"});
-    for (const std::string& name : task_names(folders))
-      for (const int n : envs)
-        report.add(measure(load_task(name, folders), body, n, settings, seed));
-    return 0;
+    for (const std::string& name : task_names(cli::data_folders())) {
+      found.push_back({load_task(name, cli::data_folders()), body});
+      settings.task.change_physics(found.back().task);
+    }
+  } else {
+    for (const int size : parse_counts(settings.sizes, "--sizes"))
+      found.push_back({settings.task.load(), random_body(size, size, seed)});
   }
-  const TaskSpec task = load_task(settings.task, folders);
-  for (const int size : sizes)
-    for (const int n : envs)
-      report.add(measure(task, random_body(size, size, seed), n, settings, seed));
+  return found;
+}
+
+std::vector<std::string> isas(const std::string& text) {
+  if (text == "best") return {best_isa()};
+  return text == "all" ? available_isas() : std::vector<std::string>{text};
+}
+
+// ---- compiling and memory ----------------------------------------------------------
+
+constexpr int builds = 20;            // of which the quickest counts
+constexpr int steps_to_settle = 200;  // until contact lists have their size
+
+void describe_model(const Subject& subject, bool json, std::uint64_t seed) {
+  double build = HUGE_VAL;
+  for (int i = 0; i < builds; ++i) {
+    const double start = seconds_used();
+    const Arena arena(subject.task, subject.body);
+    build = std::min(build, seconds_used() - start);
+  }
+  const Arena arena(subject.task, subject.body);
+  State state = initial_state(arena.model());
+  Lane lane{&arena.model(), &state};
+  Stream random(seed, "bench/targets");
+  const Physics& physics = arena.task().physics;
+  for (int t = 0; t < steps_to_settle; ++t) {
+    for (double& target : state.targets)
+      target = physics.min_target + (physics.max_target - physics.min_target) * random.uniform();
+    step({&lane, 1});
+  }
+  const std::size_t bytes = bytes_per_lane(arena.model(), state);
+  const int voxels = count_voxels(subject.body);
+  if (json) {
+    const Json line{{"task", subject.task.name}, {"shape", {subject.body.rows, subject.body.cols}},
+                    {"voxels", voxels},          {"points", arena.model().points()},
+                    {"build_seconds", build},    {"bytes_per_environment", bytes}};
+    fmt::print("{}\n", line.dump());
+  } else {
+    fmt::print("{:<24} {:>7} {:>6} {:>7} {:>10.3f} {:>9.1f}\n", subject.task.name,
+               Report::shape(subject.body), voxels, arena.model().points(), 1e3 * build,
+               1e-3 * static_cast<double>(bytes));
+  }
+}
+
+int describe_models(const Settings& settings, std::uint64_t seed) {
+  if (!settings.json)
+    fmt::print("{:<24} {:>7} {:>6} {:>7} {:>10} {:>9}\n", "task", "shape", "voxels", "points",
+               "build, ms", "kB/env");
+  for (const Subject& subject : subjects(settings, seed))
+    describe_model(subject, settings.json, seed);
+  return 0;
+}
+
+// ---- the tool ------------------------------------------------------------------------
+
+int bench(const Settings& settings, std::uint64_t seed) {
+  if (settings.repetitions < 1)
+    throw error(Failure::usage, "--repetitions must be at least 1, got {}", settings.repetitions);
+  if (settings.threads < 1)
+    throw error(Failure::usage, "--threads must be at least 1, got {}", settings.threads);
+  if (settings.model) return describe_models(settings, seed);
+  const std::vector<int> envs = parse_counts(settings.envs, "--envs");
+  const std::vector<Subject> measured = subjects(settings, seed);
+  const Report report(settings, settings.task.profile());
+  for (const std::string& isa : isas(settings.isa)) {
+    select_isa(isa);
+    for (const Subject& subject : measured)
+      for (const int n : envs)
+        report.add(measure(subject.task, subject.body, n, settings, seed), isa);
+  }
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-bench",
-                       "control steps a second of one core, random robots and actions");
+  cli::Command command("evo-bench", "control steps a second, random robots and actions");
   Settings settings;
+  settings.task.task = flat_task;
+  command.section("What is measured");
+  settings.task.add_to(command);
   command.option("--sizes", settings.sizes, "N,N,..", "bodies of N x N voxels");
+  command.flag("--tasks", settings.tasks,
+               "all tasks, with one 5x5 body, instead of --task and --sizes");
   command.option("--envs", settings.envs, "N,N,..", "environments stepped together");
-  command.option("--task", settings.task, "TASK", "where the bodies of --sizes move");
-  command.flag("--tasks", settings.tasks, "all tasks, with one 5x5 body, instead of --sizes");
-  command.option("--isa", settings.isa, "NAME", "instruction set to measure, e.g. x86-64-v3");
+  command.option("--threads", settings.threads, "N",
+                 "batches of environments at a time, one a thread");
+  command.option("--isa", settings.isa, "NAME",
+                 "instruction set, e.g. x86-64-v3, or all, one after the other");
+  command.flag("--model", settings.model,
+               "instead of speed: time to compile a world, memory an environment takes");
+  command.section("How");
   command.option("--repetitions", settings.repetitions, "N", "of which the median is reported");
-  command.option("--seconds", settings.seconds, "T", "processor time of one repetition, s");
+  command.option("--seconds", settings.seconds, "T",
+                 "length of one repetition, s of processor time (of wall time with --threads)");
   command.flag("--json", settings.json, "one JSON object a line instead of a table");
   command.seed_option();
   command.example("evo-bench --sizes 5 --envs 8", "a batch of eight 5x5 robots on flat ground");
-  command.example("evo-bench --tasks --envs 8 --json > tasks.jsonl", "every task, for a program");
+  command.example("evo-bench --tasks --envs 8 --fast --json > tasks.jsonl",
+                  "every task in fast arithmetic, for a program");
   return command.run(argc, argv, [&] { return bench(settings, command.seed); });
 }

@@ -64,7 +64,7 @@ struct TrainingSettings {
   // Evaluation
   int evaluation_interval = 50;  // updates between evaluations; one more after the last
   int evaluation_episodes = 1;
-  int final_episodes = 0;      // of the best policy, after training
+  int final_episodes = 8;      // of the best policy, after training
   double final_jitter = 1e-4;  // of their start coordinates, voxels
 
   // Open-loop search: `environments` and the like do not apply

@@ -19,7 +19,7 @@ void TaskOptions::add_to(Command& command) {
   command.option("--physics", physics, "PROFILE",
                  "physics profile by name or file (evogym, paper, fast) [the task's]");
   command.flag("--fast", fast,
-               "as --physics fast: the same physics, last bits other than the reference's");
+               "as --physics fast: the same physics, but single precision within a substep");
   command.option("--set", set, "KEY=VALUE",
                  "one constant of the physics, such as gravity=50 (repeatable)");
 }

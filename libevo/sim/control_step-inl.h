@@ -34,18 +34,24 @@ template <class Kernel>
 class ControlStep {
  public:
   static constexpr std::size_t width = Kernel::width;
+  static constexpr Arithmetic arithmetic = Kernel::arithmetic;
+  static constexpr std::size_t motion_pairs = Motion::pairs(arithmetic);
+  using Real = StageReal<arithmetic>;
 
   ControlStep(std::span<Lane> lanes, Workspace& workspace)
       : lanes_(lanes),
         plan_(lanes[0].model->compiled().plan),
         physics_(lanes[0].model->physics()),
-        w_(workspace.prepare(plan_, {width, Kernel::force_record, Kernel::force_offset})),
+        w_(workspace.prepare<Kernel::arithmetic>(
+            plan_, {width, Kernel::force_record, Kernel::force_offset})),
         lead_(lead_of(plan_)) {}
 
   void run() {
     for (std::size_t i = 0; i < width; ++i) load(i, lanes_[std::min(i, lanes_.size() - 1)]);
     clear_contacts();
-    kernel().template last_springs<true>(w_.position, static_cast<std::size_t>(plan_.first_frozen),
+    kernel().prepare();
+    kernel().template last_springs<true>(kernel().start(),
+                                         static_cast<std::size_t>(plan_.first_frozen),
                                          static_cast<std::size_t>(plan_.springs));
     std::size_t running = lanes_.size();
     for (int i = 0; i < physics_.substeps && running > 0; ++i) {
@@ -60,7 +66,8 @@ class ControlStep {
  private:
   void substep() {
     contacts();
-    stage<1>(w_.position, w_.stage_position[0]);
+    near_floor_ = kernel().begin();
+    stage<1>(kernel().start(), w_.stage_position[0]);
     stage<2>(w_.stage_position[0], w_.stage_position[1]);
     stage<3>(w_.stage_position[1], w_.stage_position[0]);
     stage<4>(w_.stage_position[0], w_.previous);
@@ -71,8 +78,8 @@ class ControlStep {
 
   // One stage of Runge-Kutta. Points follow the springs at a distance: while
   // the divider works on springs, the rest of the processor integrates points.
-  template <int n>
-  void stage(const double* HWY_RESTRICT at, double* HWY_RESTRICT next) {
+  template <int n, class Next>
+  void stage(const Real* HWY_RESTRICT at, Next* HWY_RESTRICT next) {
     const auto springs = static_cast<std::size_t>(plan_.live_springs);
     const std::size_t regular = n < 3 ? plan_.regular : plan_.free_regular;
     constexpr int few = Plan::regular_ends;
@@ -103,21 +110,24 @@ class ControlStep {
 
   // What others feel of an anchored point is where stages 3 and 4 see it, which
   // the forces of stages 1 and 2 decide; it ends the substep where it began.
-  template <int n>
-  HWY_INLINE void anchored_point(std::size_t o, double* next) {
+  template <int n, class Next>
+  HWY_INLINE void anchored_point(std::size_t o, Next* next) {
     if constexpr (n == 3) {
-      constexpr bool fast = Kernel::arithmetic == Arithmetic::fast;
-      const double* velocity =
-          w_.motion + Motion::records * o + Motion::velocity_of(3, fast) * width;
+      const Real* velocity = nullptr;
+      if constexpr (arithmetic == Arithmetic::exact)
+        velocity = w_.motion + motion_pairs * o + Motion::stage_velocity * width;
+      else
+        velocity = w_.stage_motion + StageMotion::pairs * o + StageMotion::velocity_of(3) * width;
+      const Real* start = kernel().start();
       for (std::size_t k = 0; k < 2 * width; ++k)
-        next[o + k] = w_.position[o + k] + velocity[k] * physics_.substep;
+        next[o + k] = start[o + k] + velocity[k] * static_cast<Real>(physics_.substep);
     } else if constexpr (n == 4) {
       std::copy_n(w_.position + o, 2 * width, next + o);
     }
   }
 
-  template <int n>
-  HWY_NOINLINE void irregular_point(std::size_t i, const double* at, double* next) {
+  template <int n, class Next>
+  HWY_NOINLINE void irregular_point(std::size_t i, const Real* at, Next* next) {
     const PlanPoint& point = plan_.points[i];
     kernel().template point<n>(w_.point_offsets[i], w_.ends + point.first_end, point.a_ends,
                                point.b_ends, at, next);
@@ -137,17 +147,17 @@ class ControlStep {
   }
 
   // Made where it is used, so that its pointers are locals there.
-  Kernel kernel() const { return {plan_, physics_, w_}; }
+  Kernel kernel() const { return {plan_, physics_, w_, near_floor_}; }
 
   const Model::Compiled& world(std::size_t i) const { return lanes_[i].model->compiled(); }
   PointView view(std::size_t i) const {
     return {w_.position + i, w_.previous + i, w_.motion + Motion::contact * width + i,
-            w_.travel + i,   width,           Motion::records};
+            w_.travel + i,   width,           motion_pairs};
   }
 
   void clear_contacts() {
     for (std::size_t slot = 0; slot < static_cast<std::size_t>(plan_.slots); ++slot)
-      std::fill_n(w_.motion + (Motion::records * 2 * slot + Motion::contact) * width, 2 * width,
+      std::fill_n(w_.motion + (motion_pairs * 2 * slot + Motion::contact) * width, 2 * width,
                   0.0);
   }
 
@@ -237,7 +247,7 @@ class ControlStep {
       const auto p = static_cast<std::size_t>(plan_.state_of[slot]);
       set(w_.position, i, slot, state.x[p], state.y[p]);
       set(w_.previous, i, slot, state.previous_x[p], state.previous_y[p]);
-      set(w_.motion + Motion::velocity * width, i, Motion::records * slot, state.vx[p],
+      set(w_.motion + Motion::velocity * width, i, motion_pairs * slot, state.vx[p],
           state.vy[p]);
     }
     for (const PlanBlock& block : plan_.blocks) {
@@ -245,18 +255,17 @@ class ControlStep {
         const auto slot = static_cast<std::size_t>(held);
         const auto p = static_cast<std::size_t>(plan_.state_of[slot]);
         set(w_.previous, i, slot, state.x[p], state.y[p]);
-        for (double* stage_position : w_.stage_position)
-          set(stage_position, i, slot, state.x[p], state.y[p]);
       }
     }
     load_reference(i, state.contacts.self_reference, w_.self_reference, 0, plan_.slots);
     load_reference(i, state.contacts.pair_reference, w_.pair_reference, 0, plan_.slots);
-    for (std::size_t s = 0; s < plan_.rest.size(); ++s) w_.goal[s * width + i] = plan_.rest[s];
+    for (std::size_t s = 0; s < plan_.rest.size(); ++s) 
+      w_.goal[s * width + i] = static_cast<Real>(plan_.rest[s]);
     for (const Plan::Drive& drive : plan_.drives) {
       const double mean =
           (target(state, drive.first_actuator) + target(state, drive.second_actuator)) / 2.0;
       const auto s = static_cast<std::size_t>(drive.spring);
-      w_.goal[s * width + i] = mean * plan_.rest[s];
+      w_.goal[s * width + i] = static_cast<Real>(mean * plan_.rest[s]);
     }
   }
 
@@ -275,7 +284,7 @@ class ControlStep {
       state.previous_x[p] = w_.previous[o];
       state.previous_y[p] = w_.previous[o + width];
       const double* velocity =
-          w_.motion + (Motion::records * 2 * slot + Motion::velocity) * width + i;
+          w_.motion + (motion_pairs * 2 * slot + Motion::velocity) * width + i;
       state.vx[p] = velocity[0];
       state.vy[p] = velocity[width];
     }
@@ -296,10 +305,11 @@ class ControlStep {
   std::span<Lane> lanes_;
   const Plan& plan_;
   const Physics& physics_;
-  Arrays w_;
+  Arrays<arithmetic> w_;
   std::size_t lead_;
   std::array<bool, width> folding_{};
   bool touching_ = false;
+  bool near_floor_ = false;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -23,15 +23,20 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+template <class Real>
 struct Constants {
   explicit Constants(const Physics& p)
-      : rate(p.actuation_rate),
-        drag(p.drag),
+      : rate(static_cast<Real>(p.actuation_rate)),
+        drag(static_cast<Real>(p.drag)),
         gravity(p.gravity),
         substep(p.substep),
+        floor_reach(p.voxel_length / 4.0),
         correction(p.strain_correction),
         rigid_correction(p.rigid_strain_correction) {}
-  double rate, drag, gravity, substep, correction, rigid_correction;
+  Real rate, drag;
+  double gravity, substep;
+  double floor_reach;  // farther than any point gets in a substep
+  double correction, rigid_correction;
 };
 
 // Force of the world floor on a point that is at y < 0 with velocity vx.
@@ -79,49 +84,52 @@ HWY_INLINE void AdvanceExactly(D d, V v, V f, double substep, const double* HWY_
   }
 }
 
-// The same without sums: as v2 = v0 + k1/2, v3 = v0 + k2/2 and v4 = v0 + k3 (k of
-// the velocities),
-//   v0 + (k1 + 2 k2 + 2 k3 + k4)/6 = v0 + (v2 + 2 v3 + v4 - 4 v0)/3 + k4/6
-// and the positions' own sum is (v0 + 2 v2 + 2 v3 + v4) dt.
+// The same without sums, in single precision: as v2 = v1 + k1/2, v3 = v1 + k2/2 and
+// v4 = v1 + k3 (k of the velocities), the velocity rises by
+//   (k1 + 2 k2 + 2 k3 + k4)/6 = (v2 + 2 v3 + v4 - 4 v1)/3 + k4/6
+// and the position by (v1 + 2 v2 + 2 v3 + v4) dt/6. Stages 1 to 3 lead to the next one;
+// `velocities` is this coordinate in the point's record of Arrays::stage_motion.
 template <int stage, std::size_t width, class D, class V = hn::Vec<D>>
-HWY_INLINE void AdvanceFast(D d, V v, V f, double substep, const double* HWY_RESTRICT position,
-                            double* HWY_RESTRICT next, double* HWY_RESTRICT motion) {
-  const auto velocity = [motion](int of) { return motion + Motion::velocity_of(of, true) * width; };
-  const V p0 = hn::Load(d, position);
-  const V v0 = stage == 1 ? v : hn::Load(d, velocity(1));
-  if constexpr (stage < 4) {
-    const V step = hn::Set(d, stage == 3 ? substep : 0.5 * substep);
-    hn::Store(hn::MulAdd(step, v, p0), d, next);
-    hn::Store(hn::MulAdd(step, f, v0), d, velocity(stage + 1));
-  } else {
-    const V two = hn::Set(d, 2.0);
-    const V v2 = hn::Load(d, velocity(2));
-    const V v3 = hn::Load(d, velocity(3));
-    const V sixth = hn::Set(d, substep / 6.0);
-    const V p_sum = hn::MulAdd(two, hn::Add(v2, v3), hn::Add(v0, v));
-    const V rise = hn::NegMulAdd(hn::Set(d, 4.0), v0, hn::MulAdd(two, v3, hn::Add(v2, v)));
-    hn::Store(hn::MulAdd(sixth, p_sum, p0), d, next);
-    hn::Store(hn::MulAdd(hn::Set(d, 1.0 / 3.0), rise, hn::MulAdd(sixth, f, v0)), d, velocity(1));
-  }
+HWY_INLINE void AdvanceFast(D d, V v, V f, double substep, const float* HWY_RESTRICT start,
+                            float* HWY_RESTRICT next, float* HWY_RESTRICT velocities) {
+  static_assert(stage < 4);
+  const V v1 = stage == 1 ? v : hn::Load(d, velocities + StageMotion::velocity_of(1) * width);
+  const V step = hn::Set(d, static_cast<float>(stage == 3 ? substep : 0.5 * substep));
+  hn::Store(hn::MulAdd(step, v, hn::Load(d, start)), d, next);
+  hn::Store(hn::MulAdd(step, f, v1), d, velocities + StageMotion::velocity_of(stage + 1) * width);
 }
 
-template <Arithmetic arithmetic, int stage, std::size_t width, class D, class V = hn::Vec<D>>
-HWY_INLINE void Advance(D d, V v, V f, double substep, const double* HWY_RESTRICT position,
-                        double* HWY_RESTRICT next, double* HWY_RESTRICT motion) {
-  if constexpr (arithmetic == Arithmetic::exact)
-    AdvanceExactly<stage, width>(d, v, f, substep, position, next, motion);
-  else
-    AdvanceFast<stage, width>(d, v, f, substep, position, next, motion);
+template <class V>
+struct Rise {
+  V position, velocity;
+};
+
+// What stage 4, with velocity v and force f, adds to position and velocity.
+template <std::size_t width, class D, class V = hn::Vec<D>>
+HWY_INLINE Rise<V> RiseOf(D d, V v, V f, double substep, const float* velocities) {
+  const V v1 = hn::Load(d, velocities + StageMotion::velocity_of(1) * width);
+  const V v2 = hn::Load(d, velocities + StageMotion::velocity_of(2) * width);
+  const V v3 = hn::Load(d, velocities + StageMotion::velocity_of(3) * width);
+  const V two = hn::Set(d, 2.0F);
+  const V sixth = hn::Set(d, static_cast<float>(substep / 6.0));
+  const V p_sum = hn::MulAdd(two, hn::Add(v2, v3), hn::Add(v1, v));
+  const V v_sum = hn::NegMulAdd(hn::Set(d, 4.0F), v1, hn::MulAdd(two, v3, hn::Add(v2, v)));
+  return {hn::Mul(sixth, p_sum),
+          hn::MulAdd(hn::Set(d, 1.0F / 3.0F), v_sum, hn::Mul(sixth, f))};
 }
 
-// Spring forces f on a point, plus drag, gravity and contact.
-template <Arithmetic arithmetic, class D, class V = hn::Vec<D>>
-HWY_INLINE V AddLoads(D d, V f, V v, V gravity, double drag, const double* contact) {
-  const V held = hn::Load(d, contact);
-  if constexpr (arithmetic == Arithmetic::exact)
-    return hn::Add(hn::Sub(hn::Sub(f, hn::Mul(hn::Set(d, drag), v)), gravity), held);
-  else
-    return hn::NegMulAdd(hn::Set(d, drag), v, hn::Add(f, hn::Sub(held, gravity)));
+// The lanes of v from `first` on in double, as many as L has: all or half of them.
+template <class L, class D, class V = hn::Vec<D>>
+HWY_INLINE hn::Vec<L> PromotePart(L wide, [[maybe_unused]] D d, V v,
+                               [[maybe_unused]] std::size_t first) {
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (hn::MaxLanes(L()) < hn::MaxLanes(D())) {
+    static_assert(2 * hn::MaxLanes(L()) == hn::MaxLanes(D()));
+    const hn::Half<D> half;
+    return hn::PromoteTo(wide, first == 0 ? hn::LowerHalf(half, v) : hn::UpperHalf(half, v));
+  } else
+#endif
+    return hn::PromoteTo(wide, v);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -14,10 +14,13 @@
 // of a trajectory depend neither on which way was taken nor on how wide the
 // registers are. tests/unit/sim compares both with a plain scalar simulator.
 //
-// Physics::arithmetic `fast` takes the same ways with the arithmetic of
-// arithmetic-inl.h and integrate-inl.h: no root, no quotient, fused operations.
-// Its bits are others, and still depend on neither way nor width; only
-// processors without fused multiply-adds have a result of their own.
+// Physics::arithmetic `fast` takes the same ways in mixed precision: what a
+// substep adds to positions and velocities is computed in single precision, from
+// positions relative to the object, with one root a spring and fused operations
+// (arithmetic-inl.h, integrate-inl.h); positions, velocities and contact stay
+// double. A register holds twice as many lanes. Its bits are others, and still
+// depend on neither way nor width; only processors without fused multiply-adds
+// have a result of their own.
 //
 // A substep is
 //   contacts      scalar, environment by environment (contact.h)
@@ -50,38 +53,43 @@ HWY_BEFORE_NAMESPACE();
 namespace evo {
 namespace HWY_NAMESPACE {
 
+// In exact arithmetic lanes are what a register of doubles holds. Fast arithmetic
+// has twice as many single ones, at most what callers have at hand, or half of them.
+inline constexpr std::size_t double_lanes = hn::MaxLanes(hn::ScalableTag<double>());
+inline constexpr std::size_t most_single_lanes = 8;
+using ExactSideBySide = SideBySide<Arithmetic::exact, double_lanes>;
+using FastSideBySide = SideBySide<Arithmetic::fast, most_single_lanes>;
+using FewFastSideBySide = SideBySide<Arithmetic::fast, most_single_lanes / 2>;
+
 #if HWY_TARGET != HWY_SCALAR
-template <Arithmetic arithmetic>
-using OneAlone = Alone<arithmetic, hn::CappedTag<double, 4>>;
+using ExactAlone = Alone<Arithmetic::exact>;
+using FastAlone = Alone<Arithmetic::fast>;
 #else
-template <Arithmetic arithmetic>
-using OneAlone = SideBySide<arithmetic>;  // of one lane
+using ExactAlone = SideBySide<Arithmetic::exact, 1>;
+using FastAlone = SideBySide<Arithmetic::fast, 1>;
 #endif
 
-template <template <Arithmetic> class Kernel>
-void Step(std::span<Lane> lanes, Workspace& workspace) {
-  if (lanes[0].model->physics().arithmetic == Arithmetic::exact)
-    ControlStep<Kernel<Arithmetic::exact>>(lanes, workspace).run();
-  else
-    ControlStep<Kernel<Arithmetic::fast>>(lanes, workspace).run();
-}
-
-template <Arithmetic arithmetic>
-using ManySideBySide = SideBySide<arithmetic>;
-
-template <Arithmetic arithmetic>
+template <class Kernel>
 Layout LayoutOf() {
-  using Kernel = SideBySide<arithmetic>;
   return {Kernel::width, Kernel::force_record, Kernel::force_offset};
 }
 Layout LaneLayout(Arithmetic arithmetic) {
-  return arithmetic == Arithmetic::exact ? LayoutOf<Arithmetic::exact>()
-                                         : LayoutOf<Arithmetic::fast>();
+  return arithmetic == Arithmetic::exact ? LayoutOf<ExactSideBySide>() : LayoutOf<FastSideBySide>();
 }
 void StepSideBySide(std::span<Lane> lanes, Workspace& workspace) {
-  Step<ManySideBySide>(lanes, workspace);
+  if (lanes[0].model->physics().arithmetic == Arithmetic::exact)
+    ControlStep<ExactSideBySide>(lanes, workspace).run();
+  else if (lanes.size() > FewFastSideBySide::width)
+    ControlStep<FastSideBySide>(lanes, workspace).run();
+  else
+    ControlStep<FewFastSideBySide>(lanes, workspace).run();
 }
-void StepAlone(Lane& lane, Workspace& workspace) { Step<OneAlone>({&lane, 1}, workspace); }
+void StepAlone(Lane& lane, Workspace& workspace) {
+  if (lane.model->physics().arithmetic == Arithmetic::exact)
+    ControlStep<ExactAlone>({&lane, 1}, workspace).run();
+  else
+    ControlStep<FastAlone>({&lane, 1}, workspace).run();
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace evo

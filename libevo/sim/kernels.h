@@ -11,7 +11,7 @@
 namespace evo {
 
 // How environments side by side are laid out under the instruction set in force;
-// `lanes` is what one register holds.
+// `lanes` is what one register of the stages holds.
 Layout lane_layout(Arithmetic arithmetic);
 
 // One control step of up to a register of environments with equal dynamics and

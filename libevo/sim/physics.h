@@ -8,8 +8,8 @@
 namespace evo {
 
 // How the kernels round. `exact`: the reference's operations in its order, the
-// same bits on every processor. `fast`: the same physics with fewer roundings and
-// no square roots or divisions (docs/fast.md says what that costs).
+// same bits on every processor. `fast`: the same physics, what a substep adds to
+// positions and velocities in single precision (docs/fast.md says what that costs).
 enum class Arithmetic : std::uint8_t { exact, fast };
 
 struct SpringStiffness {

@@ -49,19 +49,22 @@ std::size_t bytes_per_lane(const Model& model, const State& state) {
     bytes += bytes_of(*values);
   const Layout layout = lane_layout(model.physics().arithmetic);
   Workspace workspace;
-  workspace.prepare(model.compiled().plan, layout);
+  if (model.physics().arithmetic == Arithmetic::exact)
+    workspace.prepare<Arithmetic::exact>(model.compiled().plan, layout);
+  else
+    workspace.prepare<Arithmetic::fast>(model.compiled().plan, layout);
   return bytes + workspace.bytes() / layout.lanes;
 }
 
 void step(std::span<Lane> lanes) {
   thread_local Memory memory;
   auto& [workspace, group, members, taken] = memory;
-  const std::size_t width = lane_layout(Arithmetic::exact).lanes;
   taken.assign(lanes.size(), 0);
   for (std::size_t first = 0; first < lanes.size(); ++first) {
     if (taken[first]) continue;
     group.clear();
     members.clear();
+    const std::size_t width = lane_layout(lanes[first].model->physics().arithmetic).lanes;
     for (std::size_t i = first; i < lanes.size() && group.size() < width; ++i) {
       if (taken[i] || !move_alike(*lanes[first].model, *lanes[i].model)) continue;
       taken[i] = 1;

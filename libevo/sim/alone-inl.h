@@ -114,9 +114,9 @@ class Alone {
     const D d;
     V qx, qy;
     load_differences(d, at, w_.spring_ends + s, qx, qy);
-    const V f = Math::template pull<first_stage>(
-        d, Math::square(d, qx, qy), hn::LoadU(d, w_.stiffness + s), constants_.rate,
-        w_.goal + s, w_.kept + Math::kept * s);
+    const V f =
+        Math::template pull<first_stage>(d, Math::square(d, qx, qy), hn::LoadU(d, w_.stiffness + s),
+                                         constants_.rate, w_.goal + s, w_.kept + Math::kept * s);
     store_pairs(d, hn::Mul(qx, f), hn::Mul(qy, f), w_.force + 2 * s);
   }
 
@@ -237,7 +237,7 @@ class Alone {
       LXY farthest = hn::Zero(p);
       for (int slot = slots.first; slot < slots.first + slots.integrated; ++slot) {
         const LXY d = hn::Sub(hn::Load(p, w_.position + offset(slot)),
-                             hn::Load(p, w_.previous + offset(slot)));
+                              hn::Load(p, w_.previous + offset(slot)));
         farthest = hn::Max(farthest, hn::Mul(d, d));
       }
       const double way = std::sqrt(hn::GetLane(hn::SumOfLanes(p, farthest)));
@@ -253,7 +253,7 @@ class Alone {
     for (const PlanBlock& block : plan_.blocks) {
       for (int slot = block.first; slot < block.first + block.integrated; ++slot) {
         const LXY d = hn::Sub(hn::Load(p, w_.position + offset(slot)),
-                             hn::Load(p, w_.pair_reference + offset(slot)));
+                              hn::Load(p, w_.pair_reference + offset(slot)));
         farthest = hn::Max(farthest, hn::Mul(d, d));
       }
     }
@@ -267,7 +267,7 @@ class Alone {
     LXY high = hn::Set(p, -start);
     for (int slot = block.first; slot < block.first + block.integrated; ++slot) {
       const LXY d = hn::Sub(hn::Load(p, w_.position + offset(slot)),
-                           hn::Load(p, w_.self_reference + offset(slot)));
+                            hn::Load(p, w_.self_reference + offset(slot)));
       low = hn::Min(low, d);
       high = hn::Max(high, d);
     }

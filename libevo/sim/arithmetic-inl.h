@@ -29,8 +29,8 @@ struct SpringMath;
 // The forces at the ends of springs, from `force`, values of a point; `end` lists
 // first a_ends of them that are subtracted, then b_ends that are added.
 template <Arithmetic arithmetic, class D, class V = hn::Vec<D>>
-HWY_INLINE V SumForces(D d, const hn::TFromD<D>* force, const std::uint32_t* HWY_RESTRICT end, int a_ends,
-                       int b_ends) {
+HWY_INLINE V SumForces(D d, const hn::TFromD<D>* force, const std::uint32_t* HWY_RESTRICT end,
+                       int a_ends, int b_ends) {
   if constexpr (arithmetic == Arithmetic::fast) {
     // In pairs: the sum of a point is not to wait for one addition after the other.
     if (a_ends == Plan::regular_ends && b_ends == Plan::regular_ends) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 
 #include "libevo/base/elementary.h"
 
@@ -146,9 +147,11 @@ struct CellPair {
 
 // Scratch memory of the calling thread, so that finding does not allocate.
 struct Scratch {
-  std::vector<Box> boxes;             // of the surface cells of one or all objects
-  std::vector<Box> object_boxes;      // of all objects
-  std::vector<std::uint32_t> sorted;  // surface cells by left border
+  std::vector<Box> boxes;                            // of the surface cells of one or all objects
+  std::vector<Box> object_boxes;                     // of all objects
+  std::vector<std::uint32_t> reachable;              // surface cells of one object near another one
+  std::vector<std::uint32_t> tile_ends, tile_cells;  // of NearCells
+  std::vector<std::uint32_t> near;
   std::vector<CellPair> cell_pairs;
 };
 Scratch& scratch() {
@@ -156,11 +159,11 @@ Scratch& scratch() {
   return memory;
 }
 
-// Corners of cell a that are near cell b and no corner of it.
+// Corners of cell a that are near cell b, whose box is given, and no corner of it.
 void list_corners(const Model::Compiled& world, const Points& points, std::uint32_t a,
-                  std::uint32_t b, double skin, std::vector<ContactCandidate>& found) {
+                  std::uint32_t b, const Box& box, double skin,
+                  std::vector<ContactCandidate>& found) {
   const ContactCell& cell = cell_of(world, b);
-  const Box box = points.box(cell);
   for (std::uint32_t k = 0; k < 4; ++k) {
     const std::int32_t corner = cell_of(world, a).corners[k];
     if (!within(points(corner), box, skin)) continue;
@@ -169,28 +172,82 @@ void list_corners(const Model::Compiled& world, const Points& points, std::uint3
   }
 }
 
-// Calls f(a, b) for all surface cells a > b of a range whose boxes are within
-// `gap`; boxes are those of the range.
-template <class F>
-void sweep(const SurfaceRange& range, const std::vector<Box>& boxes, double gap, F f) {
-  std::vector<std::uint32_t>& sorted = scratch().sorted;
-  sorted.clear();
-  for (int i = 0; i < range.count; ++i) sorted.push_back(static_cast<std::uint32_t>(i));
-  const auto left_border = [&](std::uint32_t i) {  // a NaN would confuse the sorting
-    const double x = boxes[i].low.x;
-    return std::isnan(x) ? HUGE_VAL : x;
-  };
-  std::sort(sorted.begin(), sorted.end(),
-            [&](std::uint32_t i, std::uint32_t j) { return left_border(i) < left_border(j); });
-  const auto first = static_cast<std::uint32_t>(range.first);
-  for (std::size_t i = 0; i < sorted.size(); ++i) {
-    const Box& box = boxes[sorted[i]];
-    for (std::size_t j = i + 1; j < sorted.size() && boxes[sorted[j]].low.x - gap <= box.high.x;
-         ++j)
-      if (within(box, boxes[sorted[j]], gap))
-        f(first + std::max(sorted[i], sorted[j]), first + std::min(sorted[i], sorted[j]));
+// Which of an object's boxes are near each other. Boxes are dealt to tiles by their
+// lower left corners, so that each is compared with few others.
+class NearCells {
+ public:
+  NearCells(const std::vector<Box>& boxes, double gap, double pitch) : boxes_(boxes), gap_(gap) {
+    V low{HUGE_VAL, HUGE_VAL};
+    V high{-HUGE_VAL, -HUGE_VAL};
+    for (const Box& box : boxes) {  // what is not a number counts nowhere, and is near nothing
+      low = {std::min(low.x, box.low.x), std::min(low.y, box.low.y)};
+      high = {std::max(high.x, box.low.x), std::max(high.y, box.low.y)};
+      widest_ = {std::max(widest_.x, box.high.x - box.low.x),
+                 std::max(widest_.y, box.high.y - box.low.y)};
+    }
+    x_ = {low.x, high.x, pitch};
+    y_ = {low.y, high.y, pitch};
+
+    std::vector<std::uint32_t>& ends = scratch().tile_ends;
+    std::vector<std::uint32_t>& cells = scratch().tile_cells;
+    ends.assign(x_.tiles * y_.tiles + 1, 0);
+    for (const Box& box : boxes) ++ends[tile(box) + 1];
+    for (std::size_t t = 1; t < ends.size(); ++t) ends[t] += ends[t - 1];
+    cells.resize(boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i)
+      cells[ends[tile(boxes[i])]++] = static_cast<std::uint32_t>(i);
   }
-}
+
+  // Those before `i` that are near it, the last first; good until the next call.
+  const std::vector<std::uint32_t>& before(std::uint32_t i) const {
+    const Box& box = boxes_[i];
+    const double gap = gap_ + reach_slack;
+    const std::vector<std::uint32_t>& ends = scratch().tile_ends;
+    const std::vector<std::uint32_t>& cells = scratch().tile_cells;
+    std::vector<std::uint32_t>& found = scratch().near;
+    found.clear();
+    const std::size_t x_last = x_.of(box.high.x + gap);
+    const std::size_t y_last = y_.of(box.high.y + gap);
+    for (std::size_t y = y_.of(box.low.y - gap - widest_.y); y <= y_last; ++y) {
+      for (std::size_t x = x_.of(box.low.x - gap - widest_.x); x <= x_last; ++x) {
+        const std::size_t t = y * x_.tiles + x;
+        for (std::uint32_t k = t == 0 ? 0 : ends[t - 1]; k < ends[t] && cells[k] < i; ++k)
+          if (within(box, boxes_[cells[k]], gap_)) found.push_back(cells[k]);
+      }
+    }
+    std::sort(found.begin(), found.end(), std::greater<>());
+    return found;
+  }
+
+ private:
+  struct Axis {
+    Axis() = default;
+    Axis(double low, double high, double pitch) : low_(low) {
+      constexpr double most = 64.0;
+      const double count = (high - low) / pitch;
+      pitch_ = count < most ? pitch : (high - low) / most;
+      tiles = count < most ? static_cast<std::size_t>(std::max(count, 0.0)) + 1
+                           : static_cast<std::size_t>(most) + 1;
+    }
+    std::size_t of(double x) const {
+      const double n = (x - low_) / pitch_;
+      if (!(n > 0.0)) return 0;  // what is not a number, too
+      return n < static_cast<double>(tiles) ? static_cast<std::size_t>(n) : tiles - 1;
+    }
+    std::size_t tiles = 1;
+
+   private:
+    double low_ = 0.0;
+    double pitch_ = 1.0;
+  };
+
+  std::size_t tile(const Box& box) const { return y_.of(box.low.y) * x_.tiles + x_.of(box.low.x); }
+
+  const std::vector<Box>& boxes_;
+  double gap_;
+  V widest_;
+  Axis x_, y_;
+};
 
 // Reads the positions of all slots of a block into the reference of a list.
 void copy_reference(const PlanBlock& block, const PointView& view, std::vector<double>& reference) {
@@ -259,7 +316,7 @@ void find_moving_pairs(const Model::Compiled& world, int i, int j, const std::ve
   if (!within(box_i, box_j, moving_skin)) return;
   const SurfaceRange& range_i = world.surface_ranges[static_cast<std::size_t>(i)];
   const SurfaceRange& range_j = world.surface_ranges[static_cast<std::size_t>(j)];
-  std::vector<std::uint32_t>& reachable = scratch().sorted;
+  std::vector<std::uint32_t>& reachable = scratch().reachable;
   reachable.clear();
   for (int n = range_j.first; n < range_j.first + range_j.count; ++n)
     if (within(boxes[static_cast<std::size_t>(n)], box_i, moving_skin))
@@ -285,10 +342,12 @@ void prepare_lists(const Model::Compiled& world, ContactLists& lists) {
 
 void find_self_contacts(const Model::Compiled& world, int object, const PointView& view,
                         ContactLists& lists) {
-  const Points points(world, view);
   const SurfaceRange& range = world.surface_ranges[static_cast<std::size_t>(object)];
   const auto block = static_cast<std::size_t>(world.block[static_cast<std::size_t>(object)]);
   ContactLists::Self& list = lists.self[block];
+  // The reference is a copy without the other lanes: read that one.
+  copy_reference(world.plan.blocks[block], view, lists.self_reference);
+  const Points points(world, {.position = lists.self_reference.data()});
 
   std::vector<Box>& boxes = scratch().boxes;
   boxes.clear();
@@ -296,38 +355,41 @@ void find_self_contacts(const Model::Compiled& world, int object, const PointVie
     boxes.push_back(points.box(world.contact_cells[static_cast<std::size_t>(c)]));
 
   // Pairs of cells from the last to the first, each pair twice, as (a, b) and
-  // as (b, a).
-  std::vector<CellPair>& cell_pairs = scratch().cell_pairs;
-  cell_pairs.clear();
-  sweep(range, boxes, self_skin, [&](std::uint32_t a, std::uint32_t b) {
-    cell_pairs.push_back({~(std::uint64_t{a} << 32 | b), a, b});
-  });
-  std::sort(cell_pairs.begin(), cell_pairs.end(),
-            [](const CellPair& p, const CellPair& q) { return p.order < q.order; });
+  // as (b, a), corners of either in the other.
   list.candidates.clear();
   list.folding.clear();
-  for (const auto& [unused, a, b] : cell_pairs) {
-    list_corners(world, points, a, b, self_skin, list.candidates);
-    list_corners(world, points, b, a, self_skin, list.candidates);
-    list_corners(world, points, b, a, self_skin, list.candidates);
-    list_corners(world, points, a, b, self_skin, list.candidates);
-    const SurfaceCell& first = world.surface[a];
-    const SurfaceCell& second = world.surface[b];
-    const bool adjacent =
-        std::abs(first.row - second.row) <= 1 && std::abs(first.col - second.col) <= 1;
-    if (!adjacent) list.folding.push_back({a, b});
+  const NearCells near(boxes, self_skin, 1.5 * world.physics.voxel_length);
+  const auto first = static_cast<std::uint32_t>(range.first);
+  for (auto i = static_cast<std::uint32_t>(range.count); i-- > 0;) {
+    for (const std::uint32_t j : near.before(i)) {
+      const std::uint32_t a = first + i;
+      const std::uint32_t b = first + j;
+      const std::size_t start = list.candidates.size();
+      list_corners(world, points, a, b, boxes[j], self_skin, list.candidates);
+      const std::size_t middle = list.candidates.size();
+      list_corners(world, points, b, a, boxes[i], self_skin, list.candidates);
+      const std::size_t end = list.candidates.size();
+      for (std::size_t k = middle; k < end; ++k) list.candidates.push_back(list.candidates[k]);
+      for (std::size_t k = start; k < middle; ++k) list.candidates.push_back(list.candidates[k]);
+      const SurfaceCell& one = world.surface[a];
+      const SurfaceCell& other = world.surface[b];
+      const bool adjacent =
+          std::abs(one.row - other.row) <= 1 && std::abs(one.col - other.col) <= 1;
+      if (!adjacent) list.folding.push_back({a, b});
+    }
   }
   const bool can_fold = world.is_robot[static_cast<std::size_t>(object)] != 0 &&
                         2 * list.folding.size() > static_cast<std::size_t>(range.count);
   if (!can_fold) list.folding.clear();
   const auto both = static_cast<std::uint32_t>(block);
   list.group = {0, static_cast<std::uint32_t>(list.candidates.size()), {both, both}, 0.0};
-  copy_reference(world.plan.blocks[block], view, lists.self_reference);
   list.valid = true;
 }
 
 void find_pair_contacts(const Model::Compiled& world, const PointView& view, ContactLists& lists) {
-  const Points points(world, view);
+  for (const PlanBlock& block : world.plan.blocks)
+    copy_reference(block, view, lists.pair_reference);
+  const Points points(world, {.position = lists.pair_reference.data()});
   const int objects = static_cast<int>(world.objects.size());
   std::vector<Box>& boxes = scratch().boxes;
   std::vector<Box>& object_boxes = scratch().object_boxes;
@@ -374,14 +436,15 @@ void find_pair_contacts(const Model::Compiled& world, const PointView& view, Con
     }
     const bool terrain = cell_of(world, a).is_static || cell_of(world, b).is_static;
     const double skin = terrain ? terrain_skin : moving_skin;
-    list_corners(world, points, a, b, skin, lists.pairs);
-    list_corners(world, points, b, a, skin, lists.pairs);
+    const auto box = [&](std::uint32_t cell) {
+      return cell_of(world, cell).is_static ? points.box(cell_of(world, cell)) : boxes[cell];
+    };
+    list_corners(world, points, a, b, box(b), skin, lists.pairs);
+    list_corners(world, points, b, a, box(a), skin, lists.pairs);
     lists.groups.back().last = static_cast<std::uint32_t>(lists.pairs.size());
   }
   for (; object < lists.first_group.size(); ++object)
     lists.first_group[object] = static_cast<std::uint32_t>(lists.groups.size());
-  for (const PlanBlock& block : world.plan.blocks)
-    copy_reference(block, view, lists.pair_reference);
   lists.pairs_valid = true;
 }
 

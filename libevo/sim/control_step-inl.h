@@ -157,8 +157,7 @@ class ControlStep {
 
   void clear_contacts() {
     for (std::size_t slot = 0; slot < static_cast<std::size_t>(plan_.slots); ++slot)
-      std::fill_n(w_.motion + (motion_pairs * 2 * slot + Motion::contact) * width, 2 * width,
-                  0.0);
+      std::fill_n(w_.motion + (motion_pairs * 2 * slot + Motion::contact) * width, 2 * width, 0.0);
   }
 
   void contacts() {
@@ -247,8 +246,7 @@ class ControlStep {
       const auto p = static_cast<std::size_t>(plan_.state_of[slot]);
       set(w_.position, i, slot, state.x[p], state.y[p]);
       set(w_.previous, i, slot, state.previous_x[p], state.previous_y[p]);
-      set(w_.motion + Motion::velocity * width, i, motion_pairs * slot, state.vx[p],
-          state.vy[p]);
+      set(w_.motion + Motion::velocity * width, i, motion_pairs * slot, state.vx[p], state.vy[p]);
     }
     for (const PlanBlock& block : plan_.blocks) {
       for (int held = block.first + block.integrated; held < block.first + block.count; ++held) {
@@ -259,7 +257,7 @@ class ControlStep {
     }
     load_reference(i, state.contacts.self_reference, w_.self_reference, 0, plan_.slots);
     load_reference(i, state.contacts.pair_reference, w_.pair_reference, 0, plan_.slots);
-    for (std::size_t s = 0; s < plan_.rest.size(); ++s) 
+    for (std::size_t s = 0; s < plan_.rest.size(); ++s)
       w_.goal[s * width + i] = static_cast<Real>(plan_.rest[s]);
     for (const Plan::Drive& drive : plan_.drives) {
       const double mean =
@@ -283,8 +281,7 @@ class ControlStep {
       state.y[p] = w_.position[o + width];
       state.previous_x[p] = w_.previous[o];
       state.previous_y[p] = w_.previous[o + width];
-      const double* velocity =
-          w_.motion + (motion_pairs * 2 * slot + Motion::velocity) * width + i;
+      const double* velocity = w_.motion + (motion_pairs * 2 * slot + Motion::velocity) * width + i;
       state.vx[p] = velocity[0];
       state.vy[p] = velocity[width];
     }

@@ -114,14 +114,13 @@ HWY_INLINE Rise<V> RiseOf(D d, V v, V f, double substep, const float* velocities
   const V sixth = hn::Set(d, static_cast<float>(substep / 6.0));
   const V p_sum = hn::MulAdd(two, hn::Add(v2, v3), hn::Add(v1, v));
   const V v_sum = hn::NegMulAdd(hn::Set(d, 4.0F), v1, hn::MulAdd(two, v3, hn::Add(v2, v)));
-  return {hn::Mul(sixth, p_sum),
-          hn::MulAdd(hn::Set(d, 1.0F / 3.0F), v_sum, hn::Mul(sixth, f))};
+  return {hn::Mul(sixth, p_sum), hn::MulAdd(hn::Set(d, 1.0F / 3.0F), v_sum, hn::Mul(sixth, f))};
 }
 
 // The lanes of v from `first` on in double, as many as L has: all or half of them.
 template <class L, class D, class V = hn::Vec<D>>
 HWY_INLINE hn::Vec<L> PromotePart(L wide, [[maybe_unused]] D d, V v,
-                               [[maybe_unused]] std::size_t first) {
+                                  [[maybe_unused]] std::size_t first) {
 #if HWY_TARGET != HWY_SCALAR
   if constexpr (hn::MaxLanes(L()) < hn::MaxLanes(D())) {
     static_assert(2 * hn::MaxLanes(L()) == hn::MaxLanes(D()));

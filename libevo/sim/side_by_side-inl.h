@@ -51,11 +51,7 @@ class SideBySide {
 
   SideBySide(const Plan& plan, const Physics& physics, const Arrays<arithmetic>& arrays,
              bool near_floor)
-      : plan_(plan),
-        physics_(physics),
-        constants_(physics),
-        w_(arrays),
-        near_floor_(near_floor) {}
+      : plan_(plan), physics_(physics), constants_(physics), w_(arrays), near_floor_(near_floor) {}
 
   // The record of a spring in Arrays::force: what SpringMath keeps, its force.
   static constexpr std::size_t force_offset = Math::kept * width;
@@ -288,9 +284,9 @@ class SideBySide {
     const L l;
     const std::size_t o = offset(slot);
     for (std::size_t k = 0; k < 2 * width; k += part)
-      demote(hn::Sub(hn::Load(l, w_.position + o + k),
-                     hn::Load(l, w_.origin + 2 * width * block + k)),
-             w_.start + o + k);
+      demote(
+          hn::Sub(hn::Load(l, w_.position + o + k), hn::Load(l, w_.origin + 2 * width * block + k)),
+          w_.start + o + k);
   }
 
   HWY_INLINE void store_motion(std::int32_t slot) const {
@@ -339,9 +335,9 @@ class SideBySide {
     V qx, qy;
     load_difference(at, w_.spring_ends[s], qx, qy);
     const D d;
-    const V f = Math::template pull<first_stage>(
-        d, Math::square(d, qx, qy), hn::Set(d, w_.stiffness[s]), constants_.rate,
-        w_.goal + s * width, w_.force + s * force_record);
+    const V f = Math::template pull<first_stage>(d, Math::square(d, qx, qy),
+                                                 hn::Set(d, w_.stiffness[s]), constants_.rate,
+                                                 w_.goal + s * width, w_.force + s * force_record);
     store_force(s, hn::Mul(qx, f), hn::Mul(qy, f));
   }
 
@@ -357,9 +353,9 @@ class SideBySide {
     RootsOf(d, square, length, reciprocal);
     for (std::size_t i = 0; i < 2; ++i) {
       const std::size_t n = s + i;
-      pull[i] = Math::template tension<first_stage>(
-          d, length[i], hn::Set(d, w_.stiffness[n]), constants_.rate,
-          w_.goal + n * width, w_.force + n * force_record);
+      pull[i] = Math::template tension<first_stage>(d, length[i], hn::Set(d, w_.stiffness[n]),
+                                                    constants_.rate, w_.goal + n * width,
+                                                    w_.force + n * force_record);
     }
     if (HWY_UNLIKELY(!AreOrdinary(d, square, pull, length))) {
       spring<first_stage>(at, s);

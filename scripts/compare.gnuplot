@@ -1,5 +1,4 @@
-# Best-so-far against evaluations, mean and standard deviation over runs; one
-# panel a task. Wants: table (compare.tsv), picture (file), format (svg, png, pdf).
+# Best-so-far against evaluations, mean and range over runs; one panel a task. Wants: table (compare.tsv), picture (file), format (svg, png, pdf).
 
 values(field) = system(sprintf("awk -F'\\t' 'NR > 1 && !seen[$%d]++ { print $%d }' '%s'", field, field, table))
 tasks = values(1)
@@ -27,13 +26,13 @@ set key bottom right samplen 2 spacing 1.2 textcolor rgb '#333333'
 set style fill transparent solid 0.18 noborder
 set xlabel 'robots evaluated'
 set ylabel 'best fitness so far'
-set yrange [*:*]
+set autoscale xfixmax
 set offsets graph 0, 0.02, 0.03, 0
 set multiplot layout rows, columns margins char 9, char 3, char 4, char 3 spacing char 10, char 6
 do for [task in tasks] {
   set title task font ',16'
   of(method, value) = stringcolumn(1) eq task && stringcolumn(2) eq method ? value : NaN
-  plot for [m in methods] table using (of(m, $3)):($5 - $6):($5 + $6) with filledcurves lc rgb color(m) notitle, \
+  plot for [m in methods] table using (of(m, $3)):7:8 with filledcurves lc rgb color(m) notitle, \
        for [m in methods] table using (of(m, $3)):5 with lines lw 2.5 lc rgb color(m) title label(m)
 }
 unset multiplot

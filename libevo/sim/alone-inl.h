@@ -54,58 +54,36 @@ class Alone {
   static constexpr std::size_t force_record = 2;
   static constexpr std::size_t force_offset = 0;
 
-  const Real* start() const {
-    if constexpr (arithmetic == Arithmetic::exact)
-      return w_.position;
-    else
-      return w_.start;
-  }
-
-  void prepare() const {
+  void choose_origin(std::size_t block) const {
     const LP p;
-    for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-      const PlanBlock& slots = plan_.blocks[block];
-      if constexpr (arithmetic == Arithmetic::fast) {
-        LXY low = hn::Set(p, HUGE_VAL);
-        LXY high = hn::Set(p, -HUGE_VAL);
-        for (int slot = slots.first; slot < slots.first + slots.count; ++slot) {
-          const LXY position = hn::Load(p, w_.position + offset(slot));
-          low = hn::Min(low, position);
-          high = hn::Max(high, position);
-        }
-        hn::Store(hn::Mul(hn::Set(p, 0.5), hn::Add(low, high)), p, w_.origin + 2 * block);
-        for (int slot = slots.first; slot < slots.first + slots.count; ++slot)
-          store_start(slot, block);
-      }
-      const std::size_t held = offset(slots.first + slots.integrated);
-      const std::size_t end = offset(slots.first + slots.count);
-      for (Real* stage : w_.stage_position) std::copy(start() + held, start() + end, stage + held);
+    const PlanBlock& slots = plan_.blocks[block];
+    LXY low = hn::Set(p, HUGE_VAL);
+    LXY high = hn::Set(p, -HUGE_VAL);
+    for (int slot = slots.first; slot < slots.first + slots.count; ++slot) {
+      const LXY position = hn::Load(p, w_.position + offset(slot));
+      low = hn::Min(low, position);
+      high = hn::Max(high, position);
     }
+    hn::Store(hn::Mul(hn::Set(p, 0.5), hn::Add(low, high)), p, w_.origin + 2 * block);
   }
 
-  bool begin() const {
-    if constexpr (arithmetic == Arithmetic::fast) {
-      const LP p;
-      const LXY gravity = hn::LoadU(p, gravity_);
-      LXY lowest = hn::Set(p, HUGE_VAL);
-      for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-        const PlanBlock& slots = plan_.blocks[block];
-        for (int slot = slots.first; slot < slots.first + slots.integrated; ++slot) {
-          const std::size_t o = offset(slot);
-          const double* motion = w_.motion + Motion::pairs(arithmetic) * o;
-          float* stage_motion = w_.stage_motion + StageMotion::pairs * o;
-          store_start(slot, block);
-          demote(hn::Load(p, motion + Motion::velocity),
-                 stage_motion + StageMotion::velocity_of(1));
-          demote(hn::Sub(hn::Load(p, motion + Motion::contact), gravity),
-                 stage_motion + StageMotion::load);
-          lowest = hn::Min(lowest, hn::Load(p, w_.position + o));
-        }
-      }
-      const hn::FixedTag<double, 1> one;
-      return !(hn::GetLane(hn::UpperHalf(one, lowest)) > constants_.floor_reach);
-    }
-    return true;
+  HWY_INLINE void store_start(std::int32_t slot, std::size_t block) const {
+    const LP p;
+    demote(hn::Sub(hn::Load(p, w_.position + offset(slot)), hn::Load(p, w_.origin + 2 * block)),
+           w_.start + offset(slot));
+  }
+
+  HWY_INLINE void store_motion(std::int32_t slot) const {
+    const LP p;
+    const double* motion = w_.motion + Motion::pairs(arithmetic) * offset(slot);
+    float* stage_motion = w_.stage_motion + StageMotion::pairs * offset(slot);
+    demote(hn::Load(p, motion + Motion::velocity), stage_motion + StageMotion::velocity_of(1));
+    demote(hn::Sub(hn::Load(p, motion + Motion::contact), hn::LoadU(p, gravity_)),
+           stage_motion + StageMotion::load);
+  }
+
+  HWY_INLINE bool is_near_floor(std::int32_t slot) const {
+    return !(w_.position[offset(slot) + 1] > constants_.floor_reach);
   }
 
   // Forces of springs s, s+1, ..; there may be fewer, the arrays are padded.
@@ -289,12 +267,6 @@ class Alone {
   static HWY_INLINE void demote(LXY v, float* to) {
     const hn::FixedTag<float, 2> single;
     hn::Store(hn::DemoteTo(single, v), single, to);
-  }
-
-  HWY_INLINE void store_start(std::int32_t slot, std::size_t block) const {
-    const LP p;
-    demote(hn::Sub(hn::Load(p, w_.position + offset(slot)), hn::Load(p, w_.origin + 2 * block)),
-           w_.start + offset(slot));
   }
 
   double height_of_origin(std::size_t o) const {

@@ -49,8 +49,8 @@ class ControlStep {
   void run() {
     for (std::size_t i = 0; i < width; ++i) load(i, lanes_[std::min(i, lanes_.size() - 1)]);
     clear_contacts();
-    kernel().prepare();
-    kernel().template last_springs<true>(kernel().start(),
+    prepare_stages();
+    kernel().template last_springs<true>(w_.stage_start(),
                                          static_cast<std::size_t>(plan_.first_frozen),
                                          static_cast<std::size_t>(plan_.springs));
     std::size_t running = lanes_.size();
@@ -66,14 +66,45 @@ class ControlStep {
  private:
   void substep() {
     contacts();
-    near_floor_ = kernel().begin();
-    stage<1>(kernel().start(), w_.stage_position[0]);
+    if constexpr (arithmetic == Arithmetic::fast) start_stages();
+    stage<1>(w_.stage_start(), w_.stage_position[0]);
     stage<2>(w_.stage_position[0], w_.stage_position[1]);
     stage<3>(w_.stage_position[1], w_.stage_position[0]);
     stage<4>(w_.stage_position[0], w_.previous);
     kernel().limit_strain(w_.previous);
     kernel().limit_rigid_strain(w_.previous);
     std::swap(w_.position, w_.previous);
+  }
+
+  // Where stages find the points that no substep moves.
+  void prepare_stages() {
+    for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
+      const PlanBlock& slots = plan_.blocks[block];
+      if constexpr (arithmetic == Arithmetic::fast) {
+        kernel().choose_origin(block);
+        for (int slot = slots.first; slot < slots.first + slots.count; ++slot)
+          kernel().store_start(slot, block);
+      }
+      const auto held = 2 * width * static_cast<std::size_t>(slots.first + slots.integrated);
+      const auto end = 2 * width * static_cast<std::size_t>(slots.first + slots.count);
+      for (Real* stage : w_.stage_position)
+        std::copy(w_.stage_start() + held, w_.stage_start() + end, stage + held);
+    }
+  }
+
+  // What the stages of a substep start from, in their precision.
+  void start_stages() {
+    const Kernel kernel = this->kernel();
+    bool near_floor = false;
+    for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
+      const PlanBlock& slots = plan_.blocks[block];
+      for (int slot = slots.first; slot < slots.first + slots.integrated; ++slot) {
+        kernel.store_start(slot, block);
+        kernel.store_motion(slot);
+        near_floor |= kernel.is_near_floor(slot);
+      }
+    }
+    near_floor_ = near_floor;
   }
 
   // One stage of Runge-Kutta. Points follow the springs at a distance: while
@@ -118,7 +149,7 @@ class ControlStep {
         velocity = w_.motion + motion_pairs * o + Motion::stage_velocity * width;
       else
         velocity = w_.stage_motion + StageMotion::pairs * o + StageMotion::velocity_of(3) * width;
-      const Real* start = kernel().start();
+      const Real* start = w_.stage_start();
       for (std::size_t k = 0; k < 2 * width; ++k)
         next[o + k] = start[o + k] + velocity[k] * static_cast<Real>(physics_.substep);
     } else if constexpr (n == 4) {
@@ -306,7 +337,7 @@ class ControlStep {
   std::size_t lead_;
   std::array<bool, width> folding_{};
   bool touching_ = false;
-  bool near_floor_ = false;
+  bool near_floor_ = false;  // fast arithmetic: any point of any lane
 };
 
 }  // namespace HWY_NAMESPACE

@@ -60,51 +60,46 @@ class SideBySide {
   // How many springs `springs` computes.
   static constexpr std::size_t springs_at_once = 3;
 
-  // Where stage 1 evaluates.
-  const Real* start() const {
-    if constexpr (arithmetic == Arithmetic::exact)
-      return w_.position;
-    else
-      return w_.start;
-  }
-
-  // Before the substeps of a control step: origins, and where points are that
-  // no substep moves.
-  void prepare() const {
-    for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-      const PlanBlock& slots = plan_.blocks[block];
-      if constexpr (arithmetic == Arithmetic::fast) {
-        for (std::size_t k = 0; k < 2 * width; ++k) {
-          const auto range = range_of(w_.position + k, slots);
-          w_.origin[2 * width * block + k] = 0.5 * (range.first + range.second);
-        }
-        for (int slot = slots.first; slot < slots.first + slots.count; ++slot)
-          store_start(slot, block);
-      }
-      const std::size_t held = offset(slots.first + slots.integrated);
-      const std::size_t end = offset(slots.first + slots.count);
-      for (Real* stage : w_.stage_position) std::copy(start() + held, start() + end, stage + held);
+  // Fast arithmetic: before the substeps of a control step, the origin of a block.
+  void choose_origin(std::size_t block) const {
+    for (std::size_t k = 0; k < 2 * width; ++k) {
+      const auto range = range_of(w_.position + k, plan_.blocks[block]);
+      w_.origin[2 * width * block + k] = 0.5 * (range.first + range.second);
     }
   }
 
-  // Before a substep: what its stages start from. True if a point is so near the
-  // floor that it may get below within the substep.
-  bool begin() const {
-    if constexpr (arithmetic == Arithmetic::fast) {
-      L l;
-      LV lowest = hn::Set(l, HUGE_VAL);
-      for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-        const PlanBlock& slots = plan_.blocks[block];
-        for (int slot = slots.first; slot < slots.first + slots.integrated; ++slot) {
-          store_start(slot, block);
-          store_motion(slot);
-          for (std::size_t h = 0; h < width; h += part)
-            lowest = hn::Min(lowest, hn::Load(l, w_.position + offset(slot) + width + h));
-        }
-      }
-      return !hn::AllTrue(l, hn::Gt(lowest, hn::Set(l, constants_.floor_reach)));
+  // Fast arithmetic: where a point starts, relative to its origin.
+  HWY_INLINE void store_start(std::int32_t slot, std::size_t block) const {
+    const L l;
+    const std::size_t o = offset(slot);
+    for (std::size_t k = 0; k < 2 * width; k += part)
+      demote(
+          hn::Sub(hn::Load(l, w_.position + o + k), hn::Load(l, w_.origin + 2 * width * block + k)),
+          w_.start + o + k);
+  }
+
+  // Fast arithmetic: velocity and load that a point starts a substep with.
+  HWY_INLINE void store_motion(std::int32_t slot) const {
+    const L l;
+    const std::size_t o = offset(slot);
+    const double* motion = w_.motion + Motion::pairs(arithmetic) * o;
+    float* stage_motion = w_.stage_motion + StageMotion::pairs * o;
+    for (std::size_t k = 0; k < 2 * width; k += part) {
+      const LV gravity = hn::Set(l, k < width ? 0.0 : constants_.gravity);
+      const LV contact = hn::Load(l, motion + Motion::contact * width + k);
+      demote(hn::Load(l, motion + Motion::velocity * width + k),
+             stage_motion + StageMotion::velocity_of(1) * width + k);
+      demote(hn::Sub(contact, gravity), stage_motion + StageMotion::load * width + k);
     }
-    return true;
+  }
+
+  // Whether a point may get below the floor within the substep, in any lane.
+  HWY_INLINE bool is_near_floor(std::int32_t slot) const {
+    const L l;
+    LV y = hn::Load(l, w_.position + offset(slot) + width);
+    for (std::size_t h = part; h < width; h += part)
+      y = hn::Min(y, hn::Load(l, w_.position + offset(slot) + width + h));
+    return !hn::AllTrue(l, hn::Gt(y, hn::Set(l, constants_.floor_reach)));
   }
 
   // Forces of springs s, s+1, .. at the given positions. In the first stage the
@@ -278,29 +273,6 @@ class SideBySide {
   static HWY_INLINE void demote(LV v, float* to) {
     const hn::Rebind<float, L> single;
     hn::Store(hn::DemoteTo(single, v), single, to);
-  }
-
-  HWY_INLINE void store_start(std::int32_t slot, std::size_t block) const {
-    const L l;
-    const std::size_t o = offset(slot);
-    for (std::size_t k = 0; k < 2 * width; k += part)
-      demote(
-          hn::Sub(hn::Load(l, w_.position + o + k), hn::Load(l, w_.origin + 2 * width * block + k)),
-          w_.start + o + k);
-  }
-
-  HWY_INLINE void store_motion(std::int32_t slot) const {
-    const L l;
-    const std::size_t o = offset(slot);
-    const double* motion = w_.motion + Motion::pairs(arithmetic) * o;
-    float* stage_motion = w_.stage_motion + StageMotion::pairs * o;
-    for (std::size_t k = 0; k < 2 * width; k += part) {
-      const LV gravity = hn::Set(l, k < width ? 0.0 : constants_.gravity);
-      const LV contact = hn::Load(l, motion + Motion::contact * width + k);
-      demote(hn::Load(l, motion + Motion::velocity * width + k),
-             stage_motion + StageMotion::velocity_of(1) * width + k);
-      demote(hn::Sub(contact, gravity), stage_motion + StageMotion::load * width + k);
-    }
   }
 
   // Ends the substep of one coordinate of a point.

@@ -89,6 +89,14 @@ struct Arrays {
   const SpringEnds* strain_ends = nullptr;
   const std::uint32_t* point_offsets = nullptr;  // positions of Plan::points
   const std::uint32_t* ends = nullptr;           // forces of Plan::ends
+
+  // Where stage 1 evaluates.
+  const Real* stage_start() const {
+    if constexpr (arithmetic == Arithmetic::exact)
+      return position;
+    else
+      return start;
+  }
 };
 
 class Workspace {

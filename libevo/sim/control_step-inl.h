@@ -114,6 +114,7 @@ class ControlStep {
     const auto springs = static_cast<std::size_t>(plan_.live_springs);
     const std::size_t regular = n < 3 ? plan_.regular : plan_.free_regular;
     constexpr int few = Plan::regular_ends;
+    constexpr std::size_t ends_a_point = 2UL * few;
     const std::uint32_t* points = w_.point_offsets;
     const std::uint32_t* ends = w_.ends;
     const Kernel kernel = this->kernel();
@@ -121,13 +122,13 @@ class ControlStep {
     std::size_t i = 0;
     for (; s < lead_ && s + Kernel::springs_at_once <= springs; s += Kernel::springs_at_once)
       kernel.template springs<n == 1>(at, s);
-    for (; i < regular && s + Kernel::springs_at_once <= springs; ++i, ends += 2 * few) {
+    for (; i < regular && s + Kernel::springs_at_once <= springs; ++i, ends += ends_a_point) {
       kernel.template springs<n == 1>(at, s);
       s += Kernel::springs_at_once;
       kernel.template point<n>(points[i], ends, few, few, at, next);
     }
     kernel.template last_springs<n == 1>(at, s, springs);
-    for (; i < regular; ++i, ends += 2 * few)
+    for (; i < regular; ++i, ends += ends_a_point)
       kernel.template point<n>(points[i], ends, few, few, at, next);
     for (; i < plan_.regular; ++i) anchored_point<n>(w_.point_offsets[i], next);
     for (; i < plan_.free_irregular; ++i) irregular_point<n>(i, at, next);
@@ -325,8 +326,8 @@ class ControlStep {
 
   static void load_reference(std::size_t i, const std::vector<double>& from, double* to, int first,
                              int count) {
-    for (auto slot = static_cast<std::size_t>(first);
-         slot < static_cast<std::size_t>(first + count); ++slot)
+    const auto start = static_cast<std::size_t>(first);
+    for (std::size_t slot = start; slot < start + static_cast<std::size_t>(count); ++slot)
       set(to, i, slot, from[2 * slot], from[2 * slot + 1]);
   }
 

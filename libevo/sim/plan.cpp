@@ -148,7 +148,7 @@ class Planner {
   }
 
   bool is_regular(int i) const {
-    return a_ends_[at(i)].size() + b_ends_[at(i)].size() <= 2 * Plan::regular_ends;
+    return a_ends_[at(i)].size() + b_ends_[at(i)].size() <= 2UL * Plan::regular_ends;
   }
   int turn(int i) const {
     return (is_regular(i) ? 0 : 2) + (roles_[at(i)] == Role::anchored ? 1 : 0);

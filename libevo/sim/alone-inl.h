@@ -82,8 +82,8 @@ class Alone {
            stage_motion + StageMotion::load);
   }
 
-  HWY_INLINE bool is_near_floor(std::int32_t slot) const {
-    return !(w_.position[offset(slot) + 1] > constants_.floor_reach);
+  HWY_INLINE bool is_near_floor(std::size_t o) const {
+    return !(w_.position[o + 1] > constants_.floor_reach);
   }
 
   // Forces of springs s, s+1, ..; there may be fewer, the arrays are padded.

@@ -101,7 +101,7 @@ class ControlStep {
       for (int slot = slots.first; slot < slots.first + slots.integrated; ++slot) {
         kernel.store_start(slot, block);
         kernel.store_motion(slot);
-        near_floor |= kernel.is_near_floor(slot);
+        near_floor |= kernel.is_near_floor(2 * width * static_cast<std::size_t>(slot));
       }
     }
     near_floor_ = near_floor;

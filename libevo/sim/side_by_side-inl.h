@@ -94,11 +94,11 @@ class SideBySide {
   }
 
   // Whether a point may get below the floor within the substep, in any lane.
-  HWY_INLINE bool is_near_floor(std::int32_t slot) const {
+  HWY_INLINE bool is_near_floor(std::size_t o) const {
     const L l;
-    LV y = hn::Load(l, w_.position + offset(slot) + width);
+    LV y = hn::Load(l, w_.position + o + width);
     for (std::size_t h = part; h < width; h += part)
-      y = hn::Min(y, hn::Load(l, w_.position + offset(slot) + width + h));
+      y = hn::Min(y, hn::Load(l, w_.position + o + width + h));
     return !hn::AllTrue(l, hn::Gt(y, hn::Set(l, constants_.floor_reach)));
   }
 
@@ -156,7 +156,7 @@ class SideBySide {
       const float* load = record + StageMotion::load * width;
       fx = hn::NegMulAdd(drag, vx, hn::Add(fx, hn::Load(d, load)));
       fy = hn::NegMulAdd(drag, vy, hn::Add(fy, hn::Load(d, load + width)));
-      if (HWY_UNLIKELY(near_floor_)) add_floor(o, at, vx, fx, fy);
+      if (HWY_UNLIKELY(near_floor_) && is_near_floor(o)) add_floor(o, at, vx, fx, fy);
       if constexpr (stage < 4) {
         AdvanceFast<stage, width>(d, vx, fx, dt, w_.start + o, next + o, record);
         AdvanceFast<stage, width>(d, vy, fy, dt, w_.start + o + width, next + o + width,

@@ -10,7 +10,7 @@ set logscale xy
 set xlabel "side of the body, voxels" textcolor "#333333"
 set ylabel "control steps a second, one core" textcolor "#333333"
 set xrange [4.5:39]
-set yrange [20:60000]
+set yrange [20:80000]
 set xtics (5, 10, 15, 20, 25, 30, 35)
 set ytics add ("100" 100, "1 000" 1000, "10 000" 10000)
 set mytics 10

@@ -46,12 +46,18 @@ struct Quad {
   V top_left, top_right, bottom_left, bottom_right;
 };
 
-// How far the points may move relative to each other before the sign of the
-// cross product of u and v can change, but for roundings: x = |u x v| changes by
-// at most r (|u| + |v| + r) when both change by r, and r <= x / (|u| + |v|).
-double reach(double product, V u, V v) {
-  const double x = std::abs(product);
-  const double size = std::abs(u.x) + std::abs(u.y) + std::abs(v.x) + std::abs(v.y);
+// One value for either triangle of a cell: the upper one, which has its top right
+// corner, and the lower one, which has its bottom left. (Of GCC and Clang.)
+using Two [[gnu::vector_size(2 * sizeof(double))]] = double;
+Two smaller(Two a, Two b) { return a < b ? a : b; }
+Two larger(Two a, Two b) { return a > b ? a : b; }
+
+// How far the points may move relative to each other before the sign of the cross
+// product of u and v can change, but for roundings: x = |u x v| changes by at most
+// r (|u| + |v| + r) when both change by r, and r <= x / (|u| + |v|). `size` is that
+// sum, or more.
+Two reach(Two product, Two size) {
+  const Two x = larger(product, -product);
   return x * size / (size * size + x);
 }
 
@@ -63,24 +69,26 @@ struct Clearance {
   double distance = 0.0;
 };
 Clearance clearance(V p, const Quad& q) {
+  const auto size = [](V v) { return std::abs(v.x) + std::abs(v.y); };
   const V tl = q.top_left - p;
   const V tr = q.top_right - p;
-  const V br = q.bottom_right - p;
-  const double a = cross(tl, tr);
-  const double b = cross(tr, br);
-  const double c = cross(br, tl);
-  if (c * a >= 0.0 && c * b >= 0.0) return {true, 0.0};
   const V bl = q.bottom_left - p;
-  const double d = cross(tl, bl);
-  const double e = cross(bl, br);
-  if (c * d >= 0.0 && c * e >= 0.0) return {true, 0.0};
-  const auto apart = [c](double side, V u, V v) {
-    return c * side < 0.0 ? reach(side, u, v) : 0.0;
-  };
-  const double upper = std::max(apart(a, tl, tr), apart(b, tr, br));
-  const double lower = std::max(apart(d, tl, bl), apart(e, bl, br));
-  const double all = std::min({reach(c, br, tl), upper, lower});
-  return {false, all - reach_slack};
+  const V br = q.bottom_right - p;
+  const Two side_x{tr.x, bl.x};
+  const Two side_y{tr.y, bl.y};
+  const Two first = tl.x * side_y - tl.y * side_x;
+  const Two second = side_x * br.y - side_y * br.x;
+  const double c = cross(br, tl);
+  const auto first_alike = c * first >= 0.0;
+  const auto second_alike = c * second >= 0.0;
+  const auto inside = first_alike & second_alike;
+  if ((inside[0] | inside[1]) != 0) return {true, 0.0};
+  const Two none{};
+  const Two side_size{size(tr), size(bl)};
+  const Two beside = larger(first_alike ? none : reach(first, size(tl) + side_size),
+                            second_alike ? none : reach(second, size(br) + side_size));
+  const Two all = smaller(beside, reach(none + c, none + (size(tl) + size(br))));
+  return {false, std::min(all[0], all[1]) - reach_slack};
 }
 
 // ---- points of the world -----------------------------------------------------------

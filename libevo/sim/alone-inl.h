@@ -28,7 +28,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET != HWY_SCALAR
 
-// `springs_at_once` in a vector. Points are vectors of two.
+// Springs in the lanes of a vector; points are vectors of two.
 template <Arithmetic arithmetic_>
 class Alone {
  public:
@@ -40,7 +40,11 @@ class Alone {
   using V = hn::Vec<D>;
   using XY = hn::Vec<P>;
   static constexpr std::size_t width = 1;
-  static constexpr std::size_t springs_at_once = hn::MaxLanes(D());
+  // Two registers of springs, then two points, where roots and quotients take long:
+  // more of them are under way at a time.
+  static constexpr std::size_t registers = arithmetic == Arithmetic::exact ? 2 : 1;
+  static constexpr std::size_t springs_at_once = registers * hn::MaxLanes(D());
+  static constexpr std::size_t points_at_once = registers;
 
   Alone(const Plan& plan, const Physics& physics, const Arrays<arithmetic>& arrays, bool near_floor)
       : plan_(plan),
@@ -89,13 +93,8 @@ class Alone {
   // Forces of springs s, s+1, ..; there may be fewer, the arrays are padded.
   template <bool first_stage>
   HWY_INLINE void springs(const Real* HWY_RESTRICT at, std::size_t s) const {
-    const D d;
-    V qx, qy;
-    load_differences(d, at, w_.spring_ends + s, qx, qy);
-    const V f =
-        Math::template pull<first_stage>(d, Math::square(d, qx, qy), hn::LoadU(d, w_.stiffness + s),
-                                         constants_.rate, w_.goal + s, w_.kept + Math::kept * s);
-    store_pairs(d, hn::Mul(qx, f), hn::Mul(qy, f), w_.force + 2 * s);
+    for (std::size_t r = 0; r < registers; ++r)
+      springs_in_register<first_stage>(at, s + r * hn::MaxLanes(D()));
   }
 
   template <bool first_stage>
@@ -267,6 +266,17 @@ class Alone {
   static HWY_INLINE void demote(LXY v, float* to) {
     const hn::FixedTag<float, 2> single;
     hn::Store(hn::DemoteTo(single, v), single, to);
+  }
+
+  template <bool first_stage>
+  HWY_INLINE void springs_in_register(const Real* HWY_RESTRICT at, std::size_t s) const {
+    const D d;
+    V qx, qy;
+    load_differences(d, at, w_.spring_ends + s, qx, qy);
+    const V f =
+        Math::template pull<first_stage>(d, Math::square(d, qx, qy), hn::LoadU(d, w_.stiffness + s),
+                                         constants_.rate, w_.goal + s, w_.kept + Math::kept * s);
+    store_pairs(d, hn::Mul(qx, f), hn::Mul(qy, f), w_.force + 2 * s);
   }
 
   double height_of_origin(std::size_t o) const {

@@ -122,10 +122,11 @@ class ControlStep {
     std::size_t i = 0;
     for (; s < lead_ && s + Kernel::springs_at_once <= springs; s += Kernel::springs_at_once)
       kernel.template springs<n == 1>(at, s);
-    for (; i < regular && s + Kernel::springs_at_once <= springs; ++i, ends += ends_a_point) {
+    for (; i + Kernel::points_at_once <= regular && s + Kernel::springs_at_once <= springs;
+         s += Kernel::springs_at_once) {
       kernel.template springs<n == 1>(at, s);
-      s += Kernel::springs_at_once;
-      kernel.template point<n>(points[i], ends, few, few, at, next);
+      for (std::size_t k = 0; k < Kernel::points_at_once; ++k, ++i, ends += ends_a_point)
+        kernel.template point<n>(points[i], ends, few, few, at, next);
     }
     kernel.template last_springs<n == 1>(at, s, springs);
     for (; i < regular; ++i, ends += ends_a_point)
@@ -173,7 +174,8 @@ class ControlStep {
     for (std::size_t i = 0; i < plan.regular; ++i) {
       const auto needed = static_cast<std::size_t>(plan.springs_before[i]);
       const std::size_t done = (needed + Kernel::springs_at_once - 1) / Kernel::springs_at_once;
-      if (done > i + 1) rounds = std::max(rounds, done - (i + 1));
+      const std::size_t round = i / Kernel::points_at_once + 1;
+      if (done > round) rounds = std::max(rounds, done - round);
     }
     return (rounds + under_way) * Kernel::springs_at_once;
   }

@@ -57,8 +57,9 @@ class SideBySide {
   static constexpr std::size_t force_offset = Math::kept * width;
   static constexpr std::size_t force_record = force_offset + 2 * width;
 
-  // How many springs `springs` computes.
+  // How many springs `springs` computes, and how many points then follow.
   static constexpr std::size_t springs_at_once = 3;
+  static constexpr std::size_t points_at_once = 1;
 
   // Fast arithmetic: before the substeps of a control step, the origin of a block.
   void choose_origin(std::size_t block) const {

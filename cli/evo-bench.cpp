@@ -37,6 +37,7 @@ struct Settings {
   bool tasks = false;
   bool model = false;
   bool json = false;
+  int bodies = 1;
   int threads = 1;
   int repetitions = 5;
   double seconds = 0.5;
@@ -45,6 +46,7 @@ struct Settings {
 struct Measurement {
   std::string task;
   Body body;
+  std::uint64_t seed = 0;
   int envs = 0;
   std::vector<double> rates;  // sorted
   double median() const { return rates[rates.size() / 2]; }
@@ -65,6 +67,34 @@ std::vector<int> parse_counts(const std::string& text, const std::string& option
     counts.push_back(static_cast<int>(number));
   }
   return counts;
+}
+
+Body random_body(int rows, int cols, std::uint64_t seed) {
+  Stream random(seed, "bench/body", static_cast<std::uint64_t>(rows));
+  return sample_body(rows, cols, body_weights, random);
+}
+
+// A body in a task, as often as --tasks, --sizes and --bodies say.
+struct Subject {
+  TaskSpec task;
+  Body body;
+  std::uint64_t seed = 0;  // of the body, if it is a random one, and the actions
+};
+
+std::vector<Subject> subjects(const Settings& settings, std::uint64_t seed) {
+  std::vector<Subject> found;
+  if (settings.tasks) {
+    const Body body = Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"});
+    for (const std::string& name : task_names(cli::data_folders())) {
+      found.push_back({load_task(name, cli::data_folders()), body, seed});
+      settings.task.change_physics(found.back().task);
+    }
+  } else {
+    for (const int size : parse_counts(settings.sizes, "--sizes"))
+      for (std::uint64_t n = seed; n < seed + static_cast<std::uint64_t>(settings.bodies); ++n)
+        found.push_back({settings.task.load(), random_body(size, size, n), n});
+  }
+  return found;
 }
 
 // Episodes under random actions, begun again as they end.
@@ -124,14 +154,14 @@ double rate_of(Runner& runner, int envs, double seconds, double (*clock)()) {
 
 // One thread is measured in its processor time, several in the time that passes:
 // what they take from one another is to count.
-Measurement measure(const TaskSpec& task, const Body& body, int envs, const Settings& settings,
-                    std::uint64_t seed) {
+Measurement measure(const Subject& subject, int envs, const Settings& settings) {
+  const auto& [task, body, seed] = subject;
   const Arena arena(task, body);
   const auto clock = settings.threads == 1 ? seconds_used : wall_clock;
   std::vector<Runner> runners;
   for (int i = 0; i < settings.threads; ++i)
     runners.emplace_back(arena, envs, seed + static_cast<std::uint64_t>(i));
-  Measurement result{task.name, body, envs, {}};
+  Measurement result{task.name, body, seed, envs, {}};
   for (int repetition = -1; repetition < settings.repetitions; ++repetition) {
     const bool warm_up = repetition < 0;  // allocates what later steps use
     std::vector<double> rates(runners.size());
@@ -163,6 +193,7 @@ class Report {
       const Json line{{"task", m.task},
                       {"shape", {m.body.rows, m.body.cols}},
                       {"voxels", voxels},
+                      {"seed", m.seed},
                       {"width", m.envs},
                       {"isa", isa},
                       {"profile", profile_},
@@ -186,32 +217,6 @@ class Report {
   std::string profile_;
 };
 
-Body random_body(int rows, int cols, std::uint64_t seed) {
-  Stream random(seed, "bench/body", static_cast<std::uint64_t>(rows));
-  return sample_body(rows, cols, body_weights, random);
-}
-
-// A body in a task, as often as --tasks and --sizes say.
-struct Subject {
-  TaskSpec task;
-  Body body;
-};
-
-std::vector<Subject> subjects(const Settings& settings, std::uint64_t seed) {
-  std::vector<Subject> found;
-  if (settings.tasks) {
-    const Body body = Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"});
-    for (const std::string& name : task_names(cli::data_folders())) {
-      found.push_back({load_task(name, cli::data_folders()), body});
-      settings.task.change_physics(found.back().task);
-    }
-  } else {
-    for (const int size : parse_counts(settings.sizes, "--sizes"))
-      found.push_back({settings.task.load(), random_body(size, size, seed)});
-  }
-  return found;
-}
-
 std::vector<std::string> isas(const std::string& text) {
   if (text == "best") return {best_isa()};
   return text == "all" ? available_isas() : std::vector<std::string>{text};
@@ -222,7 +227,7 @@ std::vector<std::string> isas(const std::string& text) {
 constexpr int builds = 20;            // of which the quickest counts
 constexpr int steps_to_settle = 200;  // until contact lists have their size
 
-void describe_model(const Subject& subject, bool json, std::uint64_t seed) {
+void describe_model(const Subject& subject, bool json) {
   double build = HUGE_VAL;
   for (int i = 0; i < builds; ++i) {
     const double start = seconds_used();
@@ -232,7 +237,7 @@ void describe_model(const Subject& subject, bool json, std::uint64_t seed) {
   const Arena arena(subject.task, subject.body);
   State state = initial_state(arena.model());
   Lane lane{&arena.model(), &state};
-  Stream random(seed, "bench/targets");
+  Stream random(subject.seed, "bench/targets");
   const Physics& physics = arena.task().physics;
   for (int t = 0; t < steps_to_settle; ++t) {
     for (double& target : state.targets)
@@ -257,8 +262,7 @@ int describe_models(const Settings& settings, std::uint64_t seed) {
   if (!settings.json)
     fmt::print("{:<24} {:>7} {:>6} {:>7} {:>10} {:>9}\n", "task", "shape", "voxels", "points",
                "build, ms", "kB/env");
-  for (const Subject& subject : subjects(settings, seed))
-    describe_model(subject, settings.json, seed);
+  for (const Subject& subject : subjects(settings, seed)) describe_model(subject, settings.json);
   return 0;
 }
 
@@ -269,6 +273,10 @@ int bench(const Settings& settings, std::uint64_t seed) {
     throw error(Failure::usage, "--repetitions must be at least 1, got {}", settings.repetitions);
   if (settings.threads < 1)
     throw error(Failure::usage, "--threads must be at least 1, got {}", settings.threads);
+  if (settings.bodies < 1)
+    throw error(Failure::usage, "--bodies must be at least 1, got {}", settings.bodies);
+  if (settings.bodies > 1 && settings.tasks)
+    throw error(Failure::usage, "--bodies: --tasks has one body for all; leave one of them out");
   if (settings.model) return describe_models(settings, seed);
   const std::vector<int> envs = parse_counts(settings.envs, "--envs");
   const std::vector<Subject> measured = subjects(settings, seed);
@@ -276,8 +284,7 @@ int bench(const Settings& settings, std::uint64_t seed) {
   for (const std::string& isa : isas(settings.isa)) {
     select_isa(isa);
     for (const Subject& subject : measured)
-      for (const int n : envs)
-        report.add(measure(subject.task, subject.body, n, settings, seed), isa);
+      for (const int n : envs) report.add(measure(subject, n, settings), isa);
   }
   return 0;
 }
@@ -291,6 +298,8 @@ int main(int argc, char** argv) {
   command.section("What is measured");
   settings.task.add_to(command);
   command.option("--sizes", settings.sizes, "N,N,..", "bodies of N x N voxels");
+  command.option("--bodies", settings.bodies, "N",
+                 "random bodies of each size, a line each: those of --seed, and the N-1 after it");
   command.flag("--tasks", settings.tasks,
                "all tasks, with one 5x5 body, instead of --task and --sizes");
   command.option("--envs", settings.envs, "N,N,..", "environments stepped together");

@@ -37,6 +37,12 @@ bool within(const Box& a, const Box& b, double gap) {
   return a.low.x - gap <= b.high.x && b.low.x - gap <= a.high.x && a.low.y - gap <= b.high.y &&
          b.low.y - gap <= a.high.y;
 }
+// Along the axis on which they are farther apart; 0 for what is not a number.
+double gap(const Box& a, const Box& b) {
+  const double x = std::max(a.low.x - b.high.x, b.low.x - a.high.x);
+  const double y = std::max(a.low.y - b.high.y, b.low.y - a.high.y);
+  return std::max({0.0, x, y});
+}
 bool within(V p, const Box& b, double gap) {
   return b.low.x - gap <= p.x && p.x <= b.high.x + gap && b.low.y - gap <= p.y &&
          p.y <= b.high.y + gap;
@@ -161,6 +167,7 @@ struct Scratch {
   std::vector<std::uint32_t> tile_ends, tile_cells;  // of NearCells
   std::vector<std::uint32_t> near;
   std::vector<CellPair> cell_pairs;
+  std::vector<double> gaps;  // between the cells that count for folding
 };
 Scratch& scratch() {
   thread_local Scratch memory;
@@ -389,6 +396,7 @@ void find_self_contacts(const Model::Compiled& world, int object, const PointVie
   const bool can_fold = world.is_robot[static_cast<std::size_t>(object)] != 0 &&
                         2 * list.folding.size() > static_cast<std::size_t>(range.count);
   if (!can_fold) list.folding.clear();
+  list.folding_due = 0.0;
   const auto both = static_cast<std::uint32_t>(block);
   list.group = {0, static_cast<std::uint32_t>(list.candidates.size()), {both, both}, 0.0};
   list.valid = true;
@@ -594,22 +602,34 @@ bool push_contacts(const Model::Compiled& world, ContactLists& lists, const Poin
   return any;
 }
 
-bool is_folding(const Model::Compiled& world, const ContactLists& lists, const PointView& view) {
+bool is_folding(const Model::Compiled& world, ContactLists& lists, const PointView& view) {
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     if (world.block[i] < 0) continue;
-    const auto& pairs = lists.self[static_cast<std::size_t>(world.block[i])].folding;
-    if (pairs.empty()) continue;
+    ContactLists::Self& self = lists.self[static_cast<std::size_t>(world.block[i])];
+    if (self.folding.empty()) continue;
     const Points points(world, view);
+    // Two points come nearer by at most twice the travel of their block.
+    const double travel = 2.0 * points.travel(static_cast<std::uint32_t>(world.block[i]));
+    if (travel < self.folding_due) continue;
     const SurfaceRange& range = world.surface_ranges[i];
     std::vector<Box>& boxes = scratch().boxes;
     boxes.clear();
     for (int c = range.first; c < range.first + range.count; ++c)
       boxes.push_back(points.box(world.contact_cells[static_cast<std::size_t>(c)]));
     const auto first = static_cast<std::size_t>(range.first);
-    int overlaps = 0;
-    for (const auto& [a, b] : pairs)
-      if (within(boxes[a - first], boxes[b - first], 0.0)) ++overlaps;
+    std::vector<double>& gaps = scratch().gaps;
+    gaps.clear();
+    std::ptrdiff_t overlaps = 0;
+    for (const auto& [a, b] : self.folding) {
+      const bool overlap = within(boxes[a - first], boxes[b - first], 0.0);
+      overlaps += overlap ? 1 : 0;
+      gaps.push_back(overlap ? 0.0 : gap(boxes[a - first], boxes[b - first]));
+    }
     if (2 * overlaps > range.count) return true;
+    // As many pairs as fold it have to overlap: the last of them to.
+    const auto last = gaps.begin() + range.count / 2;
+    std::nth_element(gaps.begin(), last, gaps.end());
+    self.folding_due = travel + *last - reach_slack;
   }
   return false;
 }

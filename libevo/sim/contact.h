@@ -19,11 +19,11 @@ namespace evo {
 
 // Lists hold what is nearer than the skin; they are good while no point moved
 // by more than the limit, which is a little smaller than the skins allow.
-inline constexpr double terrain_skin = 0.03;       // raw length: cell against static cell
-inline constexpr double moving_skin = 0.06;        // cells of two moving objects
-inline constexpr double self_skin = 0.055;         // cells of one object
-inline constexpr double pair_move_limit = 0.0299;  // of any point, for pairs of objects
-inline constexpr double self_move_limit = 0.0548;  // of two points of one object, relative
+inline constexpr double terrain_skin = 0.02;       // raw length: cell against static cell
+inline constexpr double moving_skin = 0.04;        // cells of two moving objects
+inline constexpr double self_skin = 0.04;          // cells of one object
+inline constexpr double pair_move_limit = 0.0199;  // of any point, for pairs of objects
+inline constexpr double self_move_limit = 0.0398;  // of two points of one object, relative
 
 // One environment's points in the kernels' arrays: slot s has its x at
 // [2*s*stride] and its y at [2*s*stride + stride]; forces are `force_spacing`
@@ -50,6 +50,6 @@ void find_pair_contacts(const Model::Compiled& world, const PointView& points, C
 bool push_contacts(const Model::Compiled& world, ContactLists& lists, const PointView& points);
 
 // Whether any robot is folded onto itself.
-bool is_folding(const Model::Compiled& world, const ContactLists& lists, const PointView& points);
+bool is_folding(const Model::Compiled& world, ContactLists& lists, const PointView& points);
 
 }  // namespace evo

@@ -32,6 +32,7 @@ struct ContactLists {
     // Pairs of surface cells that count for self-folding and whose boxes may
     // overlap; empty when there are too few of them to fold the object.
     std::vector<std::array<std::uint32_t, 2>> folding;
+    double folding_due = 0.0;  // no folding before twice the travel of the block is this
     bool valid = false;
     double due = 0.0;  // travel of the block at which the list may be too old
   };
@@ -56,7 +57,7 @@ struct ContactLists {
     for (ContactCandidate& c : pairs) c.due = 0.0;
     for (ContactGroup& g : groups) g.due = 0.0;
     for (Self& s : self) {
-      s.due = s.group.due = 0.0;
+      s.due = s.group.due = s.folding_due = 0.0;
       for (ContactCandidate& c : s.candidates) c.due = 0.0;
     }
   }

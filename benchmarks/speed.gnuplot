@@ -19,11 +19,16 @@ set border 3 linecolor "#888888"
 set tics nomirror textcolor "#333333"
 set key bottom left reverse Left samplen 2.5 spacing 1.25 textcolor "#333333"
 
-# The lines of one profile and number of environments, of sizes (task Walker-v0).
-rows(profile, width) = sprintf("< awk -F, '$1 == \"Walker-v0\" && $2 == $3 && $5 == %d && $7 == \"%s\" && !seen[$2]++' %s", \
+# The random bodies of one profile and number of environments, by size. (`seen`
+# leaves out the line that --tasks has for the same task.)
+rows(profile, width) = sprintf("< awk -F, '$1 == \"Walker-v0\" && $6 == %d && $8 == \"%s\" && !seen[$2 $5]++' %s", \
                                width, profile, file)
 
-plot rows("fast", 8)   using 2:9 with linespoints pt 7 ps 0.7 lw 2 lc "#d1495b" title "fast, 8 together", \
-     rows("evogym", 8) using 2:9 with linespoints pt 7 ps 0.7 lw 2 lc "#00798c" title "exact, 8 together", \
-     rows("evogym", 1) using 2:9 with linespoints pt 7 ps 0.7 lw 2 lc "#8fb8c4" title "exact, alone", \
+# A dot a body, a line through their means.
+plot rows("fast", 8)   using 2:10 smooth unique with lines lw 2 lc "#d1495b" title "fast, 8 together", \
+     rows("fast", 8)   using 2:10 with points pt 7 ps 0.4 lc "#d1495b" notitle, \
+     rows("evogym", 8) using 2:10 smooth unique with lines lw 2 lc "#00798c" title "exact, 8 together", \
+     rows("evogym", 8) using 2:10 with points pt 7 ps 0.4 lc "#00798c" notitle, \
+     rows("evogym", 1) using 2:10 smooth unique with lines lw 2 lc "#8fb8c4" title "exact, alone", \
+     rows("evogym", 1) using 2:10 with points pt 7 ps 0.4 lc "#8fb8c4" notitle, \
      'reference.csv' using 1:3 with lines dt (8, 6) lw 2 lc "#666666" title "reference simulator, 2.3 GHz server"

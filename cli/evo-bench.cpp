@@ -280,8 +280,10 @@ int bench(const Settings& settings, std::uint64_t seed) {
   if (settings.model) return describe_models(settings, seed);
   const std::vector<int> envs = parse_counts(settings.envs, "--envs");
   const std::vector<Subject> measured = subjects(settings, seed);
+  const std::vector<std::string> chosen = isas(settings.isa);
+  select_isa(chosen.front());  // refused before anything is written
   const Report report(settings, settings.task.profile());
-  for (const std::string& isa : isas(settings.isa)) {
+  for (const std::string& isa : chosen) {
     select_isa(isa);
     for (const Subject& subject : measured)
       for (const int n : envs) report.add(measure(subject, n, settings), isa);

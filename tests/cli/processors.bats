@@ -22,3 +22,17 @@ same() { cmp native.h5 "$1.h5" && cmp native.jsonl "$1.jsonl"; }
   rollout native -j 1
   for jobs in 2 3; do rollout "jobs$jobs" -j "$jobs"; same "jobs$jobs"; done
 }
+
+@test "evo-bench measures every instruction set, width and body" {
+  local isas
+  evo-bench --sizes 5,6 --bodies 2 --envs 1,4 --isa all --seconds 0.01 --repetitions 3 --json > bench.jsonl
+  isas=$(jq -r .isa bench.jsonl | sort -u | wc -l)
+  [ "$isas" -ge 1 ]
+  [ "$(jq -c '[.isa, .shape, .seed, .width]' bench.jsonl | sort -u | wc -l)" -eq $((8 * isas)) ]
+  jq -es 'all(.steps_per_second_min > 0 and .steps_per_second >= .steps_per_second_min and
+    .steps_per_second_max >= .steps_per_second and .voxels > 0)' bench.jsonl
+  evo-bench --sizes 5 --model --json | jq -e '.build_seconds > 0 and .bytes_per_environment > 0'
+  [ "$(evo-bench --tasks --envs 1 --fast --seconds 0.001 --repetitions 1 | tail -n +2 | wc -l)" -eq 32 ]
+  fails_with 2 z80 -- evo-bench --isa z80
+  fails_with 2 --tasks -- evo-bench --tasks --bodies 2
+}

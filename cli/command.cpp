@@ -197,8 +197,8 @@ struct Command::Impl {
     for (const std::string& word : app.remaining())
       if (word.size() > 1 && word.front() == '-') {
         const std::string option = word.substr(0, word.find('='));
-        return {Failure::usage,
-                "unknown option " + option + did_you_mean(option, long_names()) + see};
+        return {Failure::usage, fmt::format("unknown option {}{}{}", option,
+                                            did_you_mean(option, long_names()), see)};
       }
     if (dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr)
       return {Failure::usage, "unexpected argument '" + app.remaining().front() + "'" + see};

@@ -159,6 +159,7 @@ Measurement measure(const Subject& subject, int envs, const Settings& settings) 
   const Arena arena(task, body);
   const auto clock = settings.threads == 1 ? seconds_used : wall_clock;
   std::vector<Runner> runners;
+  runners.reserve(static_cast<std::size_t>(settings.threads));
   for (int i = 0; i < settings.threads; ++i)
     runners.emplace_back(arena, envs, seed + static_cast<std::uint64_t>(i));
   Measurement result{task.name, body, seed, envs, {}};

@@ -132,6 +132,7 @@ void write_dataset(const std::vector<std::string>& files, const std::string& fol
   if (folder == standard_stream)
     throw error(Failure::usage, "--to minari writes a folder; name it with -o");
   std::vector<Rollout> rollouts;
+  rollouts.reserve(files.size());
   for (const std::string& file : files) rollouts.push_back(read_rollout(file));
   if (rollouts.empty()) throw error(Failure::usage, "--to minari needs rollout files");
   write_minari(folder, rollouts, id.value_or(minari_dataset_id(rollouts.front())));

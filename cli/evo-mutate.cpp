@@ -43,6 +43,7 @@ Robot new_child(const std::vector<Robot>& robots, const Settings& settings, std:
     std::optional<Body> body = make_body(robots, settings, stream, parents);
     if (!body) continue;
     std::vector<std::string> ids;
+    ids.reserve(parents.size());
     for (const Robot* parent : parents) ids.push_back(parent->id);
     Robot child =
         make_child(std::move(*body), ids, "evo-mutate", seed, static_cast<std::uint64_t>(index));

@@ -2,6 +2,7 @@
 // found them.
 #include "cli/report/assets.h"
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a path is one of several adjacent literals
 #define EVO_EMBED(symbol, path)            \
   __asm__(".section .rodata\n" #symbol     \
           ":\n"                            \
@@ -11,6 +12,7 @@
           ".previous\n");                  \
   extern "C" const char symbol[];          \
   extern "C" const char symbol##_end[]
+// NOLINTEND(bugprone-macro-parentheses)
 
 EVO_EMBED(evo_report_page, EVO_REPORT_PAGE);
 EVO_EMBED(evo_report_style, EVO_REPORT_STYLE);

@@ -103,6 +103,7 @@ Objectives read_objectives(const std::vector<Robot>& robots, const std::string& 
   }
   for (const Robot& robot : robots) {
     std::vector<double> row;
+    row.reserve(names.size());
     for (const std::string& name : names) row.push_back(objective(robot, name));
     objectives.rows.push_back(std::move(row));
   }

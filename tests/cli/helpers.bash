@@ -26,6 +26,11 @@ fails_with() {
   done
 }
 
+# For tests that look at what a terminal gets.
+needs_terminal() {
+  script -qec true /dev/null > /dev/null 2>&1 || skip "no pseudo-terminals here (is /dev/pts mounted?)"
+}
+
 # Standard input equals the golden file (UPDATE_GOLDEN=1 writes it anew).
 golden() {
   local file="$EVO_SOURCE/tests/cli/golden/$1"

@@ -109,6 +109,7 @@ h5py.File('similar.h5', 'w')['episode_0/rewards'] = [1.0, 2.0]"
 }
 
 @test "progress on a terminal is wiped, and there is none in a file" {
+  needs_terminal
   episode r.h5
   evo-render r.h5 --size 160x90 -o x.gif 2> log
   [ ! -s log ]

@@ -132,6 +132,7 @@ kill_and_repeat() {
 }
 
 @test "live: a line a generation in a file, one redrawn line on a terminal, no two at once" {
+  needs_terminal
   run_make ga run -j2 > log 2>&1
   [ "$(grep -c 'robots  best' log)" -eq "$(ls -d run/gen-* | wc -l)" ]
   tail -1 log | grep -q '^gen-003 .* 9/9 robots  best .*[█▁]$'

@@ -74,6 +74,7 @@ struct Clearance {
   bool inside = false;
   double distance = 0.0;
 };
+// Both triangles at once: which one comes to matter is more than a branch can guess.
 Clearance clearance(V p, const Quad& q) {
   const auto size = [](V v) { return std::abs(v.x) + std::abs(v.y); };
   const V tl = q.top_left - p;
@@ -626,7 +627,7 @@ bool is_folding(const Model::Compiled& world, ContactLists& lists, const PointVi
       gaps.push_back(overlap ? 0.0 : gap(boxes[a - first], boxes[b - first]));
     }
     if (2 * overlaps > range.count) return true;
-    // As many pairs as fold it have to overlap: the last of them to.
+    // More pairs than half its cells must overlap: not before the last of so many does.
     const auto last = gaps.begin() + range.count / 2;
     std::nth_element(gaps.begin(), last, gaps.end());
     self.folding_due = travel + *last - reach_slack;

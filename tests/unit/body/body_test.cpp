@@ -74,8 +74,8 @@ TEST_CASE("A body is what is drawn") {
 TEST_CASE("Malformed drawings name the cell") {
   CHECK(data_error({"HH", "VXV"}) == "row 2 has 3 cells, but row 1 has 2");
   CHECK(data_error({"HHH", "V.x"}) == "unknown letter 'x' at row 2, column 3; allowed . R S H V #");
-  CHECK(data_error({}) != "");
-  CHECK(data_error({""}) != "");
+  CHECK(!data_error({}).empty());
+  CHECK(!data_error({""}).empty());
 }
 
 TEST_CASE("Full links are all adjacent pairs, in sorted order") {

@@ -35,7 +35,8 @@ void compare(const std::string& name, const Image& picture) {
     sum += worst;
     large += worst > large_difference ? 1 : 0;
   }
-  const auto pixels = static_cast<double>(picture.rgba.size() / 4);
+  const std::size_t count = picture.rgba.size() / 4;
+  const auto pixels = static_cast<double>(count);
   const bool same = sum / pixels <= most_mean_difference &&
                     static_cast<double>(large) / pixels <= most_large_differences;
   if (!same) write_png("differs-" + name + ".png", view(picture));

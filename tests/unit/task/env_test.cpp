@@ -159,11 +159,11 @@ TEST_CASE("goals are drawn until the path is long enough") {
     const std::vector<int> goals = arena.draw(1, index).goals;
     int place = 8;
     int path = 0;
-    for (std::size_t i = 0; i < goals.size(); ++i) {
+    for (const int goal : goals) {
       CHECK(path < 60);
-      CHECK((goals[i] >= 3 && goals[i] <= 20));
-      path += std::abs(goals[i] - place);
-      place = goals[i];
+      CHECK((goal >= 3 && goal <= 20));
+      path += std::abs(goal - place);
+      place = goal;
     }
     CHECK(path >= 60);
   }

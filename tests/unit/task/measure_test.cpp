@@ -100,7 +100,7 @@ TEST_CASE("the clamps make the orientation at the start a little more than 0") {
 TEST_CASE("deformation alone gives a positive orientation") {
   auto points = random_points(9, 2);
   const OrientationReference reference(points);
-  for (std::size_t i = 0; i < points.size(); ++i) points[i].x *= 1.3;
+  for (Vec2& p : points) p.x *= 1.3;
   CHECK(orientation(reference, points) > 0.01);
 }
 

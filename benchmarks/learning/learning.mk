@@ -1,5 +1,6 @@
 # How well and how fast the training profiles and the simple baselines learn:
-# every task x body x method x seed is one training; ends with learning.tsv.
+# every task x body x method x seed is one training; ends with learning.tsv and
+# times.tsv.
 #
 #   make -f benchmarks/learning/learning.mk RUN=runs/learning -j8
 #
@@ -31,7 +32,7 @@ TRAININGS := $(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach body,
 method_options = $(if $(filter sine random,$(1)),--algo $(1),--train $(1))
 
 .PHONY: all
-all: $(RUN)/learning.tsv
+all: $(RUN)/learning.tsv $(RUN)/times.tsv
 
 # $(1) folder of the training, $(2) task, $(3) body, $(4) method, $(5) seed.
 # The seconds are processor time.
@@ -52,3 +53,11 @@ $(foreach t,$(TASKS),$(foreach m,$(METHODS),$(foreach b,$(call bodies,$(t)),$(fo
 
 $(RUN)/learning.tsv: $(TRAININGS:%=%/result.json)
 	@cat $^ | jq -rs -f '$(HERE)learning.jq' > '$@.tmp' && mv '$@.tmp' '$@'
+
+# How soon `default` has what `paper` has at its end.
+with_curve := $$result[0] + {curve: (split("\n")[1:-1] | \
+  map(split("\t") | {step: .[0] | tonumber, best: .[2] | tonumber}))}
+$(RUN)/times.tsv: $(RUN)/learning.tsv
+	@for folder in $(filter $(foreach seed,$(SEEDS),%/default-$(seed) %/paper-$(seed)),$(TRAININGS)); do \
+	  jq -Rsc --slurpfile result "$$folder/result.json" '$(with_curve)' "$$folder/curve.tsv"; \
+	done | jq -rs -f '$(HERE)times.jq' > '$@.tmp' && mv '$@.tmp' '$@'

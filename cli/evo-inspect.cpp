@@ -153,25 +153,27 @@ double size_on_disk(const fs::path& folder) {
 
 void print_run(const fs::path& folder, bool color) {
   const cli::RunStatus run(folder);
-  fmt::print("{}: {} on {}, seed {}\n", folder.string(), run.setting("method"), run.setting("task"),
-             run.setting("seed"));
+  const RunHistory& history = run.history();
+  const RunSettings& settings = run.folder().settings();
+  fmt::print("{}: {} on {}, seed {}\n", folder.string(), settings.text("method"),
+             settings.text("task"), settings.text("seed"));
   fmt::print("robots       {} of {} trained, {} left\n", run.trained(), run.evaluations(),
              run.left());
   fmt::print("generations  {} finished, {} begun\n",
-             std::count_if(run.generations().begin(), run.generations().end(),
+             std::count_if(history.generations().begin(), history.generations().end(),
                            [](const auto& generation) { return generation.finished; }),
-             run.generations().size());
-  if (const auto each = run.seconds_each()) {
+             history.generations().size());
+  if (const auto each = history.seconds_each()) {
     fmt::print("training     {} a robot on average, {:.2f} core hours so far\n",
-               cli::duration(*each), run.seconds() / 3600.0);
+               cli::duration(*each), history.seconds() / 3600.0);
     if (run.left() > 0)
       fmt::print("expected     {:.2f} more core hours: {} on one core\n",
                  *each * run.left() / 3600.0, cli::duration(*each * run.left()));
   }
   fmt::print("disk         {}\n", cli::file_size(size_on_disk(folder)));
-  if (run.best()) {
+  if (const TrainedRobot* best = history.champion()) {
     fmt::print("best so far  {}\n", cli::sparkline(run.best_so_far(), 60));
-    print_robot(*run.best(), color);
+    print_robot(best->robot, color);
   }
 }
 

@@ -83,15 +83,7 @@ generations: | $(RUN)/run.yaml
 
 # Every setting of the run. A changed one is refused, never mixed in.
 $(RUN)/run.yaml: FORCE
-	@mkdir -p '$(RUN)/policies' '$(RUN)/logs'
-	@{ echo 'format: evo/run'; echo 'version: 1'; \
-	  for setting in $(SETTINGS); do echo "$${setting%%=*}: $${setting#*=}"; done; \
-	  echo "train_options: '$${EVO_TRAIN_OPTIONS//\'/\'\'}'"; } > '$@.tmp'
-	@if [ ! -e '$@' ]; then mv '$@.tmp' '$@'; \
-	elif difference=$$(diff <(sed 's/^/  /' '$@') <(sed 's/^/  /' '$@.tmp')); then rm '$@.tmp'; \
-	else rm '$@.tmp'; \
-	  echo "$(RUN) belongs to a run with other settings (< there, > asked for); choose another RUN or the same settings:" >&2; \
-	  echo "$$difference" | grep '^[<>]' >&2; exit 73; fi
+	@evo-run init '$(RUN)' $(SETTINGS) "train_options=$$EVO_TRAIN_OPTIONS"
 FORCE:
 
 $(RUN)/history.jsonl: | generations
@@ -125,13 +117,9 @@ PREVIOUS := $(lastword $(ALL_BEFORE))
 POPULATION := $(GENERATION)/population.jsonl
 SLOTS := $(foreach slot,$(slots),$(GENERATION)/$(slot).json)
 
-# The robot of one slot, trained. A survivor's policy is there already, made
-# with the same settings: evo-train gives its fitness back without training.
+# The robot of one slot, trained as run.yaml says.
 $(SLOTS): $(GENERATION)/%.json: | $(POPULATION)
-	@sed -n "$$(( 10#$* + 1 ))p" '$(POPULATION)' | \
-	  $(LAUNCH) evo-train --task '$(TASK)' --steps $(STEPS) --algo $(ALGO) --train '$(TRAIN)' \
-	    $(if $(PHYSICS),--physics '$(PHYSICS)') --seed $(SEED) --resume --failures skip \
-	    --out-dir '$(RUN)/policies' --log-dir '$(RUN)/logs' $(TRAIN_OPTIONS) -o '$@'
+	@$(LAUNCH) evo-run train '$(RUN)' --generation $(GEN) --slot $*
 
 $(GENERATION)/scores.jsonl: | $(SLOTS)
 	@cat $(SLOTS) > '$@.tmp' && mv '$@.tmp' '$@'

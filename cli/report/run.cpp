@@ -8,7 +8,7 @@
 #include "formats/files.h"
 #include "formats/policy.h"
 #include "formats/rollout.h"
-#include "formats/yaml.h"
+#include "formats/run.h"
 
 namespace evo::report {
 namespace {
@@ -23,119 +23,30 @@ fs::path full_path(const fs::path& folder) {
   return path.has_filename() ? path : path.parent_path();
 }
 
-std::optional<std::size_t> whole_number(std::string_view text) {
-  std::size_t value = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size())
-    return std::nullopt;
-  return value;
+std::vector<Setting> masked(const RunSettings& settings) {
+  std::vector<Setting> list;
+  for (const auto& [name, value] : settings.list()) list.push_back({name, without_folders(value)});
+  return list;
 }
 
-// ---- settings -------------------------------------------------------------------
-
-void check_run_format(const YamlNode& key, const YamlNode& value) {
-  if (key.string() == "format" && value.string() != "evo/run")
-    throw value.error(fmt::format("{} is not the format of a run, evo/run", value.found()));
-  if (key.string() == "version" && value.integer(1) > newest_run_version)
-    throw value.error(fmt::format("version {} of evo/run is newer than this program's {}",
-                                  value.integer(), newest_run_version));
-}
-
-std::vector<Setting> read_settings(const fs::path& file) {
-  const YamlNode document = YamlNode::parse(read_file(file), file.string());
-  if (!document.is_mapping()) throw document.error("a run's settings are a mapping");
-  std::vector<Setting> settings;
-  bool has_format = false;
-  for (const auto& [key, value] : document.entries()) {
-    const std::string name = key.string();
-    has_format |= name == "format";
-    check_run_format(key, value);
-    if (name == "format" || name == "version") continue;
-    const bool has_text = value.is_scalar() && value.found() != "''";
-    settings.push_back({name, has_text ? without_folders(value.string()) : ""});
+void add_history(const RunHistory& history, Run& run) {
+  for (const TrainedRobot& trained : history.robots())
+    run.robots.push_back(
+        {trained.robot, trained.generation, trained.fitness, without_folders(trained.failure)});
+  run.by_id = history.by_id();
+  run.champion = history.champion_index();
+  for (const RunHistory::Generation& begun : history.generations()) {
+    Generation generation{begun.number, {}, begun.slots.size()};
+    for (const auto& robot : begun.slots)
+      if (robot) generation.members.push_back(*robot);
+    run.generations.push_back(std::move(generation));
   }
-  if (!has_format) throw document.error("no 'format: evo/run'; this is not a run's settings");
-  return settings;
-}
-
-// ---- robots -----------------------------------------------------------------------
-
-std::string why_failed(const Robot& robot) {
-  const auto failure = robot.document.find("failure");
-  if (failure == robot.document.end() || !failure->is_object()) return "no fitness";
-  const auto why = failure->find("why");
-  return why != failure->end() && why->is_string() ? without_folders(why->get<std::string>())
-                                                   : "failed";
-}
-
-// gen-007 is 7; nothing for any other name.
-std::optional<int> generation_number(const std::string& name) {
-  constexpr std::string_view prefix = "gen-";
-  if (!name.starts_with(prefix)) return std::nullopt;
-  const auto number = whole_number(std::string_view(name).substr(prefix.size()));
-  return number ? std::optional<int>(static_cast<int>(*number)) : std::nullopt;
-}
-
-// The generation's scores, or, while it is under way, its slots that are done.
-std::vector<fs::path> score_files(const fs::path& generation) {
-  if (const fs::path scores = generation / "scores.jsonl"; fs::exists(scores)) return {scores};
-  std::vector<std::pair<std::size_t, fs::path>> slots;
-  for (const auto& entry : fs::directory_iterator(generation))
-    if (entry.path().extension() == ".json")
-      if (const auto slot = whole_number(entry.path().stem().string()))
-        slots.emplace_back(*slot, entry.path());
-  std::sort(slots.begin(), slots.end());
-  std::vector<fs::path> files;
-  files.reserve(slots.size());
-  for (auto& [slot, file] : slots) files.push_back(std::move(file));
-  return files;
-}
-
-std::size_t population_size(const fs::path& generation, std::size_t trained) {
-  const fs::path population = generation / "population.jsonl";
-  if (!fs::exists(population)) return trained;
-  return std::max(trained, read_robots(population.string(), BodyCheck::any).size());
-}
-
-void read_generation(const fs::path& folder, int number, Run& run) {
-  Generation generation{number, {}, 0};
-  for (const fs::path& file : score_files(folder)) {
-    for (Robot& robot : read_robots(file.string(), BodyCheck::any)) {
-      const auto [known, is_new] = run.by_id.emplace(robot.id, run.robots.size());
-      generation.members.push_back(known->second);
-      if (!is_new) continue;
-      Entry entry{std::move(robot), number, std::nullopt, {}};
-      entry.fitness = entry.robot.fitness();
-      if (!entry.fitness) entry.failure = why_failed(entry.robot);
-      run.robots.push_back(std::move(entry));
-    }
-  }
-  generation.planned = population_size(folder, generation.members.size());
-  run.generations.push_back(std::move(generation));
-}
-
-void read_generations(const fs::path& folder, Run& run) {
-  std::vector<std::pair<int, fs::path>> generations;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (const auto number = generation_number(entry.path().filename().string());
-        number && entry.is_directory())
-      generations.emplace_back(*number, entry.path());
-  std::sort(generations.begin(), generations.end());
-  for (const auto& [number, path] : generations) read_generation(path, number, run);
-}
-
-std::optional<std::size_t> fittest(const std::vector<Entry>& robots) {
-  std::optional<std::size_t> best;
-  for (std::size_t k = 0; k < robots.size(); ++k)
-    if (robots[k].fitness && (!best || *robots[k].fitness > *robots[*best].fitness)) best = k;
-  return best;
 }
 
 // ---- the champion -----------------------------------------------------------------
 
-void read_training(const fs::path& folder, const std::string& id, Run& run) {
-  for (const fs::path& file :
-       {folder / "policies" / (id + ".policy.h5"), folder / "best.policy.h5"}) {
+void read_training(const RunFolder& folder, const std::string& id, Run& run) {
+  for (const fs::path& file : {folder.policy(id), folder.path() / "best.policy.h5"}) {
     if (!fs::exists(file)) continue;
     PolicyFile policy = read_policy(file);
     if (policy.robot.id != id) continue;
@@ -146,8 +57,8 @@ void read_training(const fs::path& folder, const std::string& id, Run& run) {
 }
 
 // The final files belong to the champion only if no better robot was found since.
-bool best_is(const fs::path& folder, const std::string& id) {
-  const fs::path best = folder / "best.json";
+bool best_is(const RunFolder& folder, const std::string& id) {
+  const fs::path best = folder.best();
   if (!fs::exists(best)) return false;
   const std::vector<Robot> robots = read_robots(best.string(), BodyCheck::any);
   return robots.size() == 1 && robots.front().id == id;
@@ -186,7 +97,14 @@ std::string Run::setting(const std::string& name) const {
   return "";
 }
 
-std::optional<std::size_t> Run::evaluations() const { return whole_number(setting("evaluations")); }
+std::optional<std::size_t> Run::evaluations() const {
+  const std::string text = setting("evaluations");
+  std::size_t value = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size())
+    return std::nullopt;
+  return value;
+}
 
 std::size_t Run::failures() const {
   return static_cast<std::size_t>(std::count_if(robots.begin(), robots.end(),
@@ -194,22 +112,16 @@ std::size_t Run::failures() const {
 }
 
 Run read_run(const fs::path& folder, double largest_video) {
-  if (!fs::exists(folder))
-    throw error(Failure::no_input, "{}: there is no such run folder", folder.string());
-  if (!fs::is_directory(folder))
-    throw error(Failure::data, "{}: a file, not a run folder", folder.string());
-  if (!fs::exists(folder / "run.yaml"))
-    throw error(Failure::data, "{}: a folder without run.yaml is not a run", folder.string());
+  const RunHistory history{RunFolder(folder)};
   Run run;
   run.label = full_path(folder).filename().string();
-  run.settings = read_settings(folder / "run.yaml");
-  read_generations(folder, run);
-  run.champion = fittest(run.robots);
+  run.settings = masked(history.folder().settings());
+  add_history(history, run);
   if (run.champion) {
     const std::string& id = run.robots[*run.champion].robot.id;
-    read_training(folder, id, run);
+    read_training(history.folder(), id, run);
     read_film(folder, id, run);
-    if (best_is(folder, id)) read_video(folder, largest_video, run);
+    if (best_is(history.folder(), id)) read_video(folder, largest_video, run);
   }
   return run;
 }

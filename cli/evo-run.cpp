@@ -1,0 +1,215 @@
+// evo-run: a run folder from the side of whoever drives it. Pipelines and
+// schedulers begin a run, train its slots by number, and ask how they stand.
+#include <wordexp.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <mutex>
+
+#include "cli/robots.h"
+#include "cli/training.h"
+#include "formats/run.h"
+#include "formats/training_log.h"
+
+namespace {
+
+using namespace evo;
+namespace fs = std::filesystem;
+
+struct Options {
+  int generation = 0;
+  std::vector<std::string> slots;
+};
+
+// ---- init -------------------------------------------------------------------------
+
+int init(const std::string& folder, std::vector<std::string> settings) {
+  RunFolder::create(folder, RunSettings::from_words(settings));
+  return 0;
+}
+
+// ---- train ------------------------------------------------------------------------
+
+// "7" and "3-8".
+std::vector<int> slot_numbers(const std::vector<std::string>& words) {
+  std::vector<int> numbers;
+  for (const std::string& word : words) {
+    int first = 0;
+    int last = 0;
+    const char* end = word.data() + word.size();
+    const auto head = std::from_chars(word.data(), end, first);
+    const bool is_range = head.ec == std::errc() && head.ptr != end && *head.ptr == '-';
+    const auto tail = is_range ? std::from_chars(head.ptr + 1, end, last) : head;
+    if (!is_range) last = first;
+    if (tail.ec != std::errc() || tail.ptr != end || first < 0 || last < first)
+      throw error(Failure::usage, "--slot: '{}' is neither a number from 0 nor a range like 3-8",
+                  word);
+    for (int k = first; k <= last; ++k) numbers.push_back(k);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  return numbers;
+}
+
+// A line of options as a shell splits it, quotes and variables included; nothing
+// is run.
+std::vector<std::string> shell_words(const std::string& line, const fs::path& folder) {
+  wordexp_t expansion{};
+  const int problem = ::wordexp(line.c_str(), &expansion, WRDE_NOCMD);
+  if (problem != 0)
+    throw error(Failure::data, "{}: train_options: a shell could not read: {}",
+                (folder / "run.yaml").string(), line);
+  std::vector<std::string> words(expansion.we_wordv, expansion.we_wordv + expansion.we_wordc);
+  ::wordfree(&expansion);
+  return words;
+}
+
+// The command line of evo-train that a run's settings stand for.
+std::vector<std::string> training_words(const RunFolder& run) {
+  const RunSettings& settings = run.settings();
+  std::vector<std::string> words{"evo-train"};
+  const auto give = [&](const char* option, const std::string& value) {
+    words.emplace_back(option);
+    words.push_back(value);
+  };
+  give("--task", settings.text("task"));
+  give("--steps", settings.text("steps"));
+  give("--algo", settings.text("algo"));
+  give("--train", settings.text("train"));
+  if (settings.text("physics") != "task") give("--physics", settings.text("physics"));
+  give("--seed", settings.text("seed"));
+  give("--failures", "skip");
+  give("--out-dir", run.policies().string());
+  give("--log-dir", run.logs().string());
+  words.emplace_back("--resume");
+  if (const std::string* more = settings.find("train_options"))
+    for (std::string& word : shell_words(*more, run.path())) words.push_back(std::move(word));
+  return words;
+}
+
+// A slot's file appears as soon as its robot is trained. Slots that have one are
+// left alone; a survivor's policy is there already, made with the same settings,
+// and gives its fitness back without a training.
+int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
+                const std::vector<int>& slots) {
+  std::vector<SlotAddress> addresses;
+  std::vector<Robot> robots;
+  for (const int slot : slots) {
+    const SlotAddress address{generation, slot};
+    if (fs::exists(run.slot(address))) continue;
+    addresses.push_back(address);
+    robots.push_back(run.robot(address));
+  }
+  if (robots.empty()) return 0;
+
+  std::vector<std::string> words = training_words(run);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  cli::Command command(words[0], "");
+  cli::TrainingOptions options;
+  options.add_to(command);
+  return command.run(static_cast<int>(arguments.size()), arguments.data(), [&] {
+    command.jobs = asked.jobs;
+    command.progress = asked.progress;
+    command.quiet |= asked.quiet;
+    std::mutex timing;
+    const int status =
+        cli::train_robots(command, options, robots, [&](const cli::Trained& trained) {
+          const SlotAddress& address = addresses[trained.index];
+          if (!trained.known) {
+            const std::lock_guard lock(timing);
+            run.add_timing({robots[trained.index].id, address, trained.started, trained.seconds,
+                            trained.steps, trained.robot.has_value()});
+          }
+          if (!trained.robot) return;
+          cli::RobotWriter out(run.slot(address).string());
+          out.write(*trained.robot);
+          out.finish();
+        });
+    if (status != 0)
+      fmt::print(stderr, "{}: interrupted; give the same command again to go on\n", asked.name());
+    return status;
+  });
+}
+
+int train(const cli::Command& command, const std::string& folder, const Options& options) {
+  const RunFolder run(folder);
+  std::vector<int> slots = slot_numbers(options.slots);
+  if (slots.empty())
+    for (int k = 0; k < run.population_size(options.generation); ++k) slots.push_back(k);
+  return train_slots(command, run, options.generation, slots);
+}
+
+// ---- slots ------------------------------------------------------------------------
+
+std::string state_word(SlotState state) {
+  switch (state) {
+    case SlotState::waiting:
+      return "waiting";
+    case SlotState::training:
+      return "training";
+    case SlotState::done:
+      return "done";
+    case SlotState::failed:
+      return "failed";
+  }
+  return "";
+}
+
+// What there is to say of a slot in its state: fitness, share done, why it failed.
+std::string detail(const SlotStatus& slot, const RunHistory& history) {
+  if (slot.state == SlotState::done)
+    return fmt::format("{}", *history.robots()[history.by_id().at(slot.robot)].fitness);
+  if (slot.state == SlotState::failed) return slot.why;
+  if (slot.state == SlotState::waiting) return "";
+  const double steps = history.folder().settings().number("steps");
+  return fmt::format(
+      "{:.2f}", read_training_log(history.folder().log(slot.robot)).step / std::max(1.0, steps));
+}
+
+int list_slots(const std::string& folder) {
+  const RunHistory history{RunFolder(folder)};
+  fmt::print("generation\tslot\trobot\tstate\tdetail\n");
+  for (const RunHistory::Generation& generation : history.generations())
+    for (const SlotStatus& slot : history.slots(generation))
+      fmt::print("{}\t{}\t{}\t{}\t{}\n", slot.address.generation, slot.address.slot, slot.robot,
+                 state_word(slot.state), detail(slot, history));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Command command("evo-run", "begins a run folder, trains its slots, says how they stand");
+  std::vector<std::string> words;
+  Options options;
+  command.arguments(words, "init RUN KEY=VALUE|train RUN|slots RUN",
+                    "init: begin a run with these settings, or make sure that it has them; train: "
+                    "the robots of a generation; slots: a table of all, with state and fitness, "
+                    "share done or what failed");
+  command.option("--generation", options.generation, "N", "whose slots to train");
+  command.option(
+      "--slot", options.slots, "K",
+      "train this one, or several as in 3-8 (repeatable); those done are left alone [all]");
+  command.jobs_option();
+  command.progress_option();
+  command.example("evo-run train runs/walker --generation 3 --slot $SLURM_ARRAY_TASK_ID -j1",
+                  "one robot of the fourth generation, as a job of a scheduler's array");
+  command.example("evo-run slots runs/walker | awk '$4 == \"failed\"'",
+                  "trainings that failed, with the reason");
+
+  return command.run(argc, argv, [&] {
+    const std::vector<std::string> verbs{"init", "train", "slots"};
+    if (words.empty()) throw error(Failure::usage, "one of {} is needed", fmt::join(verbs, ", "));
+    if (std::find(verbs.begin(), verbs.end(), words[0]) == verbs.end())
+      throw error(Failure::usage, "'{}' is none of {}{}", words[0], fmt::join(verbs, ", "),
+                  did_you_mean(words[0], verbs));
+    if (words.size() < 2) throw error(Failure::usage, "{}: name a run folder", words[0]);
+    const std::string folder = words[1];
+    if (words[0] == "init") return init(folder, {words.begin() + 2, words.end()});
+    if (words.size() > 2) throw error(Failure::usage, "{}: name one run folder", words[0]);
+    return words[0] == "train" ? train(command, folder, options) : list_slots(folder);
+  });
+}

@@ -1,0 +1,57 @@
+// What evo-train does: its options, and a controller for each robot. evo-run
+// trains the slots of a run with the same.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/command.h"
+#include "cli/task_options.h"
+#include "formats/robot.h"
+#include "libevo/control/settings.h"
+
+namespace evo::cli {
+
+struct TrainingOptions {
+  TaskOptions task;
+  std::string profile = "default";
+  std::vector<std::string> set;
+  std::optional<std::string> algorithm;
+  std::optional<std::string> steps;
+  std::string out_dir = ".";
+  std::optional<std::string> log_dir;
+  std::optional<std::string> curve;
+  int checkpoint_every = 100'000;
+  std::optional<int> final_episodes;
+  std::optional<double> jitter;
+  bool resume = false;
+  bool force = false;
+  std::string failures = "stop";
+
+  // All of them, --seed, --output, --jobs and --progress included.
+  void add_to(Command& command);
+  // The profile with what the options change. Throws Error(usage).
+  TrainingSettings settings() const;
+};
+
+// How a training went in this process.
+struct Trained {
+  std::size_t index = 0;       // of the robot, in the order given
+  std::optional<Robot> robot;  // with fitness or failure; nothing: interrupted
+  bool known = false;          // trained before with the same settings, not now
+  std::int64_t started = 0;    // seconds since 1970
+  double seconds = 0.0;
+  std::int64_t steps = 0;  // environment steps taken
+};
+
+// Trains the robots on `command.jobs` threads and hands over each as it ends, in
+// any order, from several threads. Returns the exit status: 0, or 128 + the signal
+// that interrupted, which the caller tells. Throws the first Error, naming its robot.
+int train_robots(const Command& command, const TrainingOptions& options,
+                 const std::vector<Robot>& robots,
+                 const std::function<void(const Trained&)>& ended);
+
+}  // namespace evo::cli

@@ -1,0 +1,399 @@
+#include "formats/run.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <climits>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
+#include "formats/files.h"
+#include "formats/yaml.h"
+
+namespace evo {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* format = "evo/run";
+constexpr int newest_version = 1;
+constexpr const char* settings_name = "run.yaml";
+constexpr std::string_view generation_prefix = "gen-";
+constexpr std::string_view slot_suffix = ".json";
+
+std::optional<int> whole_number(std::string_view text) {
+  int value = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (result.ec != std::errc() || result.ptr != text.data() + text.size() || value < 0)
+    return std::nullopt;
+  return value;
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure)
+    throw error(Failure::cannot_create, "{}: cannot make this folder: {}", folder.string(),
+                failure.message());
+}
+
+// The numbers of a folder's entries that are named prefix, number, suffix; sorted.
+std::vector<int> numbered(const fs::path& folder, std::string_view prefix,
+                          std::string_view suffix) {
+  std::vector<int> numbers;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix) || !name.ends_with(suffix)) continue;
+    const std::string_view middle =
+        std::string_view(name).substr(prefix.size(), name.size() - prefix.size() - suffix.size());
+    if (const auto number = whole_number(middle)) numbers.push_back(*number);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+// ---- settings -----------------------------------------------------------------
+
+constexpr const char* quoted_setting = "train_options";  // always, as it always was
+
+// A value that YAML gives back as it is without quotes.
+bool is_plain(const std::string& value) {
+  if (value.empty()) return true;
+  constexpr std::string_view indicators = "?:,[]{}#&*!|>'\"%@` ";
+  const bool is_item = value[0] == '-' && (value.size() == 1 || value[1] == ' ');
+  return !is_item && indicators.find(value.front()) == std::string_view::npos &&
+         value.back() != ' ' && value.back() != ':' && value.find(": ") == std::string::npos &&
+         value.find(" #") == std::string::npos && value != "~" && value != "null";
+}
+
+std::string quoted(const std::string& value) {
+  std::string text = "'";
+  for (const char c : value) text += c == '\'' ? std::string("''") : std::string(1, c);
+  return text + "'";
+}
+
+void check_format(const YamlNode& key, const YamlNode& value) {
+  if (key.string() == "format" && value.string() != format)
+    throw value.error(fmt::format("{} is not the format of a run, {}", value.found(), format));
+  if (key.string() == "version" && value.integer(1) > newest_version)
+    throw value.error(fmt::format("version {} of {} is newer than this program's {}",
+                                  value.integer(), format, newest_version));
+}
+
+std::string shown(const RunSettings& settings, const std::string& name) {
+  const std::string* value = settings.find(name);
+  return value == nullptr ? "no " + name
+                          : fmt::format("{}: {}", name, value->empty() ? "''" : *value);
+}
+
+// "steps: 4096 there, steps: 8192 asked for; ..."; empty if none.
+std::string differences(const RunSettings& there, const RunSettings& asked) {
+  std::vector<std::string> names;
+  for (const auto* settings : {&there, &asked})
+    for (const RunSetting& setting : settings->list())
+      if (std::find(names.begin(), names.end(), setting.name) == names.end())
+        names.push_back(setting.name);
+  std::string text;
+  for (const std::string& name : names) {
+    const std::string* one = there.find(name);
+    const std::string* other = asked.find(name);
+    if (one != nullptr && other != nullptr && *one == *other) continue;
+    text += fmt::format("{}{} there, {} asked for", text.empty() ? "" : "; ", shown(there, name),
+                        shown(asked, name));
+  }
+  return text;
+}
+
+Layout layout_of(const RunSettings& settings, const fs::path& file) {
+  const std::string* layout = settings.find("layout");
+  if (layout != nullptr && *layout != "generations")
+    throw error(Failure::data, "{}: {}", file.string(),
+                unknown_name("layout of a run", *layout, {"generations"}));
+  return Layout::generations;
+}
+
+// ---- timings --------------------------------------------------------------------
+
+std::string this_machine() {
+  std::array<char, HOST_NAME_MAX + 1> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "unknown";
+  return name.data();
+}
+
+std::ifstream open_population(const fs::path& file) {
+  std::ifstream lines(file);
+  if (!lines)
+    throw error(Failure::no_input, "{}: this generation has no population yet", file.string());
+  return lines;
+}
+
+std::string why_failed(const Robot& robot) {
+  const auto failure = robot.document.find("failure");
+  if (failure == robot.document.end() || !failure->is_object()) return "no fitness";
+  const auto why = failure->find("why");
+  return why != failure->end() && why->is_string() ? why->get<std::string>() : "failed";
+}
+
+}  // namespace
+
+// ---- RunSettings --------------------------------------------------------------------
+
+RunSettings RunSettings::from_words(const std::vector<std::string>& words) {
+  RunSettings settings;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    const bool is_name =
+        !name.empty() &&
+        name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_0123456789") == std::string::npos;
+    if (equals == std::string::npos || !is_name || name == "format" || name == "version")
+      throw error(Failure::usage, "'{}' is not a setting KEY=VALUE, such as task=Walker-v0", word);
+    if (settings.find(name) != nullptr)
+      throw error(Failure::usage, "the setting '{}' is given twice", name);
+    if (word.find('\n') != std::string::npos)
+      throw error(Failure::usage, "the setting '{}' has more than one line", name);
+    settings.list_.push_back({name, word.substr(equals + 1)});
+  }
+  return settings;
+}
+
+RunSettings RunSettings::read(const fs::path& file) {
+  const YamlNode document = YamlNode::parse(read_file(file), file.string());
+  if (!document.is_mapping()) throw document.error("a run's settings are a mapping");
+  RunSettings settings;
+  settings.file_ = file.string();
+  bool has_format = false;
+  for (const auto& [key, value] : document.entries()) {
+    const std::string name = key.string();
+    has_format |= name == "format";
+    check_format(key, value);
+    if (name == "format" || name == "version") continue;
+    const bool has_text = value.is_scalar() && !value.is_null() && value.found() != "''";
+    settings.list_.push_back({name, has_text ? value.string() : ""});
+  }
+  if (!has_format)
+    throw document.error(fmt::format("no 'format: {}'; this is not a run's settings", format));
+  return settings;
+}
+
+const std::string* RunSettings::find(const std::string& name) const {
+  for (const RunSetting& setting : list_)
+    if (setting.name == name) return &setting.value;
+  return nullptr;
+}
+
+const std::string& RunSettings::text(const std::string& name) const {
+  const std::string* value = find(name);
+  if (value == nullptr) throw error(Failure::data, "{}: '{}' is missing", file_, name);
+  return *value;
+}
+
+int RunSettings::number(const std::string& name) const {
+  const auto value = whole_number(text(name));
+  if (!value) throw error(Failure::data, "{}: '{}' is not a number of {}", file_, text(name), name);
+  return *value;
+}
+
+std::string RunSettings::to_yaml() const {
+  std::string text = fmt::format("format: {}\nversion: {}\n", format, newest_version);
+  for (const auto& [name, value] : list_)
+    text += fmt::format("{}: {}\n", name,
+                        is_plain(value) && name != quoted_setting ? value : quoted(value));
+  return text;
+}
+
+// ---- RunFolder ----------------------------------------------------------------------
+
+RunFolder::RunFolder(fs::path path, RunSettings settings)
+    : path_(std::move(path)),
+      settings_(std::move(settings)),
+      layout_(layout_of(settings_, path_ / settings_name)) {}
+
+RunFolder::RunFolder(fs::path path) : path_(std::move(path)) {
+  if (!fs::exists(path_))
+    throw error(Failure::no_input, "{}: there is no such run folder", path_.string());
+  if (!fs::is_directory(path_))
+    throw error(Failure::data, "{}: a file, not a run folder", path_.string());
+  const fs::path file = path_ / settings_name;
+  if (!fs::exists(file))
+    throw error(Failure::data, "{}: a folder without {} is not a run", path_.string(),
+                settings_name);
+  settings_ = RunSettings::read(file);
+  layout_ = layout_of(settings_, file);
+}
+
+RunFolder RunFolder::create(const fs::path& path, const RunSettings& settings) {
+  RunFolder run(path, settings);
+  for (const fs::path& folder : {run.policies(), run.logs(), run.timings()}) make_folder(folder);
+  const fs::path file = path / settings_name;
+  if (!fs::exists(file)) {
+    write_file(file, settings.to_yaml());
+    return run;
+  }
+  const std::string difference = differences(RunSettings::read(file), settings);
+  if (!difference.empty())
+    throw error(Failure::cannot_create,
+                "{} belongs to a run with other settings ({}); choose another folder or the same "
+                "settings",
+                path.string(), difference);
+  return run;
+}
+
+fs::path RunFolder::generation(int number) const {
+  return path_ / fmt::format("{}{:03}", generation_prefix, number);
+}
+
+fs::path RunFolder::slot(SlotAddress address) const {
+  return generation(address.generation) / fmt::format("{:02}{}", address.slot, slot_suffix);
+}
+
+std::vector<int> RunFolder::generations() const { return numbered(path_, generation_prefix, ""); }
+
+std::vector<int> RunFolder::trained_slots(int generation_number) const {
+  return numbered(generation(generation_number), "", slot_suffix);
+}
+
+Robot RunFolder::robot(SlotAddress address) const {
+  const fs::path file = population(address.generation);
+  std::ifstream lines = open_population(file);
+  std::string line;
+  for (int k = 0; std::getline(lines, line); ++k)
+    if (k == address.slot)
+      return parse_robots(line, fmt::format("{}: slot {}", file.string(), k)).at(0);
+  throw error(Failure::usage, "{}: there is no slot {}; generation {} has {}", file.string(),
+              address.slot, address.generation, population_size(address.generation));
+}
+
+int RunFolder::population_size(int generation_number) const {
+  std::ifstream lines = open_population(population(generation_number));
+  return static_cast<int>(std::count(std::istreambuf_iterator<char>(lines), {}, '\n'));
+}
+
+// One write() to a file opened for appending stays in one piece between the
+// processes of a machine, on network file systems, too.
+void RunFolder::add_timing(const Timing& timing) const {
+  make_folder(timings());
+  const fs::path file = timings() / (this_machine() + ".jsonl");
+  const Json line = {{"robot", timing.robot},      {"generation", timing.slot.generation},
+                     {"slot", timing.slot.slot},   {"started", timing.started},
+                     {"seconds", timing.seconds},  {"steps", timing.steps},
+                     {"finished", timing.finished}};
+  const std::string text = line.dump() + "\n";
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (descriptor < 0)
+    throw error(Failure::cannot_create, "{}: cannot be created: {}", file.string(),
+                std::generic_category().message(errno));
+  const ssize_t written = ::write(descriptor, text.data(), text.size());
+  const int code = errno;
+  ::close(descriptor);
+  if (written != static_cast<ssize_t>(text.size()))
+    throw error(Failure::io, "{}: cannot be written: {}", file.string(),
+                std::generic_category().message(code));
+}
+
+// ---- RunHistory ----------------------------------------------------------------------
+
+RunHistory::RunHistory(RunFolder folder) : folder_(std::move(folder)) { update(); }
+
+void RunHistory::update() {
+  for (const int number : folder_.generations()) {
+    auto found =
+        std::lower_bound(generations_.begin(), generations_.end(), number,
+                         [](const Generation& known, int wanted) { return known.number < wanted; });
+    if (found == generations_.end() || found->number != number)
+      found = generations_.insert(found, {number, false, {}, {}});
+    if (!found->finished) read_generation(*found);
+  }
+  read_timings();
+}
+
+// Asked whether it is finished before its files are listed: none is missed.
+void RunHistory::read_generation(Generation& generation) {
+  generation.finished = fs::exists(folder_.ranking(generation.number));
+  if (const fs::path file = folder_.population(generation.number);
+      generation.population.empty() && fs::exists(file)) {
+    for (const Robot& robot : read_robots(file.string(), BodyCheck::any))
+      generation.population.push_back(robot.id);
+    generation.slots.resize(std::max(generation.slots.size(), generation.population.size()));
+  }
+  const auto is_known = [&](std::size_t slot) {
+    return slot < generation.slots.size() && generation.slots[slot];
+  };
+  if (const fs::path scores = folder_.scores(generation.number); fs::exists(scores)) {
+    std::vector<Robot> robots = read_robots(scores.string(), BodyCheck::any);
+    for (std::size_t slot = 0; slot < robots.size(); ++slot)
+      if (!is_known(slot)) add(generation, slot, std::move(robots[slot]));
+    return;
+  }
+  for (const int slot : folder_.trained_slots(generation.number)) {
+    if (is_known(static_cast<std::size_t>(slot))) continue;
+    const fs::path file = folder_.slot({generation.number, slot});
+    std::vector<Robot> robots = read_robots(file.string(), BodyCheck::any);
+    if (robots.size() != 1)
+      throw error(Failure::data, "{}: one robot is expected, {} are there", file.string(),
+                  robots.size());
+    add(generation, static_cast<std::size_t>(slot), std::move(robots.front()));
+  }
+}
+
+void RunHistory::add(Generation& generation, std::size_t slot, Robot robot) {
+  if (slot >= generation.slots.size()) generation.slots.resize(slot + 1);
+  const auto [known, is_new] = by_id_.emplace(robot.id, robots_.size());
+  generation.slots[slot] = known->second;
+  if (!is_new) return;
+  TrainedRobot trained{std::move(robot), generation.number, std::nullopt, {}};
+  trained.fitness = trained.robot.fitness();
+  if (!trained.fitness) trained.failure = why_failed(trained.robot);
+  if (trained.fitness && (!champion_ || *trained.fitness > *robots_[*champion_].fitness))
+    champion_ = robots_.size();
+  robots_.push_back(std::move(trained));
+}
+
+// Whole lines after what was read before; a line being written waits for its end.
+void RunHistory::read_timings() {
+  if (!fs::exists(folder_.timings())) return;
+  for (const auto& entry : fs::directory_iterator(folder_.timings())) {
+    std::ifstream file(entry.path(), std::ios::binary);
+    std::uintmax_t& read = timings_read_[entry.path().filename().string()];
+    file.seekg(static_cast<std::streamoff>(read));
+    for (std::string line; std::getline(file, line) && !file.eof();) {
+      read += line.size() + 1;
+      const Json timing = Json::parse(line, nullptr, false);
+      if (!timing.is_object() || !timing.contains("seconds")) continue;
+      seconds_ += timing.value("seconds", 0.0);
+      timed_ += timing.value("finished", false) ? 1 : 0;
+    }
+  }
+}
+
+std::optional<double> RunHistory::seconds_each() const {
+  return timed_ > 0 ? std::optional(seconds_ / static_cast<double>(timed_)) : std::nullopt;
+}
+
+std::vector<SlotStatus> RunHistory::slots(const Generation& generation) const {
+  std::vector<SlotStatus> list;
+  for (std::size_t k = 0; k < generation.slots.size(); ++k) {
+    SlotStatus status;
+    status.address = {generation.number, static_cast<int>(k)};
+    if (const auto& index = generation.slots[k]) {
+      const TrainedRobot& trained = robots_[*index];
+      status.robot = trained.robot.id;
+      status.state = trained.fitness ? SlotState::done : SlotState::failed;
+      status.why = trained.failure;
+    } else if (k < generation.population.size()) {
+      status.robot = generation.population[k];
+      // A survivor has a log of its first generation, and waits to be copied.
+      const bool begun = !by_id_.contains(status.robot) && fs::exists(folder_.log(status.robot));
+      status.state = begun ? SlotState::training : SlotState::waiting;
+    }
+    list.push_back(std::move(status));
+  }
+  return list;
+}
+
+}  // namespace evo

@@ -1,0 +1,84 @@
+# evo-run: what a scheduler's array needs of a run folder.
+load helpers
+
+settings=(method=ga task=Walker-v0 population=3 evaluations=3 steps=4096 seed=1 shape=3x3 algo=ppo train=default physics=task)
+
+begin() { evo-run init run "${settings[@]}" "$@"; }
+populate() { mkdir -p run/gen-000 && evo-sample -n 3 --shape 3x3 --seed 1 -o run/gen-000/population.jsonl; }
+
+@test "init: the same settings go on, others are refused, what is no setting too" {
+  begin train_options=
+  cp run/run.yaml before
+  begin train_options=
+  cmp before run/run.yaml
+  fails_with 73 "other settings" "seed: 1 there, seed: 2 asked for" -- \
+    evo-run init run "${settings[@]/seed=1/seed=2}" train_options=
+  cmp before run/run.yaml
+  fails_with 2 "Seed" -- evo-run init other Seed=1
+  [ ! -e other ]
+}
+
+@test "train: a slot, then those that are left, as evo-train does" {
+  begin train_options="--train-set 'hidden=8,8'"
+  fails_with 66 "no population" -- evo-run train run --slot 0
+  populate
+  evo-run train run --generation 0 --slot 01
+  [ "$(cd run/gen-000 && echo ??.json)" = 01.json ]
+  mkdir policies
+  sed -n 2p run/gen-000/population.jsonl |
+    evo-train --task Walker-v0 --steps 4096 --seed 1 --train-set hidden=8,8 --out-dir policies > /dev/null
+  cmp policies/*.policy.h5 run/policies/"$(jq -r .id run/gen-000/01.json)".policy.h5
+  evo-eval run/gen-000/01.json | jq -e ".fitness == $(jq .fitness run/gen-000/01.json)"
+  cp run/gen-000/01.json before
+  evo-run train run -j2
+  cmp before run/gen-000/01.json
+  [ "$(cat run/gen-000/*.json | jq -r .id)" = "$(jq -r .id run/gen-000/population.jsonl)" ]
+  # Three trainings, each with its time; the one that was done was not timed again.
+  [ "$(cat run/timings/*.jsonl | jq -s 'map(select(.finished and .seconds > 0 and .steps == 4096)) | length')" -eq 3 ]
+  evo-run train run --slot 0-2
+  [ "$(cat run/timings/*.jsonl | wc -l)" -eq 3 ]
+  fails_with 2 "no slot 7" -- evo-run train run --slot 7
+  fails_with 2 "3-x" -- evo-run train run --slot 3-x
+}
+
+@test "train: interrupted, it says how to go on and ends with the same bytes" {
+  settings=("${settings[@]/steps=4096/steps=65536}")
+  begin train_options="--checkpoint-every 8192"
+  populate
+  evo-run train run --slot 0 && cp run/gen-000/00.json calm.json && cp run/policies/*.policy.h5 calm.h5
+  rm run/gen-000/00.json run/policies/* run/timings/*
+  run --separate-stderr timeout --preserve-status -s TERM 0.7 evo-run train run --slot 0
+  if [ "$status" -ne 0 ]; then
+    [ "$status" -eq 143 ]
+    [[ $stderr == *"evo-run"*"same command again"* ]]
+    [ ! -e run/gen-000/00.json ]
+    cat run/timings/*.jsonl | jq -e '.finished | not'
+  fi
+  evo-run train run --slot 0
+  cmp calm.json run/gen-000/00.json
+  cmp calm.h5 run/policies/*.policy.h5
+  [ "$(cat run/timings/*.jsonl | jq -s 'map(.steps) | add')" -eq 65536 ]
+}
+
+@test "slots: waiting, done and failed, and evo-inspect knows the time" {
+  begin train_options=
+  populate
+  evo-run train run --slot 2
+  [ "$(evo-run slots run | cut -f 4 | tr '\n' ' ')" = "state waiting waiting done " ]
+  [ "$(evo-run slots run | awk '$2 == 2 { print $5 }')" = "$(jq .fitness run/gen-000/02.json)" ]
+  evo-inspect run | grep -q '^training .* a robot on average'
+  evo-run init bad "${settings[@]}" train_options="--train-set learning_rate=1e30"
+  cp -r run/gen-000 bad/ && rm bad/gen-000/02.json
+  evo-run train bad
+  [ "$(evo-run slots bad | awk -F'\t' '$4 == "failed" && $5 != ""' | wc -l)" -eq 3 ]
+}
+
+@test "train: options that a shell could not split are refused, and nothing is run" {
+  begin train_options="--train-set 'hidden=8"
+  populate
+  fails_with 65 "run.yaml" "train_options" -- evo-run train run --slot 0
+  evo-run init two "${settings[@]}" train_options='$(touch here)'
+  cp -r run/gen-000 two/
+  fails_with 65 "train_options" -- evo-run train two --slot 0
+  [ ! -e here ]
+}

@@ -1,0 +1,237 @@
+#include "formats/run.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "formats/files.h"
+#include "formats/training_log.h"
+#include "tests/unit/formats/scratch.h"
+
+using namespace evo;
+
+namespace {
+
+const std::vector<std::string> words{"method=ga",
+                                     "task=Walker-v0",
+                                     "population=2",
+                                     "evaluations=4",
+                                     "steps=1000",
+                                     "physics=task",
+                                     "mutate_options=--rate 0.2",
+                                     "none=",
+                                     "train_options=--train-set 'hidden=8,8'"};
+
+Robot robot(const std::vector<std::string>& rows) { return Robot(Body::from_rows(rows)); }
+
+Robot scored(const std::vector<std::string>& rows, double fitness) {
+  Robot result = robot(rows);
+  result.document["fitness"] = fitness;
+  return result;
+}
+
+Robot failed(const std::vector<std::string>& rows) {
+  Robot result = robot(rows);
+  result.document["fitness"] = nullptr;
+  result.document["failure"] = {{"why", "diverged"}};
+  return result;
+}
+
+void write_robots(const std::filesystem::path& file, const std::vector<Robot>& robots) {
+  std::filesystem::create_directories(file.parent_path());
+  std::string text;
+  for (const Robot& robot : robots) text += robot_to_line(robot) + "\n";
+  write_file(file, text);
+}
+
+}  // namespace
+
+TEST_CASE("a run's settings are written as they always were, and read back") {
+  const RunSettings settings = RunSettings::from_words(words);
+  const std::string text = settings.to_yaml();
+  CHECK(text ==
+        "format: evo/run\nversion: 1\nmethod: ga\ntask: Walker-v0\npopulation: 2\nevaluations: 4\n"
+        "steps: 1000\nphysics: task\nmutate_options: --rate 0.2\nnone: \n"
+        "train_options: '--train-set ''hidden=8,8'''\n");
+  const test::ScratchFolder scratch;
+  const auto file = scratch.path() / "run.yaml";
+  write_file(file, text);
+  CHECK(RunSettings::read(file).list() == settings.list());
+  CHECK(RunSettings::read(file).number("steps") == 1000);
+}
+
+TEST_CASE("values that YAML would take for something else come back as they were") {
+  const test::ScratchFolder scratch;
+  const auto file = scratch.path() / "run.yaml";
+  for (const std::string& value :
+       {"--rate 0.2", "a: b", "# c", "x #y", "[1]", "~", "null", " padded ", "it's",  "'",
+        "-",          "a:",   "1e3", "true", "{a}", "*", "%",    "@",        "a\\nb", "\"q\""}) {
+    const RunSettings settings =
+        RunSettings::from_words({"key=" + value, "train_options=" + value});
+    write_file(file, settings.to_yaml());
+    INFO(settings.to_yaml());
+    CHECK(RunSettings::read(file).list() == settings.list());
+  }
+}
+
+TEST_CASE("words that are no settings are refused") {
+  for (const char* word : {"task", "=x", "Task=x", "version=2", "a b=1"})
+    CHECK_THAT(test::error_of(Failure::usage, [&] { RunSettings::from_words({word}); }),
+               Catch::Contains("is not a setting"));
+  CHECK_THAT(test::error_of(Failure::usage,
+                            [] {
+                              RunSettings::from_words({"a=1", "a=2"});
+                            }),
+             Catch::Contains("twice"));
+  CHECK_THAT(test::error_of(Failure::usage, [] { RunSettings::from_words({"a=1\n2"}); }),
+             Catch::Contains("one line"));
+}
+
+TEST_CASE("a run is begun once; other settings are refused with what differs") {
+  const test::ScratchFolder scratch;
+  const auto path = scratch.path() / "run";
+  RunFolder::create(path, RunSettings::from_words(words));
+  const std::string text = read_file(path / "run.yaml");
+  RunFolder::create(path, RunSettings::from_words(words));
+  std::vector<std::string> others = words;
+  others[4] = "steps=2000";
+  others.push_back("extra=1");
+  CHECK_THAT(test::error_of(Failure::cannot_create,
+                            [&] { RunFolder::create(path, RunSettings::from_words(others)); }),
+             Catch::Contains(
+                 "(steps: 1000 there, steps: 2000 asked for; no extra there, extra: 1 asked for)"));
+  CHECK(read_file(path / "run.yaml") == text);
+}
+
+TEST_CASE("what is no run, or of a newer program, is refused") {
+  const test::ScratchFolder scratch;
+  const auto path = scratch.path() / "run";
+  CHECK_THAT(test::error_of(Failure::no_input, [&] { RunFolder{path}; }),
+             Catch::Contains("no such run folder"));
+  std::filesystem::create_directories(path);
+  CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
+             Catch::Contains("without run.yaml"));
+  write_file(path / "run.yaml", "task: Walker-v0\n");
+  CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
+             Catch::Contains("no 'format: evo/run'"));
+  write_file(path / "run.yaml", "format: evo/run\nversion: 2\n");
+  CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }), Catch::Contains("newer"));
+  write_file(path / "run.yaml", "format: evo/run\nversion: 1\nlayout: spiral\n");
+  CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
+             Catch::Contains("unknown layout of a run 'spiral'"));
+}
+
+TEST_CASE("a slot's robot is a line of the population") {
+  const test::ScratchFolder scratch;
+  const RunFolder run = RunFolder::create(scratch.path() / "run", RunSettings::from_words(words));
+  CHECK_THAT(test::error_of(Failure::no_input,
+                            [&] {
+                              run.robot({0, 0});
+                            }),
+             Catch::Contains("no population yet"));
+  write_robots(run.population(0), {robot({"HV"}), robot({"VH"})});
+  CHECK(run.population_size(0) == 2);
+  CHECK(run.robot({0, 1}).id == robot({"VH"}).id);
+  CHECK_THAT(test::error_of(Failure::usage,
+                            [&] {
+                              run.robot({0, 2});
+                            }),
+             Catch::Contains("generation 0 has 2"));
+  CHECK(run.slot({3, 7}) == scratch.path() / "run/gen-003/07.json");
+  CHECK(run.slot({1000, 123}) == scratch.path() / "run/gen-1000/123.json");
+}
+
+TEST_CASE("a history follows a run while it grows") {
+  const test::ScratchFolder scratch;
+  const RunFolder run = RunFolder::create(scratch.path() / "run", RunSettings::from_words(words));
+  RunHistory history(run);
+  CHECK(history.robots().empty());
+  CHECK(history.champion() == nullptr);
+  CHECK_FALSE(history.seconds_each());
+
+  const std::vector<std::string> one{"HV"}, two{"VH"}, three{"HH"};
+  write_robots(run.population(0), {robot(one), robot(two)});
+  write_robots(run.slot({0, 1}), {scored(two, 2.0)});
+  write_file(run.log(robot(one).id), "# evo-train, Walker-v0\n");
+  run.add_timing({robot(two).id, {0, 1}, 1'700'000'000, 2.5, 1000, true});
+  history.update();
+  REQUIRE(history.generations().size() == 1);
+  auto slots = history.slots(history.generations()[0]);
+  REQUIRE(slots.size() == 2);
+  CHECK(slots[0].state == SlotState::training);
+  CHECK(slots[1].state == SlotState::done);
+  CHECK(history.seconds() == 2.5);
+
+  write_robots(run.slot({0, 0}), {failed(one)});
+  write_robots(run.scores(0), {failed(one), scored(two, 2.0)});
+  write_file(run.ranking(0), "");
+  write_robots(run.population(1), {robot(two), robot(three)});
+  run.add_timing({robot(one).id, {0, 0}, 1'700'000'000, 0.5, 100, false});
+  run.add_timing({robot(one).id, {0, 0}, 1'700'000'000, 1.0, 200, true});
+  history.update();
+  REQUIRE(history.generations().size() == 2);
+  CHECK(history.generations()[0].finished);
+  slots = history.slots(history.generations()[0]);
+  CHECK(slots[0].state == SlotState::failed);
+  CHECK(slots[0].why == "diverged");
+  // A survivor was trained before: its log does not say that it is trained now.
+  slots = history.slots(history.generations()[1]);
+  CHECK(slots[0].state == SlotState::waiting);
+  CHECK(slots[1].state == SlotState::waiting);
+  CHECK(history.seconds() == 4.0);
+  CHECK(history.seconds_each() == 2.0);
+
+  write_robots(run.slot({1, 0}), {scored(two, 2.0)});
+  write_robots(run.slot({1, 1}), {scored(three, 3.0)});
+  history.update();
+  CHECK(history.robots().size() == 3);
+  CHECK(history.champion()->robot.id == robot(three).id);
+  CHECK(history.champion()->generation == 1);
+  CHECK(history.robots()[history.by_id().at(robot(two).id)].generation == 0);
+  // Read all at once it is the same, in the order of slots.
+  const RunHistory again(run);
+  CHECK(again.robots().size() == 3);
+  CHECK(again.robots()[0].robot.id == robot(one).id);
+  CHECK(again.seconds() == 4.0);
+}
+
+TEST_CASE("a timing that is being written is read when it is whole") {
+  const test::ScratchFolder scratch;
+  const RunFolder run = RunFolder::create(scratch.path() / "run", RunSettings::from_words(words));
+  const auto file = run.timings() / "another.jsonl";
+  write_file(file, "{\"seconds\": 1.5, \"finished\": true}\n{\"sec");
+  RunHistory history(run);
+  CHECK(history.seconds() == 1.5);
+  std::ofstream(file, std::ios::app) << "onds\": 2.0, \"finished\": true}\n";
+  history.update();
+  CHECK(history.seconds() == 3.5);
+}
+
+TEST_CASE("a training's log says how far it is, restarts included") {
+  const test::ScratchFolder scratch;
+  const auto file = scratch.path() / "a.log";
+  CHECK(read_training_log(file).step == 0.0);
+  TrainingReport report;
+  report.step = 1024;
+  report.metrics = {{"eval/return", 0.5}, {"eval/best", 0.75}, {"losses/eval/return", 9.0}};
+  {
+    TrainingLog log(file);
+    log.begin("tool", "Walker-v0", false);
+    log.line(report, 1e4);
+  }
+  CHECK(read_file(file) ==
+        "# tool, Walker-v0\ncharts/global_step 1024\tcharts/SPS 10000\teval/return 0.5\t"
+        "eval/best 0.75\tlosses/eval/return 9\n");
+  {
+    TrainingLog log(file);
+    log.begin("tool", "Walker-v0", true);
+    report.step = 2048;
+    log.line(report, 1e4);
+    log.end(3.0);
+  }
+  LoggedTraining logged = read_training_log(file);
+  CHECK(logged.step == 2048.0);
+  CHECK(logged.best == 0.75);
+  CHECK(logged.evaluations == std::vector<double>{0.5, 0.5});
+  TrainingLog(file).begin("tool", "Walker-v0", false);
+  CHECK(read_training_log(file).evaluations.empty());
+}

@@ -1,5 +1,5 @@
-# Shared by the command-line tests. CMake sets EVO_BIN (the tools), EVO_SOURCE
-# (the checkout) and runs each file in a folder of its own.
+# Shared by the command-line tests. CMake sets EVO_BIN (the tools), EVO_BUILD and
+# EVO_SOURCE (the checkout) and runs each file in a folder of its own.
 bats_require_minimum_version 1.5.0
 export PATH="$EVO_BIN:$PATH"
 unset MAKELEVEL MAKEFLAGS

@@ -155,3 +155,13 @@ kill_and_repeat() {
   [ ! -s lines ]
   fails_with 65 "run.yaml" -- evo-inspect --watch "$BATS_TEST_TMPDIR"
 }
+
+@test "an installation has every file that the pipelines name" {
+  cmake --install "$EVO_BUILD" --prefix "$PWD/there" > /dev/null
+  cd there/share/evo/scripts
+  local name
+  for name in $(grep -ho '$(SCRIPTS)[a-z]*\.[a-z]*' ./*.mk | sed 's/^$(SCRIPTS)//') evolve.mk; do
+    [ -e "$name" ] || { echo "$name is not installed" >&2; return 1; }
+  done
+  [ -e compare.gnuplot ]
+}

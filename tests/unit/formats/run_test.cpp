@@ -62,7 +62,7 @@ TEST_CASE("a run's settings are written as they always were, and read back") {
 TEST_CASE("values that YAML would take for something else come back as they were") {
   const test::ScratchFolder scratch;
   const auto file = scratch.path() / "run.yaml";
-  for (const std::string& value :
+  for (const std::string value :
        {"--rate 0.2", "a: b", "# c", "x #y", "[1]", "~", "null", " padded ", "it's",  "'",
         "-",          "a:",   "1e3", "true", "{a}", "*", "%",    "@",        "a\\nb", "\"q\""}) {
     const RunSettings settings =

@@ -15,7 +15,7 @@
 #include <sstream>
 
 #include "libevo/base/parallel.h"
-#include "libevo/sim/state.h"
+#include "libevo/sim/isa.h"
 #include "version.h"
 
 namespace evo::cli {

@@ -18,6 +18,8 @@
 #include "formats/task.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
+#include "libevo/sim/batch.h"
+#include "libevo/sim/isa.h"
 #include "libevo/task/env.h"
 
 namespace {
@@ -116,6 +118,7 @@ class Runner {
 
   void step() {
     envs_.step(actions_[static_cast<std::size_t>(turn_++ % action_sets)]);
+    require_stable(envs_);
     for (int i = 0; i < envs_.environments(); ++i) {
       const auto e = static_cast<std::size_t>(i);
       if (envs_.terminated()[e] || envs_.truncated()[e]) reset(i);
@@ -225,8 +228,9 @@ std::vector<std::string> isas(const std::string& text) {
 
 // ---- compiling and memory ----------------------------------------------------------
 
-constexpr int builds = 20;            // of which the quickest counts
-constexpr int steps_to_settle = 200;  // until contact lists have their size
+constexpr int builds = 20;                  // of which the quickest counts
+constexpr int steps_to_settle = 200;        // until contact lists have their size
+constexpr std::size_t lanes_of_memory = 8;  // that share the arrays they are stepped in
 
 void describe_model(const Subject& subject, bool json) {
   double build = HUGE_VAL;
@@ -236,16 +240,17 @@ void describe_model(const Subject& subject, bool json) {
     build = std::min(build, seconds_used() - start);
   }
   const Arena arena(subject.task, subject.body);
-  State state = initial_state(arena.model());
-  Lane lane{&arena.model(), &state};
+  Batch batch(lanes_of_memory);
   Stream random(subject.seed, "bench/targets");
   const Physics& physics = arena.task().physics;
+  for (std::size_t lane = 0; lane < batch.lanes(); ++lane) batch.place(lane, arena.model());
   for (int t = 0; t < steps_to_settle; ++t) {
-    for (double& target : state.targets)
-      target = physics.min_target + (physics.max_target - physics.min_target) * random.uniform();
-    step({&lane, 1});
+    for (std::size_t lane = 0; lane < batch.lanes(); ++lane)
+      for (double& target : batch.targets(lane))
+        target = physics.min_target + (physics.max_target - physics.min_target) * random.uniform();
+    batch.step();
   }
-  const std::size_t bytes = bytes_per_lane(arena.model(), state);
+  const std::size_t bytes = batch.bytes() / batch.lanes();
   const int voxels = count_voxels(subject.body);
   if (json) {
     const Json line{{"task", subject.task.name}, {"shape", {subject.body.rows, subject.body.cols}},

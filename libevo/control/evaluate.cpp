@@ -77,6 +77,7 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
       if (active[l] != 0)
         require_finite({targets.data() + l * actions, actions}, "an action", lanes[l]);
     env.step(targets, active);
+    require_stable(env);
     for (std::size_t l = 0; l < count; ++l) {
       if (active[l] == 0) continue;
       Running& lane = lanes[l];

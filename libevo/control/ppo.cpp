@@ -69,7 +69,7 @@ void standardize(Vector& advantages) {
 
 // ---- the objective ------------------------------------------------------------
 
-Losses differentiate(const Policy& policy, const Batch& batch, const Objective& objective,
+Losses differentiate(const Policy& policy, const Samples& batch, const Objective& objective,
                      Gradients& gradients) {
   const Eigen::Index samples = batch.states.rows();
   const Eigen::Index actions = batch.actions.cols();
@@ -234,14 +234,14 @@ double scheduled(double value, Schedule schedule, std::int64_t update, std::int6
   return value * std::max(0.0, 1.0 - done);
 }
 
-void resize(Batch& batch, Eigen::Index samples, int observation_length, int action_length) {
+void resize(Samples& batch, Eigen::Index samples, int observation_length, int action_length) {
   batch.states.resize(samples, observation_length);
   batch.actions.resize(samples, action_length);
   for (Vector* v : {&batch.log_probs, &batch.values, &batch.advantages, &batch.returns})
     v->resize(samples);
 }
 
-void gather(const Batch& from, std::span<const std::uint32_t> samples, Batch& to) {
+void gather(const Samples& from, std::span<const std::uint32_t> samples, Samples& to) {
   for (Eigen::Index i = 0; i < to.states.rows(); ++i) {
     const Eigen::Index k = samples[static_cast<std::size_t>(i)];
     to.states.row(i) = from.states.row(k);
@@ -261,7 +261,7 @@ std::span<const float> view(const Vector& x) {
   return {x.data(), static_cast<std::size_t>(x.size())};
 }
 
-double explained_variance(const Batch& rollout) {
+double explained_variance(const Samples& rollout) {
   const Vector residual = rollout.returns - rollout.values;
   const double total = moments(view(rollout.returns)).variance;
   return total > 0.0 ? 1.0 - moments(view(residual)).variance / total : 0.0;

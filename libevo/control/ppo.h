@@ -18,7 +18,7 @@
 namespace evo {
 
 // Samples of a rollout, one a row.
-struct Batch {
+struct Samples {
   Matrix states;      // s [M x D], normalised
   Matrix actions;     // a [M x A], before the action map
   Vector log_probs;   // log pi_old(a|s)
@@ -44,7 +44,7 @@ struct Objective {
 };
 
 // The parts of L over a batch, and dL/d(parameters), which replaces `gradients`.
-Losses differentiate(const Policy& policy, const Batch& batch, const Objective& objective,
+Losses differentiate(const Policy& policy, const Samples& batch, const Objective& objective,
                      Gradients& gradients);
 
 // Generalised advantage estimation (Schulman et al. 2016) over T steps of E
@@ -134,7 +134,7 @@ class Ppo {
   // The rollout being collected, rows t*E + e.
   int t_ = 0;
   Matrix state_;  // s_t [E x D], normalised
-  Batch rollout_;
+  Samples rollout_;
   std::vector<double> rewards_;      // [T*E], scaled
   std::vector<std::uint8_t> ended_;  // [T*E]
   std::vector<double> targets_;      // [E x A]
@@ -142,7 +142,7 @@ class Ppo {
   // Kept between calls to save their allocation.
   Activations actor_out_;
   Activations critic_out_;
-  Batch minibatch_;
+  Samples minibatch_;
   Gradients gradients_;
 };
 

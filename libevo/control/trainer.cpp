@@ -140,6 +140,7 @@ class PpoTraining {
     const std::span<const double> targets = ppo_.act();
     require_finite();
     env_.step(targets);
+    require_stable(env_);
     ppo_.reward(env_.rewards(), env_.terminated(), env_.truncated(), env_.observations());
     for (int e = 0; e < env_.environments(); ++e) {
       const auto i = static_cast<std::size_t>(e);

@@ -1,5 +1,5 @@
 // The kernel for one environment, its springs in the lanes of vectors (see
-// kernels.cpp). Included once an instruction set (see Highway's "-inl.h" files).
+// kernels.cpp). Included once per instruction set (see Highway's "-inl.h" files).
 
 #if defined(LIBEVO_SIM_ALONE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LIBEVO_SIM_ALONE_INL_H_
@@ -79,8 +79,8 @@ class Alone {
 
   HWY_INLINE void store_motion(std::int32_t slot) const {
     const LP p;
-    const double* motion = w_.motion + Motion::pairs(arithmetic) * offset(slot);
-    float* stage_motion = w_.stage_motion + StageMotion::pairs * offset(slot);
+    const double* motion = w_.motion_of(offset(slot));
+    float* stage_motion = w_.stage_motion_of(offset(slot));
     demote(hn::Load(p, motion + Motion::velocity), stage_motion + StageMotion::velocity_of(1));
     demote(hn::Sub(hn::Load(p, motion + Motion::contact), hn::LoadU(p, gravity_)),
            stage_motion + StageMotion::load);
@@ -108,7 +108,7 @@ class Alone {
                         int b_ends, const Real* HWY_RESTRICT at, Next* HWY_RESTRICT next) const {
     const P p;
     XY f = SumForces<arithmetic>(p, w_.force, end, a_ends, b_ends);
-    double* HWY_RESTRICT motion = w_.motion + Motion::pairs(arithmetic) * o;
+    double* HWY_RESTRICT motion = w_.motion_of(o);
     const XY drag = hn::Set(p, constants_.drag);
     const double dt = constants_.substep;
     if constexpr (arithmetic == Arithmetic::exact) {
@@ -118,7 +118,7 @@ class Alone {
       if (HWY_UNLIKELY(at[o + 1] < 0.0)) f = with_floor(at[o + 1], v, f);
       AdvanceExactly<stage, width>(p, v, f, dt, w_.position + o, next + o, motion);
     } else {
-      float* HWY_RESTRICT record = w_.stage_motion + StageMotion::pairs * o;
+      float* HWY_RESTRICT record = w_.stage_motion_of(o);
       const XY v = hn::Load(p, record + StageMotion::velocity_of(stage));
       f = hn::NegMulAdd(drag, v, hn::Add(f, hn::Load(p, record + StageMotion::load)));
       if (HWY_UNLIKELY(near_floor_)) {
@@ -261,7 +261,7 @@ class Alone {
   using Limits = SpringMath<Arithmetic::exact>;
   static constexpr std::size_t limits_at_once = hn::MaxLanes(L());
 
-  static std::size_t offset(std::int32_t slot) { return 2 * static_cast<std::size_t>(slot); }
+  static std::size_t offset(std::int32_t slot) { return pair_offset(slot, width); }
 
   static HWY_INLINE void demote(LXY v, float* to) {
     const hn::FixedTag<float, 2> single;

@@ -1,6 +1,6 @@
 // What the kernels compute from the length of a spring, in either arithmetic
 // (physics.h). Both kernels and all widths call these, so each arithmetic has one
-// result. Included once an instruction set (see Highway's "-inl.h" files).
+// result. Included once per instruction set (see Highway's "-inl.h" files).
 
 #if defined(LIBEVO_SIM_ARITHMETIC_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LIBEVO_SIM_ARITHMETIC_INL_H_
@@ -49,7 +49,7 @@ HWY_INLINE V SumForces(D d, const hn::TFromD<D>* force, const std::uint32_t* HWY
 // Every operation of the specification, each rounded once.
 template <>
 struct SpringMath<Arithmetic::exact> {
-  static constexpr std::size_t kept = 1;  // values a spring from the first stage for the others
+  static constexpr std::size_t kept = 1;  // values per spring from the first stage for the others
 
   // |q|^2
   template <class D, class V = hn::Vec<D>>

@@ -396,6 +396,7 @@ Model::Compiled compile(const World& world, const Physics& physics) {
   check(world);
   Model::Compiled compiled;
   compiled.physics = physics;
+  compiled.length_scale = physics.voxel_length / Physics{}.voxel_length;
   const std::vector<const Object*> order = world_order(world);
   std::vector<Built> built;
   built.reserve(order.size());

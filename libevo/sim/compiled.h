@@ -53,9 +53,9 @@ struct SurfaceCell {
 // dynamics can share vector registers wherever their objects and terrain lie.
 struct Dynamics {
   int points = 0;
-  std::vector<std::uint8_t> fixed;  // a point: 1 for corners of fixed cells
+  std::vector<std::uint8_t> fixed;  // [points] 1 for corners of fixed cells
   std::vector<Spring> springs;      // objects in world order: edges, then diagonals
-  std::vector<int> rigid_edges;     // springs, four a rigid cell by Side, world order
+  std::vector<int> rigid_edges;     // springs, four per rigid cell by Side, world order
   std::vector<Drive> drives;
   int actuators = 0;  // of all robots
   bool operator==(const Dynamics&) const = default;
@@ -85,12 +85,13 @@ struct TerrainGrid {
   std::vector<std::int32_t> cells;  // row-major, bottom row first; -1 for none
 };
 
-// What the order of contacts has room for (contact.cpp).
+// What the order of contacts has room for (contact_search.cpp).
 inline constexpr std::size_t max_objects = 1U << 10;
 inline constexpr std::size_t max_surface_cells = 1U << 22;
 
 struct Model::Compiled {
   Physics physics;
+  double length_scale = 1.0;  // a voxel's length in those of the benchmark, 0.1
   std::vector<ModelObject> objects;
   std::vector<ModelCell> cells;
   std::vector<Vec2> initial_positions;  // world order
@@ -102,9 +103,9 @@ struct Model::Compiled {
   Dynamics dynamics;
 
   std::vector<SurfaceCell> surface;          // world order
-  std::vector<SurfaceRange> surface_ranges;  // one an object
-  std::vector<std::uint8_t> is_robot;        // one an object: it has an actuator
-  std::vector<int> block;                    // one an object: of the plan, -1 for static ones
+  std::vector<SurfaceRange> surface_ranges;  // [objects]
+  std::vector<std::uint8_t> is_robot;        // [objects] it has an actuator
+  std::vector<int> block;                    // [objects] of the plan, -1 for static ones
   std::vector<int> object_of_block;
 
   Plan plan;

@@ -2,12 +2,12 @@
 // one environment at the positions at the start of a substep (spec: physics,
 // sections 5 and 8). Scalar code: contacts are few and never alike in two lanes.
 //
-// Two steps. Finding: which corners may come to touch which cells, kept in
-// ContactLists until something has moved by half a skin. Pushing: of those
+// Two steps. Finding (contact_search.h): which corners may come to touch which cells,
+// kept in ContactLists until something has moved by half a skin. Pushing: of those
 // candidates, the ones inside a cell, with their forces. A candidate that is
 // outside is not looked at again before something has moved far enough to bring
 // it inside. Forces are summed in a fixed order of objects, cells and corners, so
-// the result does not depend on when that was; see `order` in contact.cpp.
+// the result does not depend on when that was; see `order` in contact_search.cpp.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,8 @@
 namespace evo {
 
 // Lists hold what is nearer than the skin; they are good while no point moved
-// by more than the limit, which is a little smaller than the skins allow.
+// by more than the limit, which is a little smaller than the skins allow. For voxels
+// of 0.1; Model::Compiled::length_scale times as long for others.
 inline constexpr double terrain_skin = 0.02;       // raw length: cell against static cell
 inline constexpr double moving_skin = 0.04;        // cells of two moving objects
 inline constexpr double self_skin = 0.04;          // cells of one object
@@ -39,17 +40,10 @@ struct PointView {
   std::size_t force_spacing = 1;
 };
 
-// Sizes the lists for the model; they start invalid.
+// Sizes the lists for the model; they start empty and invalid.
 void prepare_lists(const Model::Compiled& world, ContactLists& lists);
-
-void find_self_contacts(const Model::Compiled& world, int object, const PointView& points,
-                        ContactLists& lists);
-void find_pair_contacts(const Model::Compiled& world, const PointView& points, ContactLists& lists);
 
 // Adds all contact forces; true if there were any.
 bool push_contacts(const Model::Compiled& world, ContactLists& lists, const PointView& points);
-
-// Whether any robot is folded onto itself.
-bool is_folding(const Model::Compiled& world, ContactLists& lists, const PointView& points);
 
 }  // namespace evo

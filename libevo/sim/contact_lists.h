@@ -24,6 +24,7 @@ struct ContactGroup {
   double due = 0.0;                       // the earliest of the candidates
 };
 
+// Of one environment. The positions that lists were found at are in its group's Rows.
 struct ContactLists {
   // Within one moving object.
   struct Self {
@@ -36,16 +37,13 @@ struct ContactLists {
     bool valid = false;
     double due = 0.0;  // travel of the block at which the list may be too old
   };
-  std::vector<Self> self;  // one a block of the plan
+  std::vector<Self> self;  // one per block of the plan
   // Between objects: groups in world order of pairs (i, j>i).
   std::vector<ContactCandidate> pairs;
   std::vector<ContactGroup> groups;
   std::vector<std::uint32_t> first_group;  // of each object i; objects + 1 entries
   bool pairs_valid = false;
   double pairs_due = 0.0;  // travel of the fastest block at which they may be too old
-  // Positions the lists were found at, by slot: x, y interleaved.
-  std::vector<double> self_reference;
-  std::vector<double> pair_reference;
 
   void invalidate() {
     pairs_valid = false;

@@ -1,6 +1,6 @@
-// One control step with either kernel (see kernels.cpp): loads states into the
-// workspace, runs the substeps, stores them back. Included once an instruction
-// set (see Highway's "-inl.h" files).
+// One control step of a group with either kernel (see kernels.cpp), in the rows of the
+// group: only velocities go through the workspace, where kernels have them beside the
+// forces. Included once per instruction set (see Highway's "-inl.h" files).
 
 #if defined(LIBEVO_SIM_CONTROL_STEP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LIBEVO_SIM_CONTROL_STEP_INL_H_
@@ -16,12 +16,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <utility>
+#include <vector>
 
 #include "libevo/sim/compiled.h"
 #include "libevo/sim/contact.h"
-#include "libevo/sim/state.h"
+#include "libevo/sim/group.h"
+#include "libevo/sim/kernel-inl.h"
 #include "libevo/sim/workspace.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,7 +31,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-template <class Kernel>
+template <StepKernel Kernel>
 class ControlStep {
  public:
   static constexpr std::size_t width = Kernel::width;
@@ -38,16 +39,17 @@ class ControlStep {
   static constexpr std::size_t motion_pairs = Motion::pairs(arithmetic);
   using Real = StageReal<arithmetic>;
 
-  ControlStep(std::span<Lane> lanes, Workspace& workspace)
-      : lanes_(lanes),
-        plan_(lanes[0].model->compiled().plan),
-        physics_(lanes[0].model->physics()),
-        w_(workspace.prepare<Kernel::arithmetic>(
-            plan_, {width, Kernel::force_record, Kernel::force_offset})),
+  ControlStep(Group& group, Workspace& workspace)
+      : lanes_(group.lanes),
+        plan_(group.kind->plan()),
+        physics_(group.kind->physics()),
+        rows_(group.rows),
+        workspace_(workspace),
+        w_(workspace.prepare<arithmetic>(plan_, *group.tables, rows_)),
         lead_(lead_of(plan_)) {}
 
   void run() {
-    for (std::size_t i = 0; i < width; ++i) load(i, lanes_[std::min(i, lanes_.size() - 1)]);
+    begin();
     clear_contacts();
     prepare_stages();
     kernel().template last_springs<true>(w_.stage_start(),
@@ -59,8 +61,7 @@ class ControlStep {
       substep();
       running -= stop_folded();
     }
-    for (std::size_t i = 0; i < lanes_.size(); ++i)
-      if (lanes_[i].result == StepResult::done) store(i);
+    end();
   }
 
  private:
@@ -85,8 +86,8 @@ class ControlStep {
         for (int slot = slots.first; slot < slots.first + slots.count; ++slot)
           kernel().store_start(slot, block);
       }
-      const auto held = 2 * width * static_cast<std::size_t>(slots.first + slots.integrated);
-      const auto end = 2 * width * static_cast<std::size_t>(slots.first + slots.count);
+      const std::size_t held = pair_offset(slots.first + slots.integrated, width);
+      const std::size_t end = pair_offset(slots.first + slots.count, width);
       for (Real* stage : w_.stage_position)
         std::copy(w_.stage_start() + held, w_.stage_start() + end, stage + held);
     }
@@ -101,7 +102,7 @@ class ControlStep {
       for (int slot = slots.first; slot < slots.first + slots.integrated; ++slot) {
         kernel.store_start(slot, block);
         kernel.store_motion(slot);
-        near_floor |= kernel.is_near_floor(2 * width * static_cast<std::size_t>(slot));
+        near_floor |= kernel.is_near_floor(pair_offset(slot, width));
       }
     }
     near_floor_ = near_floor;
@@ -148,9 +149,9 @@ class ControlStep {
     if constexpr (n == 3) {
       const Real* velocity = nullptr;
       if constexpr (arithmetic == Arithmetic::exact)
-        velocity = w_.motion + motion_pairs * o + Motion::stage_velocity * width;
+        velocity = w_.motion_of(o) + Motion::stage_velocity * width;
       else
-        velocity = w_.stage_motion + StageMotion::pairs * o + StageMotion::velocity_of(3) * width;
+        velocity = w_.stage_motion_of(o) + StageMotion::velocity_of(3) * width;
       const Real* start = w_.stage_start();
       for (std::size_t k = 0; k < 2 * width; ++k)
         next[o + k] = start[o + k] + velocity[k] * static_cast<Real>(physics_.substep);
@@ -183,25 +184,26 @@ class ControlStep {
   // Made where it is used, so that its pointers are locals there.
   Kernel kernel() const { return {plan_, physics_, w_, near_floor_}; }
 
-  const Model::Compiled& world(std::size_t i) const { return lanes_[i].model->compiled(); }
+  const Model::Compiled& world(std::size_t i) const { return lanes_[i]->model->compiled(); }
+  bool runs(std::size_t i) const { return lanes_[i]->status == LaneStatus::done; }
   PointView view(std::size_t i) const {
     return {w_.position + i, w_.previous + i, w_.motion + Motion::contact * width + i,
             w_.travel + i,   width,           motion_pairs};
   }
 
   void clear_contacts() {
-    for (std::size_t slot = 0; slot < static_cast<std::size_t>(plan_.slots); ++slot)
-      std::fill_n(w_.motion + (motion_pairs * 2 * slot + Motion::contact) * width, 2 * width, 0.0);
+    for (std::int32_t slot = 0; slot < plan_.slots; ++slot)
+      std::fill_n(w_.motion_of(pair_offset(slot, width)) + Motion::contact * width, 2 * width, 0.0);
   }
 
   void contacts() {
     renew_lists();
     if (std::exchange(touching_, false)) clear_contacts();
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
-      if (lanes_[i].result != StepResult::done) continue;
-      ContactLists& lists = lanes_[i].state->contacts;
+      if (!runs(i)) continue;
+      ContactLists& lists = lanes_[i]->contacts;
       touching_ |= push_contacts(world(i), lists, view(i));
-      folding_[i] = is_folding(world(i), lists, view(i));
+      folding_[i] = workspace_.search.is_folding(world(i), lists, view(i));
     }
   }
 
@@ -219,9 +221,7 @@ class ControlStep {
   template <class Due>
   bool is_due(std::size_t travel, Due due) const {
     for (std::size_t i = 0; i < lanes_.size(); ++i)
-      if (lanes_[i].result == StepResult::done &&
-          !(w_.travel[travel * width + i] < due(lanes_[i].state->contacts)))
-        return true;
+      if (runs(i) && !(w_.travel[travel * width + i] < due(lanes_[i]->contacts))) return true;
     return false;
   }
 
@@ -230,14 +230,14 @@ class ControlStep {
     HWY_ALIGN double moved[width];
     kernel().square_moved(moved);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
-      ContactLists& lists = lanes_[i].state->contacts;
-      if (lanes_[i].result != StepResult::done) continue;
-      if (!lists.pairs_valid || !(moved[i] <= pair_move_limit * pair_move_limit)) {
-        find_pair_contacts(world(i), view(i), lists);
-        load_reference(i, lists.pair_reference, w_.pair_reference, 0, plan_.slots);
+      ContactLists& lists = lanes_[i]->contacts;
+      if (!runs(i)) continue;
+      const double limit = pair_move_limit * world(i).length_scale;
+      if (!lists.pairs_valid || !(moved[i] <= limit * limit)) {
+        workspace_.search.find_pairs(world(i), view(i), w_.pair_reference + i, lists);
         moved[i] = 0.0;
       }
-      lists.pairs_due = travel[i] + (pair_move_limit - std::sqrt(moved[i]));
+      lists.pairs_due = travel[i] + (limit - std::sqrt(moved[i]));
     }
   }
 
@@ -246,96 +246,114 @@ class ControlStep {
     HWY_ALIGN double sheared[width];
     kernel().square_sheared(plan_.blocks[block], sheared);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
-      ContactLists& lists = lanes_[i].state->contacts;
-      if (lanes_[i].result != StepResult::done) continue;
-      if (!lists.self[block].valid || !(sheared[i] <= self_move_limit * self_move_limit)) {
-        find_self_contacts(world(i), world(i).object_of_block[block], view(i), lists);
-        load_reference(i, lists.self_reference, w_.self_reference, plan_.blocks[block].first,
-                       plan_.blocks[block].count);
+      ContactLists& lists = lanes_[i]->contacts;
+      if (!runs(i)) continue;
+      const double limit = self_move_limit * world(i).length_scale;
+      if (!lists.self[block].valid || !(sheared[i] <= limit * limit)) {
+        workspace_.search.find_self(world(i), block, view(i), w_.self_reference + i, lists);
         sheared[i] = 0.0;
       }
-      lists.self[block].due = travel[i] + (self_move_limit - std::sqrt(sheared[i])) / 2.0;
+      lists.self[block].due = travel[i] + (limit - std::sqrt(sheared[i])) / 2.0;
     }
+  }
+
+  // ---- from the rows, and back -------------------------------------------------------
+
+  void begin() {
+    for (std::size_t i = lanes_.size(); i < width; ++i) copy_lane(lanes_.size() - 1, i);
+    for (std::int32_t slot = 0; slot < plan_.slots; ++slot) {
+      const std::size_t o = pair_offset(slot, width);
+      std::copy_n(rows_.velocity + o, 2 * width, w_.motion_of(o) + Motion::velocity * width);
+    }
+    for (const PlanBlock& block : plan_.blocks) {
+      const std::size_t held = pair_offset(block.first + block.integrated, width);
+      const std::size_t end = pair_offset(block.first + block.count, width);
+      std::copy(w_.position + held, w_.position + end, w_.previous + held);
+    }
+    for (std::size_t s = 0; s < plan_.rest.size(); ++s)
+      std::fill_n(w_.goal + s * width, width, static_cast<Real>(plan_.rest[s]));
+    for (std::size_t i = 0; i < width; ++i) {
+      Lane& lane = *lanes_[std::min(i, lanes_.size() - 1)];
+      lane.status = LaneStatus::done;
+      lane.contacts.rewind();
+      for (const Plan::Drive& drive : plan_.drives) {
+        const double mean =
+            (target(lane, drive.first_actuator) + target(lane, drive.second_actuator)) / 2.0;
+        const auto s = static_cast<std::size_t>(drive.spring);
+        w_.goal[s * width + i] = static_cast<Real>(mean * plan_.rest[s]);
+      }
+    }
+  }
+
+  double target(const Lane& lane, std::int32_t actuator) const {
+    return std::clamp(lane.targets[static_cast<std::size_t>(actuator)], physics_.min_target,
+                      physics_.max_target);
+  }
+
+  void copy_lane(std::size_t from, std::size_t to) const {
+    for (double* row : {rows_.position, rows_.previous, rows_.velocity})
+      for (std::size_t o = 0; o < pair_offset(plan_.slots, width); o += width)
+        row[o + to] = row[o + from];
   }
 
   // Lanes that folded keep the state at the end of this substep.
   std::size_t stop_folded() {
     std::size_t stopped = 0;
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
-      if (!folding_[i] || lanes_[i].result != StepResult::done) continue;
-      store(i);
-      lanes_[i].result = StepResult::self_folding;
+      if (!folding_[i] || !runs(i)) continue;
+      lanes_[i]->status = LaneStatus::self_folding;
+      set_aside(i);
       ++stopped;
     }
     return stopped;
   }
 
-  void load(std::size_t i, Lane& lane) {
-    State& state = *lane.state;
-    lane.result = StepResult::done;
-    if (state.contacts.self_reference.size() != 2 * state.x.size())
-      prepare_lists(lane.model->compiled(), state.contacts);
-    state.contacts.rewind();
-    for (std::size_t slot = 0; slot < static_cast<std::size_t>(plan_.slots); ++slot) {
-      const auto p = static_cast<std::size_t>(plan_.state_of[slot]);
-      set(w_.position, i, slot, state.x[p], state.y[p]);
-      set(w_.previous, i, slot, state.previous_x[p], state.previous_y[p]);
-      set(w_.motion + Motion::velocity * width, i, motion_pairs * slot, state.vx[p], state.vy[p]);
+  template <class Visit>
+  void for_each_value(std::size_t lane, Visit visit) const {
+    for (std::int32_t slot = 0; slot < plan_.slots; ++slot) {
+      const std::size_t o = pair_offset(slot, width);
+      double* velocity = w_.motion_of(o) + Motion::velocity * width;
+      for (double* pair : {w_.position + o, w_.previous + o, velocity})
+        for (const std::size_t k : {lane, lane + width}) visit(pair[k]);
     }
-    for (const PlanBlock& block : plan_.blocks) {
-      for (int held = block.first + block.integrated; held < block.first + block.count; ++held) {
-        const auto slot = static_cast<std::size_t>(held);
-        const auto p = static_cast<std::size_t>(plan_.state_of[slot]);
-        set(w_.previous, i, slot, state.x[p], state.y[p]);
+  }
+
+  void set_aside(std::size_t lane) const {
+    const std::size_t values = 6 * static_cast<std::size_t>(plan_.slots);
+    workspace_.folded.resize(std::max(workspace_.folded.size(), values * width));
+    auto aside = workspace_.folded.begin() + static_cast<std::ptrdiff_t>(values * lane);
+    for_each_value(lane, [&](double value) { *aside++ = value; });
+  }
+
+  void put_back(std::size_t lane) const {
+    const std::size_t values = 6 * static_cast<std::size_t>(plan_.slots);
+    auto aside = workspace_.folded.begin() + static_cast<std::ptrdiff_t>(values * lane);
+    for_each_value(lane, [&](double& value) { value = *aside++; });
+  }
+
+  void end() {
+    for (std::size_t i = 0; i < lanes_.size(); ++i)
+      if (lanes_[i]->status == LaneStatus::self_folding) put_back(i);
+    rows_.position = w_.position;
+    rows_.previous = w_.previous;
+    HWY_ALIGN double nothing[2 * width] = {};  // but for what is not finite
+    for (std::int32_t slot = 0; slot < plan_.slots; ++slot) {
+      const std::size_t o = pair_offset(slot, width);
+      const double* velocity = w_.motion_of(o) + Motion::velocity * width;
+      for (std::size_t k = 0; k < 2 * width; ++k) {
+        rows_.velocity[o + k] = velocity[k];
+        nothing[k] += 0.0 * velocity[k] + 0.0 * w_.position[o + k];
       }
     }
-    load_reference(i, state.contacts.self_reference, w_.self_reference, 0, plan_.slots);
-    load_reference(i, state.contacts.pair_reference, w_.pair_reference, 0, plan_.slots);
-    for (std::size_t s = 0; s < plan_.rest.size(); ++s)
-      w_.goal[s * width + i] = static_cast<Real>(plan_.rest[s]);
-    for (const Plan::Drive& drive : plan_.drives) {
-      const double mean =
-          (target(state, drive.first_actuator) + target(state, drive.second_actuator)) / 2.0;
-      const auto s = static_cast<std::size_t>(drive.spring);
-      w_.goal[s * width + i] = static_cast<Real>(mean * plan_.rest[s]);
-    }
+    for (std::size_t i = 0; i < lanes_.size(); ++i)
+      if (!(nothing[i] + nothing[i + width] == 0.0)) lanes_[i]->status = LaneStatus::unstable;
   }
 
-  double target(const State& state, std::int32_t actuator) const {
-    return std::clamp(state.targets[static_cast<std::size_t>(actuator)], physics_.min_target,
-                      physics_.max_target);
-  }
-
-  void store(std::size_t i) const {
-    State& state = *lanes_[i].state;
-    for (std::size_t slot = 0; slot < static_cast<std::size_t>(plan_.slots); ++slot) {
-      const auto p = static_cast<std::size_t>(plan_.state_of[slot]);
-      const std::size_t o = 2 * slot * width + i;
-      state.x[p] = w_.position[o];
-      state.y[p] = w_.position[o + width];
-      state.previous_x[p] = w_.previous[o];
-      state.previous_y[p] = w_.previous[o + width];
-      const double* velocity = w_.motion + (motion_pairs * 2 * slot + Motion::velocity) * width + i;
-      state.vx[p] = velocity[0];
-      state.vy[p] = velocity[width];
-    }
-  }
-
-  static void set(double* array, std::size_t i, std::size_t slot, double x, double y) {
-    array[2 * slot * width + i] = x;
-    array[2 * slot * width + width + i] = y;
-  }
-
-  static void load_reference(std::size_t i, const std::vector<double>& from, double* to, int first,
-                             int count) {
-    const auto start = static_cast<std::size_t>(first);
-    for (std::size_t slot = start; slot < start + static_cast<std::size_t>(count); ++slot)
-      set(to, i, slot, from[2 * slot], from[2 * slot + 1]);
-  }
-
-  std::span<Lane> lanes_;
+  const std::vector<Lane*>& lanes_;
   const Plan& plan_;
   const Physics& physics_;
+  Rows& rows_;
+  Workspace& workspace_;
   Arrays<arithmetic> w_;
   std::size_t lead_;
   std::array<bool, width> folding_{};

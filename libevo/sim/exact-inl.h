@@ -2,7 +2,7 @@
 // division, from fused multiply-adds. The divider of today's processors takes 15
 // to 40 cycles for the root and the quotient of a vector and can do nothing else
 // meanwhile; these take a dozen cycles of the multipliers, next to it.
-// Included once an instruction set (see Highway's "-inl.h" files).
+// Included once per instruction set (see Highway's "-inl.h" files).
 //
 // Why the bits are the same (Markstein, "Computation of elementary functions on
 // the IBM RISC System/6000 processor", 1990; Cornea, Harrison and Tang,

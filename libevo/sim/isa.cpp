@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "libevo/base/error.h"
-#include "libevo/sim/state.h"
+#include "libevo/sim/isa.h"
 
 namespace evo {
 namespace {

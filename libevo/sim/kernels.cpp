@@ -16,7 +16,7 @@
 //
 // Physics::arithmetic `fast` takes the same ways in mixed precision: what a
 // substep adds to positions and velocities is computed in single precision, from
-// positions relative to the object, with one root a spring and fused operations
+// positions relative to the object, with one root per spring and fused operations
 // (arithmetic-inl.h, integrate-inl.h); positions, velocities and contact stay
 // double. A register holds twice as many lanes. Its bits are others, and still
 // depend on neither way nor width; only processors without fused multiply-adds
@@ -28,10 +28,10 @@
 //         points: gather, integrate }   following the springs at a distance
 //   strain limits, first all springs at once, then rigid cells one by one
 //
-// Forces are stored a spring and gathered a point, in the order in which the
+// Forces are stored by spring and gathered by point, in the order in which the
 // specification sums them: no scatter, no read-modify-write. The rest length L
 // of section 4 needs the length that stage 1 of Runge-Kutta needs, so a spring
-// takes four roots a substep. Strain limits compare squares against bounds
+// takes four roots per substep. Strain limits compare squares against bounds
 // found when the model was compiled (plan.h); only springs beyond them compute.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "libevo/sim/kernels.cpp"
@@ -41,8 +41,6 @@
 #include <hwy/foreach_target.h>
 //
 #include <hwy/highway.h>
-
-#include <span>
 
 #include "libevo/sim/alone-inl.h"
 #include "libevo/sim/control_step-inl.h"
@@ -73,22 +71,34 @@ template <class Kernel>
 Layout LayoutOf() {
   return {Kernel::width, Kernel::force_record, Kernel::force_offset};
 }
-Layout LaneLayout(Arithmetic arithmetic) {
-  return arithmetic == Arithmetic::exact ? LayoutOf<ExactSideBySide>() : LayoutOf<FastSideBySide>();
+
+std::size_t MostLanes(Arithmetic arithmetic) {
+  return arithmetic == Arithmetic::exact ? ExactSideBySide::width : FastSideBySide::width;
 }
-void StepSideBySide(std::span<Lane> lanes, Workspace& workspace) {
-  if (lanes[0].model->physics().arithmetic == Arithmetic::exact)
-    ControlStep<ExactSideBySide>(lanes, workspace).run();
-  else if (lanes.size() > FewFastSideBySide::width)
-    ControlStep<FastSideBySide>(lanes, workspace).run();
-  else
-    ControlStep<FewFastSideBySide>(lanes, workspace).run();
+
+Layout LayoutFor(Arithmetic arithmetic, std::size_t lanes) {
+  const bool exact = arithmetic == Arithmetic::exact;
+  if (lanes == 1) return exact ? LayoutOf<ExactAlone>() : LayoutOf<FastAlone>();
+  if (exact) return LayoutOf<ExactSideBySide>();
+  return lanes > FewFastSideBySide::width ? LayoutOf<FastSideBySide>()
+                                          : LayoutOf<FewFastSideBySide>();
 }
-void StepAlone(Lane& lane, Workspace& workspace) {
-  if (lane.model->physics().arithmetic == Arithmetic::exact)
-    ControlStep<ExactAlone>({&lane, 1}, workspace).run();
-  else
-    ControlStep<FastAlone>({&lane, 1}, workspace).run();
+
+void StepGroup(Group& group, Workspace& workspace) {
+  const std::size_t lanes = group.lanes.size();
+  if (group.kind->physics().arithmetic == Arithmetic::exact) {
+    if (lanes == 1)
+      ControlStep<ExactAlone>(group, workspace).run();
+    else
+      ControlStep<ExactSideBySide>(group, workspace).run();
+  } else {
+    if (lanes == 1)
+      ControlStep<FastAlone>(group, workspace).run();
+    else if (lanes > FewFastSideBySide::width)
+      ControlStep<FastSideBySide>(group, workspace).run();
+    else
+      ControlStep<FewFastSideBySide>(group, workspace).run();
+  }
 }
 
 }  // namespace HWY_NAMESPACE
@@ -99,18 +109,20 @@ HWY_AFTER_NAMESPACE();
 namespace evo {
 namespace {
 
-HWY_EXPORT(LaneLayout);
-HWY_EXPORT(StepSideBySide);
-HWY_EXPORT(StepAlone);
+HWY_EXPORT(LayoutFor);
+HWY_EXPORT(MostLanes);
+HWY_EXPORT(StepGroup);
 
 }  // namespace
 
-Layout lane_layout(Arithmetic arithmetic) { return HWY_DYNAMIC_DISPATCH(LaneLayout)(arithmetic); }
-void step_side_by_side(std::span<Lane> lanes, Workspace& workspace) {
-  HWY_DYNAMIC_DISPATCH(StepSideBySide)(lanes, workspace);
+Layout layout_of(Arithmetic arithmetic, std::size_t lanes) {
+  return HWY_DYNAMIC_DISPATCH(LayoutFor)(arithmetic, lanes);
 }
-void step_alone(Lane& lane, Workspace& workspace) {
-  HWY_DYNAMIC_DISPATCH(StepAlone)(lane, workspace);
+std::size_t most_lanes(Arithmetic arithmetic) {
+  return HWY_DYNAMIC_DISPATCH(MostLanes)(arithmetic);
+}
+void step_group(Group& group, Workspace& workspace) {
+  HWY_DYNAMIC_DISPATCH(StepGroup)(group, workspace);
 }
 
 }  // namespace evo

@@ -1,24 +1,23 @@
-// The stepping kernels, compiled once an instruction set (kernels.cpp).
+// The stepping kernels, compiled once per instruction set (kernels.cpp).
 #pragma once
 
 #include <cstddef>
-#include <span>
 
-#include "libevo/sim/compiled.h"
-#include "libevo/sim/state.h"
-#include "libevo/sim/workspace.h"
+#include "libevo/sim/group.h"
 
 namespace evo {
 
-// How environments side by side are laid out under the instruction set in force;
-// `lanes` is what one register of the stages holds.
-Layout lane_layout(Arithmetic arithmetic);
+// With fewer in a register, stepping them one by one is faster.
+inline constexpr std::size_t fewest_side_by_side = 3;
 
-// One control step of up to a register of environments with equal dynamics and
-// physics, side by side in the lanes of vector registers.
-void step_side_by_side(std::span<Lane> lanes, Workspace& workspace);
+// How so many environments, at most most_lanes(), are laid out under the instruction
+// set in force; one is stepped alone, its springs side by side.
+Layout layout_of(Arithmetic arithmetic, std::size_t lanes);
 
-// One control step of one environment, its springs side by side.
-void step_alone(Lane& lane, Workspace& workspace);
+// What one register of the stages holds.
+std::size_t most_lanes(Arithmetic arithmetic);
+
+// One control step of a group laid out as layout_of() says.
+void step_group(Group& group, Workspace& workspace);
 
 }  // namespace evo

@@ -287,9 +287,9 @@ class Planner {
   std::vector<int> live_images_, frozen_images_;
   std::vector<std::int32_t> number_;  // a spring or image -> its place in the plan, or -1
   std::vector<Role> roles_;
-  std::vector<std::vector<int>> a_ends_, b_ends_;  // a point: its springs
+  std::vector<std::vector<int>> a_ends_, b_ends_;  // by point: its springs
   std::vector<int> order_;                         // points as they are integrated
-  std::vector<int> rank_;                          // a point: its place in that order
+  std::vector<int> rank_;                          // by point: its place in that order
 };
 
 }  // namespace

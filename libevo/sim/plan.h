@@ -48,7 +48,7 @@ struct Plan {
   int slots = 0;
   std::vector<std::int32_t> slot_of;   // State index -> slot
   std::vector<std::int32_t> state_of;  // slot -> State index
-  std::vector<PlanBlock> blocks;       // one a moving object, world order
+  std::vector<PlanBlock> blocks;       // one per moving object, world order
 
   // Springs in the order forces are computed: the first `live_springs` change,
   // as an end can move. Frozen ones, [first_frozen, springs), lie between fixed

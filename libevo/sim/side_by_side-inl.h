@@ -1,5 +1,5 @@
 // The kernel for environments in the lanes of vectors (see kernels.cpp). Included
-// once an instruction set (see Highway's "-inl.h" files).
+// once per instruction set (see Highway's "-inl.h" files).
 
 #if defined(LIBEVO_SIM_SIDE_BY_SIDE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LIBEVO_SIM_SIDE_BY_SIDE_INL_H_
@@ -83,8 +83,8 @@ class SideBySide {
   HWY_INLINE void store_motion(std::int32_t slot) const {
     const L l;
     const std::size_t o = offset(slot);
-    const double* motion = w_.motion + Motion::pairs(arithmetic) * o;
-    float* stage_motion = w_.stage_motion + StageMotion::pairs * o;
+    const double* motion = w_.motion_of(o);
+    float* stage_motion = w_.stage_motion_of(o);
     for (std::size_t k = 0; k < 2 * width; k += part) {
       const LV gravity = hn::Set(l, k < width ? 0.0 : constants_.gravity);
       const LV contact = hn::Load(l, motion + Motion::contact * width + k);
@@ -132,7 +132,7 @@ class SideBySide {
     const D d;
     V fx = SumForces<arithmetic>(d, w_.force, end, a_ends, b_ends);
     V fy = SumForces<arithmetic>(d, w_.force + width, end, a_ends, b_ends);
-    double* HWY_RESTRICT motion = w_.motion + Motion::pairs(arithmetic) * o;
+    double* HWY_RESTRICT motion = w_.motion_of(o);
     const double dt = constants_.substep;
     const V drag = hn::Set(d, constants_.drag);
     if constexpr (arithmetic == Arithmetic::exact) {
@@ -150,7 +150,7 @@ class SideBySide {
       AdvanceExactly<stage, width>(d, vy, fy, dt, w_.position + o + width, next + o + width,
                                    motion + width);
     } else {
-      float* HWY_RESTRICT record = w_.stage_motion + StageMotion::pairs * o;
+      float* HWY_RESTRICT record = w_.stage_motion_of(o);
       const float* velocity = record + StageMotion::velocity_of(stage) * width;
       const V vx = hn::Load(d, velocity);
       const V vy = hn::Load(d, velocity + width);
@@ -241,9 +241,7 @@ class SideBySide {
   using Limits = SpringMath<Arithmetic::exact>;
   static constexpr std::size_t part = hn::MaxLanes(L());
 
-  static std::size_t offset(std::int32_t slot) {
-    return 2 * static_cast<std::size_t>(slot) * width;
-  }
+  static std::size_t offset(std::int32_t slot) { return pair_offset(slot, width); }
 
   // How far a coordinate has come since it was at `from`.
   HWY_INLINE LV way(std::size_t o, const double* from) const {

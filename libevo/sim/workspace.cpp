@@ -3,101 +3,134 @@
 #include <algorithm>
 
 namespace evo {
+namespace {
 
-template <Arithmetic arithmetic>
-Arrays<arithmetic> Workspace::prepare(const Plan& plan, const Layout& layout) {
-  Arrays<arithmetic> arrays = lay_out<arithmetic>(plan, layout);
-  const auto slot = [&](std::int32_t s) {
-    return static_cast<std::uint32_t>(2 * static_cast<std::size_t>(s) * layout.lanes);
-  };
-  spring_ends_.clear();
-  for (std::size_t s = 0; s < plan.a.size(); ++s)
-    spring_ends_.push_back({slot(plan.a[s]), slot(plan.b[s])});
-  strain_ends_.clear();
-  for (std::size_t s = 0; s < plan.strain.a.size(); ++s)
-    strain_ends_.push_back({slot(plan.strain.a[s]), slot(plan.strain.b[s])});
-  point_offsets_.clear();
-  for (const PlanPoint& point : plan.points) point_offsets_.push_back(slot(point.slot));
-  ends_.clear();
-  for (const std::int32_t end : plan.ends)
-    ends_.push_back(static_cast<std::uint32_t>(static_cast<std::size_t>(end) * layout.force_record +
-                                               layout.force_offset));
-  corrected_.resize(plan.strain.a.size());
-  if constexpr (arithmetic == Arithmetic::exact) {
-    arrays.stiffness = plan.stiffness.data();
-  } else {
-    stiffness_.clear();
-    for (const double k : plan.stiffness) stiffness_.push_back(static_cast<float>(k));
-    arrays.stiffness = stiffness_.data();
-  }
-  arrays.spring_ends = spring_ends_.data();
-  arrays.strain_ends = strain_ends_.data();
-  arrays.point_offsets = point_offsets_.data();
-  arrays.ends = ends_.data();
-  arrays.corrected = corrected_.data();
-  return arrays;
-}
+// Lays arrays out one after the other: first without memory, to know how much
+// they need, then in it.
+class Layer {
+ public:
+  explicit Layer(std::byte* memory) : memory_(memory) {}
 
-std::size_t Workspace::bytes() const {
-  return capacity_ + stiffness_.capacity() * sizeof(float) +
-         corrected_.capacity() * sizeof(std::int32_t) +
-         (spring_ends_.capacity() + strain_ends_.capacity()) * sizeof(SpringEnds) +
-         (point_offsets_.capacity() + ends_.capacity()) * sizeof(std::uint32_t);
-}
-
-template <Arithmetic arithmetic>
-Arrays<arithmetic> Workspace::lay_out(const Plan& plan, const Layout& layout) {
-  using Real = StageReal<arithmetic>;
-  const std::size_t springs = plan.a.size();
-  constexpr bool fast = arithmetic == Arithmetic::fast;
-  constexpr std::size_t most_kept = 2;
-  const std::size_t pair = 2 * layout.lanes;
-  const std::size_t positions = pair * static_cast<std::size_t>(plan.slots);
-  const std::size_t travels = (plan.blocks.size() + 2) * layout.lanes;
-
-  Arrays<arithmetic> arrays;
-  std::byte* memory = nullptr;  // first pass: how much is needed; second: there it is
-  std::size_t taken = 0;
-  // Every array starts at a cache line, and one line more keeps equal indices
-  // of two arrays out of the same cache set.
-  const auto take = [&]<class T>(T*& array, std::size_t n) {
-    if (memory) array = reinterpret_cast<T*>(memory + taken);
+  // Every array starts at a cache line, and one line more keeps equal indices of
+  // two arrays out of the same cache set.
+  template <class T>
+  void take(T*& array, std::size_t n) {
     constexpr std::size_t line = HWY_ALIGNMENT;
-    taken += (n * sizeof(T) + line - 1) / line * line + line;
-  };
-  const auto take_all = [&] {
-    take(arrays.position, positions);
-    take(arrays.previous, positions);
-    take(arrays.stage_position[0], positions);
-    take(arrays.stage_position[1], positions);
-    take(arrays.self_reference, positions);
-    take(arrays.pair_reference, positions);
-    take(arrays.motion, Motion::pairs(arithmetic) * positions);
-    take(arrays.travel, travels);
-    take(arrays.goal, springs * layout.lanes);
-    take(arrays.kept, most_kept * springs * layout.lanes);
-    take(arrays.force, (springs + 1) * layout.force_record);
-    take(arrays.correction, pair * springs);
-    if (!fast) return;
-    take(arrays.origin, pair * plan.blocks.size());
-    take(arrays.start, positions);
-    take(arrays.stage_motion, StageMotion::pairs * positions);
-  };
-  take_all();
-  if (taken > capacity_) {
-    memory_ = hwy::AllocateAligned<std::byte>(taken);
-    capacity_ = taken;
+    if (memory_) array = reinterpret_cast<T*>(memory_ + bytes_);
+    bytes_ += (n * sizeof(T) + line - 1) / line * line + line;
   }
-  memory = memory_.get();
-  taken = 0;
-  take_all();
-  std::fill_n(arrays.force + springs * layout.force_record, layout.force_record, Real{0});
-  std::fill_n(arrays.travel, travels, 0.0);
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  std::byte* memory_;
+  std::size_t bytes_ = 0;
+};
+
+std::size_t pairs(std::size_t count, const Layout& layout) { return 2 * count * layout.lanes; }
+
+template <Arithmetic arithmetic>
+std::size_t lay_out(Arrays<arithmetic>& arrays, const Plan& plan, const Layout& layout,
+                    std::byte* memory) {
+  constexpr std::size_t most_kept = 2;
+  const std::size_t springs = plan.a.size();
+  const std::size_t positions = pairs(static_cast<std::size_t>(plan.slots), layout);
+  Layer layer(memory);
+  layer.take(arrays.stage_position[0], positions);
+  layer.take(arrays.stage_position[1], positions);
+  layer.take(arrays.motion, Motion::pairs(arithmetic) * positions);
+  layer.take(arrays.travel, (plan.blocks.size() + 2) * layout.lanes);
+  layer.take(arrays.goal, springs * layout.lanes);
+  layer.take(arrays.kept, most_kept * springs * layout.lanes);
+  layer.take(arrays.force, (springs + 1) * layout.force_record);
+  layer.take(arrays.correction, pairs(springs, layout));
+  layer.take(arrays.corrected, plan.strain.a.size());
+  if constexpr (arithmetic == Arithmetic::fast) {
+    layer.take(arrays.origin, pairs(plan.blocks.size(), layout));
+    layer.take(arrays.start, positions);
+    layer.take(arrays.stage_motion, StageMotion::pairs * positions);
+  }
+  return layer.bytes();
+}
+
+template <class T>
+std::size_t bytes_of(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
+
+}  // namespace
+
+Rows::Rows(const Plan& plan, std::size_t lanes) {
+  const std::size_t values = pair_offset(plan.slots, lanes);
+  for (std::byte* memory = nullptr;; memory = memory_.get()) {
+    Layer layer(memory);
+    for (double** array : {&position, &previous, &velocity, &self_reference, &pair_reference})
+      layer.take(*array, values);
+    if (memory) return;
+    bytes_ = layer.bytes();
+    memory_ = hwy::AllocateAligned<std::byte>(bytes_);
+    std::fill_n(memory_.get(), bytes_, std::byte{0});
+  }
+}
+
+Tables::Tables(const Plan& plan, const Layout& laid_out, Arithmetic arithmetic) : layout(laid_out) {
+  const auto at = [&](std::int32_t slot) {
+    return static_cast<std::uint32_t>(pair_offset(slot, layout.lanes));
+  };
+  spring_ends.reserve(plan.a.size());
+  for (std::size_t s = 0; s < plan.a.size(); ++s)
+    spring_ends.push_back({at(plan.a[s]), at(plan.b[s])});
+  strain_ends.reserve(plan.strain.a.size());
+  for (std::size_t s = 0; s < plan.strain.a.size(); ++s)
+    strain_ends.push_back({at(plan.strain.a[s]), at(plan.strain.b[s])});
+  point_offsets.reserve(plan.points.size());
+  for (const PlanPoint& point : plan.points) point_offsets.push_back(at(point.slot));
+  ends.reserve(plan.ends.size());
+  for (const std::int32_t end : plan.ends)
+    ends.push_back(static_cast<std::uint32_t>(static_cast<std::size_t>(end) * layout.force_record +
+                                              layout.force_offset));
+  if (arithmetic == Arithmetic::exact) return;  // reads the plan's
+  for (const double k : plan.stiffness) stiffness.push_back(static_cast<float>(k));
+}
+
+std::size_t Tables::bytes() const {
+  return bytes_of(spring_ends) + bytes_of(strain_ends) + bytes_of(point_offsets) + bytes_of(ends) +
+         bytes_of(stiffness);
+}
+
+template <Arithmetic arithmetic>
+Arrays<arithmetic> Workspace::prepare(const Plan& plan, const Tables& tables, const Rows& rows) {
+  const Layout& layout = tables.layout;
+  Arrays<arithmetic> arrays;
+  const std::size_t needed = lay_out(arrays, plan, layout, nullptr);
+  if (needed > capacity_) {
+    memory_ = hwy::AllocateAligned<std::byte>(needed);
+    capacity_ = needed;
+  }
+  lay_out(arrays, plan, layout, memory_.get());
+  std::fill_n(arrays.force + plan.a.size() * layout.force_record, layout.force_record,
+              StageReal<arithmetic>{0});
+  std::fill_n(arrays.travel, (plan.blocks.size() + 2) * layout.lanes, 0.0);
+
+  arrays.position = rows.position;
+  arrays.previous = rows.previous;
+  arrays.self_reference = rows.self_reference;
+  arrays.pair_reference = rows.pair_reference;
+  if constexpr (arithmetic == Arithmetic::exact)
+    arrays.stiffness = plan.stiffness.data();
+  else
+    arrays.stiffness = tables.stiffness.data();
+  arrays.spring_ends = tables.spring_ends.data();
+  arrays.strain_ends = tables.strain_ends.data();
+  arrays.point_offsets = tables.point_offsets.data();
+  arrays.ends = tables.ends.data();
   return arrays;
 }
 
-template Arrays<Arithmetic::exact> Workspace::prepare<Arithmetic::exact>(const Plan&,
-                                                                         const Layout&);
-template Arrays<Arithmetic::fast> Workspace::prepare<Arithmetic::fast>(const Plan&, const Layout&);
+std::size_t Workspace::bytes() const { return capacity_ + search.bytes() + bytes_of(folded); }
+
+template Arrays<Arithmetic::exact> Workspace::prepare<Arithmetic::exact>(const Plan&, const Tables&,
+                                                                         const Rows&);
+template Arrays<Arithmetic::fast> Workspace::prepare<Arithmetic::fast>(const Plan&, const Tables&,
+                                                                       const Rows&);
 
 }  // namespace evo

@@ -1,5 +1,11 @@
-// The arrays a group of environments is stepped in. They belong to the calling
-// thread and are kept from step to step, so that stepping does not allocate.
+// The arrays that environments are stepped in, in three parts by who owns them:
+// what lasts from step to step (Rows, of a group), what follows from the plan alone
+// (Tables, shared by groups), and what a control step needs for itself (Workspace,
+// of a thread). Kernels see all three as Arrays.
+//
+// Shapes below are of W lanes, N slots (Plan::slots), S springs (Plan::springs with
+// their padding) and B blocks (Plan::blocks). Every pair (x, y) is W values of x,
+// then W values of y.
 #pragma once
 
 #include <hwy/aligned_allocator.h>
@@ -9,6 +15,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "libevo/sim/contact_search.h"
 #include "libevo/sim/physics.h"
 #include "libevo/sim/plan.h"
 
@@ -19,14 +26,22 @@ namespace evo {
 template <Arithmetic arithmetic>
 using StageReal = std::conditional_t<arithmetic == Arithmetic::exact, double, float>;
 
-// A slot's record in Arrays::motion holds (x, y) pairs of these; with W lanes, the
-// x of a pair is at [n*W], n being its number here, its y at [n*W + W].
+// ---- addresses ------------------------------------------------------------------------
+
+// Where the pair of a slot begins in arrays of one pair per slot. All other
+// addresses of a slot are multiples of it (Arrays::motion_of).
+constexpr std::size_t pair_offset(std::int32_t slot, std::size_t lanes) {
+  return 2 * static_cast<std::size_t>(slot) * lanes;
+}
+
+// The record of a slot in Arrays::motion: so many pairs. The x of a pair is at
+// [n*W], n being its number here, its y at [n*W + W].
 struct Motion {
-  static constexpr std::size_t velocity = 0;
-  static constexpr std::size_t contact = 2;  // contact force, constant in a substep
+  static constexpr std::size_t velocity = 0;  // length/time, at the start of the substep
+  static constexpr std::size_t contact = 2;   // force, constant in a substep
   // Exact arithmetic only:
-  static constexpr std::size_t stage_velocity = 4;
-  static constexpr std::size_t position_sum = 6;  // k1 + 2 k2 + 2 k3 + k4
+  static constexpr std::size_t stage_velocity = 4;  // of the stage that comes next
+  static constexpr std::size_t position_sum = 6;    // k1 + 2 k2 + 2 k3 + k4
   static constexpr std::size_t velocity_sum = 8;
 
   static constexpr std::size_t pairs(Arithmetic arithmetic) {
@@ -39,7 +54,7 @@ struct StageMotion {
   static constexpr std::size_t velocity_of(int stage) {  // that stage 1, 2, 3 or 4 sees
     return 2 * static_cast<std::size_t>(stage - 1);
   }
-  static constexpr std::size_t load = 8;  // contact and gravity
+  static constexpr std::size_t load = 8;  // contact force and gravity
   static constexpr std::size_t pairs = 5;
 };
 
@@ -51,44 +66,91 @@ struct SpringEnds {
 
 // How a kernel lays out its arrays.
 struct Layout {
-  std::size_t lanes = 1;
-  std::size_t force_record = 2;  // values a spring in Arrays::force
+  std::size_t lanes = 1;         // W
+  std::size_t force_record = 2;  // values per spring in Arrays::force
   std::size_t force_offset = 0;  // of the force in that record
+  bool operator==(const Layout&) const = default;
 };
 
-// The arrays. Kernels keep a copy of these pointers in locals: values stored
-// through vectors might change any other copy, for all that the compiler knows.
+// ---- what lasts -------------------------------------------------------------------------
+
+// The states of a group of environments.
+class Rows {
+ public:
+  Rows() = default;
+  Rows(const Plan& plan, std::size_t lanes);  // all zero
+
+  double* position = nullptr;        // [N pairs] raw length
+  double* previous = nullptr;        // [N pairs] one substep earlier
+  double* velocity = nullptr;        // [N pairs] length/time
+  double* self_reference = nullptr;  // [N pairs] where contact lists of blocks were found
+  double* pair_reference = nullptr;  // [N pairs] the same of lists between objects
+
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  hwy::AlignedFreeUniquePtr<std::byte[]> memory_;
+  std::size_t bytes_ = 0;
+};
+
+// ---- what follows from the plan --------------------------------------------------------
+
+// The plan's tables as numbers and offsets that a kernel of one layout reads. The
+// plan must outlive them.
+struct Tables {
+  Tables(const Plan& plan, const Layout& layout, Arithmetic arithmetic);
+
+  Layout layout;
+  std::vector<SpringEnds> spring_ends;       // [S] into positions
+  std::vector<SpringEnds> strain_ends;       // of Plan::strain
+  std::vector<std::uint32_t> point_offsets;  // of Plan::points, into positions
+  std::vector<std::uint32_t> ends;           // of Plan::ends, into forces
+  std::vector<float> stiffness;              // [S] of fast arithmetic
+
+  std::size_t bytes() const;
+};
+
+// ---- what a control step needs -----------------------------------------------------------
+
+// Kernels keep a copy of these pointers in locals: values stored through vectors
+// might change any other copy, for all that the compiler knows.
 template <Arithmetic arithmetic>
 struct Arrays {
   using Real = StageReal<arithmetic>;
 
-  // Positions: for W lanes, slot i has its W values of x at [2*i*W], its W
-  // values of y at [2*i*W + W].
-  double* position = nullptr;        // at the start of the substep
-  double* previous = nullptr;        // one substep earlier; then the next positions
-  double* self_reference = nullptr;  // where contact lists were made
+  // Of the group; position and previous change places in every substep.
+  double* position = nullptr;  // [N pairs] at the start of the substep
+  double* previous = nullptr;  // [N pairs] before it; stage 4 puts the next positions here
+  double* self_reference = nullptr;
   double* pair_reference = nullptr;
-  double* motion = nullptr;  // a record a slot
-  double* travel = nullptr;  // W values a block, of what is static and of the fastest (contact.h)
-  double* correction = nullptr;       // springs: of those beyond their strain limit, in turn
-  std::int32_t* corrected = nullptr;  // springs: which they are
+
+  // From substep to substep.
+  double* motion = nullptr;           // [N records of Motion] by contacts and stages 1 to 4
+  double* travel = nullptr;           // [B + 2] x W, raw length, by add_travel (contact.h)
+  double* correction = nullptr;       // [S pairs] raw length, by limit_strain: of springs
+  std::int32_t* corrected = nullptr;  // [S] beyond their limit, in turn, and which they are
+  Real* goal = nullptr;               // [S] x W goal length, at the start of a control step
 
   // Within a substep. Fast arithmetic keeps positions there relative to the origin
   // of their block.
-  Real* stage_position[2] = {};  // where a Runge-Kutta stage evaluates, and the next
-  Real* goal = nullptr;          // springs: goal length
-  Real* kept = nullptr;          // springs: what SpringMath keeps, in Alone
-  Real* force = nullptr;         // springs and the null spring: a record each
-  double* origin = nullptr;      // a pair a block, in fast arithmetic, as all below
-  Real* start = nullptr;         // `position`
-  Real* stage_motion = nullptr;  // a record a slot
+  Real* stage_position[2] = {};  // [N pairs] where a stage evaluates, and the next, by stages
+  Real* kept = nullptr;          // [S] x SpringMath::kept, by stage 1 for the others, in Alone
+  Real* force = nullptr;         // [S + 1 records] by springs; the last is the null spring's
+  // Fast arithmetic only:
+  double* origin = nullptr;      // [B pairs] raw length, at the start of a control step
+  Real* start = nullptr;         // [N pairs] `position`, at the start of a substep
+  Real* stage_motion = nullptr;  // [N records of StageMotion] by start_stages and stages
 
-  // The plan's tables as numbers and offsets of these arrays.
-  const Real* stiffness = nullptr;  // springs
+  // Tables, and the plan's stiffness: [S] force per length.
+  const Real* stiffness = nullptr;
   const SpringEnds* spring_ends = nullptr;
   const SpringEnds* strain_ends = nullptr;
-  const std::uint32_t* point_offsets = nullptr;  // positions of Plan::points
-  const std::uint32_t* ends = nullptr;           // forces of Plan::ends
+  const std::uint32_t* point_offsets = nullptr;
+  const std::uint32_t* ends = nullptr;
+
+  // The records of the slot whose pair_offset is `o`.
+  double* motion_of(std::size_t o) const { return motion + Motion::pairs(arithmetic) * o; }
+  Real* stage_motion_of(std::size_t o) const { return stage_motion + StageMotion::pairs * o; }
 
   // Where stage 1 evaluates.
   const Real* stage_start() const {
@@ -99,24 +161,21 @@ struct Arrays {
   }
 };
 
+// A thread's own memory, kept from step to step, so that stepping does not allocate.
 class Workspace {
  public:
-  // Makes room for a plan, and its tables.
+  // Room for one control step of a group; forces of the null spring and travel are 0.
   template <Arithmetic arithmetic>
-  Arrays<arithmetic> prepare(const Plan& plan, const Layout& layout);
+  Arrays<arithmetic> prepare(const Plan& plan, const Tables& tables, const Rows& rows);
+
+  ContactSearch search;
+  std::vector<double> folded;  // states of lanes that stopped before the others
 
   std::size_t bytes() const;  // held at present
 
  private:
-  template <Arithmetic arithmetic>
-  Arrays<arithmetic> lay_out(const Plan& plan, const Layout& layout);
-
   hwy::AlignedFreeUniquePtr<std::byte[]> memory_;
   std::size_t capacity_ = 0;  // bytes
-  std::vector<float> stiffness_;
-  std::vector<std::int32_t> corrected_;
-  std::vector<SpringEnds> spring_ends_, strain_ends_;
-  std::vector<std::uint32_t> point_offsets_, ends_;
 };
 
 }  // namespace evo

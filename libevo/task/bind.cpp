@@ -269,9 +269,6 @@ Arena::Compiled bind_task(TaskSpec task, Body robot) {
   arena.voxel_length = arena.task.physics.voxel_length;
   arena.has_goals = arena.task.goals.has_value();
 
-  for (const ModelObject& object : arena.stage->model.objects())
-    if (!object.is_static) arena.moving.push_back({object.first_point, object.points});
-
   Binder bind(arena);
   compile_observation(arena, bind);
   for (const RewardTerm& term : arena.task.reward)

@@ -125,7 +125,6 @@ struct Arena::Compiled {
   Body robot;
   std::shared_ptr<const Stage> stage;  // with all draws at their lowest value
 
-  std::vector<PointRange> moving;  // objects whose points are in State, world order
   std::vector<Measure> measures;
   int slots = 0;
   std::vector<PointRange> orientations;           // objects that need a reference

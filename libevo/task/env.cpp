@@ -59,10 +59,14 @@ Draws Arena::draw(std::uint64_t seed, std::uint64_t index) const {
 
 namespace {
 
+// All of an environment but its simulation, which is a lane of the batch.
 struct Environment {
+  const Arena* arena = nullptr;
+  std::size_t observation_offset = 0;
+  std::size_t action_offset = 0;
+  LaneStatus status = LaneStatus::done;
   Episode episode;
   std::shared_ptr<const Stage> stage;
-  State state;
   std::vector<OrientationReference> references;
   std::vector<Vec2> positions;  // as queries see them: stale after self-folding
   std::vector<Vec2> velocities;
@@ -112,103 +116,117 @@ void shift(State& state, double amount, std::uint64_t seed) {
   }
   state.previous_x = state.x;
   state.previous_y = state.y;
-  state.restart_contacts();
-}
-
-// What moved, from the simulation to the snapshot; terrain is there already.
-void read_moving(const std::vector<PointRange>& moving, const State& state, Environment& e) {
-  std::size_t from = 0;
-  for (const PointRange& object : moving) {
-    auto to = static_cast<std::size_t>(object.first);
-    for (int i = 0; i < object.count; ++i, ++from, ++to) {
-      e.positions[to] = {state.x[from], state.y[from]};
-      e.velocities[to] = {state.vx[from], state.vy[from]};
-    }
-  }
 }
 
 }  // namespace
 
 struct VecEnv::Impl {
-  Impl(const Arena::Compiled& compiled, int count)
-      : arena(compiled),
-        environments(static_cast<std::size_t>(count)),
-        observation_length(static_cast<std::size_t>(compiled.observation_length)),
-        action_length(static_cast<std::size_t>(compiled.stage->model.actuators())),
-        observations(environments.size() * observation_length),
-        rewards(environments.size()),
-        terminated(environments.size()),
-        truncated(environments.size()),
-        lanes(environments.size()),
-        lane_environments(environments.size()) {
-    for (Environment& environment : environments) place(environment, compiled.stage);
+  explicit Impl(std::span<const Arena* const> arenas)
+      : environments(arenas.size()),
+        batch(arenas.size()),
+        rewards(arenas.size()),
+        terminated(arenas.size()),
+        truncated(arenas.size()) {
+    std::size_t observation_lengths = 0;
+    for (std::size_t i = 0; i < arenas.size(); ++i) {
+      Environment& e = environments[i];
+      e.arena = arenas[i];
+      e.observation_offset = observation_lengths;
+      e.action_offset = action_lengths;
+      observation_lengths += static_cast<std::size_t>(e.arena->observation_length());
+      action_lengths += static_cast<std::size_t>(e.arena->action_length());
+      place(i, e.arena->compiled().stage);
+    }
+    observations.resize(observation_lengths);
   }
 
   // On a stage, at rest, in the arrays' final sizes.
-  void place(Environment& environment, std::shared_ptr<const Stage> stage) const {
-    const auto points = static_cast<std::size_t>(stage->model.points());
-    environment.stage = std::move(stage);
-    environment.state = initial_state(environment.stage->model);
-    environment.positions.resize(points);
-    environment.velocities.resize(points);
-    environment.slots.resize(static_cast<std::size_t>(arena.slots));
-    environment.previous_slots.resize(static_cast<std::size_t>(arena.slots));
-    read_positions(environment.stage->model, environment.state, environment.positions);
-    read_velocities(environment.stage->model, environment.state, environment.velocities);
-    environment.references = make_references(arena, environment.positions);
+  void place(std::size_t index, std::shared_ptr<const Stage> stage) {
+    Environment& e = environments[index];
+    const Arena::Compiled& arena = e.arena->compiled();
+    e.stage = std::move(stage);
+    e.status = LaneStatus::done;
+    batch.place(index, {e.stage, &e.stage->model});
+    e.positions = e.stage->model.initial_positions();
+    e.velocities.assign(e.positions.size(), {});
+    e.slots.resize(static_cast<std::size_t>(arena.slots));
+    e.previous_slots.resize(static_cast<std::size_t>(arena.slots));
+    e.references = make_references(arena, e.positions);
   }
 
   std::span<double> observation(std::size_t index) {
-    return std::span(observations).subspan(index * observation_length, observation_length);
+    const Environment& e = environments[index];
+    return std::span(observations)
+        .subspan(e.observation_offset, static_cast<std::size_t>(e.arena->observation_length()));
   }
 
   void look(std::size_t index) {
-    Environment& e = environments[index];
-    evo::observe(arena, e.stage->terrains, e.episode, {e.positions, e.velocities}, e.slots,
-                 observation(index));
+    const Environment& e = environments[index];
+    evo::observe(e.arena->compiled(), e.stage->terrains, e.episode, {e.positions, e.velocities},
+                 e.slots, observation(index));
   }
 
-  void finish(std::size_t index, StepResult result);
-  void run_lanes(std::size_t first, std::size_t last);
+  void finish(std::size_t index);
 
-  const Arena::Compiled& arena;
   std::vector<Environment> environments;
-  std::size_t observation_length;
-  std::size_t action_length;
+  Batch batch;  // environment i is lane i
+  std::size_t action_lengths = 0;
   std::vector<double> observations;
   std::vector<double> rewards;
   std::vector<std::uint8_t> terminated;
   std::vector<std::uint8_t> truncated;
-  // Of the step being taken: one lane an active environment.
-  std::vector<Lane> lanes;
-  std::vector<std::size_t> lane_environments;
 };
 
-VecEnv::VecEnv(const Arena& arena, int environments) {
+namespace {
+
+template <typename Impl>
+const Environment& environment_of(const Impl& impl, int environment) {
+  return impl.environments[static_cast<std::size_t>(environment)];
+}
+
+std::vector<const Arena*> copies(const Arena& arena, int environments) {
   if (environments < 1)
     throw error(Failure::usage, "at least one environment is needed, found {}", environments);
-  impl_ = std::make_unique<Impl>(arena.compiled(), environments);
+  return std::vector<const Arena*>(static_cast<std::size_t>(environments), &arena);
 }
+
+}  // namespace
+
+VecEnv::VecEnv(const Arena& arena, int environments) : VecEnv(copies(arena, environments)) {}
+VecEnv::VecEnv(std::span<const Arena* const> arenas) : impl_(std::make_unique<Impl>(arenas)) {}
 VecEnv::~VecEnv() = default;
 VecEnv::VecEnv(VecEnv&&) noexcept = default;
 VecEnv& VecEnv::operator=(VecEnv&&) noexcept = default;
 
 int VecEnv::environments() const { return static_cast<int>(impl_->environments.size()); }
 
+const Arena& VecEnv::arena(int environment) const {
+  return *environment_of(*impl_, environment).arena;
+}
+std::size_t VecEnv::observation_offset(int environment) const {
+  return environment_of(*impl_, environment).observation_offset;
+}
+std::size_t VecEnv::action_offset(int environment) const {
+  return environment_of(*impl_, environment).action_offset;
+}
+
 void VecEnv::reset(int environment, const EpisodeStart& start) {
   Impl& impl = *impl_;
   const auto index = static_cast<std::size_t>(environment);
-  check_draws(impl.arena.task, start.draws);
-
   Environment& e = impl.environments[index];
-  impl.place(e, stage_for(impl.arena, start.draws));
+  const Arena::Compiled& arena = e.arena->compiled();
+  check_draws(arena.task, start.draws);
+
+  impl.place(index, stage_for(arena, start.draws));
   if (start.jitter != 0.0) {
-    shift(e.state, start.jitter * impl.arena.voxel_length, start.jitter_seed);
-    read_moving(impl.arena.moving, e.state, e);
-    e.references = make_references(impl.arena, e.positions);
+    State state = impl.batch.state(index);
+    shift(state, start.jitter * arena.voxel_length, start.jitter_seed);
+    impl.batch.set_state(index, state);
+    impl.batch.read_moving(index, e.positions, e.velocities);
+    e.references = make_references(arena, e.positions);
   }
   e.episode = {start.draws, 0, 0};
-  measure(impl.arena, e.references, e.positions, e.work, e.slots);
+  measure(arena, e.references, e.positions, e.work, e.slots);
   impl.look(index);
   impl.rewards[index] = 0.0;
   impl.terminated[index] = 0;
@@ -219,12 +237,14 @@ void VecEnv::reset(int environment, const EpisodeStart& start) {
 
 // After self-folding all queries still see the snapshot before the step, while
 // the simulation goes on from where it stopped (tasks, A.4).
-void VecEnv::Impl::finish(std::size_t index, StepResult result) {
+void VecEnv::Impl::finish(std::size_t index) {
   Environment& e = environments[index];
-  const bool folded = result == StepResult::self_folding;
+  const Arena::Compiled& arena = e.arena->compiled();
+  e.status = batch.status(index);
+  const bool folded = e.status == LaneStatus::self_folding;
   e.previous_slots = e.slots;
   if (!folded) {
-    read_moving(arena.moving, e.state, e);
+    batch.read_moving(index, e.positions, e.velocities);
     measure(arena, e.references, e.positions, e.work, e.slots);
   }
   look(index);
@@ -235,77 +255,44 @@ void VecEnv::Impl::finish(std::size_t index, StepResult result) {
 
   double sum = outcome.reward;  // finite only if all are
   for (const double value : observation(index)) sum += value;
-  if (!std::isfinite(sum))
-    throw error(Failure::work,
-                "task '{}': the simulation became unstable in step {} of an episode: an "
-                "observation or the reward is not a number",
-                arena.task.name, e.episode.steps);
+  if (!std::isfinite(sum)) e.status = LaneStatus::unstable;
 }
-
-void VecEnv::Impl::run_lanes(std::size_t first, std::size_t last) {
-  evo::step(std::span(lanes).subspan(first, last - first));
-  for (std::size_t lane = first; lane < last; ++lane)
-    finish(lane_environments[lane], lanes[lane].result);
-}
-
-namespace {
-
-constexpr std::size_t vector_lanes = 4;  // doubles in a common vector register
-
-// Even shares, in whole vectors where there is more than one for each thread.
-std::size_t lanes_per_chunk(std::size_t lanes, int threads) {
-  const std::size_t workers = static_cast<std::size_t>(threads);
-  const std::size_t share = (lanes + workers - 1) / workers;
-  if (share <= vector_lanes) return share;
-  return (share + vector_lanes - 1) / vector_lanes * vector_lanes;
-}
-
-void set_targets(State& state, std::span<const double> targets, std::size_t environment) {
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    if (!std::isfinite(targets[i]))
-      throw error(Failure::work, "target {} of environment {} is not a number", i, environment);
-    state.targets[i] = targets[i];
-  }
-}
-
-}  // namespace
 
 void VecEnv::step(std::span<const double> actions, std::span<const std::uint8_t> active,
                   ThreadPool* pool) {
   Impl& impl = *impl_;
-  std::size_t count = 0;
   for (std::size_t i = 0; i < impl.environments.size(); ++i) {
     if (!active.empty() && active[i] == 0) continue;
-    Environment& e = impl.environments[i];
-    set_targets(e.state, actions.subspan(i * impl.action_length, impl.action_length), i);
-    impl.lanes[count] = {&e.stage->model, &e.state, StepResult::done};
-    impl.lane_environments[count] = i;
-    ++count;
+    const Environment& e = impl.environments[i];
+    // Of the robot; other objects have no actuators (Arena).
+    const std::span<double> targets = impl.batch.targets(i);
+    for (std::size_t k = 0; k < targets.size(); ++k) {
+      const double target = actions[e.action_offset + k];
+      if (!std::isfinite(target))
+        throw error(Failure::work, "target {} of environment {} is not a number", k, i);
+      targets[k] = target;
+    }
   }
-  if (count == 0) return;
-  if (pool == nullptr || pool->threads() == 1) {
-    impl.run_lanes(0, count);
-    return;
-  }
-  const std::size_t chunk = lanes_per_chunk(count, pool->threads());
-  pool->run((count + chunk - 1) / chunk, [&](std::size_t i, int) {
-    impl.run_lanes(i * chunk, std::min(count, (i + 1) * chunk));
-  });
+  impl.batch.step(active, pool, [&impl](std::size_t i) { impl.finish(i); });
+}
+
+LaneStatus VecEnv::status(int environment) const {
+  return environment_of(*impl_, environment).status;
+}
+
+void require_stable(const VecEnv& env) {
+  for (int i = 0; i < env.environments(); ++i)
+    if (env.status(i) == LaneStatus::unstable)
+      throw error(Failure::work,
+                  "task '{}': the simulation became unstable in step {} of an episode: an "
+                  "observation or the reward is not a number",
+                  env.arena(i).task().name, env.steps(i));
 }
 
 std::span<const double> VecEnv::observations() const { return impl_->observations; }
 std::span<const double> VecEnv::rewards() const { return impl_->rewards; }
 std::span<const std::uint8_t> VecEnv::terminated() const { return impl_->terminated; }
 std::span<const std::uint8_t> VecEnv::truncated() const { return impl_->truncated; }
-
-namespace {
-
-template <typename Impl>
-const Environment& environment_of(const Impl& impl, int environment) {
-  return impl.environments[static_cast<std::size_t>(environment)];
-}
-
-}  // namespace
 
 int VecEnv::steps(int environment) const {
   return environment_of(*impl_, environment).episode.steps;
@@ -413,15 +400,15 @@ Episode load_episode(ByteReader& in) {
 
 // Everything an environment has but its stage, which follows from the draws,
 // and contact candidates, which are found again. One list for both directions.
-template <typename Environment, typename Visit>
-void for_each_array(Environment& e, Visit visit) {
-  visit(e.state.x);
-  visit(e.state.y);
-  visit(e.state.vx);
-  visit(e.state.vy);
-  visit(e.state.previous_x);
-  visit(e.state.previous_y);
-  visit(e.state.targets);
+template <typename State, typename Environment, typename Visit>
+void for_each_array(State& state, Environment& e, Visit visit) {
+  visit(state.x);
+  visit(state.y);
+  visit(state.vx);
+  visit(state.vy);
+  visit(state.previous_x);
+  visit(state.previous_y);
+  visit(state.targets);
   visit(e.positions);
   visit(e.velocities);
   visit(e.slots);
@@ -440,9 +427,11 @@ std::vector<std::uint8_t> VecEnv::save() const {
   ByteWriter out;
   const auto write = [&](const auto& values) { out.values(values); };
   out.value(static_cast<std::uint64_t>(impl.environments.size()));
-  for (const Environment& e : impl.environments) {
+  for (std::size_t i = 0; i < impl.environments.size(); ++i) {
+    const Environment& e = impl.environments[i];
+    const State state = impl.batch.state(i);
     save_episode(out, e.episode);
-    for_each_array(e, write);
+    for_each_array(state, e, write);
     for (const OrientationReference& reference : e.references) {
       for_each_reference_array(reference, write);
       out.value(reference.radius_sum);
@@ -456,20 +445,24 @@ std::vector<std::uint8_t> VecEnv::save() const {
 }
 
 void VecEnv::load(std::span<const std::uint8_t> bytes) {
-  const Impl& current = *impl_;
-  auto loaded = std::make_unique<Impl>(current.arena, environments());
+  std::vector<const Arena*> arenas;
+  for (const Environment& e : impl_->environments) arenas.push_back(e.arena);
+  auto loaded = std::make_unique<Impl>(arenas);
   ByteReader in(bytes);
   const auto read = [&](auto& values) { in.fill(values); };
   std::uint64_t count = 0;
   in.value(count);
   if (count != loaded->environments.size()) ByteReader::refuse();
-  for (Environment& e : loaded->environments) {
+  for (std::size_t i = 0; i < loaded->environments.size(); ++i) {
+    Environment& e = loaded->environments[i];
+    const Arena::Compiled& arena = e.arena->compiled();
     e.episode = load_episode(in);
     // Never reset: no draws yet.
-    const bool begun = !e.episode.draws.integers.empty() || !moves_objects(loaded->arena.task);
-    if (begun) loaded->place(e, stage_for(loaded->arena, e.episode.draws));
-    for_each_array(e, read);
-    e.state.restart_contacts();
+    const bool begun = !e.episode.draws.integers.empty() || !moves_objects(arena.task);
+    if (begun) loaded->place(i, stage_for(arena, e.episode.draws));
+    State state = loaded->batch.state(i);
+    for_each_array(state, e, read);
+    loaded->batch.set_state(i, state);
     for (OrientationReference& reference : e.references) {
       for_each_reference_array(reference, read);
       in.value(reference.radius_sum);

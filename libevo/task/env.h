@@ -1,7 +1,8 @@
 // Episodes. An Arena is one robot in one task, compiled once; a VecEnv runs any
-// number of episodes of it side by side. Spec: tasks, section A.
+// number of episodes side by side, of one arena or of several. Spec: tasks, section A.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -9,7 +10,7 @@
 #include <vector>
 
 #include "libevo/base/parallel.h"
-#include "libevo/sim/state.h"
+#include "libevo/sim/batch.h"
 #include "libevo/task/spec.h"
 
 namespace evo {
@@ -60,25 +61,41 @@ class VecEnv {
   // `environments` episodes of one arena, which must outlive this. All arrays
   // are environment-major: observations [E x D], actions [E x A].
   VecEnv(const Arena& arena, int environments);
+  // An episode of each of these arenas, which must outlive this: other bodies, tasks
+  // and lengths side by side. Arrays are environment-major: the observation of
+  // environment e is the arena's observation_length() values from
+  // observation_offset(e) on, its action the action_length() ones from
+  // action_offset(e) on.
+  explicit VecEnv(std::span<const Arena* const> arenas);
   ~VecEnv();
   VecEnv(VecEnv&&) noexcept;
   VecEnv& operator=(VecEnv&&) noexcept;
 
   int environments() const;
+  const Arena& arena(int environment) const;
+  std::size_t observation_offset(int environment) const;
+  std::size_t action_offset(int environment) const;
+
   // Throws Error(usage) for draws that are not the task's.
   void reset(int environment, const EpisodeStart& start);
 
   // One control step of the environments marked in `active` (all, if empty);
   // the others stay as they are. Targets are absolute, share of the rest length,
-  // clipped to [0.6, 1.6]. Does not reset what ended. The work is done by the
-  // calling thread, or in parallel by `pool`, with the same bits. Throws
-  // Error(work) for a target that is not a number, or when the simulation has
-  // become unstable.
+  // clipped to the physics' range. Does not reset what ended. The work is done by
+  // the calling thread, or by the threads of `pool`, with the same bits. Threads share
+  // it by groups of environments of one body: as many as a vector register has lanes,
+  // or single ones where there are at most two per thread (Batch::step). Throws
+  // Error(work), before anything is stepped, for a target that is not a number.
   void step(std::span<const double> actions, std::span<const std::uint8_t> active = {},
             ThreadPool* pool = nullptr);
 
+  // How an environment came out of its last step; `done` after reset. Of an unstable
+  // one, a position, a velocity, the observation or the reward is not a finite
+  // number: all that is left to do is to reset it. The others are not touched by it.
+  LaneStatus status(int environment) const;
+
   // After reset and step, of every environment (zeros before its first reset):
-  std::span<const double> observations() const;      // [E x D]
+  std::span<const double> observations() const;      // [E x D], or by offsets
   std::span<const double> rewards() const;           // [E]
   std::span<const std::uint8_t> terminated() const;  // [E] ended by a rule
   std::span<const std::uint8_t> truncated() const;   // [E] ended by the time limit
@@ -92,7 +109,7 @@ class VecEnv {
 
   // All that decides how the episodes go on, for checkpoints: an opaque array
   // of bytes of this build's layout, restored by load() into a VecEnv of the
-  // same arena and size. load() throws Error(data) for bytes that do not fit.
+  // same arenas. load() throws Error(data) for bytes that do not fit.
   std::vector<std::uint8_t> save() const;
   void load(std::span<const std::uint8_t> bytes);
 
@@ -100,6 +117,10 @@ class VecEnv {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Throws Error(work) that names the task and the step if an environment is unstable:
+// for callers who have no use for the others then.
+void require_stable(const VecEnv& env);
 
 // ---- the pure part of a step ------------------------------------------------
 

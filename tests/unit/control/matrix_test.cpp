@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "libevo/base/random.h"
-#include "libevo/sim/state.h"
+#include "libevo/sim/isa.h"
 
 using evo::Matrix;
 

@@ -49,7 +49,7 @@ Eigen::VectorXd network_output(const Network& like, const Parameters& p, std::si
   return x;
 }
 
-double loss(const Policy& shape, const Parameters& p, const Batch& batch, const Objective& o) {
+double loss(const Policy& shape, const Parameters& p, const Samples& batch, const Objective& o) {
   double total = 0.0;
   const auto m = static_cast<double>(batch.states.rows());
   for (Eigen::Index i = 0; i < batch.states.rows(); ++i) {
@@ -84,8 +84,8 @@ double loss(const Policy& shape, const Parameters& p, const Batch& batch, const 
 
 // A batch as a slightly older policy would have left it: some ratios and values
 // inside the clipping range, some out of it.
-Batch plausible_batch(const Policy& policy, int samples, Stream& stream) {
-  Batch batch;
+Samples plausible_batch(const Policy& policy, int samples, Stream& stream) {
+  Samples batch;
   const Eigen::Index inputs = policy.observation_length();
   const Eigen::Index actions = policy.action_length();
   batch.states.resize(samples, inputs);
@@ -120,7 +120,7 @@ Batch plausible_batch(const Policy& policy, int samples, Stream& stream) {
 TEST_CASE("gradients agree with finite differences of the loss in double precision") {
   Stream stream(7, "gradient");
   const Policy policy = small_policy(9, 4, stream);
-  const Batch batch = plausible_batch(policy, 40, stream);
+  const Samples batch = plausible_batch(policy, 40, stream);
   Objective objective{0.1, true, 0.5, 0.01};
   objective.clip_value_loss = GENERATE(true, false);
   Gradients gradients = zero_gradients(policy);

@@ -6,7 +6,7 @@
 #include "libevo/base/error.h"
 #include "libevo/control/evaluate.h"
 #include "libevo/control/ppo.h"
-#include "libevo/sim/state.h"
+#include "libevo/sim/isa.h"
 #include "tests/unit/control/arena.h"
 
 using namespace evo;

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "formats/task.h"
-#include "libevo/sim/state.h"
+#include "libevo/sim/batch.h"
 
 namespace evo::example {
 namespace {
@@ -41,23 +41,24 @@ Rollout simulate(const std::string& name, const std::vector<std::string>& body, 
   rollout.points = model.points();
   rollout.world = {model.objects(), model.cells()};
   RolloutEpisode& episode = rollout.episodes.emplace_back();
-  State state = initial_state(model);
+  Batch batch(1);
+  batch.place(0, model);
   const auto points = static_cast<std::size_t>(model.points());
   episode.positions.resize((static_cast<std::size_t>(steps) + 1) * points);
   const auto at = [&](int t) { return &episode.positions[static_cast<std::size_t>(t) * points]; };
-  read_positions(model, state, {at(0), points});
+  read_positions(model, batch.state(0), {at(0), points});
   for (int t = 0; t < steps; ++t) {
-    for (std::size_t k = 0; k < state.targets.size(); ++k) {
+    const std::span<double> targets = batch.targets(0);
+    for (std::size_t k = 0; k < targets.size(); ++k) {
       constexpr double amplitude = 0.5;
       constexpr double period = 20;  // steps
       constexpr double phase = 0.7;  // between neighbours
-      state.targets[k] = 1.1 + amplitude * std::sin(6.283185307179586 * t / period +
-                                                    phase * static_cast<double>(k));
+      targets[k] = 1.1 + amplitude * std::sin(6.283185307179586 * t / period +
+                                              phase * static_cast<double>(k));
     }
-    episode.actions.insert(episode.actions.end(), state.targets.begin(), state.targets.end());
-    Lane lane{&model, &state, StepResult::done};
-    step({&lane, 1});
-    read_positions(model, state, {at(t + 1), points});
+    episode.actions.insert(episode.actions.end(), targets.begin(), targets.end());
+    batch.step();
+    read_positions(model, batch.state(0), {at(t + 1), points});
     const ModelObject& robot = model.objects().front();
     episode.rewards.push_back(centre_x(robot, at(t + 1)) - centre_x(robot, at(t)));
     episode.terminations.push_back(0);

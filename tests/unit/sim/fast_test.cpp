@@ -23,18 +23,17 @@ World walker() {
 
 // The bits of the last of `width` lanes, all of which do something else.
 std::uint64_t hash_after(const Model& model, int steps, std::size_t width) {
-  std::vector<State> states(width, initial_state(model));
-  std::vector<Lane> lanes;
+  Batch batch(width);
   std::vector<Stream> randoms;
   for (std::size_t i = 0; i < width; ++i) {
-    lanes.push_back({&model, &states[i]});
+    batch.place(i, model);
     randoms.emplace_back(1, "targets", width - 1 - i);
   }
   for (int t = 0; t < steps; ++t) {
-    for (std::size_t i = 0; i < width; ++i) draw_targets(states[i], randoms[i]);
-    step(lanes);
+    for (std::size_t i = 0; i < width; ++i) draw_targets(batch.targets(i), randoms[i]);
+    batch.step();
   }
-  return hash_of(states.back());
+  return hash_of(batch.state(width - 1));
 }
 
 // The greatest distance of a coordinate from the exact one within `steps` steps.
@@ -46,12 +45,10 @@ double error_after(const World& world, int steps, std::uint64_t seed) {
   Stream random(seed, "targets");
   double error = 0.0;
   for (int t = 0; t < steps; ++t) {
-    draw_targets(a, random);
+    draw_targets(a.targets, random);
     b.targets = a.targets;
-    Lane one{&exact, &a};
-    Lane other{&fast, &b};
-    step({&one, 1});
-    step({&other, 1});
+    step_alone(exact, a);
+    step_alone(fast, b);
     for (std::size_t i = 0; i < a.x.size(); ++i)
       error = std::max({error, std::fabs(a.x[i] - b.x[i]), std::fabs(a.y[i] - b.y[i])});
   }
@@ -87,8 +84,7 @@ TEST_CASE("fast: the world floor carries, alone and side by side") {
   CHECK(hash_after(model, 60, 1) == hash_after(model, 60, 8));
   State state = initial_state(model);
   for (int t = 0; t < 100; ++t) {
-    Lane lane{&model, &state};
-    step({&lane, 1});
+    step_alone(model, state);
   }
   const auto [lowest, highest] = std::minmax_element(state.y.begin(), state.y.end());
   CHECK(*lowest > -0.01);

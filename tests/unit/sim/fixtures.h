@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "libevo/base/random.h"
-#include "libevo/sim/state.h"
+#include "libevo/sim/batch.h"
+#include "libevo/sim/isa.h"
 #include "libevo/sim/world.h"
 
 namespace evo {
@@ -25,8 +27,18 @@ struct IsaGuard {
   ~IsaGuard() { select_isa(best_isa()); }
 };
 
-inline void draw_targets(State& state, Stream& random) {
-  for (double& target : state.targets) target = 0.6 + random.uniform();
+inline void draw_targets(std::span<double> targets, Stream& random) {
+  for (double& target : targets) target = 0.6 + random.uniform();
+}
+
+// One control step of a state in a batch of its own.
+inline LaneStatus step_alone(const Model& model, State& state) {
+  Batch batch(1);
+  batch.place(0, model);
+  batch.set_state(0, state);
+  batch.step();
+  state = batch.state(0);
+  return batch.status(0);
 }
 
 // The bits of everything that goes on; -0 and 0 count as different.

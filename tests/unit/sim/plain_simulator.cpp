@@ -60,10 +60,10 @@ class Plain {
     length_.resize(goal_.size());
   }
 
-  StepResult run() {
-    StepResult result = StepResult::done;
-    for (int i = 0; i < physics_.substeps && result == StepResult::done; ++i)
-      if (substep()) result = StepResult::self_folding;
+  LaneStatus run() {
+    LaneStatus result = LaneStatus::done;
+    for (int i = 0; i < physics_.substeps && result == LaneStatus::done; ++i)
+      if (substep()) result = LaneStatus::self_folding;
     for (std::size_t i = 0; i < at(world_.moving_points); ++i) {
       state_.x[i] = p_[i].x;
       state_.y[i] = p_[i].y;
@@ -163,7 +163,7 @@ class Plain {
     const V a2 = p_[at(edge[0])], b2 = p_[at(edge[1])];
     const V d1 = b1 - a1, d2 = b2 - a2;
     const double det = -d1.x * d2.y + d2.x * d1.y;
-    if (std::abs(det) < 1e-4) return false;
+    if (std::abs(det) < 1e-4 * world_.length_scale * world_.length_scale) return false;
     const double dx = a2.x - a1.x, dy = a2.y - a1.y;
     const double t = (-d2.y * dx + d2.x * dy) / det;
     const double s = (-d1.y * dx + d1.x * dy) / det;
@@ -173,7 +173,7 @@ class Plain {
   double distance_to_line(V p, const std::array<int, 2>& edge) const {
     const V d = p_[at(edge[1])] - p_[at(edge[0])];
     const double length = norm(d);
-    if (length < 1e-6) return 1000.0;
+    if (length < 1e-6 * world_.length_scale) return 1000.0 * world_.length_scale;
     return std::abs(cross(d, p - p_[at(edge[0])])) / length;
   }
 
@@ -338,6 +338,6 @@ class Plain {
 
 }  // namespace
 
-StepResult plain_step(const Model& model, State& state) { return Plain(model, state).run(); }
+LaneStatus plain_step(const Model& model, State& state) { return Plain(model, state).run(); }
 
 }  // namespace evo

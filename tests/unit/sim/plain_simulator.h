@@ -3,11 +3,11 @@
 // the real stepping code is compared with, bit for bit.
 #pragma once
 
-#include "libevo/sim/state.h"
+#include "libevo/sim/batch.h"
 
 namespace evo {
 
-// One control step, as evo::step does it for one lane.
-StepResult plain_step(const Model& model, State& state);
+// One control step, as Batch::step does it for a lane; never `unstable`.
+LaneStatus plain_step(const Model& model, State& state);
 
 }  // namespace evo

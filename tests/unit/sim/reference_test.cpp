@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "libevo/sim/state.h"
+#include "tests/unit/sim/fixtures.h"
 
 namespace evo {
 namespace {
@@ -29,9 +29,7 @@ double error_of(const ReferenceCase& reference) {
   for (int t = 0; t < reference.steps; ++t) {
     const auto action = reference.action(t);
     std::copy(action.begin(), action.end(), state.targets.begin());
-    Lane lane{&model, &state};
-    step({&lane, 1});
-    if (lane.result == StepResult::done)
+    if (step_alone(model, state) == LaneStatus::done)
       read_positions(model, state, positions);
     else
       CHECK(t == reference.steps - 1);

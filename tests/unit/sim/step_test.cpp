@@ -23,33 +23,32 @@ World flat_world(Body body) { return {{fixed_ground(40), {"robot", std::move(bod
 // Steps one state `steps` times under random targets, alone or as the last of
 // `width` lanes that do something else.
 std::uint64_t hash_after(const Model& model, int steps, std::size_t width) {
-  std::vector<State> states(width, initial_state(model));
-  std::vector<Lane> lanes;
+  Batch batch(width);
   std::vector<Stream> randoms;
   for (std::size_t i = 0; i < width; ++i) {
-    lanes.push_back({&model, &states[i]});
+    batch.place(i, model);
     randoms.emplace_back(1, "targets", width - 1 - i);
   }
   for (int t = 0; t < steps; ++t) {
-    for (std::size_t i = 0; i < width; ++i) draw_targets(states[i], randoms[i]);
-    step(lanes);
+    for (std::size_t i = 0; i < width; ++i) draw_targets(batch.targets(i), randoms[i]);
+    batch.step();
   }
-  return hash_of(states.back());
+  return hash_of(batch.state(width - 1));
 }
 
 // Runs both simulators side by side; the number of steps after which they differ.
 int steps_until_different(const World& world, int steps, std::uint64_t seed) {
   const Model model(world, Physics{});
   State plain = initial_state(model);
-  State fast = plain;
+  Batch batch(1);
+  batch.place(0, model);
   Stream random(seed, "targets");
   for (int t = 0; t < steps; ++t) {
-    draw_targets(plain, random);
-    fast.targets = plain.targets;
-    const StepResult expected = plain_step(model, plain);
-    Lane lane{&model, &fast};
-    step({&lane, 1});
-    if (lane.result != expected || hash_of(plain) != hash_of(fast)) return t;
+    draw_targets(plain.targets, random);
+    std::copy(plain.targets.begin(), plain.targets.end(), batch.targets(0).begin());
+    const LaneStatus expected = plain_step(model, plain);
+    batch.step();
+    if (batch.status(0) != expected || hash_of(plain) != hash_of(batch.state(0))) return t;
   }
   return steps;
 }
@@ -124,89 +123,84 @@ TEST_CASE("bits do not depend on width, neighbours or instruction set") {
       INFO(isa << ", " << width << " lanes");
       CHECK(hash_after(walker, 50, width) == pinned);
     }
-    // Bodies mixed in one call.
-    std::vector<State> states;
-    for (int i = 0; i < 6; ++i) states.push_back(initial_state(i % 3 == 1 ? other : walker));
-    std::vector<Lane> lanes;
-    for (std::size_t i = 0; i < 6; ++i)
-      lanes.push_back({i % 3 == 1 ? &other : &walker, &states[i]});
+    // Bodies mixed in one batch.
+    Batch mixed(6);
+    for (std::size_t i = 0; i < 6; ++i) mixed.place(i, i % 3 == 1 ? other : walker);
     std::vector<Stream> randoms(6, Stream(1, "targets"));
     for (int t = 0; t < 50; ++t) {
-      for (std::size_t i = 0; i < 6; ++i) draw_targets(states[i], randoms[i]);
-      step(lanes);
+      for (std::size_t i = 0; i < 6; ++i) draw_targets(mixed.targets(i), randoms[i]);
+      mixed.step();
     }
-    for (const std::size_t i : {0U, 2U, 3U, 5U}) CHECK(hash_of(states[i]) == pinned);
-    CHECK(hash_of(states[1]) == hash_of(states[4]));
+    for (const std::size_t i : {0U, 2U, 3U, 5U}) CHECK(hash_of(mixed.state(i)) == pinned);
+    CHECK(hash_of(mixed.state(1)) == hash_of(mixed.state(4)));
+    CHECK(hash_of(mixed.state(1)) == hash_after(other, 50, 1));
   }
 }
 
 TEST_CASE("lanes of equal objects in different places share registers and keep their bits") {
   const IsaGuard guard;
-  std::vector<std::unique_ptr<Model>> models;
+  std::vector<std::shared_ptr<const Model>> models;
   for (int i = 0; i < 5; ++i) {
     World world = flat_world(Body::from_rows(body_a));
     world.objects.push_back(block("package", {"SS"}, 3 + i, 8));
     world.objects.push_back(block("peg", {"#"}, 12 - i, 2));
-    models.push_back(std::make_unique<Model>(world, Physics{}));
+    models.push_back(std::make_shared<const Model>(world, Physics{}));
   }
-  std::vector<State> together;
-  std::vector<Lane> lanes;
-  for (const auto& model : models) together.push_back(initial_state(*model));
-  for (std::size_t i = 0; i < models.size(); ++i) lanes.push_back({models[i].get(), &together[i]});
-  std::vector<State> alone = together;
+  Batch together(models.size());
+  std::vector<Batch> alone;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    together.place(i, models[i]);
+    alone.emplace_back(1).place(0, models[i]);
+  }
   for (int t = 0; t < 40; ++t) {
-    step(lanes);
+    together.step();
     for (std::size_t i = 0; i < models.size(); ++i) {
-      Lane lane{models[i].get(), &alone[i]};
-      step({&lane, 1});
-      CHECK(hash_of(alone[i]) == hash_of(together[i]));
+      alone[i].step();
+      CHECK(hash_of(alone[i].state(0)) == hash_of(together.state(i)));
     }
   }
 }
 
 TEST_CASE("a copied state goes on with the same bits, with or without its contact lists") {
   const Model model(flat_world(Body::from_rows(body_a)), Physics{});
-  State state = initial_state(model);
+  Batch batch(3);
+  for (std::size_t i = 0; i < 3; ++i) batch.place(i, model);
   Stream random(5, "targets");
   for (int t = 0; t < 20; ++t) {
-    draw_targets(state, random);
-    Lane lane{&model, &state};
-    step({&lane, 1});
+    draw_targets(batch.targets(0), random);
+    batch.step(std::vector<std::uint8_t>{1, 0, 0});
   }
-  State copy = state;
-  State restarted = state;
+  batch.set_state(1, batch.state(0));
+  batch.set_state(2, batch.state(0));
   for (int t = 0; t < 20; ++t) {
-    draw_targets(state, random);
-    copy.targets = restarted.targets = state.targets;
-    restarted.restart_contacts();
-    Lane first{&model, &state}, second{&model, &copy}, third{&model, &restarted};
-    step({&first, 1});
-    step({&second, 1});
-    step({&third, 1});
+    draw_targets(batch.targets(0), random);
+    for (const std::size_t i : {1U, 2U})
+      std::copy(batch.targets(0).begin(), batch.targets(0).end(), batch.targets(i).begin());
+    batch.set_state(2, batch.state(2));  // its contacts are found anew
+    batch.step();
   }
-  CHECK(hash_of(copy) == hash_of(state));
-  CHECK(hash_of(restarted) == hash_of(state));
+  CHECK(batch.state(1) == batch.state(0));
+  CHECK(batch.state(2) == batch.state(0));
 }
 
 TEST_CASE("a lane that folds stops alone, with the state of its folding substep") {
   const ReferenceCase reference = read_reference("extra/Walker-v0_fold0");
   const Model model(reference.world, Physics{});
-  std::vector<State> states(4, initial_state(model));
-  State plain = states[0];
-  std::vector<Lane> lanes;
-  for (State& state : states) lanes.push_back({&model, &state});
+  State plain = initial_state(model);
+  Batch batch(4);
+  for (std::size_t i = 0; i < 4; ++i) batch.place(i, model);
   for (int t = 0; t < reference.steps; ++t) {
     const auto action = reference.action(t);
     std::copy(action.begin(), action.end(), plain.targets.begin());
-    states[2].targets = plain.targets;  // the others keep still
-    step(lanes);
-    const StepResult expected = plain_step(model, plain);
-    CHECK(lanes[2].result == expected);
-    CHECK(lanes[0].result == StepResult::done);
-    CHECK(hash_of(states[2]) == hash_of(plain));
+    std::copy(action.begin(), action.end(), batch.targets(2).begin());  // the others keep still
+    batch.step();
+    const LaneStatus expected = plain_step(model, plain);
+    CHECK(batch.status(2) == expected);
+    CHECK(batch.status(0) == LaneStatus::done);
+    CHECK(hash_of(batch.state(2)) == hash_of(plain));
   }
-  CHECK(lanes[2].result == StepResult::self_folding);
-  CHECK(hash_of(states[0]) == hash_of(states[3]));
+  CHECK(batch.status(2) == LaneStatus::self_folding);
+  CHECK(hash_of(batch.state(0)) == hash_of(batch.state(3)));
 }
 
 TEST_CASE("targets are clipped to the range of the physics") {
@@ -215,29 +209,46 @@ TEST_CASE("targets are clipped to the range of the physics") {
   State tame = wild;
   std::fill(wild.targets.begin(), wild.targets.end(), 99.0);
   std::fill(tame.targets.begin(), tame.targets.end(), 1.6);
-  Lane first{&model, &wild}, second{&model, &tame};
-  step({&first, 1});
-  step({&second, 1});
+  step_alone(model, wild);
+  step_alone(model, tame);
   CHECK(hash_of(wild) == hash_of(tame));
 }
 
-TEST_CASE("states that are not numbers are stepped without harm") {
-  const Model model(flat_world(Body::from_rows(body_a)), Physics{});
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL, 1e300, -1e300}) {
-    std::vector<State> states(5, initial_state(model));
-    states[1].x[3] = bad;
-    states[2].vy[0] = bad;
-    std::vector<Lane> lanes;
-    for (State& state : states) {
-      state.restart_contacts();
-      lanes.push_back({&model, &state});
+TEST_CASE("an unstable lane says so and leaves its neighbours alone") {
+  for (const Arithmetic arithmetic : {Arithmetic::exact, Arithmetic::fast}) {
+    Physics physics;
+    physics.arithmetic = arithmetic;
+    const Model model(flat_world(Body::from_rows(body_a)), physics);
+    Batch untouched(1);
+    untouched.place(0, model);
+    for (int t = 0; t < 3; ++t) untouched.step();
+    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL, 1e300, -1e300}) {
+      Batch batch(5);
+      for (std::size_t i = 0; i < 5; ++i) batch.place(i, model);
+      State state = batch.state(1);
+      state.x[3] = bad;
+      batch.set_state(1, state);
+      state = batch.state(2);
+      state.vy[0] = bad;
+      batch.set_state(2, state);
+      for (int t = 0; t < 3; ++t) batch.step();
+      INFO(bad);
+      CHECK(batch.status(1) == LaneStatus::unstable);
+      CHECK(batch.status(2) == LaneStatus::unstable);
+      for (const std::size_t i : {0U, 3U, 4U}) {
+        CHECK(batch.status(i) == LaneStatus::done);
+        CHECK(hash_of(batch.state(i)) == hash_of(untouched.state(0)));
+      }
+      batch.place(1, model);
+      CHECK(batch.status(1) == LaneStatus::done);
+      for (int t = 0; t < 3; ++t) batch.step();
+      CHECK(batch.status(1) == LaneStatus::done);
+      CHECK(hash_of(batch.state(1)) == hash_of(untouched.state(0)));
     }
-    for (int t = 0; t < 3; ++t) step(lanes);
-    CHECK(hash_of(states[0]) == hash_of(states[4]));
   }
 }
 
-TEST_CASE("threads step independently") {
+TEST_CASE("threads step independently", "[threads]") {
   const Model model(flat_world(Body::from_rows(body_a)), Physics{});
   const std::uint64_t expected = hash_after(model, 20, 4);
   std::vector<std::uint64_t> found(3);

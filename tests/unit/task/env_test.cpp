@@ -197,7 +197,7 @@ TEST_CASE("draws move objects") {
   CHECK(env.observations()[d - 1] + 0.1 == Approx(env.observations()[2 * d - 1]));
 }
 
-TEST_CASE("the same episode whatever runs beside it") {
+TEST_CASE("the same episode whatever runs beside it", "[threads]") {
   const Arena arena(drawing(), walker());
   constexpr int count = 11;
   VecEnv together(arena, count);

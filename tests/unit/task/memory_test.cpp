@@ -48,16 +48,17 @@ TEST_CASE("an environment of a 5x5 robot takes less than 200 kB in every task") 
   constexpr std::size_t limit = 200'000;
   for (const std::string& name : task_names(data)) {
     const Arena arena(load_task(name, data), walker());
-    State state = initial_state(arena.model());
-    Lane lane{&arena.model(), &state};
+    Batch batch(8);
     Stream random(1, "targets");
+    for (std::size_t lane = 0; lane < batch.lanes(); ++lane) batch.place(lane, arena.model());
     for (int t = 0; t < 50; ++t) {
-      for (double& target : state.targets) target = 0.6 + random.uniform();
-      step({&lane, 1});
+      for (std::size_t lane = 0; lane < batch.lanes(); ++lane)
+        for (double& target : batch.targets(lane)) target = 0.6 + random.uniform();
+      batch.step();
     }
     INFO(name);
-    CHECK(bytes_per_lane(arena.model(), state) < limit);
-    CHECK(bytes_per_lane(arena.model(), state) > 1'000);
+    CHECK(batch.bytes() / batch.lanes() < limit);
+    CHECK(batch.bytes() / batch.lanes() > 1'000);
   }
 }
 

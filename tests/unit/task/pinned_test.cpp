@@ -15,6 +15,7 @@
 #include "formats/task.h"
 #include "libevo/base/parallel.h"
 #include "libevo/base/random.h"
+#include "libevo/sim/isa.h"
 #include "libevo/task/env.h"
 
 using namespace evo;

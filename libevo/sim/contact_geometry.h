@@ -1,0 +1,107 @@
+// The geometry that contact is about: points and cells of one environment. Private
+// to contact.cpp and contact_search.cpp.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "libevo/sim/contact.h"
+
+namespace evo::contact {
+
+// ---- small geometry --------------------------------------------------------------
+
+inline constexpr double reach_slack = 1e-9;  // raw length, far above all roundings
+
+struct V {
+  double x = 0.0;
+  double y = 0.0;
+};
+inline V operator+(V a, V b) { return {a.x + b.x, a.y + b.y}; }
+inline V operator-(V a, V b) { return {a.x - b.x, a.y - b.y}; }
+inline V operator*(V a, double s) { return {a.x * s, a.y * s}; }
+inline V operator/(V a, double s) { return {a.x / s, a.y / s}; }
+inline double dot(V a, V b) { return a.x * b.x + a.y * b.y; }
+inline double cross(V a, V b) { return a.x * b.y - a.y * b.x; }
+inline double norm(V a) { return std::sqrt(dot(a, a)); }
+
+struct Box {
+  V low;
+  V high;
+};
+
+// Boxes that touch overlap.
+inline bool within(const Box& a, const Box& b, double gap) {
+  return a.low.x - gap <= b.high.x && b.low.x - gap <= a.high.x && a.low.y - gap <= b.high.y &&
+         b.low.y - gap <= a.high.y;
+}
+// Along the axis on which they are farther apart; 0 for what is not a number.
+inline double gap(const Box& a, const Box& b) {
+  const double x = std::max(a.low.x - b.high.x, b.low.x - a.high.x);
+  const double y = std::max(a.low.y - b.high.y, b.low.y - a.high.y);
+  return std::max({0.0, x, y});
+}
+inline bool within(V p, const Box& b, double gap) {
+  return b.low.x - gap <= p.x && p.x <= b.high.x + gap && b.low.y - gap <= p.y &&
+         p.y <= b.high.y + gap;
+}
+
+struct Quad {
+  V top_left, top_right, bottom_left, bottom_right;
+};
+
+// ---- points of the world -----------------------------------------------------------
+
+class Points {
+ public:
+  Points(const Model::Compiled& world, const PointView& view)
+      : view_(view), slots_(world.plan.slots), terrain_(world.static_points.data()) {}
+
+  bool moves(std::int32_t slot) const { return slot < slots_; }
+  V operator()(std::int32_t slot) const {
+    if (!moves(slot)) return {terrain_[slot - slots_].x, terrain_[slot - slots_].y};
+    const double* p = view_.position + offset(slot);
+    return {p[0], p[view_.stride]};
+  }
+  V previous(std::int32_t slot) const {
+    if (!moves(slot)) return (*this)(slot);
+    const double* p = view_.previous + offset(slot);
+    return {p[0], p[view_.stride]};
+  }
+  void add_force(std::int32_t slot, V f) const {
+    if (!moves(slot)) return;
+    double* force = view_.force + offset(slot) * view_.force_spacing;
+    force[0] += f.x;
+    force[view_.stride] += f.y;
+  }
+  double travel(std::uint32_t block) const { return view_.travel[block * view_.stride]; }
+  Quad quad(const ContactCell& c) const {
+    return {(*this)(c.corners[top_left]), (*this)(c.corners[top_right]),
+            (*this)(c.corners[bottom_left]), (*this)(c.corners[bottom_right])};
+  }
+  Box box(const ContactCell& c) const {
+    const Quad q = quad(c);
+    const auto [x0, x1] =
+        std::minmax({q.top_left.x, q.top_right.x, q.bottom_left.x, q.bottom_right.x});
+    const auto [y0, y1] =
+        std::minmax({q.top_left.y, q.top_right.y, q.bottom_left.y, q.bottom_right.y});
+    return {{x0, y0}, {x1, y1}};
+  }
+
+ private:
+  std::size_t offset(std::int32_t slot) const {
+    return 2 * static_cast<std::size_t>(slot) * view_.stride;
+  }
+
+  PointView view_;
+  std::int32_t slots_;
+  const Vec2* terrain_;
+};
+
+inline const ContactCell& cell_of(const Model::Compiled& world, std::uint32_t cell) {
+  return world.contact_cells[cell];
+}
+
+}  // namespace evo::contact

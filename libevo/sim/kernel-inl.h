@@ -1,0 +1,72 @@
+// What a kernel is: the arithmetic of a substep over the arrays of a group. There are
+// two, SideBySide and Alone (see kernels.cpp); ControlStep (control_step-inl.h) drives
+// either. Included once per instruction set (see Highway's "-inl.h" files).
+
+#if defined(LIBEVO_SIM_KERNEL_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef LIBEVO_SIM_KERNEL_INL_H_
+#undef LIBEVO_SIM_KERNEL_INL_H_
+#else
+#define LIBEVO_SIM_KERNEL_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+
+#include "libevo/sim/plan.h"
+#include "libevo/sim/workspace.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace evo {
+namespace HWY_NAMESPACE {
+
+// The shape of a kernel: how it lays out its arrays, and how many springs and points
+// one call of its loops' bodies does.
+template <class K>
+concept KernelShape = requires {
+  { K::arithmetic } -> std::convertible_to<Arithmetic>;
+  { K::width } -> std::convertible_to<std::size_t>;  // lanes of the rows
+  { K::force_record } -> std::convertible_to<std::size_t>;
+  { K::force_offset } -> std::convertible_to<std::size_t>;
+  { K::springs_at_once } -> std::convertible_to<std::size_t>;
+  { K::points_at_once } -> std::convertible_to<std::size_t>;
+  requires std::same_as<typename K::Real, StageReal<K::arithmetic>>;
+};
+
+// `at` and `next` are positions of a stage, `rows` positions between stages; `o` is a
+// pair_offset, `s` a spring, `n` springs or lanes.
+template <class K>
+concept StepKernel = KernelShape<K> && std::constructible_from < K,
+        const Plan&, const Physics&, const Arrays<K::arithmetic>
+&, bool > &&requires(const K& kernel, const typename K::Real* at, typename K::Real* next,
+                     double* rows, std::size_t o, std::size_t s, std::size_t n, std::int32_t slot,
+                     std::size_t block, const PlanBlock& slots, const std::uint32_t* ends) {
+  // Forces of springs_at_once springs from s on; of all from s to n.
+  kernel.template springs<true>(at, s);
+  kernel.template springs<false>(at, s);
+  kernel.template last_springs<true>(at, s, n);
+  // Gathers the forces of one point and takes it through stage 1, .. 4.
+  kernel.template point<1>(o, ends, Plan::regular_ends, Plan::regular_ends, at, next);
+  kernel.template point<4>(o, ends, Plan::regular_ends, Plan::regular_ends, at, rows);
+  // After the stages.
+  kernel.limit_strain(rows);
+  kernel.limit_rigid_strain(rows);
+  // How far points have moved: since the last substep, and since lists were found
+  // (squares, one value per lane).
+  kernel.add_travel();
+  kernel.square_moved(rows);
+  kernel.square_sheared(slots, rows);
+  // Fast arithmetic: positions and loads of a substep in single precision.
+  kernel.choose_origin(block);
+  kernel.store_start(slot, block);
+  kernel.store_motion(slot);
+  { kernel.is_near_floor(o) } -> std::same_as<bool>;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace evo
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

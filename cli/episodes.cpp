@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "cli/command.h"
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 
 namespace evo::cli {
 namespace {

@@ -1,0 +1,145 @@
+#include "formats/physics_profile.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+
+using namespace evo;
+
+namespace {
+
+const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+
+Physics read(const std::string& text) {
+  return physics_from_yaml(YamlNode::parse(text, "p.yaml"), "", data);
+}
+
+std::string message(const std::string& text) {
+  try {
+    read(text);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "(no error)";
+}
+
+std::string override_message(const std::string& assignment) {
+  Physics physics;
+  try {
+    apply_override(physics, assignment);
+  } catch (const Error& error) {
+    CHECK(error.kind() == Failure::usage);
+    return error.what();
+  }
+  return "(no error)";
+}
+
+}  // namespace
+
+TEST_CASE("the profile evogym is what libevo has built in") {
+  CHECK(load_physics("evogym", data) == Physics{});
+  CHECK(load_physics("evogym", {}) == Physics{});
+  CHECK(read("{}") == Physics{});
+}
+
+TEST_CASE("the profile paper differs in contact, friction, soft cells and actuators") {
+  Physics expected;
+  expected.contact_stiffness = 2.1e7;
+  expected.soft = {3e8 / 5.0, 3e8 / 10.0};
+  expected.actuator = {3e8 / 6.0, 3e8 / 24.0};
+  expected.friction_coefficient = 0.1;
+  expected.friction_multiplier = 2.4e3;
+  CHECK(load_physics("paper", data) == expected);
+}
+
+TEST_CASE("the profile fast differs in arithmetic alone, which others do not mention") {
+  Physics expected;
+  expected.arithmetic = Arithmetic::fast;
+  CHECK(load_physics("fast", data) == expected);
+  CHECK(read(physics_to_yaml(expected)) == expected);
+  CHECK(physics_to_yaml(Physics{}).find("arithmetic") == std::string::npos);
+  CHECK(read("base: fast\narithmetic: exact\n") == Physics{});
+  CHECK(message("arithmetic: quick\n").find("exact or fast is expected for 'arithmetic'") !=
+        std::string::npos);
+  CHECK(override_message("arithmetic=1") ==
+        "exact or fast is expected for 'arithmetic', found '1'");
+}
+
+TEST_CASE("a profile gives what differs from its base") {
+  Physics expected = load_physics("paper", data);
+  expected.gravity = 50.0;
+  expected.rigid.edge = 3e8 / 3.7;
+  CHECK(read("base: paper\ngravity: 50\nrigid: {edge: 3e8 / 3.7}\n") == expected);
+}
+
+TEST_CASE("a base may be a file beside the profile") {
+  const auto folder = std::filesystem::temp_directory_path() / "evo-physics-test";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "moon.yaml") << "base: paper\ngravity: 18\n";
+  std::ofstream(folder / "slow.yaml") << "base: ./moon.yaml\nsubsteps: 10\n";
+  std::ofstream(folder / "ring.yaml") << "base: ./ring.yaml\n";
+  const Physics slow = load_physics((folder / "slow.yaml").string(), data);
+  CHECK(slow.gravity == 18.0);
+  CHECK(slow.substeps == 10);
+  CHECK(slow.contact_stiffness == 2.1e7);
+  CHECK_THROWS_WITH(load_physics((folder / "ring.yaml").string(), data),
+                    Catch::Contains("in a circle"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("a written profile is read back to the same bits") {
+  Physics physics = load_physics("paper", data);
+  physics.gravity = 0.1 + 0.2;
+  physics.substep = 1e-4 / 3.0;
+  physics.substeps = 77;
+  CHECK(read(physics_to_yaml(physics)) == physics);
+  CHECK(read(physics_to_yaml(Physics{})) == Physics{});
+}
+
+TEST_CASE("every constant can be overridden") {
+  for (const std::string& key : physics_keys()) {
+    Physics physics;
+    const std::string value = key == "min_target" ? "1" : key == "arithmetic" ? "fast" : "7";
+    apply_override(physics, key + "=" + value);
+    INFO(key);
+    CHECK_FALSE(physics == Physics{});
+  }
+  Physics physics;
+  apply_override(physics, "soft.edge=3e8/7");
+  CHECK(physics.soft.edge == 3e8 / 7.0);
+  CHECK(physics.soft.diagonal == 3e8 / 24.0);
+}
+
+TEST_CASE("mistakes in overrides are named") {
+  CHECK(override_message("gravty=50")
+            .find("unknown physics constant 'gravty' (did you mean 'gravity'?); allowed: ") == 0);
+  CHECK(override_message("gravity=heavy") ==
+        "a number of at least 0, or a quotient of two like 3e8/3.5, is expected for 'gravity', "
+        "found 'heavy'");
+  CHECK(override_message("gravity").find("KEY=VALUE is expected") == 0);
+  CHECK(override_message("=5").find("KEY=VALUE is expected") == 0);
+  CHECK(override_message("substeps=0.5").find("a whole number from 1 to 10000") == 0);
+  CHECK(override_message("substep=0").find("a number greater than 0") == 0);
+  CHECK(override_message("min_target=3").find("min_target 3 is greater than max_target 1.6") == 0);
+}
+
+TEST_CASE("mistakes in profiles are named with their place") {
+  CHECK(message("gravity: 5\nfrction_coefficient: 1\n")
+            .find("p.yaml:2:1: physics profile: unknown key 'frction_coefficient' (did you mean "
+                  "'friction_coefficient'?); allowed: ") == 0);
+  CHECK(message("gravity: -5\n").find("p.yaml:1:10: a number of at least 0") == 0);
+  CHECK(message("gravity: 1/0\n").find("p.yaml:1:10: ") == 0);
+  CHECK(message("soft: 5\n").find("p.yaml:1:7: soft: a mapping") == 0);
+  CHECK(message("soft: {egde: 5}\n")
+            .find("p.yaml:1:8: soft: unknown key 'egde' (did you mean "
+                  "'edge'?)") == 0);
+  CHECK(message("base: papper\n")
+            .find("p.yaml:1:7: unknown physics profile 'papper' (did you mean "
+                  "'paper'?); allowed: evogym, fast, paper") == 0);
+  CHECK(message("base: ./nowhere.yaml\n").find("p.yaml:1:7: ") == 0);
+  CHECK(message("format: evo/task\n") ==
+        "p.yaml:1:9: format 'evo/physics' is expected, found 'evo/task'");
+  CHECK(message("version: 2\n") ==
+        "p.yaml:1:10: evo/physics version 2 is newer than this program, which reads up to 1");
+  CHECK(message("min_target: 2\n").find("p.yaml:1:1: min_target 2 is greater") == 0);
+}

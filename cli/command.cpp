@@ -331,10 +331,6 @@ bool Command::show_progress() const {
          (isatty(STDERR_FILENO) == 1 && std::getenv("MAKELEVEL") == nullptr);
 }
 
-bool Command::given(const std::string& long_name) const {
-  return impl_->app.get_option(long_name)->count() > 0;
-}
-
 int Command::run(int argc, char** argv, const std::function<int()>& work) {
   Impl& impl = *impl_;
   impl.common.entries.push_back({shown("-q,--quiet", ""), "say nothing but errors"});

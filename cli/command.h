@@ -66,8 +66,6 @@ class Command {
   bool verbose = false;
 
   const std::string& name() const;
-  // The option with this long name was given (on the command line or in --config).
-  bool given(const std::string& long_name) const;
 
   // Parses, then runs `work`, whose value is the exit status. Every Error ends
   // here, as one line on standard error and its kind as exit status.

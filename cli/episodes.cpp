@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "cli/command.h"
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 
 namespace evo::cli {
 namespace {

@@ -47,6 +47,7 @@ struct Settings {
 
 struct Measurement {
   std::string task;
+  std::string profile;
   Body body;
   std::uint64_t seed = 0;
   int envs = 0;
@@ -165,7 +166,7 @@ Measurement measure(const Subject& subject, int envs, const Settings& settings) 
   runners.reserve(static_cast<std::size_t>(settings.threads));
   for (int i = 0; i < settings.threads; ++i)
     runners.emplace_back(arena, envs, seed + static_cast<std::uint64_t>(i));
-  Measurement result{task.name, body, seed, envs, {}};
+  Measurement result{task.name, cli::profile_name(task.physics), body, seed, envs, {}};
   for (int repetition = -1; repetition < settings.repetitions; ++repetition) {
     const bool warm_up = repetition < 0;  // allocates what later steps use
     std::vector<double> rates(runners.size());
@@ -184,8 +185,7 @@ Measurement measure(const Subject& subject, int envs, const Settings& settings) 
 
 class Report {
  public:
-  Report(const Settings& settings, std::string profile)
-      : json_(settings.json), threads_(settings.threads), profile_(std::move(profile)) {
+  explicit Report(const Settings& settings) : json_(settings.json), threads_(settings.threads) {
     if (!json_)
       fmt::print("{:<24} {:>7} {:>6} {:>5} {:>10} {:>7} {:>12} {:>14}\n", "task", "shape", "voxels",
                  "envs", "isa", "profile", "steps/s", "steps*voxels/s");
@@ -200,7 +200,7 @@ class Report {
                       {"seed", m.seed},
                       {"width", m.envs},
                       {"isa", isa},
-                      {"profile", profile_},
+                      {"profile", m.profile},
                       {"threads", threads_},
                       {"steps_per_second", m.median()},
                       {"steps_per_second_min", m.rates.front()},
@@ -208,7 +208,7 @@ class Report {
       fmt::print("{}\n", line.dump());
     } else {
       fmt::print("{:<24} {:>7} {:>6} {:>5} {:>10} {:>7} {:>12.0f} {:>14.0f}\n", m.task,
-                 shape(m.body), voxels, m.envs, isa, profile_, m.median(), m.median() * voxels);
+                 shape(m.body), voxels, m.envs, isa, m.profile, m.median(), m.median() * voxels);
     }
     std::fflush(stdout);
   }
@@ -218,7 +218,6 @@ class Report {
  private:
   bool json_;
   int threads_;
-  std::string profile_;
 };
 
 std::vector<std::string> isas(const std::string& text) {
@@ -288,7 +287,7 @@ int bench(const Settings& settings, std::uint64_t seed) {
   const std::vector<Subject> measured = subjects(settings, seed);
   const std::vector<std::string> chosen = isas(settings.isa);
   select_isa(chosen.front());  // refused before anything is written
-  const Report report(settings, settings.task.profile());
+  const Report report(settings);
   for (const std::string& isa : chosen) {
     select_isa(isa);
     for (const Subject& subject : measured)

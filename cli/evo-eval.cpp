@@ -53,8 +53,8 @@ Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task
   return trial;
 }
 
-Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
-                 std::uint64_t seed) {
+Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task,
+                 const Robot& robot) {
   if (settings.policy) return policy_trial(settings, task, *settings.policy);
   if (!settings.actions && !settings.sine && !settings.random) {
     const auto found = robot.document.find("policy");
@@ -81,9 +81,9 @@ Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, 
       return travelling_wave(arena.action_length(), wave[0], wave[1], wave[2]);
     };
   } else {
-    trial.controller = [seed](const Arena& arena) -> Controller {
+    trial.controller = [](const Arena& arena) -> Controller {
       const Physics& physics = arena.task().physics;
-      return RandomController{seed, physics.min_target, physics.max_target};
+      return RandomController{physics.min_target, physics.max_target};
     };
   }
   return trial;
@@ -109,7 +109,7 @@ void check(const Settings& settings) {
 
 Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
               std::uint64_t seed, const std::optional<std::string>& rollout_path) {
-  const Trial trial = make_trial(settings, task, robot, seed);
+  const Trial trial = make_trial(settings, task, robot);
   const Arena arena(trial.task, robot.body);
   EvaluationSettings evaluation;
   evaluation.episodes = settings.episodes;

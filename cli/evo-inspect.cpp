@@ -11,10 +11,12 @@
 #include "cli/run_status.h"
 #include "cli/terminal.h"
 #include "formats/hdf5.h"
+#include "formats/physics_profile.h"
 #include "formats/policy.h"
 #include "formats/rollout.h"
 #include "formats/task.h"
 #include "formats/task_text.h"
+#include "formats/training.h"
 
 namespace {
 
@@ -186,6 +188,36 @@ void print_tasks(bool markdown) {
   fmt::print("{}", task_table(tasks, markdown ? TableStyle::markdown : TableStyle::plain));
 }
 
+// Keys, values, what is allowed, and what it means, a line each.
+void print_settings(const std::vector<SettingRow>& rows) {
+  std::size_t key = 0;
+  std::size_t value = 0;
+  std::size_t range = 0;
+  for (const SettingRow& row : rows) {
+    key = std::max(key, row.key.size());
+    value = std::max(value, row.value.size());
+    range = std::max(range, row.range.size());
+  }
+  for (const SettingRow& row : rows)
+    fmt::print("{:<{}}  {:>{}}  {:<{}}  {}{}{}\n", row.key, key, row.value, value, row.range, range,
+               row.unit, row.unit.empty() ? "" : "; ", row.meaning);
+}
+
+bool print_profile(const std::vector<std::string>& words) {
+  if (words[0] != "physics" && words[0] != "training") return false;
+  if (words.size() > 2)
+    throw error(Failure::usage, "{}: name one profile, such as paper", words[0]);
+  const DataFolders folders = cli::data_folders();
+  const auto profile = [&](const char* otherwise) {
+    return words.size() == 2 ? words[1] : std::string(otherwise);
+  };
+  if (words[0] == "physics")
+    print_settings(physics_table(load_physics(profile("evogym"), folders)));
+  else
+    print_settings(training_table(load_training(profile("default"), folders)));
+  return true;
+}
+
 void print_file(const std::string& name, bool color) {
   if (name != standard_stream && fs::is_directory(name)) return print_run(name, color);
   if (name != standard_stream && hdf5::is_hdf5(name)) return print_hdf5(name, color);
@@ -201,9 +233,10 @@ int main(int argc, char** argv) {
   std::optional<std::string> shape;
   bool markdown = false;
   bool watch = false;
-  command.arguments(words, "FILE|RUN_DIR|tasks|task NAME|robot FILE",
+  command.arguments(words, "FILE|RUN_DIR|tasks|task NAME|physics|training|robot FILE",
                     "robots, policies, rollouts, run folders; 'tasks' lists the tasks, 'task NAME' "
-                    "explains one, 'robot FILE' draws robots");
+                    "explains one, 'physics' and 'training' what can be set there, with the values "
+                    "of a profile if one is named, 'robot FILE' draws robots");
   command.option("--color", color, "WHEN", "auto, always or never");
   command.option("--shape", shape, "ROWSxCOLS",
                  "of the full body whose observation 'task NAME' lays out [5x5]");
@@ -213,6 +246,7 @@ int main(int argc, char** argv) {
   command.progress_option();
   command.example("evo-inspect tasks", "the benchmark's tasks with difficulty and lengths");
   command.example("evo-inspect task Carrier-v0", "what is observed, rewarded, and ends an episode");
+  command.example("evo-inspect physics paper", "the constants of a profile, with units and limits");
   command.example("evo-inspect runs/walker", "how far a run is and what is left");
   command.example("evo-inspect --watch runs/walker", "the same, live");
 
@@ -231,6 +265,8 @@ int main(int argc, char** argv) {
       const cli::Shape size = cli::parse_shape(shape.value_or("5x5"));
       fmt::print("{}", describe_task(load_task(words[1], cli::data_folders()),
                                      full_body(size.rows, size.cols)));
+    } else if (print_profile(words)) {
+      return 0;
     } else if (words[0] == "robot") {
       if (words.size() < 2) words.emplace_back(standard_stream);
       for (std::size_t i = 1; i < words.size(); ++i)

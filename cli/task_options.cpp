@@ -1,7 +1,7 @@
 #include "cli/task_options.h"
 
 #include "cli/data.h"
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 #include "formats/task.h"
 
 namespace evo::cli {
@@ -20,12 +20,10 @@ void TaskOptions::add_to(Command& command) {
                  "physics profile by name or file (evogym, paper, fast) [the task's]");
   command.flag("--fast", fast,
                "as --physics fast: the same physics, but single precision within a substep");
-  command.option("--set", set, "KEY=VALUE",
-                 "one constant of the physics, such as gravity=50 (repeatable)");
-}
-
-std::string TaskOptions::profile() const {
-  return fast ? fast_profile : physics.value_or("evogym");
+  command.option(
+      "--set", set, "KEY=VALUE",
+      "one constant of the physics, such as gravity=50 (repeatable); 'evo-inspect physics' "
+      "lists them");
 }
 
 TaskSpec TaskOptions::load() const {
@@ -47,6 +45,13 @@ void TaskOptions::change_physics(TaskSpec& spec) const {
   Physics changed = profile ? load_physics(*profile, data_folders()) : spec.physics;
   for (const std::string& assignment : set) apply_override(changed, assignment);
   set_physics(spec, changed);
+}
+
+std::string profile_name(const Physics& physics) {
+  const DataFolders folders = data_folders();
+  for (const std::string& name : data_names(folders, "physics"))
+    if (load_physics(name, folders) == physics) return name;
+  return "own";
 }
 
 }  // namespace evo::cli

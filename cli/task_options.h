@@ -18,13 +18,14 @@ struct TaskOptions {
 
   void add_to(Command& command);
 
-  // What the options call the physics: "evogym" where they leave it to the task.
-  std::string profile() const;
   bool given() const { return task.has_value(); }
   // The task, with physics changed as asked. Throws Error(usage) without --task.
   TaskSpec load() const;
   // Changes the physics of a task that came from elsewhere (a policy file).
   void change_physics(TaskSpec& spec) const;
 };
+
+// The profile with just these constants, "own" if there is none.
+std::string profile_name(const Physics& physics);
 
 }  // namespace evo::cli

@@ -72,14 +72,15 @@ Robot failed(const Robot& robot, const Job& job, const TrainingFailure& failure)
 
 // The robot as it was trained before with exactly these settings, or nothing.
 std::optional<Robot> trained_before(const Robot& robot, const Job& job, const Paths& paths,
-                                    const std::string& hash) {
+                                    const TrainingIdentity& training) {
   if (!fs::exists(paths.policy)) return std::nullopt;
-  if (read_policy_hash(paths.policy) == hash)
-    return scored(robot, read_policy(paths.policy), paths.policy);
+  const std::string there = read_policy_identity(paths.policy);
+  if (there == training.lines) return scored(robot, read_policy(paths.policy), paths.policy);
   if (job.options.force) return std::nullopt;
   throw error(Failure::cannot_create,
-              "{}: trained with other settings; choose another --out-dir, or --force to replace it",
-              paths.policy.string());
+              "{}: trained with other settings ({}); choose another --out-dir, or --force to "
+              "replace it",
+              paths.policy.string(), difference(there, training.lines));
 }
 
 void write_curve(const std::string& path, const std::vector<CurvePoint>& curve) {
@@ -94,16 +95,16 @@ Trained train_robot(const Robot& robot, const Job& job,
                     const std::function<void(const TrainingReport&)>& show) {
   const Paths paths = paths_of(job.options, robot.id);
   const Arena arena(job.task, robot.body);
-  const std::string hash = settings_hash(robot.body, job.task, job.training, job.seed);
+  const TrainingIdentity identity = identify(robot.body, job.task, job.training, job.seed);
   Trained trained;
-  trained.robot = trained_before(robot, job, paths, hash);
+  trained.robot = trained_before(robot, job, paths, identity);
   trained.known = trained.robot.has_value();
   if (trained.known) return trained;
 
   Trainer trainer(arena, job.training, job.seed, robot.id);
   const bool resumed = job.options.resume && fs::exists(paths.checkpoint);
-  if (resumed) trainer.restore(read_checkpoint(paths.checkpoint, hash));
-  const auto save = [&] { write_checkpoint(paths.checkpoint, trainer.checkpoint(), hash); };
+  if (resumed) trainer.restore(read_checkpoint(paths.checkpoint, identity));
+  const auto save = [&] { write_checkpoint(paths.checkpoint, trainer.checkpoint(), identity); };
 
   TrainingLog log(paths.log);
   log.begin(created_by(trained_by), job.task.name, resumed);
@@ -179,7 +180,8 @@ void TrainingOptions::add_to(Command& command) {
   command.option("--train", profile, "PROFILE",
                  "training profile by name or file: default, paper, release2");
   command.option("--train-set", set, "KEY=VALUE",
-                 "one setting of the profile, such as learning_rate=3e-4 (repeatable)");
+                 "one setting of the profile, such as learning_rate=3e-4 (repeatable); "
+                 "'evo-inspect training' lists them");
   command.option("--algo", algorithm, "NAME",
                  "ppo, sine (open loop, by evolution strategy) or random [the profile's]");
   command.option("--steps", steps, "N", "environment steps [the profile's]");

@@ -1,13 +1,11 @@
 #include "formats/policy.h"
 
-#include <nettle/sha2.h>
-
 #include <array>
 #include <utility>
 #include <variant>
 
 #include "formats/hdf5.h"
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 #include "formats/task.h"
 #include "formats/training.h"
 #include "libevo/base/error.h"
@@ -18,17 +16,6 @@ namespace {
 constexpr const char* policy_format = "evo/policy";
 constexpr const char* checkpoint_format = "evo/checkpoint";
 constexpr std::int64_t newest_version = 1;
-
-std::string sha256(const std::string& text) {
-  sha256_ctx context;
-  sha256_init(&context);
-  sha256_update(&context, text.size(), reinterpret_cast<const std::uint8_t*>(text.data()));
-  std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
-  sha256_digest(&context, digest.size(), digest.data());
-  std::string hex;
-  for (const std::uint8_t byte : digest) hex += fmt::format("{:02x}", byte);
-  return hex;
-}
 
 Error bad(const hdf5::Reader& file, const std::string& path, const std::string& problem) {
   return error(Failure::data, "{}: {}: {}", file.name(), path, problem);
@@ -209,15 +196,20 @@ Robot read_robot(const hdf5::Reader& file) {
   return std::move(robots.front());
 }
 
+// Files from before there were identities have the texts that it follows from.
+std::string read_identity(const hdf5::Reader& file) {
+  if (file.has_attribute("/", "identity")) return file.text("/", "identity");
+  const TaskSpec task = parse_task(file.text("/", "task_yaml"), file.name() + ": /@task_yaml");
+  const YamlNode settings =
+      YamlNode::parse(file.text("/", "training_yaml"), file.name() + ": /@training_yaml");
+  return identify(read_robot(file).body, task, training_from_yaml(settings, "", {}),
+                  file.number<std::uint64_t>("/", "seed"))
+      .lines;
+}
+
 }  // namespace
 
 // ---- policies -----------------------------------------------------------------------
-
-std::string settings_hash(const Body& robot, const TaskSpec& task, const TrainingSettings& settings,
-                          std::uint64_t seed) {
-  return sha256("evo-training 1\nrobot " + identity(robot) + "\n" + task_to_yaml(task) + "\n" +
-                training_to_yaml(settings) + "\nseed " + std::to_string(seed) + "\n");
-}
 
 PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
                             const TrainingSettings& settings, std::uint64_t seed,
@@ -231,7 +223,9 @@ PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
   file.layout = arena.layout();
   file.seed = seed;
   file.created_by = created_by;
-  file.settings_hash = settings_hash(arena.robot(), arena.task(), settings, seed);
+  const TrainingIdentity training = identify(arena.robot(), arena.task(), settings, seed);
+  file.identity = training.lines;
+  file.settings_hash = training.hash();
   file.controller = result.controller.value();
   file.fitness = result.fitness.value();
   file.best_step = result.best_step;
@@ -254,6 +248,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy) {
   file.attribute("/", "seed", policy.seed);
   file.attribute("/", "isa", policy.isa);
   file.attribute("/", "created_by", policy.created_by);
+  file.attribute("/", "identity", policy.identity);
   file.attribute("/", "settings_hash", policy.settings_hash);
   file.attribute("/", "fitness", policy.fitness);
   file.attribute("/", "best_step", policy.best_step);
@@ -282,6 +277,7 @@ PolicyFile read_policy(const std::filesystem::path& path) {
   policy.seed = file.number<std::uint64_t>("/", "seed");
   policy.isa = file.text("/", "isa");
   policy.created_by = file.text("/", "created_by");
+  policy.identity = read_identity(file);
   policy.settings_hash = file.text("/", "settings_hash");
   policy.fitness = file.number<double>("/", "fitness");
   policy.best_step = file.number<std::int64_t>("/", "best_step");
@@ -295,10 +291,10 @@ PolicyFile read_policy(const std::filesystem::path& path) {
   return policy;
 }
 
-std::string read_policy_hash(const std::filesystem::path& path) {
+std::string read_policy_identity(const std::filesystem::path& path) {
   const hdf5::Reader file(path);
   check_header(file, policy_format);
-  return file.text("/", "settings_hash");
+  return read_identity(file);
 }
 
 // ---- checkpoints ----------------------------------------------------------------------
@@ -321,11 +317,12 @@ Checkpoint::Array read_array(const hdf5::Reader& file, const std::string& type,
 }  // namespace
 
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint,
-                      const std::string& settings_hash) {
+                      const TrainingIdentity& training) {
   hdf5::Writer file(path);
   file.attribute("/", "format", checkpoint_format);
   file.attribute("/", "version", newest_version);
-  file.attribute("/", "settings_hash", settings_hash);
+  file.attribute("/", "identity", training.lines);
+  file.attribute("/", "settings_hash", training.hash());
   std::vector<std::string> index;
   for (const auto& [name, array] : checkpoint.arrays) {
     index.push_back(std::string(array_types[array.index()]) + " " + name);
@@ -336,13 +333,17 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
   file.commit();
 }
 
-Checkpoint read_checkpoint(const std::filesystem::path& path, const std::string& settings_hash) {
+Checkpoint read_checkpoint(const std::filesystem::path& path, const TrainingIdentity& training) {
   const hdf5::Reader file(path);
   check_header(file, checkpoint_format);
-  if (file.text("/", "settings_hash") != settings_hash)
+  const bool is_old = !file.has_attribute("/", "identity");
+  const std::string there = is_old ? "" : file.text("/", "identity");
+  const bool is_same =
+      is_old ? file.text("/", "settings_hash") == training.old_hash : there == training.lines;
+  if (!is_same)
     throw error(Failure::cannot_create,
-                "{}: belongs to a training with other settings; remove it to start afresh",
-                file.name());
+                "{}: belongs to a training with other settings{}; remove it to start afresh",
+                file.name(), is_old ? "" : " (" + difference(there, training.lines) + ")");
   Checkpoint checkpoint;
   for (const std::string& line : file.strings("/index")) {
     const std::size_t space = line.find(' ');

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/identity.h"
 #include "formats/robot.h"
 #include "libevo/control/trainer.h"
 #include "libevo/task/env.h"
@@ -23,9 +24,10 @@ struct PolicyFile {
   std::string training_yaml;  // the whole profile in force
   std::vector<ObservationSlice> layout;
   std::uint64_t seed = 0;
-  std::string isa = "any";  // instruction set the bits belong to; "any": to all of them
-  std::string created_by;   // tool and version
-  std::string settings_hash;
+  std::string isa = "any";    // instruction set the bits belong to; "any": to all of them
+  std::string created_by;     // tool and version
+  std::string identity;       // formats/identity.h; of older files, worked out from their texts
+  std::string settings_hash;  // of it, or as older programs had it
 
   Controller controller;  // a Policy or a SineController
   double fitness = 0.0;   // best evaluation
@@ -34,11 +36,6 @@ struct PolicyFile {
   std::vector<CurvePoint> curve;
   std::optional<FinalScore> final_score;
 };
-
-// SHA-256, in hex, of all that decides a training's result: robot, task,
-// physics, training settings (steps included) and seed.
-std::string settings_hash(const Body& robot, const TaskSpec& task, const TrainingSettings& settings,
-                          std::uint64_t seed);
 
 // What there is to write after a training that succeeded (result.controller is
 // set). `robot` is stored as it is.
@@ -50,14 +47,14 @@ PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
 void write_policy(const std::filesystem::path& path, const PolicyFile& policy);
 // Throws Error(no_input), or Error(data) naming file and HDF5 path.
 PolicyFile read_policy(const std::filesystem::path& path);
-// Only the settings hash, to see whether the work is done already.
-std::string read_policy_hash(const std::filesystem::path& path);
+// Only the lines of its identity, to see whether the work is done already.
+std::string read_policy_identity(const std::filesystem::path& path);
 
-// A training to go on with, `<id>.checkpoint.h5`, marked with the hash of its
-// settings. Reading throws Error(no_input, data), and Error(cannot_create) where
-// the checkpoint belongs to other settings than `settings_hash`.
+// A training to go on with, `<id>.checkpoint.h5`, marked with its identity.
+// Reading throws Error(no_input, data), and Error(cannot_create) where the
+// checkpoint is of another training, saying what differs.
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint,
-                      const std::string& settings_hash);
-Checkpoint read_checkpoint(const std::filesystem::path& path, const std::string& settings_hash);
+                      const TrainingIdentity& training);
+Checkpoint read_checkpoint(const std::filesystem::path& path, const TrainingIdentity& training);
 
 }  // namespace evo

@@ -315,20 +315,21 @@ void RunHistory::update() {
 // Asked whether it is finished before its files are listed: none is missed.
 void RunHistory::read_generation(Generation& generation) {
   generation.finished = fs::exists(folder_.ranking(generation.number));
-  if (const fs::path file = folder_.population(generation.number);
-      generation.population.empty() && fs::exists(file)) {
-    for (const Robot& robot : read_robots(file.string(), BodyCheck::any))
-      generation.population.push_back(robot.id);
-    generation.slots.resize(std::max(generation.slots.size(), generation.population.size()));
-  }
   const auto is_known = [&](std::size_t slot) {
     return slot < generation.slots.size() && generation.slots[slot];
   };
+  // One file instead of many, and all there is to know of the population.
   if (const fs::path scores = folder_.scores(generation.number); fs::exists(scores)) {
     std::vector<Robot> robots = read_robots(scores.string(), BodyCheck::any);
     for (std::size_t slot = 0; slot < robots.size(); ++slot)
       if (!is_known(slot)) add(generation, slot, std::move(robots[slot]));
     return;
+  }
+  if (const fs::path file = folder_.population(generation.number);
+      generation.population.empty() && fs::exists(file)) {
+    for (const Robot& robot : read_robots(file.string(), BodyCheck::any))
+      generation.population.push_back(robot.id);
+    generation.slots.resize(std::max(generation.slots.size(), generation.population.size()));
   }
   for (const int slot : folder_.trained_slots(generation.number)) {
     if (is_known(static_cast<std::size_t>(slot))) continue;

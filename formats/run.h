@@ -163,7 +163,7 @@ class RunHistory {
   struct Generation {
     int number = 0;
     bool finished = false;
-    std::vector<std::string> population;            // ids by slot; empty before there is one
+    std::vector<std::string> population;            // ids by slot, while slots are left
     std::vector<std::optional<std::size_t>> slots;  // in robots(); nothing: not trained yet
   };
 

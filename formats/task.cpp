@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "formats/files.h"
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 #include "formats/task_world.h"
 
 namespace evo {

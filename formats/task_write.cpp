@@ -1,7 +1,7 @@
 // Tasks back to YAML: the form that policies and rollouts carry with them.
 #include <variant>
 
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 #include "formats/task.h"
 #include "formats/task_world.h"
 #include "libevo/base/overloaded.h"

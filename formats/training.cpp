@@ -11,8 +11,6 @@
 #include <utility>
 #include <variant>
 
-#include "formats/files.h"
-
 namespace evo {
 namespace {
 
@@ -111,49 +109,61 @@ using Member =
 struct Setting {
   const char* key;
   Member member;
+  // What no line of an identity means (formats/identity.h): frozen for ever,
+  // whatever becomes of the default. A new setting's is what leaves trainings as
+  // they were.
+  const char* baseline;
   const char* meaning;
 };
 
-// In the order of libevo/control/settings.h.
+// In the order of libevo/control/settings.h. All that is said and written of the
+// settings comes from here; what they may be is checked there.
 const std::vector<Setting>& all_settings() {
   static const std::vector<Setting> list{
-      {"algorithm", &T::algorithm, "ppo; sine: open-loop waves, optimised; random: drawn"},
-      {"steps", &T::steps, "environment steps in all"},
-      {"environments", &T::environments, "episodes side by side"},
-      {"rollout", &T::rollout, "steps of each environment between updates"},
-      {"epochs", &T::epochs, "passes over a rollout"},
-      {"minibatches", &T::minibatches, "of each pass"},
-      {"gamma", &T::gamma, "discount"},
-      {"lambda", &T::lambda, "of generalised advantage estimation"},
-      {"clip", &T::clip, "range of the probability ratio about 1"},
-      {"clip_value_loss", &T::clip_value_loss, "keep values within `clip` of the old ones, too"},
-      {"value_coefficient", &T::value_coefficient, "weight of half the squared value error"},
-      {"entropy_coefficient", &T::entropy_coefficient, "weight of the entropy bonus"},
-      {"entropy_schedule", &T::entropy_schedule, "constant; linear: to 0 at the last update"},
-      {"max_gradient_norm", &T::max_gradient_norm, "of all parameters together; 0: no limit"},
-      {"standardize_advantages", &T::standardize_advantages, "none, batch or minibatch"},
-      {"time_limit", &T::time_limit, "end: ends the episode; bootstrap: its value goes on"},
-      {"learning_rate", &T::learning_rate, "of Adam"},
-      {"learning_rate_schedule", &T::learning_rate_schedule, "constant; linear: to 0"},
-      {"learning_rate_horizon", &T::learning_rate_horizon, "updates until 0; 0: the training's"},
-      {"adam_epsilon", &T::adam_epsilon, "added to the root of the second moment"},
-      {"hidden", &T::hidden, "widths of the tanh layers, actor and critic each"},
-      {"head_gain", &T::head_gain, "of the initial layer of action means"},
-      {"initial_log_std", &T::initial_log_std, "log standard deviation of actions at the start"},
-      {"action_map", &T::action_map, "offset: clip(offset + a); squash: tanh(a), scaled"},
-      {"action_offset", &T::action_offset, "actuator target at action 0 (map offset)"},
-      {"normalize_observations", &T::normalize_observations, "by running mean and deviation"},
-      {"normalize_rewards", &T::normalize_rewards, "by the deviation of discounted returns"},
-      {"observation_clip", &T::observation_clip, "of normalised observations"},
-      {"reward_clip", &T::reward_clip, "of normalised rewards"},
-      {"evaluation_interval", &T::evaluation_interval, "updates; one more after the last"},
-      {"evaluation_episodes", &T::evaluation_episodes, "of the deterministic controller"},
-      {"final_episodes", &T::final_episodes, "of the best controller, jittered; 0: none"},
-      {"final_jitter", &T::final_jitter, "of start coordinates, voxels"},
-      {"population", &T::population, "candidates of a generation (sine, random)"},
-      {"initial_sigma", &T::initial_sigma, "step size at the start (sine)"},
-      {"shortest_period", &T::shortest_period, "of waves, control steps (sine, random)"},
-      {"longest_period", &T::longest_period, "of waves, control steps (sine, random)"},
+      {"algorithm", &T::algorithm, "ppo", "ppo; sine: open-loop waves, optimised; random: drawn"},
+      {"steps", &T::steps, "512000", "environment steps in all"},
+      {"environments", &T::environments, "4", "episodes side by side"},
+      {"rollout", &T::rollout, "128", "steps of each environment between updates"},
+      {"epochs", &T::epochs, "4", "passes over a rollout"},
+      {"minibatches", &T::minibatches, "4", "of each pass"},
+      {"gamma", &T::gamma, "0.99", "discount"},
+      {"lambda", &T::lambda, "0.95", "of generalised advantage estimation"},
+      {"clip", &T::clip, "0.1", "range of the probability ratio about 1"},
+      {"clip_value_loss", &T::clip_value_loss, "true",
+       "keep values within `clip` of the old ones, too"},
+      {"value_coefficient", &T::value_coefficient, "0.5", "weight of half the squared value error"},
+      {"entropy_coefficient", &T::entropy_coefficient, "0.01", "weight of the entropy bonus"},
+      {"entropy_schedule", &T::entropy_schedule, "constant",
+       "constant; linear: to 0 at the last update"},
+      {"max_gradient_norm", &T::max_gradient_norm, "0.5",
+       "of all parameters together; 0: no limit"},
+      {"standardize_advantages", &T::standardize_advantages, "batch", "none, batch or minibatch"},
+      {"time_limit", &T::time_limit, "end", "end: ends the episode; bootstrap: its value goes on"},
+      {"learning_rate", &T::learning_rate, "0.00025", "of Adam"},
+      {"learning_rate_schedule", &T::learning_rate_schedule, "linear", "constant; linear: to 0"},
+      {"learning_rate_horizon", &T::learning_rate_horizon, "19531",
+       "updates until 0; 0: the training's"},
+      {"adam_epsilon", &T::adam_epsilon, "1e-05", "added to the root of the second moment"},
+      {"hidden", &T::hidden, "[64, 64]", "widths of the tanh layers, actor and critic each"},
+      {"head_gain", &T::head_gain, "1", "of the initial layer of action means"},
+      {"initial_log_std", &T::initial_log_std, "0",
+       "log standard deviation of actions at the start"},
+      {"action_map", &T::action_map, "offset", "offset: clip(offset + a); squash: tanh(a), scaled"},
+      {"action_offset", &T::action_offset, "1", "actuator target at action 0 (map offset)"},
+      {"normalize_observations", &T::normalize_observations, "true",
+       "by running mean and deviation"},
+      {"normalize_rewards", &T::normalize_rewards, "true",
+       "by the deviation of discounted returns"},
+      {"observation_clip", &T::observation_clip, "10", "of normalised observations"},
+      {"reward_clip", &T::reward_clip, "10", "of normalised rewards"},
+      {"evaluation_interval", &T::evaluation_interval, "50", "updates; one more after the last"},
+      {"evaluation_episodes", &T::evaluation_episodes, "1", "of the deterministic controller"},
+      {"final_episodes", &T::final_episodes, "8", "of the best controller, jittered; 0: none"},
+      {"final_jitter", &T::final_jitter, "0.0001", "of start coordinates, voxels"},
+      {"population", &T::population, "16", "candidates of a generation (sine, random)"},
+      {"initial_sigma", &T::initial_sigma, "0.5", "step size at the start (sine)"},
+      {"shortest_period", &T::shortest_period, "8", "of waves, control steps (sine, random)"},
+      {"longest_period", &T::longest_period, "100", "of waves, control steps (sine, random)"},
   };
   return list;
 }
@@ -183,11 +193,24 @@ std::string value_text(const T& settings, const Setting& setting) {
   return std::visit([&](auto member) { return to_text(settings.*member); }, setting.member);
 }
 
-// ---- reading ------------------------------------------------------------------------
+// What a value looks like, in a table.
+std::string kind_of(const Setting& setting) {
+  return std::visit(
+      [](auto member) -> std::string {
+        using V = std::remove_reference_t<decltype(std::declval<T&>().*member)>;
+        if constexpr (is_word<V>)
+          return fmt::format("{}", fmt::join(Words<V>::list, "|"));
+        else if constexpr (std::is_same_v<V, double>)
+          return "number";
+        else if constexpr (std::is_integral_v<V>)
+          return "whole";
+        else
+          return "list";
+      },
+      setting.member);
+}
 
-constexpr const char* default_base = "paper";
-constexpr const char* subfolder = "training";
-constexpr int longest_chain = 16;  // of profiles that start from one another
+// ---- reading ------------------------------------------------------------------------
 
 // A scalar as written, a list as "1,2,3".
 std::string flat_text(const Setting& setting, const YamlNode& node) {
@@ -200,26 +223,7 @@ std::string flat_text(const Setting& setting, const YamlNode& node) {
   return fmt::format("{}", fmt::join(items, ","));
 }
 
-T load(const std::string& name_or_file, const std::filesystem::path& folder,
-       const DataFolders& folders, int depth);
-
-T read_profile(const YamlNode& node, const std::filesystem::path& folder,
-               const DataFolders& folders, int depth) {
-  std::vector<std::string> allowed{"format", "version", "name", "description", "base"};
-  for (const std::string& key : training_keys()) allowed.push_back(key);
-  const YamlMapping profile(node, "training profile", allowed);
-  check_format(profile, "evo/training", 1);
-
-  T settings;
-  const auto base = profile.find("base");
-  if (base && depth >= longest_chain)
-    throw base->error("profiles start from one another in a circle");
-  try {
-    settings = load(base ? base->string() : default_base, folder, folders, depth + 1);
-  } catch (const Error& failure) {
-    if (!base || failure.kind() == Failure::data) throw;
-    throw base->error(failure.what());
-  }
+void read_settings(T& settings, const YamlMapping& profile) {
   for (const Setting& setting : all_settings()) {
     const auto value = profile.find(setting.key);
     if (!value) continue;
@@ -229,52 +233,33 @@ T read_profile(const YamlNode& node, const std::filesystem::path& folder,
   try {
     check(settings);
   } catch (const Error& failure) {
-    throw node.error(failure.what());
+    throw profile.node().error(failure.what());
   }
-  return settings;
 }
 
-T load_file(const std::filesystem::path& path, const DataFolders& folders, int depth) {
-  const YamlNode node = YamlNode::parse(read_file(path), path.string());
-  return read_profile(node, path.parent_path(), folders, depth);
-}
-
-// `paper` itself has no base: its file is complete, or libevo's own values stand
-// for it.
-T load(const std::string& name_or_file, const std::filesystem::path& folder,
-       const DataFolders& folders, int depth) {
-  if (is_file_name(name_or_file)) return load_file(folder / name_or_file, folders, depth);
-  if (const auto path = find_data_file(folders, subfolder, name_or_file))
-    // The default base of paper.yaml is not paper.yaml again.
-    return load_file(*path, name_or_file == default_base ? DataFolders{} : folders, depth);
-  if (name_or_file == default_base) return T{};
-  std::vector<std::string> known = data_names(folders, subfolder);
-  if (known.empty()) known.emplace_back(default_base);
-  throw Error(Failure::usage,
-              unknown_name("training profile", name_or_file, known) + ", or a file (NAME.yaml)");
+const ProfileKind<T>& training_kind() {
+  static const ProfileKind<T> kind{"training profile", "evo/training", "training", "paper",
+                                   training_keys(),    read_settings};
+  return kind;
 }
 
 }  // namespace
 
 TrainingSettings load_training(const std::string& name_or_file, const DataFolders& folders) {
-  return load(name_or_file, "", folders, 0);
+  return load_profile(training_kind(), name_or_file, "", folders);
 }
 
 TrainingSettings training_from_yaml(const YamlNode& node, const std::filesystem::path& folder,
                                     const DataFolders& folders) {
-  return read_profile(node, folder, folders, 0);
+  return read_profile(training_kind(), node, folder, folders);
 }
 
 void apply_override(TrainingSettings& settings, std::string_view assignment) {
-  const std::size_t equals = assignment.find('=');
-  if (equals == std::string_view::npos || equals == 0)
-    throw error(Failure::usage, "KEY=VALUE is expected (as in gamma=0.995), found '{}'",
-                assignment);
-  const std::string key(assignment.substr(0, equals));
+  const auto [key, value] = split_assignment(assignment, "gamma=0.995");
   const Setting* setting = find_setting(key);
   if (setting == nullptr)
     throw Error(Failure::usage, unknown_name("training setting", key, training_keys()));
-  const std::string problem = assign(settings, *setting, assignment.substr(equals + 1));
+  const std::string problem = assign(settings, *setting, value);
   if (!problem.empty()) throw Error(Failure::usage, problem);
 }
 
@@ -290,6 +275,22 @@ std::vector<std::string> training_keys() {
   std::vector<std::string> keys;
   for (const Setting& setting : all_settings()) keys.emplace_back(setting.key);
   return keys;
+}
+
+std::vector<SettingRow> training_table(const TrainingSettings& settings) {
+  std::vector<SettingRow> rows;
+  for (const Setting& setting : all_settings())
+    rows.push_back(
+        {setting.key, value_text(settings, setting), kind_of(setting), "", setting.meaning});
+  return rows;
+}
+
+std::vector<std::string> training_identity(const TrainingSettings& settings) {
+  std::vector<std::string> lines;
+  for (const Setting& setting : all_settings())
+    if (const std::string value = value_text(settings, setting); value != setting.baseline)
+      lines.push_back(fmt::format("training.{}={}", setting.key, value));
+  return lines;
 }
 
 }  // namespace evo

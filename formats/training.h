@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/data_folders.h"
+#include "formats/profile.h"
 #include "formats/yaml.h"
 #include "libevo/control/settings.h"
 
@@ -33,5 +34,12 @@ std::string training_to_yaml(const TrainingSettings& settings);
 
 // The names apply_override knows, in the order of the settings.
 std::vector<std::string> training_keys();
+
+// Every setting with what there is to know of it, in the order of the profile.
+std::vector<SettingRow> training_table(const TrainingSettings& settings);
+
+// "training.gamma=0.995": what decides a result, one line per setting that is not
+// at its frozen baseline (formats/identity.h).
+std::vector<std::string> training_identity(const TrainingSettings& settings);
 
 }  // namespace evo

@@ -24,9 +24,9 @@ struct SineController {
 // (spec: cli, evo-eval --sine).
 SineController travelling_wave(int actuators, double amplitude, double period, double phase_step);
 
-// Uniform targets in [low, high], episode k from the stream (seed, "random", k).
+// Uniform targets in [low, high], episode k from the stream (evaluation's seed,
+// "random", k).
 struct RandomController {
-  std::uint64_t seed = 0;
   double low = 0.6;
   double high = 1.6;
   bool operator==(const RandomController&) const = default;

@@ -61,7 +61,7 @@ TEST_CASE("recorded actions give the episode again, and end it") {
   EvaluationSettings settings;
   settings.max_steps = 15;
   const Evaluation original =
-      evaluate(arena, RandomController{7}, settings, [&](const EpisodeMoment& moment) {
+      evaluate(arena, RandomController{}, settings, [&](const EpisodeMoment& moment) {
         ++moments;
         last += moment.last ? 1 : 0;
         CHECK(moment.episode == 0);

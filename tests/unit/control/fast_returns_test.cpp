@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 #include "formats/task.h"
 #include "libevo/control/evaluate.h"
 

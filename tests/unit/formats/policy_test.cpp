@@ -15,6 +15,7 @@ using namespace evo;
 namespace {
 
 const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+const auto before = std::filesystem::path(EVO_SOURCE_DIR) / "tests/data/policies";
 
 // A folder of its own for every test.
 struct Scratch {
@@ -50,6 +51,7 @@ PolicyFile example(Controller controller) {
   file.layout = {{"velocity(robot)", 0, 2}, {"relative_positions(robot)", 2, 5}};
   file.seed = 18446744073709551615U;
   file.created_by = "evo-train 0.1.0";
+  file.identity = "evo-training 2\nseed=1\n";
   file.settings_hash = std::string(64, 'a');
   file.controller = std::move(controller);
   file.fitness = 10.25;
@@ -75,6 +77,7 @@ void check_equal(const PolicyFile& a, const PolicyFile& b) {
   CHECK(a.seed == b.seed);
   CHECK(a.isa == b.isa);
   CHECK(a.created_by == b.created_by);
+  CHECK(a.identity == b.identity);
   CHECK(a.settings_hash == b.settings_hash);
   CHECK(a.controller == b.controller);
   CHECK(a.fitness == b.fitness);
@@ -82,6 +85,20 @@ void check_equal(const PolicyFile& a, const PolicyFile& b) {
   CHECK(a.steps == b.steps);
   CHECK(a.curve == b.curve);
   CHECK(a.final_score == b.final_score);
+}
+
+// The settings of the files in tests/data/policies: sine on the profile `default`
+// of that time.
+TrainingSettings settings_before(const std::string& steps) {
+  TrainingSettings settings;
+  for (const std::string& assignment : std::vector<std::string>{
+           "environments=8", "epochs=5", "minibatches=8", "lambda=0.9", "clip=0.2",
+           "clip_value_loss=false", "entropy_coefficient=0", "time_limit=bootstrap",
+           "learning_rate=1e-3", "learning_rate_horizon=0", "head_gain=0.01",
+           "initial_log_std=-0.5", "evaluation_interval=10", "algorithm=sine", "population=4",
+           "steps=" + steps})
+    apply_override(settings, assignment);
+  return settings;
 }
 
 // A copy of a policy file without one of its parts, which is then missed.
@@ -103,7 +120,7 @@ TEST_CASE("policies come back as they were written, and twice the same bytes") {
   const auto path = scratch.folder / "a.policy.h5";
   write_policy(path, file);
   check_equal(read_policy(path), file);
-  CHECK(read_policy_hash(path) == file.settings_hash);
+  CHECK(read_policy_identity(path) == file.identity);
   const auto again = scratch.folder / "b.policy.h5";
   write_policy(again, file);
   CHECK(read_file(path) == read_file(again));
@@ -188,9 +205,12 @@ TEST_CASE("checkpoints come back as they were, and only for their settings") {
   checkpoint.put<std::uint8_t>("environments/state", {0, 255, 7});
   checkpoint.put<double>("curve/best", {});
   const auto path = scratch.folder / "a.checkpoint.h5";
-  write_checkpoint(path, checkpoint, "hash");
-  CHECK(read_checkpoint(path, "hash") == checkpoint);
-  CHECK_THROWS_WITH(read_checkpoint(path, "other"), Catch::Contains("other settings"));
+  const TrainingIdentity one{"evo-training 2\nseed=1\n", "old"};
+  const TrainingIdentity other{"evo-training 2\nseed=2\n", "old"};
+  write_checkpoint(path, checkpoint, one);
+  CHECK(read_checkpoint(path, one) == checkpoint);
+  CHECK_THROWS_WITH(read_checkpoint(path, other),
+                    Catch::Contains("other settings (seed: 1 there, 2 asked for)"));
 }
 
 TEST_CASE("the same training is the same file, and its policy earns its fitness again") {
@@ -202,12 +222,12 @@ TEST_CASE("the same training is the same file, and its policy earns its fitness 
   settings.population = 4;
   const Arena arena(load_task("Walker-v0", data), robot.body);
   const auto train_into = [&](const std::filesystem::path& path, bool interrupted) {
-    const std::string hash = settings_hash(robot.body, arena.task(), settings, 3);
+    const TrainingIdentity identity = identify(robot.body, arena.task(), settings, 3);
     const auto checkpoint = scratch.folder / "a.checkpoint.h5";
     Trainer first(arena, settings, 3, robot.id);
-    write_checkpoint(checkpoint, first.checkpoint(), hash);
+    write_checkpoint(checkpoint, first.checkpoint(), identity);
     Trainer second(arena, settings, 3, robot.id);
-    if (interrupted) second.restore(read_checkpoint(checkpoint, hash));
+    if (interrupted) second.restore(read_checkpoint(checkpoint, identity));
     const TrainResult result = train(second);
     write_policy(path, make_policy_file(robot, arena, settings, 3, result, "test"));
   };
@@ -216,7 +236,8 @@ TEST_CASE("the same training is the same file, and its policy earns its fitness 
   CHECK(read_file(scratch.folder / "a.h5") == read_file(scratch.folder / "b.h5"));
 
   const PolicyFile file = read_policy(scratch.folder / "a.h5");
-  CHECK(file.settings_hash == settings_hash(robot.body, arena.task(), settings, 3));
+  CHECK(file.identity == identify(robot.body, arena.task(), settings, 3).lines);
+  CHECK(file.settings_hash == identify(robot.body, arena.task(), settings, 3).hash());
   CHECK(file.task == "Walker-v0");
   CHECK(parse_task(file.task_yaml, "stored").name == "Walker-v0");
   CHECK(training_from_yaml(YamlNode::parse(file.training_yaml, "stored"), "", {}) == settings);
@@ -226,22 +247,30 @@ TEST_CASE("the same training is the same file, and its policy earns its fitness 
   CHECK(evaluate(arena, file.controller, evaluation).mean() == file.fitness);
 }
 
-TEST_CASE("the settings hash changes with everything that decides the result") {
-  const Body robot = Body::from_rows({"HV", "VS"});
+TEST_CASE("a policy written before there were identities is of its training, and runs") {
+  const auto path = before / "before-identity.policy.h5";
+  const PolicyFile file = read_policy(path);
+  const TrainingSettings settings = settings_before("4000");
   const TaskSpec task = load_task("Walker-v0", data);
-  const TrainingSettings settings;
-  const std::string hash = settings_hash(robot, task, settings, 1);
-  CHECK(hash.size() == 64);
-  CHECK(settings_hash(robot, task, settings, 1) == hash);
-  CHECK(settings_hash(robot, task, settings, 2) != hash);
-  CHECK(settings_hash(Body::from_rows({"HV", "SS"}), task, settings, 1) != hash);
-  CHECK(settings_hash(robot, load_task("Climber-v0", data), settings, 1) != hash);
-  TrainingSettings longer;
-  longer.steps += 1;
-  CHECK(settings_hash(robot, task, longer, 1) != hash);
-  TaskSpec heavier = task;
-  Physics physics = task.physics;
-  physics.gravity = 120.0;
-  set_physics(heavier, physics);
-  CHECK(settings_hash(robot, heavier, settings, 1) != hash);
+  CHECK(read_policy_identity(path) == identify(file.robot.body, task, settings, 3).lines);
+  CHECK(read_policy_identity(path) != identify(file.robot.body, task, settings, 4).lines);
+  EvaluationSettings evaluation;
+  evaluation.seed = 3;
+  CHECK(evaluate(Arena(task, file.robot.body), file.controller, evaluation).mean() == file.fitness);
+}
+
+// A checkpoint of that time has only a hash over the texts of task and settings.
+// Checkpoints live for minutes: when a word of those texts is corrected, this
+// test has done its work and goes, with its file and TrainingIdentity::old_hash.
+TEST_CASE("a checkpoint written before there were identities is of its training") {
+  const auto path = before / "before-identity.checkpoint.h5";
+  const TrainingSettings settings = settings_before("400000");
+  const Robot robot(Body::from_rows({"R.H", "RRV", ".VV"}));
+  const TaskSpec task = load_task("Walker-v0", data);
+  const Arena arena(task, robot.body);
+  Trainer trainer(arena, settings, 3, robot.id);
+  trainer.restore(read_checkpoint(path, identify(robot.body, task, settings, 3)));
+  CHECK(trainer.result().steps > 0);
+  CHECK_THROWS_WITH(read_checkpoint(path, identify(robot.body, task, settings, 4)),
+                    Catch::Contains("other settings"));
 }

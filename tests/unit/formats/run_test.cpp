@@ -63,8 +63,9 @@ TEST_CASE("values that YAML would take for something else come back as they were
   const test::ScratchFolder scratch;
   const auto file = scratch.path() / "run.yaml";
   for (const std::string value :
-       {"--rate 0.2", "a: b", "# c", "x #y", "[1]", "~", "null", " padded ", "it's",  "'",
-        "-",          "a:",   "1e3", "true", "{a}", "*", "%",    "@",        "a\\nb", "\"q\""}) {
+       {"--rate 0.2", "a: b", "# c", "x #y", "[1]", "~",        "null", " padded ",
+        "it's",       "'",    "-",   "- a",  "-a",  "--rate 1", "a:",   "1e3",
+        "true",       "{a}",  "*",   "%",    "@",   "a\\nb",    "\"q\""}) {
     const RunSettings settings =
         RunSettings::from_words({"key=" + value, "train_options=" + value});
     write_file(file, settings.to_yaml());

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 #include "formats/task_text.h"
 #include "libevo/task/env.h"
 

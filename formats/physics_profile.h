@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formats/data_folders.h"
+#include "formats/profile.h"
 #include "formats/yaml.h"
 #include "libevo/sim/physics.h"
 
@@ -35,5 +36,12 @@ std::string physics_constants_to_yaml(const Physics& physics, const std::string&
 
 // The names apply_override knows: "gravity", "rigid.edge", ...
 std::vector<std::string> physics_keys();
+
+// Every constant with what there is to know of it, in the order of the profile.
+std::vector<SettingRow> physics_table(const Physics& physics);
+
+// "physics.gravity=50": what decides a result, one line per constant that is not
+// at its frozen baseline (formats/identity.h).
+std::vector<std::string> physics_identity(const Physics& physics);
 
 }  // namespace evo

@@ -1,4 +1,4 @@
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -59,9 +59,10 @@ TEST_CASE("the profile fast differs in arithmetic alone, which others do not men
   CHECK(read(physics_to_yaml(expected)) == expected);
   CHECK(physics_to_yaml(Physics{}).find("arithmetic") == std::string::npos);
   CHECK(read("base: fast\narithmetic: exact\n") == Physics{});
-  CHECK(message("arithmetic: quick\n").find("'arithmetic' must be exact or fast") !=
+  CHECK(message("arithmetic: quick\n").find("exact or fast is expected for 'arithmetic'") !=
         std::string::npos);
-  CHECK(override_message("arithmetic=1") == "'arithmetic' must be exact or fast, found '1'");
+  CHECK(override_message("arithmetic=1") ==
+        "exact or fast is expected for 'arithmetic', found '1'");
 }
 
 TEST_CASE("a profile gives what differs from its base") {

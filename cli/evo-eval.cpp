@@ -49,7 +49,9 @@ Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task
     trial.task = parse_task(file.task_yaml, path + ": task");
     settings.task.change_physics(trial.task);
   }
-  trial.controller = [controller = std::move(file.controller)](const Arena&) { return controller; };
+  trial.controller = [controller = to_controller(file.controller)](const Arena&) {
+    return controller;
+  };
   return trial;
 }
 

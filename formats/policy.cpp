@@ -10,6 +10,7 @@
 #include "formats/physics.h"
 #include "formats/task.h"
 #include "formats/training.h"
+#include "libevo/base/alternatives.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -82,8 +83,28 @@ Network read_network(const hdf5::Reader& file, const std::string& group, std::si
   return network;
 }
 
-void write_controller(hdf5::Writer& file, const Policy& policy) {
-  file.attribute("/", "kind", "network");
+// ---- controllers ------------------------------------------------------------------
+//
+// One Stored for every TrainedController; `kind` names it in the file.
+
+template <typename Controller>
+struct Stored;
+
+template <>
+struct Stored<Policy> {
+  static constexpr const char* kind = "network";
+  static void write(hdf5::Writer& file, const Policy& policy);
+  static Policy read(const hdf5::Reader& file);
+};
+
+template <>
+struct Stored<SineController> {
+  static constexpr const char* kind = "sine";
+  static void write(hdf5::Writer& file, const SineController& sine);
+  static SineController read(const hdf5::Reader& file);
+};
+
+void Stored<Policy>::write(hdf5::Writer& file, const Policy& policy) {
   write_network(file, "/actor", policy.actor);
   write_network(file, "/critic", policy.critic);
   file.vector("/log_std", values_of(policy.log_std));
@@ -97,23 +118,7 @@ void write_controller(hdf5::Writer& file, const Policy& policy) {
   file.attribute("/", "action_bounds", std::vector<double>{policy.low, policy.high});
 }
 
-void write_controller(hdf5::Writer& file, const SineController& sine) {
-  file.attribute("/", "kind", "sine");
-  file.vector("/sine/amplitude", sine.amplitude);
-  file.vector("/sine/phase", sine.phase);
-  file.attribute("/sine", "period", sine.period);
-  file.attribute("/sine", "middle", sine.middle);
-}
-
-// Controllers that nothing has trained are not policies.
-void write_controller(hdf5::Writer&, const RandomController&) {
-  throw Error(Failure::data, "a random controller cannot be stored as a policy");
-}
-void write_controller(hdf5::Writer&, const ReplayController&) {
-  throw Error(Failure::data, "recorded actions cannot be stored as a policy");
-}
-
-Policy read_network_policy(const hdf5::Reader& file) {
+Policy Stored<Policy>::read(const hdf5::Reader& file) {
   Policy policy;
   const auto mean = file.vector<double>("/normalizer/mean");
   const auto variance = file.vector<double>("/normalizer/var", mean.size());
@@ -144,7 +149,14 @@ Policy read_network_policy(const hdf5::Reader& file) {
   return policy;
 }
 
-SineController read_sine(const hdf5::Reader& file) {
+void Stored<SineController>::write(hdf5::Writer& file, const SineController& sine) {
+  file.vector("/sine/amplitude", sine.amplitude);
+  file.vector("/sine/phase", sine.phase);
+  file.attribute("/sine", "period", sine.period);
+  file.attribute("/sine", "middle", sine.middle);
+}
+
+SineController Stored<SineController>::read(const hdf5::Reader& file) {
   SineController sine;
   sine.amplitude = file.vector<double>("/sine/amplitude");
   sine.phase = file.vector<double>("/sine/phase", sine.amplitude.size());
@@ -153,11 +165,25 @@ SineController read_sine(const hdf5::Reader& file) {
   return sine;
 }
 
-Controller read_controller(const hdf5::Reader& file) {
+void write_controller(hdf5::Writer& file, const TrainedController& controller) {
+  std::visit(
+      [&]<typename T>(const T& c) {
+        file.attribute("/", "kind", Stored<T>::kind);
+        Stored<T>::write(file, c);
+      },
+      controller);
+}
+
+TrainedController read_controller(const hdf5::Reader& file) {
   const std::string kind = file.text("/", "kind");
-  if (kind == "network") return read_network_policy(file);
-  if (kind == "sine") return read_sine(file);
-  throw bad(file, "/@kind", unknown_name("kind of policy", kind, {"network", "sine"}));
+  std::optional<TrainedController> controller;
+  std::vector<std::string> kinds;
+  for_each_alternative<TrainedController>([&]<typename T>(std::type_identity<T>) {
+    kinds.emplace_back(Stored<T>::kind);
+    if (kind == Stored<T>::kind) controller = Stored<T>::read(file);
+  });
+  if (!controller) throw bad(file, "/@kind", unknown_name("kind of policy", kind, kinds));
+  return std::move(*controller);
 }
 
 void write_curve(hdf5::Writer& file, const std::vector<CurvePoint>& curve) {
@@ -258,8 +284,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy) {
   file.attribute("/", "fitness", policy.fitness);
   file.attribute("/", "best_step", policy.best_step);
   file.attribute("/", "steps", policy.steps);
-  std::visit([&](const auto& controller) { write_controller(file, controller); },
-             policy.controller);
+  write_controller(file, policy.controller);
   write_curve(file, policy.curve);
   if (policy.final_score) {
     file.attribute("/", "final_episodes", std::int64_t{policy.final_score->episodes});

@@ -27,8 +27,8 @@ struct PolicyFile {
   std::string created_by;   // tool and version
   std::string settings_hash;
 
-  Controller controller;  // a Policy or a SineController
-  double fitness = 0.0;   // best evaluation
+  TrainedController controller;
+  double fitness = 0.0;  // best evaluation
   std::int64_t best_step = 0;
   std::int64_t steps = 0;  // environment steps of training
   std::vector<CurvePoint> curve;

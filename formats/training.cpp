@@ -23,10 +23,6 @@ using T = TrainingSettings;
 template <typename Enum>
 struct Words;
 template <>
-struct Words<Algorithm> {
-  static constexpr std::array<const char*, 3> list{"ppo", "sine", "random"};
-};
-template <>
 struct Words<Schedule> {
   static constexpr std::array<const char*, 2> list{"constant", "linear"};
 };
@@ -55,6 +51,8 @@ template <typename V>
 std::string expectation() {
   if constexpr (is_word<V>) {
     return fmt::format("one of {}", fmt::join(Words<V>::list, ", "));
+  } else if constexpr (std::is_same_v<V, Algorithm>) {
+    return fmt::format("one of {}", fmt::join(algorithm_names(), ", "));
   } else if constexpr (std::is_same_v<V, double>) {
     return "a number";
   } else if constexpr (std::is_integral_v<V>) {
@@ -69,6 +67,10 @@ std::optional<V> parse(std::string_view text) {
   if constexpr (is_word<V>) {
     for (std::size_t i = 0; i < Words<V>::list.size(); ++i)
       if (text == Words<V>::list[i]) return static_cast<V>(i);
+    return std::nullopt;
+  } else if constexpr (std::is_same_v<V, Algorithm>) {
+    for (const std::string& name : algorithm_names())
+      if (text == name) return Algorithm(name);
     return std::nullopt;
   } else if constexpr (std::is_same_v<V, double>) {
     return parse_number(text);
@@ -95,6 +97,8 @@ template <typename V>
 std::string to_text(const V& value) {
   if constexpr (is_word<V>) {
     return Words<V>::list[static_cast<std::size_t>(value)];
+  } else if constexpr (std::is_same_v<V, Algorithm>) {
+    return value.name();
   } else if constexpr (std::is_arithmetic_v<V>) {
     return fmt::format("{}", value);
   } else {

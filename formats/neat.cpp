@@ -8,16 +8,13 @@
 #include <vector>
 
 #include "formats/files.h"
+#include "formats/format.h"
 #include "formats/genome.h"
 #include "formats/json_object.h"
 
 namespace evo {
 namespace {
 
-constexpr const char* state_format = "evo/neat-state";
-constexpr int state_version = 1;
-constexpr const char* settings_format = "evo/neat";
-constexpr int settings_version = 1;
 constexpr int largest_count = 1 << 30;  // leaves room to count on
 
 // ---- state ----------------------------------------------------------------------
@@ -77,7 +74,7 @@ void check_keys(const NeatState& state) {
 }
 
 NeatState state_from_json(const Json& document) {
-  check_json_format(document, state_format, state_version);
+  check_format(document, format::neat_state);
   const JsonObject object(document, "");
   NeatState state;
   state.generation = object.integer("generation", 0, largest_count);
@@ -240,8 +237,8 @@ std::string neat_state_to_text(const NeatState& state) {
       " \"generation\": {}, \"next_genome_key\": {}, \"next_node_key\": {}, "
       "\"next_species_key\": {},\n"
       " \"species\": [",
-      state_format, state_version, state.generation, state.next_genome_key, state.next_node_key,
-      state.next_species_key);
+      format::neat_state.name, format::neat_state.version, state.generation, state.next_genome_key,
+      state.next_node_key, state.next_species_key);
   const char* separator = "\n  ";
   for (const Species& species : state.species) {
     text += separator + compact(species_to_json(species));
@@ -267,7 +264,7 @@ NeatSettings neat_settings_from_yaml(const YamlNode& node) {
   std::vector<std::string> keys{"format", "version"};
   for (const Setting& setting : known) keys.push_back(setting.first);
   const YamlMapping mapping(node, "NEAT settings", keys);
-  check_format(mapping, settings_format, settings_version);
+  check_format(mapping, format::neat);
   NeatSettings settings;
   for (const auto& [key, set] : known)
     if (const auto value = mapping.find(key)) set(settings, *value);

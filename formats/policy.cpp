@@ -1,50 +1,23 @@
 #include "formats/policy.h"
 
-#include <nettle/sha2.h>
-
 #include <array>
 #include <utility>
 #include <variant>
 
+#include "formats/format.h"
 #include "formats/hdf5.h"
 #include "formats/physics.h"
 #include "formats/task.h"
 #include "formats/training.h"
 #include "libevo/base/alternatives.h"
+#include "libevo/base/digest.h"
 #include "libevo/base/error.h"
 
 namespace evo {
 namespace {
 
-constexpr const char* policy_format = "evo/policy";
-constexpr const char* checkpoint_format = "evo/checkpoint";
-constexpr std::int64_t newest_version = 1;
-
-std::string sha256(const std::string& text) {
-  sha256_ctx context;
-  sha256_init(&context);
-  sha256_update(&context, text.size(), reinterpret_cast<const std::uint8_t*>(text.data()));
-  std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
-  sha256_digest(&context, digest.size(), digest.data());
-  std::string hex;
-  for (const std::uint8_t byte : digest) hex += fmt::format("{:02x}", byte);
-  return hex;
-}
-
 Error bad(const hdf5::Reader& file, const std::string& path, const std::string& problem) {
   return error(Failure::data, "{}: {}: {}", file.name(), path, problem);
-}
-
-void check_header(const hdf5::Reader& file, const std::string& format) {
-  const std::string found =
-      file.has_attribute("/", "format") ? file.text("/", "format") : "no format";
-  if (found != format)
-    throw bad(file, "/@format", fmt::format("'{}' is expected, found '{}'", format, found));
-  const auto version = file.number<std::int64_t>("/", "version");
-  if (version > newest_version)
-    throw bad(file, "/@version",
-              fmt::format("version {} is newer than this program, which reads up to {}", version,
-                          newest_version));
 }
 
 // ---- parts ------------------------------------------------------------------------
@@ -241,8 +214,8 @@ Robot read_robot(const hdf5::Reader& file) {
 
 std::string settings_hash(const Body& robot, const TaskSpec& task, const TrainingSettings& settings,
                           std::uint64_t seed) {
-  return sha256("evo-training 1\nrobot " + identity(robot) + "\n" + task_to_yaml(task) + "\n" +
-                training_to_yaml(settings) + "\nseed " + std::to_string(seed) + "\n");
+  return sha256_hex("evo-training 1\nrobot " + identity(robot) + "\n" + task_to_yaml(task) + "\n" +
+                    training_to_yaml(settings) + "\nseed " + std::to_string(seed) + "\n");
 }
 
 PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
@@ -269,8 +242,8 @@ PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
 
 void write_policy(const std::filesystem::path& path, const PolicyFile& policy) {
   hdf5::Writer file(path);
-  file.attribute("/", "format", policy_format);
-  file.attribute("/", "version", newest_version);
+  file.attribute("/", "format", format::policy.name);
+  file.attribute("/", "version", std::int64_t{format::policy.version});
   file.attribute("/", "robot", robot_to_line(policy.robot));
   file.attribute("/", "task", policy.task);
   file.attribute("/", "task_yaml", policy.task_yaml);
@@ -296,7 +269,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy) {
 
 PolicyFile read_policy(const std::filesystem::path& path) {
   const hdf5::Reader file(path);
-  check_header(file, policy_format);
+  check_format(file, format::policy, Head::required);
   PolicyFile policy;
   policy.robot = read_robot(file);
   policy.task = file.text("/", "task");
@@ -322,7 +295,7 @@ PolicyFile read_policy(const std::filesystem::path& path) {
 
 std::string read_policy_hash(const std::filesystem::path& path) {
   const hdf5::Reader file(path);
-  check_header(file, policy_format);
+  check_format(file, format::policy, Head::required);
   return file.text("/", "settings_hash");
 }
 
@@ -348,8 +321,8 @@ Checkpoint::Array read_array(const hdf5::Reader& file, const std::string& type,
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint,
                       const std::string& settings_hash) {
   hdf5::Writer file(path);
-  file.attribute("/", "format", checkpoint_format);
-  file.attribute("/", "version", newest_version);
+  file.attribute("/", "format", format::checkpoint.name);
+  file.attribute("/", "version", std::int64_t{format::checkpoint.version});
   file.attribute("/", "settings_hash", settings_hash);
   std::vector<std::string> index;
   for (const auto& [name, array] : checkpoint.arrays) {
@@ -363,7 +336,7 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 
 Checkpoint read_checkpoint(const std::filesystem::path& path, const std::string& settings_hash) {
   const hdf5::Reader file(path);
-  check_header(file, checkpoint_format);
+  check_format(file, format::checkpoint, Head::required);
   if (file.text("/", "settings_hash") != settings_hash)
     throw error(Failure::cannot_create,
                 "{}: belongs to a training with other settings; remove it to start afresh",

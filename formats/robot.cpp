@@ -6,15 +6,13 @@
 #include <utility>
 
 #include "formats/files.h"
+#include "formats/format.h"
 #include "formats/hdf5.h"
 #include "formats/yaml_json.h"
 #include "libevo/base/error.h"
 
 namespace evo {
 namespace {
-
-constexpr const char* robot_format = "evo/robot";
-constexpr int robot_version = 1;
 
 // In the order they are written; others follow in the order they were read.
 constexpr std::array canonical_fields{"format", "version", "id",     "body",    "connections",
@@ -135,18 +133,6 @@ Json links_to_json(const std::vector<Link>& links) {
 
 // ---- the other fields ---------------------------------------------------------
 
-void check_format(const Json& document) {
-  if (const auto found = document.find("format"); found != document.end() && *found != robot_format)
-    throw refusal("/format", "unknown format {}; a robot has \"{}\"", shown(*found), robot_format);
-  const auto found = document.find("version");
-  if (found == document.end()) return;
-  if (!found->is_number_integer() || *found < 1)
-    throw refusal("/version", "expected a whole number from 1, found {}", shown(*found));
-  if (*found > robot_version)
-    throw refusal("/version", "{} version {} is newer than this program, which reads version {}",
-                  robot_format, shown(*found), robot_version);
-}
-
 using TypeTest = bool (*)(const Json&);
 
 bool is_list_of_text(const Json& value) {
@@ -194,7 +180,7 @@ void set_identity(Robot& robot) {
 Robot read_document(Json document, BodyCheck check) {
   if (!document.is_object())
     throw refusal("", "expected a robot document (an object), found {}", shown(document));
-  check_format(document);
+  check_format(document, format::robot);
   const auto body = document.find("body");
   if (body == document.end()) throw refusal("/body", "is missing");
   Robot robot;
@@ -220,8 +206,8 @@ Robot read_document(Json document, BodyCheck check) {
 // The document with its fields in canonical order and complete.
 Json in_canonical_order(Robot robot) {
   set_identity(robot);
-  robot.document["format"] = robot_format;
-  robot.document["version"] = robot_version;
+  robot.document["format"] = format::robot.name;
+  robot.document["version"] = format::robot.version;
   Json ordered = Json::object();
   for (const char* name : canonical_fields)
     if (const auto found = robot.document.find(name); found != robot.document.end())
@@ -328,8 +314,8 @@ bool looks_like_yaml(std::string_view text) {
 // ---- public -------------------------------------------------------------------
 
 Robot::Robot(Body body_) : body(std::move(body_)), id(identity(body)) {
-  document["format"] = robot_format;
-  document["version"] = robot_version;
+  document["format"] = format::robot.name;
+  document["version"] = format::robot.version;
   set_identity(*this);
 }
 

@@ -80,10 +80,6 @@ class YamlMapping {
   std::string what_;
 };
 
-// The keys `format` and `version` of a document, checked where they are given:
-// another format, or a version newer than `newest`, is refused by name.
-void check_format(const YamlMapping& document, const std::string& format, int newest);
-
 // "unknown <what> '<name>' (did you mean 'x'?); allowed: x, y, z"
 std::string unknown_name(const std::string& what, const std::string& name,
                          const std::vector<std::string>& allowed);

@@ -2,8 +2,10 @@
 // as finding one by its name, without a list that could be forgotten.
 #pragma once
 
+#include <string>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
 namespace evo {
 
@@ -23,6 +25,15 @@ struct Alternatives<std::variant<Types...>> {
 template <typename Variant, typename Function>
 void for_each_alternative(Function function) {
   detail::Alternatives<Variant>::each(function);
+}
+
+// T::name of every alternative T, in order.
+template <typename Variant>
+std::vector<std::string> names_of() {
+  std::vector<std::string> names;
+  for_each_alternative<Variant>(
+      [&]<typename T>(std::type_identity<T>) { names.emplace_back(T::name); });
+  return names;
 }
 
 }  // namespace evo

@@ -22,12 +22,7 @@ void with_method(const Algorithm& algorithm, Function function) {
 
 }  // namespace
 
-std::vector<std::string> algorithm_names() {
-  std::vector<std::string> names;
-  for_each_alternative<Method>(
-      [&]<typename T>(std::type_identity<T>) { names.emplace_back(T::name); });
-  return names;
-}
+std::vector<std::string> algorithm_names() { return names_of<Method>(); }
 
 Algorithm::Algorithm(std::string_view name) : name_(name) {
   bool known = false;

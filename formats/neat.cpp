@@ -109,22 +109,10 @@ Setter flag(bool NeatSettings::*member) {
   return [member](NeatSettings& s, const YamlNode& node) { s.*member = node.boolean(); };
 }
 
-// In the order of the enumeration.
-const std::vector<std::string> statistic_names{"mean", "min", "max", "median"};
-
 Setter statistic(Statistic NeatSettings::*member) {
   return [member](NeatSettings& s, const YamlNode& node) {
-    const std::string chosen = node.choice("statistic", statistic_names);
-    for (std::size_t i = 0; i < statistic_names.size(); ++i)
-      if (statistic_names[i] == chosen) s.*member = static_cast<Statistic>(i);
+    s.*member = node.choice<Statistic>("statistic");
   };
-}
-
-Activation activation(const YamlNode& node) {
-  return *activation_from_name(node.choice("activation", activation_names()));
-}
-Aggregation aggregation(const YamlNode& node) {
-  return *aggregation_from_name(node.choice("aggregation", aggregation_names()));
 }
 
 // neat-python's words: "partial_direct 0.5", "full_nodirect", "unconnected", ..
@@ -198,20 +186,25 @@ std::vector<Setting> all_settings() {
       {"node_delete_prob", share(&S::node_delete_prob)},
       {"single_structural_mutation", flag(&S::single_structural_mutation)},
       {"activation_default",
-       [](S& s, const YamlNode& node) { s.activation_default = activation(node); }},
+       [](S& s, const YamlNode& node) {
+         s.activation_default = node.choice<Activation>("activation");
+       }},
       {"activation_options",
        [](S& s, const YamlNode& node) {
          s.activation_options.clear();
-         for (const YamlNode& item : node.items()) s.activation_options.push_back(activation(item));
+         for (const YamlNode& item : node.items())
+           s.activation_options.push_back(item.choice<Activation>("activation"));
        }},
       {"activation_mutate_rate", share(&S::activation_mutate_rate)},
       {"aggregation_default",
-       [](S& s, const YamlNode& node) { s.aggregation_default = aggregation(node); }},
+       [](S& s, const YamlNode& node) {
+         s.aggregation_default = node.choice<Aggregation>("aggregation");
+       }},
       {"aggregation_options",
        [](S& s, const YamlNode& node) {
          s.aggregation_options.clear();
          for (const YamlNode& item : node.items())
-           s.aggregation_options.push_back(aggregation(item));
+           s.aggregation_options.push_back(item.choice<Aggregation>("aggregation"));
        }},
       {"aggregation_mutate_rate", share(&S::aggregation_mutate_rate)},
       {"enabled_default", flag(&S::enabled_default)},

@@ -9,6 +9,7 @@
 
 #include "formats/files.h"
 #include "formats/format.h"
+#include "libevo/base/words.h"
 
 namespace evo {
 namespace {
@@ -70,7 +71,6 @@ constexpr std::array<Constant, 23> constants{{
 
 // The one setting that is a word.
 constexpr const char* arithmetic_key = "arithmetic";
-constexpr std::array<const char*, 2> arithmetic_words{"exact", "fast"};
 
 constexpr int most_substeps = 10'000;
 
@@ -131,15 +131,9 @@ void set(Physics& physics, const Constant& constant, double value) {
     physics.*(*count) = static_cast<int>(value);
 }
 
-std::optional<Arithmetic> arithmetic_named(std::string_view word) {
-  if (word == arithmetic_words[0]) return Arithmetic::exact;
-  if (word == arithmetic_words[1]) return Arithmetic::fast;
-  return std::nullopt;
-}
-
 std::string arithmetic_problem(const std::string& found) {
   return fmt::format("'{}' must be {}, found {}", arithmetic_key,
-                     fmt::join(arithmetic_words, " or "), found);
+                     fmt::join(words_of<Arithmetic>(), " or "), found);
 }
 
 std::string targets_problem(const Physics& physics) {
@@ -199,7 +193,7 @@ Physics read_profile(const YamlNode& node, const std::filesystem::path& folder,
   }
   if (const auto word = profile.find(arithmetic_key)) {
     const auto arithmetic =
-        word->is_scalar() ? arithmetic_named(word->string()) : std::optional<Arithmetic>{};
+        word->is_scalar() ? from_word<Arithmetic>(word->string()) : std::optional<Arithmetic>{};
     if (!arithmetic) throw word->error(arithmetic_problem(word->found()));
     physics.arithmetic = *arithmetic;
   }
@@ -262,7 +256,7 @@ void apply_override(Physics& physics, std::string_view assignment) {
   const std::string key(assignment.substr(0, equals));
   const std::string value(assignment.substr(equals + 1));
   if (key == arithmetic_key) {
-    const auto arithmetic = arithmetic_named(value);
+    const auto arithmetic = from_word<Arithmetic>(value);
     if (!arithmetic) throw Error(Failure::usage, arithmetic_problem("'" + value + "'"));
     physics.arithmetic = *arithmetic;
     return;
@@ -307,7 +301,7 @@ std::string physics_constants_to_yaml(const Physics& physics, const std::string&
   // choice stay what they were.
   if (physics.arithmetic == Arithmetic::fast)
     text += fmt::format("{}{}: {}  # roots and sums rounded in another way\n", indent,
-                        arithmetic_key, arithmetic_words[1]);
+                        arithmetic_key, word(Arithmetic::fast));
   return text;
 }
 

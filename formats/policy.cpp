@@ -86,7 +86,7 @@ void Stored<Policy>::write(hdf5::Writer& file, const Policy& policy) {
   file.attribute("/normalizer", "count", policy.normalizer.count);
   file.attribute("/normalizer", "clip", policy.normalizer.clip);
   file.attribute("/normalizer", "epsilon", policy.normalizer.epsilon);
-  file.attribute("/", "action_map", policy.action_map == ActionMap::offset ? "offset" : "squash");
+  file.attribute("/", "action_map", word(policy.action_map));
   file.attribute("/", "action_offset", policy.action_offset);
   file.attribute("/", "action_bounds", std::vector<double>{policy.low, policy.high});
 }
@@ -110,9 +110,10 @@ Policy Stored<Policy>::read(const hdf5::Reader& file) {
   policy.normalizer.clip = file.number<double>("/normalizer", "clip");
   policy.normalizer.epsilon = file.number<double>("/normalizer", "epsilon");
   const std::string map = file.text("/", "action_map");
-  if (map != "offset" && map != "squash")
-    throw bad(file, "/@action_map", unknown_name("action map", map, {"offset", "squash"}));
-  policy.action_map = map == "offset" ? ActionMap::offset : ActionMap::squash;
+  const auto known_map = from_word<ActionMap>(map);
+  if (!known_map)
+    throw bad(file, "/@action_map", unknown_name("action map", map, words_of<ActionMap>()));
+  policy.action_map = *known_map;
   policy.action_offset = file.number<double>("/", "action_offset");
   const auto bounds = file.numbers<double>("/", "action_bounds");
   if (bounds.size() != 2 || !(bounds[0] <= bounds[1]))

@@ -140,6 +140,18 @@ bool is_list_of_text(const Json& value) {
          std::all_of(value.begin(), value.end(), [](const Json& item) { return item.is_string(); });
 }
 
+// {why: text, step: number, seed: number}, and what others may have added.
+bool is_failure(const Json& value) {
+  if (!value.is_object()) return false;
+  const auto is = [&](const char* name, auto holds) {
+    const auto found = value.find(name);
+    return found == value.end() || found->is_null() || holds(*found);
+  };
+  return is("why", [](const Json& v) { return v.is_string(); }) &&
+         is("step", [](const Json& v) { return v.is_number_integer(); }) &&
+         is("seed", [](const Json& v) { return v.is_number_unsigned(); });
+}
+
 struct FieldType {
   const char* name;
   TypeTest holds;
@@ -152,7 +164,7 @@ constexpr std::array<FieldType, 8> field_types{{
     {"parents", is_list_of_text, "a list of robot ids"},
     {"origin", [](const Json& v) { return v.is_object(); }, "an object"},
     {"fitness", [](const Json& v) { return v.is_number(); }, "a number or null"},
-    {"failure", [](const Json& v) { return v.is_object(); }, "an object"},
+    {"failure", is_failure, "an object that says why"},
     {"task", [](const Json& v) { return v.is_string(); }, "the name of a task"},
     {"steps", [](const Json& v) { return v.is_number_integer() && v >= 0; }, "a number of steps"},
     {"policy", [](const Json& v) { return v.is_string(); }, "the path of a policy file"},
@@ -319,10 +331,40 @@ Robot::Robot(Body body_) : body(std::move(body_)), id(identity(body)) {
   set_identity(*this);
 }
 
-std::optional<double> Robot::fitness() const {
-  const auto found = document.find("fitness");
-  if (found == document.end() || !found->is_number()) return std::nullopt;
-  return found->get<double>();
+// The types of these fields are checked when a document is read, and only here.
+template <typename T>
+std::optional<T> field(const Json& document, const char* name) {
+  const auto found = document.find(name);
+  if (found == document.end() || found->is_null()) return std::nullopt;
+  return found->get<T>();
+}
+
+std::optional<double> Robot::fitness() const { return field<double>(document, "fitness"); }
+std::optional<std::string> Robot::task() const { return field<std::string>(document, "task"); }
+std::optional<std::string> Robot::policy() const { return field<std::string>(document, "policy"); }
+std::optional<std::int64_t> Robot::steps() const { return field<std::int64_t>(document, "steps"); }
+
+std::vector<std::string> Robot::parents() const {
+  return field<std::vector<std::string>>(document, "parents").value_or(std::vector<std::string>{});
+}
+
+std::optional<RobotFailure> Robot::failure() const {
+  const auto found = field<Json>(document, "failure");
+  if (!found) return std::nullopt;
+  return RobotFailure{field<std::string>(*found, "why").value_or("no reason given"),
+                      field<std::int64_t>(*found, "step"), field<std::uint64_t>(*found, "seed")};
+}
+
+void Robot::set_fitness(double fitness) {
+  document.erase("failure");
+  document["fitness"] = fitness;
+}
+
+void Robot::set_failure(const RobotFailure& failure) {
+  document["fitness"] = nullptr;
+  Json& written = document["failure"] = {{"why", failure.why}};
+  if (failure.step) written["step"] = *failure.step;
+  if (failure.seed) written["seed"] = *failure.seed;
 }
 
 Robot make_child(Body body, const std::vector<std::string>& parents, const std::string& tool,

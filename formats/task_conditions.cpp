@@ -38,7 +38,7 @@ struct Form<Position> {
     const auto bound = [](const char* key, const std::optional<double>& value) {
       return value ? fmt::format(", {}: {}", key, *value) : "";
     };
-    return fmt::format("{{of: {}, axis: {}{}{}{}{}}}", yaml_scalar(c.of), axis_word(c.axis),
+    return fmt::format("{{of: {}, axis: {}{}{}{}{}}}", yaml_scalar(c.of), word(c.axis),
                        bound("above", c.above), bound("below", c.below),
                        bound("at_least", c.at_least), bound("at_most", c.at_most));
   }

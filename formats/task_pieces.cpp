@@ -32,13 +32,10 @@ std::string read_object(const YamlNode& node, const Scope& scope) {
   return node.choice("object", scope.objects);
 }
 
-Axis read_axis(const YamlNode& node) {
-  return node.choice("axis", {"x", "y"}) == "x" ? Axis::x : Axis::y;
-}
+Axis read_axis(const YamlNode& node) { return node.choice<Axis>("axis"); }
 
 double read_length(const YamlNode& node) { return node.number(-largest_length, largest_length); }
 
-const char* axis_word(Axis axis) { return axis == Axis::x ? "x" : "y"; }
 const char* axis_letter(Axis axis) { return axis == Axis::x ? "X" : "Y"; }
 
 std::string number_text(double value) { return fmt::format("{:.6g}", value); }

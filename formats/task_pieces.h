@@ -66,7 +66,6 @@ std::string read_object(const YamlNode& node, const Scope& scope);
 Axis read_axis(const YamlNode& node);
 double read_length(const YamlNode& node);  // voxels
 
-const char* axis_word(Axis axis);    // x
 const char* axis_letter(Axis axis);  // X, in formulas
 
 // ---- numbers in words -------------------------------------------------------------------

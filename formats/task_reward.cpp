@@ -24,7 +24,7 @@ struct OfAxisForm {
     return {read_object(mapping.at("of"), piece.scope), read_axis(mapping.at("axis"))};
   }
   static std::string write(const Term& t) {
-    return fmt::format("{{of: {}, axis: {}}}", yaml_scalar(t.of), axis_word(t.axis));
+    return fmt::format("{{of: {}, axis: {}}}", yaml_scalar(t.of), word(t.axis));
   }
 };
 
@@ -72,7 +72,7 @@ struct Form<Approach> {
         std::visit(Overloaded{[](double place) { return fmt::format("{}", place); },
                               [](const std::string& object) { return yaml_scalar(object); }},
                    t.to);
-    return fmt::format("{{of: {}, axis: {}, to: {}}}", yaml_scalar(t.of), axis_word(t.axis), to);
+    return fmt::format("{{of: {}, axis: {}, to: {}}}", yaml_scalar(t.of), word(t.axis), to);
   }
   static TermWords words(const Approach& t, const Physics& physics) {
     const std::string own = fmt::format("{}({})", axis_letter(t.axis), t.of);
@@ -80,7 +80,7 @@ struct Form<Approach> {
         Overloaded{[&](double place) -> TermWords {
                      return {
                          fmt::format("-d|{} - {}|", number_text(place * physics.voxel_length), own),
-                         fmt::format("how much nearer {} comes to {} = {}", t.of, axis_word(t.axis),
+                         fmt::format("how much nearer {} comes to {} = {}", t.of, word(t.axis),
                                      length_text(place, physics))};
                    },
                    [&](const std::string& object) -> TermWords {

@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -13,6 +12,7 @@
 
 #include "formats/files.h"
 #include "formats/format.h"
+#include "libevo/base/words.h"
 
 namespace evo {
 namespace {
@@ -21,39 +21,45 @@ using T = TrainingSettings;
 
 // ---- values and their words -----------------------------------------------------
 
-template <typename Enum>
-struct Words;
-template <>
-struct Words<Schedule> {
-  static constexpr std::array<const char*, 2> list{"constant", "linear"};
-};
-template <>
-struct Words<TimeLimit> {
-  static constexpr std::array<const char*, 2> list{"end", "bootstrap"};
-};
-template <>
-struct Words<Standardize> {
-  static constexpr std::array<const char*, 3> list{"none", "batch", "minibatch"};
-};
-template <>
-struct Words<ActionMap> {
-  static constexpr std::array<const char*, 2> list{"offset", "squash"};
+// Types of which a value is one of a few words.
+template <typename V>
+struct Words {};
+template <Worded V>
+struct Words<V> {
+  static std::vector<std::string> all() { return words_of<V>(); }
+  static std::optional<V> parse(std::string_view text) { return from_word<V>(text); }
+  static std::string of(V value) { return word(value); }
 };
 template <>
 struct Words<bool> {
-  static constexpr std::array<const char*, 2> list{"false", "true"};
+  static std::vector<std::string> all() { return {"false", "true"}; }
+  static std::optional<bool> parse(std::string_view text) {
+    if (text != "false" && text != "true") return std::nullopt;
+    return text == "true";
+  }
+  static std::string of(bool value) { return value ? "true" : "false"; }
+};
+template <>
+struct Words<Algorithm> {
+  static std::vector<std::string> all() { return algorithm_names(); }
+  static std::optional<Algorithm> parse(std::string_view text) {
+    for (const std::string& name : algorithm_names())
+      if (text == name) return Algorithm(name);
+    return std::nullopt;
+  }
+  static std::string of(const Algorithm& value) { return value.name(); }
 };
 
 template <typename V>
-constexpr bool is_word = std::is_enum_v<V> || std::is_same_v<V, bool>;
+concept IsWord = requires {
+  Words<V>::all();
+};
 
 // What a value must look like, for messages.
 template <typename V>
 std::string expectation() {
-  if constexpr (is_word<V>) {
-    return fmt::format("one of {}", fmt::join(Words<V>::list, ", "));
-  } else if constexpr (std::is_same_v<V, Algorithm>) {
-    return fmt::format("one of {}", fmt::join(algorithm_names(), ", "));
+  if constexpr (IsWord<V>) {
+    return fmt::format("one of {}", fmt::join(Words<V>::all(), ", "));
   } else if constexpr (std::is_same_v<V, double>) {
     return "a number";
   } else if constexpr (std::is_integral_v<V>) {
@@ -65,14 +71,8 @@ std::string expectation() {
 
 template <typename V>
 std::optional<V> parse(std::string_view text) {
-  if constexpr (is_word<V>) {
-    for (std::size_t i = 0; i < Words<V>::list.size(); ++i)
-      if (text == Words<V>::list[i]) return static_cast<V>(i);
-    return std::nullopt;
-  } else if constexpr (std::is_same_v<V, Algorithm>) {
-    for (const std::string& name : algorithm_names())
-      if (text == name) return Algorithm(name);
-    return std::nullopt;
+  if constexpr (IsWord<V>) {
+    return Words<V>::parse(text);
   } else if constexpr (std::is_same_v<V, double>) {
     return parse_number(text);
   } else if constexpr (std::is_integral_v<V>) {
@@ -96,10 +96,8 @@ std::optional<V> parse(std::string_view text) {
 
 template <typename V>
 std::string to_text(const V& value) {
-  if constexpr (is_word<V>) {
-    return Words<V>::list[static_cast<std::size_t>(value)];
-  } else if constexpr (std::is_same_v<V, Algorithm>) {
-    return value.name();
+  if constexpr (IsWord<V>) {
+    return Words<V>::of(value);
   } else if constexpr (std::is_arithmetic_v<V>) {
     return fmt::format("{}", value);
   } else {

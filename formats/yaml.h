@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "libevo/base/error.h"
+#include "libevo/base/words.h"
 
 namespace evo {
 
@@ -48,6 +49,10 @@ class YamlNode {
   const std::vector<Entry>& entries() const;   // a mapping, in the order written
   // One word of a closed list; `what` names it in messages.
   std::string choice(const std::string& what, const std::vector<std::string>& allowed) const;
+  template <Worded E>
+  E choice(const std::string& what) const {
+    return from_word<E>(choice(what, words_of<E>())).value();
+  }
 
   // How a message shows this value: "'fast'", "a list", "a mapping", "nothing".
   std::string found() const;

@@ -34,6 +34,37 @@ enum class Schedule { constant, linear };           // linear: falls to 0 over t
 enum class TimeLimit { end, bootstrap };            // what an episode cut off by time counts as
 enum class Standardize { none, batch, minibatch };  // over what advantages get mean 0, deviation 1
 
+// As profiles write them (libevo/base/words.h).
+constexpr const char* word(Schedule value) {
+  switch (value) {
+    case Schedule::constant:
+      return "constant";
+    case Schedule::linear:
+      return "linear";
+  }
+  return nullptr;
+}
+constexpr const char* word(TimeLimit value) {
+  switch (value) {
+    case TimeLimit::end:
+      return "end";
+    case TimeLimit::bootstrap:
+      return "bootstrap";
+  }
+  return nullptr;
+}
+constexpr const char* word(Standardize value) {
+  switch (value) {
+    case Standardize::none:
+      return "none";
+    case Standardize::batch:
+      return "batch";
+    case Standardize::minibatch:
+      return "minibatch";
+  }
+  return nullptr;
+}
+
 struct TrainingSettings {
   Algorithm algorithm;
   std::int64_t steps = 512000;  // environment steps in all; a budget, never exceeded

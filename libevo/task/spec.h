@@ -25,6 +25,15 @@ namespace evo {
 inline constexpr const char* robot_name = "robot";
 
 enum class Axis { x, y };
+constexpr const char* word(Axis value) {
+  switch (value) {
+    case Axis::x:
+      return "x";
+    case Axis::y:
+      return "y";
+  }
+  return nullptr;
+}
 
 // ---- observation ------------------------------------------------------------
 

@@ -26,12 +26,19 @@ std::optional<std::string> wrong_version(const Format& format, std::int64_t vers
   return std::nullopt;
 }
 
-void check_format(const YamlMapping& document, const Format& format) {
-  if (const auto name = document.find("format"))
-    if (const auto problem = wrong_name(format, name->string())) throw name->error(*problem);
-  if (const auto version = document.find("version"))
-    if (const auto problem = wrong_version(format, version->integer()))
-      throw version->error(*problem);
+void check_format(const YamlNode& document, const Format& format, Head head) {
+  std::optional<std::string> name;
+  for (const auto& [key, value] : document.entries()) {
+    std::optional<std::string> problem;
+    if (key.string() == "format") {
+      name = value.string();
+      problem = wrong_name(format, name);
+    } else if (key.string() == "version") {
+      problem = wrong_version(format, value.integer());
+    }
+    if (problem) throw value.error(*problem);
+  }
+  if (!name && head == Head::required) throw document.error(*wrong_name(format, name));
 }
 
 void check_format(const Json& document, const Format& format) {

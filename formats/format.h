@@ -37,12 +37,11 @@ std::optional<std::string> wrong_name(const Format& format, const std::optional<
 std::optional<std::string> wrong_version(const Format& format, std::int64_t version);
 
 // Another format, or a version that this program does not know, is refused with
-// its place. What people write by hand need not say either.
-void check_format(const YamlMapping& document, const Format& format);
-// Throws Refusal.
-void check_format(const Json& document, const Format& format);
-// Throws Error(data). `required`: a file that says nothing is refused, too.
+// its place: Error(data), for JSON a Refusal. What people write by hand need not say
+// either; `required` is for what programs write, which has to say its format.
 enum class Head { required, optional };
+void check_format(const YamlNode& document, const Format& format, Head head = Head::optional);
+void check_format(const Json& document, const Format& format);
 void check_format(const hdf5::Reader& file, const Format& format, Head head);
 
 }  // namespace evo

@@ -257,7 +257,7 @@ NeatSettings neat_settings_from_yaml(const YamlNode& node) {
   std::vector<std::string> keys{"format", "version"};
   for (const Setting& setting : known) keys.push_back(setting.first);
   const YamlMapping mapping(node, "NEAT settings", keys);
-  check_format(mapping, format::neat);
+  check_format(mapping.node(), format::neat);
   NeatSettings settings;
   for (const auto& [key, set] : known)
     if (const auto value = mapping.find(key)) set(settings, *value);

@@ -171,7 +171,7 @@ Physics read_profile(const YamlNode& node, const std::filesystem::path& folder,
   std::vector<std::string> allowed{"format", "version", "name", "description", "base"};
   for (const std::string& name : constant_names()) allowed.push_back(name);
   const YamlMapping profile(node, "physics profile", allowed);
-  check_format(profile, format::physics);
+  check_format(profile.node(), format::physics);
 
   Physics physics;
   const auto base = profile.find("base");

@@ -88,7 +88,7 @@ YamlMapping task_mapping(std::string_view text, const std::string& where) {
                       {"format", "version", "name", "aliases", "difficulty", "description", "notes",
                        "steps", "robot", "world", "draws", "goals", "observation", "reward",
                        "folding_reward", "rules", "follow", "physics"});
-  check_format(mapping, format::task);
+  check_format(mapping.node(), format::task);
   return mapping;
 }
 

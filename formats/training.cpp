@@ -211,7 +211,7 @@ T read_profile(const YamlNode& node, const std::filesystem::path& folder,
   std::vector<std::string> allowed{"format", "version", "name", "description", "base"};
   for (const std::string& key : training_keys()) allowed.push_back(key);
   const YamlMapping profile(node, "training profile", allowed);
-  check_format(profile, format::training);
+  check_format(profile.node(), format::training);
 
   T settings;
   const auto base = profile.find("base");

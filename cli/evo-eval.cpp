@@ -71,7 +71,7 @@ Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, 
     trial.controller = [sequence = std::move(sequence), name = *settings.actions,
                         id = robot.id](const Arena& arena) -> Controller {
       if (sequence.actuators != arena.action_length())
-        throw error(Failure::data, "{}: {} actions a step, but robot {} has {} actuators", name,
+        throw error(Failure::data, "{}: {} actions per step, but robot {} has {} actuators", name,
                     sequence.actuators, id, arena.action_length());
       return ReplayController{sequence.values};
     };

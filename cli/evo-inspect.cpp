@@ -210,7 +210,7 @@ int main(int argc, char** argv) {
                  "of the full body whose observation 'task NAME' lays out [5x5]");
   command.flag("--markdown", markdown, "'tasks' as a Markdown table");
   command.flag("--watch", watch,
-               "follow a run until it is over: a line a generation, on a terminal live curves");
+               "follow a run until it is over: a line per generation, on a terminal live curves");
   command.progress_option();
   command.example("evo-inspect tasks", "the benchmark's tasks with difficulty and lengths");
   command.example("evo-inspect task Carrier-v0", "what is observed, rewarded, and ends an episode");

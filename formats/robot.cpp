@@ -59,7 +59,7 @@ void append_row(const Json& row, std::size_t r, std::vector<Voxel>& cells) {
   }
 }
 
-// A picture in one text, a line a row.
+// A picture in one text, a line per row.
 Json split_lines(const std::string& text) {
   Json rows = Json::array();
   for (std::size_t begin = 0; begin < text.size();) {
@@ -386,7 +386,7 @@ Robot robot_from_json(const Json& document, const std::string& where, BodyCheck 
 std::string robot_to_line(const Robot& robot) { return compact(in_canonical_order(robot)); }
 
 std::string robot_to_json(const Robot& robot) {
-  // One field a line, but the body as a picture.
+  // One field per line, but the body as a picture.
   const Json document = in_canonical_order(robot);
   std::string text = "{";
   for (const auto& [name, value] : document.items()) {

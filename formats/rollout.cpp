@@ -262,7 +262,7 @@ std::vector<std::string_view> split(std::string_view line, char separator) {
   return fields;
 }
 
-// A row a step; blank lines and lines that begin with # are passed over, a first
+// A row per step; blank lines and lines that begin with # are passed over, a first
 // line without any number is a heading.
 ActionSequence actions_from_csv(std::string_view text, const std::string& name) {
   ActionSequence actions;
@@ -291,7 +291,7 @@ ActionSequence actions_from_csv(std::string_view text, const std::string& name) 
     ++actions.steps;
   }
   if (actions.steps == 0)
-    throw error(Failure::data, "{}: no actions; expected a row of numbers a step", name);
+    throw error(Failure::data, "{}: no actions; expected a row of numbers per step", name);
   return actions;
 }
 

@@ -22,13 +22,13 @@ using T = TrainingSettings;
 // ---- values and their words -----------------------------------------------------
 
 // Types of which a value is one of a few words.
-template <typename V>
+template <typename Value>
 struct Words {};
-template <Worded V>
-struct Words<V> {
-  static std::vector<std::string> all() { return words_of<V>(); }
-  static std::optional<V> parse(std::string_view text) { return from_word<V>(text); }
-  static std::string of(V value) { return word(value); }
+template <Worded Value>
+struct Words<Value> {
+  static std::vector<std::string> all() { return words_of<Value>(); }
+  static std::optional<Value> parse(std::string_view text) { return from_word<Value>(text); }
+  static std::string of(Value value) { return word(value); }
 };
 template <>
 struct Words<bool> {
@@ -50,42 +50,42 @@ struct Words<Algorithm> {
   static std::string of(const Algorithm& value) { return value.name(); }
 };
 
-template <typename V>
+template <typename Value>
 concept IsWord = requires {
-  Words<V>::all();
+  Words<Value>::all();
 };
 
 // What a value must look like, for messages.
-template <typename V>
+template <typename Value>
 std::string expectation() {
-  if constexpr (IsWord<V>) {
-    return fmt::format("one of {}", fmt::join(Words<V>::all(), ", "));
-  } else if constexpr (std::is_same_v<V, double>) {
+  if constexpr (IsWord<Value>) {
+    return fmt::format("one of {}", fmt::join(Words<Value>::all(), ", "));
+  } else if constexpr (std::is_same_v<Value, double>) {
     return "a number";
-  } else if constexpr (std::is_integral_v<V>) {
+  } else if constexpr (std::is_integral_v<Value>) {
     return "a whole number";
   } else {
     return "a list of whole numbers, as in [64, 64],";
   }
 }
 
-template <typename V>
-std::optional<V> parse(std::string_view text) {
-  if constexpr (IsWord<V>) {
-    return Words<V>::parse(text);
-  } else if constexpr (std::is_same_v<V, double>) {
+template <typename Value>
+std::optional<Value> parse(std::string_view text) {
+  if constexpr (IsWord<Value>) {
+    return Words<Value>::parse(text);
+  } else if constexpr (std::is_same_v<Value, double>) {
     return parse_number(text);
-  } else if constexpr (std::is_integral_v<V>) {
-    V value{};
+  } else if constexpr (std::is_integral_v<Value>) {
+    Value value{};
     const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
     return value;
   } else {
     // "64,64" or nothing at all.
-    V values;
+    Value values;
     while (!text.empty()) {
       const std::size_t comma = std::min(text.find(','), text.size());
-      const auto value = parse<typename V::value_type>(text.substr(0, comma));
+      const auto value = parse<typename Value::value_type>(text.substr(0, comma));
       if (!value) return std::nullopt;
       values.push_back(*value);
       text.remove_prefix(std::min(comma + 1, text.size()));
@@ -94,11 +94,11 @@ std::optional<V> parse(std::string_view text) {
   }
 }
 
-template <typename V>
-std::string to_text(const V& value) {
-  if constexpr (IsWord<V>) {
-    return Words<V>::of(value);
-  } else if constexpr (std::is_arithmetic_v<V>) {
+template <typename Value>
+std::string to_text(const Value& value) {
+  if constexpr (IsWord<Value>) {
+    return Words<Value>::of(value);
+  } else if constexpr (std::is_arithmetic_v<Value>) {
     return fmt::format("{}", value);
   } else {
     return fmt::format("[{}]", fmt::join(value, ", "));
@@ -171,11 +171,11 @@ const Setting* find_setting(std::string_view key) {
 std::string assign(T& settings, const Setting& setting, std::string_view text) {
   return std::visit(
       [&](auto member) -> std::string {
-        using V = std::remove_reference_t<decltype(settings.*member)>;
-        const std::optional<V> value = parse<V>(text);
+        using Value = std::remove_reference_t<decltype(settings.*member)>;
+        const std::optional<Value> value = parse<Value>(text);
         if (!value)
-          return fmt::format("{} is expected for '{}', found '{}'", expectation<V>(), setting.key,
-                             text);
+          return fmt::format("{} is expected for '{}', found '{}'", expectation<Value>(),
+                             setting.key, text);
         settings.*member = *value;
         return "";
       },

@@ -196,7 +196,7 @@ Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int wid
 // ---- generations ------------------------------------------------------------------------
 
 std::vector<std::size_t> chosen_generations(std::size_t generations, int width) {
-  constexpr int narrowest = 96;  // pixels a column
+  constexpr int narrowest = 96;  // pixels per column
   const auto most = static_cast<std::size_t>(std::max(2, width / narrowest));
   std::vector<std::size_t> chosen;
   if (generations <= most) {

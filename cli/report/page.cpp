@@ -422,7 +422,7 @@ std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
 // ---- settings
 // -----------------------------------------------------------------------------------------
 
-// A row a setting, a column a run; rows in which runs differ stand out.
+// A row per setting, a column per run; rows in which runs differ stand out.
 std::string settings_card(const std::vector<const Run*>& runs) {
   std::vector<std::string> names;
   for (const Run* run : runs)

@@ -12,16 +12,16 @@ namespace evo {
 // ---- binder ---------------------------------------------------------------------
 
 int Binder::object(const std::string& name) const {
-  const int index = arena_.stage->model.object_index(name);
+  const int index = arena_.world->model.object_index(name);
   if (index >= 0) return index;
   std::vector<std::string> names;
-  for (const ModelObject& known : arena_.stage->model.objects()) names.push_back(known.name);
+  for (const ModelObject& known : arena_.world->model.objects()) names.push_back(known.name);
   throw error(Failure::data, "unknown object '{}'{}; the world has {}", name,
               did_you_mean(name, names), fmt::join(names, ", "));
 }
 
 PointRange Binder::points(const std::string& name) const {
-  const ModelObject& found = arena_.stage->model.objects()[static_cast<std::size_t>(object(name))];
+  const ModelObject& found = arena_.world->model.objects()[static_cast<std::size_t>(object(name))];
   return {found.first_point, found.points};
 }
 
@@ -51,7 +51,7 @@ std::size_t Binder::terrain(const std::vector<std::string>& over) {
   for (const std::string& name : over) objects.push_back(object(name));
   if (over.empty()) {
     const int robot = object(robot_name);
-    const int count = static_cast<int>(arena_.stage->model.objects().size());
+    const int count = static_cast<int>(arena_.world->model.objects().size());
     for (int i = 0; i < count; ++i)
       if (i != robot) objects.push_back(i);
   }
@@ -70,13 +70,13 @@ std::size_t Binder::measured(Measure::Kind kind, const std::string& name, std::s
   const PointRange range = points(name);
   for (const Measure& known : arena_.measures)
     if (known.kind == kind && known.points.first == range.first) return known.first;
-  Measure measure{kind, range, static_cast<std::size_t>(arena_.slots), -1};
+  Measure measure{kind, range, arena_.quantities, -1};
   if (kind == Measure::Kind::orientation) {
-    measure.reference = static_cast<int>(arena_.orientations.size());
+    measure.initial_shape = static_cast<int>(arena_.orientations.size());
     arena_.orientations.push_back(range);
   }
   arena_.measures.push_back(measure);
-  arena_.slots += static_cast<int>(quantities);
+  arena_.quantities += quantities;
   return measure.first;
 }
 
@@ -104,16 +104,16 @@ std::vector<compiled::Test> bind_conditions(const std::vector<Condition>& condit
 
 // Every part writes what it declared, or no episode begins.
 void try_observation(const Arena::Compiled& arena, const Draws& draws) {
-  const std::vector<Vec2>& positions = arena.stage->model.initial_positions();
+  const std::vector<Vec2>& positions = arena.world->model.initial_positions();
   const std::vector<Vec2> velocities(positions.size());
-  std::vector<double> quantities(static_cast<std::size_t>(arena.slots));
+  std::vector<double> quantities(arena.quantities);
   std::vector<double> observation(static_cast<std::size_t>(arena.observation_length));
   std::vector<Vec2> work;
   Episode episode;
   episode.draws = draws;
   if (arena.has_goals) episode.draws.goals = {arena.task.goals->start};
-  measure(arena, make_references(arena, positions), positions, work, quantities);
-  observe(arena, arena.stage->terrains, episode, {positions, velocities}, quantities, observation);
+  measure(arena, make_initial_shapes(arena, positions), positions, work, quantities);
+  observe(arena, arena.world->terrains, episode, {positions, velocities}, quantities, observation);
 }
 
 // ---- draws and world ----------------------------------------------------------
@@ -165,10 +165,11 @@ std::vector<Terrain> make_terrains(const Arena::Compiled& arena, const Model& mo
   return terrains;
 }
 
-std::shared_ptr<const Stage> make_stage(const Arena::Compiled& arena, const Draws& draws) {
+std::shared_ptr<const EpisodeWorld> make_episode_world(const Arena::Compiled& arena,
+                                                       const Draws& draws) {
   Model model(make_world(arena.task, arena.robot, draws), arena.task.physics);
   std::vector<Terrain> terrains = make_terrains(arena, model);
-  return std::make_shared<const Stage>(Stage{std::move(model), std::move(terrains)});
+  return std::make_shared<const EpisodeWorld>(EpisodeWorld{std::move(model), std::move(terrains)});
 }
 
 Arena::Compiled bind_task(TaskSpec task, Body robot) {
@@ -180,7 +181,7 @@ Arena::Compiled bind_task(TaskSpec task, Body robot) {
   check_placements(arena.task);
 
   const Draws draws = lowest_draws(arena.task);
-  arena.stage = make_stage(arena, draws);  // without terrains, which are not known yet
+  arena.world = make_episode_world(arena, draws);  // without terrains, which are not known yet
   arena.voxel_length = arena.task.physics.voxel_length;
   arena.has_goals = arena.task.goals.has_value();
 
@@ -195,7 +196,7 @@ Arena::Compiled bind_task(TaskSpec task, Body robot) {
     arena.goal_radius = bind.raw(arena.task.goals->radius);
     arena.robot_x = bind.centre(robot_name, Axis::x);
   }
-  arena.stage = make_stage(arena, draws);
+  arena.world = make_episode_world(arena, draws);
   try_observation(arena, draws);
   return arena;
 }

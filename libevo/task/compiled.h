@@ -25,8 +25,8 @@ struct Measure {
   enum class Kind { centre, orientation, hull_area, width, height };
   Kind kind = Kind::centre;
   PointRange points;
-  std::size_t first = 0;  // of its quantities
-  int reference = -1;     // orientation: which OrientationReference
+  std::size_t first = 0;   // of its quantities
+  int initial_shape = -1;  // orientation: which InitialShape
 };
 
 // Quantities of a centre, counted from its first.
@@ -98,9 +98,9 @@ struct Rule {
 
 // ---- the whole ----------------------------------------------------------------
 
-// A world an episode plays in. Tasks that draw where objects stand have one an
+// A world an episode plays in. Tasks that draw where objects stand have one per
 // episode, all others one in all.
-struct Stage {
+struct EpisodeWorld {
   Model model;
   std::vector<Terrain> terrains;  // by Arena::Compiled::terrain_objects
 };
@@ -108,12 +108,12 @@ struct Stage {
 struct Arena::Compiled {
   TaskSpec task;
   Body robot;
-  std::shared_ptr<const Stage> stage;  // with all draws at their lowest value
+  std::shared_ptr<const EpisodeWorld> world;  // with all draws at their lowest value
 
   std::vector<Measure> measures;
-  int slots = 0;
-  std::vector<PointRange> orientations;           // objects that need a reference
-  std::vector<std::vector<int>> terrain_objects;  // model objects, one list a Terrain
+  std::size_t quantities = 0;
+  std::vector<PointRange> orientations;           // whose initial shapes are compared
+  std::vector<std::vector<int>> terrain_objects;  // model objects, one list per Terrain
 
   std::vector<compiled::Part> parts;
   std::vector<ObservationSlice> layout;
@@ -130,17 +130,18 @@ struct Arena::Compiled {
 // The task's world with the robot in it.
 World make_world(const TaskSpec& task, const Body& robot, const Draws& draws);
 std::vector<Terrain> make_terrains(const Arena::Compiled& arena, const Model& model);
-std::shared_ptr<const Stage> make_stage(const Arena::Compiled& arena, const Draws& draws);
+std::shared_ptr<const EpisodeWorld> make_episode_world(const Arena::Compiled& arena,
+                                                       const Draws& draws);
 // Names turned into indices; throws Error(data).
 Arena::Compiled bind_task(TaskSpec task, Body robot);
 
 // ---- one step, on quantities ------------------------------------------------------
 
 // One per orientation of the task, at time 0 of the episode.
-std::vector<OrientationReference> make_references(const Arena::Compiled& arena,
-                                                  std::span<const Vec2> positions);
+std::vector<InitialShape> make_initial_shapes(const Arena::Compiled& arena,
+                                              std::span<const Vec2> positions);
 
-void measure(const Arena::Compiled& arena, const std::vector<OrientationReference>& references,
+void measure(const Arena::Compiled& arena, const std::vector<InitialShape>& initial_shapes,
              std::span<const Vec2> positions, std::vector<Vec2>& work,
              std::span<double> quantities);
 

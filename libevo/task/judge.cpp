@@ -32,14 +32,15 @@ void count_goals(const Arena::Compiled& arena, Episode& episode, std::span<const
 
 }  // namespace
 
-std::vector<OrientationReference> make_references(const Arena::Compiled& arena,
-                                                  std::span<const Vec2> positions) {
-  std::vector<OrientationReference> references;
-  for (const PointRange& points : arena.orientations) references.emplace_back(points.of(positions));
-  return references;
+std::vector<InitialShape> make_initial_shapes(const Arena::Compiled& arena,
+                                              std::span<const Vec2> positions) {
+  std::vector<InitialShape> initial_shapes;
+  for (const PointRange& points : arena.orientations)
+    initial_shapes.emplace_back(points.of(positions));
+  return initial_shapes;
 }
 
-void measure(const Arena::Compiled& arena, const std::vector<OrientationReference>& references,
+void measure(const Arena::Compiled& arena, const std::vector<InitialShape>& initial_shapes,
              std::span<const Vec2> positions, std::vector<Vec2>& work,
              std::span<double> quantities) {
   for (const Measure& measure : arena.measures) {
@@ -55,7 +56,8 @@ void measure(const Arena::Compiled& arena, const std::vector<OrientationReferenc
         break;
       }
       case Measure::Kind::orientation:
-        *value = orientation(references[static_cast<std::size_t>(measure.reference)], points);
+        *value =
+            orientation(initial_shapes[static_cast<std::size_t>(measure.initial_shape)], points);
         break;
       case Measure::Kind::hull_area:
         *value = hull_area(points, work);

@@ -66,7 +66,7 @@ Part bind_clearance(const Clearance& part, Terrain::Side side, Binder& bind) {
   const auto columns = static_cast<std::size_t>(2 * part.width + 1);
   return [=, range = part.range](const View& view, PartWriter& out) {
     const Vec2 centre{view.quantities[robot + voxel_x], view.quantities[robot + voxel_y]};
-    view.terrains[terrain].profile(side, centre, range, view.now.positions, out.take(columns));
+    view.terrains[terrain].clearance(side, centre, range, view.now.positions, out.take(columns));
   };
 }
 

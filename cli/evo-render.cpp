@@ -194,7 +194,8 @@ int main(int argc, char** argv) {
                  "[1280x720; GIF and animated PNG 640x360]");
   command.option("--fps", settings.fps, "N", "frames per second [50; GIF and animated PNG 25]");
   command.option("--speed", options.speed, "X", "playing speed; 0.5 is slow motion");
-  command.option("--every", options.every, "N", "control steps per frame; 0: from --fps and --speed");
+  command.option("--every", options.every, "N",
+                 "control steps per frame; 0: from --fps and --speed");
   command.option("--from", settings.from, "STEP", "first control step shown");
   command.option("--to", settings.to, "STEP", "last control step shown [the end]");
   command.section("What is shown");

@@ -21,7 +21,8 @@ void check_options(const RenderOptions& o) {
                 o.speed);
   if (o.every < 0)
     throw error(Failure::usage,
-                "every {} steps per frame: must be 1 or more, or 0 to follow fps and speed", o.every);
+                "every {} steps per frame: must be 1 or more, or 0 to follow fps and speed",
+                o.every);
   if (o.from < 0)
     throw error(Failure::usage, "the first step shown is {}: must be 0 or more", o.from);
   if (o.to && *o.to < o.from)

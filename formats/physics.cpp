@@ -12,6 +12,17 @@
 #include "libevo/base/words.h"
 
 namespace evo {
+// As profiles write it (libevo/base/words.h).
+constexpr const char* word(Arithmetic value) {
+  switch (value) {
+    case Arithmetic::exact:
+      return "exact";
+    case Arithmetic::fast:
+      return "fast";
+  }
+  return nullptr;
+}
+
 namespace {
 
 // ---- the constants, by name ---------------------------------------------------

@@ -11,15 +11,6 @@ namespace evo {
 // same bits on every processor. `fast`: the same physics, what a substep adds to
 // positions and velocities in single precision (docs/fast.md says what that costs).
 enum class Arithmetic : std::uint8_t { exact, fast };
-constexpr const char* word(Arithmetic value) {
-  switch (value) {
-    case Arithmetic::exact:
-      return "exact";
-    case Arithmetic::fast:
-      return "fast";
-  }
-  return nullptr;
-}
 
 struct SpringStiffness {
   double edge;      // force per length, the four sides of a cell

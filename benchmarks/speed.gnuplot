@@ -1,4 +1,4 @@
-# Control steps a second against the size of the body, as the benchmark's paper
+# Control steps per second against the size of the body, as the benchmark's paper
 # shows it: ours from a machine's file, the reference's dashed.
 #
 #   cd benchmarks && gnuplot -e "file='amd-epyc-zen3-avx2.csv'" speed.gnuplot > speed.svg
@@ -8,7 +8,7 @@ set terminal svg size 760,500 font "Helvetica,14" background "#ffffff"
 set datafile separator ','
 set logscale xy
 set xlabel "side of the body, voxels" textcolor "#333333"
-set ylabel "control steps a second, one core" textcolor "#333333"
+set ylabel "control steps per second, one core" textcolor "#333333"
 set xrange [4.5:39]
 set yrange [20:80000]
 set xtics (5, 10, 15, 20, 25, 30, 35)

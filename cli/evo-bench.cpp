@@ -1,4 +1,4 @@
-// evo-bench: how many control steps a second this machine does.
+// evo-bench: how many control steps per second this machine does.
 #include <fmt/format.h>
 #include <time.h>
 
@@ -143,7 +143,7 @@ double wall_clock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Control steps a second of one runner by the given clock.
+// Control steps per second of one runner by the given clock.
 double rate_of(Runner& runner, int envs, double seconds, double (*clock)()) {
   const double start = clock();
   double used = 0.0;
@@ -299,7 +299,7 @@ int bench(const Settings& settings, std::uint64_t seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-bench", "control steps a second, random robots and actions");
+  cli::Command command("evo-bench", "control steps per second, random robots and actions");
   Settings settings;
   settings.task.task = flat_task;
   command.section("What is measured");
@@ -311,7 +311,7 @@ int main(int argc, char** argv) {
                "all tasks, with one 5x5 body, instead of --task and --sizes");
   command.option("--envs", settings.envs, "N,N,..", "environments stepped together");
   command.option("--threads", settings.threads, "N",
-                 "batches of environments at a time, one a thread");
+                 "batches of environments at a time, one per thread");
   command.option("--isa", settings.isa, "NAME",
                  "instruction set, e.g. x86-64-v3, or all, one after the other");
   command.flag("--model", settings.model,

@@ -17,24 +17,6 @@ namespace {
 using namespace evo;
 namespace fs = std::filesystem;
 
-const std::vector<std::string> formats{"jsonl", "json", "yaml", "text", "npz", "evogym", "minari"};
-
-// The format asked for, or the one the output's ending says, or JSON Lines.
-std::string output_format(const std::optional<std::string>& asked, const std::string& output) {
-  if (asked) {
-    if (std::find(formats.begin(), formats.end(), *asked) == formats.end())
-      throw error(Failure::usage, "--to: unknown format '{}'{}; allowed: {}", *asked,
-                  did_you_mean(*asked, formats), fmt::join(formats, ", "));
-    return *asked;
-  }
-  const std::string ending = fs::path(output).extension().string();
-  if (ending == ".json") return "json";
-  if (ending == ".yaml" || ending == ".yml") return "yaml";
-  if (ending == ".txt") return "text";
-  if (ending == ".npz") return "npz";
-  return "jsonl";
-}
-
 // A design-tool document: JSON with its grid's size.
 std::optional<World> design_tool_world(const std::string& text, const std::string& name) {
   if (text.find("\"grid_width\"") == std::string::npos) return std::nullopt;
@@ -89,41 +71,84 @@ void write_text(const std::string& output, const std::string& text) {
 }
 
 // What holds one robot only.
-const Robot& single(const std::vector<Robot>& robots, const std::string& format) {
+const Robot& single(const std::vector<Robot>& robots, const char* format) {
   if (robots.size() != 1)
     throw error(Failure::usage, "--to {} writes one robot, but {} were read", format,
                 robots.size());
   return robots.front();
 }
 
-void write_robots(const std::vector<Robot>& robots, const std::string& format,
-                  const std::string& output) {
-  if (format == "jsonl") {
-    cli::RobotWriter out(output);
-    for (const Robot& robot : robots) out.write(robot);
-    out.finish();
-  } else if (format == "json") {
-    write_text(output, robot_to_json(single(robots, format)) + "\n");
-  } else if (format == "yaml") {
-    std::string text;
-    for (const Robot& robot : robots) {
-      if (!text.empty()) text += "---\n";
-      text += robot_to_yaml(robot);
-    }
-    write_text(output, text);
-  } else if (format == "text") {
-    std::string text;
-    for (const Robot& robot : robots) {
-      if (!text.empty()) text += "\n";
-      text += letters(robot.body);
-    }
-    write_text(output, text);
-  } else if (format == "npz") {
-    write_text(output, body_to_npz(single(robots, format).body));
-  } else {
-    write_text(output,
-               evogym_world_to_json(evogym_world_of_robot(single(robots, format))).dump(2) + "\n");
+// ---- the forms robots are written in ----------------------------------------------
+
+void write_lines(const std::vector<Robot>& robots, const std::string& output) {
+  cli::RobotWriter out(output);
+  for (const Robot& robot : robots) out.write(robot);
+  out.finish();
+}
+
+void write_json(const std::vector<Robot>& robots, const std::string& output) {
+  write_text(output, robot_to_json(single(robots, "json")) + "\n");
+}
+
+void write_yaml(const std::vector<Robot>& robots, const std::string& output) {
+  std::string text;
+  for (const Robot& robot : robots) {
+    if (!text.empty()) text += "---\n";
+    text += robot_to_yaml(robot);
   }
+  write_text(output, text);
+}
+
+void write_letters(const std::vector<Robot>& robots, const std::string& output) {
+  std::string text;
+  for (const Robot& robot : robots) {
+    if (!text.empty()) text += "\n";
+    text += letters(robot.body);
+  }
+  write_text(output, text);
+}
+
+void write_npz(const std::vector<Robot>& robots, const std::string& output) {
+  write_text(output, body_to_npz(single(robots, "npz").body));
+}
+
+void write_evogym(const std::vector<Robot>& robots, const std::string& output) {
+  write_text(output,
+             evogym_world_to_json(evogym_world_of_robot(single(robots, "evogym"))).dump(2) + "\n");
+}
+
+struct Target {
+  const char* name;
+  std::vector<std::string> endings;  // of -o that choose it
+  void (*write)(const std::vector<Robot>& robots, const std::string& output);
+};
+
+// The first one is written where nothing else is said.
+const std::vector<Target> targets{
+    {"jsonl", {".jsonl"}, write_lines},
+    {"json", {".json"}, write_json},
+    {"yaml", {".yaml", ".yml"}, write_yaml},
+    {"text", {".txt"}, write_letters},
+    {"npz", {".npz"}, write_npz},
+    {"evogym", {}, write_evogym},
+};
+constexpr const char* dataset = "minari";  // of rollouts, not of robots
+
+// The format asked for, or the one the ending of the output says.
+const Target& target_of(const std::optional<std::string>& asked, const std::string& output) {
+  const std::string ending = fs::path(output).extension().string();
+  std::vector<std::string> names;
+  for (const Target& target : targets) {
+    names.emplace_back(target.name);
+    const auto& endings = target.endings;
+    if (asked ? *asked == target.name
+              : std::find(endings.begin(), endings.end(), ending) != endings.end())
+      return target;
+  }
+  if (!asked) return targets.front();
+  names.emplace_back(dataset);
+  throw error(Failure::usage, "--to: unknown format '{}'{}; allowed: {}", *asked,
+              did_you_mean(*asked, names), fmt::join(names, ", "));
 }
 
 // Rollouts as a dataset for offline learning.
@@ -176,14 +201,14 @@ int main(int argc, char** argv) {
       write_task_world(task, command.output);
       return 0;
     }
-    const std::string to = output_format(format, command.output);
-    if (to == "minari") {
+    if (format == dataset) {
       write_dataset(files, command.output, dataset_id);
       return 0;
     }
+    const Target& target = target_of(format, command.output);
     std::vector<Robot> robots = read_any(files);
     if (unique) keep_first_of_each(robots);
-    write_robots(robots, to, command.output);
+    target.write(robots, command.output);
     return 0;
   });
 }

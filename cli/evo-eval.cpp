@@ -49,7 +49,9 @@ Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task
     trial.task = parse_task(file.task_yaml, path + ": task");
     settings.task.change_physics(trial.task);
   }
-  trial.controller = [controller = std::move(file.controller)](const Arena&) { return controller; };
+  trial.controller = [controller = to_controller(file.controller)](const Arena&) {
+    return controller;
+  };
   return trial;
 }
 
@@ -57,11 +59,11 @@ Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task,
                  const Robot& robot) {
   if (settings.policy) return policy_trial(settings, task, *settings.policy);
   if (!settings.actions && !settings.sine && !settings.random) {
-    const auto found = robot.document.find("policy");
-    if (found == robot.document.end() || !found->is_string())
+    const auto policy = robot.policy();
+    if (!policy)
       throw error(Failure::usage,
                   "robot {} has no policy; give --policy, --actions, --sine or --random", robot.id);
-    return policy_trial(settings, task, found->get<std::string>());
+    return policy_trial(settings, task, *policy);
   }
   Trial trial{task ? *task : settings.task.load(), {}};
   if (settings.actions) {
@@ -69,7 +71,7 @@ Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task,
     trial.controller = [sequence = std::move(sequence), name = *settings.actions,
                         id = robot.id](const Arena& arena) -> Controller {
       if (sequence.actuators != arena.action_length())
-        throw error(Failure::data, "{}: {} actions a step, but robot {} has {} actuators", name,
+        throw error(Failure::data, "{}: {} actions per step, but robot {} has {} actuators", name,
                     sequence.actuators, id, arena.action_length());
       return ReplayController{sequence.values};
     };
@@ -128,8 +130,7 @@ Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, con
   if (recorder) write_rollout(*rollout_path, recorder->rollout());
 
   Robot measured = robot;
-  measured.document.erase("failure");
-  measured.document["fitness"] = result.mean();
+  measured.set_fitness(result.mean());
   measured.document["task"] = arena.task().name;
   measured.document["returns"] = result.returns;
   measured.document["lengths"] = result.lengths;
@@ -138,8 +139,7 @@ Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, con
 
 Robot failed(const Robot& robot, const std::string& why, std::uint64_t seed) {
   Robot result = robot;
-  result.document["fitness"] = nullptr;
-  result.document["failure"] = {{"why", why}, {"seed", seed}};
+  result.set_failure({why, std::nullopt, seed});
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include "cli/robots.h"
 #include "cli/run_status.h"
 #include "cli/terminal.h"
+#include "formats/format.h"
 #include "formats/hdf5.h"
 #include "formats/physics_profile.h"
 #include "formats/policy.h"
@@ -132,16 +133,16 @@ void print_rollout(const std::string& path, bool color) {
 
 void print_hdf5(const std::string& path, bool color) {
   const hdf5::Reader reader(path);
-  const std::string format =
+  const std::string found =
       reader.has_attribute("/", "format") ? reader.text("/", "format") : std::string();
-  if (format == "evo/policy") return print_policy(path, color);
-  if (format == "evo/rollout") return print_rollout(path, color);
-  if (format == "evo/checkpoint") {
+  if (found == format::policy.name) return print_policy(path, color);
+  if (found == format::rollout.name) return print_rollout(path, color);
+  if (found == format::checkpoint.name) {
     fmt::print("{}: checkpoint of a training; evo-train --resume goes on from it\n", path);
     return;
   }
   throw error(Failure::data, "{}: an HDF5 file, but neither a policy nor a rollout{}", path,
-              format.empty() ? "" : " (format '" + format + "')");
+              found.empty() ? "" : " (format '" + found + "')");
 }
 
 // ---- run folders --------------------------------------------------------------
@@ -242,7 +243,7 @@ int main(int argc, char** argv) {
                  "of the full body whose observation 'task NAME' lays out [5x5]");
   command.flag("--markdown", markdown, "'tasks' as a Markdown table");
   command.flag("--watch", watch,
-               "follow a run until it is over: a line a generation, on a terminal live curves");
+               "follow a run until it is over: a line per generation, on a terminal live curves");
   command.progress_option();
   command.example("evo-inspect tasks", "the benchmark's tasks with difficulty and lengths");
   command.example("evo-inspect task Carrier-v0", "what is observed, rewarded, and ends an episode");

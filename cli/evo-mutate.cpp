@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
                  "chance of a child to mix two parents before it is mutated");
   command.option("--avoid", avoid, "FILE", "robots that must not come again (repeatable)");
   command.seed_option();
-  command.output_option("where the children go, one JSON document a line");
+  command.output_option("where the children go, one JSON document per line");
   command.example("evo-sample -n 10 | evo-mutate -n 50 --seed 4", "fifty children of ten robots");
   command.example("evo-mutate best.json -n 3 --avoid history.jsonl",
                   "three bodies near the best that were never tried");

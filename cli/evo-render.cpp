@@ -192,9 +192,10 @@ int main(int argc, char** argv) {
   command.option("--size", settings.size, "WIDTHxHEIGHT",
                  "of the picture in pixels; sheets take the width and the height they need "
                  "[1280x720; GIF and animated PNG 640x360]");
-  command.option("--fps", settings.fps, "N", "frames a second [50; GIF and animated PNG 25]");
+  command.option("--fps", settings.fps, "N", "frames per second [50; GIF and animated PNG 25]");
   command.option("--speed", options.speed, "X", "playing speed; 0.5 is slow motion");
-  command.option("--every", options.every, "N", "control steps a frame; 0: from --fps and --speed");
+  command.option("--every", options.every, "N",
+                 "control steps per frame; 0: from --fps and --speed");
   command.option("--from", settings.from, "STEP", "first control step shown");
   command.option("--to", settings.to, "STEP", "last control step shown [the end]");
   command.section("What is shown");
@@ -216,7 +217,7 @@ int main(int argc, char** argv) {
   command.option("--sheet", settings.sheet, "N", "N moments of an episode side by side");
   command.flag("--grid", settings.grid, "all robots read with ids and fitness");
   command.option("--generations", settings.generations, "ROWS",
-                 "each file a generation, its best ROWS robots as a column");
+                 "each file is a generation, its best ROWS robots a column");
   command.jobs_option();
   command.progress_option();
   command.example("evo-render walk.h5 -o walk.mp4", "an episode as a video");

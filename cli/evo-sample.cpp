@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
       "voxel: every cell drawn; cppn: painted by a random network, whose genome is kept");
   command.option("--avoid", avoid, "FILE", "robots that must not come again (repeatable)");
   command.seed_option();
-  command.output_option("where the robots go, one JSON document a line");
+  command.output_option("where the robots go, one JSON document per line");
   command.example("evo-sample -n 5 --seed 1 | jq -r '.body[]'", "five robots, drawn as text");
   command.example("evo-sample -n 25 --shape 5x7 --seed 2 -o population.jsonl",
                   "a first population for Lifter-v0");

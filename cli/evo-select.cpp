@@ -163,7 +163,7 @@ int main(int argc, char** argv) {
                  "name minimises it");
   command.option("--tournament-size", settings.tournament_size, "N", "entrants of a tournament");
   command.seed_option();
-  command.output_option("where the survivors go, one JSON document a line");
+  command.output_option("where the survivors go, one JSON document per line");
   command.example("evo-select --keep 5 scores.jsonl", "the five best");
   command.example("evo-select --schedule paper --evaluated 36 --of 250 scores.jsonl",
                   "what the benchmark's genetic algorithm keeps");

@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
   command.option("--ei-jitter", settings.ei_jitter, "X",
                  "least improvement counted, in standard deviations");
   command.seed_option();
-  command.output_option("where the bodies go, one JSON document a line");
+  command.output_option("where the bodies go, one JSON document per line");
   command.example("evo-suggest -n 25 --history history.jsonl --seed 3", "the next batch");
   command.example("evo-suggest -n 1 --history a.jsonl --history b.jsonl | evo-inspect robot -",
                   "the most promising body, drawn");

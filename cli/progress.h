@@ -28,7 +28,7 @@ class LiveLine {
   LiveLine(const LiveLine&) = delete;
   LiveLine& operator=(const LiveLine&) = delete;
 
-  // Whether it is time to draw again: at most ten times a second.
+  // Whether it is time to draw again: at most ten times per second.
   bool due() const { return enabled_ && clock_.seconds() - last_drawn_ >= 0.1; }
   void draw(const std::string& text);
   void erase();
@@ -49,7 +49,7 @@ struct TrainingView {
   double best = 0.0;
 };
 
-// A curve in one character a column, "▁▂▅█", scaled to its own range.
+// A curve in one character per column, "▁▂▅█", scaled to its own range.
 std::string sparkline(const std::vector<double>& values, std::size_t width);
 
 // "0a3bb6 ▁▃▅█ 4.21 (best 5.02)"; nothing before the first evaluation.

@@ -9,11 +9,12 @@ namespace evo::cli {
 namespace {
 
 void make_policy_path_relative_to_here(Robot& robot, const std::string& file) {
-  const auto found = robot.document.find("policy");
-  if (file == standard_stream || found == robot.document.end() || !found->is_string()) return;
-  const std::filesystem::path policy = found->get<std::string>();
+  const auto given = robot.policy();
+  if (file == standard_stream || !given) return;
+  const std::filesystem::path policy = *given;
   if (policy.is_relative())
-    *found = (std::filesystem::path(file).parent_path() / policy).lexically_normal().string();
+    robot.document["policy"] =
+        (std::filesystem::path(file).parent_path() / policy).lexically_normal().string();
 }
 
 // The same path as seen from another folder.
@@ -28,10 +29,9 @@ std::filesystem::path seen_from(const std::filesystem::path& folder,
 }  // namespace
 
 void RobotWriter::write(Robot robot) {
-  const auto found = robot.document.find("policy");
-  if (target_ != standard_stream && found != robot.document.end() && found->is_string())
-    *found =
-        seen_from(std::filesystem::path(target_).parent_path(), found->get<std::string>()).string();
+  if (const auto policy = robot.policy(); policy && target_ != standard_stream)
+    robot.document["policy"] =
+        seen_from(std::filesystem::path(target_).parent_path(), *policy).string();
   out_.line(robot_to_line(robot));
 }
 

@@ -23,7 +23,7 @@ std::vector<Robot> read_robots(const std::vector<std::string>& files,
 // Ids of every robot in the files, for --avoid.
 std::set<std::string> read_ids(const std::vector<std::string>& files);
 
-// Robots on their way out, one JSON document a line. `policy` paths are written
+// Robots on their way out, one JSON document per line. `policy` paths are written
 // relative to the folder of the file, or to the current one for standard output.
 class RobotWriter {
  public:

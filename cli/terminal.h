@@ -12,7 +12,7 @@ namespace evo::cli {
 // "always" or "never". Throws Error(usage).
 bool use_color(const std::string& when);
 
-// The body, top row first, two characters a voxel: blocks of colour, or letters.
+// The body, top row first, two characters per voxel: blocks of colour, or letters.
 std::string draw_body(const Body& body, bool color);
 
 // "1 234 567"

@@ -48,8 +48,7 @@ std::int64_t seconds_since_1970() {
 
 Robot scored(const Robot& robot, const PolicyFile& file, const fs::path& policy) {
   Robot result = robot;
-  result.document.erase("failure");
-  result.document["fitness"] = file.fitness;
+  result.set_fitness(file.fitness);
   result.document["task"] = file.task;
   result.document["steps"] = file.steps;
   result.document["policy"] = policy.string();
@@ -62,11 +61,9 @@ Robot scored(const Robot& robot, const PolicyFile& file, const fs::path& policy)
 
 Robot failed(const Robot& robot, const Job& job, const TrainingFailure& failure) {
   Robot result = robot;
-  result.document["fitness"] = nullptr;
+  result.set_failure({failure.why, failure.step, failure.seed});
   result.document["task"] = job.task.name;
   result.document["steps"] = failure.step;
-  result.document["failure"] = {
-      {"why", failure.why}, {"step", failure.step}, {"seed", failure.seed}};
   return result;
 }
 
@@ -156,11 +153,10 @@ void check_options(const TrainingOptions& options, std::size_t robots) {
 }
 
 void stop_at_failure(const Robot& robot, const TrainingOptions& options) {
-  const auto failure = robot.document.find("failure");
-  if (failure == robot.document.end() || options.failures != "stop") return;
+  const auto failure = robot.failure();
+  if (!failure || options.failures != "stop") return;
   throw error(Failure::work, "training failed at step {} with seed {}: {}",
-              (*failure)["step"].dump(), (*failure)["seed"].dump(),
-              (*failure)["why"].get<std::string>());
+              failure->step.value_or(0), failure->seed.value_or(0), failure->why);
 }
 
 void make_folder(const std::string& folder) {

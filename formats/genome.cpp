@@ -1,6 +1,7 @@
 #include "formats/genome.h"
 
 #include "formats/json_object.h"
+#include "libevo/base/words.h"
 #include "libevo/evolve/cppn.h"
 
 namespace evo {
@@ -9,20 +10,19 @@ namespace {
 constexpr const char* genome_kind = "cppn";
 constexpr int largest_key = 1 << 30;  // leaves room to count on
 
-template <typename Enum>
-Enum function_of(const JsonObject& node, const char* field,
-                 std::optional<Enum> (*find)(std::string_view),
-                 const std::vector<std::string>& names) {
+template <Worded Function>
+Function function_of(const JsonObject& node, const char* field) {
   const std::string& text = node.text(field);
-  if (const auto found = find(text)) return *found;
+  if (const auto found = from_word<Function>(text)) return *found;
+  const std::vector<std::string> known = words_of<Function>();
   throw refusal(node.path_of(field), "unknown {} {}{}; allowed: {}", field, shown(Json(text)),
-                did_you_mean(text, names), fmt::join(names, ", "));
+                did_you_mean(text, known), fmt::join(known, ", "));
 }
 
 NodeGene node_from_json(const JsonObject& node) {
   return {node.integer("key", 0, largest_key), node.number("bias"), node.number("response"),
-          function_of(node, "activation", activation_from_name, activation_names()),
-          function_of(node, "aggregation", aggregation_from_name, aggregation_names())};
+          function_of<Activation>(node, "activation"),
+          function_of<Aggregation>(node, "aggregation")};
 }
 
 ConnectionGene connection_from_json(const JsonObject& connection) {
@@ -42,8 +42,8 @@ Json genome_to_json(const Genome& genome) {
     nodes.push_back(Json{{"key", node.key},
                          {"bias", node.bias},
                          {"response", node.response},
-                         {"activation", name(node.activation)},
-                         {"aggregation", name(node.aggregation)}});
+                         {"activation", word(node.activation)},
+                         {"aggregation", word(node.aggregation)}});
   Json& connections = document["connections"] = Json::array();
   for (const ConnectionGene& gene : genome.connections)
     connections.push_back(Json{

@@ -36,7 +36,7 @@ struct JsonPiece {
   std::size_t line = 1;   // where it begins
 };
 
-// Splits a text of objects and arrays that follow each other, one a line or
+// Splits a text of objects and arrays that follow each other, one per line or
 // not, by their brackets. What stands inside is left to the parser.
 class JsonPieces {
  public:

@@ -56,16 +56,4 @@ double json_number(const Json& value, const std::string& path) {
   return value.get<double>();
 }
 
-void check_json_format(const Json& document, const std::string& format, int newest) {
-  const JsonObject object(document, "");
-  if (const auto found = document.find("format"); found != document.end() && *found != format)
-    throw refusal("/format", "expected \"{}\", found {}", format, shown(*found));
-  const auto found = document.find("version");
-  if (found == document.end()) return;
-  if (found->is_number_integer() && *found > newest)
-    throw refusal("/version", "{} version {} is newer than this program, which reads version {}",
-                  format, shown(*found), newest);
-  object.integer("version", 1, newest);
-}
-
 }  // namespace evo

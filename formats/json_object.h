@@ -32,8 +32,4 @@ class JsonObject {
 int json_integer(const Json& value, const std::string& path, int low, int high);
 double json_number(const Json& value, const std::string& path);
 
-// `format` and `version` of a document, if given, name this format and a version
-// up to `newest`.
-void check_json_format(const Json& document, const std::string& format, int newest);
-
 }  // namespace evo

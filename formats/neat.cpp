@@ -8,16 +8,13 @@
 #include <vector>
 
 #include "formats/files.h"
+#include "formats/format.h"
 #include "formats/genome.h"
 #include "formats/json_object.h"
 
 namespace evo {
 namespace {
 
-constexpr const char* state_format = "evo/neat-state";
-constexpr int state_version = 1;
-constexpr const char* settings_format = "evo/neat";
-constexpr int settings_version = 1;
 constexpr int largest_count = 1 << 30;  // leaves room to count on
 
 // ---- state ----------------------------------------------------------------------
@@ -77,7 +74,7 @@ void check_keys(const NeatState& state) {
 }
 
 NeatState state_from_json(const Json& document) {
-  check_json_format(document, state_format, state_version);
+  check_format(document, format::neat_state);
   const JsonObject object(document, "");
   NeatState state;
   state.generation = object.integer("generation", 0, largest_count);
@@ -112,22 +109,10 @@ Setter flag(bool NeatSettings::*member) {
   return [member](NeatSettings& s, const YamlNode& node) { s.*member = node.boolean(); };
 }
 
-// In the order of the enumeration.
-const std::vector<std::string> statistic_names{"mean", "min", "max", "median"};
-
 Setter statistic(Statistic NeatSettings::*member) {
   return [member](NeatSettings& s, const YamlNode& node) {
-    const std::string chosen = node.choice("statistic", statistic_names);
-    for (std::size_t i = 0; i < statistic_names.size(); ++i)
-      if (statistic_names[i] == chosen) s.*member = static_cast<Statistic>(i);
+    s.*member = node.choice<Statistic>("statistic");
   };
-}
-
-Activation activation(const YamlNode& node) {
-  return *activation_from_name(node.choice("activation", activation_names()));
-}
-Aggregation aggregation(const YamlNode& node) {
-  return *aggregation_from_name(node.choice("aggregation", aggregation_names()));
 }
 
 // neat-python's words: "partial_direct 0.5", "full_nodirect", "unconnected", ..
@@ -201,20 +186,25 @@ std::vector<Setting> all_settings() {
       {"node_delete_prob", share(&S::node_delete_prob)},
       {"single_structural_mutation", flag(&S::single_structural_mutation)},
       {"activation_default",
-       [](S& s, const YamlNode& node) { s.activation_default = activation(node); }},
+       [](S& s, const YamlNode& node) {
+         s.activation_default = node.choice<Activation>("activation");
+       }},
       {"activation_options",
        [](S& s, const YamlNode& node) {
          s.activation_options.clear();
-         for (const YamlNode& item : node.items()) s.activation_options.push_back(activation(item));
+         for (const YamlNode& item : node.items())
+           s.activation_options.push_back(item.choice<Activation>("activation"));
        }},
       {"activation_mutate_rate", share(&S::activation_mutate_rate)},
       {"aggregation_default",
-       [](S& s, const YamlNode& node) { s.aggregation_default = aggregation(node); }},
+       [](S& s, const YamlNode& node) {
+         s.aggregation_default = node.choice<Aggregation>("aggregation");
+       }},
       {"aggregation_options",
        [](S& s, const YamlNode& node) {
          s.aggregation_options.clear();
          for (const YamlNode& item : node.items())
-           s.aggregation_options.push_back(aggregation(item));
+           s.aggregation_options.push_back(item.choice<Aggregation>("aggregation"));
        }},
       {"aggregation_mutate_rate", share(&S::aggregation_mutate_rate)},
       {"enabled_default", flag(&S::enabled_default)},
@@ -240,8 +230,8 @@ std::string neat_state_to_text(const NeatState& state) {
       " \"generation\": {}, \"next_genome_key\": {}, \"next_node_key\": {}, "
       "\"next_species_key\": {},\n"
       " \"species\": [",
-      state_format, state_version, state.generation, state.next_genome_key, state.next_node_key,
-      state.next_species_key);
+      format::neat_state.name, format::neat_state.version, state.generation, state.next_genome_key,
+      state.next_node_key, state.next_species_key);
   const char* separator = "\n  ";
   for (const Species& species : state.species) {
     text += separator + compact(species_to_json(species));
@@ -267,7 +257,7 @@ NeatSettings neat_settings_from_yaml(const YamlNode& node) {
   std::vector<std::string> keys{"format", "version"};
   for (const Setting& setting : known) keys.push_back(setting.first);
   const YamlMapping mapping(node, "NEAT settings", keys);
-  check_format(mapping, settings_format, settings_version);
+  check_format(mapping.node(), format::neat);
   NeatSettings settings;
   for (const auto& [key, set] : known)
     if (const auto value = mapping.find(key)) set(settings, *value);

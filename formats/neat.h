@@ -11,7 +11,7 @@
 
 namespace evo {
 
-// The state as a document: one species a line, ends with a newline. Numbers are
+// The state as a document: one species per line, ends with a newline. Numbers are
 // written so that reading gives the same state to the last bit.
 std::string neat_state_to_text(const NeatState& state);
 

@@ -9,9 +9,23 @@
 #include <utility>
 #include <variant>
 
+#include "formats/format.h"
 #include "formats/profile.h"
+#include "libevo/base/words.h"
 
 namespace evo {
+
+// As profiles write it (libevo/base/words.h).
+constexpr const char* word(Arithmetic value) {
+  switch (value) {
+    case Arithmetic::exact:
+      return "exact";
+    case Arithmetic::fast:
+      return "fast";
+  }
+  return nullptr;
+}
+
 namespace {
 
 // ---- the constants, by name ---------------------------------------------------
@@ -159,8 +173,6 @@ constexpr std::array<Constant, 24> constants{{
     {"arithmetic", &Physics::arithmetic, {}, "", "roots and sums rounded in another way", {0}},
 }};
 
-constexpr std::array<const char*, 2> arithmetic_words{"exact", "fast"};
-
 // One value of a constant: a stiffness has two, the others one.
 struct Value {
   const Constant& constant;
@@ -201,7 +213,7 @@ bool is_count(const Value& value) {
 }
 
 std::string expectation(const Value& value) {
-  if (is_word(value)) return fmt::format("{}", fmt::join(arithmetic_words, " or "));
+  if (is_word(value)) return fmt::format("{}", fmt::join(words_of<Arithmetic>(), " or "));
   const Range& range = value.constant.range;
   if (is_count(value)) return fmt::format("a whole number from {} to {}", range.low, range.high);
   return fmt::format("a number {} {}, or a quotient of two like 3e8/3.5,",
@@ -235,7 +247,7 @@ void set(Physics& physics, const Value& value, double number) {
         if constexpr (std::is_same_v<Held, SpringStiffness>)
           (value.part == 0 ? held.edge : held.diagonal) = number;
         else if constexpr (std::is_same_v<Held, Arithmetic>)
-          held = number == 0.0 ? Arithmetic::exact : Arithmetic::fast;
+          held = static_cast<Arithmetic>(static_cast<int>(number));
         else
           held = static_cast<Held>(number);
       },
@@ -244,15 +256,14 @@ void set(Physics& physics, const Value& value, double number) {
 
 std::string text_of(const Physics& physics, const Value& value) {
   const double number = get(physics, value);
-  return is_word(value) ? arithmetic_words.at(static_cast<std::size_t>(number))
+  return is_word(value) ? word(static_cast<Arithmetic>(static_cast<int>(number)))
                         : fmt::format("{}", number);
 }
 
 std::optional<double> parse_value(const Value& value, const std::string& text) {
   if (is_word(value)) {
-    const auto* word = std::find(arithmetic_words.begin(), arithmetic_words.end(), text);
-    if (word == arithmetic_words.end()) return std::nullopt;
-    return static_cast<double>(word - arithmetic_words.begin());
+    const std::optional<Arithmetic> named = from_word<Arithmetic>(text);
+    return named ? std::optional(static_cast<double>(*named)) : std::nullopt;
   }
   const Range& range = value.constant.range;
   const std::optional<double> number = parse_quotient(text);
@@ -299,7 +310,7 @@ const ProfileKind<Physics>& physics_kind() {
   static const ProfileKind<Physics> kind = [] {
     std::vector<std::string> names;
     for (const Constant& constant : constants) names.emplace_back(constant.key);
-    return ProfileKind<Physics>{"physics profile", "evo/physics",    "physics",
+    return ProfileKind<Physics>{"physics profile", format::physics,  "physics",
                                 "evogym",          std::move(names), read_constants};
   }();
   return kind;

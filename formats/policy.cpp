@@ -4,33 +4,20 @@
 #include <utility>
 #include <variant>
 
+#include "formats/format.h"
 #include "formats/hdf5.h"
 #include "formats/physics_profile.h"
 #include "formats/task.h"
 #include "formats/training.h"
+#include "libevo/base/alternatives.h"
+#include "libevo/base/digest.h"
 #include "libevo/base/error.h"
 
 namespace evo {
 namespace {
 
-constexpr const char* policy_format = "evo/policy";
-constexpr const char* checkpoint_format = "evo/checkpoint";
-constexpr std::int64_t newest_version = 1;
-
 Error bad(const hdf5::Reader& file, const std::string& path, const std::string& problem) {
   return error(Failure::data, "{}: {}: {}", file.name(), path, problem);
-}
-
-void check_header(const hdf5::Reader& file, const std::string& format) {
-  const std::string found =
-      file.has_attribute("/", "format") ? file.text("/", "format") : "no format";
-  if (found != format)
-    throw bad(file, "/@format", fmt::format("'{}' is expected, found '{}'", format, found));
-  const auto version = file.number<std::int64_t>("/", "version");
-  if (version > newest_version)
-    throw bad(file, "/@version",
-              fmt::format("version {} is newer than this program, which reads up to {}", version,
-                          newest_version));
 }
 
 // ---- parts ------------------------------------------------------------------------
@@ -69,8 +56,28 @@ Network read_network(const hdf5::Reader& file, const std::string& group, std::si
   return network;
 }
 
-void write_controller(hdf5::Writer& file, const Policy& policy) {
-  file.attribute("/", "kind", "network");
+// ---- controllers ------------------------------------------------------------------
+//
+// One Stored for every TrainedController; `kind` names it in the file.
+
+template <typename Controller>
+struct Stored;
+
+template <>
+struct Stored<Policy> {
+  static constexpr const char* kind = "network";
+  static void write(hdf5::Writer& file, const Policy& policy);
+  static Policy read(const hdf5::Reader& file);
+};
+
+template <>
+struct Stored<SineController> {
+  static constexpr const char* kind = "sine";
+  static void write(hdf5::Writer& file, const SineController& sine);
+  static SineController read(const hdf5::Reader& file);
+};
+
+void Stored<Policy>::write(hdf5::Writer& file, const Policy& policy) {
   write_network(file, "/actor", policy.actor);
   write_network(file, "/critic", policy.critic);
   file.vector("/log_std", values_of(policy.log_std));
@@ -79,28 +86,12 @@ void write_controller(hdf5::Writer& file, const Policy& policy) {
   file.attribute("/normalizer", "count", policy.normalizer.count);
   file.attribute("/normalizer", "clip", policy.normalizer.clip);
   file.attribute("/normalizer", "epsilon", policy.normalizer.epsilon);
-  file.attribute("/", "action_map", policy.action_map == ActionMap::offset ? "offset" : "squash");
+  file.attribute("/", "action_map", word(policy.action_map));
   file.attribute("/", "action_offset", policy.action_offset);
   file.attribute("/", "action_bounds", std::vector<double>{policy.low, policy.high});
 }
 
-void write_controller(hdf5::Writer& file, const SineController& sine) {
-  file.attribute("/", "kind", "sine");
-  file.vector("/sine/amplitude", sine.amplitude);
-  file.vector("/sine/phase", sine.phase);
-  file.attribute("/sine", "period", sine.period);
-  file.attribute("/sine", "middle", sine.middle);
-}
-
-// Controllers that nothing has trained are not policies.
-void write_controller(hdf5::Writer&, const RandomController&) {
-  throw Error(Failure::data, "a random controller cannot be stored as a policy");
-}
-void write_controller(hdf5::Writer&, const ReplayController&) {
-  throw Error(Failure::data, "recorded actions cannot be stored as a policy");
-}
-
-Policy read_network_policy(const hdf5::Reader& file) {
+Policy Stored<Policy>::read(const hdf5::Reader& file) {
   Policy policy;
   const auto mean = file.vector<double>("/normalizer/mean");
   const auto variance = file.vector<double>("/normalizer/var", mean.size());
@@ -119,9 +110,10 @@ Policy read_network_policy(const hdf5::Reader& file) {
   policy.normalizer.clip = file.number<double>("/normalizer", "clip");
   policy.normalizer.epsilon = file.number<double>("/normalizer", "epsilon");
   const std::string map = file.text("/", "action_map");
-  if (map != "offset" && map != "squash")
-    throw bad(file, "/@action_map", unknown_name("action map", map, {"offset", "squash"}));
-  policy.action_map = map == "offset" ? ActionMap::offset : ActionMap::squash;
+  const auto known_map = from_word<ActionMap>(map);
+  if (!known_map)
+    throw bad(file, "/@action_map", unknown_name("action map", map, words_of<ActionMap>()));
+  policy.action_map = *known_map;
   policy.action_offset = file.number<double>("/", "action_offset");
   const auto bounds = file.numbers<double>("/", "action_bounds");
   if (bounds.size() != 2 || !(bounds[0] <= bounds[1]))
@@ -131,7 +123,14 @@ Policy read_network_policy(const hdf5::Reader& file) {
   return policy;
 }
 
-SineController read_sine(const hdf5::Reader& file) {
+void Stored<SineController>::write(hdf5::Writer& file, const SineController& sine) {
+  file.vector("/sine/amplitude", sine.amplitude);
+  file.vector("/sine/phase", sine.phase);
+  file.attribute("/sine", "period", sine.period);
+  file.attribute("/sine", "middle", sine.middle);
+}
+
+SineController Stored<SineController>::read(const hdf5::Reader& file) {
   SineController sine;
   sine.amplitude = file.vector<double>("/sine/amplitude");
   sine.phase = file.vector<double>("/sine/phase", sine.amplitude.size());
@@ -140,11 +139,25 @@ SineController read_sine(const hdf5::Reader& file) {
   return sine;
 }
 
-Controller read_controller(const hdf5::Reader& file) {
+void write_controller(hdf5::Writer& file, const TrainedController& controller) {
+  std::visit(
+      [&]<typename T>(const T& c) {
+        file.attribute("/", "kind", Stored<T>::kind);
+        Stored<T>::write(file, c);
+      },
+      controller);
+}
+
+TrainedController read_controller(const hdf5::Reader& file) {
   const std::string kind = file.text("/", "kind");
-  if (kind == "network") return read_network_policy(file);
-  if (kind == "sine") return read_sine(file);
-  throw bad(file, "/@kind", unknown_name("kind of policy", kind, {"network", "sine"}));
+  std::optional<TrainedController> controller;
+  std::vector<std::string> kinds;
+  for_each_alternative<TrainedController>([&]<typename T>(std::type_identity<T>) {
+    kinds.emplace_back(Stored<T>::kind);
+    if (kind == Stored<T>::kind) controller = Stored<T>::read(file);
+  });
+  if (!controller) throw bad(file, "/@kind", unknown_name("kind of policy", kind, kinds));
+  return std::move(*controller);
 }
 
 void write_curve(hdf5::Writer& file, const std::vector<CurvePoint>& curve) {
@@ -237,8 +250,8 @@ PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
 
 void write_policy(const std::filesystem::path& path, const PolicyFile& policy) {
   hdf5::Writer file(path);
-  file.attribute("/", "format", policy_format);
-  file.attribute("/", "version", newest_version);
+  file.attribute("/", "format", format::policy.name);
+  file.attribute("/", "version", std::int64_t{format::policy.version});
   file.attribute("/", "robot", robot_to_line(policy.robot));
   file.attribute("/", "task", policy.task);
   file.attribute("/", "task_yaml", policy.task_yaml);
@@ -253,8 +266,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy) {
   file.attribute("/", "fitness", policy.fitness);
   file.attribute("/", "best_step", policy.best_step);
   file.attribute("/", "steps", policy.steps);
-  std::visit([&](const auto& controller) { write_controller(file, controller); },
-             policy.controller);
+  write_controller(file, policy.controller);
   write_curve(file, policy.curve);
   if (policy.final_score) {
     file.attribute("/", "final_episodes", std::int64_t{policy.final_score->episodes});
@@ -266,7 +278,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy) {
 
 PolicyFile read_policy(const std::filesystem::path& path) {
   const hdf5::Reader file(path);
-  check_header(file, policy_format);
+  check_format(file, format::policy, Head::required);
   PolicyFile policy;
   policy.robot = read_robot(file);
   policy.task = file.text("/", "task");
@@ -293,7 +305,7 @@ PolicyFile read_policy(const std::filesystem::path& path) {
 
 std::string read_policy_identity(const std::filesystem::path& path) {
   const hdf5::Reader file(path);
-  check_header(file, policy_format);
+  check_format(file, format::policy, Head::required);
   return read_identity(file);
 }
 
@@ -319,8 +331,8 @@ Checkpoint::Array read_array(const hdf5::Reader& file, const std::string& type,
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint,
                       const TrainingIdentity& training) {
   hdf5::Writer file(path);
-  file.attribute("/", "format", checkpoint_format);
-  file.attribute("/", "version", newest_version);
+  file.attribute("/", "format", format::checkpoint.name);
+  file.attribute("/", "version", std::int64_t{format::checkpoint.version});
   file.attribute("/", "identity", training.lines);
   file.attribute("/", "settings_hash", training.hash());
   std::vector<std::string> index;
@@ -335,7 +347,7 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 
 Checkpoint read_checkpoint(const std::filesystem::path& path, const TrainingIdentity& training) {
   const hdf5::Reader file(path);
-  check_header(file, checkpoint_format);
+  check_format(file, format::checkpoint, Head::required);
   const bool is_old = !file.has_attribute("/", "identity");
   const std::string there = is_old ? "" : file.text("/", "identity");
   const bool is_same =

@@ -29,8 +29,8 @@ struct PolicyFile {
   std::string identity;       // formats/identity.h; of older files, worked out from their texts
   std::string settings_hash;  // of it, or as older programs had it
 
-  Controller controller;  // a Policy or a SineController
-  double fitness = 0.0;   // best evaluation
+  TrainedController controller;
+  double fitness = 0.0;  // best evaluation
   std::int64_t best_step = 0;
   std::int64_t steps = 0;  // environment steps of training
   std::vector<CurvePoint> curve;

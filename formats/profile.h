@@ -10,6 +10,7 @@
 
 #include "formats/data_folders.h"
 #include "formats/files.h"
+#include "formats/format.h"
 #include "formats/yaml.h"
 
 namespace evo {
@@ -35,8 +36,8 @@ inline std::pair<std::string, std::string> split_assignment(std::string_view ass
 
 template <typename Settings>
 struct ProfileKind {
-  const char* what;       // "physics profile", for messages
-  const char* format;     // "evo/physics"
+  const char* what;  // "physics profile", for messages
+  const Format& format;
   const char* subfolder;  // of the data folders
   // The profile that others start from unless they say `base`. Settings{} stands
   // for it where no folder has it.
@@ -60,7 +61,7 @@ Settings read_profile(const ProfileKind<Settings>& kind, const YamlNode& node,
   std::vector<std::string> allowed{"format", "version", "name", "description", "base"};
   allowed.insert(allowed.end(), kind.keys.begin(), kind.keys.end());
   const YamlMapping profile(node, kind.what, allowed);
-  check_format(profile, kind.format, 1);
+  check_format(profile.node(), kind.format);
 
   const auto base = profile.find("base");
   if (base && depth >= longest_chain)

@@ -6,15 +6,13 @@
 #include <utility>
 
 #include "formats/files.h"
+#include "formats/format.h"
 #include "formats/hdf5.h"
 #include "formats/yaml_json.h"
 #include "libevo/base/error.h"
 
 namespace evo {
 namespace {
-
-constexpr const char* robot_format = "evo/robot";
-constexpr int robot_version = 1;
 
 // In the order they are written; others follow in the order they were read.
 constexpr std::array canonical_fields{"format", "version", "id",     "body",    "connections",
@@ -61,7 +59,7 @@ void append_row(const Json& row, std::size_t r, std::vector<Voxel>& cells) {
   }
 }
 
-// A picture in one text, a line a row.
+// A picture in one text, a line per row.
 Json split_lines(const std::string& text) {
   Json rows = Json::array();
   for (std::size_t begin = 0; begin < text.size();) {
@@ -135,23 +133,23 @@ Json links_to_json(const std::vector<Link>& links) {
 
 // ---- the other fields ---------------------------------------------------------
 
-void check_format(const Json& document) {
-  if (const auto found = document.find("format"); found != document.end() && *found != robot_format)
-    throw refusal("/format", "unknown format {}; a robot has \"{}\"", shown(*found), robot_format);
-  const auto found = document.find("version");
-  if (found == document.end()) return;
-  if (!found->is_number_integer() || *found < 1)
-    throw refusal("/version", "expected a whole number from 1, found {}", shown(*found));
-  if (*found > robot_version)
-    throw refusal("/version", "{} version {} is newer than this program, which reads version {}",
-                  robot_format, shown(*found), robot_version);
-}
-
 using TypeTest = bool (*)(const Json&);
 
 bool is_list_of_text(const Json& value) {
   return value.is_array() &&
          std::all_of(value.begin(), value.end(), [](const Json& item) { return item.is_string(); });
+}
+
+// {why: text, step: number, seed: number}, and what others may have added.
+bool is_failure(const Json& value) {
+  if (!value.is_object()) return false;
+  const auto is = [&](const char* name, auto holds) {
+    const auto found = value.find(name);
+    return found == value.end() || found->is_null() || holds(*found);
+  };
+  return is("why", [](const Json& v) { return v.is_string(); }) &&
+         is("step", [](const Json& v) { return v.is_number_integer(); }) &&
+         is("seed", [](const Json& v) { return v.is_number_unsigned(); });
 }
 
 struct FieldType {
@@ -166,7 +164,7 @@ constexpr std::array<FieldType, 8> field_types{{
     {"parents", is_list_of_text, "a list of robot ids"},
     {"origin", [](const Json& v) { return v.is_object(); }, "an object"},
     {"fitness", [](const Json& v) { return v.is_number(); }, "a number or null"},
-    {"failure", [](const Json& v) { return v.is_object(); }, "an object"},
+    {"failure", is_failure, "an object that says why"},
     {"task", [](const Json& v) { return v.is_string(); }, "the name of a task"},
     {"steps", [](const Json& v) { return v.is_number_integer() && v >= 0; }, "a number of steps"},
     {"policy", [](const Json& v) { return v.is_string(); }, "the path of a policy file"},
@@ -194,7 +192,7 @@ void set_identity(Robot& robot) {
 Robot read_document(Json document, BodyCheck check) {
   if (!document.is_object())
     throw refusal("", "expected a robot document (an object), found {}", shown(document));
-  check_format(document);
+  check_format(document, format::robot);
   const auto body = document.find("body");
   if (body == document.end()) throw refusal("/body", "is missing");
   Robot robot;
@@ -220,8 +218,8 @@ Robot read_document(Json document, BodyCheck check) {
 // The document with its fields in canonical order and complete.
 Json in_canonical_order(Robot robot) {
   set_identity(robot);
-  robot.document["format"] = robot_format;
-  robot.document["version"] = robot_version;
+  robot.document["format"] = format::robot.name;
+  robot.document["version"] = format::robot.version;
   Json ordered = Json::object();
   for (const char* name : canonical_fields)
     if (const auto found = robot.document.find(name); found != robot.document.end())
@@ -328,15 +326,45 @@ bool looks_like_yaml(std::string_view text) {
 // ---- public -------------------------------------------------------------------
 
 Robot::Robot(Body body_) : body(std::move(body_)), id(identity(body)) {
-  document["format"] = robot_format;
-  document["version"] = robot_version;
+  document["format"] = format::robot.name;
+  document["version"] = format::robot.version;
   set_identity(*this);
 }
 
-std::optional<double> Robot::fitness() const {
-  const auto found = document.find("fitness");
-  if (found == document.end() || !found->is_number()) return std::nullopt;
-  return found->get<double>();
+// The types of these fields are checked when a document is read, and only here.
+template <typename T>
+std::optional<T> field(const Json& document, const char* name) {
+  const auto found = document.find(name);
+  if (found == document.end() || found->is_null()) return std::nullopt;
+  return found->get<T>();
+}
+
+std::optional<double> Robot::fitness() const { return field<double>(document, "fitness"); }
+std::optional<std::string> Robot::task() const { return field<std::string>(document, "task"); }
+std::optional<std::string> Robot::policy() const { return field<std::string>(document, "policy"); }
+std::optional<std::int64_t> Robot::steps() const { return field<std::int64_t>(document, "steps"); }
+
+std::vector<std::string> Robot::parents() const {
+  return field<std::vector<std::string>>(document, "parents").value_or(std::vector<std::string>{});
+}
+
+std::optional<RobotFailure> Robot::failure() const {
+  const auto found = field<Json>(document, "failure");
+  if (!found) return std::nullopt;
+  return RobotFailure{field<std::string>(*found, "why").value_or("no reason given"),
+                      field<std::int64_t>(*found, "step"), field<std::uint64_t>(*found, "seed")};
+}
+
+void Robot::set_fitness(double fitness) {
+  document.erase("failure");
+  document["fitness"] = fitness;
+}
+
+void Robot::set_failure(const RobotFailure& failure) {
+  document["fitness"] = nullptr;
+  Json& written = document["failure"] = {{"why", failure.why}};
+  if (failure.step) written["step"] = *failure.step;
+  if (failure.seed) written["seed"] = *failure.seed;
 }
 
 Robot make_child(Body body, const std::vector<std::string>& parents, const std::string& tool,
@@ -358,7 +386,7 @@ Robot robot_from_json(const Json& document, const std::string& where, BodyCheck 
 std::string robot_to_line(const Robot& robot) { return compact(in_canonical_order(robot)); }
 
 std::string robot_to_json(const Robot& robot) {
-  // One field a line, but the body as a picture.
+  // One field per line, but the body as a picture.
   const Json document = in_canonical_order(robot);
   std::string text = "{";
   for (const auto& [name, value] : document.items()) {

@@ -13,6 +13,13 @@
 
 namespace evo {
 
+// Why a robot has no fitness.
+struct RobotFailure {
+  std::string why;
+  std::optional<std::int64_t> step;   // environment steps of training until then
+  std::optional<std::uint64_t> seed;  // that it can be repeated with
+};
+
 struct Robot {
   Body body;
   std::string id;  // identity(body)
@@ -21,8 +28,17 @@ struct Robot {
   Robot() = default;
   explicit Robot(Body body);  // a fresh document: format, version, id, body
 
-  // The `fitness` field: nothing when absent or null (failed).
+  // Fields by name: nothing when absent or null.
   std::optional<double> fitness() const;
+  std::optional<RobotFailure> failure() const;
+  std::optional<std::string> task() const;
+  std::optional<std::string> policy() const;  // path of a file
+  std::optional<std::int64_t> steps() const;
+  std::vector<std::string> parents() const;  // ids
+
+  // How the robot was last measured, in place of the time before.
+  void set_fitness(double fitness);
+  void set_failure(const RobotFailure& failure);  // fitness is null
 };
 
 // A child of an operator: `body`, the ids of its parents, and where it came from.

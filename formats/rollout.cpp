@@ -7,15 +7,13 @@
 #include <utility>
 
 #include "formats/files.h"
+#include "formats/format.h"
 #include "formats/hdf5.h"
 #include "libevo/base/error.h"
 
 namespace evo {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr const char* rollout_format = "evo/rollout";
-constexpr std::int32_t rollout_version = 1;
 
 std::string episode_group(std::size_t k) { return fmt::format("/episode_{}", k); }
 
@@ -89,21 +87,6 @@ void write_episode(hdf5::Writer& file, const Rollout& rollout, std::size_t k) {
 }
 
 // ---- reading ----------------------------------------------------------------
-
-void check_format(const hdf5::Reader& file) {
-  if (file.has_attribute("/", "format")) {
-    const std::string format = file.text("/", "format");
-    if (format != rollout_format)
-      throw wrong(file, "/@format",
-                  fmt::format("'{}' is not a rollout, which has '{}'", format, rollout_format));
-  }
-  if (!file.has_attribute("/", "version")) return;
-  const auto version = file.number<std::int64_t>("/", "version");
-  if (version > rollout_version)
-    throw wrong(file, "/@version",
-                fmt::format("{} version {} is newer than this program, which reads version {}",
-                            rollout_format, version, rollout_version));
-}
 
 std::string text_or_nothing(const hdf5::Reader& file, const std::string& attribute) {
   return file.has_attribute("/", attribute) ? file.text("/", attribute) : "";
@@ -279,7 +262,7 @@ std::vector<std::string_view> split(std::string_view line, char separator) {
   return fields;
 }
 
-// A row a step; blank lines and lines that begin with # are passed over, a first
+// A row per step; blank lines and lines that begin with # are passed over, a first
 // line without any number is a heading.
 ActionSequence actions_from_csv(std::string_view text, const std::string& name) {
   ActionSequence actions;
@@ -308,7 +291,7 @@ ActionSequence actions_from_csv(std::string_view text, const std::string& name) 
     ++actions.steps;
   }
   if (actions.steps == 0)
-    throw error(Failure::data, "{}: no actions; expected a row of numbers a step", name);
+    throw error(Failure::data, "{}: no actions; expected a row of numbers per step", name);
   return actions;
 }
 
@@ -334,8 +317,8 @@ void write_rollout(const fs::path& path, const Rollout& rollout) {
   std::int64_t total_steps = 0;
   for (const RolloutEpisode& episode : rollout.episodes) total_steps += episode.steps();
   hdf5::Writer file(path);
-  file.attribute("/", "format", rollout_format);
-  file.attribute("/", "version", rollout_version);
+  file.attribute("/", "format", format::rollout.name);
+  file.attribute("/", "version", std::int32_t{format::rollout.version});
   file.attribute("/", "created_by", rollout.created_by);
   file.attribute("/", "task", rollout.task);
   file.attribute("/", "task_yaml", rollout.task_yaml);
@@ -351,7 +334,7 @@ void write_rollout(const fs::path& path, const Rollout& rollout) {
 
 Rollout read_rollout(const fs::path& path) {
   const hdf5::Reader file(path);
-  check_format(file);
+  check_format(file, format::rollout, Head::optional);  // the benchmark writes neither
   Rollout rollout;
   rollout.task = text_or_nothing(file, "task");
   rollout.task_yaml = text_or_nothing(file, "task_yaml");

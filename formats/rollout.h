@@ -56,7 +56,7 @@ void write_rollout(const std::filesystem::path& path, const Rollout& rollout);
 Rollout read_rollout(const std::filesystem::path& path);
 
 // HDF5: `actions` at the root or `episode_0/actions`, [T x A] row-major. CSV: a
-// row of numbers a step, # for comments, a heading allowed; "-" is standard
+// row of numbers per step, # for comments, a heading allowed; "-" is standard
 // input. Throws Error(no_input, io, data).
 struct ActionSequence {
   int steps = 0;

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "formats/files.h"
+#include "formats/format.h"
 #include "formats/yaml.h"
 
 namespace evo {
@@ -20,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* format = "evo/run";
-constexpr int newest_version = 1;
 constexpr const char* settings_name = "run.yaml";
 constexpr std::string_view generation_prefix = "gen-";
 constexpr std::string_view slot_suffix = ".json";
@@ -77,14 +76,6 @@ std::string quoted(const std::string& value) {
   return text + "'";
 }
 
-void check_format(const YamlNode& key, const YamlNode& value) {
-  if (key.string() == "format" && value.string() != format)
-    throw value.error(fmt::format("{} is not the format of a run, {}", value.found(), format));
-  if (key.string() == "version" && value.integer(1) > newest_version)
-    throw value.error(fmt::format("version {} of {} is newer than this program's {}",
-                                  value.integer(), format, newest_version));
-}
-
 std::string shown(const RunSettings& settings, const std::string& name) {
   const std::string* value = settings.find(name);
   return value == nullptr ? "no " + name
@@ -133,10 +124,8 @@ std::ifstream open_population(const fs::path& file) {
 }
 
 std::string why_failed(const Robot& robot) {
-  const auto failure = robot.document.find("failure");
-  if (failure == robot.document.end() || !failure->is_object()) return "no fitness";
-  const auto why = failure->find("why");
-  return why != failure->end() && why->is_string() ? why->get<std::string>() : "failed";
+  const auto failure = robot.failure();
+  return failure ? failure->why : "no fitness";
 }
 
 }  // namespace
@@ -167,17 +156,13 @@ RunSettings RunSettings::read(const fs::path& file) {
   if (!document.is_mapping()) throw document.error("a run's settings are a mapping");
   RunSettings settings;
   settings.file_ = file.string();
-  bool has_format = false;
+  check_format(document, format::run, Head::required);
   for (const auto& [key, value] : document.entries()) {
     const std::string name = key.string();
-    has_format |= name == "format";
-    check_format(key, value);
     if (name == "format" || name == "version") continue;
     const bool has_text = value.is_scalar() && !value.is_null() && value.found() != "''";
     settings.list_.push_back({name, has_text ? value.string() : ""});
   }
-  if (!has_format)
-    throw document.error(fmt::format("no 'format: {}'; this is not a run's settings", format));
   return settings;
 }
 
@@ -200,7 +185,8 @@ int RunSettings::number(const std::string& name) const {
 }
 
 std::string RunSettings::to_yaml() const {
-  std::string text = fmt::format("format: {}\nversion: {}\n", format, newest_version);
+  std::string text =
+      fmt::format("format: {}\nversion: {}\n", format::run.name, format::run.version);
   for (const auto& [name, value] : list_)
     text += fmt::format("{}: {}\n", name,
                         is_plain(value) && name != quoted_setting ? value : quoted(value));

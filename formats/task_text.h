@@ -16,7 +16,7 @@ std::string describe_task(const TaskSpec& task, const Body& robot);
 
 enum class TableStyle { plain, markdown };
 
-// One line a task: name, difficulty, steps, length of the observation (in n, the
+// One line per task: name, difficulty, steps, length of the observation (in n, the
 // robot's points, and for a full 5x5 body); then its description (plain), or the
 // observation's parts and what ends an episode (markdown).
 std::string task_table(const std::vector<TaskSpec>& tasks, TableStyle style);

@@ -3,13 +3,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
 #include <type_traits>
 #include <utility>
 #include <variant>
+
+#include "formats/format.h"
+#include "formats/profile.h"
+#include "libevo/base/words.h"
 
 namespace evo {
 namespace {
@@ -18,69 +21,71 @@ using T = TrainingSettings;
 
 // ---- values and their words -----------------------------------------------------
 
-template <typename Enum>
-struct Words;
-template <>
-struct Words<Algorithm> {
-  static constexpr std::array<const char*, 3> list{"ppo", "sine", "random"};
-};
-template <>
-struct Words<Schedule> {
-  static constexpr std::array<const char*, 2> list{"constant", "linear"};
-};
-template <>
-struct Words<TimeLimit> {
-  static constexpr std::array<const char*, 2> list{"end", "bootstrap"};
-};
-template <>
-struct Words<Standardize> {
-  static constexpr std::array<const char*, 3> list{"none", "batch", "minibatch"};
-};
-template <>
-struct Words<ActionMap> {
-  static constexpr std::array<const char*, 2> list{"offset", "squash"};
+// Types of which a value is one of a few words.
+template <typename Value>
+struct Words {};
+template <Worded Value>
+struct Words<Value> {
+  static std::vector<std::string> all() { return words_of<Value>(); }
+  static std::optional<Value> parse(std::string_view text) { return from_word<Value>(text); }
+  static std::string of(Value value) { return word(value); }
 };
 template <>
 struct Words<bool> {
-  static constexpr std::array<const char*, 2> list{"false", "true"};
+  static std::vector<std::string> all() { return {"false", "true"}; }
+  static std::optional<bool> parse(std::string_view text) {
+    if (text != "false" && text != "true") return std::nullopt;
+    return text == "true";
+  }
+  static std::string of(bool value) { return value ? "true" : "false"; }
+};
+template <>
+struct Words<Algorithm> {
+  static std::vector<std::string> all() { return algorithm_names(); }
+  static std::optional<Algorithm> parse(std::string_view text) {
+    for (const std::string& name : algorithm_names())
+      if (text == name) return Algorithm(name);
+    return std::nullopt;
+  }
+  static std::string of(const Algorithm& value) { return value.name(); }
 };
 
-template <typename V>
-constexpr bool is_word = std::is_enum_v<V> || std::is_same_v<V, bool>;
+template <typename Value>
+concept IsWord = requires {
+  Words<Value>::all();
+};
 
 // What a value must look like, for messages.
-template <typename V>
+template <typename Value>
 std::string expectation() {
-  if constexpr (is_word<V>) {
-    return fmt::format("one of {}", fmt::join(Words<V>::list, ", "));
-  } else if constexpr (std::is_same_v<V, double>) {
+  if constexpr (IsWord<Value>) {
+    return fmt::format("one of {}", fmt::join(Words<Value>::all(), ", "));
+  } else if constexpr (std::is_same_v<Value, double>) {
     return "a number";
-  } else if constexpr (std::is_integral_v<V>) {
+  } else if constexpr (std::is_integral_v<Value>) {
     return "a whole number";
   } else {
     return "a list of whole numbers, as in [64, 64],";
   }
 }
 
-template <typename V>
-std::optional<V> parse(std::string_view text) {
-  if constexpr (is_word<V>) {
-    for (std::size_t i = 0; i < Words<V>::list.size(); ++i)
-      if (text == Words<V>::list[i]) return static_cast<V>(i);
-    return std::nullopt;
-  } else if constexpr (std::is_same_v<V, double>) {
+template <typename Value>
+std::optional<Value> parse(std::string_view text) {
+  if constexpr (IsWord<Value>) {
+    return Words<Value>::parse(text);
+  } else if constexpr (std::is_same_v<Value, double>) {
     return parse_number(text);
-  } else if constexpr (std::is_integral_v<V>) {
-    V value{};
+  } else if constexpr (std::is_integral_v<Value>) {
+    Value value{};
     const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
     return value;
   } else {
     // "64,64" or nothing at all.
-    V values;
+    Value values;
     while (!text.empty()) {
       const std::size_t comma = std::min(text.find(','), text.size());
-      const auto value = parse<typename V::value_type>(text.substr(0, comma));
+      const auto value = parse<typename Value::value_type>(text.substr(0, comma));
       if (!value) return std::nullopt;
       values.push_back(*value);
       text.remove_prefix(std::min(comma + 1, text.size()));
@@ -89,11 +94,11 @@ std::optional<V> parse(std::string_view text) {
   }
 }
 
-template <typename V>
-std::string to_text(const V& value) {
-  if constexpr (is_word<V>) {
-    return Words<V>::list[static_cast<std::size_t>(value)];
-  } else if constexpr (std::is_arithmetic_v<V>) {
+template <typename Value>
+std::string to_text(const Value& value) {
+  if constexpr (IsWord<Value>) {
+    return Words<Value>::of(value);
+  } else if constexpr (std::is_arithmetic_v<Value>) {
     return fmt::format("{}", value);
   } else {
     return fmt::format("[{}]", fmt::join(value, ", "));
@@ -178,11 +183,11 @@ const Setting* find_setting(std::string_view key) {
 std::string assign(T& settings, const Setting& setting, std::string_view text) {
   return std::visit(
       [&](auto member) -> std::string {
-        using V = std::remove_reference_t<decltype(settings.*member)>;
-        const std::optional<V> value = parse<V>(text);
+        using Value = std::remove_reference_t<decltype(settings.*member)>;
+        const std::optional<Value> value = parse<Value>(text);
         if (!value)
-          return fmt::format("{} is expected for '{}', found '{}'", expectation<V>(), setting.key,
-                             text);
+          return fmt::format("{} is expected for '{}', found '{}'", expectation<Value>(),
+                             setting.key, text);
         settings.*member = *value;
         return "";
       },
@@ -238,7 +243,7 @@ void read_settings(T& settings, const YamlMapping& profile) {
 }
 
 const ProfileKind<T>& training_kind() {
-  static const ProfileKind<T> kind{"training profile", "evo/training", "training", "paper",
+  static const ProfileKind<T> kind{"training profile", format::training, "training", "paper",
                                    training_keys(),    read_settings};
   return kind;
 }

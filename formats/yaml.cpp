@@ -273,17 +273,6 @@ YamlNode YamlMapping::at(std::string_view key) const {
   throw node_.error(fmt::format("{}: key '{}' is missing", what_, key));
 }
 
-void check_format(const YamlMapping& document, const std::string& format, int newest) {
-  const auto name = document.find("format");
-  if (name && name->string() != format)
-    throw name->error(fmt::format("format '{}' is expected, found {}", format, name->found()));
-  const auto version = document.find("version");
-  if (version && version->integer(1) > newest)
-    throw version->error(
-        fmt::format("{} version {} is newer than this program, which reads up to {}", format,
-                    version->integer(), newest));
-}
-
 std::string unknown_name(const std::string& what, const std::string& name,
                          const std::vector<std::string>& allowed) {
   return fmt::format("unknown {} '{}'{}; allowed: {}", what, name, did_you_mean(name, allowed),

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "libevo/base/error.h"
+#include "libevo/base/words.h"
 
 namespace evo {
 
@@ -48,6 +49,10 @@ class YamlNode {
   const std::vector<Entry>& entries() const;   // a mapping, in the order written
   // One word of a closed list; `what` names it in messages.
   std::string choice(const std::string& what, const std::vector<std::string>& allowed) const;
+  template <Worded E>
+  E choice(const std::string& what) const {
+    return from_word<E>(choice(what, words_of<E>())).value();
+  }
 
   // How a message shows this value: "'fast'", "a list", "a mapping", "nothing".
   std::string found() const;
@@ -79,10 +84,6 @@ class YamlMapping {
   YamlNode node_;
   std::string what_;
 };
-
-// The keys `format` and `version` of a document, checked where they are given:
-// another format, or a version newer than `newest`, is refused by name.
-void check_format(const YamlMapping& document, const std::string& format, int newest);
 
 // "unknown <what> '<name>' (did you mean 'x'?); allowed: x, y, z"
 std::string unknown_name(const std::string& what, const std::string& name,

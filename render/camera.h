@@ -10,7 +10,7 @@
 
 namespace evo::render {
 
-// `points` [(steps+1) x mesh points], voxels. One view a step, of the given
+// `points` [(steps+1) x mesh points], voxels. One view per step, of the given
 // proportions. `follow`: indices of objects.
 std::vector<ViewRect> camera_path(const Mesh& mesh, std::span<const Vec2> points,
                                   const Camera& camera, const std::vector<int>& follow,

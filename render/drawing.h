@@ -42,7 +42,7 @@ enum class Align { left, centre, right };
 // One line of text, UTF-8, on the baseline through (x, y).
 struct Text {
   Point at;
-  float size = 12;  // pixels an em
+  float size = 12;  // pixels per em
   std::string text;
   Color color;
   Align align = Align::left;

@@ -26,7 +26,7 @@ struct Color {
 
 struct Image {
   Size size;
-  std::vector<std::uint8_t> rgba;  // 4 bytes a pixel, rows from the top, no padding
+  std::vector<std::uint8_t> rgba;  // 4 bytes per pixel, rows from the top, no padding
 
   Image() = default;
   explicit Image(Size s)

@@ -10,7 +10,7 @@
 namespace evo::render {
 
 // Control steps in a second of video at speed 1: the benchmark's viewer shows 50
-// steps a second.
+// steps per second.
 inline constexpr double steps_per_second = 50.0;
 
 // A window of the world, in voxels; y counts upwards.
@@ -47,7 +47,7 @@ struct RenderOptions {
   Size size{1280, 720};
   double fps = 50.0;
   double speed = 1.0;           // 0.5 is slow motion
-  int every = 0;                // steps a frame; 0: from fps and speed
+  int every = 0;                // steps per frame; 0: from fps and speed
   int from = 0;                 // first step shown
   std::optional<int> to;        // last step shown; the end of the episode
   std::string theme = "light";  // or "dark"

@@ -20,7 +20,7 @@ constexpr double arrow_width = 0.06;
 // have jagged edges, lines smooth ones.
 constexpr double least_line = 1.25;
 
-// The grid has a line a voxel from the first size on, in pixels, fully visible
+// The grid has a line per voxel from the first size on, in pixels, fully visible
 // from the second; below the last one it is left out.
 constexpr double fine_grid_from = 6.0;
 constexpr double fine_grid_full = 18.0;
@@ -31,7 +31,7 @@ constexpr double least_grid_voxel = 0.5;
 struct Projection {
   Rect panel;
   double left, top;  // voxels at the panel's upper left corner
-  double scale;      // pixels a voxel
+  double scale;      // pixels per voxel
 
   Projection(const ViewRect& view, const Rect& area)
       : panel(area),

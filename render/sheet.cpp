@@ -13,7 +13,7 @@ namespace {
 std::string fitness_text(const Robot& robot) {
   const auto fitness = robot.fitness();
   if (fitness) return signed_score(*fitness);
-  return robot.document.contains("failure") ? "failed" : std::string();
+  return robot.failure() ? "failed" : std::string();
 }
 
 // Text centred at x, cut to `most` pixels.
@@ -161,9 +161,8 @@ Drawing robot_picture(const Robot& robot, const Theme& theme, Size size, Typeset
   drawing.rectangle({0, panel.height, whole.width, strip}, theme.paper);
   const float x = whole.width / 2;
   const float most = whole.width - 2 * text;
-  const auto task = robot.document.contains("task") && robot.document["task"].is_string()
-                        ? robot.document["task"].get<std::string>() + "   "
-                        : std::string();
+  const auto named = robot.task();
+  const std::string task = named ? *named + "   " : "";
   const std::string score = fitness_text(robot);
   const bool scored = !score.empty();
   const float middle = panel.height + strip / 2;
@@ -197,7 +196,7 @@ Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int wid
 // ---- generations ------------------------------------------------------------------------
 
 std::vector<std::size_t> chosen_generations(std::size_t generations, int width) {
-  constexpr int narrowest = 96;  // pixels a column
+  constexpr int narrowest = 96;  // pixels per column
   const auto most = static_cast<std::size_t>(std::max(2, width / narrowest));
   std::vector<std::size_t> chosen;
   if (generations <= most) {

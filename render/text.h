@@ -16,7 +16,7 @@ class Typesetter {
   Typesetter(const Typesetter&) = delete;
   Typesetter& operator=(const Typesetter&) = delete;
 
-  // Advance width of a line in pixels; `size` in pixels an em.
+  // Advance width of a line in pixels; `size` in pixels per em.
   float width(std::string_view utf8, float size, bool bold = false);
   // `utf8` cut to at most `most` pixels, an ellipsis marking the cut.
   std::string shortened(std::string_view utf8, float size, bool bold, float most);

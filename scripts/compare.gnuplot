@@ -1,4 +1,4 @@
-# Best-so-far against evaluations, mean and range over runs; one panel a task.
+# Best-so-far against evaluations, mean and range over runs; one panel per task.
 # Wants: table (compare.tsv), picture (file), format (svg, png, pdf).
 
 values(field) = system(sprintf("awk -F'\\t' 'NR > 1 && !seen[$%d]++ { print $%d }' '%s'", field, field, table))

@@ -54,7 +54,7 @@ export EVO_TRAIN_OPTIONS := $(TRAIN_OPTIONS)
 
 BEST := $(RUN)/best.json $(RUN)/best.policy.h5 $(RUN)/best.$(VIDEO) $(RUN)/report.html
 
-# One seed a stage and generation.
+# One seed per purpose and generation.
 stage_seed = $$(( $(SEED) * 1000000 + $(1) ))
 
 ifndef GEN
@@ -110,7 +110,7 @@ $(RUN)/report.html: | $(RUN)/best.$(VIDEO)
 else
 # ---- one generation ----------------------------------------------------------
 
-# One word a generation up to this one, so that $(words) counts without a shell.
+# One word per generation up to this one, so that $(words) counts without a shell.
 GEN_COUNT := $(shell seq 0 $(GEN))
 FOLDERS := $(shell printf '$(RUN)/gen-%03d ' $(GEN_COUNT))
 GENERATION := $(lastword $(FOLDERS))

@@ -10,7 +10,7 @@ METHOD := ga
 MUTATE_OPTIONS ?=
 METHOD_SETTINGS = mutate_options='$(MUTATE_OPTIONS)'
 
-# A row a generation: generation,robots,created,survivors,children
+# A row per generation: generation,robots,created,survivors,children
 PLAN = $(call tool_lines,evo-select --schedule paper --population $(POP) --of $(EVALS) --plan)
 GENERATIONS = $(call counting,$(words $(or $(PLAN),$(error no plan for POP=$(POP) EVALS=$(EVALS)))))
 

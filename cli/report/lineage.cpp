@@ -14,17 +14,8 @@ std::optional<std::vector<Change>> changes(const Body& parent, const Body& child
   return found;
 }
 
-std::vector<std::string> parent_ids(const Robot& robot) {
-  const auto parents = robot.document.find("parents");
-  std::vector<std::string> ids;
-  if (parents == robot.document.end() || !parents->is_array()) return ids;
-  for (const Json& id : *parents)
-    if (id.is_string()) ids.push_back(id.get<std::string>());
-  return ids;
-}
-
 std::optional<std::size_t> parent(const Run& run, std::size_t robot) {
-  for (const std::string& id : parent_ids(run.robots[robot].robot))
+  for (const std::string& id : run.robots[robot].robot.parents())
     if (const auto known = run.by_id.find(id); known != run.by_id.end()) return known->second;
   return std::nullopt;
 }

@@ -25,7 +25,6 @@ std::optional<std::vector<Change>> changes(const Body& parent, const Body& child
 std::optional<std::size_t> parent(const Run& run, std::size_t robot);
 
 // Ids of all parents the robot names.
-std::vector<std::string> parent_ids(const Robot& robot);
 
 // From the first ancestor to the robot itself, along first parents.
 std::vector<std::size_t> lineage(const Run& run, std::size_t robot);

@@ -1,7 +1,6 @@
 #include "libevo/body/body.h"
 
 #include <fmt/format.h>
-#include <nettle/sha2.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "libevo/base/digest.h"
 #include "libevo/base/error.h"
 #include "libevo/body/components.h"
 
@@ -64,12 +64,6 @@ std::optional<std::string> connection_defect(const Body& body) {
   }
   if (first < 0) return "there is no voxel, all cells are empty";
   return std::nullopt;
-}
-
-std::string hex(const std::uint8_t* bytes, std::size_t n) {
-  std::string text;
-  for (std::size_t i = 0; i < n; ++i) fmt::format_to(std::back_inserter(text), "{:02x}", bytes[i]);
-  return text;
 }
 
 }  // namespace
@@ -188,13 +182,8 @@ std::string identity(const Body& body) {
   for (const Link& link : links)
     fmt::format_to(std::back_inserter(text), "{}-{}\n", link.a, link.b);
 
-  sha256_ctx context;
-  sha256_init(&context);
-  sha256_update(&context, text.size(), reinterpret_cast<const std::uint8_t*>(text.data()));
-  std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
-  sha256_digest(&context, digest.size(), digest.data());
-  constexpr std::size_t identity_bytes = 6;  // 12 hex digits
-  return hex(digest.data(), identity_bytes);
+  constexpr std::size_t identity_digits = 12;
+  return sha256_hex(text).substr(0, identity_digits);
 }
 
 }  // namespace evo

@@ -14,7 +14,7 @@ namespace evo {
 
 enum class Voxel : std::uint8_t { empty, rigid, soft, horizontal, vertical, fixed };
 
-// One letter a voxel: . R S H V # in the order of the enumeration.
+// One letter per voxel: . R S H V # in the order of the enumeration.
 char letter(Voxel voxel);
 std::optional<Voxel> voxel_from_letter(char letter);
 inline bool is_actuator(Voxel v) { return v == Voxel::horizontal || v == Voxel::vertical; }
@@ -39,7 +39,7 @@ struct Body {
   Body() = default;
   // All adjacent pairs of non-empty cells linked.
   Body(int rows, int cols, std::vector<Voxel> cells);
-  // As drawn: one string a row, top row first. Throws Error(data) naming the
+  // As drawn: one string per row, top row first. Throws Error(data) naming the
   // cell for ragged rows or unknown letters.
   static Body from_rows(const std::vector<std::string>& rows);
 

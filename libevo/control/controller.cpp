@@ -6,6 +6,10 @@
 
 namespace evo {
 
+Controller to_controller(const TrainedController& controller) {
+  return std::visit([](const auto& c) { return Controller(c); }, controller);
+}
+
 SineController travelling_wave(int actuators, double amplitude, double period, double phase_step) {
   SineController controller;
   controller.period = period;

@@ -40,6 +40,10 @@ struct ReplayController {
 
 using Controller = std::variant<Policy, SineController, RandomController, ReplayController>;
 
+// Those that a training can find, and a policy file can hold.
+using TrainedController = std::variant<Policy, SineController>;
+Controller to_controller(const TrainedController& controller);
+
 // Targets of step t, [A].
 void act(const SineController& controller, int t, std::span<double> targets);
 

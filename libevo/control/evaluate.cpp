@@ -102,7 +102,7 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
   return result;
 }
 
-// ---- one chooser a kind of controller -------------------------------------------
+// ---- one chooser per kind of controller -------------------------------------------
 
 void require_length(const char* what, std::size_t has, std::size_t needs) {
   if (has != needs)

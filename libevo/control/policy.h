@@ -43,6 +43,15 @@ struct Normalizer {
 //   offset: target = clip(offset + a, low, high), as in the paper's code
 //   squash: target = middle + half * tanh(a), bounded by construction
 enum class ActionMap { offset, squash };
+constexpr const char* word(ActionMap value) {
+  switch (value) {
+    case ActionMap::offset:
+      return "offset";
+    case ActionMap::squash:
+      return "squash";
+  }
+  return nullptr;
+}
 
 struct Policy {
   Network actor;

@@ -17,7 +17,7 @@
 
 namespace evo {
 
-// Samples of a rollout, one a row.
+// Samples of a rollout, one per row.
 struct Samples {
   Matrix states;      // s [M x D], normalised
   Matrix actions;     // a [M x A], before the action map

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "libevo/base/error.h"
+#include "libevo/control/methods.h"
 
 namespace evo {
 namespace {
@@ -55,9 +56,7 @@ void check(const TrainingSettings& s) {
   positive("initial_sigma", s.initial_sigma);
   at_least("shortest_period", s.shortest_period, 2);
   at_least("longest_period", s.longest_period, s.shortest_period);
-  if (s.algorithm == Algorithm::ppo && s.updates() < 1)
-    throw error(Failure::usage, "training: {} steps are less than one rollout of {} x {}", s.steps,
-                s.environments, s.rollout);
+  check_method(s);
 }
 
 }  // namespace evo

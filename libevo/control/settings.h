@@ -5,23 +5,68 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "libevo/control/policy.h"
 
 namespace evo {
 
-// ppo:    a policy network, trained by proximal policy optimisation
-// sine:   open-loop sine waves, optimised by an evolution strategy
-// random: the best of random open-loop sine waves
-enum class Algorithm { ppo, sine, random };
+// What trains, by its name in methods.h:
+//   ppo     a policy network, by proximal policy optimisation
+//   sine    open-loop sine waves, by an evolution strategy
+//   random  the best of random open-loop sine waves
+class Algorithm {
+ public:
+  Algorithm() : Algorithm("ppo") {}
+  // Throws Error(usage) for a name that there is no method of.
+  explicit Algorithm(std::string_view name);
+
+  const std::string& name() const { return name_; }
+  bool operator==(const Algorithm&) const = default;
+
+ private:
+  std::string name_;
+};
+std::vector<std::string> algorithm_names();
 
 enum class Schedule { constant, linear };           // linear: falls to 0 over the horizon
 enum class TimeLimit { end, bootstrap };            // what an episode cut off by time counts as
 enum class Standardize { none, batch, minibatch };  // over what advantages get mean 0, deviation 1
 
+// As profiles write them (libevo/base/words.h).
+constexpr const char* word(Schedule value) {
+  switch (value) {
+    case Schedule::constant:
+      return "constant";
+    case Schedule::linear:
+      return "linear";
+  }
+  return nullptr;
+}
+constexpr const char* word(TimeLimit value) {
+  switch (value) {
+    case TimeLimit::end:
+      return "end";
+    case TimeLimit::bootstrap:
+      return "bootstrap";
+  }
+  return nullptr;
+}
+constexpr const char* word(Standardize value) {
+  switch (value) {
+    case Standardize::none:
+      return "none";
+    case Standardize::batch:
+      return "batch";
+    case Standardize::minibatch:
+      return "minibatch";
+  }
+  return nullptr;
+}
+
 struct TrainingSettings {
-  Algorithm algorithm = Algorithm::ppo;
+  Algorithm algorithm;
   std::int64_t steps = 512000;  // environment steps in all; a budget, never exceeded
 
   // Rollout

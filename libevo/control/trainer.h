@@ -44,11 +44,11 @@ struct TrainingFailure {
 };
 
 struct TrainResult {
-  bool complete = false;                 // not stopped early by the caller
-  std::optional<double> fitness;         // best evaluation; none after a failure
-  std::optional<Controller> controller;  // that reached it: a Policy or a SineController
-  std::int64_t best_step = 0;            // when it did
-  std::int64_t steps = 0;                // environment steps of training
+  bool complete = false;                        // not stopped early by the caller
+  std::optional<double> fitness;                // best evaluation; none after a failure
+  std::optional<TrainedController> controller;  // that reached it
+  std::int64_t best_step = 0;                   // when it did
+  std::int64_t steps = 0;                       // environment steps of training
   std::vector<CurvePoint> curve;
   std::optional<FinalScore> final_score;
   std::optional<TrainingFailure> failure;

@@ -13,7 +13,7 @@ namespace evo {
 
 // A genome made ready for evaluation: the nodes that some output needs, sources
 // first. A node is f(response * aggregate(weight * source) + bias), in single
-// precision, one rounding an operation, sources in ascending order of keys. A
+// precision, one rounding per operation, sources in ascending order of keys. A
 // node without incoming connections gives its bare bias, without f. Disabled
 // connections and those that start at an output do not count.
 class CppnNetwork {

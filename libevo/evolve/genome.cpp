@@ -11,17 +11,6 @@
 namespace evo {
 namespace {
 
-// In the order of the enumerations.
-constexpr std::array activation_table{"sigmoid", "tanh", "sin", "gauss", "identity", "relu", "abs"};
-constexpr std::array aggregation_table{"sum", "product"};
-
-template <typename Enum, std::size_t N>
-std::optional<Enum> from_name(const std::array<const char*, N>& table, std::string_view name) {
-  const auto found = std::find(table.begin(), table.end(), name);
-  if (found == table.end()) return {};
-  return static_cast<Enum>(found - table.begin());
-}
-
 auto node_place(const Genome& genome, int node) {
   return std::lower_bound(genome.nodes.begin(), genome.nodes.end(), node,
                           [](const NodeGene& gene, int key) { return gene.key < key; });
@@ -89,25 +78,6 @@ bool has_cycle(const Genome& genome) {
 }
 
 }  // namespace
-
-const char* name(Activation activation) {
-  return activation_table[static_cast<std::size_t>(activation)];
-}
-const char* name(Aggregation aggregation) {
-  return aggregation_table[static_cast<std::size_t>(aggregation)];
-}
-std::optional<Activation> activation_from_name(std::string_view name) {
-  return from_name<Activation>(activation_table, name);
-}
-std::optional<Aggregation> aggregation_from_name(std::string_view name) {
-  return from_name<Aggregation>(aggregation_table, name);
-}
-std::vector<std::string> activation_names() {
-  return {activation_table.begin(), activation_table.end()};
-}
-std::vector<std::string> aggregation_names() {
-  return {aggregation_table.begin(), aggregation_table.end()};
-}
 
 const NodeGene* find(const Genome& genome, int node) {
   const auto place = node_place(genome, node);

@@ -20,12 +20,34 @@ namespace evo {
 enum class Activation : std::uint8_t { sigmoid, tanh, sin, gauss, identity, relu, abs };
 enum class Aggregation : std::uint8_t { sum, product };
 
-const char* name(Activation activation);
-const char* name(Aggregation aggregation);
-std::optional<Activation> activation_from_name(std::string_view name);
-std::optional<Aggregation> aggregation_from_name(std::string_view name);
-std::vector<std::string> activation_names();
-std::vector<std::string> aggregation_names();
+constexpr const char* word(Activation value) {
+  switch (value) {
+    case Activation::sigmoid:
+      return "sigmoid";
+    case Activation::tanh:
+      return "tanh";
+    case Activation::sin:
+      return "sin";
+    case Activation::gauss:
+      return "gauss";
+    case Activation::identity:
+      return "identity";
+    case Activation::relu:
+      return "relu";
+    case Activation::abs:
+      return "abs";
+  }
+  return nullptr;
+}
+constexpr const char* word(Aggregation value) {
+  switch (value) {
+    case Aggregation::sum:
+      return "sum";
+    case Aggregation::product:
+      return "product";
+  }
+  return nullptr;
+}
 
 struct NodeGene {
   int key = 0;

@@ -35,6 +35,19 @@ struct InitialConnection {
 };
 
 enum class Statistic : std::uint8_t { mean, min, max, median };
+constexpr const char* word(Statistic value) {
+  switch (value) {
+    case Statistic::mean:
+      return "mean";
+    case Statistic::min:
+      return "min";
+    case Statistic::max:
+      return "max";
+    case Statistic::median:
+      return "median";
+  }
+  return nullptr;
+}
 
 struct NeatSettings {  // NOLINT(clang-analyzer-optin.performance.Padding): in reading order
   // Run

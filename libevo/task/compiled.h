@@ -1,13 +1,15 @@
 // A task bound to a robot's world: names turned into indices, once. Private to
 // libevo/task.
 //
-// What a task looks at in a snapshot is measured once and kept in numbered
-// slots; reward terms and conditions compare slots before and after a step.
+// What a task looks at in a snapshot is measured once, as numbered quantities;
+// reward terms and conditions compare quantities before and after a step.
 #pragma once
 
-#include <limits>
+#include <cstddef>
+#include <functional>
 #include <memory>
-#include <variant>
+#include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "libevo/task/env.h"
@@ -19,83 +21,66 @@ namespace evo {
 // ---- measurements -----------------------------------------------------------
 
 struct Measure {
-  // `centre` fills four slots: x, y raw; x, y in voxels. The others fill one.
+  // `centre` is four quantities: x, y raw; x, y in voxels. The others are one.
   enum class Kind { centre, orientation, hull_area, width, height };
   Kind kind = Kind::centre;
   PointRange points;
-  int slot = 0;
-  int reference = -1;  // orientation: which OrientationReference
+  std::size_t first = 0;   // of its quantities
+  int initial_shape = -1;  // orientation: which InitialShape
 };
 
-// Slots of a centre, after its first.
-enum CentreSlot { raw_x, raw_y, voxel_x, voxel_y, centre_slots };
+// Quantities of a centre, counted from its first.
+enum CentreQuantity : std::size_t { raw_x, raw_y, voxel_x, voxel_y, centre_quantities };
 
-// ---- observation ------------------------------------------------------------
+// ---- the pieces of a task, bound ------------------------------------------------
+//
+// Every observation part, condition and reward term becomes a function that has
+// its indices with it (observation.cpp, conditions.cpp, reward.cpp).
 
 namespace compiled {
 
-struct Velocity {
-  PointRange points;
+struct SnapshotView {
+  std::span<const Vec2> positions;
+  std::span<const Vec2> velocities;
 };
-struct Slot {
-  int slot = 0;
-};
-struct RelativePositions {
-  PointRange points;
-  int centre = 0;
-};
-struct Offset {
-  int of = 0;  // first slots of centres
-  int from = 0;
-};
-struct Profile {
-  Terrain::Side side = Terrain::Side::below;
-  int terrain = 0;
-  int centre = 0;
-  double range = 5;
-};
-struct GoalIndex {};
-struct GoalPosition {};
-struct GoalOffset {
-  int x = 0;
-};
-using Part = std::variant<Velocity, Slot, RelativePositions, Offset, Profile, GoalIndex,
-                          GoalPosition, GoalOffset>;
 
-// ---- conditions ---------------------------------------------------------------
+// What a part of the observation sees.
+struct View {
+  const Episode& episode;
+  SnapshotView now;
+  std::span<const double> quantities;  // measured in `now`
+  std::span<const Terrain> terrains;
+};
 
-// above < slot < below and at_least <= slot <= at_most. Raw units, radians.
-struct Within {
-  int slot = 0;
-  double above = -std::numeric_limits<double>::infinity();
-  double below = std::numeric_limits<double>::infinity();
-  double at_least = -std::numeric_limits<double>::infinity();
-  double at_most = std::numeric_limits<double>::infinity();
+// What conditions and reward terms see: quantities before and after the step.
+struct Step {
+  const Episode& episode;  // goals counted already
+  std::span<const double> pre;
+  std::span<const double> post;
 };
-struct GoalsReached {};
-using Test = std::variant<Within, GoalsReached>;
 
-// ---- reward -------------------------------------------------------------------
+// Where a part writes its numbers: as many as it declared, all of them. Throws
+// std::logic_error for one too many.
+class PartWriter {
+ public:
+  explicit PartWriter(std::span<double> out) : rest_(out) {}
 
-struct Change {
-  int slot = 0;
-  bool absolute = false;
+  void add(double value) { take(1)[0] = value; }
+  std::span<double> take(std::size_t count) {
+    if (count > rest_.size()) throw std::logic_error("more numbers than declared");
+    const std::span<double> taken = rest_.first(count);
+    rest_ = rest_.subspan(count);
+    return taken;
+  }
+  bool full() const { return rest_.empty(); }
+
+ private:
+  std::span<double> rest_;
 };
-struct ApproachPlace {
-  int slot = 0;
-  double place = 0.0;
-};
-struct ApproachObject {
-  int slot = 0;
-  int target = 0;
-};
-struct Rotation {
-  int slot = 0;
-};
-struct GoalApproach {
-  int x = 0;
-};
-using Term = std::variant<Change, ApproachPlace, ApproachObject, Rotation, GoalApproach>;
+
+using Part = std::function<void(const View&, PartWriter&)>;
+using Test = std::function<bool(const Step&)>;
+using Term = std::function<double(const Step&)>;  // without its weight
 
 struct WeightedTerm {
   double weight = 1.0;
@@ -113,9 +98,9 @@ struct Rule {
 
 // ---- the whole ----------------------------------------------------------------
 
-// A world an episode plays in. Tasks that draw where objects stand have one an
+// A world an episode plays in. Tasks that draw where objects stand have one per
 // episode, all others one in all.
-struct Stage {
+struct EpisodeWorld {
   Model model;
   std::vector<Terrain> terrains;  // by Arena::Compiled::terrain_objects
 };
@@ -123,12 +108,12 @@ struct Stage {
 struct Arena::Compiled {
   TaskSpec task;
   Body robot;
-  std::shared_ptr<const Stage> stage;  // with all draws at their lowest value
+  std::shared_ptr<const EpisodeWorld> world;  // with all draws at their lowest value
 
   std::vector<Measure> measures;
-  int slots = 0;
-  std::vector<PointRange> orientations;           // objects that need a reference
-  std::vector<std::vector<int>> terrain_objects;  // model objects, one list a Terrain
+  std::size_t quantities = 0;
+  std::vector<PointRange> orientations;           // whose initial shapes are compared
+  std::vector<std::vector<int>> terrain_objects;  // model objects, one list per Terrain
 
   std::vector<compiled::Part> parts;
   std::vector<ObservationSlice> layout;
@@ -139,33 +124,34 @@ struct Arena::Compiled {
   double voxel_length = 0.1;
   bool has_goals = false;
   double goal_radius = 0.0;  // raw
-  int robot_x = 0;           // slot of the robot's raw x, where the task has goals
+  std::size_t robot_x = 0;   // the robot's raw x, where the task has goals
 };
 
 // The task's world with the robot in it.
 World make_world(const TaskSpec& task, const Body& robot, const Draws& draws);
 std::vector<Terrain> make_terrains(const Arena::Compiled& arena, const Model& model);
-std::shared_ptr<const Stage> make_stage(const Arena::Compiled& arena, const Draws& draws);
+std::shared_ptr<const EpisodeWorld> make_episode_world(const Arena::Compiled& arena,
+                                                       const Draws& draws);
 // Names turned into indices; throws Error(data).
 Arena::Compiled bind_task(TaskSpec task, Body robot);
 
-// ---- one step, on slots ---------------------------------------------------------
+// ---- one step, on quantities ------------------------------------------------------
 
-struct SnapshotView {
-  std::span<const Vec2> positions;
-  std::span<const Vec2> velocities;
-};
+// One per orientation of the task, at time 0 of the episode.
+std::vector<InitialShape> make_initial_shapes(const Arena::Compiled& arena,
+                                              std::span<const Vec2> positions);
 
-// One an orientation of the task, at time 0 of the episode.
-std::vector<OrientationReference> make_references(const Arena::Compiled& arena,
-                                                  std::span<const Vec2> positions);
+void measure(const Arena::Compiled& arena, const std::vector<InitialShape>& initial_shapes,
+             std::span<const Vec2> positions, std::vector<Vec2>& work,
+             std::span<double> quantities);
 
-void measure(const Arena::Compiled& arena, const std::vector<OrientationReference>& references,
-             std::span<const Vec2> positions, std::vector<Vec2>& work, std::span<double> slots);
+// Throws std::logic_error where the part does not write what it declared.
+void write_part(const compiled::Part& part, const ObservationSlice& slice,
+                const compiled::View& view, std::span<double> observation);
 
 void observe(const Arena::Compiled& arena, std::span<const Terrain> terrains,
-             const Episode& episode, const SnapshotView& now, std::span<const double> slots,
-             std::span<double> observation);
+             const Episode& episode, const compiled::SnapshotView& now,
+             std::span<const double> quantities, std::span<double> observation);
 
 StepOutcome judge(const Arena::Compiled& arena, Episode& episode, std::span<const double> pre,
                   std::span<const double> post, bool folded);

@@ -33,10 +33,10 @@ Arena::~Arena() = default;
 
 const TaskSpec& Arena::task() const { return compiled_->task; }
 const Body& Arena::robot() const { return compiled_->robot; }
-const Model& Arena::model() const { return compiled_->stage->model; }
+const Model& Arena::model() const { return compiled_->world->model; }
 const std::vector<ObservationSlice>& Arena::layout() const { return compiled_->layout; }
 int Arena::observation_length() const { return compiled_->observation_length; }
-int Arena::action_length() const { return compiled_->stage->model.actuators(); }
+int Arena::action_length() const { return compiled_->world->model.actuators(); }
 
 Draws Arena::draw(std::uint64_t seed, std::uint64_t index) const {
   const TaskSpec& spec = task();
@@ -66,12 +66,12 @@ struct Environment {
   std::size_t action_offset = 0;
   LaneStatus status = LaneStatus::done;
   Episode episode;
-  std::shared_ptr<const Stage> stage;
-  std::vector<OrientationReference> references;
+  std::shared_ptr<const EpisodeWorld> world;
+  std::vector<InitialShape> initial_shapes;
   std::vector<Vec2> positions;  // as queries see them: stale after self-folding
   std::vector<Vec2> velocities;
-  std::vector<double> slots;  // measured in positions
-  std::vector<double> previous_slots;
+  std::vector<double> quantities;  // measured in positions
+  std::vector<double> previous_quantities;
   std::vector<Vec2> work;
 };
 
@@ -99,10 +99,11 @@ bool moves_objects(const TaskSpec& task) {
   });
 }
 
-std::shared_ptr<const Stage> stage_for(const Arena::Compiled& arena, const Draws& draws) {
-  if (!moves_objects(arena.task)) return arena.stage;
+std::shared_ptr<const EpisodeWorld> episode_world_for(const Arena::Compiled& arena,
+                                                      const Draws& draws) {
+  if (!moves_objects(arena.task)) return arena.world;
   try {
-    return make_stage(arena, draws);
+    return make_episode_world(arena, draws);
   } catch (const Error& failure) {
     throw failure.at("task '" + arena.task.name + "' with these draws");
   }
@@ -135,23 +136,23 @@ struct VecEnv::Impl {
       e.action_offset = action_lengths;
       observation_lengths += static_cast<std::size_t>(e.arena->observation_length());
       action_lengths += static_cast<std::size_t>(e.arena->action_length());
-      place(i, e.arena->compiled().stage);
+      place(i, e.arena->compiled().world);
     }
     observations.resize(observation_lengths);
   }
 
-  // On a stage, at rest, in the arrays' final sizes.
-  void place(std::size_t index, std::shared_ptr<const Stage> stage) {
+  // In its world, at rest, in the arrays' final sizes.
+  void place(std::size_t index, std::shared_ptr<const EpisodeWorld> world) {
     Environment& e = environments[index];
     const Arena::Compiled& arena = e.arena->compiled();
-    e.stage = std::move(stage);
+    e.world = std::move(world);
     e.status = LaneStatus::done;
-    batch.place(index, {e.stage, &e.stage->model});
-    e.positions = e.stage->model.initial_positions();
+    batch.place(index, {e.world, &e.world->model});
+    e.positions = e.world->model.initial_positions();
     e.velocities.assign(e.positions.size(), {});
-    e.slots.resize(static_cast<std::size_t>(arena.slots));
-    e.previous_slots.resize(static_cast<std::size_t>(arena.slots));
-    e.references = make_references(arena, e.positions);
+    e.quantities.resize(arena.quantities);
+    e.previous_quantities.resize(arena.quantities);
+    e.initial_shapes = make_initial_shapes(arena, e.positions);
   }
 
   std::span<double> observation(std::size_t index) {
@@ -162,8 +163,8 @@ struct VecEnv::Impl {
 
   void look(std::size_t index) {
     const Environment& e = environments[index];
-    evo::observe(e.arena->compiled(), e.stage->terrains, e.episode, {e.positions, e.velocities},
-                 e.slots, observation(index));
+    evo::observe(e.arena->compiled(), e.world->terrains, e.episode, {e.positions, e.velocities},
+                 e.quantities, observation(index));
   }
 
   void finish(std::size_t index);
@@ -217,16 +218,16 @@ void VecEnv::reset(int environment, const EpisodeStart& start) {
   const Arena::Compiled& arena = e.arena->compiled();
   check_draws(arena.task, start.draws);
 
-  impl.place(index, stage_for(arena, start.draws));
+  impl.place(index, episode_world_for(arena, start.draws));
   if (start.jitter != 0.0) {
     State state = impl.batch.state(index);
     shift(state, start.jitter * arena.voxel_length, start.jitter_seed);
     impl.batch.set_state(index, state);
     impl.batch.read_moving(index, e.positions, e.velocities);
-    e.references = make_references(arena, e.positions);
+    e.initial_shapes = make_initial_shapes(arena, e.positions);
   }
   e.episode = {start.draws, 0, 0};
-  measure(arena, e.references, e.positions, e.work, e.slots);
+  measure(arena, e.initial_shapes, e.positions, e.work, e.quantities);
   impl.look(index);
   impl.rewards[index] = 0.0;
   impl.terminated[index] = 0;
@@ -242,13 +243,13 @@ void VecEnv::Impl::finish(std::size_t index) {
   const Arena::Compiled& arena = e.arena->compiled();
   e.status = batch.status(index);
   const bool folded = e.status == LaneStatus::self_folding;
-  e.previous_slots = e.slots;
+  e.previous_quantities = e.quantities;
   if (!folded) {
     batch.read_moving(index, e.positions, e.velocities);
-    measure(arena, e.references, e.positions, e.work, e.slots);
+    measure(arena, e.initial_shapes, e.positions, e.work, e.quantities);
   }
   look(index);
-  const StepOutcome outcome = judge(arena, e.episode, e.previous_slots, e.slots, folded);
+  const StepOutcome outcome = judge(arena, e.episode, e.previous_quantities, e.quantities, folded);
   rewards[index] = outcome.reward;
   terminated[index] = outcome.terminated ? 1 : 0;
   truncated[index] = outcome.truncated ? 1 : 0;
@@ -304,7 +305,7 @@ std::span<const Vec2> VecEnv::velocities(int environment) const {
   return environment_of(*impl_, environment).velocities;
 }
 const Model& VecEnv::model(int environment) const {
-  return environment_of(*impl_, environment).stage->model;
+  return environment_of(*impl_, environment).world->model;
 }
 
 // ---- checkpoints ------------------------------------------------------------------
@@ -398,7 +399,7 @@ Episode load_episode(ByteReader& in) {
   return episode;
 }
 
-// Everything an environment has but its stage, which follows from the draws,
+// Everything an environment has but its world, which follows from the draws,
 // and contact candidates, which are found again. One list for both directions.
 template <typename State, typename Environment, typename Visit>
 void for_each_array(State& state, Environment& e, Visit visit) {
@@ -411,13 +412,13 @@ void for_each_array(State& state, Environment& e, Visit visit) {
   visit(state.targets);
   visit(e.positions);
   visit(e.velocities);
-  visit(e.slots);
+  visit(e.quantities);
 }
 
-template <typename Reference, typename Visit>
-void for_each_reference_array(Reference& reference, Visit visit) {
-  visit(reference.direction);
-  visit(reference.radius);
+template <typename Shape, typename Visit>
+void for_each_shape_array(Shape& shape, Visit visit) {
+  visit(shape.direction);
+  visit(shape.radius);
 }
 
 }  // namespace
@@ -432,9 +433,9 @@ std::vector<std::uint8_t> VecEnv::save() const {
     const State state = impl.batch.state(i);
     save_episode(out, e.episode);
     for_each_array(state, e, write);
-    for (const OrientationReference& reference : e.references) {
-      for_each_reference_array(reference, write);
-      out.value(reference.radius_sum);
+    for (const InitialShape& shape : e.initial_shapes) {
+      for_each_shape_array(shape, write);
+      out.value(shape.radius_sum);
     }
   }
   write(impl.observations);
@@ -459,13 +460,13 @@ void VecEnv::load(std::span<const std::uint8_t> bytes) {
     e.episode = load_episode(in);
     // Never reset: no draws yet.
     const bool begun = !e.episode.draws.integers.empty() || !moves_objects(arena.task);
-    if (begun) loaded->place(i, stage_for(arena, e.episode.draws));
+    if (begun) loaded->place(i, episode_world_for(arena, e.episode.draws));
     State state = loaded->batch.state(i);
     for_each_array(state, e, read);
     loaded->batch.set_state(i, state);
-    for (OrientationReference& reference : e.references) {
-      for_each_reference_array(reference, read);
-      in.value(reference.radius_sum);
+    for (InitialShape& shape : e.initial_shapes) {
+      for_each_shape_array(shape, read);
+      in.value(shape.radius_sum);
     }
   }
   read(loaded->observations);
@@ -482,11 +483,11 @@ namespace {
 
 std::vector<double> measured(const Arena::Compiled& arena, const Model& model,
                              const Snapshot& snapshot) {
-  std::vector<double> slots(static_cast<std::size_t>(arena.slots));
+  std::vector<double> quantities(arena.quantities);
   std::vector<Vec2> work;
-  measure(arena, make_references(arena, model.initial_positions()), snapshot.positions, work,
-          slots);
-  return slots;
+  measure(arena, make_initial_shapes(arena, model.initial_positions()), snapshot.positions, work,
+          quantities);
+  return quantities;
 }
 
 }  // namespace

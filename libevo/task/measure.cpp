@@ -59,7 +59,7 @@ Vec2 blocked_mean(std::span<const Vec2> p) {
 
 }  // namespace
 
-OrientationReference::OrientationReference(std::span<const Vec2> points) {
+InitialShape::InitialShape(std::span<const Vec2> points) {
   const Vec2 c = blocked_mean(points);
   direction.reserve(points.size());
   radius.reserve(points.size());
@@ -72,16 +72,16 @@ OrientationReference::OrientationReference(std::span<const Vec2> points) {
   }
 }
 
-double orientation(const OrientationReference& reference, std::span<const Vec2> points) {
+double orientation(const InitialShape& initial, std::span<const Vec2> points) {
   const Vec2 c = blocked_mean(points);
   double angles = 0.0;
   double turning = 0.0;  // > 0: clockwise; NaN, so not > 0, for a point in the centre
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec2 u{points[i].x - c.x, points[i].y - c.y};
     const double a = math::sqrt(u.x * u.x + u.y * u.y);
-    const double b = reference.radius[i];
+    const double b = initial.radius[i];
     const Vec2 U{u.x / a, u.y / a};
-    const Vec2 W = reference.direction[i];
+    const Vec2 W = initial.direction[i];
     double cosine = U.x * W.x + U.y * W.y;
     if (a * b < tiny_lengths) cosine = clamped_cosine;
     if (cosine > 1.0) cosine = clamped_cosine;
@@ -89,7 +89,7 @@ double orientation(const OrientationReference& reference, std::span<const Vec2> 
     angles += b * math::acos(cosine);
     turning += U.x * W.y - U.y * W.x;
   }
-  const double angle = angles / reference.radius_sum;
+  const double angle = angles / initial.radius_sum;
   return turning > 0.0 ? 2.0 * released_pi - angle : angle;
 }
 

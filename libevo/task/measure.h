@@ -32,9 +32,9 @@ Centre centre(std::span<const Vec2> points, double voxel_length);
 Vec2 mean(std::span<const Vec2> points);  // running sum
 
 // An object at time 0, prepared for comparing later shapes with it.
-struct OrientationReference {
-  OrientationReference() = default;
-  explicit OrientationReference(std::span<const Vec2> points);
+struct InitialShape {
+  InitialShape() = default;
+  explicit InitialShape(std::span<const Vec2> points);
 
   std::vector<Vec2> direction;  // unit vectors from the centre; NaN in the centre
   std::vector<double> radius;
@@ -44,7 +44,7 @@ struct OrientationReference {
 // How far the object is turned, counter-clockwise, in [0, 2*3.1415926): the
 // mean unsigned angle of its points, weighted by radius, reflected where the
 // points turn clockwise on the whole. Exactly as released, clamps included.
-double orientation(const OrientationReference& reference, std::span<const Vec2> points);
+double orientation(const InitialShape& initial, std::span<const Vec2> points);
 
 // Area of the convex hull. `work` is storage that calls can share.
 double hull_area(std::span<const Vec2> points, std::vector<Vec2>& work);

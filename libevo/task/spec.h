@@ -1,6 +1,9 @@
 // A task as data: a world, where the robot stands in it, what it observes, what
-// it is rewarded for, and when an episode ends. The pieces are a closed list;
-// they combine freely. Spec: tasks. The YAML form is read by formats/task.h.
+// it is rewarded for, and when an episode ends. The pieces are three closed lists,
+// observation parts, conditions and reward terms; they combine freely. What each
+// one does stands in observation.cpp, conditions.cpp and reward.cpp, how it is
+// written in files of those names in formats/ (task_reward.cpp, ..): a piece in a
+// list here that is missing there does not compile. Spec: tasks.
 //
 // Lengths here are in voxels, as tasks are drawn and written; they are turned
 // into raw units as `value * voxel_length`, one rounding, as the benchmark does.
@@ -22,20 +25,33 @@ namespace evo {
 inline constexpr const char* robot_name = "robot";
 
 enum class Axis { x, y };
+constexpr const char* word(Axis value) {
+  switch (value) {
+    case Axis::x:
+      return "x";
+    case Axis::y:
+      return "y";
+  }
+  return nullptr;
+}
 
 // ---- observation ------------------------------------------------------------
 
 namespace observation {
 struct Velocity {
+  static constexpr const char* name = "velocity";
   std::string of;
 };  // 2: mean integrator velocity
 struct Orientation {
+  static constexpr const char* name = "orientation";
   std::string of;
 };  // 1: tasks A.7
 struct RelativePositions {
+  static constexpr const char* name = "relative_positions";
   std::string of;
 };  // 2n: offsets of its n points to the centre, all x then all y
 struct Offset {
+  static constexpr const char* name = "offset";
   std::string of;
   std::string from;
 };  // 2: centre of `of` minus centre of `from`
@@ -43,18 +59,26 @@ struct Offset {
 // below (floor) or above (ceiling), clipped to `range` voxels; tasks A.8. `over`
 // names the objects that count; empty: all but the robot.
 struct Floor {
+  static constexpr const char* name = "floor";
   int width = 5;
   double range = 5;
   std::vector<std::string> over;
 };
 struct Ceiling {
+  static constexpr const char* name = "ceiling";
   int width = 5;
   double range = 5;
   std::vector<std::string> over;
 };
-struct GoalIndex {};     // 1: how many goals have been reached
-struct GoalPosition {};  // 1: the current goal, raw length
-struct GoalOffset {};    // 1: the current goal minus the robot's centre
+struct GoalIndex {
+  static constexpr const char* name = "goal_index";
+};  // 1: how many goals have been reached
+struct GoalPosition {
+  static constexpr const char* name = "goal_position";
+};  // 1: the current goal, raw length
+struct GoalOffset {
+  static constexpr const char* name = "goal_offset";
+};  // 1: the current goal minus the robot's centre
 }  // namespace observation
 
 using ObservationPart =
@@ -68,6 +92,7 @@ using ObservationPart =
 namespace condition {
 // Centre of an object against bounds, voxels.
 struct Position {
+  static constexpr const char* name = "position";
   std::string of;
   Axis axis = Axis::x;
   std::optional<double> above;     // centre > above
@@ -78,10 +103,13 @@ struct Position {
 // Orientation strictly between the tilt limit and its mirror image:
 // degrees < orientation < 360 - degrees.
 struct Tilt {
+  static constexpr const char* name = "tilt";
   std::string of;
   double degrees = 90;
 };
-struct GoalsReached {};  // all goals of the episode
+struct GoalsReached {
+  static constexpr const char* name = "goals_reached";
+};  // all goals of the episode
 }  // namespace condition
 
 using Condition = std::variant<condition::Position, condition::Tilt, condition::GoalsReached>;
@@ -91,38 +119,46 @@ using Condition = std::variant<condition::Position, condition::Tilt, condition::
 // A term's value is weight * what it measures, and 0 unless all of `when` hold.
 namespace reward {
 struct Displacement {
+  static constexpr const char* name = "displacement";
   std::string of;
   Axis axis = Axis::x;
 };  // post - pre of the centre
 struct Distance {
+  static constexpr const char* name = "distance";
   std::string of;
   Axis axis = Axis::x;
 };  // |post - pre|
 // How much nearer `of` came to a place (voxels) or to another object along one
 // axis: |target_pre - centre_pre| - |target_post - centre_post|.
 struct Approach {
+  static constexpr const char* name = "approach";
   std::string of;
   Axis axis = Axis::x;
   std::variant<double, std::string> to;
 };
 struct HullArea {
+  static constexpr const char* name = "hull_area";
   std::string of;
 };  // growth of the convex hull's area
 struct Extent {
+  static constexpr const char* name = "extent";
   std::string of;
   Axis axis = Axis::x;
 };  // growth of max - min
 struct Rotation {
+  static constexpr const char* name = "rotation";
   std::string of;
-};                       // post - pre of the orientation, counted on over whole turns
-struct GoalApproach {};  // how much nearer the robot came to the goal, tasks C
+};  // post - pre of the orientation, counted on over whole turns
+struct GoalApproach {
+  static constexpr const char* name = "goal_approach";
+};  // how much nearer the robot came to the goal, tasks C
+using Term =
+    std::variant<Displacement, Distance, Approach, HullArea, Extent, Rotation, GoalApproach>;
 }  // namespace reward
 
 struct RewardTerm {
   double weight = 1.0;
-  std::variant<reward::Displacement, reward::Distance, reward::Approach, reward::HullArea,
-               reward::Extent, reward::Rotation, reward::GoalApproach>
-      term;
+  reward::Term term;
   std::vector<Condition> when;
 };
 

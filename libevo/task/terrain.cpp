@@ -75,8 +75,8 @@ Terrain::Terrain(const Model& model, const std::vector<int>& objects)
   }
 }
 
-void Terrain::profile(Side side, const Vec2& centre, double range, std::span<const Vec2> positions,
-                      std::span<double> distances) const {
+void Terrain::clearance(Side side, const Vec2& centre, double range,
+                        std::span<const Vec2> positions, std::span<double> distances) const {
   Bins bins(side, centre, distances);
 
   const auto begin = std::upper_bound(columns_.begin(), columns_.end(), bins.left(),

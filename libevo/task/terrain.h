@@ -24,8 +24,8 @@ class Terrain {
   // `centre` (voxels) to the nearest terrain point on that side whose x lies
   // strictly between centre.x + (i - width) -+ 0.5. Result in raw units.
   // `positions`: all points of the world, raw units.
-  void profile(Side side, const Vec2& centre, double range, std::span<const Vec2> positions,
-               std::span<double> bins) const;
+  void clearance(Side side, const Vec2& centre, double range, std::span<const Vec2> positions,
+                 std::span<double> bins) const;
 
  private:
   struct Column {

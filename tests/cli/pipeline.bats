@@ -131,7 +131,7 @@ kill_and_repeat() {
   [ ! -e run ] || [ ! -e run/gen-000 ]
 }
 
-@test "live: a line a generation in a file, one redrawn line on a terminal, no two at once" {
+@test "live: a line per generation in a file, one redrawn line on a terminal, no two at once" {
   needs_terminal
   run_make ga run -j2 > log 2>&1
   [ "$(grep -c 'robots  best' log)" -eq "$(ls -d run/gen-* | wc -l)" ]

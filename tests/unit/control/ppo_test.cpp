@@ -210,7 +210,7 @@ TEST_CASE("gradients are scaled down to the largest norm allowed, never up") {
 
 namespace {
 
-// Points on a line, one a environment, pushed by an action in [0.6, 1.6] about
+// Points on a line, one per environment, pushed by an action in [0.6, 1.6] about
 // 1.1, rewarded for being near the origin; episodes last 20 steps.
 struct PointMasses {
   explicit PointMasses(int n, std::uint64_t seed)

@@ -78,7 +78,7 @@ TEST_CASE("a training takes its updates, evaluates when due, and keeps the best"
   // The controller kept is the one that was evaluated.
   EvaluationSettings evaluation;
   evaluation.seed = 1;
-  CHECK(evaluate(arena, *result.controller, evaluation).mean() == *result.fitness);
+  CHECK(evaluate(arena, to_controller(*result.controller), evaluation).mean() == *result.fitness);
   REQUIRE(result.final_score);
   CHECK(result.final_score->episodes == 3);
   CHECK(result.final_score->standard_error > 0.0);
@@ -87,7 +87,7 @@ TEST_CASE("a training takes its updates, evaluates when due, and keeps the best"
 TEST_CASE("a resumed training ends with the same bytes") {
   const Arena arena(test::walker(10), test::small_body());
   const TrainingSettings settings =
-      GENERATE(brief(), brief_search(Algorithm::sine), brief_search(Algorithm::random));
+      GENERATE(brief(), brief_search(Algorithm("sine")), brief_search(Algorithm("random")));
   const int before = GENERATE(0, 2, 4);
   Trainer whole(arena, settings, 5, "robot");
   for (int i = 0; i < before; ++i) whole.advance();
@@ -103,7 +103,7 @@ TEST_CASE("a resumed training ends with the same bytes") {
 TEST_CASE("results depend on seed and robot id, and on nothing else") {
   const Arena arena(test::walker(10), test::small_body());
   const TrainingSettings settings =
-      GENERATE(brief(), brief_search(Algorithm::sine), brief_search(Algorithm::random));
+      GENERATE(brief(), brief_search(Algorithm("sine")), brief_search(Algorithm("random")));
   const auto run = [&](std::uint64_t seed, const char* id) {
     Trainer trainer(arena, settings, seed, id);
     return train(trainer);
@@ -162,7 +162,7 @@ TEST_CASE("a training that diverges is a failure record, not an exception") {
 
 TEST_CASE("open-loop searches stay within their budget") {
   const Arena arena(test::walker(10), test::small_body());
-  const Algorithm algorithm = GENERATE(Algorithm::sine, Algorithm::random);
+  const Algorithm algorithm = GENERATE(Algorithm("sine"), Algorithm("random"));
   Trainer trainer(arena, brief_search(algorithm), 1, "robot");
   const TrainResult result = train(trainer);
   CHECK(result.complete);
@@ -172,7 +172,7 @@ TEST_CASE("open-loop searches stay within their budget") {
   CHECK(std::holds_alternative<SineController>(*result.controller));
   EvaluationSettings evaluation;
   evaluation.seed = 1;
-  CHECK(evaluate(arena, *result.controller, evaluation).mean() == *result.fitness);
+  CHECK(evaluate(arena, to_controller(*result.controller), evaluation).mean() == *result.fitness);
 }
 
 namespace {
@@ -234,7 +234,7 @@ TEST_CASE("an optimised wave walks farther than the best of as many random ones"
     Trainer trainer(arena, settings, 1, "robot");
     return *train(trainer).fitness;
   };
-  CHECK(best(Algorithm::sine) > best(Algorithm::random));
+  CHECK(best(Algorithm("sine")) > best(Algorithm("random")));
 }
 
 TEST_CASE("settings that make no sense are refused by name") {
@@ -255,10 +255,18 @@ TEST_CASE("settings that make no sense are refused by name") {
   CHECK_THAT(message([](auto& s) { s.minibatches = 65; }), Catch::Contains("minibatches is 65"));
   CHECK_THAT(message([](auto& s) { s.steps = 63; }), Catch::Contains("63 steps"));
   CHECK_THAT(message([](auto& s) {
-               s.algorithm = Algorithm::sine;
+               s.algorithm = Algorithm("sine");
                s.steps = 100;
              }),
              Catch::Contains("one generation"));
+}
+
+TEST_CASE("an algorithm is one of the list") {
+  CHECK(algorithm_names() == std::vector<std::string>{"ppo", "sine", "random"});
+  CHECK(Algorithm().name() == "ppo");
+  for (const std::string& name : algorithm_names()) CHECK(Algorithm(name).name() == name);
+  CHECK_THROWS_WITH(Algorithm("sin"),
+                    "unknown algorithm 'sin' (did you mean 'sine'?); there are ppo, sine, random");
 }
 
 TEST_CASE("a checkpoint of another training is refused") {
@@ -268,6 +276,8 @@ TEST_CASE("a checkpoint of another training is refused") {
   wider.hidden = {32, 32};
   Trainer two(arena, wider, 1, "robot");
   CHECK_THROWS_AS(two.restore(one.checkpoint()), Error);
-  Trainer search(arena, brief_search(Algorithm::sine), 1, "robot");
+  Trainer search(arena, brief_search(Algorithm("sine")), 1, "robot");
   CHECK_THROWS_AS(search.restore(one.checkpoint()), Error);
+  Trainer draws(arena, brief_search(Algorithm("random")), 1, "robot");
+  CHECK_THROWS_AS(search.restore(draws.checkpoint()), Error);
 }

@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
+#include "libevo/base/words.h"
+
 using namespace evo;
 
 namespace {
@@ -79,9 +81,8 @@ TEST_CASE("a genome that is no feed-forward network is told why") {
 }
 
 TEST_CASE("functions have the names they are written with") {
-  for (const std::string& text : activation_names())
-    CHECK(name(activation_from_name(text).value()) == text);
-  for (const std::string& text : aggregation_names())
-    CHECK(name(aggregation_from_name(text).value()) == text);
-  CHECK_FALSE(activation_from_name("Sigmoid"));
+  for (const std::string& text : words_of<Activation>())
+    CHECK(word(from_word<Activation>(text).value()) == text);
+  CHECK(words_of<Aggregation>() == std::vector<std::string>{"sum", "product"});
+  CHECK_FALSE(from_word<Activation>("Sigmoid"));
 }

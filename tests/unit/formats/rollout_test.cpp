@@ -193,7 +193,7 @@ TEST_CASE("Rollout: a minimal episode is enough") {
 TEST_CASE("Rollout: what makes no sense is refused with file and dataset") {
   CHECK(contains(refused_after([](auto& f) { f.group("/x"); }), "no episodes"));
   CHECK(contains(refused_after([](auto& f) { f.attribute("/", "format", "evo/policy"); }),
-                 "/@format: 'evo/policy' is not a rollout"));
+                 "/@format: format 'evo/rollout' is expected, found 'evo/policy'"));
   CHECK(contains(refused_after([](auto& f) { f.attribute("/", "version", 2); }),
                  "evo/rollout version 2 is newer"));
   CHECK(contains(refused_after([](auto& f) { f.group("/episode_0"); }),

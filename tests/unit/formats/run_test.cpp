@@ -113,7 +113,7 @@ TEST_CASE("what is no run, or of a newer program, is refused") {
              Catch::Contains("without run.yaml"));
   write_file(path / "run.yaml", "task: Walker-v0\n");
   CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
-             Catch::Contains("no 'format: evo/run'"));
+             Catch::Contains("format 'evo/run' is expected, found none"));
   write_file(path / "run.yaml", "format: evo/run\nversion: 2\n");
   CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }), Catch::Contains("newer"));
   write_file(path / "run.yaml", "format: evo/run\nversion: 1\nlayout: spiral\n");

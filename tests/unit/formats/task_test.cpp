@@ -324,6 +324,28 @@ TEST_CASE("other YAML in a data folder is no task") {
 
 // ---- worlds ---------------------------------------------------------------------------------
 
+TEST_CASE("a task that is there but cannot be read is not called unknown") {
+  const fs::path folder = fs::temp_directory_path() / "evo_task_test_broken";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  const auto write = [&](const char* name, const std::string& text) {
+    std::ofstream(folder / name) << text;
+  };
+  write("broken.yaml", "format: evo/task\nname: [broken\n");
+  write("walk.yaml",
+        "format: evo/task\nname: walk\naliases: [stroll]\n" + good.substr(good.find("steps:")));
+  CHECK_THROWS_WITH(load_task("broken", {folder}),
+                    Catch::StartsWith((folder / "broken.yaml").string() + ":"));
+  CHECK_THROWS_WITH(task_names({folder}),
+                    Catch::StartsWith((folder / "broken.yaml").string() + ":"));
+  // Other tasks are found all the same; what is not found may be in it.
+  CHECK(load_task("walk", {folder}).name == "walk");
+  CHECK(load_task("stroll", {folder}).name == "walk");
+  CHECK_THROWS_WITH(load_task("run", {folder}),
+                    Catch::StartsWith("unknown task 'run'") && Catch::Contains("broken.yaml:2"));
+  fs::remove_all(folder);
+}
+
 TEST_CASE("a picture with a legend, parts and rows draw the same world") {
   const auto objects = [](const std::string& world) {
     const std::string text =

@@ -12,7 +12,7 @@ namespace {
 
 using Catch::Matchers::Contains;
 
-TEST_CASE("50 frames a second show every step, other rates and speeds their share") {
+TEST_CASE("50 frames per second show every step, other rates and speeds their share") {
   RenderOptions options;
   CHECK(timeline(options, 4) == std::vector<double>{0, 1, 2, 3, 4});
   options.fps = 25;

@@ -45,7 +45,7 @@ TEST_CASE("the number of workers changes no byte") {
   }
 }
 
-TEST_CASE("a sequence has a file a frame, equal to the picture of that moment") {
+TEST_CASE("a sequence has a file per frame, equal to the picture of that moment") {
   const Folder folder;
   const Rollout rollout = example::simulate("Walker-v0", example::walker, 6);
   RenderOptions options = tiny();

@@ -76,14 +76,14 @@ TEST_CASE("the centre is the mean, in voxels and through voxels") {
 
 TEST_CASE("a rigid turn is its own orientation") {
   const auto points = random_points(9, 1);
-  const OrientationReference reference(points);
+  const InitialShape initial(points);
   for (const double angle : {0.01, 0.5, 1.5, 3.0}) {
     const Vec2 shift{3.0, -1.0};
-    CHECK(orientation(reference, turned(points, angle, shift)) == Approx(angle).margin(1e-9));
-    CHECK(orientation(reference, turned(points, -angle, shift)) ==
+    CHECK(orientation(initial, turned(points, angle, shift)) == Approx(angle).margin(1e-9));
+    CHECK(orientation(initial, turned(points, -angle, shift)) ==
           Approx(2.0 * released_pi - angle).margin(1e-9));
   }
-  CHECK(orientation(reference, turned(points, 1.5 * pi)) ==
+  CHECK(orientation(initial, turned(points, 1.5 * pi)) ==
         Approx(2.0 * released_pi - 0.5 * pi).margin(1e-9));
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("the clamps make the orientation at the start a little more than 0") {
   const double clamp = std::acos(0.99999);
   for (std::uint64_t index = 0; index < 50; ++index) {
     const auto points = random_points(11, 100 + index);
-    const double angle = orientation(OrientationReference(points), points);
+    const double angle = orientation(InitialShape(points), points);
     CHECK(angle >= 0.0);
     CHECK(angle <= clamp + 1e-12);
   }
@@ -99,27 +99,26 @@ TEST_CASE("the clamps make the orientation at the start a little more than 0") {
 
 TEST_CASE("deformation alone gives a positive orientation") {
   auto points = random_points(9, 2);
-  const OrientationReference reference(points);
+  const InitialShape initial(points);
   for (Vec2& p : points) p.x *= 1.3;
-  CHECK(orientation(reference, points) > 0.01);
+  CHECK(orientation(initial, points) > 0.01);
 }
 
 TEST_CASE("a point in the centre switches the reflection off") {
   // Exact numbers, so that the centre is hit exactly.
   const std::vector<Vec2> square{{0, 0}, {4, 0}, {0, 4}, {4, 4}, {2, 2}};
-  const OrientationReference reference(square);
+  const InitialShape initial(square);
   const std::vector<Vec2> clockwise{{0, 4}, {0, 0}, {4, 4}, {4, 0}, {2, 2}};  // a quarter turn
-  CHECK(orientation(reference, clockwise) == Approx(pi / 2.0));
+  CHECK(orientation(initial, clockwise) == Approx(pi / 2.0));
   const std::vector<Vec2> corners(square.begin(), square.end() - 1);
   const std::vector<Vec2> turned_corners(clockwise.begin(), clockwise.end() - 1);
-  CHECK(orientation(OrientationReference(corners), turned_corners) ==
-        Approx(2.0 * released_pi - pi / 2.0));
+  CHECK(orientation(InitialShape(corners), turned_corners) == Approx(2.0 * released_pi - pi / 2.0));
 }
 
 TEST_CASE("opposite directions are clamped, too") {
   const std::vector<Vec2> points{{-1, 0}, {1, 0}, {0, 0.5}};
-  const OrientationReference reference(points);
-  const double angle = orientation(reference, turned(points, pi));
+  const InitialShape initial(points);
+  const double angle = orientation(initial, turned(points, pi));
   CHECK(angle == Approx(pi).margin(0.01));
 }
 

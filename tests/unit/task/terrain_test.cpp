@@ -64,7 +64,7 @@ struct Fixture {
 
 }  // namespace
 
-TEST_CASE("profiles are what their definition says") {
+TEST_CASE("clearances are what their definition says") {
   Fixture f;
   Stream stream(4, "test/terrain");
   for (std::uint64_t round = 0; round < 300; ++round) {
@@ -77,7 +77,7 @@ TEST_CASE("profiles are what their definition says") {
     const double range = round % 4 == 0 ? 2.0 : 5.0;
     for (const auto side : {Terrain::Side::below, Terrain::Side::above}) {
       std::vector<double> bins(static_cast<std::size_t>(2 * d + 1));
-      f.all.profile(side, c, range, f.positions, bins);
+      f.all.clearance(side, c, range, f.positions, bins);
       CHECK(bins == by_definition(side, c, d, range, f.positions));
     }
   }
@@ -87,9 +87,9 @@ TEST_CASE("only the objects named count") {
   const Fixture f;
   const Terrain roof(f.model, {f.model.object_index("roof")});
   std::vector<double> bins(3);
-  roof.profile(Terrain::Side::below, {5.2, 8.0}, 5.0, f.positions, bins);
+  roof.clearance(Terrain::Side::below, {5.2, 8.0}, 5.0, f.positions, bins);
   CHECK(bins == std::vector<double>{0.5, 0.5, 0.5});
-  roof.profile(Terrain::Side::above, {5.2, 8.0}, 5.0, f.positions, bins);
+  roof.clearance(Terrain::Side::above, {5.2, 8.0}, 5.0, f.positions, bins);
   for (const double bin : bins) CHECK(bin == Approx(0.1));
 }
 
@@ -97,8 +97,8 @@ TEST_CASE("a centre that is not a number gives no distance and does no harm") {
   const Fixture f;
   const double nan = std::nan("");
   std::vector<double> bins(11);
-  f.all.profile(Terrain::Side::below, {nan, nan}, 5.0, f.positions, bins);
+  f.all.clearance(Terrain::Side::below, {nan, nan}, 5.0, f.positions, bins);
   CHECK(std::isnan(bins[0]));
-  f.all.profile(Terrain::Side::below, {1e300, 2.0}, 5.0, f.positions, bins);
+  f.all.clearance(Terrain::Side::below, {1e300, 2.0}, 5.0, f.positions, bins);
   CHECK(bins[5] == 0.5);
 }

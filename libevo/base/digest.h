@@ -1,0 +1,12 @@
+// SHA-256, which names robots and marks the settings of trainings.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace evo {
+
+// 64 lower-case hex digits.
+std::string sha256_hex(std::string_view text);
+
+}  // namespace evo

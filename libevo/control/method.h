@@ -1,0 +1,68 @@
+// What every way of training shares: the job it is given, what it has found so
+// far, and what the Trainer asks of it.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libevo/control/checkpoint.h"
+#include "libevo/control/evaluate.h"
+#include "libevo/control/settings.h"
+#include "libevo/control/trainer.h"
+
+namespace evo {
+
+struct TrainingJob {
+  const Arena& arena;
+  TrainingSettings settings;
+  std::uint64_t seed = 0;
+  std::string robot_id;  // names the random streams
+
+  // Evaluations meet the same episodes for every robot.
+  EvaluationSettings evaluation() const;
+};
+
+struct Findings {
+  std::int64_t steps = 0;  // environment steps taken
+  std::vector<CurvePoint> curve;
+  std::optional<double> fitness;
+  std::optional<TrainedController> best;
+  std::int64_t best_step = 0;
+  std::optional<TrainingFailure> failure;
+
+  // Adds a point to the curve, and keeps the controller if it is strictly better
+  // than all before.
+  void evaluated(double value, const TrainedController& controller);
+};
+
+using Metrics = std::vector<Metric>;
+
+// eval/return and eval/best of the evaluation just made.
+void report_evaluation(const Findings& findings, Metrics& metrics);
+
+// A way of training. libevo/control/methods.h lists them all; the list is the
+// only place that has to know of a new one.
+template <typename T>
+concept TrainingMethod = std::movable<T> && std::constructible_from<T, const TrainingJob&> &&
+    requires(T method, const T& constant, const TrainingJob& job, Findings& findings,
+             const Findings& found, Metrics& metrics, Checkpoint& out, const Checkpoint& in,
+             const TrainingSettings& settings) {
+  // As profiles and --algo name it.
+  { T::name } -> std::convertible_to<const char*>;
+  // Throws Error(usage) for settings that make no sense with this method.
+  T::check(settings);
+  { constant.done(job, found) } -> std::same_as<bool>;
+  // One update or generation, and the evaluation where one is due. Throws
+  // Error(work) where numbers leave the finite ones.
+  method.advance(job, findings, metrics);
+  // All that the method needs to go on to the same bytes.
+  constant.save(out);
+  method.load(in);
+  // A controller of the shape this method finds, to load the best one into.
+  { constant.blank() } -> std::convertible_to<TrainedController>;
+};
+
+}  // namespace evo

@@ -1,0 +1,46 @@
+#include "libevo/control/methods.h"
+
+#include <fmt/ranges.h>
+
+#include <optional>
+#include <utility>
+
+#include "libevo/base/alternatives.h"
+#include "libevo/base/error.h"
+
+namespace evo {
+namespace {
+
+// Calls function(std::type_identity<T>{}) for the method of this name.
+template <typename Function>
+void with_method(const Algorithm& algorithm, Function function) {
+  for_each_alternative<Method>([&]<typename T>(std::type_identity<T> type) {
+    static_assert(TrainingMethod<T>);
+    if (algorithm.name() == T::name) function(type);
+  });
+}
+
+}  // namespace
+
+std::vector<std::string> algorithm_names() { return names_of<Method>(); }
+
+Algorithm::Algorithm(std::string_view name) : name_(name) {
+  bool known = false;
+  with_method(*this, [&](auto) { known = true; });
+  if (!known)
+    throw error(Failure::usage, "unknown algorithm '{}'{}; there are {}", name,
+                did_you_mean(name_, algorithm_names()), fmt::join(algorithm_names(), ", "));
+}
+
+void check_method(const TrainingSettings& settings) {
+  with_method(settings.algorithm, [&]<typename T>(std::type_identity<T>) { T::check(settings); });
+}
+
+Method make_method(const TrainingJob& job) {
+  std::optional<Method> method;
+  with_method(job.settings.algorithm,
+              [&]<typename T>(std::type_identity<T>) { method.emplace(T(job)); });
+  return std::move(method).value();
+}
+
+}  // namespace evo

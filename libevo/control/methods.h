@@ -1,0 +1,23 @@
+// The ways of training. A new one is a class that fulfils TrainingMethod
+// (method.h) and a line here: profiles, --algo, messages and checkpoints know it
+// by its name from then on.
+#pragma once
+
+#include <variant>
+
+#include "libevo/control/ppo_training.h"
+#include "libevo/control/wave_search.h"
+
+namespace evo {
+
+using Method = std::variant<PpoTraining,    // ppo
+                            SineTraining,   // sine
+                            RandomTraining  // random
+                            >;
+
+// The method that settings.algorithm names, ready to begin.
+Method make_method(const TrainingJob& job);
+// What it has to say about the settings; throws Error(usage).
+void check_method(const TrainingSettings& settings);
+
+}  // namespace evo

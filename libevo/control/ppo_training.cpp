@@ -1,0 +1,100 @@
+#include "libevo/control/ppo_training.h"
+
+#include "libevo/base/error.h"
+
+namespace evo {
+
+void PpoTraining::check(const TrainingSettings& s) {
+  if (s.updates() < 1)
+    throw error(Failure::usage, "training: {} steps are less than one rollout of {} x {}", s.steps,
+                s.environments, s.rollout);
+}
+
+PpoTraining::PpoTraining(const TrainingJob& job)
+    : env_(job.arena, job.settings.environments),
+      ppo_(job.settings, job.arena.observation_length(), job.arena.action_length(),
+           job.arena.task().physics.min_target, job.arena.task().physics.max_target, job.seed,
+           job.robot_id),
+      next_episode_(static_cast<std::size_t>(job.settings.environments), 0),
+      episode_return_(next_episode_.size(), 0.0) {
+  for (int e = 0; e < env_.environments(); ++e) start_episode(job, e);
+  ppo_.observe(env_.observations());
+}
+
+bool PpoTraining::done(const TrainingJob& job, const Findings&) const {
+  return ppo_.updates() >= job.settings.updates();
+}
+
+void PpoTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
+  std::vector<double> returns;
+  for (int t = 0; t < job.settings.rollout; ++t) {
+    step(job, returns);
+    findings.steps += env_.environments();
+    require_finite();
+  }
+  const UpdateReport update = ppo_.learn();
+  require_finite();
+
+  metrics = {{"charts/learning_rate", update.learning_rate},
+             {"losses/policy_loss", update.losses.policy},
+             {"losses/value_loss", update.losses.value},
+             {"losses/entropy", update.losses.entropy},
+             {"losses/approx_kl", update.losses.approx_kl},
+             {"losses/clipfrac", update.losses.clipfrac},
+             {"losses/explained_variance", update.explained_variance}};
+  if (!returns.empty()) {
+    double sum = 0.0;
+    for (const double r : returns) sum += r;
+    metrics.push_back({"charts/episodic_return", sum / static_cast<double>(returns.size())});
+  }
+  if (ppo_.updates() % job.settings.evaluation_interval == 0 || done(job, findings)) {
+    const Policy& policy = ppo_.policy();
+    findings.evaluated(evaluate(job.arena, policy, job.evaluation()).mean(), policy);
+    report_evaluation(findings, metrics);
+  }
+}
+
+void PpoTraining::save(Checkpoint& checkpoint) const {
+  ppo_.save(checkpoint);
+  checkpoint.put("environments/state", env_.save());
+  checkpoint.put("environments/next_episode", next_episode_);
+  checkpoint.put("environments/episode_return", episode_return_);
+}
+
+void PpoTraining::load(const Checkpoint& checkpoint) {
+  ppo_.load(checkpoint);
+  env_.load(checkpoint.get<std::uint8_t>("environments/state"));
+  next_episode_ = checkpoint.get<std::uint64_t>("environments/next_episode", next_episode_.size());
+  episode_return_ = checkpoint.get<double>("environments/episode_return", episode_return_.size());
+}
+
+void PpoTraining::start_episode(const TrainingJob& job, int environment) {
+  const auto e = static_cast<std::size_t>(environment);
+  const std::uint64_t stream = derive_seed(job.seed, "train", e);
+  EpisodeStart start;
+  start.draws = job.arena.draw(stream, next_episode_[e]++);
+  env_.reset(environment, start);
+  episode_return_[e] = 0.0;
+}
+
+void PpoTraining::step(const TrainingJob& job, std::vector<double>& returns) {
+  const std::span<const double> targets = ppo_.act();
+  require_finite();
+  env_.step(targets);
+  require_stable(env_);
+  ppo_.reward(env_.rewards(), env_.terminated(), env_.truncated(), env_.observations());
+  for (int e = 0; e < env_.environments(); ++e) {
+    const auto i = static_cast<std::size_t>(e);
+    episode_return_[i] += env_.rewards()[i];
+    if (env_.terminated()[i] == 0 && env_.truncated()[i] == 0) continue;
+    returns.push_back(episode_return_[i]);
+    start_episode(job, e);
+  }
+  ppo_.observe(env_.observations());
+}
+
+void PpoTraining::require_finite() const {
+  if (ppo_.divergence()) throw Error(Failure::work, *ppo_.divergence());
+}
+
+}  // namespace evo

@@ -1,0 +1,39 @@
+// Training a policy by proximal policy optimisation: environments, episodes and
+// evaluations around the learner of ppo.h.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "libevo/control/method.h"
+#include "libevo/control/ppo.h"
+
+namespace evo {
+
+class PpoTraining {
+ public:
+  static constexpr const char* name = "ppo";
+  static void check(const TrainingSettings& settings);
+
+  explicit PpoTraining(const TrainingJob& job);
+
+  bool done(const TrainingJob& job, const Findings& findings) const;
+  void advance(const TrainingJob& job, Findings& findings, Metrics& metrics);  // one update
+  void save(Checkpoint& checkpoint) const;
+  void load(const Checkpoint& checkpoint);
+  Policy blank() const { return ppo_.policy(); }
+
+ private:
+  // Episode k of environment e has the draws of (seed, "train", e, k).
+  void start_episode(const TrainingJob& job, int environment);
+  // One step of every environment; the returns of episodes that ended are added.
+  void step(const TrainingJob& job, std::vector<double>& returns);
+  void require_finite() const;
+
+  VecEnv env_;
+  Ppo ppo_;
+  std::vector<std::uint64_t> next_episode_;  // [E] of each environment
+  std::vector<double> episode_return_;       // [E] so far
+};
+
+}  // namespace evo

@@ -1,0 +1,146 @@
+// Observation parts: for each its length, its words in the layout, and what it
+// writes. Spec: tasks, A.5 to A.8.
+#include <fmt/format.h>
+
+#include "libevo/task/binder.h"
+
+namespace evo {
+namespace {
+
+using compiled::Part;
+using compiled::PartWriter;
+using compiled::View;
+
+// ---- motion and shape -------------------------------------------------------------
+
+int length(const observation::Velocity&, int /*points*/) { return 2; }
+std::string arguments(const observation::Velocity& part) { return part.of; }
+Part bind_one(const observation::Velocity& part, Binder& bind) {
+  return [points = bind.points(part.of)](const View& view, PartWriter& out) {
+    const Vec2 v = mean(points.of(view.now.velocities));
+    out.add(v.x);
+    out.add(v.y);
+  };
+}
+
+int length(const observation::Orientation&, int) { return 1; }
+std::string arguments(const observation::Orientation& part) { return part.of; }
+Part bind_one(const observation::Orientation& part, Binder& bind) {
+  return [angle = bind.orientation(part.of)](const View& view, PartWriter& out) {
+    out.add(view.quantities[angle]);
+  };
+}
+
+int length(const observation::RelativePositions&, int points) { return 2 * points; }
+std::string arguments(const observation::RelativePositions& part) { return part.of; }
+Part bind_one(const observation::RelativePositions& part, Binder& bind) {
+  return [range = bind.points(part.of), centre = bind.centre(part.of), voxel = bind.voxel_length()](
+             const View& view, PartWriter& out) {
+    const auto points = range.of(view.now.positions);
+    const double x = view.quantities[centre + raw_x];
+    const double y = view.quantities[centre + raw_y];
+    for (const Vec2& p : points) out.add(p.x / voxel * voxel - x);
+    for (const Vec2& p : points) out.add(p.y / voxel * voxel - y);
+  };
+}
+
+int length(const observation::Offset&, int) { return 2; }
+std::string arguments(const observation::Offset& part) {
+  return fmt::format("{} from {}", part.of, part.from);
+}
+Part bind_one(const observation::Offset& part, Binder& bind) {
+  const std::size_t of = bind.centre(part.of);
+  const std::size_t from = bind.centre(part.from);
+  return [of, from](const View& view, PartWriter& out) {
+    out.add(view.quantities[of + raw_x] - view.quantities[from + raw_x]);
+    out.add(view.quantities[of + raw_y] - view.quantities[from + raw_y]);
+  };
+}
+
+// ---- clearance from terrain ---------------------------------------------------------
+
+template <typename Clearance>
+Part bind_clearance(const Clearance& part, Terrain::Side side, Binder& bind) {
+  const std::size_t terrain = bind.terrain(part.over);
+  const std::size_t robot = bind.centre(robot_name);
+  const auto columns = static_cast<std::size_t>(2 * part.width + 1);
+  return [=, range = part.range](const View& view, PartWriter& out) {
+    const Vec2 centre{view.quantities[robot + voxel_x], view.quantities[robot + voxel_y]};
+    view.terrains[terrain].clearance(side, centre, range, view.now.positions, out.take(columns));
+  };
+}
+
+int length(const observation::Floor& part, int) { return 2 * part.width + 1; }
+std::string arguments(const observation::Floor& part) { return fmt::format("{}", part.width); }
+Part bind_one(const observation::Floor& part, Binder& bind) {
+  return bind_clearance(part, Terrain::Side::below, bind);
+}
+
+int length(const observation::Ceiling& part, int) { return 2 * part.width + 1; }
+std::string arguments(const observation::Ceiling& part) { return fmt::format("{}", part.width); }
+Part bind_one(const observation::Ceiling& part, Binder& bind) {
+  return bind_clearance(part, Terrain::Side::above, bind);
+}
+
+// ---- goals ----------------------------------------------------------------------------
+
+int length(const observation::GoalIndex&, int) { return 1; }
+std::string arguments(const observation::GoalIndex&) { return ""; }
+Part bind_one(const observation::GoalIndex& part, Binder& bind) {
+  bind.need_goals(part.name);
+  return [](const View& view, PartWriter& out) { out.add(view.episode.goal); };
+}
+
+int length(const observation::GoalPosition&, int) { return 1; }
+std::string arguments(const observation::GoalPosition&) { return ""; }
+Part bind_one(const observation::GoalPosition& part, Binder& bind) {
+  bind.need_goals(part.name);
+  return [voxel = bind.voxel_length()](const View& view, PartWriter& out) {
+    out.add(current_goal(view.episode, voxel));
+  };
+}
+
+int length(const observation::GoalOffset&, int) { return 1; }
+std::string arguments(const observation::GoalOffset&) { return ""; }
+Part bind_one(const observation::GoalOffset& part, Binder& bind) {
+  bind.need_goals(part.name);
+  return [robot = bind.centre(robot_name, Axis::x), voxel = bind.voxel_length()](const View& view,
+                                                                                 PartWriter& out) {
+    out.add(current_goal(view.episode, voxel) - view.quantities[robot]);
+  };
+}
+
+}  // namespace
+
+// ---- any of them ------------------------------------------------------------------------
+
+compiled::Part bind_part(const ObservationPart& part, Binder& bind) {
+  return std::visit([&](const auto& p) { return bind_one(p, bind); }, part);
+}
+
+std::string part_name(const ObservationPart& part) {
+  return std::visit(
+      [](const auto& p) {
+        const std::string in_brackets = arguments(p);
+        return in_brackets.empty() ? std::string(p.name)
+                                   : fmt::format("{}({})", p.name, in_brackets);
+      },
+      part);
+}
+
+int part_length(const ObservationPart& part, int points) {
+  return std::visit([&](const auto& p) { return length(p, points); }, part);
+}
+
+std::string part_object(const ObservationPart& part) {
+  return std::visit(
+      [](const auto& p) -> std::string {
+        if constexpr (requires { p.of; })
+          return p.of;
+        else
+          return "";
+      },
+      part);
+}
+
+}  // namespace evo

@@ -11,7 +11,6 @@
 #include <variant>
 
 #include "formats/format.h"
-#include "formats/profile.h"
 #include "libevo/base/words.h"
 
 namespace evo {

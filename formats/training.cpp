@@ -201,12 +201,12 @@ std::string value_text(const T& settings, const Setting& setting) {
 std::string kind_of(const Setting& setting) {
   return std::visit(
       [](auto member) -> std::string {
-        using V = std::remove_reference_t<decltype(std::declval<T&>().*member)>;
-        if constexpr (is_word<V>)
-          return fmt::format("{}", fmt::join(Words<V>::list, "|"));
-        else if constexpr (std::is_same_v<V, double>)
+        using Value = std::remove_reference_t<decltype(std::declval<T&>().*member)>;
+        if constexpr (IsWord<Value>)
+          return fmt::format("{}", fmt::join(Words<Value>::all(), "|"));
+        else if constexpr (std::is_same_v<Value, double>)
           return "number";
-        else if constexpr (std::is_integral_v<V>)
+        else if constexpr (std::is_integral_v<Value>)
           return "whole";
         else
           return "list";

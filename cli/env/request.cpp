@@ -6,7 +6,7 @@
 #include "cli/command.h"
 #include "cli/episodes.h"
 #include "formats/json_object.h"
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 
 namespace evo::cli {
 namespace {

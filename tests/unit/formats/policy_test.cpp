@@ -252,7 +252,8 @@ TEST_CASE("a policy written before there were identities is of its training, and
   CHECK(read_policy_identity(path) != identify(file.robot.body, task, settings, 4).lines);
   EvaluationSettings evaluation;
   evaluation.seed = 3;
-  CHECK(evaluate(Arena(task, file.robot.body), file.controller, evaluation).mean() == file.fitness);
+  const Arena arena(task, file.robot.body);
+  CHECK(evaluate(arena, to_controller(file.controller), evaluation).mean() == file.fitness);
 }
 
 // A checkpoint of that time has only a hash over the texts of task and settings.

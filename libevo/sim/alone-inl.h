@@ -60,27 +60,27 @@ class Alone {
 
   void choose_origin(std::size_t block) const {
     const LP p;
-    const PlanBlock& slots = plan_.blocks[block];
+    const PlanBlock& sites = plan_.blocks[block];
     LXY low = hn::Set(p, HUGE_VAL);
     LXY high = hn::Set(p, -HUGE_VAL);
-    for (int slot = slots.first; slot < slots.first + slots.count; ++slot) {
-      const LXY position = hn::Load(p, w_.position + offset(slot));
+    for (int site = sites.first; site < sites.first + sites.count; ++site) {
+      const LXY position = hn::Load(p, w_.position + offset(site));
       low = hn::Min(low, position);
       high = hn::Max(high, position);
     }
     hn::Store(hn::Mul(hn::Set(p, 0.5), hn::Add(low, high)), p, w_.origin + 2 * block);
   }
 
-  HWY_INLINE void store_start(std::int32_t slot, std::size_t block) const {
+  HWY_INLINE void store_start(std::int32_t site, std::size_t block) const {
     const LP p;
-    demote(hn::Sub(hn::Load(p, w_.position + offset(slot)), hn::Load(p, w_.origin + 2 * block)),
-           w_.start + offset(slot));
+    demote(hn::Sub(hn::Load(p, w_.position + offset(site)), hn::Load(p, w_.origin + 2 * block)),
+           w_.start + offset(site));
   }
 
-  HWY_INLINE void store_motion(std::int32_t slot) const {
+  HWY_INLINE void store_motion(std::int32_t site) const {
     const LP p;
-    const double* motion = w_.motion_of(offset(slot));
-    float* stage_motion = w_.stage_motion_of(offset(slot));
+    const double* motion = w_.motion_of(offset(site));
+    float* stage_motion = w_.stage_motion_of(offset(site));
     demote(hn::Load(p, motion + Motion::velocity), stage_motion + StageMotion::velocity_of(1));
     demote(hn::Sub(hn::Load(p, motion + Motion::contact), hn::LoadU(p, gravity_)),
            stage_motion + StageMotion::load);
@@ -210,11 +210,11 @@ class Alone {
     const LP p;
     double fastest = 0.0;
     for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-      const PlanBlock& slots = plan_.blocks[block];
+      const PlanBlock& sites = plan_.blocks[block];
       LXY farthest = hn::Zero(p);
-      for (int slot = slots.first; slot < slots.first + slots.integrated; ++slot) {
-        const LXY d = hn::Sub(hn::Load(p, w_.position + offset(slot)),
-                              hn::Load(p, w_.previous + offset(slot)));
+      for (int site = sites.first; site < sites.first + sites.integrated; ++site) {
+        const LXY d = hn::Sub(hn::Load(p, w_.position + offset(site)),
+                              hn::Load(p, w_.previous + offset(site)));
         farthest = hn::Max(farthest, hn::Mul(d, d));
       }
       const double way = std::sqrt(hn::GetLane(hn::SumOfLanes(p, farthest)));
@@ -228,9 +228,9 @@ class Alone {
     const LP p;
     LXY farthest = hn::Zero(p);
     for (const PlanBlock& block : plan_.blocks) {
-      for (int slot = block.first; slot < block.first + block.integrated; ++slot) {
-        const LXY d = hn::Sub(hn::Load(p, w_.position + offset(slot)),
-                              hn::Load(p, w_.pair_reference + offset(slot)));
+      for (int site = block.first; site < block.first + block.integrated; ++site) {
+        const LXY d = hn::Sub(hn::Load(p, w_.position + offset(site)),
+                              hn::Load(p, w_.pair_listing + offset(site)));
         farthest = hn::Max(farthest, hn::Mul(d, d));
       }
     }
@@ -242,9 +242,9 @@ class Alone {
     const double start = block.integrated < block.count ? 0.0 : HUGE_VAL;
     LXY low = hn::Set(p, start);
     LXY high = hn::Set(p, -start);
-    for (int slot = block.first; slot < block.first + block.integrated; ++slot) {
-      const LXY d = hn::Sub(hn::Load(p, w_.position + offset(slot)),
-                            hn::Load(p, w_.self_reference + offset(slot)));
+    for (int site = block.first; site < block.first + block.integrated; ++site) {
+      const LXY d = hn::Sub(hn::Load(p, w_.position + offset(site)),
+                            hn::Load(p, w_.self_listing + offset(site)));
       low = hn::Min(low, d);
       high = hn::Max(high, d);
     }
@@ -261,7 +261,7 @@ class Alone {
   using Limits = SpringMath<Arithmetic::exact>;
   static constexpr std::size_t limits_at_once = hn::MaxLanes(L());
 
-  static std::size_t offset(std::int32_t slot) { return pair_offset(slot, width); }
+  static std::size_t offset(std::int32_t site) { return pair_offset(site, width); }
 
   static HWY_INLINE void demote(LXY v, float* to) {
     const hn::FixedTag<float, 2> single;

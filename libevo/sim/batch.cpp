@@ -28,9 +28,9 @@ std::size_t bytes_of(const ContactLists& lists) {
 
 void copy_lane(const Group& from, std::size_t from_lane, const Group& to, std::size_t to_lane) {
   const auto copy = [&](const double* source, double* target) {
-    for (std::int32_t slot = 0; slot < from.kind->plan().slots; ++slot) {
-      const double* pair = source + pair_offset(slot, from.width()) + from_lane;
-      double* copied = target + pair_offset(slot, to.width()) + to_lane;
+    for (std::int32_t site = 0; site < from.kind->plan().sites; ++site) {
+      const double* pair = source + pair_offset(site, from.width()) + from_lane;
+      double* copied = target + pair_offset(site, to.width()) + to_lane;
       copied[0] = pair[0];
       copied[to.width()] = pair[from.width()];
     }
@@ -38,8 +38,8 @@ void copy_lane(const Group& from, std::size_t from_lane, const Group& to, std::s
   copy(from.rows.position, to.rows.position);
   copy(from.rows.previous, to.rows.previous);
   copy(from.rows.velocity, to.rows.velocity);
-  copy(from.rows.self_reference, to.rows.self_reference);
-  copy(from.rows.pair_reference, to.rows.pair_reference);
+  copy(from.rows.self_listing, to.rows.self_listing);
+  copy(from.rows.pair_listing, to.rows.pair_listing);
 }
 
 }  // namespace
@@ -255,13 +255,13 @@ State Batch::state(std::size_t lane) const {
   const auto& [group, column] = impl_->places[lane];
   const Plan& plan = group->kind->plan();
   const std::size_t width = group->width();
-  const std::size_t points = plan.slot_of.size();
+  const std::size_t points = plan.site_of.size();
   State state;
   for (std::vector<double>* values :
        {&state.x, &state.y, &state.vx, &state.vy, &state.previous_x, &state.previous_y})
     values->resize(points);
   for (std::size_t p = 0; p < points; ++p) {
-    const std::size_t o = pair_offset(plan.slot_of[p], width) + column;
+    const std::size_t o = pair_offset(plan.site_of[p], width) + column;
     state.x[p] = group->rows.position[o];
     state.y[p] = group->rows.position[o + width];
     state.vx[p] = group->rows.velocity[o];
@@ -278,7 +278,7 @@ void Batch::set_state(std::size_t lane, const State& state) {
   const auto& [group, column] = impl_->places[lane];
   const Plan& plan = group->kind->plan();
   const std::size_t width = group->width();
-  const std::size_t points = plan.slot_of.size();
+  const std::size_t points = plan.site_of.size();
   for (const std::vector<double>* values :
        {&state.x, &state.y, &state.vx, &state.vy, &state.previous_x, &state.previous_y})
     if (values->size() != points)
@@ -289,7 +289,7 @@ void Batch::set_state(std::size_t lane, const State& state) {
     throw error(Failure::data, "a state of {} targets does not belong to a model of {} actuators",
                 state.targets.size(), actuators);
   for (std::size_t p = 0; p < points; ++p) {
-    const std::size_t o = pair_offset(plan.slot_of[p], width) + column;
+    const std::size_t o = pair_offset(plan.site_of[p], width) + column;
     group->rows.position[o] = state.x[p];
     group->rows.position[o + width] = state.y[p];
     group->rows.velocity[o] = state.vx[p];
@@ -308,12 +308,12 @@ void Batch::read_moving(std::size_t lane, std::span<Vec2> positions,
   const std::size_t width = group->width();
   const double* position = group->rows.position + column;
   const double* velocity = group->rows.velocity + column;
-  const std::int32_t* slot = group->kind->plan().slot_of.data();
+  const std::int32_t* site = group->kind->plan().site_of.data();
   for (const ModelObject& object : model(lane).objects()) {
     if (object.is_static) continue;
     auto to = static_cast<std::size_t>(object.first_point);
-    for (int i = 0; i < object.points; ++i, ++slot, ++to) {
-      const std::size_t o = pair_offset(*slot, width);
+    for (int i = 0; i < object.points; ++i, ++site, ++to) {
+      const std::size_t o = pair_offset(*site, width);
       positions[to] = {position[o], position[o + width]};
       velocities[to] = {velocity[o], velocity[o + width]};
     }

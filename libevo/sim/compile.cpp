@@ -265,7 +265,7 @@ void append(Model::Compiled& world, const Object& object, const Built& built) {
                        ? world.moving_points + static_cast<int>(world.static_points.size())
                        : world.dynamics.points;
   const int first_spring = static_cast<int>(world.dynamics.springs.size());
-  for (int i = 0; i < info.points; ++i) world.references.push_back(base + i);
+  for (int i = 0; i < info.points; ++i) world.point_indices.push_back(base + i);
   world.initial_positions.insert(world.initial_positions.end(), built.points.begin(),
                                  built.points.end());
 
@@ -339,15 +339,15 @@ std::vector<int> number_blocks(Model::Compiled& world) {
 }
 
 void list_contact_cells(Model::Compiled& world) {
-  const auto slot = [&](int reference) {
-    return reference < world.moving_points ? world.plan.slot_of[static_cast<std::size_t>(reference)]
-                                           : reference;
+  const auto site = [&](int index) {
+    return index < world.moving_points ? world.plan.site_of[static_cast<std::size_t>(index)]
+                                       : index;
   };
   for (const SurfaceCell& cell : world.surface) {
     ContactCell c;
     for (std::size_t k = 0; k < 4; ++k) {
-      c.corners[k] = slot(cell.corners[k]);
-      c.edges[k] = {slot(cell.edges[k][0]), slot(cell.edges[k][1])};
+      c.corners[k] = site(cell.corners[k]);
+      c.edges[k] = {site(cell.edges[k][0]), site(cell.edges[k][1])};
     }
     c.surface = cell.surface;
     c.is_static = cell.is_static;

@@ -1,9 +1,9 @@
 // What a Model holds: the world as arrays that stepping reads. Private to
 // libevo/sim (and to tests that check it against the plain simulator).
 //
-// Points are named by a reference: r < moving_points is the r-th point of the
-// objects that can move, its index in State; r >= moving_points is point
-// r - moving_points of the static terrain.
+// Points are named by an index: i < moving_points is the i-th point of the
+// objects that can move, its index in State; i >= moving_points is point
+// i - moving_points of the static terrain.
 #pragma once
 
 #include <array>
@@ -67,8 +67,8 @@ struct SurfaceRange {
   int count = 0;
 };
 
-// A SurfaceCell as contact reads it: points by slot of the plan, static ones
-// from Plan::slots on.
+// A SurfaceCell as contact reads it: points by site of the plan, static ones
+// from Plan::sites on.
 struct ContactCell {
   std::array<std::int32_t, 4> corners{};
   std::array<std::array<std::int32_t, 2>, 4> edges{};
@@ -95,11 +95,11 @@ struct Model::Compiled {
   std::vector<ModelObject> objects;
   std::vector<ModelCell> cells;
   std::vector<Vec2> initial_positions;  // world order
-  std::vector<int> references;          // of every point in world order
+  std::vector<int> point_indices;       // of every point in world order
   int actuators = 0;                    // of the first object
 
   int moving_points = 0;
-  std::vector<Vec2> static_points;  // by reference - moving_points
+  std::vector<Vec2> static_points;  // by index - moving_points
   Dynamics dynamics;
 
   std::vector<SurfaceCell> surface;          // world order

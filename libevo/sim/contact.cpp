@@ -150,8 +150,8 @@ class Pusher {
   }
 
   // Velocity as friction and damping feel it: strain limiting included.
-  V true_velocity(std::int32_t slot) const {
-    return (points_(slot) - points_.previous(slot)) / physics_.substep;
+  V true_velocity(std::int32_t site) const {
+    return (points_(site) - points_.previous(site)) / physics_.substep;
   }
 
   // Roundings as in the specification: every product in this order.
@@ -182,7 +182,7 @@ class Pusher {
     push_back(b, friction / 2.0);
   }
 
-  void push_back(std::int32_t slot, V f) const { points_.add_force(slot, f * -1.0); }
+  void push_back(std::int32_t site, V f) const { points_.add_force(site, f * -1.0); }
 
   const Model::Compiled& world_;
   const Physics& physics_;

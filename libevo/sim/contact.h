@@ -26,7 +26,7 @@ inline constexpr double self_skin = 0.04;          // cells of one object
 inline constexpr double pair_move_limit = 0.0199;  // of any point, for pairs of objects
 inline constexpr double self_move_limit = 0.0398;  // of two points of one object, relative
 
-// One environment's points in the kernels' arrays: slot s has its x at
+// One environment's points in the kernels' arrays: site s has its x at
 // [2*s*stride] and its y at [2*s*stride + stride]; forces are `force_spacing`
 // times as far apart. Block b has travelled [b*stride] in this control step: the
 // sum over substeps of the longest way of any of its points. After the blocks

@@ -57,22 +57,22 @@ struct Quad {
 class Points {
  public:
   Points(const Model::Compiled& world, const PointView& view)
-      : view_(view), slots_(world.plan.slots), terrain_(world.static_points.data()) {}
+      : view_(view), sites_(world.plan.sites), terrain_(world.static_points.data()) {}
 
-  bool moves(std::int32_t slot) const { return slot < slots_; }
-  V operator()(std::int32_t slot) const {
-    if (!moves(slot)) return {terrain_[slot - slots_].x, terrain_[slot - slots_].y};
-    const double* p = view_.position + offset(slot);
+  bool moves(std::int32_t site) const { return site < sites_; }
+  V operator()(std::int32_t site) const {
+    if (!moves(site)) return {terrain_[site - sites_].x, terrain_[site - sites_].y};
+    const double* p = view_.position + offset(site);
     return {p[0], p[view_.stride]};
   }
-  V previous(std::int32_t slot) const {
-    if (!moves(slot)) return (*this)(slot);
-    const double* p = view_.previous + offset(slot);
+  V previous(std::int32_t site) const {
+    if (!moves(site)) return (*this)(site);
+    const double* p = view_.previous + offset(site);
     return {p[0], p[view_.stride]};
   }
-  void add_force(std::int32_t slot, V f) const {
-    if (!moves(slot)) return;
-    double* force = view_.force + offset(slot) * view_.force_spacing;
+  void add_force(std::int32_t site, V f) const {
+    if (!moves(site)) return;
+    double* force = view_.force + offset(site) * view_.force_spacing;
     force[0] += f.x;
     force[view_.stride] += f.y;
   }
@@ -91,12 +91,12 @@ class Points {
   }
 
  private:
-  std::size_t offset(std::int32_t slot) const {
-    return 2 * static_cast<std::size_t>(slot) * view_.stride;
+  std::size_t offset(std::int32_t site) const {
+    return 2 * static_cast<std::size_t>(site) * view_.stride;
   }
 
   PointView view_;
-  std::int32_t slots_;
+  std::int32_t sites_;
   const Vec2* terrain_;
 };
 

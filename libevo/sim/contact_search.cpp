@@ -138,25 +138,24 @@ std::uint32_t travel_block(const Model::Compiled& world, int object) {
 
 }  // namespace
 
-// Into the reference, and into a copy without the other lanes: searches read that one.
-void ContactSearch::copy_positions(const PlanBlock& block, const PointView& view,
-                                   double* reference) {
-  for (int slot = block.first; slot < block.first + block.count; ++slot) {
-    const auto s = static_cast<std::size_t>(slot);
+// Into the listing, and into a copy without the other lanes: searches read that one.
+void ContactSearch::copy_positions(const PlanBlock& block, const PointView& view, double* listing) {
+  for (int site = block.first; site < block.first + block.count; ++site) {
+    const auto s = static_cast<std::size_t>(site);
     const std::size_t o = 2 * s * view.stride;
-    positions_[2 * s] = reference[o] = view.position[o];
-    positions_[2 * s + 1] = reference[o + view.stride] = view.position[o + view.stride];
+    positions_[2 * s] = listing[o] = view.position[o];
+    positions_[2 * s + 1] = listing[o + view.stride] = view.position[o + view.stride];
   }
 }
 
 void ContactSearch::find_self(const Model::Compiled& world, std::size_t block,
-                              const PointView& view, double* reference, ContactLists& lists) {
+                              const PointView& view, double* listing, ContactLists& lists) {
   const auto object = static_cast<std::size_t>(world.object_of_block[block]);
   const SurfaceRange& range = world.surface_ranges[object];
   const double skin = self_skin * world.length_scale;
   ContactLists::Self& list = lists.self[block];
-  positions_.resize(2 * static_cast<std::size_t>(world.plan.slots));
-  copy_positions(world.plan.blocks[block], view, reference);
+  positions_.resize(2 * static_cast<std::size_t>(world.plan.sites));
+  copy_positions(world.plan.blocks[block], view, listing);
   const Points points(world, {.position = positions_.data()});
 
   boxes_.clear();
@@ -228,10 +227,10 @@ void ContactSearch::find_moving_pairs(const Model::Compiled& world, int i, int j
   }
 }
 
-void ContactSearch::find_pairs(const Model::Compiled& world, const PointView& view,
-                               double* reference, ContactLists& lists) {
-  positions_.resize(2 * static_cast<std::size_t>(world.plan.slots));
-  for (const PlanBlock& block : world.plan.blocks) copy_positions(block, view, reference);
+void ContactSearch::find_pairs(const Model::Compiled& world, const PointView& view, double* listing,
+                               ContactLists& lists) {
+  positions_.resize(2 * static_cast<std::size_t>(world.plan.sites));
+  for (const PlanBlock& block : world.plan.blocks) copy_positions(block, view, listing);
   const Points points(world, {.position = positions_.data()});
   const int objects = static_cast<int>(world.objects.size());
   boxes_.resize(world.surface.size());

@@ -50,12 +50,12 @@ class NearCells {
 
 class ContactSearch {
  public:
-  // Lists anew what a moving object, block of the plan, may do to itself. `reference`,
+  // Lists anew what a moving object, block of the plan, may do to itself. `listing`,
   // laid out as the positions of `view`, gets the positions of the block.
   void find_self(const Model::Compiled& world, std::size_t block, const PointView& view,
-                 double* reference, ContactLists& lists);
+                 double* listing, ContactLists& lists);
   // The same of all pairs of objects that are not both static.
-  void find_pairs(const Model::Compiled& world, const PointView& view, double* reference,
+  void find_pairs(const Model::Compiled& world, const PointView& view, double* listing,
                   ContactLists& lists);
 
   // Whether any robot is folded onto itself.
@@ -72,12 +72,12 @@ class ContactSearch {
     std::uint32_t b;
   };
 
-  void copy_positions(const PlanBlock& block, const PointView& view, double* reference);
+  void copy_positions(const PlanBlock& block, const PointView& view, double* listing);
   void find_terrain_pairs(const Model::Compiled& world, const SurfaceRange& range);
   void find_moving_pairs(const Model::Compiled& world, int i, int j);
   void list_pairs(const Model::Compiled& world, ContactLists& lists);
 
-  std::vector<double> positions_;           // [slots x 2] of one environment alone
+  std::vector<double> positions_;           // [sites x 2] of one environment alone
   std::vector<contact::Box> boxes_;         // of the surface cells of one or all objects
   std::vector<contact::Box> object_boxes_;  // of all objects
   std::vector<std::uint32_t> reachable_;    // surface cells of one object near another one

@@ -80,14 +80,14 @@ class ControlStep {
   // Where stages find the points that no substep moves.
   void prepare_stages() {
     for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-      const PlanBlock& slots = plan_.blocks[block];
+      const PlanBlock& sites = plan_.blocks[block];
       if constexpr (arithmetic == Arithmetic::fast) {
         kernel().choose_origin(block);
-        for (int slot = slots.first; slot < slots.first + slots.count; ++slot)
-          kernel().store_start(slot, block);
+        for (int site = sites.first; site < sites.first + sites.count; ++site)
+          kernel().store_start(site, block);
       }
-      const std::size_t held = pair_offset(slots.first + slots.integrated, width);
-      const std::size_t end = pair_offset(slots.first + slots.count, width);
+      const std::size_t held = pair_offset(sites.first + sites.integrated, width);
+      const std::size_t end = pair_offset(sites.first + sites.count, width);
       for (Real* stage : w_.stage_position)
         std::copy(w_.stage_start() + held, w_.stage_start() + end, stage + held);
     }
@@ -98,11 +98,11 @@ class ControlStep {
     const Kernel kernel = this->kernel();
     bool near_floor = false;
     for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-      const PlanBlock& slots = plan_.blocks[block];
-      for (int slot = slots.first; slot < slots.first + slots.integrated; ++slot) {
-        kernel.store_start(slot, block);
-        kernel.store_motion(slot);
-        near_floor |= kernel.is_near_floor(pair_offset(slot, width));
+      const PlanBlock& sites = plan_.blocks[block];
+      for (int site = sites.first; site < sites.first + sites.integrated; ++site) {
+        kernel.store_start(site, block);
+        kernel.store_motion(site);
+        near_floor |= kernel.is_near_floor(pair_offset(site, width));
       }
     }
     near_floor_ = near_floor;
@@ -192,8 +192,8 @@ class ControlStep {
   }
 
   void clear_contacts() {
-    for (std::int32_t slot = 0; slot < plan_.slots; ++slot)
-      std::fill_n(w_.motion_of(pair_offset(slot, width)) + Motion::contact * width, 2 * width, 0.0);
+    for (std::int32_t site = 0; site < plan_.sites; ++site)
+      std::fill_n(w_.motion_of(pair_offset(site, width)) + Motion::contact * width, 2 * width, 0.0);
   }
 
   void contacts() {
@@ -234,7 +234,7 @@ class ControlStep {
       if (!runs(i)) continue;
       const double limit = pair_move_limit * world(i).length_scale;
       if (!lists.pairs_valid || !(moved[i] <= limit * limit)) {
-        workspace_.search.find_pairs(world(i), view(i), w_.pair_reference + i, lists);
+        workspace_.search.find_pairs(world(i), view(i), w_.pair_listing + i, lists);
         moved[i] = 0.0;
       }
       lists.pairs_due = travel[i] + (limit - std::sqrt(moved[i]));
@@ -250,7 +250,7 @@ class ControlStep {
       if (!runs(i)) continue;
       const double limit = self_move_limit * world(i).length_scale;
       if (!lists.self[block].valid || !(sheared[i] <= limit * limit)) {
-        workspace_.search.find_self(world(i), block, view(i), w_.self_reference + i, lists);
+        workspace_.search.find_self(world(i), block, view(i), w_.self_listing + i, lists);
         sheared[i] = 0.0;
       }
       lists.self[block].due = travel[i] + (limit - std::sqrt(sheared[i])) / 2.0;
@@ -261,8 +261,8 @@ class ControlStep {
 
   void begin() {
     for (std::size_t i = lanes_.size(); i < width; ++i) copy_lane(lanes_.size() - 1, i);
-    for (std::int32_t slot = 0; slot < plan_.slots; ++slot) {
-      const std::size_t o = pair_offset(slot, width);
+    for (std::int32_t site = 0; site < plan_.sites; ++site) {
+      const std::size_t o = pair_offset(site, width);
       std::copy_n(rows_.velocity + o, 2 * width, w_.motion_of(o) + Motion::velocity * width);
     }
     for (const PlanBlock& block : plan_.blocks) {
@@ -272,10 +272,12 @@ class ControlStep {
     }
     for (std::size_t s = 0; s < plan_.rest.size(); ++s)
       std::fill_n(w_.goal + s * width, width, static_cast<Real>(plan_.rest[s]));
+    for (Lane* lane : lanes_) {
+      lane->status = LaneStatus::done;
+      lane->contacts.rewind();
+    }
     for (std::size_t i = 0; i < width; ++i) {
-      Lane& lane = *lanes_[std::min(i, lanes_.size() - 1)];
-      lane.status = LaneStatus::done;
-      lane.contacts.rewind();
+      const Lane& lane = *lanes_[std::min(i, lanes_.size() - 1)];
       for (const Plan::Drive& drive : plan_.drives) {
         const double mean =
             (target(lane, drive.first_actuator) + target(lane, drive.second_actuator)) / 2.0;
@@ -292,7 +294,7 @@ class ControlStep {
 
   void copy_lane(std::size_t from, std::size_t to) const {
     for (double* row : {rows_.position, rows_.previous, rows_.velocity})
-      for (std::size_t o = 0; o < pair_offset(plan_.slots, width); o += width)
+      for (std::size_t o = 0; o < pair_offset(plan_.sites, width); o += width)
         row[o + to] = row[o + from];
   }
 
@@ -308,10 +310,11 @@ class ControlStep {
     return stopped;
   }
 
+  // Position, previous position and velocity of a lane, wherever they are at present.
   template <class Visit>
   void for_each_value(std::size_t lane, Visit visit) const {
-    for (std::int32_t slot = 0; slot < plan_.slots; ++slot) {
-      const std::size_t o = pair_offset(slot, width);
+    for (std::int32_t site = 0; site < plan_.sites; ++site) {
+      const std::size_t o = pair_offset(site, width);
       double* velocity = w_.motion_of(o) + Motion::velocity * width;
       for (double* pair : {w_.position + o, w_.previous + o, velocity})
         for (const std::size_t k : {lane, lane + width}) visit(pair[k]);
@@ -319,14 +322,14 @@ class ControlStep {
   }
 
   void set_aside(std::size_t lane) const {
-    const std::size_t values = 6 * static_cast<std::size_t>(plan_.slots);
+    const std::size_t values = 6 * static_cast<std::size_t>(plan_.sites);
     workspace_.folded.resize(std::max(workspace_.folded.size(), values * width));
     auto aside = workspace_.folded.begin() + static_cast<std::ptrdiff_t>(values * lane);
     for_each_value(lane, [&](double value) { *aside++ = value; });
   }
 
   void put_back(std::size_t lane) const {
-    const std::size_t values = 6 * static_cast<std::size_t>(plan_.slots);
+    const std::size_t values = 6 * static_cast<std::size_t>(plan_.sites);
     auto aside = workspace_.folded.begin() + static_cast<std::ptrdiff_t>(values * lane);
     for_each_value(lane, [&](double& value) { value = *aside++; });
   }
@@ -336,9 +339,9 @@ class ControlStep {
       if (lanes_[i]->status == LaneStatus::self_folding) put_back(i);
     rows_.position = w_.position;
     rows_.previous = w_.previous;
-    HWY_ALIGN double nothing[2 * width] = {};  // but for what is not finite
-    for (std::int32_t slot = 0; slot < plan_.slots; ++slot) {
-      const std::size_t o = pair_offset(slot, width);
+    HWY_ALIGN double nothing[2 * width] = {};  // 0 times every value: 0 where all are finite
+    for (std::int32_t site = 0; site < plan_.sites; ++site) {
+      const std::size_t o = pair_offset(site, width);
       const double* velocity = w_.motion_of(o) + Motion::velocity * width;
       for (std::size_t k = 0; k < 2 * width; ++k) {
         rows_.velocity[o + k] = velocity[k];

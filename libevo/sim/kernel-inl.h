@@ -41,8 +41,8 @@ template <class K>
 concept StepKernel = KernelShape<K> && std::constructible_from < K,
         const Plan&, const Physics&, const Arrays<K::arithmetic>
 &, bool > &&requires(const K& kernel, const typename K::Real* at, typename K::Real* next,
-                     double* rows, std::size_t o, std::size_t s, std::size_t n, std::int32_t slot,
-                     std::size_t block, const PlanBlock& slots, const std::uint32_t* ends) {
+                     double* rows, std::size_t o, std::size_t s, std::size_t n, std::int32_t site,
+                     std::size_t block, const PlanBlock& sites, const std::uint32_t* ends) {
   // Forces of springs_at_once springs from s on; of all from s to n.
   kernel.template springs<true>(at, s);
   kernel.template springs<false>(at, s);
@@ -57,11 +57,11 @@ concept StepKernel = KernelShape<K> && std::constructible_from < K,
   // (squares, one value per lane).
   kernel.add_travel();
   kernel.square_moved(rows);
-  kernel.square_sheared(slots, rows);
+  kernel.square_sheared(sites, rows);
   // Fast arithmetic: positions and loads of a substep in single precision.
   kernel.choose_origin(block);
-  kernel.store_start(slot, block);
-  kernel.store_motion(slot);
+  kernel.store_start(site, block);
+  kernel.store_motion(site);
   { kernel.is_near_floor(o) } -> std::same_as<bool>;
 };
 

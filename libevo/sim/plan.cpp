@@ -65,7 +65,7 @@ class Planner {
 
   Plan make(const std::vector<int>& first_points) {
     choose_springs();
-    number_slots(first_points);
+    number_sites(first_points);
     order_points();
     mirror_springs();
     order_springs();
@@ -102,9 +102,9 @@ class Planner {
       roles_.push_back(!dynamics_.fixed[i] ? Role::free : felt[i] ? Role::anchored : Role::held);
   }
 
-  void number_slots(const std::vector<int>& first_points) {
-    plan_.slots = dynamics_.points;
-    plan_.slot_of.resize(at(dynamics_.points));
+  void number_sites(const std::vector<int>& first_points) {
+    plan_.sites = dynamics_.points;
+    plan_.site_of.resize(at(dynamics_.points));
     for (std::size_t block = 0; block + 1 < first_points.size(); ++block) {
       PlanBlock info;
       info.first = static_cast<int>(plan_.state_of.size());
@@ -112,7 +112,7 @@ class Planner {
       for (const Role role : {Role::free, Role::anchored, Role::held}) {
         for (int i = first_points[block]; i < first_points[block + 1]; ++i) {
           if (roles_[at(i)] != role) continue;
-          plan_.slot_of[at(i)] = static_cast<std::int32_t>(plan_.state_of.size());
+          plan_.site_of[at(i)] = static_cast<std::int32_t>(plan_.state_of.size());
           plan_.state_of.push_back(i);
           if (role != Role::held) ++info.integrated;
         }
@@ -121,7 +121,7 @@ class Planner {
     }
   }
 
-  // Regular points before irregular ones, free before anchored ones, by slot.
+  // Regular points before irregular ones, free before anchored ones, by site.
   void order_points() {
     a_ends_.resize(at(dynamics_.points));
     b_ends_.resize(at(dynamics_.points));
@@ -213,8 +213,8 @@ class Planner {
       const int name = springs[std::min(n, springs.size() - 1)];
       if (n < springs.size()) number_[at(name)] = static_cast<std::int32_t>(plan_.a.size());
       const Spring s = spring(name);
-      plan_.a.push_back(plan_.slot_of[at(s.a)]);
-      plan_.b.push_back(plan_.slot_of[at(s.b)]);
+      plan_.a.push_back(plan_.site_of[at(s.a)]);
+      plan_.b.push_back(plan_.site_of[at(s.b)]);
       plan_.rest.push_back(s.rest);
       plan_.stiffness.push_back(s.stiffness);
     }
@@ -234,7 +234,7 @@ class Planner {
 
   void list_points() {
     for (const int i : order_) {
-      PlanPoint point{plan_.slot_of[at(i)], static_cast<std::int32_t>(plan_.ends.size()), 0, 0};
+      PlanPoint point{plan_.site_of[at(i)], static_cast<std::int32_t>(plan_.ends.size()), 0, 0};
       point.a_ends = list_ends(a_ends_[at(i)], is_regular(i));
       point.b_ends = list_ends(b_ends_[at(i)], is_regular(i));
       plan_.points.push_back(point);
@@ -254,8 +254,8 @@ class Planner {
     strain.springs = live_.size();
     for (std::size_t n = 0; n < padded(live_.size()); ++n) {
       const Spring& s = dynamics_.springs[at(live_[std::min(n, live_.size() - 1)])];
-      strain.a.push_back(plan_.slot_of[at(s.a)]);
-      strain.b.push_back(plan_.slot_of[at(s.b)]);
+      strain.a.push_back(plan_.site_of[at(s.a)]);
+      strain.b.push_back(plan_.site_of[at(s.b)]);
       strain.a_free.push_back(dynamics_.fixed[at(s.a)] ? 0 : 1);
       strain.b_free.push_back(dynamics_.fixed[at(s.b)] ? 0 : 1);
       strain.limits.push_back(limits.of(s.rest));
@@ -269,7 +269,7 @@ class Planner {
     for (const int edge : dynamics_.rigid_edges) {
       const Spring& s = dynamics_.springs[at(edge)];
       plan_.rigid_edges.push_back(
-          {plan_.slot_of[at(s.a)], plan_.slot_of[at(s.b)], limits.of(s.rest)});
+          {plan_.site_of[at(s.a)], plan_.site_of[at(s.b)], limits.of(s.rest)});
     }
   }
 

@@ -12,7 +12,7 @@ namespace evo {
 
 struct Dynamics;
 
-// The kernels number points by slot. Every moving object has a block of slots:
+// The kernels number points by site. Every moving object has a block of sites:
 // first its free points, then its anchored, then its held ones.
 //
 //   free      not fixed
@@ -28,7 +28,7 @@ struct PlanBlock {
 // A point with the springs it gathers, in the order in which forces are summed:
 // first those whose end a it is, then those whose end b.
 struct PlanPoint {
-  std::int32_t slot = 0;
+  std::int32_t site = 0;
   std::int32_t first_end = 0;  // into Plan::ends
   std::int32_t a_ends = 0;
   std::int32_t b_ends = 0;
@@ -45,9 +45,9 @@ struct StrainLimit {
 };
 
 struct Plan {
-  int slots = 0;
-  std::vector<std::int32_t> slot_of;   // State index -> slot
-  std::vector<std::int32_t> state_of;  // slot -> State index
+  int sites = 0;
+  std::vector<std::int32_t> site_of;   // State index -> site
+  std::vector<std::int32_t> state_of;  // site -> State index
   std::vector<PlanBlock> blocks;       // one per moving object, world order
 
   // Springs in the order forces are computed: the first `live_springs` change,
@@ -62,7 +62,7 @@ struct Plan {
   int first_frozen = 0;
   int springs = 0;
   int null_spring = 0;
-  std::vector<std::int32_t> a, b;  // slots of the ends
+  std::vector<std::int32_t> a, b;  // sites of the ends
   std::vector<double> rest;
   std::vector<double> stiffness;
 

@@ -70,9 +70,9 @@ class SideBySide {
   }
 
   // Fast arithmetic: where a point starts, relative to its origin.
-  HWY_INLINE void store_start(std::int32_t slot, std::size_t block) const {
+  HWY_INLINE void store_start(std::int32_t site, std::size_t block) const {
     const L l;
-    const std::size_t o = offset(slot);
+    const std::size_t o = offset(site);
     for (std::size_t k = 0; k < 2 * width; k += part)
       demote(
           hn::Sub(hn::Load(l, w_.position + o + k), hn::Load(l, w_.origin + 2 * width * block + k)),
@@ -80,9 +80,9 @@ class SideBySide {
   }
 
   // Fast arithmetic: velocity and load that a point starts a substep with.
-  HWY_INLINE void store_motion(std::int32_t slot) const {
+  HWY_INLINE void store_motion(std::int32_t site) const {
     const L l;
-    const std::size_t o = offset(slot);
+    const std::size_t o = offset(site);
     const double* motion = w_.motion_of(o);
     float* stage_motion = w_.stage_motion_of(o);
     for (std::size_t k = 0; k < 2 * width; k += part) {
@@ -185,10 +185,10 @@ class SideBySide {
     for (std::size_t h = 0; h < width; h += part) {
       LV fastest = hn::Zero(l);
       for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-        const PlanBlock& slots = plan_.blocks[block];
+        const PlanBlock& sites = plan_.blocks[block];
         LV farthest = hn::Zero(l);
-        for (int slot = slots.first; slot < slots.first + slots.integrated; ++slot)
-          farthest = hn::Max(farthest, square_way(slot, w_.previous, h));
+        for (int site = sites.first; site < sites.first + sites.integrated; ++site)
+          farthest = hn::Max(farthest, square_way(site, w_.previous, h));
         fastest = hn::Max(fastest, farthest);
         add_root(farthest, w_.travel + block * width + h);
       }
@@ -197,20 +197,20 @@ class SideBySide {
   }
 
   // Square of the longest way that a point of any block has moved from the
-  // reference, one value a lane.
+  // listing, one value per lane.
   void square_moved(double* HWY_RESTRICT result) const {
     const L l;
     for (std::size_t h = 0; h < width; h += part) {
       LV farthest = hn::Zero(l);
       for (const PlanBlock& block : plan_.blocks)
-        for (int slot = block.first; slot < block.first + block.integrated; ++slot)
-          farthest = hn::Max(farthest, square_way(slot, w_.pair_reference, h));
+        for (int site = block.first; site < block.first + block.integrated; ++site)
+          farthest = hn::Max(farthest, square_way(site, w_.pair_listing, h));
       hn::Store(farthest, l, result + h);
     }
   }
 
   // A bound of the square of how far two points of a block have moved relative
-  // to each other, one value a lane.
+  // to each other, one value per lane.
   void square_sheared(const PlanBlock& block, double* HWY_RESTRICT result) const {
     const L l;
     // Held points have not moved at all.
@@ -220,9 +220,9 @@ class SideBySide {
       LV low_y = low_x;
       LV high_x = hn::Set(l, -start);
       LV high_y = high_x;
-      for (int slot = block.first; slot < block.first + block.integrated; ++slot) {
-        const LV dx = way(offset(slot) + h, w_.self_reference);
-        const LV dy = way(offset(slot) + width + h, w_.self_reference);
+      for (int site = block.first; site < block.first + block.integrated; ++site) {
+        const LV dx = way(offset(site) + h, w_.self_listing);
+        const LV dy = way(offset(site) + width + h, w_.self_listing);
         low_x = hn::Min(low_x, dx);
         low_y = hn::Min(low_y, dy);
         high_x = hn::Max(high_x, dx);
@@ -241,16 +241,16 @@ class SideBySide {
   using Limits = SpringMath<Arithmetic::exact>;
   static constexpr std::size_t part = hn::MaxLanes(L());
 
-  static std::size_t offset(std::int32_t slot) { return pair_offset(slot, width); }
+  static std::size_t offset(std::int32_t site) { return pair_offset(site, width); }
 
   // How far a coordinate has come since it was at `from`.
   HWY_INLINE LV way(std::size_t o, const double* from) const {
     const L l;
     return hn::Sub(hn::Load(l, w_.position + o), hn::Load(l, from + o));
   }
-  HWY_INLINE LV square_way(std::int32_t slot, const double* from, std::size_t h) const {
-    const LV dx = way(offset(slot) + h, from);
-    const LV dy = way(offset(slot) + width + h, from);
+  HWY_INLINE LV square_way(std::int32_t site, const double* from, std::size_t h) const {
+    const LV dx = way(offset(site) + h, from);
+    const LV dy = way(offset(site) + width + h, from);
     return hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
   }
 
@@ -262,9 +262,9 @@ class SideBySide {
   // Least and greatest of one coordinate of a block in one lane.
   static std::pair<double, double> range_of(const double* coordinate, const PlanBlock& block) {
     std::pair<double, double> range{HUGE_VAL, -HUGE_VAL};
-    for (int slot = block.first; slot < block.first + block.count; ++slot) {
-      range.first = std::min(range.first, coordinate[offset(slot)]);
-      range.second = std::max(range.second, coordinate[offset(slot)]);
+    for (int site = block.first; site < block.first + block.count; ++site) {
+      range.first = std::min(range.first, coordinate[offset(site)]);
+      range.second = std::max(range.second, coordinate[offset(site)]);
     }
     return range;
   }

@@ -10,8 +10,8 @@ State initial_state(const Model& model) {
   State state;
   state.x.resize(n);
   state.y.resize(n);
-  for (std::size_t i = 0; i < world.references.size(); ++i) {
-    const auto r = static_cast<std::size_t>(world.references[i]);
+  for (std::size_t i = 0; i < world.point_indices.size(); ++i) {
+    const auto r = static_cast<std::size_t>(world.point_indices[i]);
     if (r >= n) continue;
     state.x[r] = world.initial_positions[i].x;
     state.y[r] = world.initial_positions[i].y;
@@ -26,16 +26,16 @@ State initial_state(const Model& model) {
 
 void read_positions(const Model& model, const State& state, std::span<Vec2> positions) {
   const Model::Compiled& world = model.compiled();
-  for (std::size_t i = 0; i < world.references.size(); ++i) {
-    const auto r = static_cast<std::size_t>(world.references[i]);
+  for (std::size_t i = 0; i < world.point_indices.size(); ++i) {
+    const auto r = static_cast<std::size_t>(world.point_indices[i]);
     positions[i] = r < state.x.size() ? Vec2{state.x[r], state.y[r]} : world.initial_positions[i];
   }
 }
 
 void read_velocities(const Model& model, const State& state, std::span<Vec2> velocities) {
   const Model::Compiled& world = model.compiled();
-  for (std::size_t i = 0; i < world.references.size(); ++i) {
-    const auto r = static_cast<std::size_t>(world.references[i]);
+  for (std::size_t i = 0; i < world.point_indices.size(); ++i) {
+    const auto r = static_cast<std::size_t>(world.point_indices[i]);
     velocities[i] = r < state.x.size() ? Vec2{state.vx[r], state.vy[r]} : Vec2{};
   }
 }

@@ -33,7 +33,7 @@ std::size_t lay_out(Arrays<arithmetic>& arrays, const Plan& plan, const Layout& 
                     std::byte* memory) {
   constexpr std::size_t most_kept = 2;
   const std::size_t springs = plan.a.size();
-  const std::size_t positions = pairs(static_cast<std::size_t>(plan.slots), layout);
+  const std::size_t positions = pairs(static_cast<std::size_t>(plan.sites), layout);
   Layer layer(memory);
   layer.take(arrays.stage_position[0], positions);
   layer.take(arrays.stage_position[1], positions);
@@ -60,10 +60,10 @@ std::size_t bytes_of(const std::vector<T>& values) {
 }  // namespace
 
 Rows::Rows(const Plan& plan, std::size_t lanes) {
-  const std::size_t values = pair_offset(plan.slots, lanes);
+  const std::size_t values = pair_offset(plan.sites, lanes);
   for (std::byte* memory = nullptr;; memory = memory_.get()) {
     Layer layer(memory);
-    for (double** array : {&position, &previous, &velocity, &self_reference, &pair_reference})
+    for (double** array : {&position, &previous, &velocity, &self_listing, &pair_listing})
       layer.take(*array, values);
     if (memory) return;
     bytes_ = layer.bytes();
@@ -73,8 +73,8 @@ Rows::Rows(const Plan& plan, std::size_t lanes) {
 }
 
 Tables::Tables(const Plan& plan, const Layout& laid_out, Arithmetic arithmetic) : layout(laid_out) {
-  const auto at = [&](std::int32_t slot) {
-    return static_cast<std::uint32_t>(pair_offset(slot, layout.lanes));
+  const auto at = [&](std::int32_t site) {
+    return static_cast<std::uint32_t>(pair_offset(site, layout.lanes));
   };
   spring_ends.reserve(plan.a.size());
   for (std::size_t s = 0; s < plan.a.size(); ++s)
@@ -83,7 +83,7 @@ Tables::Tables(const Plan& plan, const Layout& laid_out, Arithmetic arithmetic) 
   for (std::size_t s = 0; s < plan.strain.a.size(); ++s)
     strain_ends.push_back({at(plan.strain.a[s]), at(plan.strain.b[s])});
   point_offsets.reserve(plan.points.size());
-  for (const PlanPoint& point : plan.points) point_offsets.push_back(at(point.slot));
+  for (const PlanPoint& point : plan.points) point_offsets.push_back(at(point.site));
   ends.reserve(plan.ends.size());
   for (const std::int32_t end : plan.ends)
     ends.push_back(static_cast<std::uint32_t>(static_cast<std::size_t>(end) * layout.force_record +
@@ -113,8 +113,8 @@ Arrays<arithmetic> Workspace::prepare(const Plan& plan, const Tables& tables, co
 
   arrays.position = rows.position;
   arrays.previous = rows.previous;
-  arrays.self_reference = rows.self_reference;
-  arrays.pair_reference = rows.pair_reference;
+  arrays.self_listing = rows.self_listing;
+  arrays.pair_listing = rows.pair_listing;
   if constexpr (arithmetic == Arithmetic::exact)
     arrays.stiffness = plan.stiffness.data();
   else

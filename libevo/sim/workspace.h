@@ -3,7 +3,7 @@
 // (Tables, shared by groups), and what a control step needs for itself (Workspace,
 // of a thread). Kernels see all three as Arrays.
 //
-// Shapes below are of W lanes, N slots (Plan::slots), S springs (Plan::springs with
+// Shapes below are of W lanes, N sites (Plan::sites), S springs (Plan::springs with
 // their padding) and B blocks (Plan::blocks). Every pair (x, y) is W values of x,
 // then W values of y.
 #pragma once
@@ -28,13 +28,13 @@ using StageReal = std::conditional_t<arithmetic == Arithmetic::exact, double, fl
 
 // ---- addresses ------------------------------------------------------------------------
 
-// Where the pair of a slot begins in arrays of one pair per slot. All other
-// addresses of a slot are multiples of it (Arrays::motion_of).
-constexpr std::size_t pair_offset(std::int32_t slot, std::size_t lanes) {
-  return 2 * static_cast<std::size_t>(slot) * lanes;
+// Where the pair of a site begins in arrays of one pair per site. All other
+// addresses of a site are multiples of it (Arrays::motion_of).
+constexpr std::size_t pair_offset(std::int32_t site, std::size_t lanes) {
+  return 2 * static_cast<std::size_t>(site) * lanes;
 }
 
-// The record of a slot in Arrays::motion: so many pairs. The x of a pair is at
+// The record of a site in Arrays::motion: so many pairs. The x of a pair is at
 // [n*W], n being its number here, its y at [n*W + W].
 struct Motion {
   static constexpr std::size_t velocity = 0;  // length/time, at the start of the substep
@@ -80,11 +80,11 @@ class Rows {
   Rows() = default;
   Rows(const Plan& plan, std::size_t lanes);  // all zero
 
-  double* position = nullptr;        // [N pairs] raw length
-  double* previous = nullptr;        // [N pairs] one substep earlier
-  double* velocity = nullptr;        // [N pairs] length/time
-  double* self_reference = nullptr;  // [N pairs] where contact lists of blocks were found
-  double* pair_reference = nullptr;  // [N pairs] the same of lists between objects
+  double* position = nullptr;      // [N pairs] raw length
+  double* previous = nullptr;      // [N pairs] one substep earlier
+  double* velocity = nullptr;      // [N pairs] length/time
+  double* self_listing = nullptr;  // [N pairs] where contact lists of blocks were found
+  double* pair_listing = nullptr;  // [N pairs] the same of lists between objects
 
   std::size_t bytes() const { return bytes_; }
 
@@ -121,8 +121,8 @@ struct Arrays {
   // Of the group; position and previous change places in every substep.
   double* position = nullptr;  // [N pairs] at the start of the substep
   double* previous = nullptr;  // [N pairs] before it; stage 4 puts the next positions here
-  double* self_reference = nullptr;
-  double* pair_reference = nullptr;
+  double* self_listing = nullptr;
+  double* pair_listing = nullptr;
 
   // From substep to substep.
   double* motion = nullptr;           // [N records of Motion] by contacts and stages 1 to 4
@@ -148,7 +148,7 @@ struct Arrays {
   const std::uint32_t* point_offsets = nullptr;
   const std::uint32_t* ends = nullptr;
 
-  // The records of the slot whose pair_offset is `o`.
+  // The records of the site whose pair_offset is `o`.
   double* motion_of(std::size_t o) const { return motion + Motion::pairs(arithmetic) * o; }
   Real* stage_motion_of(std::size_t o) const { return stage_motion + StageMotion::pairs * o; }
 

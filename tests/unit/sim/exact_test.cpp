@@ -336,7 +336,7 @@ TEST_CASE("stepping with a helped divider has the same bits") {
     const Plan& plan = lane.kind->plan();
     const State start = plain.state(0);
     for (std::size_t p = 0; p < start.x.size(); ++p) {
-      const std::size_t o = pair_offset(plan.slot_of[p], helped.width());
+      const std::size_t o = pair_offset(plan.site_of[p], helped.width());
       helped.rows.position[o] = helped.rows.previous[o] = start.x[p];
       helped.rows.position[o + helped.width()] = helped.rows.previous[o + helped.width()] =
           start.y[p];
@@ -352,7 +352,7 @@ TEST_CASE("stepping with a helped divider has the same bits") {
     INFO(isa);
     const State end = plain.state(0);
     for (std::size_t p = 0; p < end.x.size(); ++p) {
-      const std::size_t o = pair_offset(plan.slot_of[p], helped.width());
+      const std::size_t o = pair_offset(plan.site_of[p], helped.width());
       CHECK(helped.rows.position[o] == end.x[p]);
       CHECK(helped.rows.position[o + helped.width()] == end.y[p]);
       CHECK(helped.rows.velocity[o] == end.vx[p]);

@@ -9,12 +9,14 @@ from pathlib import Path
 
 import gymnasium
 import numpy as np
+import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.env_checker import check_env
 
 import evo_robots
 from evo_robots.stable_baselines3 import Sb3Environments, write_sb3_policy
 
+torch.set_num_threads(1)
 BODY = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
                  [4, 0, 0, 0, 4]])
 
@@ -34,7 +36,7 @@ class Training(unittest.TestCase):
         # Networks put out about 0 at first: around the rest length of the actuators.
         model.policy.action_net.bias.data.fill_(1.1)
         before = self.mean_return(model, envs)
-        model.learn(65_536)
+        model.learn(32_768)
         after = self.mean_return(model, envs)
         self.assertGreater(after, before + 0.5)
         with tempfile.TemporaryDirectory() as folder:

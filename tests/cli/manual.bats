@@ -57,7 +57,7 @@ offers() {
 @test "zsh: options and names, in a shell with its own completion system" {
   command -v zsh > /dev/null || skip "zsh is not installed"
   zsh -f -c 'fpath=("'"$EVO_SOURCE"'/scripts/completion" $fpath); autoload -U compinit; compinit -D
-    [[ ${_patcomps[evo-*]} == _evo ]]'
+    [[ ${_postpatcomps[evo-*]} == _evo ]]'
   cat > offers.zsh <<'END'
 compadd() { [[ $1 == -a ]] && print -l -- ${(P)2}; }
 _files() { print files; }

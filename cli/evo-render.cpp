@@ -4,6 +4,7 @@
 #include "cli/command.h"
 #include "cli/progress.h"
 #include "cli/robots.h"
+#include "formats/files.h"
 #include "formats/hdf5.h"
 #include "formats/rollout.h"
 #include "render/render.h"
@@ -22,7 +23,11 @@ struct Settings {
   std::optional<std::string> window;
   int from = 0;
   std::optional<int> to;
+  std::optional<double> at;
   std::optional<int> sheet;
+  std::optional<int> strip;
+  bool panels = false;
+  std::string moments = "gait";
   bool grid = false;
   std::optional<int> generations;
   bool no_labels = false;
@@ -37,10 +42,13 @@ render::Size parse_size(const std::string& text) {
   return size;
 }
 
+// One picture of an episode.
+bool is_still(const Settings& settings) { return settings.at || settings.sheet || settings.strip; }
+
 // A GIF or animated PNG.
 bool is_animation(const Settings& settings, const std::string& output) {
   if (output.ends_with(".gif") || output.ends_with(".apng")) return true;
-  return output.ends_with(".png") && output.find('%') == std::string::npos && !settings.sheet &&
+  return output.ends_with(".png") && output.find('%') == std::string::npos && !is_still(settings) &&
          settings.to != settings.from;
 }
 
@@ -109,16 +117,15 @@ std::vector<render::Episode> choose_episodes(const std::vector<Rollout>& rollout
   return episodes;
 }
 
-void write_picture(const std::string& output, const render::Image& image) {
-  if (output == standard_stream) {
-    const std::string bytes = render::encode_png(render::view(image));
-    if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size())
-      throw error(Failure::io, "cannot write standard output");
-    return;
-  }
-  if (!output.ends_with(".png"))
-    throw error(Failure::usage, "-o: a still picture is a .png file, not '{}'", output);
-  render::write_png(output, render::view(image));
+// "-" is a PNG on standard output.
+void write_picture(const std::string& output, const std::string& title,
+                   const render::Drawing& drawing) {
+  const bool to_stdout = output == standard_stream;
+  const std::string bytes =
+      render::encode_picture(drawing, title, to_stdout ? "standard output.png" : output);
+  if (!to_stdout) return write_file(output, bytes);
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size())
+    throw error(Failure::io, "cannot write standard output");
 }
 
 // Robots of several files are generations, named by their folders ("gen-003").
@@ -141,14 +148,28 @@ void render_robots(const Settings& settings, const RenderOptions& options,
                    const std::vector<std::string>& files, const std::string& output) {
   if (settings.generations) {
     write_picture(
-        output, render::draw_generations(read_generations(files), *settings.generations, options));
+        output, "Generations",
+        render::draw_generations(read_generations(files), *settings.generations, options));
     return;
   }
   const std::vector<Robot> robots = cli::read_robots(files, BodyCheck::any);
   if (robots.empty()) throw error(Failure::data, "nothing to draw: no robots were read");
-  write_picture(output, robots.size() == 1 && !settings.grid
-                            ? render::draw_robot(robots.front(), options)
-                            : render::draw_robots(robots, options));
+  const bool single = robots.size() == 1 && !settings.grid;
+  write_picture(
+      output, single ? "Robot " + robots.front().id : "Robots",
+      single ? render::draw_robot(robots.front(), options) : render::draw_robots(robots, options));
+}
+
+render::Drawing draw_still(const Settings& settings, const RenderOptions& options,
+                           const render::Episode& episode) {
+  if (settings.at) return render::draw_moment(episode, *settings.at, options);
+  const bool strip = settings.strip.has_value();
+  const render::Moments moments{
+      strip ? *settings.strip : *settings.sheet,
+      strip ? render::Layout::strip
+            : (settings.panels ? render::Layout::panels : render::Layout::automatic),
+      render::choice_by_name(settings.moments)};
+  return render::draw_moments(episode, moments, options);
 }
 
 void render_rollouts(const Settings& settings, const RenderOptions& options,
@@ -158,10 +179,12 @@ void render_rollouts(const Settings& settings, const RenderOptions& options,
   rollouts.reserve(files.size());
   for (const std::string& file : files) rollouts.push_back(read_rollout(file));
   const auto episodes = choose_episodes(rollouts, settings.episodes);
-  if (settings.sheet) {
+  if (is_still(settings)) {
     if (episodes.size() != 1)
-      throw error(Failure::usage, "--sheet shows one episode, but {} were given", episodes.size());
-    write_picture(output, render::draw_moments(episodes.front(), *settings.sheet, options));
+      throw error(Failure::usage, "a still picture shows one episode, but {} were given",
+                  episodes.size());
+    write_picture(output, rollouts.front().task + " " + episodes.front().label,
+                  draw_still(settings, options, episodes.front()));
     return;
   }
   cli::LiveLine line(show_progress);
@@ -183,15 +206,15 @@ int main(int argc, char** argv) {
   std::vector<std::string> files;
   command.output = "";
   command.arguments(files, "FILE",
-                    "rollouts (HDF5) for videos; robot documents for still pictures [standard "
-                    "input: robots]");
+                    "rollouts (HDF5) for videos and strips; robot documents for pictures of bodies "
+                    "[standard input: robots]");
   command.section("Output");
   command.output_option(
-      "walk.mp4, .webm, .gif, .png (animated), frames/%05d.png, or - for raw Y4M video (for robots "
-      "and sheets: a .png, or - for PNG); required");
+      "video: walk.mp4, .webm, .gif, .png (animated), frames/%05d.png, or - for raw Y4M; still "
+      "picture: .svg, .pdf, .png, or - for PNG; required");
   command.option("--size", settings.size, "WIDTHxHEIGHT",
-                 "of the picture in pixels; sheets take the width and the height they need "
-                 "[1280x720; GIF and animated PNG 640x360]");
+                 "of the picture in pixels; sheets and strips take the width, and the height they "
+                 "need [1280x720; GIF and animated PNG 640x360]");
   command.option("--fps", settings.fps, "N", "frames per second [50; GIF and animated PNG 25]");
   command.option("--speed", options.speed, "X", "playing speed; 0.5 is slow motion");
   command.option("--every", options.every, "N",
@@ -206,22 +229,33 @@ int main(int argc, char** argv) {
                  "objects to keep in view, such as robot,package [as the task says]");
   command.option("--window", settings.window, "X,Y,W,H",
                  "fixed camera: centre and extent in voxels");
-  command.option("--theme", options.theme, "NAME", "light or dark");
+  command.option("--theme", options.theme, "NAME",
+                 "light, dark, or paper: white, with signs on actuators and a legend, "
+                 "for prints in grey, too");
   command.flag("--no-labels", settings.no_labels, "no task, robot, step and return");
   command.flag("--no-grid", settings.no_grid_lines, "no lines a voxel apart");
   command.option("--tint", settings.tint, "WHAT",
                  "actuation: actuators lighter when expanded, darker when contracted; or none");
   command.flag("--trail", options.overlays.trail, "the path of the centre of mass");
   command.flag("--velocities", options.overlays.velocities, "an arrow at every moving point");
-  command.section("Sheets");
-  command.option("--sheet", settings.sheet, "N", "N moments of an episode side by side");
+  command.section("Still pictures");
+  command.option("--at", settings.at, "STEP", "one moment of an episode");
+  command.option("--strip", settings.strip, "N",
+                 "N moments of an episode on one axis of the world, with the way between");
+  command.option("--sheet", settings.sheet, "N",
+                 "N moments of an episode: a strip for robots that travel, else side by side");
+  command.flag("--panels", settings.panels, "with --sheet: side by side in any case");
+  command.option("--moments", settings.moments, "CHOICE",
+                 "gait: evenly spread over the episode and over the cycle of the gait; time: "
+                 "over the episode alone");
   command.flag("--grid", settings.grid, "all robots read with ids and fitness");
   command.option("--generations", settings.generations, "ROWS",
                  "each file is a generation, its best ROWS robots a column");
   command.jobs_option();
   command.progress_option();
   command.example("evo-render walk.h5 -o walk.mp4", "an episode as a video");
-  command.example("evo-render walk.h5 --sheet 6 -o walk.png", "six moments on one picture");
+  command.example("evo-render walk.h5 --strip 6 -o walk.svg", "its whole way on one picture");
+  command.example("evo-render walk.h5 --at 120 --theme paper -o step.pdf", "one moment, for print");
   command.example("evo-sample -n 12 | evo-render --grid -o robots.png", "twelve robots");
 
   return command.run(argc, argv, [&] {
@@ -245,8 +279,9 @@ int main(int argc, char** argv) {
     if (film) {
       render_rollouts(settings, options, files, command.output, command.show_progress());
     } else {
-      if (settings.sheet)
-        throw error(Failure::usage, "--sheet needs a rollout; for robots there is --grid");
+      if (is_still(settings))
+        throw error(Failure::usage,
+                    "--at, --strip and --sheet need a rollout; for robots there is --grid");
       render_robots(settings, options, files, command.output);
     }
     return 0;

@@ -1,6 +1,7 @@
 // An episode made ready for drawing: shapes, camera and captions at any step.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,13 @@ class Clip {
   Scene scene(double step) const;
   Caption caption(double step) const;
   double score(double step) const;  // return so far
+
+  const Mesh& mesh() const { return mesh_; }
+  // Of all objects, or of the first one's centre, at a whole step; voxels.
+  std::span<const Vec2> points(int step) const {
+    return {at(step), static_cast<std::size_t>(episode_.rollout->points)};
+  }
+  Vec2 centre(int step) const { return centres_[static_cast<std::size_t>(step)]; }
 
  private:
   const Vec2* at(int step) const;

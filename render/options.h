@@ -50,7 +50,7 @@ struct RenderOptions {
   int every = 0;                // steps per frame; 0: from fps and speed
   int from = 0;                 // first step shown
   std::optional<int> to;        // last step shown; the end of the episode
-  std::string theme = "light";  // or "dark"
+  std::string theme = "light";  // or "dark", "paper"
   Camera camera;
   Overlays overlays;
   int workers = 1;  // processes

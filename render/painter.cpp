@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "libevo/base/error.h"
+#include "render/triangles.h"
 
 namespace evo::render {
 namespace {
@@ -182,7 +183,7 @@ struct Painter::Gl {
                  vertices.data(), GL_STREAM_DRAW);
   }
 
-  void draw_tile(const Drawing& drawing, int x, int y) const {
+  void draw_tile(const Triangles& triangles, int x, int y) const {
     glViewport(0, 0, tile.width, tile.height);
     for (const Program& program : {fills, boxes}) {
       glUseProgram(program.name);
@@ -193,13 +194,13 @@ struct Painter::Gl {
     glClearColor(1, 1, 1, 1);
     glClear(GL_COLOR_BUFFER_BIT);
     glEnable(GL_SCISSOR_TEST);
-    const auto& batches = drawing.batches();
+    const auto& batches = triangles.batches;
     for (std::size_t k = 0; k < batches.size(); ++k) {
       const std::size_t first = batches[k].first_vertex;
       const std::size_t end =
-          k + 1 < batches.size() ? batches[k + 1].first_vertex : drawing.vertices().size();
+          k + 1 < batches.size() ? batches[k + 1].first_vertex : triangles.vertices.size();
       if (!scissor(batches[k].clip, x, y, tile)) continue;
-      const bool fill = batches[k].kind == Drawing::Kind::fill;
+      const bool fill = batches[k].kind == Triangles::Kind::fill;
       glUseProgram(fill ? fills.name : boxes.name);
       fill ? glDisable(GL_BLEND) : glEnable(GL_BLEND);
       glDrawArrays(GL_TRIANGLES, static_cast<GLint>(first), static_cast<GLsizei>(end - first));
@@ -227,10 +228,11 @@ Painter::~Painter() = default;
 void Painter::paint(const Drawing& drawing, PixelTarget target) {
   check_size(target.size);
   gl_->resize({std::min(tile_side, target.size.width), std::min(tile_side, target.size.height)});
-  gl_->upload(drawing.vertices());
+  const Triangles triangles = triangulate(drawing);
+  gl_->upload(triangles.vertices);
   for (int y = 0; y < target.size.height; y += gl_->tile.height) {
     for (int x = 0; x < target.size.width; x += gl_->tile.width) {
-      gl_->draw_tile(drawing, x, y);
+      gl_->draw_tile(triangles, x, y);
       gl_->copy_tile(target, x, y);
     }
   }

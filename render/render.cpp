@@ -11,6 +11,8 @@
 #include "render/gif.h"
 #include "render/label.h"
 #include "render/painter.h"
+#include "render/strip.h"
+#include "render/vector.h"
 #include "render/video.h"
 #include "render/workers.h"
 
@@ -21,25 +23,6 @@ namespace fs = std::filesystem;
 
 std::size_t rgba_bytes(Size size) {
   return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) * 4;
-}
-
-// ---- stills ---------------------------------------------------------------------------
-
-// A drawing is made here, where its size becomes known, and painted by a worker.
-Image paint_still(const std::function<Drawing(Typesetter&)>& make) {
-  Typesetter typesetter;
-  const Drawing drawing = make(typesetter);
-  Image image(drawing.size());
-  run_workers({1, image.rgba.size(), 1,
-               [&](Painter& painter, std::size_t, std::span<std::uint8_t> slot) {
-                 painter.paint(drawing, {image.size, slot.first(image.rgba.size())});
-                 return image.rgba.size();
-               },
-               [&](std::size_t, std::span<const std::uint8_t> bytes) {
-                 std::copy(bytes.begin(), bytes.end(), image.rgba.begin());
-                 return true;
-               }});
-  return image;
 }
 
 double aspect_of(const Rect& panel) {
@@ -330,10 +313,11 @@ RenderOptions without_range(RenderOptions options) {
 
 }  // namespace
 
-Image draw_moment(const Episode& episode, double step, const RenderOptions& options) {
+Drawing draw_moment(const Episode& episode, double step, const RenderOptions& options) {
   const RenderOptions whole = without_range(options);
   const Film film = film_at(episode, step, whole);
-  return paint_still([&](Typesetter& typesetter) { return film.frame(step, typesetter); });
+  Typesetter typesetter;
+  return film.frame(step, typesetter);
 }
 
 Viewer::Viewer() : painter_(std::make_unique<Painter>()) {}
@@ -347,29 +331,31 @@ Image Viewer::draw(const Episode& episode, double step, const RenderOptions& opt
   return image;
 }
 
-Image draw_moments(const Episode& episode, int moments, const RenderOptions& options) {
+Drawing draw_moments(const Episode& episode, const Moments& moments, const RenderOptions& options) {
   check_options(options);
   constexpr int most = 100;
   constexpr double moment_zoom = 2.5;
-  if (moments < 1 || moments > most)
-    throw error(Failure::usage, "a sheet of {} moments cannot be drawn: allowed are 1 to {}",
-                moments, most);
-  const auto n = static_cast<std::size_t>(moments);
+  if (moments.count < 1 || moments.count > most)
+    throw error(Failure::usage, "{} moments of an episode cannot be drawn: allowed are 1 to {}",
+                moments.count, most);
+  const auto n = static_cast<std::size_t>(moments.count);
   RenderOptions closer = options;  // small panels have no room to spare
   closer.camera.zoom *= moment_zoom;
   const Clip clip(episode, closer, moment_aspect(n));
   const std::vector<double> range = timeline(options, clip.steps());
-  std::vector<double> steps;
-  for (int k = 0; k < moments; ++k) {
-    const double share = moments == 1 ? 1.0 : static_cast<double>(k) / (moments - 1);
-    steps.push_back(std::round(range.front() + share * (range.back() - range.front())));
-  }
-  return paint_still([&](Typesetter& typesetter) {
-    return moment_sheet(clip, steps, theme_by_name(options.theme), options.size.width, typesetter);
-  });
+  const auto from = static_cast<int>(range.front());
+  const auto to = static_cast<int>(range.back());
+  const std::vector<int> steps = choose_moments(clip, from, to, moments.count, moments.choice);
+  const Theme& theme = theme_by_name(options.theme);
+  const bool as_strip = moments.layout == Layout::strip ||
+                        (moments.layout == Layout::automatic && n > 1 && travels(clip, from, to));
+  Typesetter typesetter;
+  return as_strip ? strip(clip, steps, theme, options.size, typesetter)
+                  : moment_sheet(clip, {steps.begin(), steps.end()}, theme, options.size.width,
+                                 typesetter);
 }
 
-Image draw_world(const Model& model, const std::string& title, const RenderOptions& options) {
+Drawing draw_world(const Model& model, const std::string& title, const RenderOptions& options) {
   Rollout rollout;
   rollout.task = title;
   rollout.points = model.points();
@@ -378,30 +364,51 @@ Image draw_world(const Model& model, const std::string& title, const RenderOptio
   return draw_moment({&rollout, 0, ""}, 0, options);
 }
 
-Image draw_robot(const Robot& robot, const RenderOptions& options) {
+Drawing draw_robot(const Robot& robot, const RenderOptions& options) {
   check_options(options);
-  return paint_still([&](Typesetter& typesetter) {
-    return robot_picture(robot, theme_by_name(options.theme), options.size, typesetter);
-  });
+  Typesetter typesetter;
+  return robot_picture(robot, theme_by_name(options.theme), options.size, typesetter);
 }
 
-Image draw_robots(const std::vector<Robot>& robots, const RenderOptions& options) {
+Drawing draw_robots(const std::vector<Robot>& robots, const RenderOptions& options) {
   check_options(options);
-  return paint_still([&](Typesetter& typesetter) {
-    return robot_grid(robots, theme_by_name(options.theme), options.size.width, typesetter);
-  });
+  Typesetter typesetter;
+  return robot_grid(robots, theme_by_name(options.theme), options.size.width, typesetter);
 }
 
-Image draw_generations(const std::vector<Generation>& generations, int rows,
-                       const RenderOptions& options) {
+Drawing draw_generations(const std::vector<Generation>& generations, int rows,
+                         const RenderOptions& options) {
   check_options(options);
   constexpr int most_rows = 50;
   if (rows < 1 || rows > most_rows)
     throw error(Failure::usage, "{} robots of a generation: allowed are 1 to {}", rows, most_rows);
-  return paint_still([&](Typesetter& typesetter) {
-    return generation_sheet(generations, rows, theme_by_name(options.theme), options.size.width,
-                            typesetter);
-  });
+  Typesetter typesetter;
+  return generation_sheet(generations, rows, theme_by_name(options.theme), options.size.width,
+                          typesetter);
+}
+
+Image paint(const Drawing& drawing) {
+  Image image(drawing.size());
+  run_workers({1, image.rgba.size(), 1,
+               [&](Painter& painter, std::size_t, std::span<std::uint8_t> slot) {
+                 painter.paint(drawing, {image.size, slot.first(image.rgba.size())});
+                 return image.rgba.size();
+               },
+               [&](std::size_t, std::span<const std::uint8_t> bytes) {
+                 std::copy(bytes.begin(), bytes.end(), image.rgba.begin());
+                 return true;
+               }});
+  return image;
+}
+
+std::string encode_picture(const Drawing& drawing, const std::string& title,
+                           const std::string& name) {
+  const std::string extension = fs::path(name).extension().string();
+  if (extension == ".png") return encode_png(view(paint(drawing)));
+  Typesetter typesetter;
+  if (extension == ".svg") return encode_svg(drawing, title, typesetter);
+  if (extension == ".pdf") return encode_pdf(drawing, title, typesetter);
+  throw error(Failure::usage, "{}: a still picture ends in .png, .svg or .pdf", name);
 }
 
 // ---- moving pictures --------------------------------------------------------------------------

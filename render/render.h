@@ -12,6 +12,7 @@
 #include "libevo/sim/model.h"
 #include "render/clip.h"
 #include "render/image.h"
+#include "render/moments.h"
 #include "render/options.h"
 #include "render/png.h"
 #include "render/sheet.h"
@@ -21,20 +22,37 @@ namespace evo::render {
 class Painter;
 
 // ---- still pictures ---------------------------------------------------------------
-// Errors: usage for options out of range, data for what cannot be drawn. Sheets
-// have options.size.width and the height they need.
+// Errors: usage for options out of range, data for what cannot be drawn. Strips,
+// sheets and grids have options.size.width and the height they need.
 
 // One moment; `step` may lie between two steps.
-Image draw_moment(const Episode& episode, double step, const RenderOptions& options);
-// `moments` moments of one episode side by side, evenly spread over from..to.
-Image draw_moments(const Episode& episode, int moments, const RenderOptions& options);
+Drawing draw_moment(const Episode& episode, double step, const RenderOptions& options);
+// `moments` moments of one episode from `from` to `to`.
+enum class Layout {
+  automatic,  // a strip for robots that travel
+  panels,     // side by side
+  strip,      // on one axis of the world
+};
+struct Moments {
+  int count = 6;
+  Layout layout = Layout::automatic;
+  Choice choice = Choice::gait;
+};
+Drawing draw_moments(const Episode& episode, const Moments& moments, const RenderOptions& options);
 // A compiled world at rest at its start.
-Image draw_world(const Model& model, const std::string& title, const RenderOptions& options);
-Image draw_robot(const Robot& robot, const RenderOptions& options);
-Image draw_robots(const std::vector<Robot>& robots, const RenderOptions& options);
+Drawing draw_world(const Model& model, const std::string& title, const RenderOptions& options);
+Drawing draw_robot(const Robot& robot, const RenderOptions& options);
+Drawing draw_robots(const std::vector<Robot>& robots, const RenderOptions& options);
 // The best `rows` of each generation.
-Image draw_generations(const std::vector<Generation>& generations, int rows,
-                       const RenderOptions& options);
+Drawing draw_generations(const std::vector<Generation>& generations, int rows,
+                         const RenderOptions& options);
+
+// Pixels of a drawing, painted by a process of its own.
+Image paint(const Drawing& drawing);
+// A file's bytes by the ending of its name: .png, .svg or .pdf; Error(usage) for
+// another. `title` is what vector formats say the picture shows.
+std::string encode_picture(const Drawing& drawing, const std::string& title,
+                           const std::string& name);
 
 // Moments one after the other, drawn in this process with a GL context that is
 // kept: milliseconds each. A process that owns one must not call the functions

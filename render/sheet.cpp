@@ -40,39 +40,46 @@ Vec2 centre_of_voxels(const Mesh& mesh, const std::vector<Vec2>& points) {
 
 // ---- cards ------------------------------------------------------------------------
 
-// The measures of sheets of robots, all from the width of a card.
+// The measures of sheets of robots, all from the width of a card and the extents of
+// the largest body.
 struct CardStyle {
   float width;
+  Span span;
+  int text_lines;
   float text = 0.105F * width;
-  float body = 0.94F * width;  // height of the space for the body
-  float lines = 0;             // height of the text below
-  explicit CardStyle(float card, int text_lines)
-      : width(card), lines((static_cast<float>(text_lines) * 1.35F + 0.55F) * text) {}
-  float height() const { return body + lines; }
+  float inset = 0.1F * width;
+  float body() const {  // height of the space for the body
+    const float proportion = static_cast<float>(span.rows) / static_cast<float>(span.cols);
+    return (width - 2 * inset) * proportion + 1.5F * inset;
+  }
+  float height() const { return body() + (static_cast<float>(text_lines) * 1.35F + 0.55F) * text; }
 };
 
-void draw_card(const Robot& robot, int across, const Theme& theme, const CardStyle& style, Point at,
-               bool with_id, Typesetter& typesetter, Drawing& drawing) {
+void draw_card(const Robot& robot, const Theme& theme, const CardStyle& style, Point at,
+               Typesetter& typesetter, Drawing& drawing) {
   drawing.rounded_rectangle({at.x, at.y, style.width, style.height()}, 0.06F * style.width,
                             theme.card);
-  const float inset = 0.1F * style.width;
-  draw_body(robot.body, across, theme,
-            {at.x + inset, at.y + inset, style.width - 2 * inset, style.body - 1.5F * inset},
+  draw_body(robot.body, style.span, theme,
+            {at.x + style.inset, at.y + style.inset, style.width - 2 * style.inset,
+             style.body() - 1.5F * style.inset},
             drawing);
-  const float most = style.width - inset;
+  const float most = style.width - style.inset;
   const float x = at.x + style.width / 2;
-  float y = at.y + style.body + style.text;
+  float y = at.y + style.body() + style.text;
   centred(fitness_text(robot), {x, y}, style.text, theme.text, true, most, typesetter, drawing);
-  if (!with_id) return;
+  if (style.text_lines < 2) return;
   y += 1.35F * style.text;
   centred(robot.id, {x, y}, 0.88F * style.text, theme.text_muted, false, most, typesetter, drawing);
 }
 
-// The longest side of the matrices, voxels.
-int largest(const std::vector<Robot>& robots) {
-  int most = 1;
-  for (const Robot& robot : robots) most = std::max({most, robot.body.rows, robot.body.cols});
-  return most;
+// What holds every body of a sheet; never narrower than high by more than a half,
+// so that text finds room below slim ones.
+Span largest(const std::vector<Robot>& robots, Span span = {}) {
+  for (const Robot& robot : robots) {
+    const Span own = span_of(robot.body);
+    span = {std::max(span.cols, own.cols), std::max(span.rows, own.rows)};
+  }
+  return {std::max(span.cols, (2 * span.rows + 2) / 3), span.rows};
 }
 
 Drawing blank(Size size, const Theme& theme) {
@@ -100,10 +107,12 @@ int tidy_columns(int count, double wished) {
   return best;
 }
 
-GridLayout lay_out(std::size_t robots, int width) {
+GridLayout lay_out(const std::vector<Robot>& robots, int width) {
   constexpr float smallest_card = 104;  // pixels, for ids that can be read
+  constexpr float largest_card = 260;   // few robots make a small sheet, not huge letters
   constexpr float gap_share = 0.08F;    // of a card
-  const auto count = static_cast<int>(robots);
+  const auto count = static_cast<int>(robots.size());
+  const Span span = largest(robots);
   const auto across = static_cast<float>(width);
   int columns = std::max(1, static_cast<int>(across / (smallest_card * (1 + gap_share))));
   // Few robots are drawn larger, on a sheet about as wide as a screen.
@@ -113,13 +122,15 @@ GridLayout lay_out(std::size_t robots, int width) {
     GridLayout layout;
     layout.columns = columns;
     layout.rows = (count + columns - 1) / columns;
-    layout.card = across / (static_cast<float>(columns) * (1 + gap_share) + gap_share);
+    const float units = static_cast<float>(columns) * (1 + gap_share) + gap_share;
+    layout.card = std::min(largest_card, across / units);
     layout.gap = gap_share * layout.card;
     const float height =
-        static_cast<float>(layout.rows) * (CardStyle(layout.card, 2).height() + layout.gap) +
+        static_cast<float>(layout.rows) * (CardStyle{layout.card, span, 2}.height() + layout.gap) +
         layout.gap;
     if (height > static_cast<float>(largest_side) && columns < count) continue;
-    layout.size = {width, static_cast<int>(std::lround(height))};
+    layout.size = {static_cast<int>(std::lround(layout.card * units)),
+                   static_cast<int>(std::lround(height))};
     return layout;
   }
 }
@@ -128,14 +139,27 @@ GridLayout lay_out(std::size_t robots, int width) {
 
 // ---- robots -------------------------------------------------------------------------
 
-void draw_body(const Body& body, int across, const Theme& theme, const Rect& area,
+Span span_of(const Body& body) {
+  int left = body.cols, right = -1, top = body.rows, low = -1;
+  for (int row = 0; row < body.rows; ++row)
+    for (int col = 0; col < body.cols; ++col) {
+      if (body.at(row, col) == Voxel::empty) continue;
+      left = std::min(left, col);
+      right = std::max(right, col);
+      top = std::min(top, row);
+      low = std::max(low, row);
+    }
+  return {std::max(1, right - left + 1), std::max(1, low - top + 1)};
+}
+
+void draw_body(const Body& body, const Span& span, const Theme& theme, const Rect& area,
                Drawing& drawing) {
   constexpr double border = 0.2;  // voxels, for the outline
   Scene scene;
   const Mesh mesh = make_mesh(body, scene.points);
   scene.mesh = &mesh;
   const Vec2 centre = centre_of_voxels(mesh, scene.points);
-  scene.view = {centre.x, centre.y, across + border, across + border};
+  scene.view = {centre.x, centre.y, span.cols + border, span.rows + border};
   scene.sky = scene.grid = scene.floor = scene.tint = false;
   draw_scene(scene, theme, area, drawing);
   drawing.clip(drawing.whole());
@@ -178,26 +202,23 @@ Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int wid
                    Typesetter& typesetter) {
   if (robots.empty()) throw Error(Failure::data, "there is no robot to draw");
   check_size({width, 1});
-  const GridLayout layout = lay_out(robots.size(), width);
+  const GridLayout layout = lay_out(robots, width);
   Drawing drawing = blank(layout.size, theme);
-  const CardStyle style(layout.card, 2);
-  const int across = largest(robots);
+  const CardStyle style{layout.card, largest(robots), 2};
   for (std::size_t k = 0; k < robots.size(); ++k) {
     const std::size_t column = k % static_cast<std::size_t>(layout.columns);
     const std::size_t row = k / static_cast<std::size_t>(layout.columns);
-    draw_card(robots[k], across, theme, style,
+    draw_card(robots[k], theme, style,
               {layout.gap + static_cast<float>(column) * (layout.card + layout.gap),
                layout.gap + static_cast<float>(row) * (style.height() + layout.gap)},
-              true, typesetter, drawing);
+              typesetter, drawing);
   }
   return drawing;
 }
 
 // ---- generations ------------------------------------------------------------------------
 
-std::vector<std::size_t> chosen_generations(std::size_t generations, int width) {
-  constexpr int narrowest = 96;  // pixels per column
-  const auto most = static_cast<std::size_t>(std::max(2, width / narrowest));
+std::vector<std::size_t> chosen_generations(std::size_t generations, std::size_t most) {
   std::vector<std::size_t> chosen;
   if (generations <= most) {
     for (std::size_t k = 0; k < generations; ++k) chosen.push_back(k);
@@ -208,40 +229,84 @@ std::vector<std::size_t> chosen_generations(std::size_t generations, int width) 
   return chosen;
 }
 
+namespace {
+
+// How columns of generations are laid out: `per_band` side by side, bands below
+// each other.
+struct GenerationLayout {
+  std::size_t per_band = 1;
+  std::size_t bands = 1;
+  std::size_t shown = 1;
+  float card = 0;
+  float gap = 0;
+  float heading = 0;
+  float band = 0;  // height
+};
+
+GenerationLayout lay_out_generations(std::size_t generations, int rows, const Span& span,
+                                     int width) {
+  constexpr std::size_t narrowest = 96;  // pixels a column
+  constexpr float gap_share = 0.08F;
+  constexpr std::size_t fewest_columns = 5;  // fewer are not drawn larger than that
+  const std::size_t widest_band =
+      std::max<std::size_t>(2, static_cast<std::size_t>(width) / narrowest);
+  GenerationLayout layout;
+  const auto measure = [&](std::size_t shown) {
+    layout.shown = shown;
+    layout.bands = (shown + widest_band - 1) / widest_band;
+    layout.per_band = (shown + layout.bands - 1) / layout.bands;
+    const auto columns = static_cast<float>(std::max(layout.per_band, fewest_columns));
+    layout.card = static_cast<float>(width) / (columns * (1 + gap_share) + gap_share);
+    layout.gap = gap_share * layout.card;
+    const CardStyle style{layout.card, span, 1};
+    layout.heading = 2.2F * style.text;
+    layout.band = layout.heading + static_cast<float>(rows) * (style.height() + layout.gap);
+    return static_cast<float>(layout.bands) * layout.band + 3 * layout.heading;
+  };
+  std::size_t shown = generations;
+  while (measure(shown) > static_cast<float>(largest_side) && layout.bands > 1)
+    shown = (layout.bands - 1) * widest_band;
+  return layout;
+}
+
+}  // namespace
+
 Drawing generation_sheet(const std::vector<Generation>& generations, int rows, const Theme& theme,
                          int width, Typesetter& typesetter) {
   if (generations.empty()) throw Error(Failure::data, "there is no generation to draw");
   check_size({width, 1});
-  const auto chosen = chosen_generations(generations.size(), width);
-  constexpr float gap_share = 0.08F;
-  constexpr int fewest_columns = 5;  // fewer are not drawn larger than that
-  const auto columns = static_cast<float>(std::max<std::size_t>(chosen.size(), fewest_columns));
-  const float card = static_cast<float>(width) / (columns * (1 + gap_share) + gap_share);
-  const float gap = gap_share * card;
-  const CardStyle style(card, 1);
-  const float heading = 3.2F * style.text;
   std::size_t most = 0;
-  int across = 1;
-  for (const std::size_t c : chosen) {
-    most = std::max(most, generations[c].robots.size());
-    across = std::max(across, largest(generations[c].robots));
+  Span span;
+  for (const Generation& generation : generations) {
+    most = std::max(most, generation.robots.size());
+    span = largest(generation.robots, span);
   }
   rows = std::min(rows, static_cast<int>(most));
-  const float height = heading + static_cast<float>(rows) * (style.height() + gap) + gap;
+  const GenerationLayout layout = lay_out_generations(generations.size(), rows, span, width);
+  const auto chosen = chosen_generations(generations.size(), layout.shown);
+  const CardStyle style{layout.card, span, 1};
+  const bool some = chosen.size() < generations.size();
+  const float note = some ? layout.heading : 0;
+  const float height = static_cast<float>(layout.bands) * layout.band + layout.gap + note;
   Drawing drawing = blank({width, static_cast<int>(std::lround(height))}, theme);
-  const float used = static_cast<float>(chosen.size()) * (card + gap) - gap;
+  const float used = static_cast<float>(layout.per_band) * (layout.card + layout.gap) - layout.gap;
   const float start = (static_cast<float>(width) - used) / 2;
   for (std::size_t c = 0; c < chosen.size(); ++c) {
     const Generation& generation = generations[chosen[c]];
-    const float x = start + static_cast<float>(c) * (card + gap);
-    centred(generation.name, {x + card / 2, heading - 0.9F * style.text}, style.text,
-            theme.text_muted, true, card, typesetter, drawing);
+    const float x = start + static_cast<float>(c % layout.per_band) * (layout.card + layout.gap);
+    const float y = static_cast<float>(c / layout.per_band) * layout.band;
+    centred(generation.name, {x + layout.card / 2, y + layout.heading - 0.6F * style.text},
+            style.text, theme.text_muted, true, layout.card, typesetter, drawing);
     const std::size_t shown = std::min(generation.robots.size(), static_cast<std::size_t>(rows));
     for (std::size_t r = 0; r < shown; ++r)
-      draw_card(generation.robots[r], across, theme, style,
-                {x, heading + static_cast<float>(r) * (style.height() + gap)}, false, typesetter,
-                drawing);
+      draw_card(generation.robots[r], theme, style,
+                {x, y + layout.heading + static_cast<float>(r) * (style.height() + layout.gap)},
+                typesetter, drawing);
   }
+  if (some)
+    centred(fmt::format("{} of {} generations", chosen.size(), generations.size()),
+            {static_cast<float>(width) / 2, height - 0.9F * style.text}, style.text,
+            theme.text_muted, false, static_cast<float>(width), typesetter, drawing);
   return drawing;
 }
 

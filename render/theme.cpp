@@ -12,6 +12,16 @@ constexpr Color rgb(unsigned hex, unsigned alpha = 255) {
           static_cast<std::uint8_t>(hex & 255U), static_cast<std::uint8_t>(alpha)};
 }
 
+// The same in every theme, so that a robot looks alike wherever it is seen.
+void voxels(Theme& t) {
+  t.rigid = rgb(0x434a56);
+  t.soft = rgb(0xdde1e6);
+  t.horizontal = rgb(0xfa9a45);
+  t.vertical = rgb(0x3f8ccb);
+  t.object_rigid = rgb(0x2f7c6c);
+  t.object_soft = rgb(0x83c4b0);
+}
+
 Theme light() {
   Theme t;
   t.name = "light";
@@ -28,11 +38,8 @@ Theme light() {
   t.text_muted = rgb(0x5d6a79);
   t.text_on_earth = rgb(0x6a6253);
   t.label = rgb(0xffffff, 216);
-  t.rigid = rgb(0x2a2d33);
-  t.soft = rgb(0xc0c5cb);
-  t.horizontal = rgb(0xfb8f3c);
-  t.vertical = rgb(0x62a8dc);
-  t.fixed = rgb(0x646e7b);
+  voxels(t);
+  t.fixed = rgb(0x8b929c);
   t.outline = rgb(0x14181d);
   t.seam = rgb(0x14181d, 96);
   t.seam_on_dark = rgb(0xffffff, 56);
@@ -59,11 +66,8 @@ Theme dark() {
   t.text_muted = rgb(0x9aa7b5);
   t.text_on_earth = rgb(0xa79c8b);
   t.label = rgb(0x0c1015, 200);
-  t.rigid = rgb(0x07080a);
-  t.soft = rgb(0x9fa6ae);
-  t.horizontal = rgb(0xf28a35);
-  t.vertical = rgb(0x5aa2da);
-  t.fixed = rgb(0x4a535f);
+  voxels(t);
+  t.fixed = rgb(0x39414b);
   t.outline = rgb(0xe6ebf0);
   t.seam = rgb(0xe6ebf0, 84);
   t.seam_on_dark = t.seam;
@@ -74,6 +78,26 @@ Theme dark() {
   return t;
 }
 
+Theme paper() {
+  Theme t = light();
+  t.name = "paper";
+  t.signs = true;
+  t.sky_top = t.sky_bottom = rgb(0xffffff);
+  t.earth_top = t.earth_bottom = rgb(0xefefef);
+  t.floor_line = rgb(0x777777);
+  t.grid_minor = rgb(0x000000, 12);
+  t.grid_major = rgb(0x000000, 34);
+  t.card = rgb(0xffffff);
+  t.text = rgb(0x111111);
+  t.text_muted = rgb(0x555555);
+  t.text_on_earth = rgb(0x444444);
+  t.label = rgb(0xffffff, 230);
+  t.fixed = rgb(0xbdbdbd);
+  t.fixed_outline = rgb(0x555555);
+  t.fixed_seam = rgb(0x555555, 60);
+  return t;
+}
+
 std::uint8_t channel(double value) {
   return static_cast<std::uint8_t>(std::lround(std::min(255.0, std::max(0.0, value))));
 }
@@ -81,11 +105,11 @@ std::uint8_t channel(double value) {
 }  // namespace
 
 const Theme& theme_by_name(const std::string& name) {
-  static const Theme themes[] = {light(), dark()};
+  static const Theme themes[] = {light(), dark(), paper()};
   for (const Theme& theme : themes)
     if (theme.name == name) return theme;
-  throw error(Failure::usage, "unknown theme '{}': allowed are light and dark{}", name,
-              did_you_mean(name, {"light", "dark"}));
+  throw error(Failure::usage, "unknown theme '{}': allowed are light, dark and paper{}", name,
+              did_you_mean(name, {"light", "dark", "paper"}));
 }
 
 Color color_of(const Theme& theme, Voxel voxel) {
@@ -104,6 +128,25 @@ Color color_of(const Theme& theme, Voxel voxel) {
       break;
   }
   return {0, 0, 0, 0};
+}
+
+Color color_of_object(const Theme& theme, Voxel voxel) {
+  if (voxel == Voxel::rigid) return theme.object_rigid;
+  if (voxel == Voxel::soft) return theme.object_soft;
+  return color_of(theme, voxel);
+}
+
+double luminance(Color color) {
+  const auto linear = [](std::uint8_t value) {
+    const double share = value / 255.0;
+    return share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
+  };
+  return 0.2126 * linear(color.r) + 0.7152 * linear(color.g) + 0.0722 * linear(color.b);
+}
+
+Color ink_on(Color background) {
+  constexpr double even = 0.18;  // where black and white contrast alike
+  return luminance(background) > even + 0.1 ? Color{17, 17, 17, 255} : Color{255, 255, 255, 255};
 }
 
 Color mix(Color a, Color b, double share) {

@@ -1,6 +1,7 @@
-// Colours. Two themes with the same roles; the voxel colours stay near those of
-// the benchmark's viewer and differ in lightness as well as in hue, orange
-// against blue, so that they can be told apart with any kind of colour vision.
+// Colours. Themes with the same roles and the same voxels, whose hues are those of
+// the benchmark's viewer. Any two kinds of a robot's voxels differ in luminance by
+// 1.5 to 1 at least (a test measures it), so that they can be told apart with any
+// kind of colour vision and on a grey print.
 #pragma once
 
 #include <string>
@@ -11,7 +12,8 @@
 namespace evo::render {
 
 struct Theme {
-  std::string name;  // "light", "dark"
+  std::string name;    // "light", "dark", "paper"
+  bool signs = false;  // on actuators, which way they stretch; for prints without colour
   Color sky_top;
   Color sky_bottom;
   Color earth_top;  // below the world floor
@@ -26,19 +28,26 @@ struct Theme {
   Color text_on_earth;
   Color label;  // behind text over a scene, translucent
   Color rigid, soft, horizontal, vertical, fixed;
-  Color outline;        // surfaces of bodies and objects
-  Color seam;           // between cells of one object
-  Color seam_on_dark;   // between rigid cells
-  Color fixed_outline;  // surfaces of terrain
+  Color object_rigid, object_soft;  // voxels of packages and the like, never a robot's
+  Color outline;                    // surfaces of bodies and objects
+  Color seam;                       // between cells of one object
+  Color seam_on_dark;               // between rigid cells
+  Color fixed_outline;              // surfaces of terrain
   Color fixed_seam;
   Color trail;
   Color arrow;
 };
 
-// "light" or "dark"; Error(usage) otherwise.
+// "light", "dark" or "paper"; Error(usage) otherwise.
 const Theme& theme_by_name(const std::string& name);
 
-Color color_of(const Theme& theme, Voxel voxel);
+Color color_of(const Theme& theme, Voxel voxel);         // of a robot
+Color color_of_object(const Theme& theme, Voxel voxel);  // of everything else
+
+// Relative luminance (WCAG 2), 0 to 1.
+double luminance(Color color);
+// Black or white, whichever is read more easily on `background`.
+Color ink_on(Color background);
 
 // a + (b - a) * share, each channel; share in [0, 1].
 Color mix(Color a, Color b, double share);

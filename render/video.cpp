@@ -68,7 +68,7 @@ using Arguments = std::vector<std::string>;
 Arguments encoder_arguments(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".mp4")
-    return {"-c:v",     "libx264", "-preset",   "veryfast",   "-crf", "18",
+    return {"-c:v",     "libx264", "-preset",   "medium",     "-crf", "20",
             "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f",   "mp4"};
   if (extension == ".webm")
     return {"-c:v",      "libvpx-vp9", "-crf",      "30",  "-b:v",    "0",

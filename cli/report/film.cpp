@@ -13,7 +13,8 @@ std::string draw(const Rollout& rollout, const char* theme) {
   render::RenderOptions options;
   options.size.width = width;
   options.theme = theme;
-  const render::Image image = render::draw_moments({&rollout, 0, ""}, moments, options);
+  const render::Image image =
+      render::paint(render::draw_moments({&rollout, 0, ""}, {moments}, options));
   return render::encode_png(render::view(image), deflate_level);
 }
 

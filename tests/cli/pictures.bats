@@ -18,6 +18,43 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   for file in r.gif r.png sheet.png grid.png; do [ "$(stat -c %s $file)" -gt 1000 ]; done
 }
 
+@test "still pictures: a moment, a strip, robots; as pixels and as shapes" {
+  episode r.h5
+  evo-render r.h5 --at 12.5 -o moment.png --size 320x180
+  evo-render r.h5 --strip 4 -o strip.svg
+  evo-render r.h5 --strip 4 --moments time --theme paper -o strip.pdf
+  evo-sample -n 3 | evo-render --grid -o grid.svg
+  head -c 4 strip.svg | grep -qx '<svg'
+  head -c 4 strip.pdf | grep -qx '%PDF'
+  [ "$(grep -c '>step ' strip.svg)" -eq 4 ]
+  evo-render r.h5 --strip 4 -o again.svg
+  cmp strip.svg again.svg
+  fails_with 2 "99" "0 to 40" -- evo-render r.h5 --at 99 -o x.png
+  fails_with 2 "x.mp4" ".svg" -- evo-render r.h5 --strip 4 -o x.mp4
+  fails_with 2 "gait" -- evo-render r.h5 --strip 4 --moments walk -o x.svg
+}
+
+# Mean difference of two pictures of one size, of 255.
+difference() {
+  for file in "$1" "$2"; do ffmpeg -v error -i "$file" -f rawvideo -pix_fmt rgb24 "$file.rgb"; done
+  /usr/bin/python3 -c "
+import sys, numpy as np
+a, b = (np.fromfile(f + '.rgb', np.uint8).astype(float) for f in sys.argv[1:])
+assert a.size == b.size, (a.size, b.size)
+print(np.abs(a - b).mean())" "$1" "$2"
+}
+
+@test "shapes as another program paints them are our pixels" {
+  episode r.h5
+  for theme in light paper; do
+    evo-render r.h5 --strip 3 --theme $theme --size 800x450 -o ours.png
+    evo-render r.h5 --strip 3 --theme $theme --size 800x450 -o shapes.svg
+    rsvg-convert shapes.svg -o theirs.png
+    difference ours.png theirs.png | awk '{ exit !($1 < 2.5) }'
+    rm ./*.rgb
+  done
+}
+
 @test "the same rollout is the same picture, whatever -j" {
   episode r.h5
   evo-render r.h5 -o a.png --size 160x90 -j1

@@ -21,7 +21,8 @@ constexpr double most_mean_difference = 0.5;      // of 255
 constexpr int large_difference = 48;              // of a channel
 constexpr double most_large_differences = 0.002;  // share of pixels
 
-void compare(const std::string& name, const Image& picture) {
+void compare(const std::string& name, const Drawing& drawing) {
+  const Image picture = paint(drawing);
   const fs::path golden = fs::path(EVO_TEST_DATA) / "render" / (name + ".png");
   if (std::getenv("EVO_UPDATE_GOLDEN") != nullptr) write_png(golden, view(picture), 9);
   const Image expected = read_png(golden);
@@ -97,7 +98,7 @@ TEST_CASE("golden: sheets") {
   compare("generations", draw_generations(generations, 4, options));
   const Rollout rollout = example::simulate("Walker-v0", example::walker, 100);
   options.size.width = 720;
-  compare("moments", draw_moments({&rollout, 0, ""}, 6, options));
+  compare("moments", draw_moments({&rollout, 0, ""}, {6}, options));
 }
 
 TEST_CASE("golden: every task at reset and after 100 steps") {

@@ -53,7 +53,7 @@ TEST_CASE("a sequence has a file per frame, equal to the picture of that moment"
   options.workers = 2;
   CHECK(render_video({{&rollout, 0, ""}}, options, folder / "frames/%05d.png").frames == 4);
   CHECK(read_png(folder / "frames/00002.png").rgba ==
-        draw_moment({&rollout, 0, ""}, 4, options).rgba);
+        paint(draw_moment({&rollout, 0, ""}, 4, options)).rgba);
   CHECK(fs::exists(folder / "frames/00003.png"));
   CHECK_FALSE(fs::exists(folder / "frames/00004.png"));
 }
@@ -79,7 +79,7 @@ TEST_CASE("one frame is an ordinary PNG") {
   options.to = 3;
   render_video({{&rollout, 0, ""}}, options, folder / "a.png");
   CHECK(read_file(folder / "a.png").find("acTL") == std::string::npos);
-  CHECK(read_png(folder / "a.png").rgba == draw_moment({&rollout, 0, ""}, 3, options).rgba);
+  CHECK(read_png(folder / "a.png").rgba == paint(draw_moment({&rollout, 0, ""}, 3, options)).rgba);
 }
 
 // What is written to standard output while `f` runs.
@@ -119,9 +119,9 @@ TEST_CASE("large pictures are painted in tiles without a seam") {
   const Robot robot(Body::from_rows(example::walker));
   RenderOptions options;
   options.size = {4096, 2304};
-  const Image large = draw_robot(robot, options);
+  const Image large = paint(draw_robot(robot, options));
   options.size = {1024, 576};
-  const Image small = draw_robot(robot, options);
+  const Image small = paint(draw_robot(robot, options));
   double worst = 0;
   for (int y = 0; y < 576; ++y)
     for (int x = 508; x < 516; ++x) {
@@ -168,7 +168,7 @@ TEST_CASE("outputs that make no sense are refused") {
   expect_error(Failure::data, Contains("no episode"), [&] { render_video({}, tiny(), "a.gif"); });
   expect_error(Failure::data, Contains("no robot"), [&] { draw_robots({}, tiny()); });
   expect_error(Failure::usage, Contains("101"), [&] {
-    draw_moments({&rollout, 0, ""}, 101, tiny());
+    draw_moments({&rollout, 0, ""}, {101}, tiny());
   });
   expect_error(Failure::usage, Contains("steps 0 to 2"), [&] {
     draw_moment({&rollout, 0, ""}, 3, tiny());

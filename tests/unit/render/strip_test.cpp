@@ -1,0 +1,122 @@
+// Panoramas, and the moments they show.
+#include "render/strip.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "render/moments.h"
+#include "tests/unit/render/example.h"
+#include "tests/unit/render/expect_error.h"
+
+namespace evo::render {
+namespace {
+
+using Catch::Matchers::Contains;
+
+// The robot of a rollout carried along by so much a step, and everything that moves
+// with it.
+Rollout carried(Rollout rollout, Vec2 a_step) {
+  const ModelObject& robot = rollout.world.objects.front();
+  auto& positions = rollout.episodes[0].positions;
+  const auto points = static_cast<std::size_t>(rollout.points);
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    const auto point = static_cast<int>(k % points);
+    if (point < robot.first_point || point >= robot.first_point + robot.points) continue;
+    const auto t = static_cast<double>(k / points);
+    positions[k].x += a_step.x * t;
+    positions[k].y += a_step.y * t;
+  }
+  return rollout;
+}
+
+// The robot of a rollout standing where it began, its upper parts swinging with this
+// period.
+Rollout swinging(Rollout rollout, double period) {
+  const ModelObject& robot = rollout.world.objects.front();
+  auto& positions = rollout.episodes[0].positions;
+  const auto points = static_cast<std::size_t>(rollout.points);
+  for (std::size_t k = points; k < positions.size(); ++k) {
+    const auto point = static_cast<int>(k % points);
+    if (point < robot.first_point || point >= robot.first_point + robot.points) continue;
+    const Vec2 start = positions[k % points];
+    const double swing = std::sin(6.283185307179586 * static_cast<double>(k / points) / period);
+    positions[k] = {start.x + 0.3 * start.y * swing, start.y};
+  }
+  return rollout;
+}
+
+const Theme& light() { return theme_by_name("light"); }
+
+TEST_CASE("the period of a gait is that of the robot's shape") {
+  const Rollout rollout = swinging(example::simulate("Walker-v0", example::walker, 200), 20);
+  const Clip clip({&rollout, 0, ""}, {}, 1.5);
+  CHECK(gait_period(clip, 60, 200) == 20);
+  const Rollout still = example::simulate("Walker-v0", {"SS", "SS"}, 200);
+  CHECK_FALSE(gait_period(Clip({&still, 0, ""}, {}, 1.5), 100, 200));
+  CHECK_FALSE(gait_period(clip, 60, 63));  // too short to tell
+}
+
+TEST_CASE("moments are spread over the episode, and over the cycle if it is asked for") {
+  const Rollout rollout = swinging(example::simulate("Walker-v0", example::walker, 200), 20);
+  const Clip clip({&rollout, 0, ""}, {}, 1.5);
+  CHECK(choose_moments(clip, 0, 200, 6, Choice::time) ==
+        std::vector<int>{0, 40, 80, 120, 160, 200});
+  // 40 steps are two cycles of 20: the same pose six times.
+  const std::vector<int> spread = choose_moments(clip, 0, 200, 6, Choice::gait);
+  REQUIRE(spread.size() == 6);
+  CHECK(spread.front() == 0);
+  CHECK(spread.back() == 200);
+  std::vector<int> phases;
+  for (std::size_t k = 0; k + 1 < spread.size(); ++k) {
+    CHECK(std::abs(spread[k] - static_cast<int>(40 * k)) <= 10);
+    phases.push_back(spread[k] % 20);
+  }
+  std::sort(phases.begin(), phases.end());
+  CHECK(std::adjacent_find(phases.begin(), phases.end()) == phases.end());
+  CHECK(choose_moments(clip, 0, 200, 1, Choice::gait) == std::vector<int>{200});
+  expect_error(Failure::usage, Contains("did you mean 'gait'"), [] { choice_by_name("gate"); });
+}
+
+TEST_CASE("a robot travels when it goes farther than it is long") {
+  const Rollout here = example::simulate("Walker-v0", example::walker, 50);
+  CHECK_FALSE(travels(Clip({&here, 0, ""}, {}, 1.5), 0, 50));
+  const Rollout there = carried(here, {0.05, 0});
+  CHECK(travels(Clip({&there, 0, ""}, {}, 1.5), 0, 50));
+  const Rollout up = carried(here, {0, 0.05});
+  CHECK(travels(Clip({&up, 0, ""}, {}, 1.5), 0, 50));
+}
+
+TEST_CASE("labels of a strip stand under their robots, in order, and never touch") {
+  Rollout rollout = carried(example::simulate("Walker-v0", example::walker, 60), {0.02, 0});
+  const Clip clip({&rollout, 0, ""}, {}, 1.5);
+  Typesetter typesetter;
+  const Drawing drawing = strip(clip, {0, 12, 24, 36, 48, 60}, light(), {600, 400}, typesetter);
+  CHECK(drawing.size().width == 600);
+  CHECK(drawing.size().height < 400);
+  std::vector<const Text*> steps;
+  for (const Text& text : drawing.texts())
+    if (text.text.starts_with("step ")) steps.push_back(&text);
+  REQUIRE(steps.size() == 6);
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const float half = typesetter.width(steps[k]->text, steps[k]->size) / 2;
+    CHECK(steps[k]->at.x - half >= 0);
+    CHECK(steps[k]->at.x + half <= 600);
+    if (k > 0)
+      CHECK(steps[k]->at.x - half >
+            steps[k - 1]->at.x + typesetter.width(steps[k - 1]->text, steps[k]->size) / 2);
+  }
+}
+
+TEST_CASE("a climber gets a picture that stands") {
+  const Rollout rollout =
+      carried(example::simulate("Climber-v0", example::small_box, 60), {0, 0.05});
+  const Clip clip({&rollout, 0, ""}, {}, 1.5);
+  Typesetter typesetter;
+  const Drawing drawing = strip(clip, {0, 30, 60}, light(), {800, 500}, typesetter);
+  CHECK(drawing.size().height == 500);
+  CHECK(drawing.size().width < 500);
+}
+
+}  // namespace
+}  // namespace evo::render

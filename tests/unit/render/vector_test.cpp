@@ -1,0 +1,99 @@
+// Vector formats, as text.
+#include "render/vector.h"
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <regex>
+
+#include "formats/files.h"
+#include "render/render.h"
+#include "tests/unit/render/example.h"
+#include "tests/unit/render/expect_error.h"
+
+namespace evo::render {
+namespace {
+
+using Catch::Matchers::Contains;
+
+std::string svg(const Drawing& drawing) {
+  Typesetter typesetter;
+  return encode_svg(drawing, "a <title>", typesetter);
+}
+
+TEST_CASE("shapes become elements, alike ones in a row one path") {
+  Drawing drawing({40, 20});
+  drawing.quad({Point{0, 0}, {4, 0}, {4, 4}, {0, 4}}, {255, 0, 0, 255});
+  drawing.quad({Point{4, 0}, {4, 4}, {8, 4}, {8, 0}}, {255, 0, 0, 255});  // turns the other way
+  drawing.line({1, 2}, {3, 2}, 0.5F, {0, 0, 255, 128});
+  drawing.disc({30, 10}, 2.5F, {0, 0, 0, 255});
+  drawing.clip({0, 0, 20, 20});
+  drawing.rounded_rectangle({1, 1, 8, 4}, 2, {1, 2, 3, 255});
+  drawing.text({{20, 10}, 8, "5 < 6", {0, 0, 0, 255}, Align::centre, true});
+  const std::string text = svg(drawing);
+  CHECK_THAT(text, Contains("<title>a &lt;title></title>"));
+  CHECK_THAT(text, Contains("<path fill=\"#ff0000\" d=\"M0 0L4 0L4 4L0 4zM8 0L8 4L4 4L4 0z\"/>"));
+  CHECK_THAT(text, Contains("stroke=\"#0000ff\" stroke-opacity=\".5\" stroke-width=\".5\" "
+                            "stroke-linecap=\"round\" d=\"M1 2L3 2\""));
+  CHECK_THAT(text, Contains("<circle cx=\"30\" cy=\"10\" r=\"2.5\""));
+  CHECK_THAT(text, Contains("<clipPath id=\"c1\"><rect x=\"0\" y=\"0\" width=\"20\""));
+  CHECK_THAT(text, Contains("<g clip-path=\"url(#c1)\">\n<rect x=\"1\""));
+  CHECK_THAT(text, Contains("text-anchor=\"middle\" font-weight=\"bold\""));
+  CHECK_THAT(text, Contains(">5 &lt; 6</text>"));
+}
+
+TEST_CASE("a gradient is defined once") {
+  Drawing drawing({40, 20});
+  for (const float x : {0.0F, 20.0F})
+    drawing.gradient({x, 0, 20, 20}, {255, 255, 255, 255}, {0, 0, 0, 255});
+  const std::string text = svg(drawing);
+  CHECK_THAT(text, Contains("<path fill=\"url(#g1)\" d=\"M0 0h20v20h-20zM20 0h20v20h-20z\"/>"));
+  CHECK(text.find("<linearGradient") == text.rfind("<linearGradient"));
+}
+
+// Pictures as text; EVO_UPDATE_GOLDEN=1 writes them anew, then look at them.
+void compare(const std::string& name, const Drawing& drawing) {
+  const std::string text = svg(drawing);
+  const std::string golden = std::string(EVO_TEST_DATA) + "/render/" + name + ".svg";
+  if (std::getenv("EVO_UPDATE_GOLDEN") != nullptr) write_file(golden, text);
+  if (text != read_file(golden)) write_file("differs-" + name + ".svg", text);
+  CHECK(text == read_file(golden));
+}
+
+TEST_CASE("golden: vector pictures") {
+  const Rollout rollout = example::simulate("Carrier-v0", example::walker, 60);
+  RenderOptions options;
+  options.size = {480, 270};
+  options.theme = "paper";
+  compare("strip-paper", draw_moments({&rollout, 0, ""}, {3, Layout::strip}, options));
+  options.theme = "dark";
+  compare("moment-dark", draw_moment({&rollout, 0, ""}, 30, options));
+  options.theme = "light";
+  compare("robots-light", draw_robots({Robot(Body::from_rows(example::walker)),
+                                       Robot(Body::from_rows(example::small_box))},
+                                      options));
+}
+
+TEST_CASE("a PDF is one page of the drawing's size, the same every time") {
+  const Rollout rollout = example::simulate("Walker-v0", example::walker, 20);
+  RenderOptions options;
+  options.size = {480, 270};
+  const Drawing drawing = draw_moment({&rollout, 0, ""}, 20, options);
+  Typesetter typesetter;
+  const std::string bytes = encode_pdf(drawing, "Walker-v0", typesetter);
+  CHECK(bytes.substr(0, 5) == "%PDF-");
+  CHECK_THAT(bytes, Contains("/MediaBox [ 0 0 360 202.5 ]"));
+  CHECK_THAT(bytes, Contains("DejaVu"));  // its letters are in the file
+  CHECK(encode_pdf(drawing, "Walker-v0", typesetter) == bytes);
+}
+
+TEST_CASE("the ending of a name says which format") {
+  const Drawing drawing({8, 8});
+  CHECK(encode_picture(drawing, "", "a.png").substr(1, 3) == "PNG");
+  CHECK(encode_picture(drawing, "", "a.svg").substr(0, 4) == "<svg");
+  CHECK(encode_picture(drawing, "", "a.pdf").substr(0, 4) == "%PDF");
+  expect_error(Failure::usage, Contains(".svg or .pdf"),
+               [&] { encode_picture(drawing, "", "a.eps"); });
+}
+
+}  // namespace
+}  // namespace evo::render

@@ -24,6 +24,7 @@ inline constexpr Format physics{"evo/physics", 1};
 inline constexpr Format training{"evo/training", 1};
 inline constexpr Format neat{"evo/neat", 1};
 inline constexpr Format neat_state{"evo/neat-state", 1};
+inline constexpr Format steady{"evo/steady", 1};
 inline constexpr Format run{"evo/run", 1};
 inline constexpr Format policy{"evo/policy", 1};
 inline constexpr Format checkpoint{"evo/checkpoint", 1};

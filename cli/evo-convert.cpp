@@ -8,16 +8,21 @@
 #include "cli/robots.h"
 #include "cli/task_options.h"
 #include "formats/evogym.h"
+#include "formats/hdf5.h"
 #include "formats/minari.h"
 #include "formats/npz.h"
+#include "formats/onnx.h"
+#include "formats/policy_json.h"
 #include "formats/rollout.h"
+#include "formats/task_draft.h"
 
 namespace {
 
 using namespace evo;
 namespace fs = std::filesystem;
 
-const std::vector<std::string> formats{"jsonl", "json", "yaml", "text", "npz", "evogym", "minari"};
+const std::vector<std::string> formats{"jsonl", "json",   "yaml",   "text", "npz",
+                                       "onnx",  "evogym", "minari", "task"};
 
 // The format asked for, or the one the output's ending says, or JSON Lines.
 std::string output_format(const std::optional<std::string>& asked, const std::string& output) {
@@ -32,6 +37,7 @@ std::string output_format(const std::optional<std::string>& asked, const std::st
   if (ending == ".yaml" || ending == ".yml") return "yaml";
   if (ending == ".txt") return "text";
   if (ending == ".npz") return "npz";
+  if (ending == ".onnx") return "onnx";
   return "jsonl";
 }
 
@@ -50,7 +56,7 @@ std::vector<Robot> read_any(const std::vector<std::string>& files) {
       files.empty() ? std::vector<std::string>{std::string(standard_stream)} : files;
   for (const std::string& file : sources) {
     if (file == standard_stream) {
-      const std::string text = read_input(file);
+      const std::string text = read_robot_text(file);
       if (const auto world = design_tool_world(text, input_label(file))) {
         robots.push_back(robot_from_evogym_world(*world, input_label(file), BodyCheck::any));
       } else {
@@ -108,7 +114,7 @@ void write_robots(const std::vector<Robot>& robots, const std::string& format,
     std::string text;
     for (const Robot& robot : robots) {
       if (!text.empty()) text += "---\n";
-      text += robot_to_yaml(robot);
+      text += robot_to_yaml(robot) + "\n";
     }
     write_text(output, text);
   } else if (format == "text") {
@@ -121,8 +127,7 @@ void write_robots(const std::vector<Robot>& robots, const std::string& format,
   } else if (format == "npz") {
     write_text(output, body_to_npz(single(robots, format).body));
   } else {
-    write_text(output,
-               evogym_world_to_json(evogym_world_of_robot(single(robots, format))).dump(2) + "\n");
+    write_text(output, evogym_world_to_json(evogym_world_of_robot(single(robots, format))));
   }
 }
 
@@ -138,12 +143,46 @@ void write_dataset(const std::vector<std::string>& files, const std::string& fol
   write_minari(folder, rollouts, id.value_or(minari_dataset_id(rollouts.front())));
 }
 
+// The one input of formats that are no robots'.
+const std::string& only(const std::vector<std::string>& files, const std::string& format,
+                        const std::string& what) {
+  if (files.size() != 1)
+    throw error(Failure::usage, "--to {} writes one {}, but {} files are named", format, what,
+                files.size());
+  return files.front();
+}
+
+bool is_policy(const std::string& file) {
+  if (file == standard_stream || !hdf5::is_hdf5(file)) return false;
+  const hdf5::Reader reader(file);
+  return reader.has_attribute("/", "format") && reader.text("/", "format") == "evo/policy";
+}
+
+// A whole policy, not only its robot. Whether that is what is to be written.
+bool write_policy_document(const std::vector<std::string>& files, const std::string& format,
+                           const std::string& output) {
+  if (format == "onnx") {
+    write_text(output, policy_to_onnx(read_policy(only(files, format, "policy"))));
+    return true;
+  }
+  if (format != "json" || files.size() != 1 || !is_policy(files.front())) return false;
+  write_text(output, policy_to_json(read_policy(files.front())));
+  return true;
+}
+
+// A world of the design tool as the beginning of a task.
+void write_task(const std::vector<std::string>& files, const std::string& output) {
+  const std::string& file = only(files, "task", "world");
+  const std::string name = file == standard_stream ? "my-task" : fs::path(file).stem().string();
+  write_text(output, draft_task(read_evogym_world(file), name));
+}
+
 // The world of a task, without a robot, for EvoGym's design tool.
 void write_task_world(const cli::TaskOptions& options, const std::string& output) {
   World world;
   for (const Placement& placement : options.load().objects)
     world.objects.push_back(placement.object);
-  write_text(output, evogym_world_to_json(world).dump(2) + "\n");
+  write_text(output, evogym_world_to_json(world));
 }
 
 }  // namespace
@@ -158,9 +197,11 @@ int main(int argc, char** argv) {
   command.arguments(files, "FILE",
                     "robots (JSON, JSON Lines, YAML, letters, .npz, design-tool JSON, policies, "
                     "rollouts) or EvoGym experiment folders [standard input]");
-  command.option("--to", format, "FORMAT",
-                 "jsonl, json, yaml, text, npz, evogym (design-tool JSON), or minari (a dataset "
-                 "folder of rollouts) [by the ending of -o, else jsonl]");
+  command.option(
+      "--to", format, "FORMAT",
+      "jsonl, json (of a policy: all of it), yaml, text, npz, onnx (a policy's network), "
+      "evogym (design-tool JSON), task (of a design-tool world) or minari (a dataset "
+      "folder of rollouts) [by the ending of -o, else jsonl]");
   command.option("--dataset-id", dataset_id, "ID",
                  "of the Minari dataset [evo/<task>/rollouts-v0]");
   command.flag("--unique", unique, "each body once, where it first came");
@@ -170,9 +211,13 @@ int main(int argc, char** argv) {
   command.example("evo-convert saved_data/my_experiment -o robots.jsonl",
                   "all robots of an EvoGym experiment with their fitness");
   command.example("evo-convert best.json -o best.npz", "a robot for EvoGym's own scripts");
+  command.example("evo-convert best.policy.h5 -o best.onnx", "a controller for other programs");
 
   return command.run(argc, argv, [&] {
     if (task.given()) {
+      if (!files.empty())
+        throw error(Failure::usage, "--task writes the task's world and reads no '{}'",
+                    files.front());
       write_task_world(task, command.output);
       return 0;
     }
@@ -181,6 +226,11 @@ int main(int argc, char** argv) {
       write_dataset(files, command.output, dataset_id);
       return 0;
     }
+    if (to == "task") {
+      write_task(files, command.output);
+      return 0;
+    }
+    if (write_policy_document(files, to, command.output)) return 0;
     std::vector<Robot> robots = read_any(files);
     if (unique) keep_first_of_each(robots);
     write_robots(robots, to, command.output);

@@ -10,6 +10,7 @@
 #include "cli/robots.h"
 #include "cli/run_status.h"
 #include "cli/terminal.h"
+#include "cli/values.h"
 #include "formats/hdf5.h"
 #include "formats/policy.h"
 #include "formats/rollout.h"
@@ -50,7 +51,8 @@ void print_robot(const Robot& robot, bool color) {
   const auto print_field = [&](const char* label, const char* key) {
     const auto found = document.find(key);
     if (found == document.end() || found->is_null()) return;
-    fmt::print("{:<9} {}\n", label, found->is_string() ? found->get<std::string>() : found->dump());
+    fmt::print("{:<9} {}\n", label,
+               cli::printable(found->is_string() ? found->get<std::string>() : compact(*found)));
   };
   print_field("fitness", "fitness");
   print_field("failure", "failure");
@@ -74,7 +76,7 @@ void print_robots(const std::vector<Robot>& robots, const std::string& name, boo
     if (const auto fitness = robot.fitness()) scores.push_back(*fitness);
     failed += robot.document.contains("failure") ? 1 : 0;
   }
-  fmt::print("{}: {} robots, {} different\n", name, robots.size(), ids.size());
+  fmt::print("{}: {} robots, {} different\n", cli::printable(name), robots.size(), ids.size());
   if (!scores.empty()) {
     const auto [low, high] = std::minmax_element(scores.begin(), scores.end());
     double sum = 0.0;
@@ -89,10 +91,10 @@ void print_robots(const std::vector<Robot>& robots, const std::string& name, boo
 
 void print_policy(const std::string& path, bool color) {
   const PolicyFile file = read_policy(path);
-  fmt::print("{}: policy\n", path);
+  fmt::print("{}: policy\n", cli::printable(path));
   print_robot(file.robot, color);
-  fmt::print("trained   on {}, {} steps, seed {}, best evaluation at step {}\n", file.task,
-             file.steps, file.seed, file.best_step);
+  fmt::print("trained   on {}, {} steps, seed {}, best evaluation at step {}\n",
+             cli::printable(file.task), file.steps, file.seed, file.best_step);
   if (file.final_score)
     fmt::print("final     {:.6g} +- {:.2g} over {} episodes from shifted starts\n",
                file.final_score->mean, file.final_score->standard_error,
@@ -100,16 +102,19 @@ void print_policy(const std::string& path, bool color) {
   std::vector<double> evaluations;
   for (const CurvePoint& point : file.curve) evaluations.push_back(point.evaluation);
   fmt::print("curve     {}\n", cli::sparkline(evaluations, 60));
-  fmt::print("made by   {}, settings {}\n", file.created_by, file.settings_hash.substr(0, 12));
+  fmt::print("made by   {}, settings {}\n", cli::printable(file.created_by),
+             cli::printable(file.settings_hash.substr(0, 12)));
   fmt::print("observes");
   for (const ObservationSlice& slice : file.layout)
-    fmt::print("  {} [{}..{}]", slice.name, slice.offset, slice.offset + slice.length - 1);
+    fmt::print("  {} [{}..{}]", cli::printable(slice.name), slice.offset,
+               slice.offset + slice.length - 1);
   fmt::print("\n");
 }
 
 void print_rollout(const std::string& path, bool color) {
   const Rollout rollout = read_rollout(path);
-  fmt::print("{}: rollout of {}\n", path, rollout.task.empty() ? "an unknown task" : rollout.task);
+  fmt::print("{}: rollout of {}\n", cli::printable(path),
+             rollout.task.empty() ? "an unknown task" : cli::printable(rollout.task));
   if (rollout.robot) print_robot(*rollout.robot, color);
   fmt::print("{} observations, {} actuators, {} points{}\n", rollout.observation_length,
              rollout.action_length, rollout.points,
@@ -135,7 +140,8 @@ void print_hdf5(const std::string& path, bool color) {
   if (format == "evo/policy") return print_policy(path, color);
   if (format == "evo/rollout") return print_rollout(path, color);
   if (format == "evo/checkpoint") {
-    fmt::print("{}: checkpoint of a training; evo-train --resume goes on from it\n", path);
+    fmt::print("{}: checkpoint of a training; evo-train --resume goes on from it\n",
+               cli::printable(path));
     return;
   }
   throw error(Failure::data, "{}: an HDF5 file, but neither a policy nor a rollout{}", path,
@@ -155,8 +161,11 @@ void print_run(const fs::path& folder, bool color) {
   const cli::RunStatus run(folder);
   const RunHistory& history = run.history();
   const RunSettings& settings = run.folder().settings();
-  fmt::print("{}: {} on {}, seed {}\n", folder.string(), settings.text("method"),
-             settings.text("task"), settings.text("seed"));
+  fmt::print(
+      "{}: {} on {}, seed {}
+      ", cli::printable(folder.string()),
+      cli::printable(settings.text("method")),
+      cli::printable(settings.text("task")), cli::printable(settings.text("seed")));
   fmt::print("robots       {} of {} trained, {} left\n", run.trained(), run.evaluations(),
              run.left());
   fmt::print("generations  {} finished, {} begun\n",
@@ -220,7 +229,7 @@ int main(int argc, char** argv) {
     const bool colored = cli::use_color(color);
     if (watch) {
       if (words.size() != 1) throw error(Failure::usage, "--watch: name one run folder");
-      cli::watch_run(words[0], command.show_progress());
+      cli::watch_run(words[0], command.progress_style());
       return 0;
     }
     if (words.empty()) words.emplace_back(standard_stream);

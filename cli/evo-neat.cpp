@@ -5,7 +5,9 @@
 
 #include "cli/command.h"
 #include "cli/data.h"
+#include "cli/outputs.h"
 #include "cli/robots.h"
+#include "cli/values.h"
 #include "formats/genome.h"
 #include "formats/neat.h"
 #include "libevo/evolve/cppn_neat.h"
@@ -83,6 +85,7 @@ int main(int argc, char** argv) {
       "the population after the scored one");
 
   return command.run(argc, argv, [&] {
+    cli::check_outputs({{"--output", command.output}, {"--state-out", state_out}});
     if (count < 2) throw error(Failure::usage, "--count must be at least 2, got {}", count);
     const NeatSettings settings = read_settings(settings_file, count);
     std::set<std::string> seen = cli::read_ids(avoid);

@@ -4,6 +4,7 @@
 #include "cli/command.h"
 #include "cli/progress.h"
 #include "cli/robots.h"
+#include "cli/values.h"
 #include "formats/hdf5.h"
 #include "formats/rollout.h"
 #include "render/render.h"
@@ -30,11 +31,13 @@ struct Settings {
   std::string tint = "actuation";
 };
 
+constexpr int most_episodes = 1'000'000'000;
+
 render::Size parse_size(const std::string& text) {
-  render::Size size;
-  if (std::sscanf(text.c_str(), "%dx%d", &size.width, &size.height) != 2)
-    throw error(Failure::usage, "--size: '{}' is not WIDTHxHEIGHT, such as 1280x720", text);
-  return size;
+  constexpr int most = 32'768;
+  const cli::Pair pair =
+      cli::parse_pair(text, "--size", most, "WIDTHxHEIGHT in pixels, such as 1280x720");
+  return {pair.first, pair.second};
 }
 
 // A GIF or animated PNG.
@@ -99,10 +102,7 @@ std::vector<render::Episode> choose_episodes(const std::vector<Rollout>& rollout
       if (word == "all") {
         for (int i = 0; i < static_cast<int>(rollout.episodes.size()); ++i) add(i);
       } else {
-        const std::vector<double> number = cli::parse_numbers(word, "--episode");
-        if (number.size() != 1)
-          throw error(Failure::usage, "--episode: '{}' is neither a number nor 'all'", word);
-        add(static_cast<int>(number[0]));
+        add(static_cast<int>(cli::parse_whole(word, "--episode", 0, most_episodes)));
       }
     }
   }
@@ -153,7 +153,7 @@ void render_robots(const Settings& settings, const RenderOptions& options,
 
 void render_rollouts(const Settings& settings, const RenderOptions& options,
                      const std::vector<std::string>& files, const std::string& output,
-                     bool show_progress) {
+                     cli::Progress progress) {
   std::vector<Rollout> rollouts;
   rollouts.reserve(files.size());
   for (const std::string& file : files) rollouts.push_back(read_rollout(file));
@@ -164,7 +164,7 @@ void render_rollouts(const Settings& settings, const RenderOptions& options,
     write_picture(output, render::draw_moments(episodes.front(), *settings.sheet, options));
     return;
   }
-  cli::LiveLine line(show_progress);
+  cli::LiveLine line(progress);
   render::render_video(episodes, options, output, [&](std::size_t frames, std::size_t of) {
     if (!line.due()) return;
     const double share = static_cast<double>(frames) / static_cast<double>(of);
@@ -242,7 +242,7 @@ int main(int argc, char** argv) {
     choose_format(settings, film && is_animation(settings, command.output), options);
     render::check_options(options);
     if (film) {
-      render_rollouts(settings, options, files, command.output, command.show_progress());
+      render_rollouts(settings, options, files, command.output, command.progress_style());
     } else {
       if (settings.sheet)
         throw error(Failure::usage, "--sheet needs a rollout; for robots there is --grid");

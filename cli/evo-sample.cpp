@@ -3,6 +3,7 @@
 
 #include "cli/command.h"
 #include "cli/robots.h"
+#include "cli/values.h"
 #include "formats/genome.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"

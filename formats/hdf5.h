@@ -13,7 +13,10 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "formats/files.h"
 
 namespace evo::hdf5 {
 
@@ -70,7 +73,7 @@ class Writer {
   template <Number T>
   void attribute(const std::string& object, const std::string& name, const std::vector<T>& values);
 
-  void commit();
+  void commit(Existing existing = Existing::replaced);
 
  private:
   struct File;
@@ -83,6 +86,8 @@ class Writer {
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& path);
+  // The bytes of a file, called `name`.
+  Reader(std::string_view bytes, const std::string& name);
   ~Reader();
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
@@ -119,5 +124,7 @@ class Reader {
 
 // Whether the file exists and begins like an HDF5 file.
 bool is_hdf5(const std::filesystem::path& path);
+// Whether bytes begin like one.
+bool begins_as_hdf5(std::string_view bytes);
 
 }  // namespace evo::hdf5

@@ -208,7 +208,7 @@ Physics read_profile(const YamlNode& node, const std::filesystem::path& folder,
 }
 
 Physics load_file(const std::filesystem::path& path, const DataFolders& folders, int depth) {
-  const YamlNode node = YamlNode::parse(read_file(path), path.string());
+  const YamlNode node = YamlNode::parse(read_file(path, largest_document), path.string());
   return read_profile(node, path.parent_path(), folders, depth);
 }
 

@@ -241,7 +241,7 @@ PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
   return file;
 }
 
-void write_policy(const std::filesystem::path& path, const PolicyFile& policy) {
+void write_policy(const std::filesystem::path& path, const PolicyFile& policy, Existing existing) {
   hdf5::Writer file(path);
   file.attribute("/", "format", policy_format);
   file.attribute("/", "version", newest_version);
@@ -266,7 +266,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy) {
     file.attribute("/", "final_mean", policy.final_score->mean);
     file.attribute("/", "final_standard_error", policy.final_score->standard_error);
   }
-  file.commit();
+  file.commit(existing);
 }
 
 PolicyFile read_policy(const std::filesystem::path& path) {

@@ -78,11 +78,14 @@ std::optional<V> parse(std::string_view text) {
     if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
     return value;
   } else {
-    // "64,64" or nothing at all.
+    // "64,64", in brackets or not, or nothing at all.
+    if (text.starts_with('[') && text.ends_with(']')) text = text.substr(1, text.size() - 2);
     V values;
     while (!text.empty()) {
       const std::size_t comma = std::min(text.find(','), text.size());
-      const auto value = parse<typename V::value_type>(text.substr(0, comma));
+      std::string_view item = text.substr(0, comma);
+      item.remove_prefix(std::min(item.find_first_not_of(' '), item.size()));
+      const auto value = parse<typename V::value_type>(item);
       if (!value) return std::nullopt;
       values.push_back(*value);
       text.remove_prefix(std::min(comma + 1, text.size()));
@@ -235,7 +238,7 @@ T read_profile(const YamlNode& node, const std::filesystem::path& folder,
 }
 
 T load_file(const std::filesystem::path& path, const DataFolders& folders, int depth) {
-  const YamlNode node = YamlNode::parse(read_file(path), path.string());
+  const YamlNode node = YamlNode::parse(read_file(path, largest_document), path.string());
   return read_profile(node, path.parent_path(), folders, depth);
 }
 

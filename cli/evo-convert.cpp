@@ -58,9 +58,9 @@ std::vector<Robot> read_any(const std::vector<std::string>& files) {
     if (file == standard_stream) {
       const std::string text = read_robot_text(file);
       if (const auto world = design_tool_world(text, input_label(file))) {
-        robots.push_back(robot_from_evogym_world(*world, input_label(file), BodyCheck::any));
+        robots.push_back(robot_from_evogym_world(*world, input_label(file)));
       } else {
-        add(parse_robots(text, input_label(file), BodyCheck::any));
+        add(parse_robots(text, input_label(file)));
       }
     } else if (fs::is_directory(file)) {
       if (!is_evogym_experiment(file))
@@ -68,12 +68,12 @@ std::vector<Robot> read_any(const std::vector<std::string>& files) {
                     file);
       add(read_evogym_experiment(file));
     } else if (fs::path(file).extension() == ".npz") {
-      robots.emplace_back(read_npz(file));
+      robots.push_back(robot_from_json(Robot(read_npz(file)).document, file));
     } else if (fs::path(file).extension() == ".json" &&
                design_tool_world(read_file(file), file).has_value()) {
-      robots.push_back(robot_from_evogym_world(read_evogym_world(file), file, BodyCheck::any));
+      robots.push_back(robot_from_evogym_world(read_evogym_world(file), file));
     } else {
-      add(cli::read_robots({file}, BodyCheck::any));
+      add(cli::read_robots({file}));
     }
   }
   return robots;

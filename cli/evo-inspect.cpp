@@ -6,12 +6,14 @@
 
 #include "cli/command.h"
 #include "cli/data.h"
+#include "cli/documents.h"
 #include "cli/progress.h"
 #include "cli/robots.h"
 #include "cli/run_status.h"
 #include "cli/terminal.h"
 #include "cli/values.h"
 #include "formats/hdf5.h"
+#include "formats/npz.h"
 #include "formats/policy.h"
 #include "formats/rollout.h"
 #include "formats/task.h"
@@ -195,10 +197,39 @@ void print_tasks(bool markdown) {
   fmt::print("{}", task_table(tasks, markdown ? TableStyle::markdown : TableStyle::plain));
 }
 
+// Bodies that cannot be robots are shown and then refused.
+void check_bodies(const std::vector<Robot>& robots, const std::string& name) {
+  for (const Robot& robot : robots)
+    if (const auto fault = defect(robot.body, true))
+      throw error(Failure::data, "{}: robot {} cannot be one: {}", name, robot.id, *fault);
+}
+
+std::vector<Robot> robots_in(const std::string& text, const std::string& name) {
+  if (fs::path(name).extension() == ".npz") return {Robot(body_from_npz(text, name))};
+  return parse_robots(text, input_label(name), BodyCheck::any);
+}
+
 void print_file(const std::string& name, bool color) {
   if (name != standard_stream && fs::is_directory(name)) return print_run(name, color);
   if (name != standard_stream && hdf5::is_hdf5(name)) return print_hdf5(name, color);
-  print_robots(cli::read_robots({name}, BodyCheck::any), input_label(name), color);
+  const std::string text =
+      fs::path(name).extension() == ".npz" ? read_file(name) : read_robot_text(name);
+  if (cli::print_document(text, input_label(name))) return;
+  const std::vector<Robot> robots = hdf5::begins_as_hdf5(text)
+                                        ? parse_robots(hdf5::Reader(text, name).text("/", "robot"),
+                                                       input_label(name), BodyCheck::any)
+                                        : robots_in(text, name);
+  print_robots(robots, input_label(name), color);
+  check_bodies(robots, input_label(name));
+}
+
+void draw_robots(const std::string& name, bool color) {
+  const std::vector<Robot> robots = cli::read_robots({name}, BodyCheck::any);
+  for (const Robot& robot : robots) {
+    print_robot(robot, color);
+    fmt::print("\n");
+  }
+  check_bodies(robots, input_label(name));
 }
 
 }  // namespace
@@ -210,9 +241,10 @@ int main(int argc, char** argv) {
   std::optional<std::string> shape;
   bool markdown = false;
   bool watch = false;
-  command.arguments(words, "FILE|RUN_DIR|tasks|task NAME|robot FILE",
-                    "robots, policies, rollouts, run folders; 'tasks' lists the tasks, 'task NAME' "
-                    "explains one, 'robot FILE' draws robots");
+  command.arguments(
+      words, "FILE|RUN_DIR|tasks|task NAME|robot FILE",
+      "robots, policies, rollouts, tasks, profiles, NEAT states, worlds, run folders; "
+      "'tasks' lists the tasks, 'task NAME' explains one, 'robot FILE' draws robots");
   command.option("--color", color, "WHEN", "auto, always or never");
   command.option("--shape", shape, "ROWSxCOLS",
                  "of the full body whose observation 'task NAME' lays out [5x5]");
@@ -242,11 +274,7 @@ int main(int argc, char** argv) {
                                      full_body(size.rows, size.cols)));
     } else if (words[0] == "robot") {
       if (words.size() < 2) words.emplace_back(standard_stream);
-      for (std::size_t i = 1; i < words.size(); ++i)
-        for (const Robot& robot : cli::read_robots({words[i]}, BodyCheck::any)) {
-          print_robot(robot, colored);
-          fmt::print("\n");
-        }
+      for (std::size_t i = 1; i < words.size(); ++i) draw_robots(words[i], colored);
     } else {
       for (const std::string& word : words) print_file(word, colored);
     }

@@ -93,7 +93,7 @@ int main(int argc, char** argv) {
     Parents parents;
     std::vector<CppnRobot> made;
     if (state_in) {
-      const std::vector<Robot> robots = cli::read_robots(files, BodyCheck::any);
+      const std::vector<Robot> robots = cli::read_robots(files);
       if (robots.empty()) throw error(Failure::data, "no scored robots were read");
       for (const Robot& robot : robots) seen.insert(robot.id);
       parents = read_parents(robots);

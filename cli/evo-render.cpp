@@ -128,7 +128,7 @@ std::vector<render::Generation> read_generations(const std::vector<std::string>&
     std::string name = file;
     const std::size_t begin = name.rfind("gen-");
     if (begin != std::string::npos) name = name.substr(begin, name.find('/', begin) - begin);
-    std::vector<Robot> robots = cli::read_robots({file}, BodyCheck::any);
+    std::vector<Robot> robots = cli::read_robots({file});
     std::stable_sort(robots.begin(), robots.end(), [](const Robot& a, const Robot& b) {
       return a.fitness() && (!b.fitness() || *a.fitness() > *b.fitness());
     });
@@ -144,7 +144,7 @@ void render_robots(const Settings& settings, const RenderOptions& options,
         output, render::draw_generations(read_generations(files), *settings.generations, options));
     return;
   }
-  const std::vector<Robot> robots = cli::read_robots(files, BodyCheck::any);
+  const std::vector<Robot> robots = cli::read_robots(files);
   if (robots.empty()) throw error(Failure::data, "nothing to draw: no robots were read");
   write_picture(output, robots.size() == 1 && !settings.grid
                             ? render::draw_robot(robots.front(), options)

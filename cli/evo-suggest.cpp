@@ -19,7 +19,7 @@ struct History {
 History read_history(const std::vector<std::string>& files) {
   History history;
   std::set<std::string> ids;
-  for (const Robot& robot : cli::read_robots(files, BodyCheck::any)) {
+  for (const Robot& robot : cli::read_robots(files)) {
     const Body& body = robot.body;
     if (ids.empty()) history.shape = {body.rows, body.cols};
     if (body.rows != history.shape.rows || body.cols != history.shape.cols)

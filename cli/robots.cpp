@@ -70,7 +70,7 @@ std::vector<Robot> read_robots(const std::vector<std::string>& files, BodyCheck 
 std::set<std::string> read_ids(const std::vector<std::string>& files) {
   std::set<std::string> ids;
   if (files.empty()) return ids;
-  for (const Robot& robot : read_robots(files, BodyCheck::any)) ids.insert(robot.id);
+  for (const Robot& robot : read_robots(files)) ids.insert(robot.id);
   return ids;
 }
 

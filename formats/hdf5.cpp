@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 
+#include "formats/hdf5_checksum.h"
 #include "libevo/base/error.h"
 
 namespace evo::hdf5 {
@@ -294,6 +296,9 @@ void Writer::attribute(const std::string& object, const std::string& name,
 void Writer::commit(Existing existing) {
   silence();
   const hid_t id = file_->id.get();
+  const auto checksum = content_checksum(id, std::numeric_limits<std::size_t>::max());
+  if (!checksum) throw file_->failed("/");
+  attribute("/", checksum_attribute, *checksum);
   if (H5Fflush(id, H5F_SCOPE_GLOBAL) < 0) throw file_->failed("/");
   const ssize_t size = H5Fget_file_image(id, nullptr, 0);
   if (size <= 0) throw file_->failed("/");
@@ -481,11 +486,15 @@ struct Reader::File {
     return {sizes.begin(), sizes.end()};
   }
 
+  std::size_t most_bytes() const {
+    constexpr std::size_t best_compression = 1100;  // deflate reaches 1032
+    return std::max<std::size_t>(size, 1) * best_compression;
+  }
+
   // The number of elements, unless the file is far too small to hold them: a
   // damaged shape must not take all memory.
   std::size_t count(const Shape& shape, std::size_t element_size, const std::string& path) const {
-    constexpr std::size_t best_compression = 1100;  // deflate reaches 1032
-    const std::size_t most = std::max<std::size_t>(size, 1) * best_compression / element_size;
+    const std::size_t most = most_bytes() / element_size;
     std::size_t elements = 1;
     for (const std::size_t n : shape) {
       if (n != 0 && elements > most / n)
@@ -535,6 +544,14 @@ Reader::Reader(std::string_view bytes, const std::string& name)
 Reader::~Reader() = default;
 
 const std::string& Reader::name() const { return file_->name; }
+
+void Reader::verify() const {
+  if (!has_attribute("/", checksum_attribute)) return;
+  if (content_checksum(file_->id.get(), file_->most_bytes()) != text("/", checksum_attribute))
+    throw file_->failed("/",
+                        "the content is not what its checksum says: the file is damaged or was "
+                        "changed (to use it all the same, remove the attribute 'checksum')");
+}
 
 bool Reader::exists(const std::string& path) const { return file_->exists(path); }
 

@@ -73,6 +73,7 @@ class Writer {
   template <Number T>
   void attribute(const std::string& object, const std::string& name, const std::vector<T>& values);
 
+  // Adds the checksum of all that was written, as attribute `checksum` of "/".
   void commit(Existing existing = Existing::replaced);
 
  private:
@@ -93,6 +94,9 @@ class Reader {
   Reader& operator=(const Reader&) = delete;
 
   const std::string& name() const;  // of the file, for messages
+
+  // Throws Error(data) where the file has a checksum and holds something else.
+  void verify() const;
 
   bool exists(const std::string& path) const;
   std::vector<std::string> children(const std::string& group) const;  // by name

@@ -272,6 +272,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy, E
 PolicyFile read_policy(const std::filesystem::path& path) {
   const hdf5::Reader file(path);
   check_header(file, policy_format);
+  file.verify();
   PolicyFile policy;
   policy.robot = read_robot(file);
   policy.task = file.text("/", "task");
@@ -343,6 +344,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const std::string&
     throw error(Failure::cannot_create,
                 "{}: belongs to a training with other settings; remove it to start afresh",
                 file.name());
+  file.verify();
   Checkpoint checkpoint;
   for (const std::string& line : file.strings("/index")) {
     const std::size_t space = line.find(' ');

@@ -1,8 +1,9 @@
 #include "cli/documents.h"
 
 #include <filesystem>
-#include <functional>
-#include <map>
+#include <optional>
+#include <string_view>
+#include <vector>
 
 #include "cli/data.h"
 #include "cli/terminal.h"
@@ -24,45 +25,48 @@ constexpr int shown_cols = 5;
 
 fs::path folder_of(const std::string& name) { return fs::path(name).parent_path(); }
 
-void print_task(const std::string& text, const std::string& name) {
+std::string describe_task_file(const std::string& text, const std::string& name) {
   const TaskSpec task = parse_task(text, name, folder_of(name), data_folders());
-  fmt::print("{}", describe_task(task, full_body(shown_rows, shown_cols)));
+  return describe_task(task, full_body(shown_rows, shown_cols));
 }
 
-void print_physics(const std::string& text, const std::string& name) {
+std::string describe_physics(const std::string& text, const std::string& name) {
   const YamlNode node = YamlNode::parse(text, name);
-  fmt::print("{}: physics profile, in full\n{}", printable(name),
-             physics_to_yaml(physics_from_yaml(node, folder_of(name), data_folders())));
+  return fmt::format("{}: physics profile, in full\n{}", printable(name),
+                     physics_to_yaml(physics_from_yaml(node, folder_of(name), data_folders())));
 }
 
-void print_training(const std::string& text, const std::string& name) {
+std::string describe_training(const std::string& text, const std::string& name) {
   const YamlNode node = YamlNode::parse(text, name);
-  fmt::print("{}: training profile, in full\n{}", printable(name),
-             training_to_yaml(training_from_yaml(node, folder_of(name), data_folders())));
+  return fmt::format("{}: training profile, in full\n{}", printable(name),
+                     training_to_yaml(training_from_yaml(node, folder_of(name), data_folders())));
 }
 
-void print_neat_settings(const std::string& text, const std::string& name) {
+std::string describe_neat_settings(const std::string& text, const std::string& name) {
   const NeatSettings settings = neat_settings_from_yaml(YamlNode::parse(text, name));
-  fmt::print("{}: settings of NEAT, {} genomes, {} inputs, {} outputs\n", printable(name),
-             settings.pop_size, settings.num_inputs, settings.num_outputs);
+  return fmt::format("{}: settings of NEAT, {} genomes, {} inputs, {} outputs\n", printable(name),
+                     settings.pop_size, settings.num_inputs, settings.num_outputs);
 }
 
-void print_neat_state(const std::string& text, const std::string& name) {
+std::string describe_neat_state(const std::string& text, const std::string& name) {
   const NeatState state = parse_neat_state(text, name);
-  fmt::print("{}: state of NEAT, generation {}, {} species\n", printable(name), state.generation,
-             state.species.size());
-  fmt::print("{:>8} {:>8} {:>8} {:>14}\n", "species", "created", "members", "last improved");
+  std::string told = fmt::format(
+      "{}: state of NEAT, generation {}, {} species\n{:>8} {:>8} {:>8} {:>14}\n", printable(name),
+      state.generation, state.species.size(), "species", "created", "members", "last improved");
   for (const Species& species : state.species)
-    fmt::print("{:>8} {:>8} {:>8} {:>14}\n", species.key, species.created, species.members.size(),
-               species.last_improved);
+    told += fmt::format("{:>8} {:>8} {:>8} {:>14}\n", species.key, species.created,
+                        species.members.size(), species.last_improved);
+  return told;
 }
 
-void print_world(const std::string& text, const std::string& name) {
+std::string describe_world(const std::string& text, const std::string& name) {
   const World world = evogym_world_from_json(parse_json(text, name), name);
-  fmt::print("{}: world of the design tool, {} objects\n", printable(name), world.objects.size());
+  std::string told = fmt::format("{}: world of the design tool, {} objects\n", printable(name),
+                                 world.objects.size());
   for (const Object& object : world.objects)
-    fmt::print("  {} at [{}, {}], {}x{}, {} voxels\n", printable(object.name), object.x, object.y,
-               object.body.rows, object.body.cols, count_voxels(object.body));
+    told += fmt::format("  {} at [{}, {}], {}x{}, {} voxels\n", printable(object.name), object.x,
+                        object.y, object.body.rows, object.body.cols, count_voxels(object.body));
+  return told;
 }
 
 // The value of the first key `format`, whether JSON or YAML.
@@ -77,23 +81,37 @@ std::string format_of(const std::string& text) {
   return text.substr(at, text.find_first_of(" \t\r\n\",}#", at) - at);
 }
 
+struct Kind {
+  std::string name;
+  std::string (*describe)(const std::string& text, const std::string& name);
+};
+
+std::optional<Kind> kind_of(const std::string& text) {
+  static const std::vector<Kind> kinds{{"evo/task", describe_task_file},
+                                       {"evo/physics", describe_physics},
+                                       {"evo/training", describe_training},
+                                       {"evo/neat", describe_neat_settings},
+                                       {"evo/neat-state", describe_neat_state}};
+  const std::string format = format_of(text);
+  for (const Kind& kind : kinds)
+    if (kind.name == format) return kind;
+  if (text.find("\"grid_width\"") == std::string::npos) return std::nullopt;
+  return Kind{"world of the design tool", describe_world};
+}
+
 }  // namespace
 
 bool print_document(const std::string& text, const std::string& name) {
-  using Print = void (*)(const std::string&, const std::string&);
-  static const std::map<std::string, Print> kinds{{"evo/task", print_task},
-                                                  {"evo/physics", print_physics},
-                                                  {"evo/training", print_training},
-                                                  {"evo/neat", print_neat_settings},
-                                                  {"evo/neat-state", print_neat_state}};
-  const auto kind = kinds.find(format_of(text));
-  if (kind != kinds.end()) {
-    kind->second(text, name);
-    return true;
-  }
-  if (text.find("\"grid_width\"") == std::string::npos) return false;
-  print_world(text, name);
-  return true;
+  const auto kind = kind_of(text);
+  if (kind) fmt::print("{}", kind->describe(text, name));
+  return kind.has_value();
+}
+
+std::string document_kind(const std::string& text, const std::string& name) {
+  const auto kind = kind_of(text);
+  if (!kind) return {};
+  (void)kind->describe(text, name);
+  return kind->name;
 }
 
 }  // namespace evo::cli

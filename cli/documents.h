@@ -10,4 +10,8 @@ namespace evo::cli {
 // that is none of these: robots, or nothing known. Throws Error(data).
 bool print_document(const std::string& text, const std::string& name);
 
+// Checks it as well, prints nothing, and gives its kind: "evo/task"; empty where the
+// other says false.
+std::string document_kind(const std::string& text, const std::string& name);
+
 }  // namespace evo::cli

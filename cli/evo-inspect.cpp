@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "cli/check.h"
 #include "cli/command.h"
 #include "cli/data.h"
 #include "cli/documents.h"
@@ -241,6 +242,8 @@ int main(int argc, char** argv) {
   std::optional<std::string> shape;
   bool markdown = false;
   bool watch = false;
+  bool check = false;
+  bool replay = false;
   command.arguments(
       words, "FILE|RUN_DIR|tasks|task NAME|robot FILE",
       "robots, policies, rollouts, tasks, profiles, NEAT states, worlds, run folders; "
@@ -251,6 +254,9 @@ int main(int argc, char** argv) {
   command.flag("--markdown", markdown, "'tasks' as a Markdown table");
   command.flag("--watch", watch,
                "follow a run until it is over: a line a generation, on a terminal live curves");
+  command.flag("--check", check,
+               "read the files, or every file of a run, whole: structure, ids, checksums, fitness");
+  command.flag("--replay", replay, "with --check, run the policies: each earns its fitness again");
   command.progress_option();
   command.example("evo-inspect tasks", "the benchmark's tasks with difficulty and lengths");
   command.example("evo-inspect task Carrier-v0", "what is observed, rewarded, and ends an episode");
@@ -259,6 +265,12 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     const bool colored = cli::use_color(color);
+    if (replay && !check) throw error(Failure::usage, "--replay goes with --check");
+    if (check) {
+      if (words.empty()) throw error(Failure::usage, "--check: name files or run folders");
+      cli::check_paths(words, replay);
+      return 0;
+    }
     if (watch) {
       if (words.size() != 1) throw error(Failure::usage, "--watch: name one run folder");
       cli::watch_run(words[0], command.progress_style());

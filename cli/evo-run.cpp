@@ -128,8 +128,7 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
           out.write(*trained.robot);
           out.finish();
         });
-    if (status != 0)
-      asked.warn("interrupted; give the same command again to go on");
+    if (status != 0) asked.warn("interrupted; give the same command again to go on");
     return status;
   });
 }

@@ -325,8 +325,7 @@ void Command::progress_option() {
   impl_
       ->add("--progress", progress, "WHEN",
             "auto, always, lines (one every ten seconds) or never; auto draws on a terminal, "
-            "writes a "
-            "line a minute elsewhere, and nothing under make",
+            "writes a line a minute elsewhere, and nothing under make",
             "auto", true)
       ->check(CLI::IsMember({"auto", "always", "lines", "never"}));
 }
@@ -391,7 +390,7 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
       impl.version |= word == "--version";
       // The parser would take the next word for the value.
       if (word.size() > 3 && word.starts_with("--") && word.find('=') == word.size() - 1)
-        throw error(Failure::usage, "{} its value is empty", word.substr(0, word.size() - 1) + ":");
+        throw error(Failure::usage, "{}: its value is empty", word.substr(0, word.size() - 1));
     }
     int status = 0;
     if (impl.help) {
@@ -448,8 +447,8 @@ void catch_interrupts() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before = {};
     sigaction(signal, nullptr, &before);
-    // Started with nohup, or in the background: what is ignored stays so.
-    if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
+    const bool nohup = signal == SIGHUP && before.sa_handler == SIG_IGN;
+    if (!nohup) sigaction(signal, &action, nullptr);
   }
 }
 

@@ -100,10 +100,8 @@ P
   cp "$made"/small.txt .
   local signal
   for signal in INT TERM HUP KILL; do
-    evo-eval small.txt --task Walker-v0 --random --episodes 100000 --rollout r.h5 -o scored.jsonl &
-    sleep 0.3
-    kill -$signal $!
-    wait $! || true
+    run timeout -s $signal 0.5 evo-eval small.txt --task Walker-v0 --random --episodes 100000 --rollout r.h5 -o scored.jsonl
+    [ "$status" -ne 0 ]
   done
   evo-sample -n 100 > many.jsonl
   ls -A

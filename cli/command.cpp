@@ -344,14 +344,21 @@ void Command::detail(const std::string& text) const { say_detail(text); }
 void Command::note(const std::string& text) const { spdlog::info("{}", printable(text)); }
 void Command::warn(const std::string& text) const { spdlog::warn("{}", printable(text)); }
 
-ThreadPool Command::threads(std::size_t tasks) const {
-  const int wanted = static_cast<int>(
-      std::clamp<std::size_t>(tasks, 1, static_cast<std::size_t>(std::max(jobs, 1))));
-  ThreadPool pool(wanted);
+namespace {
+
+int threads_for(std::size_t tasks, int most) {
+  return static_cast<int>(
+      std::clamp<std::size_t>(tasks, 1, static_cast<std::size_t>(std::max(most, 1))));
+}
+
+}  // namespace
+
+Workers::Workers(const Command& command, std::size_t tasks)
+    : pool(threads_for(tasks, command.jobs)) {
+  const int wanted = threads_for(tasks, command.jobs);
   if (pool.threads() < wanted)
-    warn(fmt::format("{} of {} threads could be started; going on with these", pool.threads(),
-                     wanted));
-  return pool;
+    command.warn(fmt::format("{} of {} threads could be started; going on with these",
+                             pool.threads(), wanted));
 }
 
 bool Command::given(const std::string& long_name) const {

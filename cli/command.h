@@ -76,9 +76,6 @@ class Command {
   void note(const std::string& text) const;
   void warn(const std::string& text) const;
 
-  // Threads for this many tasks: -j at most. A word where the system has fewer.
-  ThreadPool threads(std::size_t tasks) const;
-
   // The option with this long name was given (on the command line or in --config).
   bool given(const std::string& long_name) const;
 
@@ -89,6 +86,13 @@ class Command {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+// Threads for this many tasks, -j at most; a word where the system has fewer.
+class Workers {
+ public:
+  Workers(const Command& command, std::size_t tasks);
+  ThreadPool pool;
 };
 
 // As Command::detail, from parts of a tool that know no Command.

@@ -224,8 +224,8 @@ int main(int argc, char** argv) {
     if (settings.rollout_dir) make_folders(*settings.rollout_dir);
     const Warn warn = [&](const std::string& text) { command.warn(text); };
     cli::OrderedWriter out(command.output);
-    ThreadPool pool = command.threads(robots.size());
-    pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
+    cli::Workers workers(command, robots.size());
+    workers.pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
       const Robot& robot = robots[i];
       try {
         out.put(i, measure(settings, task, robot, command.seed, warn));

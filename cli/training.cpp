@@ -279,8 +279,8 @@ int train_robots(const Command& command, const TrainingOptions& options,
   std::atomic<bool> stopped = false;
   Rescue rescue([&] { command.warn(how_to_go_on); });
   const Job job{options, task, training, command.seed, command, rescue};
-  ThreadPool pool = command.threads(robots.size());
-  pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
+  Workers workers(command, robots.size());
+  workers.pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
     if (interrupted() != 0 || stopped) return;
     TrainingView view{robots[i].id, 0.0, {}, 0.0};
     std::int64_t last_step = 0;

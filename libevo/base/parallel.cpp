@@ -87,7 +87,6 @@ ThreadPool::ThreadPool(int threads) : shared_(std::make_unique<Shared>()) {
   }
 }
 
-ThreadPool::ThreadPool(ThreadPool&&) noexcept = default;
 ThreadPool::~ThreadPool() = default;
 
 int ThreadPool::threads() const { return static_cast<int>(shared_->workers.size()) + 1; }

@@ -14,19 +14,16 @@ int available_cores();
 
 class ThreadPool {
  public:
-  // `threads` counts the caller, which works too; 1 starts no thread. Where the
-  // system has no more threads to give, there are fewer.
+  // `threads` counts the caller, which works too; 1 starts no thread.
   explicit ThreadPool(int threads);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
-  ThreadPool(ThreadPool&&) noexcept;
 
   int threads() const;
 
   // Runs f(i, worker) for every i, worker in [0, threads()), and returns when
-  // all are done. After an exception no further i is begun; that of the smallest
-  // failing i is thrown again here.
+  // all are done. The exception of the smallest failing i is thrown again here.
   void run(std::size_t n, const std::function<void(std::size_t i, int worker)>& f);
 
  private:

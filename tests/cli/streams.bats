@@ -8,6 +8,7 @@ setup_file() {
   export made="$BATS_FILE_TMPDIR"
   evo-sample -n 6 --seed 1 > six.jsonl
   printf 'HV\nHV\n' > small.txt
+  tiny_profile > tiny.yaml
   evo-eval small.txt --task Walker-v0 --random --max-steps 3 --rollout walk.h5 > scored.jsonl
   evo-train small.txt --task Walker-v0 --algo sine --steps 8000 --out-dir . -o trained.json
   evo-neat -n 4 --state-out species.json -o neat.jsonl
@@ -16,9 +17,9 @@ setup_file() {
 @test "a result that cannot be written: status 74, whatever the number of robots and threads" {
   for j in 1 4; do
     fails_with 74 "standard output" -- bash -c "evo-eval -j$j --task Walker-v0 --random --max-steps 2 '$made/six.jsonl' > /dev/full"
-    fails_with 74 "standard output" -- bash -c "evo-train -j$j --task Walker-v0 --algo random --steps 2 --out-dir p '$made/six.jsonl' > /dev/full"
+    fails_with 74 "standard output" -- bash -c "evo-train -j$j --task Walker-v0 --train '$made/tiny.yaml' --steps 2 --out-dir p '$made/six.jsonl' > /dev/full"
     fails_with 74 "standard output" -- bash -c "evo-eval -j$j --task Walker-v0 --random --max-steps 2 '$made/six.jsonl' >&-"
-    fails_with 74 "standard output" -- bash -c "trap '' PIPE; evo-eval -j$j --task Walker-v0 --random --max-steps 2 '$made/six.jsonl' | sleep 0; exit \${PIPESTATUS[0]}"
+    fails_with 74 "standard output" -- bash -c "trap '' PIPE; { sleep 1; evo-eval -j$j --task Walker-v0 --random --max-steps 2 '$made/six.jsonl'; } | true; exit \${PIPESTATUS[0]}"
   done
 }
 
@@ -56,7 +57,7 @@ setup_file() {
     "evo-sample -n 2" "evo-mutate six.jsonl" "evo-select six.jsonl" "evo-convert six.jsonl"
     "evo-neat -n 4 --state-out $BATS_TEST_TMPDIR/s.json"
     "evo-eval --task Walker-v0 --random --max-steps 2 six.jsonl"
-    "evo-train --progress always --task Walker-v0 --algo random --steps 2 --out-dir $BATS_TEST_TMPDIR/p six.jsonl")
+    "evo-train --progress always --task Walker-v0 --train tiny.yaml --steps 2 --out-dir $BATS_TEST_TMPDIR/p six.jsonl")
   local command
   for command in "${commands[@]}"; do
     $command -v > "$BATS_TEST_TMPDIR/loud" 2> "$BATS_TEST_TMPDIR/words"

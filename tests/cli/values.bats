@@ -22,8 +22,10 @@ load helpers
   evo-sample -n 1 --seed 2k | cmp - <(evo-sample -n 1 --seed 2000)
   evo-sample -n 1 --seed 1M | cmp - <(evo-sample -n 1 --seed 1e6)
   printf 'H\n' > h
-  evo-train h --task Walker-v0 --algo random --steps 2k --out-dir k | jq -e '.steps == 2000'
-  evo-train h --task Walker-v0 --algo random --steps 2e3 --out-dir k | jq -e '.steps == 2000'
+  tiny_profile > tiny.yaml
+  sed -i 's/rollout: 2/rollout: 500/' tiny.yaml
+  evo-train h --task Walker-v0 --train tiny.yaml --steps 1k --out-dir k | jq -e '.steps == 1000'
+  evo-train h --task Walker-v0 --train tiny.yaml --steps 1e3 --out-dir k | jq -e '.steps == 1000'
 }
 
 @test "numbers: finite, and nothing else behind them" {
@@ -42,8 +44,9 @@ load helpers
 
 @test "a list for a training setting is read as it is written in files" {
   printf 'H\n' > h
+  tiny_profile > tiny.yaml
   for hidden in '[8, 8]' '8,8' '[8,8]'; do
-    evo-train h --task Walker-v0 --algo random --steps 2 --out-dir p --train-set "hidden=$hidden" > /dev/null
+    evo-train h --task Walker-v0 --train tiny.yaml --steps 2 --out-dir p --train-set "hidden=$hidden" > /dev/null
   done
 }
 

@@ -26,7 +26,7 @@ import valid
 
 SECONDS = 2.0  # of processor time
 KILOBYTES = 200_000
-PATIENCE = 30  # s of wall time until a run counts as hanging
+PATIENCE = 120  # s of wall time until a run counts as hanging
 Outcome = collections.namedtuple("Outcome", "row status fault words")
 
 

@@ -12,8 +12,8 @@ TOOLS = {
     "evo-convert": ["valid/robots.jsonl"],
     "evo-inspect": ["valid/robot.json"],
     "evo-eval": ["-j1", "--task", "Walker-v0", "--random", "--max-steps", "2", "valid/one.txt"],
-    "evo-train": ["-j1", "--task", "Walker-v0", "--algo", "random", "--steps", "2", "--out-dir",
-                  "policies", "--force", "--train-set", "final_episodes=0", "valid/one.txt"],
+    "evo-train": ["-j1", "--task", "Walker-v0", "--train", "valid/tiny.yaml", "--steps", "2", "--out-dir",
+                  "policies", "--force", "valid/one.txt"],
     "evo-bench": ["--sizes", "3", "--seconds", "0.001", "--repetitions", "1"],
     "evo-report": ["valid"],
 }

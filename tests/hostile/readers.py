@@ -7,7 +7,6 @@ the content can ask for them: 1 a simulation that diverges or work that cannot
 be done, 2 a name in the file that means nothing here, 66 a file that it names.
 """
 EVAL = ["evo-eval", "-j1", "--task", "Walker-v0", "--max-steps", "2"]
-SMALL = ["--train-set", "final_episodes=0"]
 
 READERS = [
     ("population", "robots.jsonl", "json", ["evo-select", "<"], (65,), 3),
@@ -42,8 +41,8 @@ READERS = [
     ("physics profile", "physics.yaml", "text", EVAL + ["--random", "--physics", "{}",
      "valid/one.txt"], (65, 66, 1, 2), 2),
     ("training profile", "training.yaml", "text",
-     ["evo-train", "-j1", "--task", "Walker-v0", "--algo", "random", "--steps", "2", "--train",
-      "{}", "--out-dir", "policies", "--force", "valid/one.txt"] + SMALL, (65, 66, 1, 2), 2),
+     ["evo-train", "-j1", "--task", "Walker-v0", "--steps", "512", "--train", "{}", "--out-dir",
+      "policies", "--force", "--train-set", "final_episodes=0", "valid/one.txt"], (65, 66, 1, 2), 2),
     ("options", "config.yaml", "text", ["evo-sample", "--config", "{}"], (65, 66, 73, 1, 2), 3),
     ("actions, CSV", "actions.csv", "text", EVAL + ["--actions", "{}", "valid/one.txt"],
      (65, 1, 2), 2),

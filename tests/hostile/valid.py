@@ -31,10 +31,11 @@ def make(folder, source):
         run("evo-train", "one.txt", "--task", "Walker-v0", "--algo", "sine", "--steps", "8000",
             "--out-dir", ".", "--train-set", "final_episodes=0", "-o", "sine.json")
         os.rename(next(n for n in os.listdir(".") if n.endswith(".policy.h5")), "sine.h5")
-        small = ["--train-set", "hidden=4", "--train-set", "environments=2", "--train-set",
-                 "rollout=8", "--train-set", "minibatches=1", "--train-set", "final_episodes=0"]
-        run("evo-train", "one.txt", "--task", "Walker-v0", "--steps", "32", "--out-dir", ".",
-            *small, "-o", "trained.json")
+        with open("tiny.yaml", "w") as file:
+            file.write("base: paper\nenvironments: 1\nrollout: 2\nminibatches: 1\nhidden: [4]\n"
+                       "final_episodes: 0\n")
+        run("evo-train", "one.txt", "--task", "Walker-v0", "--train", "tiny.yaml", "--steps", "8",
+            "--out-dir", ".", "-o", "trained.json")
         policy = next(n for n in os.listdir(".") if n.endswith(".policy.h5"))
         os.rename(policy, "network.h5")
         for name in os.listdir("."):

@@ -1,63 +1,32 @@
 #include "cli/command.h"
 
+#include <fcntl.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
-#include <yaml-cpp/yaml.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
+#include <concepts>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
+#include <limits>
 #include <new>
 #include <sstream>
+#include <system_error>
 
-#include "libevo/base/parallel.h"
+#include "cli/config_file.h"
+#include "cli/terminal.h"
+#include "cli/values.h"
 #include "libevo/sim/isa.h"
 #include "version.h"
 
 namespace evo::cli {
 namespace {
-
-// --config FILE.yaml: a flat mapping from long option names to values.
-class YamlConfig : public CLI::Config {
- public:
-  std::string to_config(const CLI::App* /*app*/, bool /*default_also*/, bool /*write_description*/,
-                        std::string /*prefix*/) const override {
-    return {};
-  }
-
-  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-    std::vector<CLI::ConfigItem> items;
-    YAML::Node root;
-    try {
-      root = YAML::Load(input);
-    } catch (const YAML::Exception& e) {
-      throw error(Failure::data, "--config: line {}: {}", e.mark.line + 1, e.msg);
-    }
-    if (root.IsNull()) return items;
-    if (!root.IsMap()) throw error(Failure::data, "--config: expected a mapping of option names");
-    for (const auto& entry : root) {
-      CLI::ConfigItem item;
-      item.name = entry.first.as<std::string>();
-      if (item.name == "config")
-        throw error(Failure::data, "--config: 'config' cannot be set in a configuration file");
-      const YAML::Node& value = entry.second;
-      if (value.IsSequence()) {
-        for (const auto& element : value) item.inputs.push_back(element.as<std::string>());
-      } else if (value.IsScalar()) {
-        item.inputs.push_back(value.as<std::string>());
-      } else {
-        throw error(Failure::data, "--config: line {}: '{}' needs a value or a list of values",
-                    value.Mark().line + 1, item.name);
-      }
-      items.push_back(std::move(item));
-    }
-    return items;
-  }
-};
 
 struct Entry {
   std::string names;  // "-n, --count N"
@@ -104,11 +73,35 @@ void print_entry(std::ostream& out, const Entry& entry) {
   print_wrapped(out, entry.help);
 }
 
-CLI::Validator not_negative() {
-  return {[](const std::string& text) -> std::string {
-            return text.starts_with('-') ? "'" + text + "' must not be negative" : "";
-          },
-          ""};
+// "--count" of "-n,--count".
+std::string long_name(const std::string& names) { return names.substr(names.rfind("--")); }
+
+// What the text of an option's value means for its target. An empty text is an
+// unset shell variable, and never meant.
+template <typename T>
+T value_of(const std::string& text, const std::string& option) {
+  if (text.empty()) throw error(Failure::usage, "{}: its value is empty", option);
+  if constexpr (std::same_as<T, std::string>) return text;
+  if constexpr (std::same_as<T, double>) return parse_number(text, option);
+  if constexpr (std::same_as<T, std::uint64_t>) return parse_unsigned(text, option);
+  if constexpr (std::same_as<T, int>)
+    return static_cast<int>(parse_whole(text, option, std::numeric_limits<int>::min(),
+                                        std::numeric_limits<int>::max()));
+}
+
+template <typename T>
+void assign(T& target, const std::vector<std::string>& texts, const std::string& option) {
+  target = value_of<T>(texts.back(), option);
+}
+template <typename T>
+void assign(std::optional<T>& target, const std::vector<std::string>& texts,
+            const std::string& option) {
+  target = value_of<T>(texts.back(), option);
+}
+void assign(std::vector<std::string>& target, const std::vector<std::string>& texts,
+            const std::string& option) {
+  target.clear();
+  for (const std::string& text : texts) target.push_back(value_of<std::string>(text, option));
 }
 
 std::string with_default(const std::string& help, const std::string& value) {
@@ -126,9 +119,23 @@ std::string shown(const std::string& names, const std::string& value) {
   return value.empty() ? text : text + " " + value;
 }
 
+// A program started with a standard stream closed would give the next file it
+// opens that number, and results would go into the wrong file. What is opened
+// here cannot be used, so that using the stream fails.
+void occupy_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0) {
+      const int opened = ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+      if (opened != stream && opened >= 0) ::close(opened);
+    }
+}
+
 volatile std::sig_atomic_t pending_signal = 0;
 
-extern "C" void remember_signal(int signal) { pending_signal = signal; }
+extern "C" void remember_signal(int signal) {
+  if (pending_signal != 0) ::_exit(128 + signal);
+  pending_signal = signal;
+}
 
 }  // namespace
 
@@ -152,8 +159,12 @@ struct Command::Impl {
                    bool is_common = false) {
     Section& section = is_common ? common : sections.back();
     section.entries.push_back({shown(names, value), with_default(help_text, default_text)});
+    const CLI::callback_t set = [&target, option = long_name(names)](const CLI::results_t& texts) {
+      assign(target, texts, option);
+      return true;
+    };
     // Given twice, the last one counts.
-    return app.add_option(names, target)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    return app.add_option(names, set)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   }
 
   std::vector<std::string> long_names() const {
@@ -212,12 +223,6 @@ struct Command::Impl {
       return {Failure::no_input, std::string("--config: ") + e.what()};
     std::string what = e.what();
     std::replace(what.begin(), what.end(), '\n', ' ');
-    // "Could not convert: --seed = seven"
-    const std::size_t name = what.find(": ") + 2;
-    const std::size_t equals = what.find(" = ");
-    if (dynamic_cast<const CLI::ConversionError*>(&e) != nullptr && equals != std::string::npos)
-      return {Failure::usage, what.substr(name, equals - name) + ": '" + what.substr(equals + 3) +
-                                  "' is not a value it can take" + see};
     // "--count: 1 required INT missing"
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&e) != nullptr)
       return {Failure::usage, what.substr(0, what.find(':')) + " needs a value" + see};
@@ -246,7 +251,7 @@ void Command::option(const std::string& names, int& target, const std::string& v
 }
 void Command::option(const std::string& names, std::uint64_t& target, const std::string& value,
                      const std::string& help) {
-  impl_->add(names, target, value, help, fmt::format("{}", target))->check(not_negative());
+  impl_->add(names, target, value, help, fmt::format("{}", target));
 }
 void Command::option(const std::string& names, double& target, const std::string& value,
                      const std::string& help) {
@@ -269,6 +274,7 @@ void Command::option(const std::string& names, std::vector<std::string>& target,
   // Repeated, never greedy: the word after the value is not another value.
   impl_->add(names, target, value, help, "")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->expected(1, std::numeric_limits<int>::max())
       ->allow_extra_args(false);
 }
 
@@ -301,10 +307,8 @@ void Command::example(const std::string& command, const std::string& what) {
 }
 
 void Command::seed_option() {
-  impl_
-      ->add("--seed", seed, "N", "names the random streams; the same seed gives the same bytes",
-            "0")
-      ->check(not_negative());
+  impl_->add("--seed", seed, "N", "names the random streams; the same seed gives the same bytes",
+             "0");
 }
 
 void Command::jobs_option() {
@@ -320,15 +324,41 @@ void Command::output_option(const std::string& what) {
 void Command::progress_option() {
   impl_
       ->add("--progress", progress, "WHEN",
-            "auto, always or never; auto draws on a terminal, but not under make", "auto", true)
-      ->check(CLI::IsMember({"auto", "always", "never"}));
+            "auto, always, lines (one every ten seconds) or never; auto draws on a terminal, "
+            "writes a line a minute elsewhere, and nothing under make",
+            "auto", true)
+      ->check(CLI::IsMember({"auto", "always", "lines", "never"}));
 }
 
-bool Command::show_progress() const {
-  if (quiet || progress == "never") return false;
+Progress Command::progress_style() const {
+  if (quiet || progress == "never") return Progress::none;
+  if (progress == "always") return Progress::drawn;
+  if (progress == "lines") return Progress::often;
   // Under make, others draw on the same terminal.
-  return progress == "always" ||
-         (isatty(STDERR_FILENO) == 1 && std::getenv("MAKELEVEL") == nullptr);
+  if (std::getenv("MAKELEVEL") != nullptr) return Progress::none;
+  return isatty(STDERR_FILENO) == 1 ? Progress::drawn : Progress::rarely;
+}
+
+void say_detail(const std::string& text) { spdlog::debug("{}", printable(text)); }
+void Command::detail(const std::string& text) const { say_detail(text); }
+void Command::note(const std::string& text) const { spdlog::info("{}", printable(text)); }
+void Command::warn(const std::string& text) const { spdlog::warn("{}", printable(text)); }
+
+namespace {
+
+int threads_for(std::size_t tasks, int most) {
+  return static_cast<int>(
+      std::clamp<std::size_t>(tasks, 1, static_cast<std::size_t>(std::max(most, 1))));
+}
+
+}  // namespace
+
+Workers::Workers(const Command& command, std::size_t tasks)
+    : pool(threads_for(tasks, command.jobs)) {
+  const int wanted = threads_for(tasks, command.jobs);
+  if (pool.threads() < wanted)
+    command.warn(fmt::format("{} of {} threads could be started; going on with these",
+                             pool.threads(), wanted));
 }
 
 int Command::run(int argc, char** argv, const std::function<int()>& work) {
@@ -347,6 +377,8 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
   impl.common.entries.push_back({shown("--version", ""), "show version, commit, instruction set"});
   impl.app.add_flag("--version", impl.version);
 
+  occupy_standard_streams();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error of writing
   auto logger = std::make_shared<spdlog::logger>(impl.name,
                                                  std::make_shared<spdlog::sinks::stderr_sink_mt>());
   logger->set_pattern("%n: %v");
@@ -359,6 +391,9 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
       if (word == "--") break;
       impl.help |= word == "-h" || word == "--help";
       impl.version |= word == "--version";
+      // The parser would take the next word for the value.
+      if (word.size() > 3 && word.starts_with("--") && word.find('=') == word.size() - 1)
+        throw error(Failure::usage, "{}: its value is empty", word.substr(0, word.size() - 1));
     }
     int status = 0;
     if (impl.help) {
@@ -374,22 +409,33 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
       spdlog::set_level(quiet     ? spdlog::level::err
                         : verbose ? spdlog::level::debug
                                   : spdlog::level::info);
-      if (impl.jobs && *impl.jobs < 1)
-        throw error(Failure::usage, "--jobs must be at least 1, not {}", *impl.jobs);
+      if (impl.jobs && (*impl.jobs < 1 || *impl.jobs > most_threads))
+        throw error(Failure::usage, "--jobs must be from 1 to {}, not {}", most_threads,
+                    *impl.jobs);
       // make runs as many of us as it was asked to; each then has one core.
-      jobs = impl.jobs.value_or(std::getenv("MAKELEVEL") != nullptr ? 1 : available_cores());
+      jobs = impl.jobs.value_or(
+          std::getenv("MAKELEVEL") != nullptr ? 1 : std::min(available_cores(), most_threads));
+      const auto start = std::chrono::steady_clock::now();
       status = work();
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+      detail(fmt::format("took {}", duration(taken.count())));
     }
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       throw error(Failure::io, "cannot write standard output");
     return status;
   } catch (const Error& e) {
-    spdlog::error("{}", e.what());
+    spdlog::error("{}", printable(e.what()));
     return static_cast<int>(e.kind());
   } catch (const std::bad_alloc&) {
     spdlog::error("out of memory");
+  } catch (const std::filesystem::filesystem_error& e) {
+    spdlog::error("{}", printable(e.what()));
+    return static_cast<int>(Failure::io);
+  } catch (const std::system_error& e) {  // of printing
+    spdlog::error("standard output: cannot be written: {}", e.code().message());
+    return static_cast<int>(Failure::io);
   } catch (const std::exception& e) {
-    spdlog::error("unexpected failure: {}", e.what());
+    spdlog::error("unexpected failure: {}", printable(e.what()));
   }
   return static_cast<int>(Failure::work);
 }
@@ -401,9 +447,12 @@ void catch_interrupts() {
   struct sigaction action = {};
   action.sa_handler = remember_signal;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  sigaction(SIGHUP, &action, nullptr);  // the terminal, or the connection, has gone
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before = {};
+    sigaction(signal, nullptr, &before);
+    const bool nohup = signal == SIGHUP && before.sa_handler == SIG_IGN;
+    if (!nohup) sigaction(signal, &action, nullptr);
+  }
 }
 
 int interrupted() { return pending_signal; }

@@ -10,9 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "cli/progress.h"
 #include "libevo/base/error.h"
+#include "libevo/base/parallel.h"
 
 namespace evo::cli {
+
+constexpr int most_threads = 1024;
 
 class Command {
  public:
@@ -61,11 +65,16 @@ class Command {
   int jobs = 1;              // threads; resolved when the work starts
   std::string output = "-";  // "-" is standard output
   std::string progress = "auto";
-  bool show_progress() const;  // whether to draw progress on standard error
+  Progress progress_style() const;  // on standard error
   bool quiet = false;
   bool verbose = false;
 
   const std::string& name() const;
+
+  // A line on standard error; `detail` only with -v, `note` and `warn` not with -q.
+  void detail(const std::string& text) const;
+  void note(const std::string& text) const;
+  void warn(const std::string& text) const;
 
   // Parses, then runs `work`, whose value is the exit status. Every Error ends
   // here, as one line on standard error and its kind as exit status.
@@ -76,11 +85,22 @@ class Command {
   std::unique_ptr<Impl> impl_;
 };
 
+// Threads for this many tasks, -j at most; a word where the system has fewer.
+class Workers {
+ public:
+  Workers(const Command& command, std::size_t tasks);
+  ThreadPool pool;
+};
+
+// As Command::detail, from parts of a tool that know no Command.
+void say_detail(const std::string& text);
+
 // "evo 0.1.0"; goes into the files the tools write.
 std::string created_by(const std::string& tool);
 std::string version();
 
-// Set by SIGINT, SIGTERM and SIGHUP after catch_interrupts(); 0, or the signal.
+// Set by SIGINT, SIGTERM and SIGHUP after catch_interrupts(); 0, or the signal. A
+// second one ends the process at once.
 void catch_interrupts();
 int interrupted();
 

@@ -8,12 +8,12 @@
 #include <cstdio>
 #include <numeric>
 #include <span>
-#include <thread>
 
 #include "cli/command.h"
 #include "cli/data.h"
 #include "cli/robots.h"
 #include "cli/task_options.h"
+#include "cli/values.h"
 #include "formats/json.h"
 #include "formats/task.h"
 #include "libevo/base/random.h"
@@ -62,15 +62,8 @@ double seconds_used() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-std::vector<int> parse_counts(const std::string& text, const std::string& option) {
-  std::vector<int> counts;
-  for (const double number : cli::parse_numbers(text, option)) {
-    if (number < 1 || number > 4096 || number != std::floor(number))
-      throw error(Failure::usage, "{}: expected whole numbers in 1..4096, got '{}'", option, text);
-    counts.push_back(static_cast<int>(number));
-  }
-  return counts;
-}
+constexpr double longest_repetition = 3600.0;  // s
+constexpr int most_counted = 4096;             // of sizes and of environments
 
 Body random_body(int rows, int cols, std::uint64_t seed) {
   Stream random(seed, "bench/body", static_cast<std::uint64_t>(rows));
@@ -93,7 +86,7 @@ std::vector<Subject> subjects(const Settings& settings, std::uint64_t seed) {
       settings.task.change_physics(found.back().task);
     }
   } else {
-    for (const int size : parse_counts(settings.sizes, "--sizes"))
+    for (const int size : cli::parse_wholes(settings.sizes, "--sizes", 1, most_counted))
       for (std::uint64_t n = seed; n < seed + static_cast<std::uint64_t>(settings.bodies); ++n)
         found.push_back({settings.task.load(), random_body(size, size, n), n});
   }
@@ -167,16 +160,17 @@ Measurement measure(const Subject& subject, int envs, const Settings& settings) 
   for (int i = 0; i < settings.threads; ++i)
     runners.emplace_back(arena, envs, seed + static_cast<std::uint64_t>(i));
   Measurement result{task.name, cli::profile_name(task.physics), body, seed, envs, {}};
+  ThreadPool pool(settings.threads);
+  if (pool.threads() < settings.threads)
+    throw error(Failure::work, "--threads: only {} of {} could be started", pool.threads(),
+                settings.threads);
   for (int repetition = -1; repetition < settings.repetitions; ++repetition) {
     const bool warm_up = repetition < 0;  // allocates what later steps use
     std::vector<double> rates(runners.size());
-    std::vector<std::thread> threads;
-    const auto run = [&](std::size_t i) {
+    // Each takes as long as any thread needs to begin the next.
+    pool.run(runners.size(), [&](std::size_t i, int /*worker*/) {
       rates[i] = rate_of(runners[i], envs, warm_up ? 0.0 : settings.seconds, clock);
-    };
-    for (std::size_t i = 1; i < runners.size(); ++i) threads.emplace_back(run, i);
-    run(0);
-    for (std::thread& thread : threads) thread.join();
+    });
     if (!warm_up) result.rates.push_back(std::accumulate(rates.begin(), rates.end(), 0.0));
   }
   std::sort(result.rates.begin(), result.rates.end());
@@ -276,14 +270,18 @@ int describe_models(const Settings& settings, std::uint64_t seed) {
 int bench(const Settings& settings, std::uint64_t seed) {
   if (settings.repetitions < 1)
     throw error(Failure::usage, "--repetitions must be at least 1, got {}", settings.repetitions);
-  if (settings.threads < 1)
-    throw error(Failure::usage, "--threads must be at least 1, got {}", settings.threads);
+  if (settings.threads < 1 || settings.threads > cli::most_threads)
+    throw error(Failure::usage, "--threads must be from 1 to {}, got {}", cli::most_threads,
+                settings.threads);
+  if (!(settings.seconds >= 0.0 && settings.seconds <= longest_repetition))
+    throw error(Failure::usage, "--seconds must be from 0 to {}, got {}", longest_repetition,
+                settings.seconds);
   if (settings.bodies < 1)
     throw error(Failure::usage, "--bodies must be at least 1, got {}", settings.bodies);
   if (settings.bodies > 1 && settings.tasks)
     throw error(Failure::usage, "--bodies: --tasks has one body for all; leave one of them out");
   if (settings.model) return describe_models(settings, seed);
-  const std::vector<int> envs = parse_counts(settings.envs, "--envs");
+  const std::vector<int> envs = cli::parse_wholes(settings.envs, "--envs", 1, most_counted);
   const std::vector<Subject> measured = subjects(settings, seed);
   const std::vector<std::string> chosen = isas(settings.isa);
   select_isa(chosen.front());  // refused before anything is written

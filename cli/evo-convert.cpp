@@ -8,14 +8,38 @@
 #include "cli/robots.h"
 #include "cli/task_options.h"
 #include "formats/evogym.h"
+#include "formats/hdf5.h"
 #include "formats/minari.h"
 #include "formats/npz.h"
+#include "formats/onnx.h"
+#include "formats/policy_json.h"
 #include "formats/rollout.h"
+#include "formats/task_draft.h"
 
 namespace {
 
 using namespace evo;
 namespace fs = std::filesystem;
+
+const std::vector<std::string> formats{"jsonl", "json",   "yaml",   "text", "npz",
+                                       "onnx",  "evogym", "minari", "task"};
+
+// The format asked for, or the one the output's ending says, or JSON Lines.
+std::string output_format(const std::optional<std::string>& asked, const std::string& output) {
+  if (asked) {
+    if (std::find(formats.begin(), formats.end(), *asked) == formats.end())
+      throw error(Failure::usage, "--to: unknown format '{}'{}; allowed: {}", *asked,
+                  did_you_mean(*asked, formats), fmt::join(formats, ", "));
+    return *asked;
+  }
+  const std::string ending = fs::path(output).extension().string();
+  if (ending == ".json") return "json";
+  if (ending == ".yaml" || ending == ".yml") return "yaml";
+  if (ending == ".txt") return "text";
+  if (ending == ".npz") return "npz";
+  if (ending == ".onnx") return "onnx";
+  return "jsonl";
+}
 
 // A design-tool document: JSON with its grid's size.
 std::optional<World> design_tool_world(const std::string& text, const std::string& name) {
@@ -32,11 +56,11 @@ std::vector<Robot> read_any(const std::vector<std::string>& files) {
       files.empty() ? std::vector<std::string>{std::string(standard_stream)} : files;
   for (const std::string& file : sources) {
     if (file == standard_stream) {
-      const std::string text = read_input(file);
+      const std::string text = read_robot_text(file);
       if (const auto world = design_tool_world(text, input_label(file))) {
-        robots.push_back(robot_from_evogym_world(*world, input_label(file), BodyCheck::any));
+        robots.push_back(robot_from_evogym_world(*world, input_label(file)));
       } else {
-        add(parse_robots(text, input_label(file), BodyCheck::any));
+        add(parse_robots(text, input_label(file)));
       }
     } else if (fs::is_directory(file)) {
       if (!is_evogym_experiment(file))
@@ -44,12 +68,12 @@ std::vector<Robot> read_any(const std::vector<std::string>& files) {
                     file);
       add(read_evogym_experiment(file));
     } else if (fs::path(file).extension() == ".npz") {
-      robots.emplace_back(read_npz(file));
+      robots.push_back(robot_from_json(Robot(read_npz(file)).document, file));
     } else if (fs::path(file).extension() == ".json" &&
                design_tool_world(read_file(file), file).has_value()) {
-      robots.push_back(robot_from_evogym_world(read_evogym_world(file), file, BodyCheck::any));
+      robots.push_back(robot_from_evogym_world(read_evogym_world(file), file));
     } else {
-      add(cli::read_robots({file}, BodyCheck::any));
+      add(cli::read_robots({file}));
     }
   }
   return robots;
@@ -71,84 +95,40 @@ void write_text(const std::string& output, const std::string& text) {
 }
 
 // What holds one robot only.
-const Robot& single(const std::vector<Robot>& robots, const char* format) {
+const Robot& single(const std::vector<Robot>& robots, const std::string& format) {
   if (robots.size() != 1)
     throw error(Failure::usage, "--to {} writes one robot, but {} were read", format,
                 robots.size());
   return robots.front();
 }
 
-// ---- the forms robots are written in ----------------------------------------------
-
-void write_lines(const std::vector<Robot>& robots, const std::string& output) {
-  cli::RobotWriter out(output);
-  for (const Robot& robot : robots) out.write(robot);
-  out.finish();
-}
-
-void write_json(const std::vector<Robot>& robots, const std::string& output) {
-  write_text(output, robot_to_json(single(robots, "json")) + "\n");
-}
-
-void write_yaml(const std::vector<Robot>& robots, const std::string& output) {
-  std::string text;
-  for (const Robot& robot : robots) {
-    if (!text.empty()) text += "---\n";
-    text += robot_to_yaml(robot);
+void write_robots(const std::vector<Robot>& robots, const std::string& format,
+                  const std::string& output) {
+  if (format == "jsonl") {
+    cli::RobotWriter out(output);
+    for (const Robot& robot : robots) out.write(robot);
+    out.finish();
+  } else if (format == "json") {
+    write_text(output, robot_to_json(single(robots, format)) + "\n");
+  } else if (format == "yaml") {
+    std::string text;
+    for (const Robot& robot : robots) {
+      if (!text.empty()) text += "---\n";
+      text += robot_to_yaml(robot) + "\n";
+    }
+    write_text(output, text);
+  } else if (format == "text") {
+    std::string text;
+    for (const Robot& robot : robots) {
+      if (!text.empty()) text += "\n";
+      text += letters(robot.body);
+    }
+    write_text(output, text);
+  } else if (format == "npz") {
+    write_text(output, body_to_npz(single(robots, format).body));
+  } else {
+    write_text(output, evogym_world_to_json(evogym_world_of_robot(single(robots, format))));
   }
-  write_text(output, text);
-}
-
-void write_letters(const std::vector<Robot>& robots, const std::string& output) {
-  std::string text;
-  for (const Robot& robot : robots) {
-    if (!text.empty()) text += "\n";
-    text += letters(robot.body);
-  }
-  write_text(output, text);
-}
-
-void write_npz(const std::vector<Robot>& robots, const std::string& output) {
-  write_text(output, body_to_npz(single(robots, "npz").body));
-}
-
-void write_evogym(const std::vector<Robot>& robots, const std::string& output) {
-  write_text(output,
-             evogym_world_to_json(evogym_world_of_robot(single(robots, "evogym"))).dump(2) + "\n");
-}
-
-struct Target {
-  const char* name;
-  std::vector<std::string> endings;  // of -o that choose it
-  void (*write)(const std::vector<Robot>& robots, const std::string& output);
-};
-
-// The first one is written where nothing else is said.
-const std::vector<Target> targets{
-    {"jsonl", {".jsonl"}, write_lines},
-    {"json", {".json"}, write_json},
-    {"yaml", {".yaml", ".yml"}, write_yaml},
-    {"text", {".txt"}, write_letters},
-    {"npz", {".npz"}, write_npz},
-    {"evogym", {}, write_evogym},
-};
-constexpr const char* dataset = "minari";  // of rollouts, not of robots
-
-// The format asked for, or the one the ending of the output says.
-const Target& target_of(const std::optional<std::string>& asked, const std::string& output) {
-  const std::string ending = fs::path(output).extension().string();
-  std::vector<std::string> names;
-  for (const Target& target : targets) {
-    names.emplace_back(target.name);
-    const auto& endings = target.endings;
-    if (asked ? *asked == target.name
-              : std::find(endings.begin(), endings.end(), ending) != endings.end())
-      return target;
-  }
-  if (!asked) return targets.front();
-  names.emplace_back(dataset);
-  throw error(Failure::usage, "--to: unknown format '{}'{}; allowed: {}", *asked,
-              did_you_mean(*asked, names), fmt::join(names, ", "));
 }
 
 // Rollouts as a dataset for offline learning.
@@ -163,12 +143,46 @@ void write_dataset(const std::vector<std::string>& files, const std::string& fol
   write_minari(folder, rollouts, id.value_or(minari_dataset_id(rollouts.front())));
 }
 
+// The one input of formats that are no robots'.
+const std::string& only(const std::vector<std::string>& files, const std::string& format,
+                        const std::string& what) {
+  if (files.size() != 1)
+    throw error(Failure::usage, "--to {} writes one {}, but {} files are named", format, what,
+                files.size());
+  return files.front();
+}
+
+bool is_policy(const std::string& file) {
+  if (file == standard_stream || !hdf5::is_hdf5(file)) return false;
+  const hdf5::Reader reader(file);
+  return reader.has_attribute("/", "format") && reader.text("/", "format") == "evo/policy";
+}
+
+// A whole policy, not only its robot. Whether that is what is to be written.
+bool write_policy_document(const std::vector<std::string>& files, const std::string& format,
+                           const std::string& output) {
+  if (format == "onnx") {
+    write_text(output, policy_to_onnx(read_policy(only(files, format, "policy"))));
+    return true;
+  }
+  if (format != "json" || files.size() != 1 || !is_policy(files.front())) return false;
+  write_text(output, policy_to_json(read_policy(files.front())));
+  return true;
+}
+
+// A world of the design tool as the beginning of a task.
+void write_task(const std::vector<std::string>& files, const std::string& output) {
+  const std::string& file = only(files, "task", "world");
+  const std::string name = file == standard_stream ? "my-task" : fs::path(file).stem().string();
+  write_text(output, draft_task(read_evogym_world(file), name));
+}
+
 // The world of a task, without a robot, for EvoGym's design tool.
 void write_task_world(const cli::TaskOptions& options, const std::string& output) {
   World world;
   for (const Placement& placement : options.load().objects)
     world.objects.push_back(placement.object);
-  write_text(output, evogym_world_to_json(world).dump(2) + "\n");
+  write_text(output, evogym_world_to_json(world));
 }
 
 }  // namespace
@@ -183,9 +197,11 @@ int main(int argc, char** argv) {
   command.arguments(files, "FILE",
                     "robots (JSON, JSON Lines, YAML, letters, .npz, design-tool JSON, policies, "
                     "rollouts) or EvoGym experiment folders [standard input]");
-  command.option("--to", format, "FORMAT",
-                 "jsonl, json, yaml, text, npz, evogym (design-tool JSON), or minari (a dataset "
-                 "folder of rollouts) [by the ending of -o, else jsonl]");
+  command.option(
+      "--to", format, "FORMAT",
+      "jsonl, json (of a policy: all of it), yaml, text, npz, onnx (a policy's network), "
+      "evogym (design-tool JSON), task (of a design-tool world) or minari (a dataset "
+      "folder of rollouts) [by the ending of -o, else jsonl]");
   command.option("--dataset-id", dataset_id, "ID",
                  "of the Minari dataset [evo/<task>/rollouts-v0]");
   command.flag("--unique", unique, "each body once, where it first came");
@@ -195,20 +211,29 @@ int main(int argc, char** argv) {
   command.example("evo-convert saved_data/my_experiment -o robots.jsonl",
                   "all robots of an EvoGym experiment with their fitness");
   command.example("evo-convert best.json -o best.npz", "a robot for EvoGym's own scripts");
+  command.example("evo-convert best.policy.h5 -o best.onnx", "a controller for other programs");
 
   return command.run(argc, argv, [&] {
     if (task.given()) {
+      if (!files.empty())
+        throw error(Failure::usage, "--task writes the task's world and reads no '{}'",
+                    files.front());
       write_task_world(task, command.output);
       return 0;
     }
-    if (format == dataset) {
+    const std::string to = output_format(format, command.output);
+    if (to == "minari") {
       write_dataset(files, command.output, dataset_id);
       return 0;
     }
-    const Target& target = target_of(format, command.output);
+    if (to == "task") {
+      write_task(files, command.output);
+      return 0;
+    }
+    if (write_policy_document(files, to, command.output)) return 0;
     std::vector<Robot> robots = read_any(files);
     if (unique) keep_first_of_each(robots);
-    target.write(robots, command.output);
+    write_robots(robots, to, command.output);
     return 0;
   });
 }

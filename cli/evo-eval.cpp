@@ -1,11 +1,15 @@
 // evo-eval: episodes with a given controller, and what they earned.
-#include <filesystem>
+#include <functional>
 #include <optional>
+#include <set>
 
 #include "cli/command.h"
 #include "cli/episodes.h"
+#include "cli/outputs.h"
 #include "cli/robots.h"
 #include "cli/task_options.h"
+#include "cli/values.h"
+#include "formats/files.h"
 #include "formats/policy.h"
 #include "formats/task.h"
 #include "libevo/base/parallel.h"
@@ -31,6 +35,8 @@ struct Settings {
   std::string failures = "stop";
 };
 
+using Warn = std::function<void(const std::string&)>;
+
 // Where a robot is measured and what drives it.
 struct Trial {
   TaskSpec task;
@@ -40,8 +46,12 @@ struct Trial {
 
 // `task`: what --task names, if it was given; else the policy's own is used.
 Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task,
-                   const std::string& path) {
+                   const Robot& robot, const std::string& path, const Warn& warn) {
   PolicyFile file = read_policy(path);
+  if (file.robot.id != robot.id)
+    warn(fmt::format("{} was trained for robot {}, not for {}", path, file.robot.id, robot.id));
+  if (task && task->name != file.task)
+    warn(fmt::format("{} was trained on {}, not on {}", path, file.task, task->name));
   Trial trial;
   if (task) {
     trial.task = *task;
@@ -55,15 +65,15 @@ Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task
   return trial;
 }
 
-Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task,
-                 const Robot& robot) {
-  if (settings.policy) return policy_trial(settings, task, *settings.policy);
+Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
+                 std::uint64_t seed, const Warn& warn) {
+  if (settings.policy) return policy_trial(settings, task, robot, *settings.policy, warn);
   if (!settings.actions && !settings.sine && !settings.random) {
     const auto policy = robot.policy();
     if (!policy)
       throw error(Failure::usage,
                   "robot {} has no policy; give --policy, --actions, --sine or --random", robot.id);
-    return policy_trial(settings, task, *policy);
+    return policy_trial(settings, task, robot, *policy, warn);
   }
   Trial trial{task ? *task : settings.task.load(), {}};
   if (settings.actions) {
@@ -98,6 +108,8 @@ void check(const Settings& settings) {
                           static_cast<int>(settings.random);
   if (controllers > 1)
     throw error(Failure::usage, "give one of --policy, --actions, --sine and --random");
+  if (settings.rollout && settings.rollout_dir)
+    throw error(Failure::usage, "give one of --rollout and --rollout-dir");
   if (settings.episodes < 1)
     throw error(Failure::usage, "--episodes must be at least 1, got {}", settings.episodes);
   if (settings.max_steps.value_or(1) < 1)
@@ -109,9 +121,25 @@ void check(const Settings& settings) {
     throw error(Failure::usage, "--failures: '{}' is not stop or skip", settings.failures);
 }
 
+std::optional<std::string> rollout_of(const Settings& settings, const Robot& robot) {
+  if (settings.rollout_dir) return *settings.rollout_dir + "/" + robot.id + ".h5";
+  return settings.rollout;
+}
+
+void check_files(const Settings& settings, const std::vector<Robot>& robots,
+                 const std::string& output) {
+  std::vector<cli::OutputName> outputs{{"--output", output}};
+  std::set<std::string> ids;
+  for (const Robot& robot : robots)
+    if (const auto rollout = rollout_of(settings, robot); rollout && ids.insert(robot.id).second)
+      outputs.push_back({settings.rollout ? "--rollout" : "--rollout-dir", *rollout});
+  cli::check_outputs(outputs);
+}
+
 Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
-              std::uint64_t seed, const std::optional<std::string>& rollout_path) {
-  const Trial trial = make_trial(settings, task, robot);
+              std::uint64_t seed, const Warn& warn) {
+  const std::optional<std::string> rollout_path = rollout_of(settings, robot);
+  const Trial trial = make_trial(settings, task, robot, seed, warn);
   const Arena arena(trial.task, robot.body);
   EvaluationSettings evaluation;
   evaluation.episodes = settings.episodes;
@@ -192,15 +220,15 @@ int main(int argc, char** argv) {
       throw error(Failure::usage,
                   "--rollout records one robot, but {} were read; use --rollout-dir",
                   robots.size());
-    if (settings.rollout_dir) std::filesystem::create_directories(*settings.rollout_dir);
+    check_files(settings, robots, command.output);
+    if (settings.rollout_dir) make_folders(*settings.rollout_dir);
+    const Warn warn = [&](const std::string& text) { command.warn(text); };
     cli::OrderedWriter out(command.output);
-    ThreadPool pool(command.jobs);
-    pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
+    cli::Workers workers(command, robots.size());
+    workers.pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
       const Robot& robot = robots[i];
-      std::optional<std::string> rollout = settings.rollout;
-      if (settings.rollout_dir) rollout = *settings.rollout_dir + "/" + robot.id + ".h5";
       try {
-        out.put(i, measure(settings, task, robot, command.seed, rollout));
+        out.put(i, measure(settings, task, robot, command.seed, warn));
       } catch (const Error& e) {
         if (settings.failures == "stop" || e.kind() != Failure::work)
           throw e.at("robot " + robot.id);

@@ -4,14 +4,18 @@
 #include <map>
 #include <set>
 
+#include "cli/check.h"
 #include "cli/command.h"
 #include "cli/data.h"
+#include "cli/documents.h"
 #include "cli/progress.h"
 #include "cli/robots.h"
 #include "cli/run_status.h"
 #include "cli/terminal.h"
+#include "cli/values.h"
 #include "formats/format.h"
 #include "formats/hdf5.h"
+#include "formats/npz.h"
 #include "formats/physics_profile.h"
 #include "formats/policy.h"
 #include "formats/rollout.h"
@@ -53,7 +57,8 @@ void print_robot(const Robot& robot, bool color) {
   const auto print_field = [&](const char* label, const char* key) {
     const auto found = document.find(key);
     if (found == document.end() || found->is_null()) return;
-    fmt::print("{:<9} {}\n", label, found->is_string() ? found->get<std::string>() : found->dump());
+    fmt::print("{:<9} {}\n", label,
+               cli::printable(found->is_string() ? found->get<std::string>() : compact(*found)));
   };
   print_field("fitness", "fitness");
   print_field("failure", "failure");
@@ -77,7 +82,7 @@ void print_robots(const std::vector<Robot>& robots, const std::string& name, boo
     if (const auto fitness = robot.fitness()) scores.push_back(*fitness);
     failed += robot.document.contains("failure") ? 1 : 0;
   }
-  fmt::print("{}: {} robots, {} different\n", name, robots.size(), ids.size());
+  fmt::print("{}: {} robots, {} different\n", cli::printable(name), robots.size(), ids.size());
   if (!scores.empty()) {
     const auto [low, high] = std::minmax_element(scores.begin(), scores.end());
     double sum = 0.0;
@@ -92,10 +97,10 @@ void print_robots(const std::vector<Robot>& robots, const std::string& name, boo
 
 void print_policy(const std::string& path, bool color) {
   const PolicyFile file = read_policy(path);
-  fmt::print("{}: policy\n", path);
+  fmt::print("{}: policy\n", cli::printable(path));
   print_robot(file.robot, color);
-  fmt::print("trained   on {}, {} steps, seed {}, best evaluation at step {}\n", file.task,
-             file.steps, file.seed, file.best_step);
+  fmt::print("trained   on {}, {} steps, seed {}, best evaluation at step {}\n",
+             cli::printable(file.task), file.steps, file.seed, file.best_step);
   if (file.final_score)
     fmt::print("final     {:.6g} +- {:.2g} over {} episodes from shifted starts\n",
                file.final_score->mean, file.final_score->standard_error,
@@ -103,16 +108,19 @@ void print_policy(const std::string& path, bool color) {
   std::vector<double> evaluations;
   for (const CurvePoint& point : file.curve) evaluations.push_back(point.evaluation);
   fmt::print("curve     {}\n", cli::sparkline(evaluations, 60));
-  fmt::print("made by   {}, settings {}\n", file.created_by, file.settings_hash.substr(0, 12));
+  fmt::print("made by   {}, settings {}\n", cli::printable(file.created_by),
+             cli::printable(file.settings_hash.substr(0, 12)));
   fmt::print("observes");
   for (const ObservationSlice& slice : file.layout)
-    fmt::print("  {} [{}..{}]", slice.name, slice.offset, slice.offset + slice.length - 1);
+    fmt::print("  {} [{}..{}]", cli::printable(slice.name), slice.offset,
+               slice.offset + slice.length - 1);
   fmt::print("\n");
 }
 
 void print_rollout(const std::string& path, bool color) {
   const Rollout rollout = read_rollout(path);
-  fmt::print("{}: rollout of {}\n", path, rollout.task.empty() ? "an unknown task" : rollout.task);
+  fmt::print("{}: rollout of {}\n", cli::printable(path),
+             rollout.task.empty() ? "an unknown task" : cli::printable(rollout.task));
   if (rollout.robot) print_robot(*rollout.robot, color);
   fmt::print("{} observations, {} actuators, {} points{}\n", rollout.observation_length,
              rollout.action_length, rollout.points,
@@ -138,7 +146,8 @@ void print_hdf5(const std::string& path, bool color) {
   if (found == format::policy.name) return print_policy(path, color);
   if (found == format::rollout.name) return print_rollout(path, color);
   if (found == format::checkpoint.name) {
-    fmt::print("{}: checkpoint of a training; evo-train --resume goes on from it\n", path);
+    fmt::print("{}: checkpoint of a training; evo-train --resume goes on from it\n",
+               cli::printable(path));
     return;
   }
   throw error(Failure::data, "{}: an HDF5 file, but neither a policy nor a rollout{}", path,
@@ -190,8 +199,11 @@ void print_run(const fs::path& folder, bool color) {
   const cli::RunStatus run(folder);
   const RunHistory& history = run.history();
   const RunSettings& settings = run.folder().settings();
-  fmt::print("{}: {} on {}, seed {}\n", folder.string(), settings.text("method"),
-             settings.text("task"), settings.text("seed"));
+  fmt::print(
+      "{}: {} on {}, seed {}
+      ", cli::printable(folder.string()),
+      cli::printable(settings.text("method")),
+      cli::printable(settings.text("task")), cli::printable(settings.text("seed")));
   fmt::print("robots       {} of {} trained, {} left\n", run.trained(), run.evaluations(),
              run.left());
   fmt::print("generations  {} finished, {} begun\n",
@@ -252,10 +264,39 @@ bool print_profile(const std::vector<std::string>& words) {
   return true;
 }
 
+// Bodies that cannot be robots are shown and then refused.
+void check_bodies(const std::vector<Robot>& robots, const std::string& name) {
+  for (const Robot& robot : robots)
+    if (const auto fault = defect(robot.body, true))
+      throw error(Failure::data, "{}: robot {} cannot be one: {}", name, robot.id, *fault);
+}
+
+std::vector<Robot> robots_in(const std::string& text, const std::string& name) {
+  if (fs::path(name).extension() == ".npz") return {Robot(body_from_npz(text, name))};
+  return parse_robots(text, input_label(name), BodyCheck::any);
+}
+
 void print_file(const std::string& name, bool color) {
   if (name != standard_stream && fs::is_directory(name)) return print_run(name, color);
   if (name != standard_stream && hdf5::is_hdf5(name)) return print_hdf5(name, color);
-  print_robots(cli::read_robots({name}, BodyCheck::any), input_label(name), color);
+  const std::string text =
+      fs::path(name).extension() == ".npz" ? read_file(name) : read_robot_text(name);
+  if (cli::print_document(text, input_label(name))) return;
+  const std::vector<Robot> robots = hdf5::begins_as_hdf5(text)
+                                        ? parse_robots(hdf5::Reader(text, name).text("/", "robot"),
+                                                       input_label(name), BodyCheck::any)
+                                        : robots_in(text, name);
+  print_robots(robots, input_label(name), color);
+  check_bodies(robots, input_label(name));
+}
+
+void draw_robots(const std::string& name, bool color) {
+  const std::vector<Robot> robots = cli::read_robots({name}, BodyCheck::any);
+  for (const Robot& robot : robots) {
+    print_robot(robot, color);
+    fmt::print("\n");
+  }
+  check_bodies(robots, input_label(name));
 }
 
 }  // namespace
@@ -267,16 +308,23 @@ int main(int argc, char** argv) {
   std::optional<std::string> shape;
   bool markdown = false;
   bool watch = false;
-  command.arguments(words, "FILE|RUN_DIR|tasks|task NAME|physics|training|robot FILE",
-                    "robots, policies, rollouts, run folders; 'tasks' lists the tasks, 'task NAME' "
-                    "explains one, 'physics' and 'training' what can be set there, with the values "
-                    "of a profile if one is named, 'robot FILE' draws robots");
+  bool check = false;
+  bool replay = false;
+  command.arguments(
+      words, "FILE|RUN_DIR|tasks|task NAME|physics|training|robot FILE",
+      "robots, policies, rollouts, tasks, profiles, NEAT states, worlds, run folders; "
+      "'tasks' lists the tasks, 'task NAME' explains one, 'physics' and 'training' "
+      "what can be set there, with the values of a profile if one is named, 'robot "
+      "FILE' draws robots");
   command.option("--color", color, "WHEN", "auto, always or never");
   command.option("--shape", shape, "ROWSxCOLS",
                  "of the full body whose observation 'task NAME' lays out [5x5]");
   command.flag("--markdown", markdown, "'tasks' as a Markdown table");
   command.flag("--watch", watch,
                "follow a run until it is over: a line per generation, on a terminal live curves");
+  command.flag("--check", check,
+               "read the files, or every file of a run, whole: structure, ids, checksums, fitness");
+  command.flag("--replay", replay, "with --check, run the policies: each earns its fitness again");
   command.progress_option();
   command.example("evo-inspect tasks", "the benchmark's tasks with difficulty and lengths");
   command.example("evo-inspect task Carrier-v0", "what is observed, rewarded, and ends an episode");
@@ -286,9 +334,15 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     const bool colored = cli::use_color(color);
+    if (replay && !check) throw error(Failure::usage, "--replay goes with --check");
+    if (check) {
+      if (words.empty()) throw error(Failure::usage, "--check: name files or run folders");
+      cli::check_paths(words, replay);
+      return 0;
+    }
     if (watch) {
       if (words.size() != 1) throw error(Failure::usage, "--watch: name one run folder");
-      cli::watch_run(words[0], command.show_progress());
+      cli::watch_run(words[0], command.progress_style());
       return 0;
     }
     if (words.empty()) words.emplace_back(standard_stream);
@@ -303,11 +357,7 @@ int main(int argc, char** argv) {
       return 0;
     } else if (words[0] == "robot") {
       if (words.size() < 2) words.emplace_back(standard_stream);
-      for (std::size_t i = 1; i < words.size(); ++i)
-        for (const Robot& robot : cli::read_robots({words[i]}, BodyCheck::any)) {
-          print_robot(robot, colored);
-          fmt::print("\n");
-        }
+      for (std::size_t i = 1; i < words.size(); ++i) draw_robots(words[i], colored);
     } else {
       for (const std::string& word : words) print_file(word, colored);
     }

@@ -5,7 +5,9 @@
 
 #include "cli/breeding.h"
 #include "cli/command.h"
+#include "cli/outputs.h"
 #include "cli/robots.h"
+#include "cli/values.h"
 #include "formats/genome.h"
 #include "formats/neat.h"
 #include "libevo/evolve/cppn_neat.h"
@@ -64,6 +66,7 @@ int main(int argc, char** argv) {
       "the population after the scored one");
 
   return command.run(argc, argv, [&] {
+    cli::check_outputs({{"--output", command.output}, {"--state-out", state_out}});
     if (count < 2) throw error(Failure::usage, "--count must be at least 2, got {}", count);
     const NeatSettings settings = cli::neat_settings(settings_file, count);
     std::set<std::string> seen = cli::read_ids(avoid);
@@ -71,7 +74,7 @@ int main(int argc, char** argv) {
     Parents parents;
     std::vector<CppnRobot> made;
     if (state_in) {
-      const std::vector<Robot> robots = cli::read_robots(files, BodyCheck::any);
+      const std::vector<Robot> robots = cli::read_robots(files);
       if (robots.empty()) throw error(Failure::data, "no scored robots were read");
       for (const Robot& robot : robots) seen.insert(robot.id);
       parents = read_parents(robots);

@@ -4,6 +4,7 @@
 #include "cli/command.h"
 #include "cli/progress.h"
 #include "cli/robots.h"
+#include "cli/values.h"
 #include "formats/files.h"
 #include "formats/hdf5.h"
 #include "formats/rollout.h"
@@ -35,11 +36,13 @@ struct Settings {
   std::string tint = "actuation";
 };
 
+constexpr int most_episodes = 1'000'000'000;
+
 render::Size parse_size(const std::string& text) {
-  render::Size size;
-  if (std::sscanf(text.c_str(), "%dx%d", &size.width, &size.height) != 2)
-    throw error(Failure::usage, "--size: '{}' is not WIDTHxHEIGHT, such as 1280x720", text);
-  return size;
+  constexpr int most = 32'768;
+  const cli::Pair pair =
+      cli::parse_pair(text, "--size", most, "WIDTHxHEIGHT in pixels, such as 1280x720");
+  return {pair.first, pair.second};
 }
 
 // One picture of an episode.
@@ -107,10 +110,7 @@ std::vector<render::Episode> choose_episodes(const std::vector<Rollout>& rollout
       if (word == "all") {
         for (int i = 0; i < static_cast<int>(rollout.episodes.size()); ++i) add(i);
       } else {
-        const std::vector<double> number = cli::parse_numbers(word, "--episode");
-        if (number.size() != 1)
-          throw error(Failure::usage, "--episode: '{}' is neither a number nor 'all'", word);
-        add(static_cast<int>(number[0]));
+        add(static_cast<int>(cli::parse_whole(word, "--episode", 0, most_episodes)));
       }
     }
   }
@@ -135,7 +135,7 @@ std::vector<render::Generation> read_generations(const std::vector<std::string>&
     std::string name = file;
     const std::size_t begin = name.rfind("gen-");
     if (begin != std::string::npos) name = name.substr(begin, name.find('/', begin) - begin);
-    std::vector<Robot> robots = cli::read_robots({file}, BodyCheck::any);
+    std::vector<Robot> robots = cli::read_robots({file});
     std::stable_sort(robots.begin(), robots.end(), [](const Robot& a, const Robot& b) {
       return a.fitness() && (!b.fitness() || *a.fitness() > *b.fitness());
     });
@@ -152,7 +152,7 @@ void render_robots(const Settings& settings, const RenderOptions& options,
         render::draw_generations(read_generations(files), *settings.generations, options));
     return;
   }
-  const std::vector<Robot> robots = cli::read_robots(files, BodyCheck::any);
+  const std::vector<Robot> robots = cli::read_robots(files);
   if (robots.empty()) throw error(Failure::data, "nothing to draw: no robots were read");
   const bool single = robots.size() == 1 && !settings.grid;
   write_picture(
@@ -174,7 +174,7 @@ render::Drawing draw_still(const Settings& settings, const RenderOptions& option
 
 void render_rollouts(const Settings& settings, const RenderOptions& options,
                      const std::vector<std::string>& files, const std::string& output,
-                     bool show_progress) {
+                     cli::Progress progress) {
   std::vector<Rollout> rollouts;
   rollouts.reserve(files.size());
   for (const std::string& file : files) rollouts.push_back(read_rollout(file));
@@ -187,7 +187,7 @@ void render_rollouts(const Settings& settings, const RenderOptions& options,
                   draw_still(settings, options, episodes.front()));
     return;
   }
-  cli::LiveLine line(show_progress);
+  cli::LiveLine line(progress);
   render::render_video(episodes, options, output, [&](std::size_t frames, std::size_t of) {
     if (!line.due()) return;
     const double share = static_cast<double>(frames) / static_cast<double>(of);
@@ -277,7 +277,7 @@ int main(int argc, char** argv) {
     choose_format(settings, film && is_animation(settings, command.output), options);
     render::check_options(options);
     if (film) {
-      render_rollouts(settings, options, files, command.output, command.show_progress());
+      render_rollouts(settings, options, files, command.output, command.progress_style());
     } else {
       if (is_still(settings))
         throw error(Failure::usage,

@@ -123,8 +123,7 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
           out.write(*trained.robot);
           out.finish();
         });
-    if (status != 0)
-      fmt::print(stderr, "{}: interrupted; give the same command again to go on\n", asked.name());
+    if (status != 0) asked.warn("interrupted; give the same command again to go on");
     return status;
   });
 }

@@ -4,6 +4,7 @@
 #include "cli/breeding.h"
 #include "cli/command.h"
 #include "cli/robots.h"
+#include "cli/values.h"
 #include "formats/genome.h"
 #include "libevo/evolve/cppn_neat.h"
 

@@ -5,6 +5,7 @@
 
 #include "cli/command.h"
 #include "cli/robots.h"
+#include "cli/values.h"
 #include "libevo/evolve/select.h"
 
 namespace {
@@ -172,6 +173,8 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     if (settings.plan) {
+      if (!files.empty())
+        throw error(Failure::usage, "--plan reads no robots; leave '{}' out", files.front());
       print_plan(settings);
       return 0;
     }

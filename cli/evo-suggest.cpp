@@ -1,10 +1,9 @@
 // evo-suggest: the next batch of Bayesian optimisation.
 #include <limits>
 
-#include <spdlog/spdlog.h>
-
 #include "cli/command.h"
 #include "cli/robots.h"
+#include "cli/values.h"
 #include "libevo/evolve/suggest.h"
 
 namespace {
@@ -20,7 +19,7 @@ struct History {
 History read_history(const std::vector<std::string>& files) {
   History history;
   std::set<std::string> ids;
-  for (const Robot& robot : cli::read_robots(files, BodyCheck::any)) {
+  for (const Robot& robot : cli::read_robots(files)) {
     const Body& body = robot.body;
     if (ids.empty()) history.shape = {body.rows, body.cols};
     if (body.rows != history.shape.rows || body.cols != history.shape.cols)
@@ -64,13 +63,14 @@ int main(int argc, char** argv) {
         history.observations.empty() ? cli::parse_shape(shape_text) : history.shape;
     const SuggestedBatch batch =
         suggest(shape.rows, shape.cols, history.observations, {}, count, settings, command.seed);
-    if (!batch.from_model) spdlog::warn("no scored robot to learn from; these bodies are random");
+    if (!batch.from_model) command.warn("no scored robot to learn from; these bodies are random");
     cli::RobotWriter out(command.output);
     int index = 0;
     for (const Suggestion& suggestion : batch.designs) {
       Robot robot = make_child(suggestion.body, {}, "evo-suggest", command.seed,
                                static_cast<std::uint64_t>(index++));
-      spdlog::debug("{}: expected {:.4g} +- {:.2g}", robot.id, suggestion.mean, suggestion.stddev);
+      command.detail(fmt::format("{}: expected {:.4g} +- {:.2g}", robot.id, suggestion.mean,
+                                 suggestion.stddev));
       out.write(std::move(robot));
     }
     out.finish();

@@ -1,6 +1,4 @@
 // evo-train: a controller for every robot read.
-#include <cstdio>
-
 #include "cli/robots.h"
 #include "cli/training.h"
 
@@ -26,8 +24,7 @@ int main(int argc, char** argv) {
     if (status == 0)
       out.finish();
     else
-      fmt::print(stderr, "{}: interrupted; give the same command with --resume to go on\n",
-                 command.name());
+      command.warn(cli::how_to_go_on);
     return status;
   });
 }

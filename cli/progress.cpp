@@ -40,11 +40,24 @@ std::string time_left(double share, double seconds) {
 
 // ---- one line -------------------------------------------------------------------
 
+bool LiveLine::due() const {
+  constexpr double often = 10.0;  // s
+  constexpr double rarely = 60.0;
+  constexpr double drawn = 0.1;
+  if (style_ == Progress::none) return false;
+  const double pause = style_ == Progress::drawn   ? drawn
+                       : style_ == Progress::often ? often
+                                                   : rarely;
+  return clock_.seconds() - last_drawn_ >= pause;
+}
+
 void LiveLine::draw(const std::string& text) {
-  if (!enabled_) return;
+  if (style_ == Progress::none) return;
   last_drawn_ = clock_.seconds();
-  drawn_ = true;
-  fmt::print(stderr, "\r\x1b[K{}", cut_to_width(text, terminal_columns() - 1));
+  drawn_ = style_ == Progress::drawn;
+  const std::string line =
+      drawn_ ? "\r\x1b[K" + cut_to_width(text, terminal_columns() - 1) : text + "\n";
+  std::fputs(line.c_str(), stderr);  // a terminal gone is no failure
   std::fflush(stderr);
 }
 

@@ -19,26 +19,30 @@ class Clock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// How a long work shows that it goes on: as a line that is redrawn, or as lines, one
+// every ten seconds or every minute.
+enum class Progress { none, drawn, often, rarely };
+
 // The last line of the terminal while this lives; cut to its width, and gone at
-// the end. Draws nothing at all when `enabled` is false.
+// the end. Or lines that stay.
 class LiveLine {
  public:
-  explicit LiveLine(bool enabled) : enabled_(enabled) {}
+  explicit LiveLine(Progress style) : style_(style) {}
   ~LiveLine() { erase(); }
   LiveLine(const LiveLine&) = delete;
   LiveLine& operator=(const LiveLine&) = delete;
 
-  // Whether it is time to draw again: at most ten times per second.
-  bool due() const { return enabled_ && clock_.seconds() - last_drawn_ >= 0.1; }
+  // Whether it is time to draw again, at most ten times per second, or to write.
+  bool due() const;
   void draw(const std::string& text);
   void erase();
   double seconds() const { return clock_.seconds(); }  // since it began
 
  private:
-  bool enabled_;
+  Progress style_;
   bool drawn_ = false;
   Clock clock_;
-  double last_drawn_ = -1.0;
+  double last_drawn_ = 0.0;
 };
 
 // What a training shows of itself while it runs.
@@ -62,7 +66,7 @@ std::string time_left(double share, double seconds);
 // Shows `total` trainings of one process. Thread-safe.
 class TrainingProgress {
  public:
-  TrainingProgress(bool enabled, std::size_t total) : line_(enabled), total_(total) {}
+  TrainingProgress(Progress style, std::size_t total) : line_(style), total_(total) {}
 
   // The training with this number stands so; `steps` more were taken.
   void update(std::size_t index, const TrainingView& view, double steps);

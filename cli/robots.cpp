@@ -1,8 +1,8 @@
 #include "cli/robots.h"
 
-#include <charconv>
 #include <filesystem>
 
+#include "cli/command.h"
 #include "libevo/base/error.h"
 
 namespace evo::cli {
@@ -33,14 +33,23 @@ void RobotWriter::write(Robot robot) {
     robot.document["policy"] =
         seen_from(std::filesystem::path(target_).parent_path(), *policy).string();
   out_.line(robot_to_line(robot));
+  ++written_;
+}
+
+void RobotWriter::finish() {
+  out_.finish();
+  say_detail(fmt::format("{} robots written to {}", written_,
+                         target_ == standard_stream ? "standard output" : target_));
 }
 
 void OrderedWriter::put(std::size_t index, Robot robot) {
   const std::lock_guard lock(mutex_);
   waiting_.emplace(index, std::move(robot));
-  for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; ++next_) {
-    out_.write(std::move(first->second));
-    first = waiting_.erase(first);
+  while (!waiting_.empty() && waiting_.begin()->first == next_) {
+    // Out of the map before it is written: writing may fail.
+    auto first = waiting_.extract(waiting_.begin());
+    ++next_;
+    out_.write(std::move(first.mapped()));
   }
 }
 
@@ -53,6 +62,7 @@ std::vector<Robot> read_robots(const std::vector<std::string>& files, BodyCheck 
       make_policy_path_relative_to_here(robot, source);
       robots.push_back(std::move(robot));
     }
+    say_detail(fmt::format("{} robots read, the last from {}", robots.size(), input_label(source)));
   }
   return robots;
 }
@@ -60,45 +70,8 @@ std::vector<Robot> read_robots(const std::vector<std::string>& files, BodyCheck 
 std::set<std::string> read_ids(const std::vector<std::string>& files) {
   std::set<std::string> ids;
   if (files.empty()) return ids;
-  for (const Robot& robot : read_robots(files, BodyCheck::any)) ids.insert(robot.id);
+  for (const Robot& robot : read_robots(files)) ids.insert(robot.id);
   return ids;
-}
-
-Shape parse_shape(const std::string& text) {
-  Shape shape;
-  const char* end = text.data() + text.size();
-  const auto rows = std::from_chars(text.data(), end, shape.rows);
-  const bool has_x = rows.ec == std::errc() && rows.ptr != end && *rows.ptr == 'x';
-  const auto cols = has_x ? std::from_chars(rows.ptr + 1, end, shape.cols) : rows;
-  if (!has_x || cols.ec != std::errc() || cols.ptr != end || shape.rows < 1 || shape.cols < 1 ||
-      shape.rows > 1000 || shape.cols > 1000)
-    throw error(Failure::usage,
-                "--shape: '{}' is not ROWSxCOLS with numbers from 1 to 1000, such as 5x5", text);
-  return shape;
-}
-
-std::vector<std::string> split_list(const std::string& text) {
-  std::vector<std::string> pieces;
-  std::size_t start = 0;
-  while (start <= text.size()) {
-    const std::size_t comma = std::min(text.find(',', start), text.size());
-    if (comma > start) pieces.push_back(text.substr(start, comma - start));
-    start = comma + 1;
-  }
-  return pieces;
-}
-
-std::vector<double> parse_numbers(const std::string& text, const std::string& what) {
-  std::vector<double> numbers;
-  for (const std::string& piece : split_list(text)) {
-    double number = 0.0;
-    const char* end = piece.data() + piece.size();
-    const auto result = std::from_chars(piece.data(), end, number);
-    if (result.ec != std::errc() || result.ptr != end)
-      throw error(Failure::usage, "{}: '{}' is not a number", what, piece);
-    numbers.push_back(number);
-  }
-  return numbers;
 }
 
 }  // namespace evo::cli

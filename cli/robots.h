@@ -30,11 +30,12 @@ class RobotWriter {
   explicit RobotWriter(const std::string& target) : target_(target), out_(target) {}
 
   void write(Robot robot);
-  void finish() { out_.finish(); }
+  void finish();
 
  private:
   std::string target_;
   LineWriter out_;
+  std::size_t written_ = 0;
 };
 
 // Robots finished in any order by several threads, written in the order of their
@@ -52,18 +53,5 @@ class OrderedWriter {
   std::size_t next_ = 0;
   RobotWriter out_;
 };
-
-// "5x7" as rows and columns. Throws Error(usage).
-struct Shape {
-  int rows = 0;
-  int cols = 0;
-};
-Shape parse_shape(const std::string& text);
-
-// "0.6,0.2,..." as numbers; `what` names the option. Throws Error(usage).
-std::vector<double> parse_numbers(const std::string& text, const std::string& what);
-
-// Splits at commas, empty pieces dropped.
-std::vector<std::string> split_list(const std::string& text);
 
 }  // namespace evo::cli

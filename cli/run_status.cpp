@@ -85,12 +85,13 @@ std::string generation_result(const RunStatus& run, const RunHistory::Generation
 
 }  // namespace
 
-void watch_run(const fs::path& folder, bool live) {
+void watch_run(const fs::path& folder, Progress style) {
   constexpr int pause_milliseconds = 250;
   catch_interrupts();
   const pid_t caller = ::getppid();
   RunStatus run(folder);
-  LiveLine line(live);
+  // Its results are lines already.
+  LiveLine line(style == Progress::drawn ? style : Progress::none);
   std::set<int> told;
   for (const RunHistory::Generation& generation : run.history().generations())
     if (generation.finished) told.insert(generation.number);

@@ -39,6 +39,6 @@ class RunStatus {
 // Follows a run: a line on standard output for every generation that ends, and on
 // a terminal a live one with the curves of what is being trained. Returns when the
 // run is over, on SIGINT or SIGTERM, or when the calling process has gone.
-void watch_run(const std::filesystem::path& folder, bool live);
+void watch_run(const std::filesystem::path& folder, Progress style);
 
 }  // namespace evo::cli

@@ -3,9 +3,14 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <limits>
+#include <set>
 
 #include "cli/data.h"
+#include "cli/outputs.h"
 #include "cli/progress.h"
+#include "cli/rescue.h"
+#include "cli/values.h"
 #include "formats/files.h"
 #include "formats/policy.h"
 #include "formats/run.h"
@@ -27,6 +32,8 @@ struct Job {
   const TaskSpec& task;
   const TrainingSettings& training;
   std::uint64_t seed;
+  const Command& command;
+  Rescue& rescue;
 };
 
 struct Paths {
@@ -82,17 +89,38 @@ Robot failed(const Robot& robot, const Job& job, const TrainingFailure& failure)
   return result;
 }
 
+Error trained_otherwise(const fs::path& policy, const std::string& difference) {
+  return error(Failure::cannot_create,
+               "{}: trained with other settings ({}); choose another --out-dir, or --force to "
+               "replace it",
+               policy.string(), difference);
+}
+
 // The robot as it was trained before with exactly these settings, or nothing.
 std::optional<Robot> trained_before(const Robot& robot, const Job& job, const Paths& paths,
                                     const TrainingIdentity& training) {
   if (!fs::exists(paths.policy)) return std::nullopt;
-  const std::string there = read_policy_identity(paths.policy);
-  if (there == training.lines) return scored(robot, read_policy(paths.policy), paths.policy);
-  if (job.options.force) return std::nullopt;
-  throw error(Failure::cannot_create,
-              "{}: trained with other settings ({}); choose another --out-dir, or --force to "
-              "replace it",
-              paths.policy.string(), difference(there, training.lines));
+  try {
+    const std::string there = read_policy_identity(paths.policy);
+    if (there == training.lines) return scored(robot, read_policy(paths.policy), paths.policy);
+    if (!job.options.force)
+      throw trained_otherwise(paths.policy, difference(there, training.lines));
+  } catch (const Error& e) {  // damaged, or no policy at all
+    if (!job.options.force || e.kind() != Failure::data) throw;
+  }
+  return std::nullopt;
+}
+
+// Another process may have finished the same robot with other settings meanwhile;
+// its work is not overwritten.
+void save_policy(const fs::path& path, const PolicyFile& policy, bool force) {
+  try {
+    write_policy(path, policy, force ? Existing::replaced : Existing::refused);
+  } catch (const Error& e) {
+    if (e.kind() != Failure::cannot_create || !fs::exists(path)) throw;
+    const std::string there = read_policy_identity(path);
+    if (there != policy.identity) throw trained_otherwise(path, difference(there, policy.identity));
+  }
 }
 
 void write_curve(const std::string& path, const std::vector<CurvePoint>& curve) {
@@ -103,7 +131,7 @@ void write_curve(const std::string& path, const std::vector<CurvePoint>& curve) 
 }
 
 // Without a robot when interrupted: a checkpoint then lies beside the policy.
-Trained train_robot(const Robot& robot, const Job& job,
+Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
                     const std::function<void(const TrainingReport&)>& show) {
   const Paths paths = paths_of(job.options, robot.id);
   const Arena arena(job.task, robot.body);
@@ -115,7 +143,13 @@ Trained train_robot(const Robot& robot, const Job& job,
 
   Trainer trainer(arena, job.training, job.seed, robot.id);
   const bool resumed = job.options.resume && fs::exists(paths.checkpoint);
-  if (resumed) trainer.restore(read_checkpoint(paths.checkpoint, identity));
+  if (resumed) {
+    trainer.restore(read_checkpoint(paths.checkpoint, identity));
+    job.command.note(fmt::format("robot {}: goes on from {}", robot.id, paths.checkpoint.string()));
+  } else if (fs::exists(paths.checkpoint)) {
+    job.command.note(fmt::format("robot {}: begins anew; --resume would go on from {}", robot.id,
+                                 paths.checkpoint.string()));
+  }
   const auto save = [&] { write_checkpoint(paths.checkpoint, trainer.checkpoint(), identity); };
 
   TrainingLog log(paths.log);
@@ -132,6 +166,7 @@ Trained train_robot(const Robot& robot, const Job& job,
       log.line(report, static_cast<double>(trained.steps) / std::max(trained.seconds, 1e-9));
     show(report);
     if (trainer.done()) break;
+    job.rescue.keep(index, trainer.checkpoint(), paths.checkpoint, hash);
     if (interrupted() != 0) {
       save();
       trained.seconds = clock.seconds();
@@ -146,8 +181,11 @@ Trained train_robot(const Robot& robot, const Job& job,
   const TrainResult result = trainer.result();
   log.end(clock.seconds());
   if (!result.failure)
-    write_policy(paths.policy, make_policy_file(robot, arena, job.training, job.seed, result,
-                                                created_by(trained_by)));
+    save_policy(
+        paths.policy,
+        make_policy_file(robot, arena, job.training, job.seed, result, created_by(trained_by)),
+        job.options.force);
+  job.rescue.forget(index);
   std::error_code ignored;
   fs::remove(paths.checkpoint, ignored);
   if (job.options.curve) write_curve(*job.options.curve, result.curve);
@@ -172,6 +210,22 @@ void stop_at_failure(const Robot& robot, const TrainingOptions& options) {
   if (!failure || options.failures != "stop") return;
   throw error(Failure::work, "training failed at step {} with seed {}: {}",
               failure->step.value_or(0), failure->seed.value_or(0), failure->why);
+}
+
+// None of the files that the trainings write is another one's.
+void check_files(const TrainingOptions& options, const std::vector<Robot>& robots,
+                 const std::string& output) {
+  std::vector<OutputName> outputs{{"--output", output}};
+  if (options.curve) outputs.push_back({"--curve", *options.curve});
+  std::set<std::string> ids;
+  for (const Robot& robot : robots) {
+    if (!ids.insert(robot.id).second) continue;
+    const Paths paths = paths_of(options, robot.id);
+    outputs.push_back({"the policy of robot " + robot.id, paths.policy.string()});
+    outputs.push_back({"the checkpoint of robot " + robot.id, paths.checkpoint.string()});
+    outputs.push_back({"the log of robot " + robot.id, paths.log.string()});
+  }
+  check_outputs(outputs);
 }
 
 }  // namespace
@@ -214,7 +268,9 @@ TrainingSettings TrainingOptions::settings() const {
     if (value) apply_override(training, fmt::format("{}={}", key, *value));
   };
   apply("algorithm", algorithm);
-  apply("steps", steps);
+  if (steps)
+    apply("steps", std::optional(parse_whole(*steps, "--steps", 1,
+                                             std::numeric_limits<std::int64_t>::max())));
   apply("final_episodes", final_episodes);
   apply("final_jitter", jitter);
   for (const std::string& assignment : set) apply_override(training, assignment);
@@ -228,20 +284,22 @@ int train_robots(const Command& command, const TrainingOptions& options,
   check_options(options, robots.size());
   const TaskSpec task = options.task.load();
   const TrainingSettings training = options.settings();
-  make_folder(options.out_dir);
-  make_folder(options.log_dir.value_or(options.out_dir));
+  check_files(options, robots, command.output);
+  make_folders(options.out_dir);
+  make_folders(options.log_dir.value_or(options.out_dir));
 
   catch_interrupts();
-  TrainingProgress progress(command.show_progress(), robots.size());
+  TrainingProgress progress(command.progress_style(), robots.size());
   std::atomic<bool> stopped = false;
-  const Job job{options, task, training, command.seed};
-  ThreadPool pool(command.jobs);
-  pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
+  Rescue rescue([&] { command.warn(how_to_go_on); });
+  const Job job{options, task, training, command.seed, command, rescue};
+  Workers workers(command, robots.size());
+  workers.pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
     if (interrupted() != 0 || stopped) return;
     TrainingView view{robots[i].id, 0.0, {}, 0.0};
     std::int64_t last_step = 0;
     try {
-      Trained trained = train_robot(robots[i], job, [&](const TrainingReport& report) {
+      Trained trained = train_robot(robots[i], i, job, [&](const TrainingReport& report) {
         view.done = static_cast<double>(report.step) / static_cast<double>(report.steps);
         if (const auto value = metric(report, "eval/return")) {
           view.evaluations.push_back(*value);

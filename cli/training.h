@@ -48,9 +48,14 @@ struct Trained {
   std::int64_t steps = 0;  // environment steps taken
 };
 
+inline constexpr const char* how_to_go_on =
+    "interrupted; give the same command with --resume to go on";
+
 // Trains the robots on `command.jobs` threads and hands over each as it ends, in
 // any order, from several threads. Returns the exit status: 0, or 128 + the signal
-// that interrupted, which the caller tells. Throws the first Error, naming its robot.
+// that interrupted, which the caller tells; half a second after an interrupt that
+// finds trainings in the middle of an update, the process saves and ends at once.
+// Throws the first Error, naming its robot.
 int train_robots(const Command& command, const TrainingOptions& options,
                  const std::vector<Robot>& robots,
                  const std::function<void(const Trained&)>& ended);

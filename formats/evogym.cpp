@@ -1,5 +1,7 @@
 #include "formats/evogym.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -210,7 +212,32 @@ void check_overlap(const World& world) {
 
 // ---- worlds: writing --------------------------------------------------------------
 
-Json object_to_json(const Object& object, int grid_width) {
+// Whether some row or column at the border of the matrix is empty: without its
+// empty cells, a reader would take the object for a smaller one.
+bool has_empty_border(const Body& body) {
+  const auto filled = [&](int r, int c) { return body.at(r, c) != Voxel::empty; };
+  bool top = false;
+  bool bottom = false;
+  bool left = false;
+  bool right = false;
+  for (int c = 0; c < body.cols; ++c) {
+    top |= filled(0, c);
+    bottom |= filled(body.rows - 1, c);
+  }
+  for (int r = 0; r < body.rows; ++r) {
+    left |= filled(r, 0);
+    right |= filled(r, body.cols - 1);
+  }
+  return !(top && bottom && left && right);
+}
+
+bool at_border(const Body& body, int cell) {
+  const int r = cell / body.cols;
+  const int c = cell % body.cols;
+  return r == 0 || c == 0 || r == body.rows - 1 || c == body.cols - 1;
+}
+
+std::string object_to_json(const Object& object, int grid_width) {
   const Body& body = object.body;
   const auto world_index = [&](int cell) {
     const int x = object.x + cell % body.cols;
@@ -222,15 +249,21 @@ Json object_to_json(const Object& object, int grid_width) {
     neighbors[link.a].push_back(world_index(link.b));
     neighbors[link.b].push_back(world_index(link.a));
   }
-  Json record{{"indices", Json::array()}, {"types", Json::array()}, {"neighbors", Json::object()}};
+  const bool keep_border = has_empty_border(body);
+  std::vector<std::int64_t> indices;
+  std::vector<int> types;
+  std::string neighbor_lists;
   for (int cell = 0; std::cmp_less(cell, body.cells.size()); ++cell) {
     const Voxel type = body.cells[static_cast<std::size_t>(cell)];
-    if (type == Voxel::empty) continue;
-    record["indices"].push_back(world_index(cell));
-    record["types"].push_back(static_cast<int>(type));
-    record["neighbors"].push_back({std::to_string(world_index(cell)), neighbors[cell]});
+    if (type == Voxel::empty && !(keep_border && at_border(body, cell))) continue;
+    indices.push_back(world_index(cell));
+    types.push_back(static_cast<int>(type));
+    neighbor_lists += fmt::format("{}\"{}\": [{}]", neighbor_lists.empty() ? "" : ", ",
+                                  world_index(cell), fmt::join(neighbors[cell], ", "));
   }
-  return record;
+  return fmt::format(
+      "{{\n      \"indices\": [{}],\n      \"types\": [{}],\n      \"neighbors\": {{{}}}\n    }}",
+      fmt::join(indices, ", "), fmt::join(types, ", "), neighbor_lists);
 }
 
 // ---- experiments --------------------------------------------------------------------
@@ -355,8 +388,7 @@ World read_evogym_world(const fs::path& path) {
   return evogym_world_from_json(parse_json(read_input(path.string()), where), where);
 }
 
-Json evogym_world_to_json(const World& world) {
-  Json document{{"grid_width", 1}, {"grid_height", 1}, {"objects", Json::object()}};
+std::string evogym_world_to_json(const World& world) {
   int width = 1;
   int height = 1;
   for (const Object& object : world.objects) {
@@ -366,19 +398,21 @@ Json evogym_world_to_json(const World& world) {
     width = std::max(width, object.x + object.body.cols);
     height = std::max(height, object.y + object.body.rows);
   }
-  document["grid_width"] = width;
-  document["grid_height"] = height;
-  Json& objects = document["objects"];
+  std::set<std::string> names;
+  std::string objects;
   for (const Object& object : world.objects) {
-    if (objects.contains(object.name))
+    if (!names.insert(object.name).second)
       throw error(Failure::data, "two objects are named '{}'", object.name);
-    objects[object.name] = object_to_json(object, width);
+    objects += fmt::format("{}\n    {}: {}", objects.empty() ? "" : ",", compact(object.name),
+                           object_to_json(object, width));
   }
-  return document;
+  return fmt::format(
+      "{{\n  \"grid_width\": {},\n  \"grid_height\": {},\n  \"objects\": {{{}\n  }}\n}}\n", width,
+      height, objects);
 }
 
 void write_evogym_world(const fs::path& path, const World& world) {
-  write_file(path, compact(evogym_world_to_json(world)) + "\n");
+  write_file(path, evogym_world_to_json(world));
 }
 
 Robot robot_from_evogym_world(const World& world, const std::string& where, BodyCheck check) {

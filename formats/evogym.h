@@ -21,9 +21,10 @@ namespace evo {
 World evogym_world_from_json(const Json& document, const std::string& where);
 World read_evogym_world(const std::filesystem::path& path);
 
-// The grid is as large as the contents. Throws Error(data) for a world that the
-// format cannot hold: a name given twice, a negative position.
-Json evogym_world_to_json(const World& world);
+// JSON text. The grid is as large as the contents; an object whose matrix has an
+// empty border keeps it, as cells of type 0. Throws Error(data) for a world that
+// the format cannot hold: a name given twice, a negative position.
+std::string evogym_world_to_json(const World& world);
 void write_evogym_world(const std::filesystem::path& path, const World& world);
 
 // The robot of a world that holds exactly one object; in the other direction, a

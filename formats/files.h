@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,19 +13,36 @@ namespace evo {
 // The name of standard input and output on every command line.
 inline constexpr std::string_view standard_stream = "-";
 
+// Inputs are read whole, but not without end.
+inline constexpr std::size_t largest_input = std::size_t{1} << 30;     // bytes
+inline constexpr std::size_t largest_document = std::size_t{1} << 24;  // of one document by hand
+
+// Looks at the beginning of a long input, 64 KiB of it, before the rest is read;
+// throws to refuse it.
+using Glance = std::function<void(std::string_view beginning)>;
+
 // Everything in a file. Throws Error(no_input) when it is missing, a folder or
-// not readable, Error(io) when reading fails halfway.
-std::string read_file(const std::filesystem::path& path);
+// not readable, Error(io) when reading fails halfway, Error(data) when it is
+// longer than `most` bytes.
+std::string read_file(const std::filesystem::path& path, std::size_t most = largest_input,
+                      const Glance& glance = {});
 
 // As read_file; "-" reads standard input to its end.
-std::string read_input(const std::string& name);
+std::string read_input(const std::string& name, std::size_t most = largest_input,
+                       const Glance& glance = {});
 
 // How messages call an input: the name itself, "standard input" for "-".
 std::string input_label(const std::string& name);
 
-// A file under a temporary name in the folder of `path`, given its own name by
-// commit(). Destroyed before that, it leaves nothing behind. A symbolic link
-// stays a link; a pipe or device is written directly, having no "whole".
+// What becomes of a file whose name an output takes.
+enum class Existing { replaced, refused };
+
+// A file without a name in the folder of `path`, given its name by commit(), and
+// the permissions of the file it replaces. Until then nothing is to be seen of it,
+// and nothing is left behind, however the process ends; only where the file system
+// knows no nameless files (NFS) it has a temporary name, and a killed process
+// leaves that. A symbolic link stays a link; a pipe or device is written directly,
+// having no "whole".
 class AtomicFile {
  public:
   // Throws Error(cannot_create).
@@ -33,16 +51,20 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  // Where to write until commit(), for libraries that open files by name.
+  // Where to write until commit(), for programs that open files by name.
   const std::filesystem::path& temporary() const { return temporary_; }
 
   // Appends. Throws Error(io).
   void write(std::string_view bytes);
 
-  // Flushes to disk and renames. Throws Error(io). The file is closed after it.
-  void commit();
+  // Flushes to disk and gives the file its name. Throws Error(io), and
+  // Error(cannot_create) where a file of that name came to be and is not to be
+  // replaced. The file is closed after it.
+  void commit(Existing existing = Existing::replaced);
 
  private:
+  bool open_nameless();
+  int name_file(Existing existing) const;  // the error code, or 0
   void discard();
 
   std::filesystem::path label_;        // as the user wrote it, for messages
@@ -50,7 +72,13 @@ class AtomicFile {
   std::filesystem::path temporary_;
   int descriptor_ = -1;
   bool in_place_ = false;  // a pipe or a device
+  bool nameless_ = false;
+  std::optional<unsigned> mode_;  // of the file to be replaced
 };
+
+// The folder and those around it, where they do not exist. Throws
+// Error(cannot_create).
+void make_folders(const std::filesystem::path& folder);
 
 // A whole file at once: AtomicFile, write, commit.
 void write_file(const std::filesystem::path& path, std::string_view bytes);

@@ -7,12 +7,13 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 
-#include "formats/files.h"
+#include "formats/hdf5_checksum.h"
 #include "libevo/base/error.h"
 
 namespace evo::hdf5 {
@@ -292,9 +293,12 @@ void Writer::attribute(const std::string& object, const std::string& name,
   file_->attribute(object, name, file_type<T>(), memory_type<T>(), {values.size()}, values.data());
 }
 
-void Writer::commit() {
+void Writer::commit(Existing existing) {
   silence();
   const hid_t id = file_->id.get();
+  const auto checksum = content_checksum(id, std::numeric_limits<std::size_t>::max());
+  if (!checksum) throw file_->failed("/");
+  attribute("/", checksum_attribute, *checksum);
   if (H5Fflush(id, H5F_SCOPE_GLOBAL) < 0) throw file_->failed("/");
   const ssize_t size = H5Fget_file_image(id, nullptr, 0);
   if (size <= 0) throw file_->failed("/");
@@ -302,12 +306,17 @@ void Writer::commit() {
   if (H5Fget_file_image(id, image.data(), image.size()) != size) throw file_->failed("/");
   file_->id.close();
   file_->output.write(image);
-  file_->output.commit();
+  file_->output.commit(existing);
 }
 
 // ---- Reader -----------------------------------------------------------------
 
 namespace {
+
+// A file is data of anybody's making: its links to other files are not followed.
+void stay_in_this_file() {
+  if (H5Lis_registered(H5L_TYPE_EXTERNAL) > 0) H5Lunregister(H5L_TYPE_EXTERNAL);
+}
 
 // The texts behind an attribute or dataset, whatever the kind of string. `read`
 // fills a buffer given in the memory type it is told.
@@ -385,8 +394,21 @@ struct Reader::File {
   std::uintmax_t size = 0;  // bytes
   Handle id;
 
+  File(std::string_view bytes, std::string name_) : name(std::move(name_)), size(bytes.size()) {
+    silence();
+    stay_in_this_file();
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    constexpr std::size_t growth = std::size_t{1} << 16;
+    H5Pset_fapl_core(access.get(), growth, false);
+    H5Pset_file_image(access.get(), const_cast<char*>(bytes.data()), bytes.size());  // copies
+    id = Handle(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+    if (!id.ok()) throw damaged(begins_as_hdf5(bytes));
+    if (!heaps_are_sound(bytes)) throw unsound();
+  }
+
   explicit File(const std::filesystem::path& path) : name(path.string()) {
     silence();
+    stay_in_this_file();
     // The library says of a missing file only that it cannot be opened.
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (descriptor < 0)
@@ -397,13 +419,17 @@ struct Reader::File {
       throw error(Failure::no_input, "{}: is not a file, an HDF5 file is needed", name);
     size = std::filesystem::file_size(path, ignored);
     id = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    if (!id.ok())
-      throw error(
-          Failure::data, "{}: {}{}", name,
-          H5Fis_hdf5(path.c_str()) > 0 ? "damaged or truncated HDF5 file" : "not an HDF5 file",
-          library_reason());
-    if (!heaps_are_sound(read_file(path)))
-      throw error(Failure::data, "{}: damaged HDF5 file (a heap of texts)", name);
+    if (!id.ok()) throw damaged(H5Fis_hdf5(path.c_str()) > 0);
+    if (!heaps_are_sound(read_file(path))) throw unsound();
+  }
+
+  Error damaged(bool is_hdf5) const {
+    return error(Failure::data, "{}: {}{}", name,
+                 is_hdf5 ? "damaged or truncated HDF5 file" : "not an HDF5 file", library_reason());
+  }
+
+  Error unsound() const {
+    return error(Failure::data, "{}: damaged HDF5 file (a heap of texts)", name);
   }
 
   Error failed(const std::string& path, const std::string& what) const {
@@ -419,6 +445,10 @@ struct Reader::File {
     if (!exists(path)) throw failed(path, "is missing");
     Handle dataset(H5Dopen2(id.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
     if (!dataset.ok()) throw failed(path, "is not a dataset" + library_reason());
+    const Handle properties(H5Dget_create_plist(dataset.get()), H5Pclose);
+    if (H5Pget_external_count(properties.get()) > 0 ||
+        H5Pget_layout(properties.get()) == H5D_VIRTUAL)
+      throw failed(path, "keeps its values in another file, which is not followed");
     return dataset;
   }
 
@@ -456,11 +486,15 @@ struct Reader::File {
     return {sizes.begin(), sizes.end()};
   }
 
+  std::size_t most_bytes() const {
+    constexpr std::size_t best_compression = 1100;  // deflate reaches 1032
+    return std::max<std::size_t>(size, 1) * best_compression;
+  }
+
   // The number of elements, unless the file is far too small to hold them: a
   // damaged shape must not take all memory.
   std::size_t count(const Shape& shape, std::size_t element_size, const std::string& path) const {
-    constexpr std::size_t best_compression = 1100;  // deflate reaches 1032
-    const std::size_t most = std::max<std::size_t>(size, 1) * best_compression / element_size;
+    const std::size_t most = most_bytes() / element_size;
     std::size_t elements = 1;
     for (const std::size_t n : shape) {
       if (n != 0 && elements > most / n)
@@ -505,9 +539,19 @@ struct Reader::File {
 };
 
 Reader::Reader(const std::filesystem::path& path) : file_(std::make_unique<File>(path)) {}
+Reader::Reader(std::string_view bytes, const std::string& name)
+    : file_(std::make_unique<File>(bytes, name)) {}
 Reader::~Reader() = default;
 
 const std::string& Reader::name() const { return file_->name; }
+
+void Reader::verify() const {
+  if (!has_attribute("/", checksum_attribute)) return;
+  if (content_checksum(file_->id.get(), file_->most_bytes()) != text("/", checksum_attribute))
+    throw file_->failed("/",
+                        "the content is not what its checksum says: the file is damaged or was "
+                        "changed (to use it all the same, remove the attribute 'checksum')");
+}
 
 bool Reader::exists(const std::string& path) const { return file_->exists(path); }
 
@@ -601,6 +645,8 @@ template <Number T>
 std::vector<T> Reader::numbers(const std::string& object, const std::string& name) const {
   return file_->read_attribute<T>(object, name).values;
 }
+
+bool begins_as_hdf5(std::string_view bytes) { return bytes.starts_with("\x89HDF\r\n\x1a\n"); }
 
 bool is_hdf5(const std::filesystem::path& path) {
   silence();

@@ -13,7 +13,10 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "formats/files.h"
 
 namespace evo::hdf5 {
 
@@ -70,7 +73,8 @@ class Writer {
   template <Number T>
   void attribute(const std::string& object, const std::string& name, const std::vector<T>& values);
 
-  void commit();
+  // Adds the checksum of all that was written, as attribute `checksum` of "/".
+  void commit(Existing existing = Existing::replaced);
 
  private:
   struct File;
@@ -83,11 +87,16 @@ class Writer {
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& path);
+  // The bytes of a file, called `name`.
+  Reader(std::string_view bytes, const std::string& name);
   ~Reader();
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
   const std::string& name() const;  // of the file, for messages
+
+  // Throws Error(data) where the file has a checksum and holds something else.
+  void verify() const;
 
   bool exists(const std::string& path) const;
   std::vector<std::string> children(const std::string& group) const;  // by name
@@ -119,5 +128,7 @@ class Reader {
 
 // Whether the file exists and begins like an HDF5 file.
 bool is_hdf5(const std::filesystem::path& path);
+// Whether bytes begin like one.
+bool begins_as_hdf5(std::string_view bytes);
 
 }  // namespace evo::hdf5

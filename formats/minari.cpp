@@ -109,6 +109,28 @@ std::string box_space(int length, const std::string& low, const std::string& hig
       repeated(low), repeated(high));
 }
 
+// Gymnasium's description of the environment, as Minari keeps it: JSON in a text.
+// The robot is an argument where all rollouts have the same one.
+std::string environment_spec(const std::vector<Rollout>& rollouts) {
+  const Rollout& first = rollouts.front();
+  Json arguments{{"task", first.task}};
+  const bool one_robot =
+      first.robot && std::all_of(rollouts.begin(), rollouts.end(), [&](const Rollout& rollout) {
+        return rollout.robot && rollout.robot->id == first.robot->id;
+      });
+  if (one_robot) arguments["robot"] = parse_json(robot_to_line(Robot(first.robot->body)), "robot");
+  return compact(Json{{"id", "evo/" + first.task},
+                      {"entry_point", "evo_robots.environment:Environment"},
+                      {"reward_threshold", nullptr},
+                      {"nondeterministic", false},
+                      {"max_episode_steps", nullptr},
+                      {"order_enforce", true},
+                      {"disable_env_checker", false},
+                      {"kwargs", std::move(arguments)},
+                      {"additional_wrappers", Json::array()},
+                      {"vector_entry_point", "evo_robots.vector:VectorEnvironment"}});
+}
+
 Json metadata(const std::vector<Rollout>& rollouts, const std::string& dataset_id,
               std::uintmax_t bytes) {
   std::int64_t episodes = 0;
@@ -125,6 +147,7 @@ Json metadata(const std::vector<Rollout>& rollouts, const std::string& dataset_i
           {"observation_space", box_space(first.observation_length, "-Infinity", "Infinity")},
           {"action_space", box_space(first.action_length, fmt::format("{}", lowest_action),
                                      fmt::format("{}", highest_action))},
+          {"env_spec", environment_spec(rollouts)},
           {"dataset_id", dataset_id},
           {"minari_version", minari_version},
           {"algorithm_name", first.created_by},

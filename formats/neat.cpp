@@ -266,7 +266,8 @@ NeatSettings neat_settings_from_yaml(const YamlNode& node) {
 }
 
 NeatSettings load_neat_settings(const std::string& file) {
-  return neat_settings_from_yaml(YamlNode::parse(read_input(file), input_label(file)));
+  return neat_settings_from_yaml(
+      YamlNode::parse(read_input(file, largest_document), input_label(file)));
 }
 
 }  // namespace evo

@@ -248,7 +248,7 @@ PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
   return file;
 }
 
-void write_policy(const std::filesystem::path& path, const PolicyFile& policy) {
+void write_policy(const std::filesystem::path& path, const PolicyFile& policy, Existing existing) {
   hdf5::Writer file(path);
   file.attribute("/", "format", format::policy.name);
   file.attribute("/", "version", std::int64_t{format::policy.version});
@@ -273,12 +273,13 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy) {
     file.attribute("/", "final_mean", policy.final_score->mean);
     file.attribute("/", "final_standard_error", policy.final_score->standard_error);
   }
-  file.commit();
+  file.commit(existing);
 }
 
 PolicyFile read_policy(const std::filesystem::path& path) {
   const hdf5::Reader file(path);
   check_format(file, format::policy, Head::required);
+  file.verify();
   PolicyFile policy;
   policy.robot = read_robot(file);
   policy.task = file.text("/", "task");
@@ -356,6 +357,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const TrainingIden
     throw error(Failure::cannot_create,
                 "{}: belongs to a training with other settings{}; remove it to start afresh",
                 file.name(), is_old ? "" : " (" + difference(there, training.lines) + ")");
+  file.verify();
   Checkpoint checkpoint;
   for (const std::string& line : file.strings("/index")) {
     const std::size_t space = line.find(' ');

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/files.h"
 #include "formats/identity.h"
 #include "formats/robot.h"
 #include "libevo/control/trainer.h"
@@ -44,7 +45,8 @@ PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
                             const TrainResult& result, const std::string& created_by);
 
 // Appears whole or not at all. Throws Error(cannot_create, io).
-void write_policy(const std::filesystem::path& path, const PolicyFile& policy);
+void write_policy(const std::filesystem::path& path, const PolicyFile& policy,
+                  Existing existing = Existing::replaced);
 // Throws Error(no_input), or Error(data) naming file and HDF5 path.
 PolicyFile read_policy(const std::filesystem::path& path);
 // Only the lines of its identity, to see whether the work is done already.

@@ -86,8 +86,8 @@ template <typename Settings>
 Settings load_profile(const ProfileKind<Settings>& kind, const std::string& name_or_file,
                       const std::filesystem::path& folder, const DataFolders& folders, int depth) {
   const auto load_file = [&](const std::filesystem::path& path, const DataFolders& bases) {
-    return read_profile(kind, YamlNode::parse(read_file(path), path.string()), path.parent_path(),
-                        bases, depth);
+    return read_profile(kind, YamlNode::parse(read_file(path, largest_document), path.string()),
+                        path.parent_path(), bases, depth);
   };
   const bool is_root = name_or_file == kind.root;
   if (is_file_name(name_or_file)) return load_file(folder / name_or_file, folders);

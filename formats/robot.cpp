@@ -231,6 +231,14 @@ Json in_canonical_order(Robot robot) {
 
 // ---- the forms of text ------------------------------------------------------
 
+constexpr std::size_t most_robots = 1'000'000;              // of one input
+constexpr std::size_t longest_yaml = std::size_t{1} << 23;  // bytes
+
+void check_count(const std::vector<Robot>& robots, const std::string& where) {
+  if (robots.size() > most_robots)
+    throw refusal("", "more than {} robots in one input", most_robots).at(where);
+}
+
 // The robot of a document, or the robots of a list.
 void add_robots(Json value, BodyCheck check, std::vector<Robot>& robots) {
   if (!value.is_array()) {
@@ -258,6 +266,7 @@ std::vector<Robot> parse_json_robots(std::string_view text, const std::string& w
     } catch (const Refusal& refused) {
       throw refused.at(alone ? where : with_place(where, fmt::format("line {}", piece->line)));
     }
+    check_count(robots, where);
   }
   return robots;
 }
@@ -265,6 +274,10 @@ std::vector<Robot> parse_json_robots(std::string_view text, const std::string& w
 // A document is a robot or a list of them.
 std::vector<Robot> parse_yaml_robots(std::string_view text, const std::string& where,
                                      BodyCheck check) {
+  if (text.size() > longest_yaml)
+    throw refusal("", "longer than {} MiB of YAML; JSON Lines have no such bound",
+                  longest_yaml >> 20U)
+        .at(where);
   std::vector<Robot> robots;
   for (YamlDocument& document : parse_yaml_documents(text, where, {"id", "parents"})) {
     try {
@@ -294,6 +307,7 @@ std::vector<Robot> parse_grids(std::string_view text, const std::string& where, 
           with_place(where, fmt::format("robot drawn from line {}", first_line)));
     }
     rows.clear();
+    check_count(robots, where);
   };
   std::size_t line = 1;
   for (std::size_t begin = 0; begin < text.size(); ++line) {
@@ -319,6 +333,51 @@ bool looks_like_yaml(std::string_view text) {
       without_trailing_blanks(text.substr(begin, text.find('\n', begin) - begin));
   const bool comment = line.front() == '#' && line.find_first_not_of(".RSHV#") != line.npos;
   return comment || line.front() == '-' || line.front() == '%' || line.find(':') != line.npos;
+}
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
+// Of a drawing, the rows of the first robot, the last one perhaps cut short.
+void glance_at_grid(std::string_view beginning, const std::string& where) {
+  Json rows = Json::array();
+  while (!beginning.empty()) {
+    const std::size_t end = std::min(beginning.find('\n'), beginning.size());
+    const std::string_view row = without_trailing_blanks(beginning.substr(0, end));
+    const bool cut = end == beginning.size();
+    beginning.remove_prefix(std::min(end + 1, beginning.size()));
+    if (row.empty() || (cut && !rows.empty())) break;
+    rows.push_back(row);
+  }
+  try {
+    (void)body_from_json(rows);
+  } catch (const Refusal& refused) {
+    throw Refusal{"", refused.message}.at(with_place(where, "line 1"));
+  }
+}
+
+std::vector<Robot> robots_of(const hdf5::Reader& file, BodyCheck check) {
+  if (!file.has_attribute("/", "robot"))
+    throw error(Failure::data, "{}: an HDF5 file without a robot: neither a policy nor a rollout",
+                file.name());
+  return parse_robots(file.text("/", "robot"), file.name() + ": /@robot", check);
+}
+
+void glance_at_robots(std::string_view beginning, const std::string& where) {
+  if (hdf5::begins_as_hdf5(beginning)) return;
+  beginning = without_byte_order_mark(beginning);
+  const std::size_t first = beginning.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos)
+    throw refusal("", "{} blanks and no robot", beginning.size()).at(where);
+  if (beginning[first] == '{' || beginning[first] == '[') {
+    JsonPieces pieces(beginning, where);
+    const auto piece = pieces.next();
+    if (!pieces.done()) (void)parse_json_robots(piece->text, where, BodyCheck::any);
+  } else if (!looks_like_yaml(beginning)) {
+    glance_at_grid(beginning.substr(first), where);
+  }
 }
 
 }  // namespace
@@ -418,9 +477,7 @@ std::string robot_to_yaml(const Robot& robot) {
 }
 
 std::vector<Robot> parse_robots(std::string_view text, const std::string& where, BodyCheck check) {
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-  if (text.substr(0, byte_order_mark.size()) == byte_order_mark)
-    text.remove_prefix(byte_order_mark.size());
+  text = without_byte_order_mark(text);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) return {};
   if (text[first] == '{' || text[first] == '[') return parse_json_robots(text, where, check);
@@ -428,14 +485,19 @@ std::vector<Robot> parse_robots(std::string_view text, const std::string& where,
   return parse_grids(text, where, check);
 }
 
+std::string read_robot_text(const std::string& input) {
+  return read_input(input, largest_input, [&](std::string_view beginning) {
+    glance_at_robots(beginning, input_label(input));
+  });
+}
+
 std::vector<Robot> read_robots(const std::string& input, BodyCheck check) {
-  if (input == standard_stream || !hdf5::is_hdf5(input))
-    return parse_robots(read_input(input), input_label(input), check);
-  const hdf5::Reader file(input);
-  if (!file.has_attribute("/", "robot"))
-    throw error(Failure::data, "{}: an HDF5 file without a robot: neither a policy nor a rollout",
-                input);
-  return parse_robots(file.text("/", "robot"), input + ": /@robot", check);
+  if (input != standard_stream && hdf5::is_hdf5(input))
+    return robots_of(hdf5::Reader(input), check);
+  const std::string text = read_robot_text(input);
+  const std::string where = input_label(input);
+  return hdf5::begins_as_hdf5(text) ? robots_of(hdf5::Reader(text, where), check)
+                                    : parse_robots(text, where, check);
 }
 
 }  // namespace evo

@@ -155,7 +155,7 @@ RunSettings RunSettings::from_words(const std::vector<std::string>& words) {
 }
 
 RunSettings RunSettings::read(const fs::path& file) {
-  const YamlNode document = YamlNode::parse(read_file(file), file.string());
+  const YamlNode document = YamlNode::parse(read_file(file, largest_document), file.string());
   if (!document.is_mapping()) throw document.error("a run's settings are a mapping");
   RunSettings settings;
   settings.file_ = file.string();

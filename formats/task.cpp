@@ -162,7 +162,7 @@ TaskSpec parse_task(std::string_view text, const std::string& where, const fs::p
 namespace {
 
 TaskSpec load_task_file(const fs::path& path, const DataFolders& folders) {
-  return parse_task(read_file(path), path.string(), path.parent_path(), folders);
+  return parse_task(read_file(path, largest_document), path.string(), path.parent_path(), folders);
 }
 
 // The head of a task file; nothing for other YAML that lives in the folder.
@@ -174,7 +174,7 @@ struct TaskFile {
 
 // Throws Error(data) for a file that is not YAML.
 std::optional<TaskFile> read_head(const std::string& name, const fs::path& path) {
-  const YamlNode root = YamlNode::parse(read_file(path), path.string());
+  const YamlNode root = YamlNode::parse(read_file(path, largest_document), path.string());
   TaskFile file{name, path, {}};
   bool is_task = false;
   for (const auto& [key, value] : root.entries()) {

@@ -80,11 +80,14 @@ std::optional<Value> parse(std::string_view text) {
     if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
     return value;
   } else {
-    // "64,64" or nothing at all.
+    // "64,64", in brackets or not, or nothing at all.
+    if (text.starts_with('[') && text.ends_with(']')) text = text.substr(1, text.size() - 2);
     Value values;
     while (!text.empty()) {
       const std::size_t comma = std::min(text.find(','), text.size());
-      const auto value = parse<typename Value::value_type>(text.substr(0, comma));
+      std::string_view item = text.substr(0, comma);
+      item.remove_prefix(std::min(item.find_first_not_of(' '), item.size()));
+      const auto value = parse<typename Value::value_type>(item);
       if (!value) return std::nullopt;
       values.push_back(*value);
       text.remove_prefix(std::min(comma + 1, text.size()));

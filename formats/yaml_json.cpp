@@ -37,6 +37,10 @@ Json plain_value(const std::string& text) {
   if (auto value = whole(std::uint64_t{0})) return *value;
   if (auto value = whole(std::int64_t{0})) return *value;
   const auto value = whole(0.0);
+  if (value && text.find_first_not_of("+-0123456789") == text.npos &&
+      std::string_view(begin, end) != fmt::format("{:.0f}", value->get<double>()))
+    throw refusal("", "the whole number {} has more than 64 bits; write it as text",
+                  shown(Json(text)));
   if (value && std::isfinite(value->get<double>())) return *value;
   return text;
 }
@@ -79,7 +83,7 @@ class Builder : public YAML::EventHandler {
     if (!is_utf8(text)) throw refuse(mark, "text that is not UTF-8");
     if (take_key(text, mark)) return;
     const bool is_plain = tag == "?";
-    attach(is_plain && !is_text_by_key() ? plain_value(text) : Json(text), mark, anchor);
+    attach(is_plain && !is_text_by_key() ? plain_value_at(text, mark) : Json(text), mark, anchor);
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto named = anchors_.find(anchor);
@@ -110,6 +114,14 @@ class Builder : public YAML::EventHandler {
     YAML::anchor_t anchor;
     std::optional<std::string> key;  // read, its value is still to come
   };
+
+  Json plain_value_at(const std::string& text, const YAML::Mark& mark) const {
+    try {
+      return plain_value(text);
+    } catch (const Refusal& refused) {
+      throw refuse(mark, refused.message);
+    }
+  }
 
   Error refuse(const YAML::Mark& mark, const std::string& message) const {
     return Refusal{path(), message}.at(line_text(where_, mark));

@@ -152,6 +152,10 @@ bool write_quietly(int descriptor, std::string_view bytes, const std::string& la
   return true;
 }
 
+// How ffmpeg ends where the disk or the quota does.
+constexpr std::array out_of_room{"No space left on device", "File too large",
+                                 "Disk quota exceeded"};
+
 struct FfmpegEncoder::Process {
   pid_t id = -1;
   int input = -1;       // frames go in here
@@ -208,6 +212,14 @@ struct FfmpegEncoder::Process {
     return status;
   }
 
+  Error failure(const std::filesystem::path& path) const {
+    const std::string words = last_words();
+    const bool disk = std::any_of(out_of_room.begin(), out_of_room.end(), [&](const char* reason) {
+      return words.find(reason) != std::string::npos;
+    });
+    return error(disk ? Failure::io : Failure::work, "{}: ffmpeg failed: {}", path.string(), words);
+  }
+
   std::string last_words() const {
     std::array<char, 4096> tail{};
     const off_t end = ::lseek(complaints, 0, SEEK_END);
@@ -242,8 +254,7 @@ void FfmpegEncoder::finish() {
   ::close(process_->input);
   process_->input = -1;
   const int status = process_->wait();
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw error(Failure::work, "{}: ffmpeg failed: {}", path_.string(), process_->last_words());
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) throw process_->failure(path_);
   file_.commit();
 }
 

@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -21,6 +22,16 @@ int available_cores() {
 }
 
 struct ThreadPool::Shared {
+  // Also when the constructor of the pool fails halfway.
+  ~Shared() {
+    {
+      const std::lock_guard lock(mutex);
+      stop = true;
+    }
+    wake.notify_all();
+    for (std::thread& worker : workers) worker.join();
+  }
+
   std::vector<std::thread> workers;
   std::mutex mutex;
   std::condition_variable wake;
@@ -45,6 +56,8 @@ struct ThreadPool::Shared {
           failure = std::current_exception();
           failed_index = i;
         }
+        // Every smaller i has been begun already, so the smallest failure is found.
+        next = count;
       }
     }
   }
@@ -65,18 +78,16 @@ struct ThreadPool::Shared {
 };
 
 ThreadPool::ThreadPool(int threads) : shared_(std::make_unique<Shared>()) {
-  for (int worker = 1; worker < threads; ++worker)
-    shared_->workers.emplace_back([shared = shared_.get(), worker] { shared->loop(worker); });
+  shared_->workers.reserve(static_cast<std::size_t>(std::max(threads, 1)));
+  try {
+    for (int worker = 1; worker < threads; ++worker)
+      shared_->workers.emplace_back([shared = shared_.get(), worker] { shared->loop(worker); });
+  } catch (const std::system_error&) {
+    // Those that are there share the work.
+  }
 }
 
-ThreadPool::~ThreadPool() {
-  {
-    const std::lock_guard lock(shared_->mutex);
-    shared_->stop = true;
-  }
-  shared_->wake.notify_all();
-  for (std::thread& worker : shared_->workers) worker.join();
-}
+ThreadPool::~ThreadPool() = default;
 
 int ThreadPool::threads() const { return static_cast<int>(shared_->workers.size()) + 1; }
 

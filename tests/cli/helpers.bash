@@ -36,3 +36,8 @@ golden() {
   local file="$EVO_SOURCE/tests/cli/golden/$1"
   if [ -n "${UPDATE_GOLDEN:-}" ]; then mkdir -p "$(dirname "$file")"; cat > "$file"; else diff -u "$file" -; fi
 }
+
+# Trainings of a moment: --train tiny.yaml --steps 2.
+tiny_profile() {
+  printf 'base: paper\nenvironments: 1\nrollout: 2\nminibatches: 1\nhidden: [4]\nfinal_episodes: 0\n'
+}

@@ -1,5 +1,7 @@
 #include "libevo/base/parallel.h"
 
+#include <sys/resource.h>
+
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <stdexcept>
@@ -35,3 +37,34 @@ TEST_CASE("the exception of the smallest index comes back", "[threads]") {
     }
   }
 }
+
+TEST_CASE("after a failure nothing further is begun") {
+  evo::ThreadPool pool(2);
+  std::atomic<int> begun = 0;
+  CHECK_THROWS_AS(pool.run(100'000,
+                           [&](std::size_t, int) {
+                             ++begun;
+                             throw std::runtime_error("no");
+                           }),
+                  std::runtime_error);
+  CHECK(begun <= 2);
+}
+
+#ifndef __SANITIZE_ADDRESS__  // which itself needs more address space than that
+TEST_CASE("fewer threads than asked for share the work") {
+  // Room for the stacks of a few threads only.
+  rlimit before{};
+  REQUIRE(getrlimit(RLIMIT_AS, &before) == 0);
+  rlimit small = before;
+  small.rlim_cur = rlim_t{1} << 29;
+  REQUIRE(setrlimit(RLIMIT_AS, &small) == 0);
+  {
+    evo::ThreadPool pool(1000);
+    CHECK(pool.threads() < 1000);
+    std::atomic<int> done = 0;
+    pool.run(5000, [&](std::size_t, int) { ++done; });
+    CHECK(done == 5000);
+  }
+  setrlimit(RLIMIT_AS, &before);
+}
+#endif

@@ -43,7 +43,7 @@ TEST_CASE("A file appears whole, or not at all") {
     AtomicFile file(folder / "new");
     file.write("half");
     CHECK_FALSE(fs::exists(folder / "new"));
-    CHECK(file.temporary().parent_path() == folder.path());
+    CHECK(fs::file_size(file.temporary()) == 4);
   }
   CHECK(folder.entries() == 0);
 
@@ -137,4 +137,26 @@ TEST_CASE("Lines become a file with finish()") {
     unfinished.line("one");
   }
   CHECK(folder.entries() == 1);
+}
+
+TEST_CASE("A file that is replaced keeps its permissions, and an unfinished one has no name") {
+  const ScratchFolder folder;
+  write_file(folder / "f", "old");
+  fs::permissions(folder / "f", fs::perms::owner_read | fs::perms::owner_write);
+  write_file(folder / "f", "new");
+  CHECK(fs::status(folder / "f").permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+  const AtomicFile unfinished(folder / "g");
+  CHECK(folder.entries() == 1);
+}
+
+TEST_CASE("An input is not read without end, and looked at before the rest is read") {
+  const ScratchFolder folder;
+  write_file(folder / "long", std::string(200'000, 'x'));
+  CHECK(
+      contains(error_of(Failure::data, [&] { (void)read_file(folder / "long", 1000); }), "longer"));
+  CHECK(contains(error_of(Failure::data, [] { (void)read_file("/dev/zero", 1 << 20); }), "1 MiB"));
+  std::size_t seen = 0;
+  (void)read_file(folder / "long", largest_input,
+                  [&](std::string_view text) { seen = text.size(); });
+  CHECK(seen == 1 << 16);
 }

@@ -34,6 +34,10 @@ TEST_CASE("Minari: a dataset folder of all episodes") {
   CHECK(metadata["total_steps"] == 200);
   CHECK(metadata["data_format"] == "hdf5");
   CHECK(metadata["dataset_id"] == id);
+  const auto spec = Json::parse(metadata["env_spec"].get<std::string>());
+  CHECK(spec["id"] == "evo/Walker-v0");
+  CHECK(spec["kwargs"]["task"] == "Walker-v0");
+  CHECK(spec["entry_point"] == "evo_robots.environment:Environment");
   CHECK(metadata["minari_version"] == "0.5.0");
   const auto actions = Json::parse(metadata["action_space"].get<std::string>());
   CHECK(actions["type"] == "Box");

@@ -1,0 +1,160 @@
+#include "cli/check.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "cli/data.h"
+#include "cli/documents.h"
+#include "cli/robots.h"
+#include "cli/terminal.h"
+#include "formats/files.h"
+#include "formats/hdf5.h"
+#include "formats/npz.h"
+#include "formats/policy.h"
+#include "formats/rollout.h"
+#include "formats/run.h"
+#include "formats/task.h"
+#include "formats/training.h"
+#include "libevo/control/evaluate.h"
+
+namespace evo::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What the policies in question say, each read once.
+class Policies {
+ public:
+  explicit Policies(bool replay) : replay_(replay) {}
+
+  // Throws Error for a policy that is not what it says.
+  const PolicyFile& at(const fs::path& path) {
+    const auto [found, added] = known_.try_emplace(fs::weakly_canonical(path).string());
+    if (added) {
+      found->second = read_policy(path);
+      if (replay_) replay(path, *found->second);
+    }
+    if (!found->second) throw error(Failure::data, "{}: refused above", path.string());
+    return *found->second;
+  }
+
+ private:
+  static void replay(const fs::path& path, const PolicyFile& policy) {
+    const std::string name = path.string();
+    const TaskSpec task = parse_task(policy.task_yaml, name + ": task");
+    const TrainingSettings training = training_from_yaml(
+        YamlNode::parse(policy.training_yaml, name + ": training"), "", data_folders());
+    EvaluationSettings evaluation;
+    evaluation.episodes = training.evaluation_episodes;
+    evaluation.seed = policy.seed;
+    const Arena arena(task, policy.robot.body);
+    const double again = evaluate(arena, policy.controller, evaluation).mean();
+    if (again != policy.fitness)
+      throw error(Failure::data, "{}: earns {}, not its fitness of {}", name, again,
+                  policy.fitness);
+  }
+
+  bool replay_;
+  std::map<std::string, std::optional<PolicyFile>> known_;
+};
+
+std::string check_hdf5(const fs::path& path, Policies& policies) {
+  const hdf5::Reader file(path);
+  file.verify();
+  const std::string format =
+      file.has_attribute("/", "format") ? file.text("/", "format") : std::string();
+  if (format == "evo/policy") {
+    const PolicyFile& policy = policies.at(path);
+    const std::string stem = path.stem().stem().string();
+    const bool named_by_id = path.string().ends_with(".policy.h5") && stem.size() == 12 &&
+                             stem.find_first_not_of("0123456789abcdef") == std::string::npos;
+    if (named_by_id && stem != policy.robot.id)
+      throw error(Failure::data, "{}: holds the policy of robot {}", path.string(),
+                  policy.robot.id);
+    return "policy of robot " + policy.robot.id;
+  }
+  if (format == "evo/checkpoint") {
+    (void)read_checkpoint(path, file.text("/", "settings_hash"));
+    return "checkpoint";
+  }
+  const Rollout rollout = read_rollout(path);
+  return fmt::format("rollout, {} episodes", rollout.episodes.size());
+}
+
+void check_policy_of(const Robot& robot, const fs::path& folder, Policies& policies) {
+  const auto named = robot.document.find("policy");
+  if (named == robot.document.end() || !named->is_string()) return;
+  const fs::path path = folder / named->get<std::string>();
+  const PolicyFile& policy = policies.at(path);
+  if (policy.robot.id != robot.id)
+    throw error(Failure::data, "robot {}: {} is the policy of robot {}", robot.id, path.string(),
+                policy.robot.id);
+  const auto fitness = robot.fitness();
+  // Evaluated otherwise later, it has returns of its own.
+  if (fitness && *fitness != policy.fitness && !robot.document.contains("returns"))
+    throw error(Failure::data, "robot {}: fitness {}, but its policy earned {}", robot.id, *fitness,
+                policy.fitness);
+}
+
+std::string check_file(const fs::path& path, Policies& policies) {
+  if (hdf5::is_hdf5(path)) return check_hdf5(path, policies);
+  if (path.extension() == ".npz") {
+    (void)read_npz(path);
+    return "structure";
+  }
+  if (path.filename() == "run.yaml") {
+    (void)RunSettings::read(path);
+    return "settings of a run";
+  }
+  const std::string text = read_robot_text(path.string());
+  if (const std::string kind = document_kind(text, path.string()); !kind.empty()) return kind;
+  const std::vector<Robot> robots = parse_robots(text, path.string());
+  for (const Robot& robot : robots) check_policy_of(robot, path.parent_path(), policies);
+  return robots.size() == 1 ? "robot " + robots.front().id
+                            : fmt::format("{} robots", robots.size());
+}
+
+// Files that are formats of ours; a run folder holds logs, tables and videos, too.
+bool is_ours(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return !name.starts_with('.') &&
+         (name == "run.yaml" || name.ends_with(".h5") || name.ends_with(".npz") ||
+          name.ends_with(".json") || name == "population.jsonl" || name == "scores.jsonl" ||
+          name == "history.jsonl");
+}
+
+std::vector<fs::path> files_of(const std::string& name) {
+  if (!fs::is_directory(name)) return {name};
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(name))
+    if (entry.is_regular_file() && is_ours(entry.path())) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+void check_paths(const std::vector<std::string>& paths, bool replay) {
+  Policies policies(replay);
+  std::size_t refused = 0;
+  std::size_t files = 0;
+  for (const std::string& name : paths)
+    for (const fs::path& path : files_of(name)) {
+      ++files;
+      try {
+        fmt::print("{}: ok, {}\n", printable(path.string()), printable(check_file(path, policies)));
+      } catch (const Error& e) {
+        if (e.kind() != Failure::data && e.kind() != Failure::no_input) throw;
+        ++refused;
+        const std::string what = printable(e.what());
+        const std::string where = printable(path.string());
+        fmt::print("{}\n", what.starts_with(where) ? what : where + ": " + what);
+      }
+    }
+  if (refused > 0)
+    throw error(Failure::data, "{} of {} files are not what they say", refused, files);
+}
+
+}  // namespace evo::cli

@@ -1,0 +1,117 @@
+#include "cli/documents.h"
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "cli/data.h"
+#include "cli/terminal.h"
+#include "formats/evogym.h"
+#include "formats/neat.h"
+#include "formats/physics.h"
+#include "formats/task.h"
+#include "formats/task_text.h"
+#include "formats/training.h"
+#include "formats/yaml.h"
+
+namespace evo::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int shown_rows = 5;  // of the full body whose observation a task lays out
+constexpr int shown_cols = 5;
+
+fs::path folder_of(const std::string& name) { return fs::path(name).parent_path(); }
+
+std::string describe_task_file(const std::string& text, const std::string& name) {
+  const TaskSpec task = parse_task(text, name, folder_of(name), data_folders());
+  return describe_task(task, full_body(shown_rows, shown_cols));
+}
+
+std::string describe_physics(const std::string& text, const std::string& name) {
+  const YamlNode node = YamlNode::parse(text, name);
+  return fmt::format("{}: physics profile, in full\n{}", printable(name),
+                     physics_to_yaml(physics_from_yaml(node, folder_of(name), data_folders())));
+}
+
+std::string describe_training(const std::string& text, const std::string& name) {
+  const YamlNode node = YamlNode::parse(text, name);
+  return fmt::format("{}: training profile, in full\n{}", printable(name),
+                     training_to_yaml(training_from_yaml(node, folder_of(name), data_folders())));
+}
+
+std::string describe_neat_settings(const std::string& text, const std::string& name) {
+  const NeatSettings settings = neat_settings_from_yaml(YamlNode::parse(text, name));
+  return fmt::format("{}: settings of NEAT, {} genomes, {} inputs, {} outputs\n", printable(name),
+                     settings.pop_size, settings.num_inputs, settings.num_outputs);
+}
+
+std::string describe_neat_state(const std::string& text, const std::string& name) {
+  const NeatState state = parse_neat_state(text, name);
+  std::string told = fmt::format(
+      "{}: state of NEAT, generation {}, {} species\n{:>8} {:>8} {:>8} {:>14}\n", printable(name),
+      state.generation, state.species.size(), "species", "created", "members", "last improved");
+  for (const Species& species : state.species)
+    told += fmt::format("{:>8} {:>8} {:>8} {:>14}\n", species.key, species.created,
+                        species.members.size(), species.last_improved);
+  return told;
+}
+
+std::string describe_world(const std::string& text, const std::string& name) {
+  const World world = evogym_world_from_json(parse_json(text, name), name);
+  std::string told = fmt::format("{}: world of the design tool, {} objects\n", printable(name),
+                                 world.objects.size());
+  for (const Object& object : world.objects)
+    told += fmt::format("  {} at [{}, {}], {}x{}, {} voxels\n", printable(object.name), object.x,
+                        object.y, object.body.rows, object.body.cols, count_voxels(object.body));
+  return told;
+}
+
+// The value of the first key `format`, whether JSON or YAML.
+std::string format_of(const std::string& text) {
+  constexpr std::string_view blanks = " \t\r\n\"";
+  std::size_t at = text.find("format");
+  if (at == std::string::npos) return {};
+  at = text.find_first_not_of(blanks, at + std::string_view("format").size());
+  if (at == std::string::npos || text[at] != ':') return {};
+  at = text.find_first_not_of(blanks, at + 1);
+  if (at == std::string::npos) return {};
+  return text.substr(at, text.find_first_of(" \t\r\n\",}#", at) - at);
+}
+
+struct Kind {
+  std::string name;
+  std::string (*describe)(const std::string& text, const std::string& name);
+};
+
+std::optional<Kind> kind_of(const std::string& text) {
+  static const std::vector<Kind> kinds{{"evo/task", describe_task_file},
+                                       {"evo/physics", describe_physics},
+                                       {"evo/training", describe_training},
+                                       {"evo/neat", describe_neat_settings},
+                                       {"evo/neat-state", describe_neat_state}};
+  const std::string format = format_of(text);
+  for (const Kind& kind : kinds)
+    if (kind.name == format) return kind;
+  if (text.find("\"grid_width\"") == std::string::npos) return std::nullopt;
+  return Kind{"world of the design tool", describe_world};
+}
+
+}  // namespace
+
+bool print_document(const std::string& text, const std::string& name) {
+  const auto kind = kind_of(text);
+  if (kind) fmt::print("{}", kind->describe(text, name));
+  return kind.has_value();
+}
+
+std::string document_kind(const std::string& text, const std::string& name) {
+  const auto kind = kind_of(text);
+  if (!kind) return {};
+  (void)kind->describe(text, name);
+  return kind->name;
+}
+
+}  // namespace evo::cli

@@ -1,0 +1,69 @@
+#include "cli/rescue.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <system_error>
+#include <utility>
+
+#include "cli/command.h"
+#include "formats/policy.h"
+
+namespace evo::cli {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds glance{50};     // at the signal
+constexpr milliseconds patience{500};  // for trainings to come to the end of an update
+
+Rescue::Rescue(std::function<void()> farewell) : farewell_(std::move(farewell)) {
+  try {
+    watcher_ = std::thread([this] { watch(); });
+  } catch (const std::system_error&) {
+    // Without a thread to spare, interrupts wait for the end of an update.
+  }
+}
+
+Rescue::~Rescue() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_over_ = true;
+  }
+  over_.notify_all();
+  if (watcher_.joinable()) watcher_.join();
+}
+
+void Rescue::keep(std::size_t index, Checkpoint checkpoint, const std::filesystem::path& path,
+                  const std::string& settings_hash) {
+  const std::lock_guard lock(mutex_);
+  kept_[index] = {std::move(checkpoint), path, settings_hash};
+}
+
+void Rescue::forget(std::size_t index) {
+  const std::lock_guard lock(mutex_);
+  kept_.erase(index);
+}
+
+void Rescue::watch() {
+  std::unique_lock lock(mutex_);
+  while (!over_.wait_for(lock, glance, [&] { return is_over_; })) {
+    if (interrupted() == 0) continue;
+    if (over_.wait_for(lock, patience, [&] { return is_over_; })) return;
+    save_and_end(interrupted());
+  }
+}
+
+// With the lock held, so that no training takes its state away meanwhile.
+void Rescue::save_and_end(int signal) {
+  for (const auto& [index, kept] : kept_) {
+    try {
+      write_checkpoint(kept.path, kept.checkpoint, kept.settings_hash);
+    } catch (const std::exception&) {
+      // The other ones still count; an older checkpoint may be there.
+    }
+  }
+  farewell_();
+  ::_exit(128 + signal);
+}
+
+}  // namespace evo::cli

@@ -1,0 +1,115 @@
+#include "cli/values.h"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "libevo/base/error.h"
+#include "libevo/body/body.h"
+
+namespace evo::cli {
+namespace {
+
+template <typename Number>
+std::optional<Number> whole_text(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  Number value{};
+  const auto [stopped, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc() || stopped != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// Thousands and millions, and numbers such as 5e5; exact or nothing.
+template <typename Whole>
+std::optional<Whole> whole_number(std::string_view text) {
+  Whole unit = 1;
+  if (text.ends_with('k')) unit = 1'000;
+  if (text.ends_with('M')) unit = 1'000'000;
+  if (unit != 1) text.remove_suffix(1);
+  if (const auto digits = whole_text<Whole>(text)) {
+    Whole value{};
+    if (__builtin_mul_overflow(*digits, unit, &value)) return std::nullopt;
+    return value;
+  }
+  constexpr double largest_exact = 9007199254740992.0;  // 2^53
+  const auto real = whole_text<double>(text);
+  if (!real || *real != std::floor(*real)) return std::nullopt;
+  const double value = *real * static_cast<double>(unit);
+  if (std::abs(value) > largest_exact) return std::nullopt;
+  if (value < static_cast<double>(std::numeric_limits<Whole>::min())) return std::nullopt;
+  return static_cast<Whole>(value);
+}
+
+}  // namespace
+
+std::int64_t parse_whole(const std::string& text, const std::string& option, std::int64_t low,
+                         std::int64_t high) {
+  const auto value = whole_number<std::int64_t>(text);
+  if (!value || *value < low || *value > high)
+    throw error(Failure::usage, "{}: '{}' is not a whole number from {} to {}", option, text, low,
+                high);
+  return *value;
+}
+
+std::uint64_t parse_unsigned(const std::string& text, const std::string& option) {
+  const auto value = whole_number<std::uint64_t>(text);
+  if (!value)
+    throw error(Failure::usage, "{}: '{}' is not a whole number from 0 to {}", option, text,
+                std::numeric_limits<std::uint64_t>::max());
+  return *value;
+}
+
+double parse_number(const std::string& text, const std::string& option) {
+  const auto value = whole_text<double>(text);
+  if (!value || !std::isfinite(*value))
+    throw error(Failure::usage, "{}: '{}' is not a number", option, text);
+  return *value;
+}
+
+std::vector<double> parse_numbers(const std::string& text, const std::string& option) {
+  std::vector<double> numbers;
+  for (const std::string& piece : split_list(text)) numbers.push_back(parse_number(piece, option));
+  if (numbers.empty()) throw error(Failure::usage, "{}: '{}' holds no numbers", option, text);
+  return numbers;
+}
+
+std::vector<int> parse_wholes(const std::string& text, const std::string& option, int low,
+                              int high) {
+  std::vector<int> numbers;
+  for (const std::string& piece : split_list(text))
+    numbers.push_back(static_cast<int>(parse_whole(piece, option, low, high)));
+  if (numbers.empty()) throw error(Failure::usage, "{}: '{}' holds no numbers", option, text);
+  return numbers;
+}
+
+Pair parse_pair(const std::string& text, const std::string& option, int most,
+                const std::string& form) {
+  const std::size_t x = std::min(text.find('x'), text.size());
+  const auto first = whole_text<int>(std::string_view(text).substr(0, x));
+  const auto second = whole_text<int>(std::string_view(text).substr(std::min(x + 1, text.size())));
+  if (!first || !second || *first < 1 || *second < 1 || *first > most || *second > most)
+    throw error(Failure::usage, "{}: '{}' is not {}", option, text, form);
+  return {*first, *second};
+}
+
+Shape parse_shape(const std::string& text) {
+  const Pair pair =
+      parse_pair(text, "--shape", static_cast<int>(largest_side),
+                 fmt::format("ROWSxCOLS with numbers from 1 to {}, such as 5x5", largest_side));
+  return {pair.first, pair.second};
+}
+
+std::vector<std::string> split_list(const std::string& text) {
+  std::vector<std::string> pieces;
+  std::size_t start = 0;
+  while (start <= text.size()) {
+    const std::size_t comma = std::min(text.find(',', start), text.size());
+    if (comma > start) pieces.push_back(text.substr(start, comma - start));
+    start = comma + 1;
+  }
+  return pieces;
+}
+
+}  // namespace evo::cli

@@ -1,0 +1,43 @@
+// Values of options as people write them. All throw Error(usage), which names
+// the option, what was found and what is expected.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace evo::cli {
+
+// "512000", "512k", "3M", "5e5": a whole number within the range.
+std::int64_t parse_whole(const std::string& text, const std::string& option, std::int64_t low,
+                         std::int64_t high);
+std::uint64_t parse_unsigned(const std::string& text, const std::string& option);
+
+// A finite number.
+double parse_number(const std::string& text, const std::string& option);
+
+// "0.6,0.2,..."; at least one number.
+std::vector<double> parse_numbers(const std::string& text, const std::string& option);
+// "5,10,20" within the range; at least one.
+std::vector<int> parse_wholes(const std::string& text, const std::string& option, int low,
+                              int high);
+
+// "1280x720" as two whole numbers from 1 to `most`; `example` says what is meant.
+struct Pair {
+  int first = 0;
+  int second = 0;
+};
+Pair parse_pair(const std::string& text, const std::string& option, int most,
+                const std::string& form);
+
+// "5x7" as rows and columns of a body.
+struct Shape {
+  int rows = 0;
+  int cols = 0;
+};
+Shape parse_shape(const std::string& text);
+
+// Splits at commas, empty pieces dropped.
+std::vector<std::string> split_list(const std::string& text);
+
+}  // namespace evo::cli

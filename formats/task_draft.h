@@ -1,0 +1,15 @@
+// A world drawn elsewhere as the beginning of a task.
+#pragma once
+
+#include <string>
+
+#include "libevo/sim/world.h"
+
+namespace evo {
+
+// A task of this name in the world, as YAML to go on with: an object with actuators
+// marks where the robot stands; without one it stands at the lower left. Walking to
+// the right is rewarded. Throws Error(data) for a world with several robots.
+std::string draft_task(const World& world, const std::string& name);
+
+}  // namespace evo

@@ -1,0 +1,73 @@
+# evo-inspect --check, and what evo-inspect knows.
+load helpers
+
+setup_file() {
+  cd "$BATS_FILE_TMPDIR" || return
+  export made="$BATS_FILE_TMPDIR"
+  printf 'HV\nHV\n' > small.txt
+  evo-train small.txt --task Walker-v0 --steps 640 --out-dir . -o trained.json \
+    --train-set 'hidden=[8]' --train-set environments=2 --train-set rollout=32
+  evo-eval trained.json --max-steps 5 --rollout walk.h5 > /dev/null
+}
+
+@test "whole files are ok, and earn their fitness again" {
+  cp "$made"/* .
+  evo-inspect --check trained.json ./*.policy.h5 walk.h5 small.txt "$EVO_SOURCE/tasks/Walker-v0.yaml" > said
+  [ "$(grep -c ': ok' said)" -eq 5 ]
+  evo-inspect --check --replay trained.json
+  evo-inspect --check . | grep -q 'trained.json: ok'
+  fails_with 2 "--check" -- evo-inspect --replay trained.json
+}
+
+@test "what was changed is found: a value in a policy, a fitness, another's policy" {
+  cp "$made"/* .
+  jq -c '.fitness += 1' trained.json > inflated.json
+  run --separate-stderr evo-inspect --check inflated.json
+  [ "$status" -eq 65 ] && [[ $output == *"fitness"* ]] && [[ $stderr == *"1 of 1"* ]]
+  jq -c '.body = ["HH"] | del(.id)' trained.json > other.json
+  run evo-inspect --check other.json
+  [ "$status" -eq 65 ] && [[ $output == *"is the policy of robot"* ]]
+  local policy; policy=$(ls ./*.policy.h5)
+  /usr/bin/python3 -c "
+import h5py, sys
+with h5py.File(sys.argv[1], 'r+') as f: f['actor/layer_0/bias'][0] += 0.5" "$policy"
+  fails_with 65 "checksum" -- evo-eval trained.json
+  run evo-inspect --check "$policy"
+  [ "$status" -eq 65 ] && [[ $output == *"checksum"* ]]
+  # Nothing to compare with, but the fitness.
+  /usr/bin/python3 -c "
+import h5py, sys
+with h5py.File(sys.argv[1], 'r+') as f: del f.attrs['checksum']" "$policy"
+  evo-inspect --check "$policy"
+  run evo-inspect --check --replay "$policy"
+  [ "$status" -eq 65 ] && [[ $output == *"not its fitness"* ]]
+}
+
+@test "a changed checkpoint is refused; --force replaces a damaged policy" {
+  cp "$made"/* .
+  local policy; policy=$(basename ./*.policy.h5)
+  head -c 2000 "$policy" > half; mv half "$policy"
+  fails_with 65 "$policy" -- evo-train small.txt --task Walker-v0 --steps 640 --out-dir . --train-set 'hidden=[8]' --train-set environments=2 --train-set rollout=32
+  evo-train small.txt --task Walker-v0 --steps 640 --out-dir . --force --train-set 'hidden=[8]' --train-set environments=2 --train-set rollout=32 | jq -e '.fitness'
+  cmp "$policy" "$made/$policy"
+}
+
+@test "evo-inspect knows every format, and says what is no robot" {
+  cp "$made"/* .
+  evo-convert small.txt -o s.npz
+  evo-inspect s.npz | grep -q 2x2
+  evo-convert small.txt --to evogym -o w.json
+  evo-inspect w.json | grep -q 'design tool, 1 objects'
+  evo-neat -n 4 --state-out species.json -o /dev/null
+  evo-inspect species.json | grep -q 'state of NEAT'
+  evo-inspect "$EVO_SOURCE/tasks/neat.yaml" "$EVO_SOURCE/tasks/Walker-v0.yaml" "$EVO_SOURCE/tasks/physics/paper.yaml" "$EVO_SOURCE/tasks/training/default.yaml"
+  evo-inspect - < "$(ls ./*.policy.h5)" | grep -q 2x2
+  evo-mutate -n 1 < walk.h5 | jq -e '.parents | length == 1'
+  printf 'RS\n' > idle.txt
+  fails_with 65 "actuator" -- evo-convert idle.txt
+  fails_with 65 "actuator" -- evo-render idle.txt -o x.png
+  fails_with 65 "actuator" -- evo-suggest --history idle.txt
+  fails_with 65 "actuator" -- evo-sample -n 1 --avoid idle.txt
+  run --separate-stderr evo-inspect idle.txt
+  [ "$status" -eq 65 ] && [[ $stderr == *"actuator"* ]] && [[ $output == *"R S"* ]]
+}

@@ -1,0 +1,80 @@
+# Formats: what the tools write fits the schemas, and other programs can use it.
+load helpers
+
+setup_file() {
+  cd "$BATS_FILE_TMPDIR" || return
+  export made="$BATS_FILE_TMPDIR"
+  printf 'HVH\nHVH\n' > small.txt
+  local small=(--train-set 'hidden=[8]' --train-set environments=2 --train-set rollout=32)
+  evo-train small.txt --task Walker-v0 --steps 640 --out-dir net "${small[@]}" -o net.json
+  evo-train small.txt --task Walker-v0 --steps 640 --out-dir squash "${small[@]}" --train-set action_map=squash -o squash.json
+  evo-train small.txt --task Walker-v0 --steps 8000 --algo sine --out-dir sine -o sine.json
+}
+schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
+
+@test "everything the tools write fits its schema" {
+  cd "$made"
+  evo-sample -n 20 --shape 3x4 | tee sampled | schema robot
+  evo-mutate -n 20 --crossover 0.5 sampled | schema robot
+  evo-suggest -q -n 2 | schema robot
+  evo-neat -n 6 --state-out species.json | jq -c '.fitness = 1' | tee genomes | schema robot
+  schema neat-state < species.json
+  evo-neat -n 6 --state-in species.json --state-out next.json genomes | schema robot
+  schema neat-state < next.json
+  evo-eval --task Walker-v0 --random --max-steps 3 sampled | tee scored | schema robot
+  evo-select --keep 3 scored | schema robot
+  schema robot < net.json
+  schema robot < sine.json
+  evo-train small.txt --task Walker-v0 --steps 64 --out-dir bad --failures skip --train-set learning_rate=1e300 --train-set environments=2 --train-set rollout=8 | schema robot
+  evo-convert sampled --to yaml | schema robot
+  evo-convert small.txt --to json | schema robot
+  evo-convert small.txt --to evogym | schema design-tool
+  evo-convert --task Carrier-v0 --to evogym | schema design-tool
+  local policy
+  for policy in net/*.policy.h5 squash/*.policy.h5 sine/*.policy.h5; do
+    evo-convert "$policy" --to json | tee policy.json | schema policy
+    jq -r .task_yaml policy.json | schema task
+    jq -r .physics_yaml policy.json | schema physics
+    jq -r .training_yaml policy.json | schema training
+  done
+  evo-convert --task Carrier-v1 --to evogym -o world.json
+  evo-convert world.json --to task | schema task
+}
+
+@test "the data that the tools come with fits the schemas" {
+  local file
+  for file in "$EVO_SOURCE"/tasks/*-v?.yaml "$EVO_SOURCE"/tasks/examples/*.yaml; do schema task < "$file"; done
+  for file in "$EVO_SOURCE"/tasks/physics/*.yaml; do schema physics < "$file"; done
+  for file in "$EVO_SOURCE"/tasks/training/*.yaml; do schema training < "$file"; done
+  schema neat < "$EVO_SOURCE/tasks/neat.yaml"
+}
+
+@test "a schema refuses what the tools refuse" {
+  evo-sample -n 1 > robot
+  run schema robot < <(jq -c '.body[0] = "XYZ"' robot); [ "$status" -eq 1 ]
+  run schema robot < <(jq -c 'del(.id)' robot); [ "$status" -eq 1 ]
+  run schema task < <(sed 's/^steps:/stesp:/' "$EVO_SOURCE/tasks/Walker-v0.yaml"); [ "$status" -eq 1 ]
+}
+
+@test "a policy as JSON acts as the tools do, in a few lines of Python; so does its ONNX graph" {
+  local kind
+  for kind in net squash; do
+    evo-eval "$made/$kind.json" --rollout $kind.h5 > /dev/null
+    evo-convert "$made/$kind"/*.policy.h5 -o $kind.json
+    /usr/bin/python3 "$EVO_SOURCE/tests/cli/policy_json.py" $kind.json $kind.h5
+    evo-convert "$made/$kind"/*.policy.h5 -o $kind.onnx
+    /usr/bin/python3 "$EVO_SOURCE/tests/cli/policy_onnx.py" $kind.onnx $kind.h5
+  done
+  fails_with 65 "open loop" -- evo-convert "$made"/sine/*.policy.h5 --to onnx -o x.onnx
+  [ ! -e x.onnx ]
+}
+
+@test "a world of the design tool becomes a task that runs" {
+  evo-convert --task Carrier-v1 --to evogym -o steps.json
+  evo-convert steps.json --to task -o steps.yaml
+  evo-inspect task steps.yaml | grep -q steps
+  evo-eval --task steps.yaml --random --max-steps 3 "$made/small.txt" | jq -e '.lengths == [3]'
+  evo-convert "$made/small.txt" --to evogym -o 'my robot.json'
+  evo-convert 'my robot.json' --to task -o alone.yaml
+  evo-eval --task alone.yaml --random --max-steps 3 "$made/small.txt" | jq -e '.task == "my-robot"'
+}

@@ -1,0 +1,109 @@
+# Outputs: none destroys another, none is lost, each comes back as it was written.
+load helpers
+
+setup_file() {
+  cd "$BATS_FILE_TMPDIR" || return
+  export made="$BATS_FILE_TMPDIR"
+  printf 'HV\nHV\n' > small.txt
+  evo-eval small.txt --task Walker-v0 --random --max-steps 3 --rollout walk.h5 > scored.jsonl
+  evo-neat -n 4 --state-out species.json | jq -c '.fitness = 1' > neat.jsonl
+}
+
+@test "one name for two outputs is refused" {
+  cp "$made"/* .
+  fails_with 2 "--output and --state-out" "'x'" -- evo-neat -n 4 -o x --state-out x
+  fails_with 2 "--output and --state-out" -- evo-neat -n 4 -o x --state-out ./x
+  [ ! -e x ]
+  fails_with 2 "--output and --rollout" -- evo-eval small.txt --task Walker-v0 --random -o x --rollout x
+  fails_with 2 "--rollout" "--rollout-dir" -- evo-eval small.txt --task Walker-v0 --random --rollout x --rollout-dir y
+  local id; id=$(evo-convert small.txt | jq -r .id)
+  fails_with 2 "--output" "policy of robot $id" -- evo-train small.txt --task Walker-v0 --steps 2 --algo random --out-dir p -o "p/$id.policy.h5"
+  fails_with 2 "--curve" "--output" -- evo-train small.txt --task Walker-v0 --steps 2 --algo random --out-dir p -o p/x --curve p/x
+  evo-neat -n 4 -o /dev/null --state-out /dev/null
+}
+
+@test "inputs that would not be read are refused" {
+  cp "$made"/* .
+  fails_with 2 "small.txt" -- evo-convert small.txt --task Walker-v0
+  fails_with 2 "small.txt" -- evo-select small.txt --schedule paper --plan --population 25 --of 250
+  fails_with 2 "one robot" "2 were read" -- evo-convert small.txt walk.h5 --to npz -o x.npz
+}
+
+@test "two trainings with different settings in one folder: the second is refused, at the end as well" {
+  cp "$made/small.txt" .
+  evo-train small.txt --task Walker-v0 --algo sine --steps 60000 --seed 1 --out-dir p -o one.json &
+  local first=$!
+  run --separate-stderr evo-train small.txt --task Walker-v0 --algo sine --steps 60000 --seed 2 --out-dir p -o two.json
+  local second=$status
+  local status=0
+  wait $first || status=$?
+  echo "$status $second $stderr"
+  [ $(( status + second )) -eq 73 ]
+  if [ "$status" -eq 0 ]; then seed=1 kept=one.json; else seed=2 kept=two.json; fi
+  evo-train small.txt --task Walker-v0 --algo sine --steps 60000 --seed $seed --out-dir p | jq .fitness | cmp - <(jq .fitness $kept)
+}
+
+@test "several robots as YAML come back; so do design-tool worlds" {
+  evo-sample -n 7 --shape 4x6 --weights 3,.2,.2,.2,.2 > seven.jsonl
+  evo-convert seven.jsonl --to yaml | evo-convert | cmp - seven.jsonl
+  local line
+  while read -r line; do
+    evo-convert --to evogym -o world.json <<<"$line"
+    evo-convert world.json | jq -r .id | cmp - <(jq -r .id <<<"$line")
+  done < seven.jsonl
+}
+
+@test "an output keeps the mode of the file that it replaces" {
+  evo-sample -n 1 -o a.jsonl
+  chmod 640 a.jsonl
+  evo-sample -n 2 -o a.jsonl
+  [ "$(stat -c %a a.jsonl)" = 640 ]
+  [ "$(wc -l < a.jsonl)" -eq 2 ]
+}
+
+@test "folders that cannot be made, disks that are full: 73 and 74" {
+  cp "$made"/small.txt .
+  echo x > file
+  fails_with 73 "file/sub" -- evo-eval small.txt --task Walker-v0 --random --rollout-dir file/sub
+  fails_with 73 "file/sub" -- evo-train small.txt --task Walker-v0 --out-dir file/sub
+  fails_with 74 "too large" -- bash -c 'ulimit -f 1; evo-eval small.txt --task Walker-v0 --random --max-steps 200 --rollout big.h5'
+  fails_with 74 "File too large" -- bash -c "ulimit -f 1; evo-render $made/walk.h5 -o walk.mp4"
+  [ ! -e big.h5 ] && [ ! -e walk.mp4 ]
+  [ -z "$(find . -name '.*.tmp')" ]
+}
+
+@test "HDF5: links and values in other files are not followed" {
+  cp "$made/walk.h5" .
+  /usr/bin/python3 - <<'P'
+import h5py
+with h5py.File("walk.h5", "r+") as f:
+    rewards = f["episode_0/rewards"][()]
+    with h5py.File("other.h5", "w") as g:
+        g["rewards"] = rewards
+        g["robot"] = f.attrs["robot"]
+    del f["episode_0/rewards"]
+    f["episode_0/rewards"] = h5py.ExternalLink("other.h5", "/rewards")
+P
+  fails_with 65 "rewards" -- evo-inspect walk.h5
+  cp "$made/walk.h5" raw.h5
+  /usr/bin/python3 - <<'P'
+import h5py
+with h5py.File("raw.h5", "r+") as f:
+    del f["episode_0/rewards"]
+    f["episode_0"].create_dataset("rewards", (3,), "f8", external=[("secret", 0, h5py.h5f.UNLIMITED)])
+P
+  head -c 100 /dev/zero > secret
+  fails_with 65 "rewards" "another file" -- evo-inspect raw.h5
+}
+
+@test "a killed or interrupted tool leaves no hidden file" {
+  cp "$made"/small.txt .
+  local signal
+  for signal in INT TERM HUP KILL; do
+    run timeout -s $signal 0.5 evo-eval small.txt --task Walker-v0 --random --episodes 100000 --rollout r.h5 -o scored.jsonl
+    [ "$status" -ne 0 ]
+  done
+  evo-sample -n 100 > many.jsonl
+  ls -A
+  [ -z "$(find . -name '.*')" ] || [ "$(find . -name '.*')" = . ]
+}

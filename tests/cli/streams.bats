@@ -1,0 +1,101 @@
+# Streams, threads and memory: what a tool writes where, and what it does when
+# the system has no more to give.
+load helpers
+
+# A scored robot, a population, a rollout and a policy, made once.
+setup_file() {
+  cd "$BATS_FILE_TMPDIR" || return
+  export made="$BATS_FILE_TMPDIR"
+  evo-sample -n 6 --seed 1 > six.jsonl
+  printf 'HV\nHV\n' > small.txt
+  tiny_profile > tiny.yaml
+  evo-eval small.txt --task Walker-v0 --random --max-steps 3 --rollout walk.h5 > scored.jsonl
+  evo-train small.txt --task Walker-v0 --algo sine --steps 8000 --out-dir . -o trained.json
+  evo-neat -n 4 --state-out species.json -o neat.jsonl
+}
+
+@test "a result that cannot be written: status 74, whatever the number of robots and threads" {
+  for j in 1 4; do
+    fails_with 74 "standard output" -- bash -c "evo-eval -j$j --task Walker-v0 --random --max-steps 2 '$made/six.jsonl' > /dev/full"
+    fails_with 74 "standard output" -- bash -c "evo-train -j$j --task Walker-v0 --train '$made/tiny.yaml' --steps 2 --out-dir p '$made/six.jsonl' > /dev/full"
+    fails_with 74 "standard output" -- bash -c "evo-eval -j$j --task Walker-v0 --random --max-steps 2 '$made/six.jsonl' >&-"
+    fails_with 74 "standard output" -- bash -c "trap '' PIPE; { sleep 1; evo-eval -j$j --task Walker-v0 --random --max-steps 2 '$made/six.jsonl'; } | true; exit \${PIPESTATUS[0]}"
+  done
+}
+
+@test "every tool says 74 on a full disk behind standard output" {
+  cd "$made"
+  local commands=(
+    "evo-sample -n 2" "evo-mutate six.jsonl" "evo-select scored.jsonl" "evo-suggest -q -n 2"
+    "evo-neat -n 4 --state-out $BATS_TEST_TMPDIR/s.json" "evo-convert six.jsonl" "evo-inspect tasks"
+    "evo-inspect six.jsonl" "evo-render small.txt -o -" "evo-render walk.h5 -o -"
+    "evo-convert small.txt --to npz" "evo-select --schedule paper --population 25 --of 250 --plan"
+    "evo-bench --sizes 3 --seconds 0.01 --repetitions 1" "evo-inspect task Walker-v0" "evo-sample --help")
+  local command
+  for command in "${commands[@]}"; do
+    run --separate-stderr bash -c "$command > /dev/full"
+    echo "$command: $status, $stderr"
+    [ "$status" -eq 74 ]
+    [ "$(wc -l <<<"$stderr")" -eq 1 ]
+  done
+}
+
+@test "standard streams that are closed: no file takes their place" {
+  cp "$made/small.txt" .
+  fails_with 74 "standard output" -- bash -c 'evo-train small.txt --task Walker-v0 --algo sine --steps 8000 --out-dir out >&-'
+  cmp out/*.policy.h5 "$made"/*.policy.h5
+  run bash -c 'evo-train small.txt --task Walker-v0 --algo sine --steps 8000 --out-dir quiet -o x.json 2>&-'
+  [ "$status" -eq 0 ]
+  cmp quiet/*.policy.h5 "$made"/*.policy.h5
+  fails_with 74 "standard input" -- bash -c 'evo-select <&-'
+}
+
+@test "nothing but results on standard output, warnings and -v or not" {
+  cd "$made"
+  local commands=(
+    "evo-suggest -n 2" "evo-suggest -n 2 --history six.jsonl" "evo-suggest -n 2 --history scored.jsonl"
+    "evo-sample -n 2" "evo-mutate six.jsonl" "evo-select six.jsonl" "evo-convert six.jsonl"
+    "evo-neat -n 4 --state-out $BATS_TEST_TMPDIR/s.json"
+    "evo-eval --task Walker-v0 --random --max-steps 2 six.jsonl"
+    "evo-train --progress always --task Walker-v0 --train tiny.yaml --steps 2 --out-dir $BATS_TEST_TMPDIR/p six.jsonl")
+  local command
+  for command in "${commands[@]}"; do
+    $command -v > "$BATS_TEST_TMPDIR/loud" 2> "$BATS_TEST_TMPDIR/words"
+    $command -q > "$BATS_TEST_TMPDIR/quiet" 2> "$BATS_TEST_TMPDIR/silence"
+    cmp "$BATS_TEST_TMPDIR/loud" "$BATS_TEST_TMPDIR/quiet"
+    jq -e '.format == "evo/robot"' "$BATS_TEST_TMPDIR/loud" > /dev/null
+    [ ! -s "$BATS_TEST_TMPDIR/silence" ] || { echo "$command -q said: $(cat "$BATS_TEST_TMPDIR/silence")"; return 1; }
+  done
+  evo-suggest -n 1 2>&1 >/dev/null | grep -q "no scored robot"
+}
+
+@test "threads that cannot be started: fewer share the work, with a word" {
+  cp "$made/six.jsonl" .
+  evo-sample -n 64 > many.jsonl
+  run --separate-stderr timeout 60 bash -c "ulimit -v 300000; evo-eval -j64 --task Walker-v0 --random --max-steps 2 many.jsonl"
+  if [ "$status" -eq 0 ]; then
+    [[ $stderr == *"threads could be started"* ]]
+    [ "${#lines[@]}" -eq 64 ]
+  else
+    echo "$status: $stderr"
+    [ "$status" -eq 1 ]
+    [[ $stderr == *"memory"* ]]
+  fi
+  fails_with 1 "could be started" -- timeout 60 bash -c "ulimit -v 300000; evo-bench --json --sizes 3 --threads 64 --seconds 0.01"
+  fails_with 2 "--jobs must be from 1 to 1024" -- evo-eval -j100000 --task Walker-v0 --random six.jsonl
+  fails_with 2 "--threads must be from 1 to 1024" -- evo-bench --threads 100000
+}
+
+@test "control characters and bytes that are no text do not reach the terminal" {
+  printf '{"body":["HV"],"task":"\\u001b[31mred\\u0007","policy":"a\\nb"}\n' > red.json
+  run evo-inspect red.json
+  [[ $output != *$'\e'* ]] && [[ $output == *'\x1b[31mred\x07'* ]] && [[ $output == *'a\x0ab'* ]]
+  printf 'H\x1b[2JV\n' > letters.txt
+  for words in "evo-select letters.txt" $'evo-select \e[31mfile' $'evo-train --task \e[2J' $'evo-sample --\e[2J' \
+    $'evo-sample --shape \xff' $'evo-eval --task W\x9b --random red.json'; do
+    IFS=' ' read -ra command <<<"$words"
+    run --separate-stderr "${command[@]}"
+    [ "$status" -ne 0 ]
+    ! LC_ALL=C grep -qP '[\x00-\x09\x0b-\x1f\x7f-\xff]' <<<"$stderr" || { echo "$stderr" | od -c | head; return 1; }
+  done
+}

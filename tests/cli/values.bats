@@ -1,0 +1,78 @@
+# Values of options, on the command line and in --config files.
+load helpers
+
+@test "an empty value, as of an unset variable, is refused" {
+  echo '{"body":["HV"],"fitness":1}' > r.json
+  fails_with 2 "--keep" "empty" -- evo-select --keep '' r.json
+  fails_with 2 "--keep" "empty" -- evo-select --keep= r.json
+  fails_with 2 "--count" "empty" -- evo-sample -n ''
+  fails_with 2 "--seed" "empty" -- evo-sample --seed ''
+  fails_with 2 "--max-steps" "empty" -- evo-eval --task Walker-v0 --random --max-steps '' r.json
+  fails_with 2 "--output" "empty" -- evo-sample -o ''
+  fails_with 2 "--avoid" "empty" -- evo-sample --avoid ''
+}
+
+@test "whole numbers: exact, with k and M and as 5e5" {
+  evo-sample -n 2 --seed 18446744073709551615 | tail -1 | jq -c .origin.seed | grep -qx 18446744073709551615
+  fails_with 2 "--seed: '18446744073709551616' is not a whole number from 0 to 18446744073709551615" -- evo-sample --seed 18446744073709551616
+  fails_with 2 "--seed" "'-1'" -- evo-sample --seed -1
+  fails_with 2 "--seed" "'1.5'" -- evo-sample --seed 1.5
+  fails_with 2 "--count" "'seven'" -- evo-sample -n seven
+  fails_with 2 "--count" "3000000000" -- evo-sample -n 3000000000
+  evo-sample -n 1 --seed 2k | cmp - <(evo-sample -n 1 --seed 2000)
+  evo-sample -n 1 --seed 1M | cmp - <(evo-sample -n 1 --seed 1e6)
+  printf 'H\n' > h
+  tiny_profile > tiny.yaml
+  sed -i 's/rollout: 2/rollout: 500/' tiny.yaml
+  evo-train h --task Walker-v0 --train tiny.yaml --steps 1k --out-dir k | jq -e '.steps == 1000'
+  evo-train h --task Walker-v0 --train tiny.yaml --steps 1e3 --out-dir k | jq -e '.steps == 1000'
+}
+
+@test "numbers: finite, and nothing else behind them" {
+  printf 'H\n' > h
+  for value in nan inf 1e999 1,5 0x10 1.0.0 '1 '; do
+    fails_with 2 "--rate" -- evo-mutate -n 1 --rate "$value" h
+  done
+  fails_with 2 "--seconds" -- evo-bench --seconds 1e308
+  fails_with 2 "--seconds" -- evo-bench --seconds -1
+  fails_with 2 "--size: '64x64x5'" "WIDTHxHEIGHT" -- evo-render --size 64x64x5 h -o x.png
+  fails_with 2 "--size" -- evo-render --size 64x h -o x.png
+  evo-eval h --task Walker-v0 --random --max-steps 2 --rollout r.h5 > /dev/null
+  fails_with 2 "--episode: '1.5'" -- evo-render r.h5 --episode 1.5 -o x.gif
+  fails_with 2 "--envs" "'0'" "1 to 4096" -- evo-bench --envs 1,0
+}
+
+@test "a list for a training setting is read as it is written in files" {
+  printf 'H\n' > h
+  tiny_profile > tiny.yaml
+  for hidden in '[8, 8]' '8,8' '[8,8]'; do
+    evo-train h --task Walker-v0 --train tiny.yaml --steps 2 --out-dir p --train-set "hidden=$hidden" > /dev/null
+  done
+}
+
+@test "--config: places, keys twice, lists, other documents" {
+  printf 'count: 2\nseed: 3\n' > ok.yaml
+  evo-sample --config ok.yaml | cmp - <(evo-sample -n 2 --seed 3)
+  evo-sample --config ok.yaml -n 1 | cmp - <(evo-sample -n 1 --seed 3)
+  printf 'format: evo/config\nversion: 1\ncount: 1\n' > headed.yaml
+  evo-sample --config headed.yaml | cmp - <(evo-sample -n 1)
+  printf 'format: evo/neat\nversion: 1\n' > neat.yaml
+  fails_with 65 "--config" "evo/config" "evo/neat" -- evo-neat --state-out s --config neat.yaml
+  printf 'count: 2\ncount: 3\n' > twice.yaml
+  fails_with 65 "--config:2" "twice" -- evo-sample --config twice.yaml
+  printf '[count]: 2\n' > key.yaml
+  fails_with 65 "--config:1" "key" -- evo-sample --config key.yaml
+  printf 'help: true\n' > help.yaml
+  fails_with 65 "--config:1" "'help'" -- evo-sample --config help.yaml
+  printf 'count:\n' > nothing.yaml
+  fails_with 65 "'count' needs a value" -- evo-sample --config nothing.yaml
+  printf 'cuont: 1\n' > typo.yaml
+  fails_with 2 "cuont" "--count" -- evo-sample --config typo.yaml
+  printf 'count: x\n' > value.yaml
+  fails_with 2 "--count" "'x'" -- evo-sample --config value.yaml
+  fails_with 66 "no-such.yaml" -- evo-sample --config no-such.yaml
+  fails_with 65 "--config" -- timeout 20 evo-sample --config /dev/zero
+  printf 'avoid: [a.jsonl, b.jsonl]\nseed: 1\n' > list.yaml
+  evo-sample -n 2 > a.jsonl; evo-sample -n 2 --seed 9 > b.jsonl
+  evo-sample --config list.yaml -n 3 | cmp - <(evo-sample --avoid a.jsonl --avoid b.jsonl --seed 1 -n 3)
+}

@@ -1,0 +1,30 @@
+// What people write by hand, by its `format`: tasks, profiles, settings.
+#include "formats/yaml.h"
+
+#include "formats/neat.h"
+#include "formats/physics.h"
+#include "formats/task.h"
+#include "formats/training.h"
+#include "target.h"
+
+using namespace evo;
+
+FUZZ_TARGET(text) {
+  const DataFolders nowhere{};
+  const auto attempt = [&](const auto& reader) {
+    try {
+      reader(YamlNode::parse(text, "input"));
+    } catch (const Error&) {
+      // Not this one.
+    }
+  };
+  attempt([&](const YamlNode& node) {
+    const TrainingSettings settings = training_from_yaml(node, "/nowhere", nowhere);
+    (void)training_to_yaml(settings);
+  });
+  attempt([](const YamlNode& node) { (void)neat_settings_from_yaml(node); });
+  attempt([&](const YamlNode& node) { (void)physics_from_yaml(node, "/nowhere", nowhere); });
+  const TaskSpec task = parse_task(text, "input", "/nowhere", nowhere);
+  const std::string written = task_to_yaml(task);
+  expect(task_to_yaml(parse_task(written, "written", "/nowhere", nowhere)) == written);
+}

@@ -1,0 +1,187 @@
+#!/usr/bin/python3
+"""Feeds damaged files and senseless options to every tool and looks how it ends.
+
+    hostile.py [--runs N] [--seed S] [--jobs J] [--table FILE] [--keep DIR]
+
+Each run must end by itself with a documented status, in at most 2 s of processor
+time and 200 MB; a failure in exactly one line of printable text on standard
+error. Runs are numbered and depend on seed and number alone; --only N does one
+again, and --keep leaves the damaged files of failures in a folder. The tools are
+found in $EVO_BIN, the data in $EVO_SOURCE.
+"""
+import argparse
+import collections
+import multiprocessing
+import os
+import random
+import shutil
+import signal
+import sys
+import tempfile
+
+import mutate
+import options
+import readers
+import valid
+
+SECONDS = 2.0  # of processor time
+KILOBYTES = 200_000
+PATIENCE = 120  # s of wall time until a run counts as hanging
+Outcome = collections.namedtuple("Outcome", "row status fault words")
+
+
+class Suite:
+    def __init__(self, folder, seed):
+        self.folder = folder
+        self.seed = seed
+        self.options = list(options.cases())
+        random.Random(seed).shuffle(self.options)
+        self.weights = [row[5] for row in readers.READERS]
+
+    def plan(self, number):
+        """Row of the table, command, damaged bytes or none, statuses."""
+        if number % 3 == 2:
+            words = self.options[number // 3 % len(self.options)]
+            return (words[0] + ", options", words, None, options.STATUSES)
+        generator = random.Random(f"{self.seed}/{number}")
+        name, file, kind, words, statuses, _ = generator.choices(readers.READERS, self.weights)[0]
+        with open(os.path.join(self.folder, "valid", file), "rb") as source:
+            data = source.read()
+        for _ in range(generator.choice([1, 1, 1, 2, 3])):
+            try:
+                data = generator.choice(mutate.KINDS[kind])(generator, data)
+            except (OSError, ValueError, RuntimeError, KeyError):
+                pass  # already damaged beyond what h5py can change
+        return (f"{words[0]}, {name}", words, (file, data), statuses)
+
+
+def execute(words, feed, patience):
+    """Status (negative: signal), processor seconds, kilobytes, hanging, stderr."""
+    with open("stderr", "w+b") as errors, open(feed or os.devnull, "rb") as source, \
+            open("stdout", "wb") as output:
+        child = os.posix_spawnp(words[0], words, os.environ, file_actions=[
+            (os.POSIX_SPAWN_DUP2, source.fileno(), 0), (os.POSIX_SPAWN_DUP2, output.fileno(), 1),
+            (os.POSIX_SPAWN_DUP2, errors.fileno(), 2)])
+        hanging = []
+
+        def end(*_):
+            hanging.append(True)
+            os.kill(child, signal.SIGKILL)
+
+        signal.signal(signal.SIGALRM, end)
+        signal.alarm(patience)
+        _, status, used = os.wait4(child, 0)
+        signal.alarm(0)
+        errors.seek(0)
+        code = -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
+        return code, used.ru_utime + used.ru_stime, used.ru_maxrss, bool(hanging), errors.read()
+
+
+def fault_of(code, seconds, kilobytes, hanging, words, statuses):
+    if hanging:
+        return f"no end after {PATIENCE} s"
+    if code < 0:
+        return f"signal {-code}"
+    if code != 0 and code not in statuses:
+        return f"status {code}"
+    if seconds > SECONDS:
+        return f"{seconds:.1f} s of processor time"
+    if kilobytes > KILOBYTES:
+        return f"{kilobytes // 1000} MB"
+    try:
+        text = words.decode()
+    except UnicodeDecodeError:
+        return "bytes that are not UTF-8 on standard error"
+    if any(ord(c) < 32 and c != "\n" or 127 <= ord(c) < 160 for c in text):
+        return "control characters on standard error"
+    if code != 0 and text.count("\n") != 1:
+        return f"{text.count(chr(10))} lines on standard error"
+    if "unexpected failure" in text:
+        return "an unexpected failure"
+    return None
+
+
+def clean():
+    for entry in os.scandir("."):
+        if entry.is_dir(follow_symlinks=False):
+            shutil.rmtree(entry.path)
+        elif entry.name != "valid":
+            os.unlink(entry.path)
+
+
+def attempt(number):
+    row, words, damaged, statuses = suite.plan(number)
+    feed = None
+    if damaged:
+        name = "input" + os.path.splitext(damaged[0])[1]
+        with open(name, "wb") as file:
+            file.write(damaged[1])
+        feed = name if "<" in words else None
+        words = [word.replace("{}", name) for word in words if word != "<"]
+    code, seconds, kilobytes, hanging, said = execute(words, feed, PATIENCE)
+    fault = fault_of(code, seconds, kilobytes, hanging, said, statuses)
+    if fault:
+        fault = f"run {number}: {words}: {fault}: {said[:300]!r}"
+        if damaged and keep:
+            shutil.copy(name, os.path.join(keep, f"{number}-{name}"))
+    clean()
+    return Outcome(row, code, fault, words)
+
+
+def enter(folder, seed, kept):
+    global suite, keep
+    suite, keep = Suite(folder, seed), kept
+    place = tempfile.mkdtemp(dir=folder)
+    os.symlink(os.path.join(folder, "valid"), os.path.join(place, "valid"))
+    os.chdir(place)
+
+
+def table(outcomes):
+    rows = collections.defaultdict(collections.Counter)
+    for outcome in outcomes:
+        rows[outcome.row]["runs"] += 1
+        rows[outcome.row][outcome.status] += 1
+    statuses = [0, 65, 2, 1, 66, 73, 74]
+    lines = ["| tool, input | runs | " + " | ".join(map(str, statuses)) + " |",
+             "|---|---:|" + "---:|" * len(statuses)]
+    total = collections.Counter()
+    for name, counts in sorted(rows.items()):
+        total.update(counts)
+        lines.append(f"| {name} | {counts['runs']} | " +
+                     " | ".join(str(counts[s] or "") for s in statuses) + " |")
+    lines.append(f"| all | {total['runs']} | " +
+                 " | ".join(str(total[s] or "") for s in statuses) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=3000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--only", type=int)
+    parser.add_argument("--table")
+    parser.add_argument("--keep")
+    asked = parser.parse_args()
+    os.environ["PATH"] = os.environ["EVO_BIN"] + ":" + os.environ["PATH"]
+    os.environ.pop("MAKELEVEL", None)
+    kept = os.path.abspath(asked.keep) if asked.keep else None
+    if kept:
+        os.makedirs(kept, exist_ok=True)
+    numbers = [asked.only] if asked.only is not None else range(asked.runs)
+    with tempfile.TemporaryDirectory() as folder:
+        valid.make(os.path.join(folder, "valid"), os.environ["EVO_SOURCE"])
+        with multiprocessing.Pool(asked.jobs, enter, (folder, asked.seed, kept)) as pool:
+            outcomes = list(pool.imap_unordered(attempt, numbers, chunksize=20))
+    faults = [outcome.fault for outcome in outcomes if outcome.fault]
+    for fault in faults:
+        print(fault)
+    if asked.table:
+        with open(asked.table, "w") as file:
+            file.write(table(outcomes))
+    print(f"{len(outcomes)} runs, {len(faults)} faults")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

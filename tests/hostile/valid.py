@@ -1,0 +1,61 @@
+"""Valid files of every kind, made by the tools themselves."""
+import os
+import shutil
+import subprocess
+
+
+def run(*words, **options):
+    return subprocess.run(words, check=True, stdout=subprocess.PIPE, **options).stdout
+
+
+def make(folder, source):
+    """Fills the current folder's `folder`; its file names are those in readers.py."""
+    os.makedirs(folder)
+    here = os.getcwd()
+    os.chdir(folder)
+    try:
+        with open("letters.txt", "w") as file:
+            file.write("HVH\nS.R\nHVH\n\nHV\nVH\n")
+        with open("one.txt", "w") as file:
+            file.write("HV\nVH\n")
+        run("evo-sample", "-n", "4", "--shape", "3x3", "--seed", "1", "-o", "robots.jsonl")
+        run("evo-convert", "one.txt", "-o", "robot.json")
+        run("evo-convert", "robots.jsonl", "--to", "yaml", "-o", "robots.yaml")
+        run("evo-convert", "one.txt", "-o", "robot.npz")
+        run("evo-convert", "one.txt", "--to", "evogym", "-o", "world.json")
+        run("evo-convert", "--task", "Carrier-v0", "--to", "evogym", "-o", "carrier.json")
+        run("evo-eval", "robots.jsonl", "--task", "Walker-v0", "--random", "--max-steps", "2",
+            "-o", "scored.jsonl")
+        run("evo-eval", "one.txt", "--task", "Walker-v0", "--random", "--max-steps", "2",
+            "--rollout", "rollout.h5")
+        run("evo-train", "one.txt", "--task", "Walker-v0", "--algo", "sine", "--steps", "8000",
+            "--out-dir", ".", "--train-set", "final_episodes=0", "-o", "sine.json")
+        os.rename(next(n for n in os.listdir(".") if n.endswith(".policy.h5")), "sine.h5")
+        with open("tiny.yaml", "w") as file:
+            file.write("base: paper\nenvironments: 1\nrollout: 2\nminibatches: 1\nhidden: [4]\n"
+                       "final_episodes: 0\n")
+        run("evo-train", "one.txt", "--task", "Walker-v0", "--train", "tiny.yaml", "--steps", "8",
+            "--out-dir", ".", "-o", "trained.json")
+        policy = next(n for n in os.listdir(".") if n.endswith(".policy.h5"))
+        os.rename(policy, "network.h5")
+        for name in os.listdir("."):
+            if name.endswith(".log"):
+                os.remove(name)
+        run("evo-neat", "-n", "3", "--shape", "3x3", "--state-out", "species.json", "-o",
+            "genomes.jsonl")
+        scored = run("jq", "-c", ".fitness = 1", "genomes.jsonl")
+        with open("genomes.jsonl", "wb") as file:
+            file.write(scored)
+        shutil.copy(f"{source}/tasks/Carrier-v1.yaml", "task.yaml")
+        shutil.copy(f"{source}/tasks/examples/ramp.yaml", "ramp.yaml")
+        shutil.copy(f"{source}/tasks/physics/evogym.yaml", "physics.yaml")
+        shutil.copy(f"{source}/tasks/training/paper.yaml", "training.yaml")
+        shutil.copy(f"{source}/tasks/neat.yaml", "neat.yaml")
+        with open("config.yaml", "w") as file:
+            file.write("format: evo/config\nversion: 1\ncount: 2\nshape: 2x3\nseed: 3\nquiet: true\n")
+        with open("actions.csv", "w") as file:
+            file.write("a,b,c,d\n1.0,1.1,0.6,1.6\n0.9,1.2,1.1,1.0\n")
+        with open("draws.json", "w") as file:
+            file.write('{"goals":[3,4]}')
+    finally:
+        os.chdir(here)

@@ -50,7 +50,7 @@ class Policies {
     evaluation.episodes = training.evaluation_episodes;
     evaluation.seed = policy.seed;
     const Arena arena(task, policy.robot.body);
-    const double again = evaluate(arena, policy.controller, evaluation).mean();
+    const double again = evaluate(arena, to_controller(policy.controller), evaluation).mean();
     if (again != policy.fitness)
       throw error(Failure::data, "{}: earns {}, not its fitness of {}", name, again,
                   policy.fitness);
@@ -76,7 +76,12 @@ std::string check_hdf5(const fs::path& path, Policies& policies) {
     return "policy of robot " + policy.robot.id;
   }
   if (format == "evo/checkpoint") {
-    (void)read_checkpoint(path, file.text("/", "settings_hash"));
+    TrainingIdentity own;
+    if (file.has_attribute("/", "identity"))
+      own.lines = file.text("/", "identity");
+    else
+      own.old_hash = file.text("/", "settings_hash");
+    (void)read_checkpoint(path, own);
     return "checkpoint";
   }
   const Rollout rollout = read_rollout(path);

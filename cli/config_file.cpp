@@ -2,6 +2,7 @@
 
 #include <istream>
 
+#include "formats/format.h"
 #include "formats/yaml.h"
 
 namespace evo::cli {
@@ -25,9 +26,7 @@ std::vector<CLI::ConfigItem> YamlConfig::from_config(std::istream& input) const 
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) return {};
   const YamlNode root = YamlNode::parse(text, "--config");
   if (root.is_null()) return {};
-  std::vector<std::string> keys;
-  for (const YamlNode::Entry& entry : root.entries()) keys.push_back(entry.key.string());
-  check_format(YamlMapping(root, "options", keys), "evo/config", 1);
+  check_format(root, format::config);
   std::vector<CLI::ConfigItem> items;
   for (const YamlNode::Entry& entry : root.entries()) {
     CLI::ConfigItem item;

@@ -9,7 +9,7 @@
 #include "cli/terminal.h"
 #include "formats/evogym.h"
 #include "formats/neat.h"
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 #include "formats/task.h"
 #include "formats/task_text.h"
 #include "formats/training.h"

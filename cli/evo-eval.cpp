@@ -66,7 +66,7 @@ Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task
 }
 
 Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
-                 std::uint64_t seed, const Warn& warn) {
+                 const Warn& warn) {
   if (settings.policy) return policy_trial(settings, task, robot, *settings.policy, warn);
   if (!settings.actions && !settings.sine && !settings.random) {
     const auto policy = robot.policy();
@@ -139,7 +139,7 @@ void check_files(const Settings& settings, const std::vector<Robot>& robots,
 Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
               std::uint64_t seed, const Warn& warn) {
   const std::optional<std::string> rollout_path = rollout_of(settings, robot);
-  const Trial trial = make_trial(settings, task, robot, seed, warn);
+  const Trial trial = make_trial(settings, task, robot, warn);
   const Arena arena(trial.task, robot.body);
   EvaluationSettings evaluation;
   evaluation.episodes = settings.episodes;

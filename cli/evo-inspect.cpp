@@ -199,11 +199,9 @@ void print_run(const fs::path& folder, bool color) {
   const cli::RunStatus run(folder);
   const RunHistory& history = run.history();
   const RunSettings& settings = run.folder().settings();
-  fmt::print(
-      "{}: {} on {}, seed {}
-      ", cli::printable(folder.string()),
-      cli::printable(settings.text("method")),
-      cli::printable(settings.text("task")), cli::printable(settings.text("seed")));
+  fmt::print("{}: {} on {}, seed {}\n", cli::printable(folder.string()),
+             cli::printable(settings.text("method")), cli::printable(settings.text("task")),
+             cli::printable(settings.text("seed")));
   fmt::print("robots       {} of {} trained, {} left\n", run.trained(), run.evaluations(),
              run.left());
   fmt::print("generations  {} finished, {} begun\n",

@@ -34,9 +34,9 @@ Rescue::~Rescue() {
 }
 
 void Rescue::keep(std::size_t index, Checkpoint checkpoint, const std::filesystem::path& path,
-                  const std::string& settings_hash) {
+                  const TrainingIdentity& training) {
   const std::lock_guard lock(mutex_);
-  kept_[index] = {std::move(checkpoint), path, settings_hash};
+  kept_[index] = {std::move(checkpoint), path, training};
 }
 
 void Rescue::forget(std::size_t index) {
@@ -57,7 +57,7 @@ void Rescue::watch() {
 void Rescue::save_and_end(int signal) {
   for (const auto& [index, kept] : kept_) {
     try {
-      write_checkpoint(kept.path, kept.checkpoint, kept.settings_hash);
+      write_checkpoint(kept.path, kept.checkpoint, kept.training);
     } catch (const std::exception&) {
       // The other ones still count; an older checkpoint may be there.
     }

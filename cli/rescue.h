@@ -8,9 +8,9 @@
 #include <functional>
 #include <map>
 #include <mutex>
-#include <string>
 #include <thread>
 
+#include "formats/identity.h"
 #include "libevo/control/checkpoint.h"
 
 namespace evo::cli {
@@ -26,7 +26,7 @@ class Rescue {
 
   // The state of training `index` from which `path` lets it go on.
   void keep(std::size_t index, Checkpoint checkpoint, const std::filesystem::path& path,
-            const std::string& settings_hash);
+            const TrainingIdentity& training);
   // It is over, or has saved itself.
   void forget(std::size_t index);
 
@@ -34,7 +34,7 @@ class Rescue {
   struct Kept {
     Checkpoint checkpoint;
     std::filesystem::path path;
-    std::string settings_hash;
+    TrainingIdentity training;
   };
 
   void watch();

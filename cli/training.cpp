@@ -166,7 +166,7 @@ Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
       log.line(report, static_cast<double>(trained.steps) / std::max(trained.seconds, 1e-9));
     show(report);
     if (trainer.done()) break;
-    job.rescue.keep(index, trainer.checkpoint(), paths.checkpoint, hash);
+    job.rescue.keep(index, trainer.checkpoint(), paths.checkpoint, identity);
     if (interrupted() != 0) {
       save();
       trained.seconds = clock.seconds();

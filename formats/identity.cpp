@@ -1,7 +1,5 @@
 #include "formats/identity.h"
 
-#include <nettle/sha2.h>
-
 #include <algorithm>
 #include <array>
 #include <map>
@@ -12,20 +10,10 @@
 #include "formats/task.h"
 #include "formats/training.h"
 #include "formats/yaml.h"
+#include "libevo/base/digest.h"
 
 namespace evo {
 namespace {
-
-std::string sha256(const std::string& text) {
-  sha256_ctx context;
-  sha256_init(&context);
-  sha256_update(&context, text.size(), reinterpret_cast<const std::uint8_t*>(text.data()));
-  std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
-  sha256_digest(&context, digest.size(), digest.data());
-  std::string hex;
-  for (const std::uint8_t byte : digest) hex += fmt::format("{:02x}", byte);
-  return hex;
-}
 
 // Keys of a task that are words or pictures, or have lines of their own.
 constexpr std::array<std::string_view, 8> without_effect{
@@ -96,7 +84,7 @@ std::map<std::string, std::string> by_key(std::string_view lines) {
 
 }  // namespace
 
-std::string TrainingIdentity::hash() const { return sha256(lines); }
+std::string TrainingIdentity::hash() const { return sha256_hex(lines); }
 
 TrainingIdentity identify(const Body& robot, const TaskSpec& task, const TrainingSettings& settings,
                           std::uint64_t seed) {
@@ -107,8 +95,8 @@ TrainingIdentity identify(const Body& robot, const TaskSpec& task, const Trainin
   for (const std::string& line : physics_identity(task.physics)) result.lines += line + "\n";
   for (const std::string& line : training_identity(settings)) result.lines += line + "\n";
   result.old_hash =
-      sha256(fmt::format("evo-training 1\nrobot {}\n{}\n{}\nseed {}\n", identity(robot), task_yaml,
-                         training_to_yaml(settings), seed));
+      sha256_hex(fmt::format("evo-training 1\nrobot {}\n{}\n{}\nseed {}\n", identity(robot),
+                             task_yaml, training_to_yaml(settings), seed));
   return result;
 }
 

@@ -25,7 +25,7 @@ FUZZ_TARGET(bytes) {
   };
   attempt([&] { (void)read_rollout(path); });
   attempt([&] { (void)read_policy(path); });
-  attempt([&] { (void)read_checkpoint(path, ""); });
+  attempt([&] { (void)read_checkpoint(path, {}); });
   attempt([&] { (void)read_draws(path); });
   (void)read_actions(path);
 }

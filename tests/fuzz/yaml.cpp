@@ -2,7 +2,7 @@
 #include "formats/yaml.h"
 
 #include "formats/neat.h"
-#include "formats/physics.h"
+#include "formats/physics_profile.h"
 #include "formats/task.h"
 #include "formats/training.h"
 #include "target.h"

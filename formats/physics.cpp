@@ -110,16 +110,17 @@ struct Reading {
   std::string problem;
 };
 
-Reading read_constant(const Constant& constant, const std::string& text) {
+// `key` names it in messages: of a spring, which part.
+Reading read_constant(const Constant& constant, const std::string& key, const std::string& text) {
   const std::optional<double> value = parse_quotient(text);
   const bool in_range = value && (constant.sign == Sign::positive ? *value > 0.0 : *value >= 0.0);
   if (!in_range)
-    return {0.0, fmt::format("{} is expected for '{}', found '{}'", expectation(constant.sign),
-                             constant.key, text)};
+    return {0.0, fmt::format("{} is expected for '{}', found '{}'", expectation(constant.sign), key,
+                             text)};
   if (std::holds_alternative<int Physics::*>(constant.member) &&
       (*value != std::floor(*value) || *value > most_substeps))
     return {0.0, fmt::format("a whole number from 1 to {} is expected for '{}', found '{}'",
-                             most_substeps, constant.key, text)};
+                             most_substeps, key, text)};
   return {*value, ""};
 }
 
@@ -152,20 +153,21 @@ std::string targets_problem(const Physics& physics) {
 constexpr const char* default_profile = "evogym";
 constexpr int longest_chain = 16;  // of profiles that start from one another
 
-double read_value(const Constant& constant, const YamlNode& node) {
+double read_value(const Constant& constant, const std::string& key, const YamlNode& node) {
   if (!node.is_scalar())
     throw node.error(fmt::format("{} is expected for '{}', found {}", expectation(constant.sign),
-                                 constant.key, node.found()));
-  const Reading reading = read_constant(constant, node.string());
+                                 key, node.found()));
+  const Reading reading = read_constant(constant, key, node.string());
   if (!reading.problem.empty()) throw node.error(reading.problem);
   return reading.value;
 }
 
 void read_stiffness(SpringStiffness& stiffness, const Constant& constant, const YamlNode& node) {
   const YamlMapping parts(node, constant.key, {"edge", "diagonal"});
-  if (const auto edge = parts.find("edge")) stiffness.edge = read_value(constant, *edge);
+  if (const auto edge = parts.find("edge"))
+    stiffness.edge = read_value(constant, std::string(constant.key) + ".edge", *edge);
   if (const auto diagonal = parts.find("diagonal"))
-    stiffness.diagonal = read_value(constant, *diagonal);
+    stiffness.diagonal = read_value(constant, std::string(constant.key) + ".diagonal", *diagonal);
 }
 
 Physics load(const std::string& name_or_file, const std::filesystem::path& folder,
@@ -194,7 +196,7 @@ Physics read_profile(const YamlNode& node, const std::filesystem::path& folder,
     if (const auto* stiffness = std::get_if<SpringStiffness Physics::*>(&constant.member))
       read_stiffness(physics.*(*stiffness), constant, *value);
     else
-      set(physics, constant, read_value(constant, *value));
+      set(physics, constant, read_value(constant, constant.key, *value));
   }
   if (const auto word = profile.find(arithmetic_key)) {
     const auto arithmetic =
@@ -271,7 +273,7 @@ void apply_override(Physics& physics, std::string_view assignment) {
     const bool edge = stiffness && key == std::string(constant.key) + ".edge";
     const bool diagonal = stiffness && key == std::string(constant.key) + ".diagonal";
     if (!edge && !diagonal && (stiffness || key != constant.key)) continue;
-    const Reading reading = read_constant(constant, value);
+    const Reading reading = read_constant(constant, key, value);
     if (!reading.problem.empty()) throw Error(Failure::usage, reading.problem);
     if (edge)
       (physics.*(*stiffness)).edge = reading.value;

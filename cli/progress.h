@@ -42,7 +42,7 @@ class LiveLine {
   Progress style_;
   bool drawn_ = false;
   Clock clock_;
-  double last_drawn_ = 0.0;
+  double last_drawn_ = -1.0;
 };
 
 // What a training shows of itself while it runs.

@@ -50,6 +50,11 @@ load helpers
   done
 }
 
+@test "a wrong constant is named in full" {
+  printf 'H\n' > h
+  fails_with 2 "'soft.edge'" "'x'" -- evo-eval --task Walker-v0 --random --set soft.edge=x h
+}
+
 @test "--config: places, keys twice, lists, other documents" {
   printf 'count: 2\nseed: 3\n' > ok.yaml
   evo-sample --config ok.yaml | cmp - <(evo-sample -n 2 --seed 3)

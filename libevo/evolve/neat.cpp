@@ -13,9 +13,6 @@
 namespace evo {
 namespace {
 
-// Random genomes tried in a row without one that is accepted.
-constexpr int max_vain_tries = 20'000;
-
 double statistic(Statistic kind, std::vector<double> values) {
   switch (kind) {
     case Statistic::mean:
@@ -34,10 +31,6 @@ double statistic(Statistic kind, std::vector<double> values) {
 
 // ---- a scored generation by genome key ------------------------------------------
 
-struct Member {
-  const Genome* genome;
-  double fitness;
-};
 using Members = std::map<int, Member>;
 
 Members by_key(std::span<const Scored> scored, const NeatState& state) {
@@ -116,34 +109,6 @@ void remove_stagnant(const NeatSettings& settings, int generation, std::vector<B
 
 // ---- offspring --------------------------------------------------------------------
 
-// Species means scaled by the range of all fitness values, which is taken to be
-// at least 1 (neat-python's choice).
-std::vector<double> adjusted_fitness(const std::vector<Brood>& broods) {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  for (const Brood& brood : broods) {
-    low = std::min(low, brood.members.back().fitness);
-    high = std::max(high, brood.members.front().fitness);
-  }
-  std::vector<double> adjusted;
-  adjusted.reserve(broods.size());
-  for (const Brood& brood : broods)
-    adjusted.push_back((statistic(Statistic::mean, fitness_of(brood.members)) - low) /
-                       std::max(1.0, high - low));
-  return adjusted;
-}
-
-Individual child_of(const Member& a, const Member& b, const NeatSettings& settings,
-                    NeatState& state, int key, Stream& stream) {
-  const bool a_is_fitter = a.fitness > b.fitness;  // on equal fitness the second one counts
-  const Genome& fitter = a_is_fitter ? *a.genome : *b.genome;
-  const Genome& other = a_is_fitter ? *b.genome : *a.genome;
-  Individual child{crossover(fitter, other, key, stream), {a.genome->key, b.genome->key}};
-  if (a.genome->key == b.genome->key) child.parents.pop_back();
-  mutate(child.genome, settings, state.next_node_key, stream);
-  return child;
-}
-
 void breed(const Brood& brood, int count, const NeatSettings& settings, NeatState& state,
            std::uint64_t seed, std::vector<Individual>& population) {
   const std::size_t size = brood.members.size();
@@ -151,9 +116,7 @@ void breed(const Brood& brood, int count, const NeatSettings& settings, NeatStat
   for (std::size_t i = 0; i < elites; ++i)
     population.push_back({*brood.members[i].genome, {brood.members[i].genome->key}});
 
-  const double share = std::ceil(settings.survival_threshold * static_cast<double>(size));
-  const std::size_t parents =
-      std::min(size, std::max<std::size_t>(2, static_cast<std::size_t>(share)));
+  const std::size_t parents = parents_among(settings, size);
   for (int k = static_cast<int>(elites); k < count; ++k) {
     const int key = state.next_genome_key++;
     Stream stream(seed, "neat/child", static_cast<std::uint64_t>(key));
@@ -213,6 +176,36 @@ std::vector<Individual> fresh_genomes(const NeatSettings& settings, int count, N
   return fresh;
 }
 
+Individual child_of(const Member& a, const Member& b, const NeatSettings& settings,
+                    NeatState& state, int key, Stream& stream) {
+  const bool a_is_fitter = a.fitness > b.fitness;  // on equal fitness the second one counts
+  const Genome& fitter = a_is_fitter ? *a.genome : *b.genome;
+  const Genome& other = a_is_fitter ? *b.genome : *a.genome;
+  Individual child{crossover(fitter, other, key, stream), {a.genome->key, b.genome->key}};
+  if (a.genome->key == b.genome->key) child.parents.pop_back();
+  mutate(child.genome, settings, state.next_node_key, stream);
+  return child;
+}
+
+std::size_t parents_among(const NeatSettings& settings, std::size_t members) {
+  const double share = std::ceil(settings.survival_threshold * static_cast<double>(members));
+  return std::min(members, std::max<std::size_t>(2, static_cast<std::size_t>(share)));
+}
+
+std::vector<double> adjusted_fitness(std::span<const std::vector<double>> species) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const std::vector<double>& fitness : species) {
+    low = std::min(low, *std::min_element(fitness.begin(), fitness.end()));
+    high = std::max(high, *std::max_element(fitness.begin(), fitness.end()));
+  }
+  std::vector<double> adjusted;
+  adjusted.reserve(species.size());
+  for (const std::vector<double>& fitness : species)
+    adjusted.push_back((statistic(Statistic::mean, fitness) - low) / std::max(1.0, high - low));
+  return adjusted;
+}
+
 std::vector<int> offspring_counts(std::span<const double> adjusted_fitness,
                                   std::span<const int> previous_sizes, int pop_size,
                                   int min_species_size) {
@@ -242,10 +235,13 @@ std::vector<Individual> reproduce(const NeatSettings& settings, std::span<const 
   if (broods.empty()) return {};
 
   std::vector<int> sizes;
-  sizes.reserve(broods.size());
-  for (const Brood& brood : broods) sizes.push_back(static_cast<int>(brood.members.size()));
+  std::vector<std::vector<double>> fitness;
+  for (const Brood& brood : broods) {
+    sizes.push_back(static_cast<int>(brood.members.size()));
+    fitness.push_back(fitness_of(brood.members));
+  }
   const std::vector<int> counts =
-      offspring_counts(adjusted_fitness(broods), sizes, settings.pop_size,
+      offspring_counts(adjusted_fitness(fitness), sizes, settings.pop_size,
                        std::max(settings.min_species_size, settings.elitism));
   std::vector<Individual> population;
   for (std::size_t i = 0; i < broods.size(); ++i)

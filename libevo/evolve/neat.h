@@ -47,12 +47,21 @@ struct Scored {
   double fitness = 0.0;  // not finite: failed, counted as the worst of the others
 };
 
+// A genome with its fitness, neither owned; the fitness is finite.
+struct Member {
+  const Genome* genome;
+  double fitness;
+};
+
 // Decides whether a genome may be in the population. Called once for every
 // candidate, in order, so it may remember what it let pass.
 using Accept = std::function<bool(const Genome&)>;
 
+// Random genomes tried in a row without one that is accepted, before giving up.
+inline constexpr int max_vain_tries = 20'000;
+
 // The first generation: random genomes until `settings.pop_size` are accepted.
-// Throws Error(work) when 20 000 in a row are not.
+// Throws Error(work) when max_vain_tries in a row are not.
 std::vector<Individual> first_generation(const NeatSettings& settings, const Accept& accept,
                                          NeatState& state, std::uint64_t seed);
 
@@ -76,6 +85,18 @@ bool is_solved(const NeatSettings& settings, std::span<const double> fitness);
 // Brand-new genomes with the next keys of the run.
 std::vector<Individual> fresh_genomes(const NeatSettings& settings, int count, NeatState& state,
                                       std::uint64_t seed);
+
+// Crossover by fitness (the second parent's genes when equal), then mutation.
+Individual child_of(const Member& a, const Member& b, const NeatSettings& settings,
+                    NeatState& state, int key, Stream& stream);
+
+// How many of a species' members may be parents: its best `survival_threshold`, at
+// least two while there are two.
+std::size_t parents_among(const NeatSettings& settings, std::size_t members);
+
+// The species means of fitness scaled by the range of all values, which is taken to
+// be at least 1 (neat-python's choice): 0 for the worst there is. No species is empty.
+std::vector<double> adjusted_fitness(std::span<const std::vector<double>> species);
 
 // Children of the species that are not stagnant; the others leave the state.
 // Empty when every species is stagnant.

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <set>
 #include <utility>
 
 #include "libevo/base/elementary.h"
@@ -81,6 +81,17 @@ GpData standardised(std::span<const Observation> observations, const Scale& scal
   for (const Observation& o : observations) designs.push_back(o.cells);
   return {std::move(designs),
           ((costs_of(observations).array() - scale.mean) / scale.stddev).matrix()};
+}
+
+// The process as if each of these designs had been observed at its mean.
+GaussianProcess believing(GaussianProcess process, std::span<const Design> pending) {
+  if (pending.empty()) return process;
+  const GpData& data = process.data();
+  std::vector<Design> designs = data.designs();
+  designs.insert(designs.end(), pending.begin(), pending.end());
+  Eigen::VectorXd outputs(static_cast<Eigen::Index>(designs.size()));
+  outputs << data.outputs(), process.predict(pending).mean;
+  return {GpData(std::move(designs), std::move(outputs)), process.parameters()};
 }
 
 // Mean and standard deviation of what would be observed.
@@ -190,7 +201,8 @@ std::vector<Design> pick(const Shape& shape, const std::vector<Design>& draws,
   return batch;
 }
 
-void check(const Shape& shape, std::span<const Observation> observations, int count) {
+void check(const Shape& shape, std::span<const Observation> observations,
+           std::span<const Design> pending, int count) {
   if (shape.rows < 1 || shape.cols < 1)
     throw error(Failure::usage, "shape {}x{}: at least 1x1 needed", shape.rows, shape.cols);
   if (count < 1) throw error(Failure::usage, "{} designs asked for: at least 1 needed", count);
@@ -199,6 +211,10 @@ void check(const Shape& shape, std::span<const Observation> observations, int co
     if (observations[i].cells.size() != cells)
       throw error(Failure::data, "observation {} has {} voxels, not the {} of {}x{}", i + 1,
                   observations[i].cells.size(), cells, shape.rows, shape.cols);
+  for (const Design& design : pending)
+    if (design.size() != cells)
+      throw error(Failure::data, "a pending design has {} voxels, not the {} of {}x{}",
+                  design.size(), cells, shape.rows, shape.cols);
 }
 
 void check_complete(const Shape& shape, std::size_t found, int count) {
@@ -253,16 +269,22 @@ double expected_improvement(double mean, double stddev, double best, double jitt
 
 // ---- suggest ------------------------------------------------------------------------
 
+GpParameters fit_parameters(std::span<const Observation> observations,
+                            const SuggestSettings& settings, std::uint64_t seed) {
+  Stream restarts(seed, "suggest/restarts", observations.size());
+  return fit(standardised(observations, scale_of(costs_of(observations))), settings.fit, restarts);
+}
+
 SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observations,
-                       const std::set<Design>& avoid, int count, const SuggestSettings& settings,
+                       std::span<const Design> pending, int count, const SuggestSettings& settings,
                        std::uint64_t seed) {
   const Shape shape{rows, cols};
-  check(shape, observations, count);
+  check(shape, observations, pending, count);
   const auto wanted = static_cast<std::size_t>(count);
-  std::set<Design> known = avoid;
+  std::set<Design> known(pending.begin(), pending.end());
   for (const Observation& o : observations) known.insert(o.cells);
-  // Streams are numbered by the observations, so that one seed serves all batches.
-  const std::uint64_t index = observations.size();
+  // Streams are numbered by what was there, so that one seed serves all batches.
+  const std::uint64_t index = observations.size() + pending.size();
   Stream candidates(seed, "suggest/candidates", index);
 
   SuggestedBatch batch;
@@ -277,9 +299,9 @@ SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observat
 
   const Scale scale = scale_of(costs_of(observations));
   const GpData data = standardised(observations, scale);
-  Stream restarts(seed, "suggest/restarts", index);
-  batch.parameters = fit(data, settings.fit, restarts);
-  const GaussianProcess process(data, batch.parameters);
+  batch.parameters =
+      settings.parameters ? *settings.parameters : fit_parameters(observations, settings, seed);
+  const GaussianProcess process = believing(GaussianProcess(data, batch.parameters), pending);
 
   std::set<Design> drawn = known;
   const auto tried = std::max(wanted, static_cast<std::size_t>(settings.candidates));

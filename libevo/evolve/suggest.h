@@ -9,7 +9,7 @@
 #pragma once
 
 #include <cstdint>
-#include <set>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,6 +29,7 @@ struct SuggestSettings {
   double ei_jitter = 0.01;     // least improvement counted, in standard deviations of the costs
   int local_steps = 1000;      // voxels changed from an anchor, at most
   GpFitSettings fit;
+  std::optional<GpParameters> parameters;  // of the standardised costs [fitted]
 };
 
 struct Suggestion {
@@ -44,13 +45,20 @@ struct SuggestedBatch {
 };
 
 // `count` valid designs, different from each other, from every observation and
-// from `avoid`. Without a finite fitness to learn from they are random, every
-// voxel uniform over the five kinds until valid. Throws Error(data) for
-// observations of another shape, Error(work) when the shape has not so many
-// designs left.
+// from every pending one. Designs that are pending (proposed before, not scored yet)
+// count as observed at the value expected there, so that what is near them is worth
+// less (the Kriging believer of Ginsbourger, Le Riche and Carraro, "Kriging is
+// well-suited to parallelize optimization", 2010). Without a finite fitness to learn from they are
+// random, every voxel uniform over the five kinds until valid. Throws Error(data) for observations
+// of another shape, Error(work) when the shape has not so many designs left.
 SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observations,
-                       const std::set<Design>& avoid, int count, const SuggestSettings& settings,
+                       std::span<const Design> pending, int count, const SuggestSettings& settings,
                        std::uint64_t seed);
+
+// The parameters that suggest() would fit to these observations, of which at least
+// one has succeeded.
+GpParameters fit_parameters(std::span<const Observation> observations,
+                            const SuggestSettings& settings, std::uint64_t seed);
 
 // ---- parts ------------------------------------------------------------------------
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
+#include <set>
 
 #include "libevo/base/error.h"
 #include "libevo/body/operators.h"
@@ -134,20 +135,20 @@ TEST_CASE("without observations the batch is random, valid and without repetitio
 TEST_CASE("a batch is valid, new, without repetition and the same for the same seed") {
   auto observations = random_observations(4, 4, 40, 5);
   observations[3].fitness = failure;
-  const std::set<Design> avoid{
+  const std::vector<Design> pending{
       suggest(4, 4, observations, {}, 1, quick(), 9).designs[0].body.cells};
-  const SuggestedBatch batch = suggest(4, 4, observations, avoid, 12, quick(), 9);
+  const SuggestedBatch batch = suggest(4, 4, observations, pending, 12, quick(), 9);
   CHECK(batch.from_model);
   REQUIRE(batch.designs.size() == 12);
-  std::set<Design> seen = avoid;
+  std::set<Design> seen(pending.begin(), pending.end());
   for (const Observation& o : observations) seen.insert(o.cells);
   for (const Suggestion& s : batch.designs) {
     CHECK(is_valid_robot(s.body));
     CHECK(seen.insert(s.body.cells).second);
     CHECK(s.stddev > 0.0);
   }
-  const SuggestedBatch again = suggest(4, 4, observations, avoid, 12, quick(), 9);
-  const SuggestedBatch other = suggest(4, 4, observations, avoid, 12, quick(), 10);
+  const SuggestedBatch again = suggest(4, 4, observations, pending, 12, quick(), 9);
+  const SuggestedBatch other = suggest(4, 4, observations, pending, 12, quick(), 10);
   int same = 0;
   for (std::size_t i = 0; i < 12; ++i) {
     CHECK(again.designs[i].body == batch.designs[i].body);
@@ -155,6 +156,43 @@ TEST_CASE("a batch is valid, new, without repetition and the same for the same s
     same += other.designs[i].body == batch.designs[i].body;
   }
   CHECK(same < 12);
+}
+
+TEST_CASE("what is pending counts as observed: less is to be learned near it") {
+  // 16 designs are valid; four are observed, one is left.
+  std::vector<Observation> observations;
+  std::vector<Design> others;
+  for (const Suggestion& s : suggest(1, 2, {}, {}, 16, quick(), 1).designs) {
+    if (observations.size() < 4)
+      observations.push_back({s.body.cells, static_cast<double>(observations.size())});
+    else
+      others.push_back(s.body.cells);
+  }
+  const Design left = others.back();
+  others.pop_back();
+  SuggestSettings settings = quick();
+  settings.parameters = GpParameters{1.0, 3.0, 0.01};
+  const SuggestedBatch alone = suggest(1, 2, observations, others, 1, settings, 2);
+  REQUIRE(alone.designs.size() == 1);
+  CHECK(alone.designs[0].body.cells == left);
+  CHECK(alone.parameters.length_scale == 3.0);
+  for (const Suggestion& s : suggest(1, 2, observations, {}, 12, settings, 2).designs)
+    if (s.body.cells == left) {
+      CHECK(alone.designs[0].stddev < s.stddev - 0.01);
+      CHECK(alone.designs[0].mean == Approx(s.mean).margin(0.05));  // nothing was learned of it
+    }
+  const std::vector<Design> other_shape{Design(3, Voxel::rigid)};
+  CHECK_THROWS_WITH(suggest(1, 2, observations, other_shape, 1, settings, 2),
+                    Catch::Contains("pending design has 3 voxels"));
+}
+
+TEST_CASE("parameters fitted before give the same batch as fitting them anew") {
+  const auto observations = random_observations(4, 4, 30, 8);
+  SuggestSettings settings = quick();
+  const SuggestedBatch fitted = suggest(4, 4, observations, {}, 5, settings, 3);
+  settings.parameters = fit_parameters(observations, settings, 3);
+  const SuggestedBatch given = suggest(4, 4, observations, {}, 5, settings, 3);
+  for (std::size_t i = 0; i < 5; ++i) CHECK(given.designs[i].body == fitted.designs[i].body);
 }
 
 TEST_CASE("what is proposed is predicted to be better than what is known, on average") {

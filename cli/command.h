@@ -82,7 +82,7 @@ class Command {
 std::string created_by(const std::string& tool);
 std::string version();
 
-// Set by SIGINT and SIGTERM after catch_interrupts(); 0, or the signal.
+// Set by SIGINT, SIGTERM and SIGHUP after catch_interrupts(); 0, or the signal.
 void catch_interrupts();
 int interrupted();
 

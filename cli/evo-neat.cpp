@@ -3,8 +3,8 @@
 #include <limits>
 #include <map>
 
+#include "cli/breeding.h"
 #include "cli/command.h"
-#include "cli/data.h"
 #include "cli/robots.h"
 #include "formats/genome.h"
 #include "formats/neat.h"
@@ -31,25 +31,6 @@ Parents read_parents(const std::vector<Robot>& robots) {
         {*genome, robot.fitness().value_or(std::numeric_limits<double>::quiet_NaN())});
   }
   return parents;
-}
-
-NeatSettings read_settings(const std::optional<std::string>& file, int count) {
-  NeatSettings settings;
-  if (file) {
-    settings = load_neat_settings(*file);
-  } else if (const auto found = find_data_file(cli::data_folders(), "", "neat")) {
-    settings = load_neat_settings(found->string());
-  }
-  settings.pop_size = count;
-  return settings;
-}
-
-Robot document(const CppnRobot& made, const Parents& parents, std::uint64_t seed, int index) {
-  std::vector<std::string> ids;
-  for (const int key : made.parents) ids.push_back(parents.ids.at(key));
-  Robot robot = make_child(made.body, ids, "evo-neat", seed, static_cast<std::uint64_t>(index));
-  robot.document["genome"] = genome_to_json(made.genome);
-  return robot;
 }
 
 }  // namespace
@@ -84,7 +65,7 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     if (count < 2) throw error(Failure::usage, "--count must be at least 2, got {}", count);
-    const NeatSettings settings = read_settings(settings_file, count);
+    const NeatSettings settings = cli::neat_settings(settings_file, count);
     std::set<std::string> seen = cli::read_ids(avoid);
     NeatState state;
     Parents parents;
@@ -105,7 +86,11 @@ int main(int argc, char** argv) {
     write_file(state_out, neat_state_to_text(state));
     cli::RobotWriter out(command.output);
     int index = 0;
-    for (const CppnRobot& robot : made) out.write(document(robot, parents, command.seed, index++));
+    for (const CppnRobot& robot : made) {
+      std::vector<std::string> ids;
+      for (const int key : robot.parents) ids.push_back(parents.ids.at(key));
+      out.write(cli::cppn_robot(robot, ids, command.seed, index++));
+    }
     out.finish();
     return 0;
   });

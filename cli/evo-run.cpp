@@ -1,6 +1,6 @@
 // evo-run: a run folder from the side of whoever drives it. Pipelines and
 // schedulers begin a run, train its slots by number, and ask how they stand.
-#include <wordexp.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -9,7 +9,10 @@
 #include <mutex>
 
 #include "cli/robots.h"
+#include "cli/shell_words.h"
+#include "cli/steady.h"
 #include "cli/training.h"
+#include "formats/files.h"
 #include "formats/run.h"
 #include "formats/training_log.h"
 
@@ -21,6 +24,8 @@ namespace fs = std::filesystem;
 struct Options {
   int generation = 0;
   std::vector<std::string> slots;
+  std::optional<int> robots;
+  std::string why;
 };
 
 // ---- init -------------------------------------------------------------------------
@@ -53,19 +58,6 @@ std::vector<int> slot_numbers(const std::vector<std::string>& words) {
   return numbers;
 }
 
-// A line of options as a shell splits it, quotes and variables included; nothing
-// is run.
-std::vector<std::string> shell_words(const std::string& line, const fs::path& folder) {
-  wordexp_t expansion{};
-  const int problem = ::wordexp(line.c_str(), &expansion, WRDE_NOCMD);
-  if (problem != 0)
-    throw error(Failure::data, "{}: train_options: a shell could not read: {}",
-                (folder / "run.yaml").string(), line);
-  std::vector<std::string> words(expansion.we_wordv, expansion.we_wordv + expansion.we_wordc);
-  ::wordfree(&expansion);
-  return words;
-}
-
 // The command line of evo-train that a run's settings stand for.
 std::vector<std::string> training_words(const RunFolder& run) {
   const RunSettings& settings = run.settings();
@@ -85,7 +77,9 @@ std::vector<std::string> training_words(const RunFolder& run) {
   give("--log-dir", run.logs().string());
   words.emplace_back("--resume");
   if (const std::string* more = settings.find("train_options"))
-    for (std::string& word : shell_words(*more, run.path())) words.push_back(std::move(word));
+    for (std::string& word :
+         cli::shell_words(*more, (run.path() / "run.yaml").string() + ": train_options"))
+      words.push_back(std::move(word));
   return words;
 }
 
@@ -111,6 +105,7 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
   cli::TrainingOptions options;
   options.add_to(command);
   return command.run(static_cast<int>(arguments.size()), arguments.data(), [&] {
+    options.sharded = run.layout() == Layout::steady;
     command.jobs = asked.jobs;
     command.progress = asked.progress;
     command.quiet |= asked.quiet;
@@ -134,12 +129,64 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
   });
 }
 
+// Says on which machine slots are being trained, RUN/gen-003/05-09.running. It stays
+// behind when the process dies: whoever started it then knows that it had begun.
+class RunningMark {
+ public:
+  RunningMark(const RunFolder& run, int generation, const std::vector<std::string>& slots)
+      : file_(run.generation(generation) /
+              (fmt::format("{}", fmt::join(slots, ",")) + ".running")) {
+    const Json mark = {{"host", this_machine()}, {"process", ::getpid()}};
+    write_file(file_, compact(mark) + "\n");
+  }
+  // The work has ended with this status, or refused its input.
+  void ended(int status) const {
+    if (status == static_cast<int>(Failure::work)) return;
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+  }
+
+ private:
+  fs::path file_;
+};
+
 int train(const cli::Command& command, const std::string& folder, const Options& options) {
   const RunFolder run(folder);
+  if (fs::exists(run.scores(options.generation))) return 0;
   std::vector<int> slots = slot_numbers(options.slots);
   if (slots.empty())
     for (int k = 0; k < run.population_size(options.generation); ++k) slots.push_back(k);
-  return train_slots(command, run, options.generation, slots);
+  const RunningMark mark(run, options.generation,
+                         options.slots.empty() ? std::vector<std::string>{"all"} : options.slots);
+  try {
+    const int status = train_slots(command, run, options.generation, slots);
+    mark.ended(status);
+    return status;
+  } catch (const Error& e) {
+    mark.ended(static_cast<int>(e.kind()));
+    throw;
+  }
+}
+
+// ---- fail -------------------------------------------------------------------------
+
+// The slots that could not be trained count as failed, so that the run goes on.
+int fail(const std::string& folder, const Options& options) {
+  const RunFolder run(folder);
+  const std::vector<int> slots = slot_numbers(options.slots);
+  if (slots.empty() || options.why.empty())
+    throw error(Failure::usage, "fail: --slot says what failed, --why for what reason");
+  for (const int slot : slots) {
+    const SlotAddress address{options.generation, slot};
+    if (fs::exists(run.slot(address))) continue;
+    Robot robot = run.robot(address);
+    robot.document["fitness"] = nullptr;
+    robot.document["failure"] = {{"why", options.why}};
+    cli::RobotWriter out(run.slot(address).string());
+    out.write(robot);
+    out.finish();
+  }
+  return 0;
 }
 
 // ---- slots ------------------------------------------------------------------------
@@ -185,14 +232,18 @@ int main(int argc, char** argv) {
   cli::Command command("evo-run", "begins a run folder, trains its slots, says how they stand");
   std::vector<std::string> words;
   Options options;
-  command.arguments(words, "init RUN KEY=VALUE|train RUN|slots RUN",
-                    "init: begin a run with these settings, or make sure that it has them; train: "
-                    "the robots of a generation; slots: a table of all, with state and fitness, "
-                    "share done or what failed");
-  command.option("--generation", options.generation, "N", "whose slots to train");
+  command.arguments(
+      words, "init RUN KEY=VALUE|propose RUN|train RUN|fail RUN|slots RUN",
+      "init: begin a run with these settings, or make sure that it has them; propose: the "
+      "next robots of a run without generations; train: the robots of a generation; fail: "
+      "count slots that cannot be trained as failed; slots: a table of all, with state and "
+      "fitness, share done or what failed");
+  command.option("--robots", options.robots, "N", "propose: make sure that there are so many");
+  command.option("--generation", options.generation, "N", "whose slots to train or to fail");
   command.option(
       "--slot", options.slots, "K",
       "train this one, or several as in 3-8 (repeatable); those done are left alone [all]");
+  command.option("--why", options.why, "TEXT", "fail: the reason, kept with the robot");
   command.jobs_option();
   command.progress_option();
   command.example("evo-run train runs/walker --generation 3 --slot $SLURM_ARRAY_TASK_ID -j1",
@@ -201,7 +252,7 @@ int main(int argc, char** argv) {
                   "trainings that failed, with the reason");
 
   return command.run(argc, argv, [&] {
-    const std::vector<std::string> verbs{"init", "train", "slots"};
+    const std::vector<std::string> verbs{"init", "propose", "train", "fail", "slots"};
     if (words.empty()) throw error(Failure::usage, "one of {} is needed", fmt::join(verbs, ", "));
     if (std::find(verbs.begin(), verbs.end(), words[0]) == verbs.end())
       throw error(Failure::usage, "'{}' is none of {}{}", words[0], fmt::join(verbs, ", "),
@@ -210,6 +261,11 @@ int main(int argc, char** argv) {
     const std::string folder = words[1];
     if (words[0] == "init") return init(folder, {words.begin() + 2, words.end()});
     if (words.size() > 2) throw error(Failure::usage, "{}: name one run folder", words[0]);
-    return words[0] == "train" ? train(command, folder, options) : list_slots(folder);
+    if (words[0] == "train") return train(command, folder, options);
+    if (words[0] == "fail") return fail(folder, options);
+    if (words[0] == "slots") return list_slots(folder);
+    if (options.robots.value_or(-1) < 0)
+      throw error(Failure::usage, "propose: --robots says how many there are to be");
+    return cli::propose_robots(RunFolder(folder), *options.robots);
   });
 }

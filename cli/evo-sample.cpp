@@ -1,18 +1,15 @@
 // evo-sample: random valid robots.
 #include <algorithm>
 
+#include "cli/breeding.h"
 #include "cli/command.h"
 #include "cli/robots.h"
 #include "formats/genome.h"
-#include "libevo/base/random.h"
-#include "libevo/body/operators.h"
 #include "libevo/evolve/cppn_neat.h"
 
 namespace {
 
 using namespace evo;
-
-constexpr int max_draws = 10'000;  // of one output, before giving up on finding a new body
 
 VoxelWeights parse_weights(const std::string& text) {
   const std::vector<double> numbers = cli::parse_numbers(text, "--weights");
@@ -23,22 +20,6 @@ VoxelWeights parse_weights(const std::string& text) {
                 weights.size(), numbers.size());
   std::copy(numbers.begin(), numbers.end(), weights.begin());
   return weights;
-}
-
-// Output k comes from the stream of its own number, so that -n 10 prints the
-// first ten lines of -n 100. A body seen before is drawn again.
-Robot sample(const cli::Shape& shape, const VoxelWeights& weights, std::uint64_t seed, int index,
-             std::set<std::string>& seen) {
-  Stream stream(seed, "sample", static_cast<std::uint64_t>(index));
-  for (int draw = 0; draw < max_draws; ++draw) {
-    Robot robot = make_child(sample_body(shape.rows, shape.cols, weights, stream), {}, "evo-sample",
-                             seed, static_cast<std::uint64_t>(index));
-    if (!seen.insert(robot.id).second) continue;
-    return robot;
-  }
-  throw error(Failure::work,
-              "no new {}x{} body for robot {} in {} draws; ask for fewer robots or a larger shape",
-              shape.rows, shape.cols, index, max_draws);
 }
 
 // Bodies painted by random networks, ready for evo-neat's genomes.
@@ -91,7 +72,10 @@ int main(int argc, char** argv) {
     } else if (encoding != "voxel") {
       throw error(Failure::usage, "--encoding: '{}' is not voxel or cppn", encoding);
     }
-    for (int i = 0; i < count; ++i) out.write(sample(shape, weights, command.seed, i, seen));
+    // Output k comes from the stream of its own number, so that -n 10 prints the
+    // first ten lines of -n 100.
+    for (int i = 0; i < count; ++i)
+      out.write(cli::sample_robot(shape, weights, command.seed, i, seen));
     out.finish();
     return 0;
   });

@@ -8,6 +8,7 @@
 #include "cli/progress.h"
 #include "formats/files.h"
 #include "formats/policy.h"
+#include "formats/run.h"
 #include "formats/training.h"
 #include "formats/training_log.h"
 #include "libevo/base/parallel.h"
@@ -34,10 +35,24 @@ struct Paths {
   fs::path log;
 };
 
+void make_folder(const fs::path& folder) {
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure)
+    throw error(Failure::cannot_create, "{}: cannot make this folder: {}", folder.string(),
+                failure.message());
+}
+
 Paths paths_of(const TrainingOptions& options, const std::string& id) {
-  const fs::path out = options.out_dir;
-  return {out / (id + ".policy.h5"), out / (id + ".checkpoint.h5"),
-          fs::path(options.log_dir.value_or(options.out_dir)) / (id + ".log")};
+  fs::path out = options.out_dir;
+  fs::path logs = options.log_dir.value_or(options.out_dir);
+  if (options.sharded) {
+    out /= run_shard(id);
+    logs /= run_shard(id);
+  }
+  make_folder(out);
+  make_folder(logs);
+  return {out / (id + ".policy.h5"), out / (id + ".checkpoint.h5"), logs / (id + ".log")};
 }
 
 std::int64_t seconds_since_1970() {
@@ -160,14 +175,6 @@ void stop_at_failure(const Robot& robot, const TrainingOptions& options) {
   throw error(Failure::work, "training failed at step {} with seed {}: {}",
               (*failure)["step"].dump(), (*failure)["seed"].dump(),
               (*failure)["why"].get<std::string>());
-}
-
-void make_folder(const std::string& folder) {
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure)
-    throw error(Failure::cannot_create, "{}: cannot make this folder: {}", folder,
-                failure.message());
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ struct TrainingOptions {
   bool resume = false;
   bool force = false;
   std::string failures = "stop";
+  bool sharded = false;  // into folders by the first two digits of ids; no option
 
   // All of them, --seed, --output, --jobs and --progress included.
   void add_to(Command& command);

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <charconv>
 #include <climits>
+#include <cstdlib>
 #include <fstream>
 #include <string_view>
 #include <system_error>
@@ -111,19 +112,13 @@ std::string differences(const RunSettings& there, const RunSettings& asked) {
 
 Layout layout_of(const RunSettings& settings, const fs::path& file) {
   const std::string* layout = settings.find("layout");
-  if (layout != nullptr && *layout != "generations")
-    throw error(Failure::data, "{}: {}", file.string(),
-                unknown_name("layout of a run", *layout, {"generations"}));
-  return Layout::generations;
+  if (layout == nullptr || *layout == "generations") return Layout::generations;
+  if (*layout == "steady") return Layout::steady;
+  throw error(Failure::data, "{}: {}", file.string(),
+              unknown_name("layout of a run", *layout, {"generations", "steady"}));
 }
 
 // ---- timings --------------------------------------------------------------------
-
-std::string this_machine() {
-  std::array<char, HOST_NAME_MAX + 1> name{};
-  if (::gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "unknown";
-  return name.data();
-}
 
 std::ifstream open_population(const fs::path& file) {
   std::ifstream lines(file);
@@ -140,6 +135,14 @@ std::string why_failed(const Robot& robot) {
 }
 
 }  // namespace
+
+std::string this_machine() {
+  const char* node = std::getenv("SLURMD_NODENAME");
+  if (node != nullptr && *node != '\0') return node;
+  std::array<char, HOST_NAME_MAX + 1> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "unknown";
+  return name.data();
+}
 
 // ---- RunSettings --------------------------------------------------------------------
 
@@ -252,7 +255,27 @@ fs::path RunFolder::slot(SlotAddress address) const {
   return generation(address.generation) / fmt::format("{:02}{}", address.slot, slot_suffix);
 }
 
+SlotAddress RunFolder::address(int number) const {
+  const int population = std::max(1, settings_.number("population"));
+  return {number / population, number % population};
+}
+
 std::vector<int> RunFolder::generations() const { return numbered(path_, generation_prefix, ""); }
+
+std::vector<Launch> RunFolder::launches(int generation_number) const {
+  std::vector<Launch> launches;
+  for (const auto& entry : fs::directory_iterator(generation(generation_number))) {
+    if (entry.path().extension() != ".running") continue;
+    std::ifstream file(entry.path());  // may be gone by now
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    const Json mark = Json::parse(text, nullptr, false);
+    if (mark.is_object())
+      launches.push_back({entry.path().stem().string(), mark.value("host", "")});
+  }
+  std::sort(launches.begin(), launches.end(),
+            [](const Launch& a, const Launch& b) { return a.slots < b.slots; });
+  return launches;
+}
 
 std::vector<int> RunFolder::trained_slots(int generation_number) const {
   return numbered(generation(generation_number), "", slot_suffix);
@@ -315,8 +338,10 @@ void RunHistory::update() {
 // Asked whether it is finished before its files are listed: none is missed.
 void RunHistory::read_generation(Generation& generation) {
   generation.finished = fs::exists(folder_.ranking(generation.number));
+  const bool grows = folder_.layout() == Layout::steady;
   if (const fs::path file = folder_.population(generation.number);
-      generation.population.empty() && fs::exists(file)) {
+      (grows || generation.population.empty()) && fs::exists(file)) {
+    generation.population.clear();
     for (const Robot& robot : read_robots(file.string(), BodyCheck::any))
       generation.population.push_back(robot.id);
     generation.slots.resize(std::max(generation.slots.size(), generation.population.size()));

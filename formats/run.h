@@ -7,6 +7,7 @@
 //   gen-003/population.jsonl  the robots of a generation; line k, from 0, is slot k
 //   gen-003/07.json           slot 7 after its training: the robot with its
 //                             fitness, or with what made its training fail
+//   gen-003/07.running        while a process trains slot 7: its machine
 //   gen-003/scores.jsonl      all slots in order, once every slot is there
 //   gen-003/ranking.tsv       best first; the generation is finished
 //   policies/ID.policy.h5     logs/ID.log     by robot, not by slot: a survivor
@@ -67,7 +68,17 @@ class RunSettings {
 // ---- slots and times --------------------------------------------------------------
 
 // How a run numbers its slots, the setting `layout`; without one, by generation.
-enum class Layout { generations };
+enum class Layout {
+  generations,  // a population is proposed at once, from the scores of the one before
+  // Robot k is slot k % P of generation k / P, P the setting `population`. Populations
+  // grow robot by robot; `window` says which scores a robot is proposed from, and
+  // `policies` and `logs` are split by the first two digits of ids.
+  steady,
+};
+
+// The folder within `policies` and `logs` that a robot's files are in, for the many
+// robots of a steady run.
+inline std::string run_shard(const std::string& id) { return id.substr(0, 2); }
 
 // A place in a population, from 0.
 struct SlotAddress {
@@ -75,6 +86,9 @@ struct SlotAddress {
   int slot = 0;
   bool operator==(const SlotAddress&) const = default;
 };
+
+// What this machine is called: by Slurm, where it runs us, else by itself.
+std::string this_machine();
 
 // What one process spent on training one robot. A training that was interrupted
 // has several.
@@ -85,6 +99,13 @@ struct Timing {
   double seconds = 0.0;
   std::int64_t steps = 0;  // environment steps taken
   bool finished = false;
+};
+
+// Slots that a process is training, RUN/gen-003/05-09.running. It takes the file away
+// when it ends; left behind, the process was killed or its machine lost.
+struct Launch {
+  std::string slots;  // "07", "05-09", "all"
+  std::string host;
 };
 
 // ---- the folder -------------------------------------------------------------------
@@ -110,16 +131,26 @@ class RunFolder {
   std::filesystem::path slot(SlotAddress address) const;
   std::filesystem::path policies() const { return path_ / "policies"; }
   std::filesystem::path policy(const std::string& id) const {
-    return policies() / (id + ".policy.h5");
+    return sharded(policies(), id) / (id + ".policy.h5");
   }
   std::filesystem::path logs() const { return path_ / "logs"; }
-  std::filesystem::path log(const std::string& id) const { return logs() / (id + ".log"); }
+  std::filesystem::path log(const std::string& id) const {
+    return sharded(logs(), id) / (id + ".log");
+  }
   std::filesystem::path timings() const { return path_ / "timings"; }
   std::filesystem::path history() const { return path_ / "history.jsonl"; }
   std::filesystem::path best() const { return path_ / "best.json"; }
 
+  // Where robot `number` of a steady run is.
+  SlotAddress address(int number) const;
+
   // Generations begun, in order.
   std::vector<int> generations() const;
+  // By slots, in alphabetical order.
+  std::vector<Launch> launches(int generation) const;
+  std::filesystem::path launch(int generation, const std::string& slots) const {
+    return this->generation(generation) / (slots + ".running");
+  }
   // Slots trained of a generation, in order.
   std::vector<int> trained_slots(int generation) const;
   // The robot that a slot is to train. Throws Error(no_input) without a
@@ -132,6 +163,9 @@ class RunFolder {
 
  private:
   RunFolder(std::filesystem::path path, RunSettings settings);
+  std::filesystem::path sharded(const std::filesystem::path& folder, const std::string& id) const {
+    return layout_ == Layout::steady ? folder / run_shard(id) : folder;
+  }
 
   std::filesystem::path path_;
   RunSettings settings_;

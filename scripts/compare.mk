@@ -24,19 +24,28 @@ SEEDS   ?= 1 2 3
 # svg, png or pdf
 PLOT    ?= svg
 
-unknown := $(filter-out $(patsubst $(SCRIPTS)%.mk,%,$(wildcard $(SCRIPTS)ga.mk $(SCRIPTS)neat.mk $(SCRIPTS)bo.mk)),$(METHODS))
-$(if $(unknown),$(error METHODS may be ga, neat and bo; there is no '$(unknown)'))
+known := ga neat bo
+unknown := $(filter-out $(known) $(known:%=steady-%),$(METHODS))
+$(if $(unknown),$(error METHODS may be ga, neat and bo, with generations, and steady-ga, steady-neat and steady-bo, without; there is no '$(unknown)'))
+# The pipeline of a method.
+pipeline = $(if $(filter steady-%,$(1)),'$(SCRIPTS)steady.mk' METHOD=$(patsubst steady-%,%,$(1)),'$(SCRIPTS)$(1).mk')
 
 RUNS := $(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach seed,$(SEEDS),$(RUN)/$(task)/$(method)-$(seed))))
 
-.PHONY: all $(RUNS)
+.PHONY: all list $(RUNS)
+all:
+
+# The runs, one a line, each a target of its own: for a scheduler's array.
+list:
+	@printf '%s\n' $(RUNS)
+
 all: $(RUN)/compare.$(PLOT) $(RUN)/compare.html
 
 # $(1) folder, $(2) task, $(3) method, $(4) seed. Runs go side by side, so none
 # of them draws live curves; evo-inspect shows how far one is.
 define run
 $(1):
-	+@$$(MAKE) -s -f '$$(SCRIPTS)$(3).mk' RUN='$(1)' TASK='$(2)' SEED='$(4)'
+	+@$$(MAKE) -s -f $$(call pipeline,$(3)) RUN='$(1)' TASK='$(2)' SEED='$(4)'
 	@jq -r '"$(2)  $(3)-$(4)  best \(.fitness)"' '$(1)/best.json'
 endef
 $(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach seed,$(SEEDS),\

@@ -7,8 +7,15 @@
 # every file appears under its name when it is whole. Killing the run at any
 # moment and giving the same command again goes on where it was.
 
+# A recipe ends with make, even if make alone is killed.
+ifneq ($(wildcard /usr/bin/setpriv),)
+SHELL := /usr/bin/setpriv
+.SHELLFLAGS := --pdeathsig TERM /bin/bash -eu -o pipefail -c
+ends_with_us := setpriv --pdeathsig TERM
+else
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
+endif
 .DELETE_ON_ERROR:
 .SUFFIXES:
 MAKEFLAGS += --no-builtin-rules --no-print-directory
@@ -43,6 +50,15 @@ VIDEO  ?= mp4
 VIDEO_OPTIONS ?=
 # Put in front of every training, such as LAUNCH='srun --exact -n1 -c1'.
 LAUNCH ?=
+# Robots that one launch trains, and cores that it has for them. They change no result.
+CHUNK  ?= 1
+CORES  ?= 1
+# How often a training may die before it is recorded as failed.
+TRIES  ?= 3
+# The tool that trains slots; scripts/train-slots says what it is given.
+TRAINER ?= evo-run train -j $(CORES)
+export LAUNCH TRAINER TRIES
+train_slots = exec '$(SCRIPTS)train-slots' '$(RUN)'
 
 SETTINGS := method=$(METHOD) task=$(TASK) population=$(POP) evaluations=$(EVALS) steps=$(STEPS) \
   seed=$(SEED) shape=$(SHAPE) algo=$(ALGO) train=$(TRAIN) physics=$(if $(PHYSICS),$(PHYSICS),task) \
@@ -55,7 +71,9 @@ BEST := $(RUN)/best.json $(RUN)/best.policy.h5 $(RUN)/best.$(VIDEO) $(RUN)/repor
 # One seed a stage and generation.
 stage_seed = $$(( $(SEED) * 1000000 + $(1) ))
 
-ifndef GEN
+ifdef GRAPH
+# ---- the robots of a run without generations: steady.mk has the rules --------------
+else ifndef GEN
 # ---- the whole run -----------------------------------------------------------
 
 .PHONY: all generations
@@ -72,14 +90,15 @@ watch := env -u MAKELEVEL evo-inspect --watch '$(RUN)' >&2 & \
   watcher=$$!; trap 'kill $$watcher 2> /dev/null && wait $$watcher || true' EXIT;
 
 # First the population, then its slots, whose number it may decide.
-generations: | $(RUN)/run.yaml
-	+@$(if $(dry_run)$(silent),,$(watch)) \
-	for gen in $(GENERATIONS); do \
-	  gen=$$(( 10#$$gen )); folder=$$(printf '$(RUN)/gen-%03d' $$gen); \
+make_part = $(ends_with_us) $(MAKE) -f $(firstword $(MAKEFILE_LIST))
+all_generations ?= for gen in $(GENERATIONS); do \
+	  gen=$$(( 10\#$$gen )); folder=$$(printf '$(RUN)/gen-%03d' $$gen); \
 	  [ -e "$$folder/ranking.tsv" ] || { \
-	    $(if $(dry_run),,$(MAKE) -s -f $(firstword $(MAKEFILE_LIST)) GEN=$$gen "$$folder/population.jsonl" &&) \
-	    $(MAKE) -f $(firstword $(MAKEFILE_LIST)) GEN=$$gen "$$folder/ranking.tsv"; }; \
+	    $(if $(dry_run),,$(make_part) -s GEN=$$gen "$$folder/population.jsonl" &&) \
+	    $(make_part) GEN=$$gen "$$folder/ranking.tsv"; }; \
 	done
+generations: | $(RUN)/run.yaml
+	+@$(if $(dry_run)$(silent),,$(watch)) $(all_generations)
 
 # Every setting of the run. A changed one is refused, never mixed in.
 $(RUN)/run.yaml: FORCE
@@ -117,11 +136,20 @@ PREVIOUS := $(lastword $(ALL_BEFORE))
 POPULATION := $(GENERATION)/population.jsonl
 SLOTS := $(foreach slot,$(slots),$(GENERATION)/$(slot).json)
 
-# The robot of one slot, trained as run.yaml says.
-$(SLOTS): $(GENERATION)/%.json: | $(POPULATION)
-	@$(LAUNCH) evo-run train '$(RUN)' --generation $(GEN) --slot $*
+# Slots by launches: 07.json, or 05-09.trained for several.
+ifeq ($(CHUNK),1)
+TRAINED := $(SLOTS)
+else
+TRAINED := $(shell awk -v n=$(words $(slots)) -v size='$(CHUNK)' -v folder='$(GENERATION)' 'BEGIN { \
+  for (first = 0; first < n; first = last + 1) { last = (first + size < n ? first + size : n) - 1; \
+    printf first == last ? "%s/%02d.json " : "%s/%02d-%02d.trained ", folder, first, last } }')
+endif
 
-$(GENERATION)/scores.jsonl: | $(SLOTS)
+# The robots of one launch, trained as run.yaml says.
+$(TRAINED): | $(POPULATION)
+	@$(train_slots) $(GEN) $(basename $(@F))
+
+$(GENERATION)/scores.jsonl: | $(TRAINED)
 	@cat $(SLOTS) > '$@.tmp' && mv '$@.tmp' '$@'
 
 $(GENERATION)/ranking.tsv: | $(GENERATION)/scores.jsonl

@@ -21,13 +21,15 @@ Accept new_robot(int rows, int cols, std::set<std::string>& seen) {
   };
 }
 
+CppnRobot with_body(Individual individual, int rows, int cols) {
+  Body body = decode(individual.genome, rows, cols);
+  return {std::move(individual.genome), std::move(body), std::move(individual.parents)};
+}
+
 std::vector<CppnRobot> with_bodies(std::vector<Individual> population, int rows, int cols) {
   std::vector<CppnRobot> robots;
-  for (Individual& individual : population) {
-    Body body = decode(individual.genome, rows, cols);
-    robots.push_back(
-        {std::move(individual.genome), std::move(body), std::move(individual.parents)});
-  }
+  for (Individual& individual : population)
+    robots.push_back(with_body(std::move(individual), rows, cols));
   return robots;
 }
 
@@ -47,6 +49,15 @@ std::vector<CppnRobot> next_robots(const NeatSettings& settings, int rows, int c
   check_ports(settings);
   return with_bodies(next_generation(settings, scored, new_robot(rows, cols, seen), state, seed),
                      rows, cols);
+}
+
+CppnRobot next_robot(const NeatSettings& settings, int rows, int cols,
+                     std::span<const Scored> population, std::set<std::string>& seen,
+                     NeatState& state, int number, std::uint64_t seed) {
+  check_ports(settings);
+  return with_body(
+      next_individual(settings, population, new_robot(rows, cols, seen), state, number, seed), rows,
+      cols);
 }
 
 }  // namespace evo

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "libevo/body/body.h"
-#include "libevo/evolve/neat.h"
+#include "libevo/evolve/neat_steady.h"
 
 namespace evo {
 
@@ -30,5 +30,10 @@ std::vector<CppnRobot> first_robots(const NeatSettings& settings, int rows, int 
 std::vector<CppnRobot> next_robots(const NeatSettings& settings, int rows, int cols,
                                    std::span<const Scored> scored, std::set<std::string>& seen,
                                    NeatState& state, std::uint64_t seed);
+
+// Robot `number` of a run without generations; throws like next_individual.
+CppnRobot next_robot(const NeatSettings& settings, int rows, int cols,
+                     std::span<const Scored> population, std::set<std::string>& seen,
+                     NeatState& state, int number, std::uint64_t seed);
 
 }  // namespace evo

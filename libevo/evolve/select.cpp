@@ -59,6 +59,14 @@ int paper_survivors(int population, int created, int max_evaluations) {
   return static_cast<int>(std::max<std::int64_t>(2, ceiling));
 }
 
+int known_scores(int robot, int window, int population) {
+  return robot < population ? 0 : std::max(0, robot - window);
+}
+
+int steady_parents(int population, int known, int max_evaluations) {
+  return paper_survivors(std::min(population, known), known, max_evaluations);
+}
+
 Indices rank(std::span<const double> scores) {
   Indices order = all_indices(scores.size());
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {

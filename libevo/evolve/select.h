@@ -24,6 +24,16 @@ using Indices = std::vector<std::size_t>;
 // M below 2, or more robots created than M.
 int paper_survivors(int population, int created, int max_evaluations);
 
+// Evolution without generations: robot k is proposed from exactly the scores of
+// robots 0 .. k - window - 1, the first `population` robots from none. Nobody waits
+// for a generation, and the run is the same whatever is trained at a time. Returns
+// the number of scores that robot k knows.
+int known_scores(int robot, int window, int population);
+
+// How many of the best robots scored are parents of such a robot: the paper's share,
+// of the population or, while there are fewer scores, of those. `known` >= 1.
+int steady_parents(int population, int known, int max_evaluations);
+
 // All indices, best (highest) score first; equal scores keep their order.
 Indices rank(std::span<const double> scores);
 

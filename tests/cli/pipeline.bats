@@ -127,7 +127,7 @@ kill_and_repeat() {
 
 @test "make -n shows the plan by slots" {
   run_make ga run -n > plan
-  [ "$(grep -c 'evo-run train' plan)" -ge 9 ]
+  [ "$(grep -c 'train-slots' plan)" -ge 9 ]
   [ ! -e run ] || [ ! -e run/gen-000 ]
 }
 

@@ -47,12 +47,19 @@ struct Run {
   }
 };
 
-// How many cells a painted body has of the kind that its place asks for.
-double checkerboard(const Genome& genome) {
-  const Body body = decode(genome, 5, 5);
+// How many cells a painted body has of the kind that its place asks for: diagonal
+// bands of four kinds.
+double bands(const Genome& genome) {
+  const Body body = decode(genome, 7, 7);
+  const auto wanted = [](int row, int col) {
+    if (row + col < 4) return Voxel::rigid;
+    if (row + col < 7) return Voxel::soft;
+    return row + col < 9 ? Voxel::horizontal : Voxel::empty;
+  };
   double sum = 0.0;
-  for (int k = 0; k < 25; ++k)
-    sum += body.cells[static_cast<std::size_t>(k)] == (k % 5 < 2 ? Voxel::rigid : Voxel::soft);
+  for (int row = 0; row < 7; ++row)
+    for (int col = 0; col < 7; ++col)
+      sum += body.cells[static_cast<std::size_t>(7 * row + col)] == wanted(row, col);
   return sum;
 }
 
@@ -68,7 +75,7 @@ double best_of_run(int robots, int window, std::uint64_t seed) {
     if (k > window)
       join(settings, all[static_cast<std::size_t>(k - window - 1)], population, state);
     const Individual made = next_individual(settings, population, accept_all, state, k, seed);
-    all.push_back({made.genome, checkerboard(made.genome)});
+    all.push_back({made.genome, bands(made.genome)});
     best = std::max(best, all.back().fitness);
   }
   return best;
@@ -107,29 +114,28 @@ TEST_CASE("steady NEAT: the species beyond its share gives up its worst member")
 
 TEST_CASE("steady NEAT: what does not improve has no children and dies out") {
   Run run{small_settings(), {}, {}};
-  run.settings.max_stagnation = 2;  // 12 scores
+  run.settings.max_stagnation = 1;  // 6 scores
+  const auto next = [&](int key) {
+    return next_individual(run.settings, run.population, accept_all, run.state, key, 1);
+  };
   run.tell(0, 0.0, 5.0);
-  for (int k = 1; k <= 12; ++k) run.tell(k, 20.0, k);
-  CHECK(run.state.species[0].members == std::vector<int>{0});
+  for (int k = 1; k <= 3; ++k) run.tell(k, 20.0, k);
+  for (int k = 4; k <= 6; ++k) run.tell(k, 0.0, failure);
   const auto shares = species_shares(run.settings, run.population, run.state);
   CHECK(shares[0] == 0.0);
   CHECK(shares[1] == Approx(6.0));
   for (int key = 20; key < 40; ++key) {
-    const Individual made =
-        next_individual(run.settings, run.population, accept_all, run.state, key, 1);
+    const Individual made = next(key);
     CHECK(made.genome.key == key);
     for (const int parent : made.parents) CHECK(parent != 0);
   }
-  run.tell(13, 20.0, 13.0);
-  CHECK(run.state.species.size() == 1);
-  // Everything stagnant: brand-new genomes.
-  for (int k = 41; k < 60; ++k) run.tell(k, 20.0, 0.0);
-  CHECK(
-      next_individual(run.settings, run.population, accept_all, run.state, 60, 1).parents.empty());
-  // Unless the best species is spared.
+  for (int k = 7; k <= 9; ++k) run.tell(k, 20.0, 3.0 + k);
+  CHECK(run.members() == std::vector<std::vector<int>>{{1, 2, 3, 7, 8, 9}});
+  // Everything stagnant: brand-new genomes, unless the best species is spared.
+  for (int k = 41; k < 47; ++k) run.tell(k, 20.0, 0.0);
+  CHECK(next(60).parents.empty());
   run.settings.species_elitism = 1;
-  CHECK_FALSE(
-      next_individual(run.settings, run.population, accept_all, run.state, 61, 1).parents.empty());
+  CHECK_FALSE(next(61).parents.empty());
 }
 
 TEST_CASE("steady NEAT: a child has its parents in one species, among its best") {

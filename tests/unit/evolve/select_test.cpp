@@ -181,3 +181,17 @@ TEST_CASE("no front is dominated by a later one") {
 TEST_CASE("rows of another length than the signs are refused") {
   CHECK_THROWS_AS(select_pareto({{1.0, 1.0}, {{1.0}}}, 1), Error);
 }
+
+TEST_CASE("without generations: what a robot knows, and how many parents it may have") {
+  // Population 25, window 10: the first 25 robots know nothing.
+  CHECK(known_scores(24, 10, 25) == 0);
+  CHECK(known_scores(25, 10, 25) == 15);
+  CHECK(known_scores(99, 10, 25) == 89);
+  CHECK(known_scores(30, 40, 25) == 0);
+  CHECK(known_scores(41, 40, 25) == 1);
+  // With whole populations known it is the schedule of the generations.
+  for (const int known : {25, 40, 100, 249, 250})
+    CHECK(steady_parents(25, known, 250) == paper_survivors(25, known, 250));
+  CHECK(steady_parents(25, 10, 250) == 6);  // 0.6 of ten, nearly
+  CHECK(steady_parents(25, 1, 250) == 2);
+}

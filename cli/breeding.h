@@ -1,0 +1,43 @@
+// New robots by number: each is drawn from the random stream of its own number, so
+// that it does not depend on which others are made in the same call.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "cli/command.h"
+#include "cli/robots.h"
+#include "formats/neat.h"
+#include "libevo/body/operators.h"
+#include "libevo/evolve/cppn_neat.h"
+
+namespace evo::cli {
+
+struct BreedingOptions {
+  MutationSettings mutation;
+  double crossover = 0.0;  // chance of a child to have two parents
+
+  // --rate, --attempts and --crossover.
+  void add_to(Command& command);
+  // Throws Error(usage) for what is out of range.
+  void check() const;
+};
+
+// A random valid robot whose id is not in `seen`, which it joins. Throws Error(work)
+// when none is found.
+Robot sample_robot(const Shape& shape, const VoxelWeights& weights, std::uint64_t seed, int index,
+                   std::set<std::string>& seen);
+
+// A child of robots drawn uniformly from `parents`, likewise.
+Robot breed_robot(const std::vector<Robot>& parents, const BreedingOptions& options,
+                  std::uint64_t seed, int index, std::set<std::string>& seen);
+
+// Settings of NEAT from a file, else from tasks/neat.yaml, for a population of `count`.
+NeatSettings neat_settings(const std::optional<std::string>& file, int count);
+
+// The document of a genome with its body, `index` counting under `seed`.
+Robot cppn_robot(const CppnRobot& made, const std::vector<std::string>& parents, std::uint64_t seed,
+                 int index);
+
+}  // namespace evo::cli

@@ -1,0 +1,25 @@
+// Evolution without generations. Robot k is proposed from exactly the scores of
+// robots 0 .. k-W-1 (setting `window`, W), never from what happens to be there: the
+// run is the same on one core and on a thousand, in whatever order its trainings
+// end, and nobody waits for a generation. Until then W robots may be in training.
+//
+//   ga    a child of the best so far, whose number shrinks as in the paper
+//   neat  a child within a species (libevo/evolve/neat_steady.h)
+//   bo    what the Gaussian process expects most of, given the scores and, as if they
+//         had the expected ones, the W robots that are pending; its parameters are
+//         fitted anew once a population
+//
+// Robots are filed as generations of `population` robots each, by number.
+#pragma once
+
+#include "formats/run.h"
+
+namespace evo::cli {
+
+// Makes sure that the first `robots` robots of the run are in its populations.
+// Returns the exit status. Throws Error(no_input) when a score they need is missing,
+// Error(usage) for a run with generations, more robots than the run has, or an
+// unknown method. One process at a time.
+int propose_robots(const RunFolder& run, int robots);
+
+}  // namespace evo::cli

@@ -1,0 +1,103 @@
+# Runs under Slurm: a private one, two virtual nodes of two cores each.
+load helpers
+
+setup_file() {
+  if ! command -v sbatch > /dev/null || ! PATH=$PATH:/usr/sbin command -v slurmctld munged > /dev/null; then
+    skip "Slurm is not here (apt-get install slurm-wlm munge)"
+  fi
+  CPUS=2 MEMORY=4000 "$EVO_SOURCE/scripts/slurm/one-node" "$BATS_FILE_TMPDIR/slurm" 2 > "$BATS_FILE_TMPDIR/conf"
+  SLURM_CONF=$BATS_FILE_TMPDIR/slurm/slurm.conf
+  export SLURM_CONF
+}
+
+teardown_file() {
+  if [ -e "$BATS_FILE_TMPDIR/slurm" ]; then "$EVO_SOURCE/scripts/slurm/one-node" --stop "$BATS_FILE_TMPDIR/slurm"; fi
+}
+
+small=(POP=6 EVALS=18 SHAPE=4x4)
+
+# submit RUN [sbatch options] -- [make arguments]; the job's number is in $job.
+submit() {
+  local answer
+  answer=$("$EVO_SOURCE/scripts/slurm/submit" "$@")
+  job=$(grep -o '^job [0-9]*' <<< "$answer" | cut -d' ' -f 2)
+}
+# The arguments of make for an evolution trained by the stand-in, and nothing else.
+evolution=("${settings[@]}" -s "TRAINER=$stand_in")
+
+gone() { [ -z "$(squeue --noheader --job "$job" 2> /dev/null)" ]; }
+running() { [ "$(squeue --noheader --job "$job" --format=%T)" = RUNNING ]; }
+waiting() { [ "$(squeue --noheader --job "$job" --format=%T)" = PENDING ]; }
+trained() { [ -e run/stand-in.log ] && [ "$(grep -c ^end run/stand-in.log)" -ge "$1" ]; }
+ended() {
+  within 120 gone || { squeue; cat run/slurm/*.log; return 1; }
+  [ -e run/history.jsonl ] || { cat run/slurm/*.log; return 1; }
+}
+
+@test "a genetic algorithm over two nodes ends with the bytes of make -j2" {
+  real=(POP=4 EVALS=9 SHAPE=4x4 VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 10")
+  run_make ga calm "${real[@]}" -j2 -s
+  submit run --ntasks=4 --mem-per-cpu=300 -- -f "$EVO_SOURCE/scripts/ga.mk" "${settings[@]}" "${real[@]}"
+  ended
+  diff <(essence calm) <(essence run)
+  cmp calm/best.json run/best.json
+  # Both nodes have trained.
+  [ "$(cd run/timings && echo *)" = "n1.jsonl n2.jsonl" ]
+}
+
+@test "a node is lost in the middle: its trainings are done elsewhere" {
+  export SECONDS_EACH=0.4
+  evolve steady calm "${small[@]}" -j7 SECONDS_EACH=0
+  submit run --ntasks=4 -- "${evolution[@]}" "${small[@]}" "$PWD/run/history.jsonl"
+  within 30 trained 3
+  kill -KILL "$(< "$BATS_FILE_TMPDIR/slurm/n2.pid")"
+  ended
+  diff <(essence calm) <(essence run)
+  PATH=$PATH:/usr/sbin slurmd -c -N n2
+  idle() { [ "$(sinfo --noheader --Node --partition=main --states=idle --format=%N | wc -l)" -eq 2 ]; }
+  within 60 idle
+}
+
+@test "a training that is cancelled is done again" {
+  export SECONDS_EACH=0.5
+  evolve steady calm "${small[@]}" -j7 SECONDS_EACH=0
+  submit run --ntasks=3 -- "${evolution[@]}" "${small[@]}" "$PWD/run/history.jsonl"
+  within 30 trained 2
+  step=
+  under_way() { step=$(squeue --noheader --steps --format=%i | grep -m 1 "^$job\.[0-9]"); }
+  within 10 under_way
+  scancel "$step"
+  ended
+  diff <(essence calm) <(essence run)
+  grep -q "started again" run/slurm/*.log
+}
+
+@test "preempted, it goes back into the queue and then on" {
+  export SECONDS_EACH=0.4
+  evolve steady calm "${small[@]}" -j7 SECONDS_EACH=0
+  submit run --ntasks=4 -- "${evolution[@]}" "${small[@]}" "$PWD/run/history.jsonl"
+  within 30 trained 3
+  sbatch --parsable --partition=urgent --ntasks=4 --nodes=2 --output=/dev/null --wrap "sleep 3" > urgent
+  within 30 waiting
+  cp run/stand-in.log before
+  ended
+  diff <(essence calm) <(essence run)
+  # What was done before was not done again.
+  [ -z "$(grep ^end run/stand-in.log | cut -d' ' -f 2 | sort | uniq -d)" ]
+}
+
+@test "an array has a job for every run of a comparison" {
+  submit --array run --cpus-per-task=1 -- "${settings[@]:1}" "${small[@]}" TASKS=Walker-v0 METHODS="ga steady-bo" SEEDS="1 2" \
+    "TRAINER=$stand_in" VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 10"
+  [ "$(wc -l < run/slurm/runs)" -eq 4 ]
+  grep -q '^#SBATCH --array=1-4' run/slurm/job.sh
+}
+
+@test "without sbatch it says what to do, and the script is there" {
+  mkdir bin
+  for program in bash dirname realpath basename mkdir mv cat nproc wc make sed cut; do ln -s "$(command -v $program)" bin/; done
+  PATH=$PWD/bin run -69 "$EVO_SOURCE/scripts/slurm/submit" run --ntasks=8 -- EVALS=100 STEPS=65536
+  [[ $output == *"sbatch is not here"* && $output == *"one-node"* ]]
+  grep -q '^#SBATCH --ntasks=8' run/slurm/job.sh
+  bash -n run/slurm/job.sh
+}

@@ -1,0 +1,49 @@
+# Evolution without generations: the same run for any number of workers, order of
+# finishing and size of chunks, however often it is killed.
+load helpers
+
+small=(POP=5 EVALS=22 WINDOW=7 SHAPE=4x4)
+
+# Robot k is proposed from exactly the scores of robots 0 .. k-W-1: with all others
+# changed it is the same robot.
+@test "ga, neat and bo: 1, 2 and 7 workers, any chunks, killed or not, end the same" {
+  for method in ga neat bo; do
+    evolve steady one METHOD=$method "${small[@]}" SECONDS_EACH=0
+    [ "$(wc -l < one/history.jsonl)" -eq 22 ]
+    [ "$(jq -r .id one/history.jsonl | sort -u | wc -l)" -eq 22 ]
+    SECONDS_EACH=0.01 evolve steady two METHOD=$method "${small[@]}" -j2
+    SECONDS_EACH=0.03 evolve steady seven METHOD=$method "${small[@]}" -j7 CHUNK=2
+    for ((kills = 0; kills < 3; kills++)); do
+      SECONDS_EACH=0.03 evolve_behind steady stormy METHOD=$method "${small[@]}" -j5 CHUNK=4
+      sleep "0.$((RANDOM % 9 + 1))"
+      kill_make
+    done
+    evolve steady stormy METHOD=$method "${small[@]}" -j3 CHUNK=3 SECONDS_EACH=0
+    for other in two seven stormy; do diff <(essence one) <(essence $other); done
+    rm -r one two seven stormy
+  done
+}
+
+@test "nothing that is not needed is waited for, nothing is trained twice" {
+  # The first robot takes long; the others of its window go on meanwhile.
+  evolve steady run "${small[@]}" -j4 SECONDS_EACH=0.05
+  [ "$(grep -c ^end run/stand-in.log)" -eq 22 ]
+  [ "$(grep -c ^start run/stand-in.log)" -eq 22 ]
+  # A finished generation is four files, whatever its robots were.
+  for folder in run/gen-*; do
+    [ "$(cd "$folder" && echo *)" = "population.jsonl ranking.tsv scores.jsonl" ]
+  done
+}
+
+@test "the state may be lost: the same robots are proposed again" {
+  for method in ga neat bo; do
+    evolve steady calm METHOD=$method "${small[@]}" SECONDS_EACH=0
+    SECONDS_EACH=0.05 evolve_behind steady lost METHOD=$method "${small[@]}" -j2
+    sleep 2
+    kill_make
+    rm -f lost/steady.json
+    evolve steady lost METHOD=$method "${small[@]}" SECONDS_EACH=0
+    diff <(essence calm) <(essence lost)
+    rm -r calm lost
+  done
+}

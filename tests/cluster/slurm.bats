@@ -69,7 +69,7 @@ ended() {
   scancel "$step"
   ended
   diff <(essence calm) <(essence run)
-  grep -q "started again" run/slurm/*.log
+  grep -q "ended with status 137 on n[12], 1 of 3 times" run/slurm/*.log
 }
 
 @test "preempted, it goes back into the queue and then on" {

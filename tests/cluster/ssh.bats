@@ -13,6 +13,7 @@ while :; do case $1 in -l | -o | -p | -S) shift 2 ;; -* | --) shift ;; *) break 
 case $1 in nowhere*) echo "ssh: Could not resolve hostname $1" >&2; exit 255 ;; esac
 export SLURMD_NODENAME=$1
 shift
+if [ "$1" = -- ]; then shift; fi
 exec bash -c "$*" < /dev/null
 END
   chmod +x bin/ssh

@@ -1,12 +1,18 @@
-// Where the tools find tasks and profiles by name.
+// Where the tools find tasks, profiles and pipelines by name.
 #pragma once
+
+#include <filesystem>
 
 #include "formats/data_folders.h"
 
 namespace evo::cli {
 
-// Folders in $EVO_TASKS (separated by colons), the one installed beside the
-// executable, the one of the checkout the executable was built from.
+// The folder that holds tasks/ and scripts/: $EVO_DATA; else the one installed
+// with the running executable, wherever its prefix was moved; else the checkout
+// the executable was built in. Throws Error(no_input) when there is none.
+std::filesystem::path data_root();
+
+// Folders in $EVO_TASKS (separated by colons), then data_root()'s tasks.
 DataFolders data_folders();
 
 }  // namespace evo::cli

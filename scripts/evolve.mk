@@ -21,8 +21,10 @@ endif
 MAKEFLAGS += --no-builtin-rules --no-print-directory
 
 SCRIPTS := $(dir $(lastword $(MAKEFILE_LIST)))
-# The tools of this checkout, if it was built; else the installed ones.
-export PATH := $(or $(abspath $(wildcard $(SCRIPTS)../build/release/bin)),/usr/local/bin):$(PATH)
+# The tools of this checkout, if it was built; those installed with this file
+# (PREFIX/share/evo/scripts); else those in PATH.
+tools_here := $(firstword $(wildcard $(SCRIPTS)../build/release/bin/evo-train $(SCRIPTS)../../../bin/evo-train))
+export PATH := $(if $(tools_here),$(abspath $(dir $(tools_here))):)$(PATH)
 
 # Lines of a tool's table without its heading, tabs as commas.
 tool_lines = $(shell PATH='$(PATH)' $(1) | tail -n +2 | tr '\t' ,)

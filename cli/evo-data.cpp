@@ -1,0 +1,67 @@
+// evo-data: where tasks, profiles and pipelines are, for make and for scripts.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <system_error>
+
+#include "cli/command.h"
+#include "cli/data.h"
+#include "formats/data_folders.h"
+#include "formats/task.h"
+#include "libevo/base/error.h"
+
+namespace {
+
+using namespace evo;
+namespace fs = std::filesystem;
+
+// "scripts/ga.mk", "tasks", .. as absolute paths. `..` would leave the folder.
+fs::path locate(const fs::path& root, const std::string& name) {
+  const fs::path asked = fs::path(name).lexically_normal();
+  const bool inside = asked.is_relative() && *asked.begin() != "..";
+  std::error_code missing;
+  if (inside && fs::exists(root / asked, missing)) return (root / asked).lexically_normal();
+  std::vector<std::string> known;
+  for (const char* folder : {"scripts", "tasks", "tasks/physics", "tasks/training"})
+    for (const auto& entry : fs::directory_iterator(root / folder, missing))
+      known.push_back(fs::path(folder) / entry.path().filename());
+  throw error(Failure::no_input, "{} has no '{}'{}", root.string(), name,
+              did_you_mean(name, known));
+}
+
+std::vector<std::string> names_of(const std::string& kind) {
+  if (kind == "tasks") return task_names(cli::data_folders());
+  if (kind == "physics" || kind == "training") return data_names(cli::data_folders(), kind);
+  throw error(Failure::usage, "--names: '{}' is not tasks, physics or training{}", kind,
+              did_you_mean(kind, {"tasks", "physics", "training"}));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Command command("evo-data", "where tasks, profiles and pipelines are");
+  std::vector<std::string> paths;
+  std::optional<std::string> names;
+  command.arguments(paths, "PATH",
+                    "files and folders within the data folder, such as scripts/ga.mk or "
+                    "tasks/Walker-v0.yaml [the data folder itself]");
+  command.option("--names", names, "KIND",
+                 "instead of paths: the names of all tasks, or of the profiles in physics or "
+                 "training, one a line");
+  command.example("make -f \"$(evo-data scripts/ga.mk)\" RUN=runs/walker TASK=Walker-v0 -j8",
+                  "a pipeline, from any folder");
+  command.example("cp \"$(evo-data tasks/Walker-v0.yaml)\" my-walker.yaml",
+                  "a task of your own, from one that is there");
+  return command.run(argc, argv, [&] {
+    if (names) {
+      for (const std::string& name : names_of(*names)) fmt::print("{}\n", name);
+      return 0;
+    }
+    const fs::path root = cli::data_root();
+    if (paths.empty()) fmt::print("{}\n", root.string());
+    std::vector<std::string> found;  // all, or nothing
+    for (const std::string& path : paths) found.push_back(locate(root, path).string());
+    for (const std::string& path : found) fmt::print("{}\n", path);
+    return 0;
+  });
+}

@@ -1,0 +1,21 @@
+#!/bin/sh
+# The manual page of a tool from its help: page.sh TOOL VERSION SEE-ALSO > TOOL.1
+# help2man runs this script again (with EVO_TOOL set) to read the help in the form
+# that it knows: of examples, what they do as a paragraph, the command further in.
+set -eu
+if [ -n "${EVO_TOOL:-}" ]; then
+  "$EVO_TOOL" --help | sed -E '1,2d
+    /^Examples:/,/^Exit status:/ {
+      s/^  # (.*)$/\n\1:\n/
+      s/^  ([a-z].*)$/       \1\n/
+    }
+    s/^Exit status: (.*)$/Exit status:\n\1/'
+  exit
+fi
+tool=$1 version=$2 also=$3
+name=$(basename "$tool")
+purpose=$("$tool" --help | sed -n '1s/^[^ ]* - //p')
+EVO_TOOL=$tool help2man --no-info --section=1 --version-string="$version" --name="$purpose" \
+  --include="$also" "$0" |
+  sed "s/page\\.sh/$name/g; s/PAGE\\.SH/$(echo "$name" | tr a-z A-Z)/g
+    s/^Exit status:\$/.SH \"EXIT STATUS\"/"

@@ -1,0 +1,18 @@
+# Completion of the evo tools in bash. Options are those of the tool's own help;
+# names of tasks and profiles are asked for when they are needed.
+_evo() {
+  local tool=$1 word=$2 previous=$3
+  COMPREPLY=()
+  case $previous in
+    --task) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names tasks 2> /dev/null)" -- "$word") ;;
+    --physics) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names physics 2> /dev/null)" -- "$word") ;;
+    --train) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names training 2> /dev/null)" -- "$word") ;;
+    *)
+      [[ $word == -* ]] || return 0  # a file
+      mapfile -t COMPREPLY < <(compgen -W \
+        "$("$tool" --help 2> /dev/null | sed -nE 's/^  (-[a-zA-Z], |    )(--[a-z-]+).*/\2/p')" -- "$word")
+      ;;
+  esac
+}
+complete -o bashdefault -o default -F _evo \
+  evo-{bench,convert,data,env,eval,inspect,mutate,neat,render,report,sample,select,suggest,train}

@@ -1,0 +1,70 @@
+# Manual pages and completion: there for every tool, well formed, and as the
+# tools are.
+load helpers
+
+pages="$EVO_BIN/../docs/man"
+
+@test "every tool has a manual page, without warnings of the formatter" {
+  command -v man > /dev/null || skip "man is not installed"
+  [ -e "$pages/evo.7" ] || skip "built without help2man or scdoc"
+  for page in $(cd "$EVO_BIN" && printf '%s.1\n' evo-*) evo.7 evo-formats.5; do
+    LC_ALL=C.UTF-8 MANWIDTH=80 man -l --warnings=w "$pages/$page" 2> warnings | col -b > text
+    [ ! -s warnings ] || { echo "$page: $(cat warnings)" >&2; return 1; }
+    grep -q '^NAME' text
+  done
+}
+
+@test "a page says what the help says: every option, the examples, the exit statuses" {
+  [ -e "$pages/evo.7" ] || skip "built without help2man or scdoc"
+  for tool in $(cd "$EVO_BIN" && printf '%s\n' evo-*); do
+    page="$pages/$tool.1"
+    head -c 300 "$page" | grep -q "$tool"
+    "$tool" --help | sed -nE 's/^  (-[a-zA-Z], |    )(--[a-z-]+).*/\2/p' | while read -r option; do
+      grep -qF -- "${option//-/\\-}" "$page" || { echo "$tool: no $option" >&2; exit 1; }
+    done
+    for section in EXAMPLES '"EXIT STATUS"' '"SEE ALSO"'; do grep -qx ".SH $section" "$page"; done
+    run ! grep -qi 'page\\*.sh' "$page"
+  done
+}
+
+@test "evo(7) names every tool" {
+  for tool in $(cd "$EVO_BIN" && printf '%s\n' evo-*); do
+    grep -qF "*$tool*(1)" "$EVO_SOURCE/docs/man/evo.7.scd"
+  done
+}
+
+# What bash would offer for the last word of a line.
+offers() {
+  local words=("$@")
+  bash -c 'source "$1"; shift; COMP_WORDS=("$@"); _evo "$1" "${!#}" "${*: -2:1}"; printf "%s\n" "${COMPREPLY[@]}"' \
+    bash "$EVO_SOURCE/scripts/completion/evo.bash" "${words[@]}"
+}
+
+@test "bash: options of the tool, names of tasks and profiles" {
+  offers evo-eval --rollout | diff - <(printf '%s\n' --rollout --rollout-dir --rollout-velocities)
+  offers evo-eval --task Walk | diff - <(echo Walker-v0)
+  [ "$(offers evo-train --task '' | wc -l)" -eq "$(evo-data --names tasks | wc -l)" ]
+  offers evo-train --physics f | diff - <(echo fast)
+  offers evo-train --train pap | diff - <(echo paper)
+  [ -z "$(offers evo-eval walk)" ]
+}
+
+@test "bash: every tool is completed" {
+  bash -c 'source "$1"; complete -p' bash "$EVO_SOURCE/scripts/completion/evo.bash" | sed 's/.* //' | sort > completed
+  (cd "$EVO_BIN" && printf '%s\n' evo-*) | sort | diff - completed
+}
+
+@test "zsh: options and names, in a shell with its own completion system" {
+  command -v zsh > /dev/null || skip "zsh is not installed"
+  zsh -f -c 'fpath=("'"$EVO_SOURCE"'/scripts/completion" $fpath); autoload -U compinit; compinit -D
+    [[ ${_postpatcomps[evo-*]} == _evo ]]'
+  cat > offers.zsh <<'END'
+compadd() { [[ $1 == -a ]] && print -l -- ${(P)2}; }
+_files() { print files; }
+words=("$@") CURRENT=$#
+source "$EVO_SOURCE/scripts/completion/_evo"
+END
+  zsh -f offers.zsh evo-eval --task '' | grep -qx Walker-v0
+  zsh -f offers.zsh evo-eval -- | grep -qx -- --rollout-dir
+  zsh -f offers.zsh evo-eval walk | diff - <(echo files)
+}

@@ -1,6 +1,7 @@
 #include "cli/episodes.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "cli/command.h"
 #include "formats/physics.h"
@@ -8,14 +9,13 @@
 namespace evo::cli {
 namespace {
 
-void append(std::vector<double>& to, std::span<const double> values) {
-  to.insert(to.end(), values.begin(), values.end());
+bool is_int(const Json& value) {
+  return value.is_number_integer() && value >= std::numeric_limits<int>::min() &&
+         value <= std::numeric_limits<int>::max();
 }
 
-// Row `index` of an array of rows of this length.
-std::span<const double> row(std::span<const double> values, int index, int length) {
-  return values.subspan(static_cast<std::size_t>(index) * static_cast<std::size_t>(length),
-                        static_cast<std::size_t>(length));
+void append(std::vector<double>& to, std::span<const double> values) {
+  to.insert(to.end(), values.begin(), values.end());
 }
 
 }  // namespace
@@ -51,7 +51,9 @@ void Recorder::record(const EpisodeMoment& moment) {
     episode.terminations.push_back(env.terminated()[lane]);
     episode.truncations.push_back(env.truncated()[lane]);
   }
-  append(episode.observations, row(env.observations(), moment.lane, rollout_.observation_length));
+  append(episode.observations,
+         env.observations().subspan(env.observation_offset(moment.lane),
+                                    static_cast<std::size_t>(rollout_.observation_length)));
   const auto positions = env.positions(moment.lane);
   episode.positions.insert(episode.positions.end(), positions.begin(), positions.end());
   if (velocities_) {
@@ -67,26 +69,25 @@ Json draws_to_json(const Draws& draws) {
   return json;
 }
 
-Draws draws_from_json(const Json& json, const TaskSpec& task) {
+Draws draws_from_json(const Json& json, const TaskSpec& task, const std::string& where) {
   std::vector<std::string> names;
   for (const DrawnInteger& drawn : task.draws) names.push_back(drawn.name);
   if (task.goals) names.push_back("goals");
   if (!json.is_object())
-    throw error(Failure::usage, "--draws: expected a JSON object such as {{\"ox\":0,\"oy\":3}}");
+    throw error(Failure::usage, "{}: expected a JSON object such as {{\"ox\":0,\"oy\":3}}", where);
   Draws draws;
   for (const auto& [name, value] : json.items()) {
     if (std::find(names.begin(), names.end(), name) == names.end())
-      throw error(Failure::usage, "--draws: {} draws nothing named '{}'{}; it draws: {}", task.name,
-                  name, did_you_mean(name, names),
+      throw error(Failure::usage, "{}: {} draws nothing named '{}'{}; it draws: {}", where,
+                  task.name, name, did_you_mean(name, names),
                   names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", ")));
     const bool is_list = name == "goals" && task.goals;
     const bool fits = is_list ? value.is_array() && !value.empty() &&
-                                    std::all_of(value.begin(), value.end(),
-                                                [](const Json& v) { return v.is_number_integer(); })
-                              : value.is_number_integer();
+                                    std::all_of(value.begin(), value.end(), is_int)
+                              : is_int(value);
     if (!fits)
-      throw error(Failure::usage, "--draws: '{}' must be {}, not {}", name,
-                  is_list ? "a list of integers" : "an integer", value.dump());
+      throw error(Failure::usage, "{}: '{}' must be {}, not {}", where, name,
+                  is_list ? "a list of integers" : "an integer", shown(value));
     if (is_list) {
       draws.goals = value.get<std::vector<int>>();
     } else {
@@ -94,7 +95,7 @@ Draws draws_from_json(const Json& json, const TaskSpec& task) {
     }
   }
   for (const std::string& name : names)
-    if (!json.contains(name)) throw error(Failure::usage, "--draws: '{}' is missing", name);
+    if (!json.contains(name)) throw error(Failure::usage, "{}: '{}' is missing", where, name);
   return draws;
 }
 

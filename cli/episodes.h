@@ -27,8 +27,9 @@ class Recorder {
 
 // {"ox":0,"oy":3} or {"goals":[47,32]}; {} for a task without random parts.
 Json draws_to_json(const Draws& draws);
-// Throws Error(usage) unless the names are those the task draws.
-Draws draws_from_json(const Json& json, const TaskSpec& task);
+// Throws Error(usage) unless the names are those the task draws; `where` begins
+// every message.
+Draws draws_from_json(const Json& json, const TaskSpec& task, const std::string& where = "--draws");
 // As above from JSON text, or from the file (a rollout) of that name.
 Draws parse_draws(const std::string& text_or_file, const TaskSpec& task);
 

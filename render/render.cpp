@@ -310,16 +310,41 @@ Form form_of(const std::string& output) {
 
 // ---- stills -----------------------------------------------------------------------------------
 
-Image draw_moment(const Episode& episode, double step, const RenderOptions& options) {
+namespace {
+
+// The film of one episode that shows `step`, whatever range was asked for.
+Film film_at(const Episode& episode, double step, const RenderOptions& options) {
   check_options(options);
-  RenderOptions whole = options;  // the step is given: no range
-  whole.from = 0;
-  whole.to.reset();
-  const Film film({episode}, whole);
+  Film film({episode}, options);
   if (!(step >= 0 && step <= film.clips.front().steps()))
     throw error(Failure::usage, "there is no step {}: the episode has steps 0 to {}", step,
                 film.clips.front().steps());
+  return film;
+}
+
+RenderOptions without_range(RenderOptions options) {
+  options.from = 0;
+  options.to.reset();
+  return options;
+}
+
+}  // namespace
+
+Image draw_moment(const Episode& episode, double step, const RenderOptions& options) {
+  const RenderOptions whole = without_range(options);
+  const Film film = film_at(episode, step, whole);
   return paint_still([&](Typesetter& typesetter) { return film.frame(step, typesetter); });
+}
+
+Viewer::Viewer() : painter_(std::make_unique<Painter>()) {}
+Viewer::~Viewer() = default;
+
+Image Viewer::draw(const Episode& episode, double step, const RenderOptions& options) {
+  const RenderOptions whole = without_range(options);
+  const Film film = film_at(episode, step, whole);
+  Image image(options.size);
+  painter_->paint(film.frame(step, painter_->typesetter()), target(image));
+  return image;
 }
 
 Image draw_moments(const Episode& episode, int moments, const RenderOptions& options) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@
 #include "render/sheet.h"
 
 namespace evo::render {
+
+class Painter;
 
 // ---- still pictures ---------------------------------------------------------------
 // Errors: usage for options out of range, data for what cannot be drawn. Sheets
@@ -32,6 +35,22 @@ Image draw_robots(const std::vector<Robot>& robots, const RenderOptions& options
 // The best `rows` of each generation.
 Image draw_generations(const std::vector<Generation>& generations, int rows,
                        const RenderOptions& options);
+
+// Moments one after the other, drawn in this process with a GL context that is
+// kept: milliseconds each. A process that owns one must not call the functions
+// above and below (painter.h says why).
+class Viewer {
+ public:
+  Viewer();  // throws Error(work) where OSMesa gives no context
+  ~Viewer();
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  Image draw(const Episode& episode, double step, const RenderOptions& options);
+
+ private:
+  std::unique_ptr<Painter> painter_;
+};
 
 // ---- moving pictures ----------------------------------------------------------------
 

@@ -13,15 +13,16 @@ declare -A may=(
   [libevo/control]="libevo/base libevo/body libevo/sim libevo/task libevo/control"
   [libevo/evolve]="libevo/base libevo/body libevo/evolve"
   [formats]="libevo formats"
+  [api]="libevo formats api"
   [render]="libevo formats render"
-  [cli]="libevo formats render cli"
+  [cli]="libevo formats api render cli"
 )
 
 bad=0
 for room in "${!may[@]}"; do
   while IFS=: read -r file line include; do
     target=$(sed -E 's/.*"(.*)".*/\1/' <<<"$include")
-    case $target in libevo/*|formats/*|render/*|cli/*) ;; *) continue ;; esac
+    case $target in libevo/*|formats/*|api/*|render/*|cli/*) ;; *) continue ;; esac
     allowed=no
     for prefix in ${may[$room]}; do [[ $target == "$prefix"/* ]] && allowed=yes; done
     if [ $allowed = no ]; then echo "$file:$line: $room must not include $target"; bad=1; fi

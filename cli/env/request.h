@@ -1,0 +1,46 @@
+// Requests as JSON objects with one verb each (docs/evo-env.md), the same in
+// lines and in frames.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "api/session.h"
+#include "formats/json.h"
+#include "render/render.h"
+
+namespace evo::cli {
+
+struct Answer {
+  enum class Kind { state, document, picture };
+  Kind kind = Kind::state;
+  std::vector<int> environments;  // whose state was asked for, of Kind::state
+  Json document;
+  render::Image picture;
+};
+
+// The first thing a client hears: format, task, robots, lengths, bounds.
+Json describe(const Session& session);
+
+class Requests {
+ public:
+  explicit Requests(Session& session) : session_(session) {}
+
+  // Throws Error(data) for what is not a request, Error(usage) for one that
+  // cannot be fulfilled; the session is then as it was.
+  Answer answer(const Json& request, const std::string& where);
+
+ private:
+  Answer step(const Json& request);
+  Answer draw(const Json& wanted);
+
+  Session& session_;
+  std::vector<double> actions_;       // of all environments
+  std::vector<std::uint8_t> active_;  // of all environments
+  std::unique_ptr<render::Viewer> viewer_;
+};
+
+// The state of some environments as an object of rows.
+Json state_document(const Session& session, const std::vector<int>& environments);
+
+}  // namespace evo::cli

@@ -1,0 +1,26 @@
+"""Robots made of voxels on the tasks of Evolution Gym, simulated by evo-env.
+
+    import gymnasium, evo_robots
+    body, connections = evo_robots.sample_robot((5, 5))
+    env = gymnasium.make("evo/Walker-v0", body=body, connections=connections)
+
+Reading files (evo_robots.files) needs h5py; everything else numpy and, for the
+environments, Gymnasium.
+"""
+
+from .robots import (VOXEL_TYPES, get_full_connectivity, has_actuator, is_connected, robot_arrays,
+                     robot_document, sample_robot)
+from .simulator import EvoError, Simulator, State, find_tool
+from .tasks import TASKS, register
+
+__version__ = "0.1.0"
+__all__ = ["TASKS", "VOXEL_TYPES", "EvoError", "Simulator", "State", "find_tool", "get_full_connectivity",
+           "has_actuator", "is_connected", "register", "robot_arrays", "robot_document",
+           "sample_robot"]
+
+try:
+    import gymnasium as _gymnasium
+except ModuleNotFoundError:  # Simulator does without
+    pass
+else:
+    register("evo/")

@@ -1,0 +1,104 @@
+"""One environment, with Gymnasium's interface."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box
+
+from .simulator import STATUS, EvoError, Simulator
+
+__all__ = ["Environment", "action_box", "observation_box"]
+
+
+def observation_box(length: int) -> Box:
+    """The benchmark's bounds, which nothing enforces."""
+    return Box(-100.0, 100.0, (length,), np.float64)
+
+
+def action_box(simulator: Simulator, length: int) -> Box:
+    """Targets of the actuators, as shares of their rest length."""
+    return Box(simulator.info["action_low"], simulator.info["action_high"], (length,), np.float64)
+
+
+class Environment(gymnasium.Env):
+    """A robot in a task.
+
+    task: a benchmark task by name, or a task file of your own. body,
+    connections: see ``evo_robots.robots``; ``robot`` takes a file or a document
+    instead. fast, physics, settings: as --fast, --physics and --set of the
+    tools. jitter: every start coordinate is moved by up to this, voxels.
+
+    reset(options=...) takes ``draws``, ``episode`` and ``jitter``. Without a
+    seed the environment goes on in the episodes of the one before (first 0), so
+    that two runs of a program are the same.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
+
+    def __init__(
+        self,
+        task: str,
+        body: Any = None,
+        connections: Any = None,
+        *,
+        robot: Any = None,
+        render_mode: str | None = None,
+        width: int = 600,
+        height: int = 300,
+        jitter: float = 0.0,
+        seed: int = 0,
+        fast: bool = False,
+        physics: str | None = None,
+        settings: Mapping[str, Any] | None = None,
+    ) -> None:
+        if (body is None) == (robot is None):
+            raise ValueError("give a body (with or without connections), or a robot")
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"render_mode: {render_mode!r} is not 'rgb_array' or None")
+        self.simulator = Simulator(
+            task, robot if body is None else (np.asarray(body), connections),
+            seed=seed, fast=fast, physics=physics, settings=settings)
+        self.observation_space = observation_box(int(self.simulator.observation_lengths[0]))
+        self.action_space = action_box(self.simulator, int(self.simulator.action_lengths[0]))
+        self.render_mode = render_mode
+        self._size = (width, height)
+        self._jitter = jitter
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None):
+        super().reset(seed=seed)
+        options = options or {}
+        unknown = set(options) - {"draws", "episode", "jitter"}
+        if unknown:
+            raise ValueError(f"options: {sorted(unknown)} are not known")
+        state = self.simulator.reset(seed=seed, **{"jitter": self._jitter, **options})
+        return state.observations[0], {}
+
+    def step(self, action):
+        state = self.simulator.step(action)
+        if state.status[0] != 0:
+            raise EvoError(f"the environment is {STATUS[state.status[0]]}: reset it")
+        return (state.observations[0], float(state.rewards[0]), bool(state.terminated[0]),
+                bool(state.truncated[0]), {})
+
+    def render(self) -> np.ndarray | None:
+        if self.render_mode is None:
+            gymnasium.logger.warn("render() needs gymnasium.make(..., render_mode='rgb_array')")
+            return None
+        return self.simulator.picture(0, *self._size)
+
+    def close(self) -> None:
+        self.simulator.close()
+
+    # ---- what the benchmark's environments are asked beyond Gymnasium ---------
+
+    def object_pos_at_time(self, object_name: str = "robot") -> np.ndarray:
+        """[2, n], now, raw units (the benchmark's ``multiply by voxel size`` done)."""
+        world = self.simulator.positions(0)
+        return world["positions"][world["objects"][object_name]].T
+
+    def object_vel_at_time(self, object_name: str = "robot") -> np.ndarray:
+        world = self.simulator.positions(0)
+        return world["velocities"][world["objects"][object_name]].T

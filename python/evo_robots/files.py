@@ -1,0 +1,171 @@
+"""Files of the tools as arrays: rollouts, policies, runs. Needs h5py."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Sequence
+
+import h5py
+import numpy as np
+
+from .simulator import Simulator
+
+__all__ = ["Episode", "Policy", "read_policy", "read_robots", "read_rollout", "read_run",
+           "write_actions", "write_policy"]
+
+
+# ---- robots and runs ----------------------------------------------------------
+
+
+def read_robots(path: str | os.PathLike) -> list[dict[str, Any]]:
+    """The documents of a JSON Lines file."""
+    with open(path) as file:
+        return [json.loads(line) for line in file if line.strip()]
+
+
+def read_run(folder: str | os.PathLike) -> list[dict[str, Any]]:
+    """All robots that a run has evaluated, in order."""
+    return read_robots(Path(folder) / "history.jsonl")
+
+
+# ---- rollouts -----------------------------------------------------------------
+
+
+@dataclass
+class Episode:
+    """T steps of a robot with A actuators in a world of N points."""
+
+    observations: np.ndarray  # [T+1, D]
+    actions: np.ndarray  # [T, A]
+    rewards: np.ndarray  # [T]
+    terminations: np.ndarray  # [T] bool
+    truncations: np.ndarray  # [T] bool
+    positions: np.ndarray | None  # [T+1, N, 2], raw units
+    attributes: dict[str, Any] = field(default_factory=dict)
+
+
+def read_rollout(path: str | os.PathLike) -> list[Episode]:
+    with h5py.File(path) as file:
+        count = int(file.attrs["total_episodes"])
+        return [_episode(file[f"episode_{k}"]) for k in range(count)]
+
+
+def _episode(group: h5py.Group) -> Episode:
+    positions = group.get("infos/positions")
+    return Episode(
+        group["observations"][:], group["actions"][:], group["rewards"][:],
+        group["terminations"][:].astype(bool), group["truncations"][:].astype(bool),
+        None if positions is None else positions[:], dict(group.attrs))
+
+
+def write_actions(path: str | os.PathLike, actions: Any) -> None:
+    """Actions [T, A] as ``evo-eval --actions`` replays them."""
+    with h5py.File(path, "w") as file:
+        file["actions"] = np.asarray(actions, np.float64)
+
+
+# ---- policies -----------------------------------------------------------------
+
+
+@dataclass
+class Policy:
+    """A network with tanh after every layer but the last; single precision, as
+    the tools run it."""
+
+    layers: list[tuple[np.ndarray, np.ndarray]]  # weight [out, in] and bias [out]
+    mean: np.ndarray
+    variance: np.ndarray
+    count: float = 0.0  # 0: observations pass unchanged but for the clip
+    clip: float = 10.0
+    epsilon: float = 1e-8
+    squash: bool = False
+    offset: float = 0.0
+    low: float = 0.6
+    high: float = 1.6
+    attributes: dict[str, Any] = field(default_factory=dict)
+
+    def predict(self, observations: Any) -> np.ndarray:
+        """Deterministic targets [.., A] of observations [.., D]."""
+        x = np.asarray(observations, np.float64)
+        if self.count > 0:
+            x = (x - self.mean) / np.sqrt(self.variance + self.epsilon)
+        x = np.clip(x, -self.clip, self.clip).astype(np.float32)
+        for number, (weight, bias) in enumerate(self.layers):
+            x = x @ weight.T + bias
+            if number + 1 < len(self.layers):
+                x = np.tanh(x)
+        output = x.astype(np.float64)
+        if self.squash:
+            return (self.low + self.high) / 2 + (self.high - self.low) / 2 * np.tanh(output)
+        return np.clip(output + self.offset, self.low, self.high)
+
+
+def read_policy(path: str | os.PathLike) -> Policy:
+    with h5py.File(path) as file:
+        if file.attrs["kind"] not in ("network", b"network"):
+            raise ValueError(f"{path}: holds no network, but '{file.attrs['kind']}'")
+        layers = []
+        while f"actor/layer_{len(layers)}" in file:
+            layer = file[f"actor/layer_{len(layers)}"]
+            layers.append((layer["weight"][:], layer["bias"][:]))
+        normalizer = file["normalizer"]
+        low, high = file.attrs["action_bounds"]
+        return Policy(
+            layers, normalizer["mean"][:], normalizer["var"][:],
+            float(normalizer.attrs["count"]), float(normalizer.attrs["clip"]),
+            float(normalizer.attrs["epsilon"]), _text(file.attrs["action_map"]) == "squash",
+            float(file.attrs["action_offset"]), float(low), float(high), dict(file.attrs))
+
+
+def write_policy(
+    path: str | os.PathLike,
+    simulator: Simulator,
+    robot: dict[str, Any],
+    layers: Sequence[tuple[Any, Any]],
+    *,
+    offset: float = 0.0,
+    mean: Any = None,
+    variance: Any = None,
+    fitness: float = float("nan"),
+    steps: int = 0,
+    created_by: str = "evo_robots",
+) -> None:
+    """A controller trained elsewhere, for evo-eval and evo-render.
+
+    layers: weight [out, in] and bias [out] of each; tanh between them; the last
+    one's outputs, plus ``offset``, are the targets. mean, variance: of a running
+    normaliser of observations, if there was one.
+    """
+    length = int(simulator.observation_lengths[0])
+    info = simulator.info
+    known = simulator.task()
+    with h5py.File(path, "w") as file:
+        file.attrs.update({
+            "format": "evo/policy", "version": np.int64(1), "robot": json.dumps(robot),
+            **known, "training_yaml": "", "seed": np.uint64(0), "isa": "any",
+            "observation_layout": json.dumps(info["robots"][0]["observation_layout"]),
+            "created_by": created_by, "settings_hash": "", "fitness": float(fitness),
+            "best_step": np.int64(steps), "steps": np.int64(steps), "kind": "network",
+            "action_map": "offset", "action_offset": float(offset),
+            "action_bounds": np.array([info["action_low"], info["action_high"]])})
+        for number, (weight, bias) in enumerate(layers):
+            file[f"actor/layer_{number}/weight"] = np.asarray(weight, np.float32)
+            file[f"actor/layer_{number}/bias"] = np.asarray(bias, np.float32)
+        # Nothing but training looks at the critic and the spread of actions.
+        file["critic/layer_0/weight"] = np.zeros((1, length), np.float32)
+        file["critic/layer_0/bias"] = np.zeros(1, np.float32)
+        file["log_std"] = np.zeros(int(simulator.action_lengths[0]), np.float32)
+        file["normalizer/mean"] = np.zeros(length) if mean is None else np.asarray(mean, float)
+        file["normalizer/var"] = np.ones(length) if variance is None else np.asarray(variance, float)
+        file["normalizer"].attrs.update({
+            "count": 0.0 if mean is None else 1.0, "clip": 1e30 if mean is None else 10.0,
+            "epsilon": 1e-8})
+        for name in ("step", "evaluation", "best"):
+            file[f"curve/{name}"] = np.zeros(0, np.int64 if name == "step" else np.float64)
+
+
+def _text(value: Any) -> str:
+    return value.decode() if isinstance(value, bytes) else str(value)

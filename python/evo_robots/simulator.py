@@ -1,0 +1,316 @@
+"""The client of ``evo-env``: environments in a process of their own, stepped
+over pipes in binary frames (docs/evo-env.md). Needs numpy alone."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import json
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from typing import Any, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from .robots import robot_document
+
+__all__ = ["EvoError", "Simulator", "State", "find_tool"]
+
+HEADER = struct.Struct("<4sI")
+STATUS = ("ok", "unreset", "unstable")
+
+
+class EvoError(RuntimeError):
+    """A request that evo-env could not fulfil, or a process that is gone."""
+
+
+def find_tool(name: str) -> str:
+    """The path of one of the tools: in the folder $EVO_BIN, beside this Python,
+    or in PATH."""
+    for folder in (os.environ.get("EVO_BIN"), os.path.dirname(sys.executable)):
+        if folder and os.access(os.path.join(folder, name), os.X_OK):
+            return os.path.join(folder, name)
+    found = shutil.which(name)
+    if found is None:
+        raise EvoError(f"{name} is not in PATH; install evo, or name its folder in EVO_BIN")
+    return found
+
+
+@dataclass(frozen=True)
+class State:
+    """What every environment shows after a reset or a step. The arrays are new
+    with every state."""
+
+    observations: np.ndarray  # float64; [E, D] where all have one length, else all in one row
+    rewards: np.ndarray  # [E] float64
+    terminated: np.ndarray  # [E] bool, ended by a rule of the task
+    truncated: np.ndarray  # [E] bool, ended by the time limit
+    status: np.ndarray  # [E] uint8, an index of STATUS
+
+
+class Simulator:
+    """``envs`` environments for each robot in one task; environment ``e`` holds
+    robot ``e // envs``.
+
+    robots: a body as a matrix, ``(body, connections)``, the path of a file, a
+    robot document as a dict, or a list of any of these.
+    """
+
+    def __init__(
+        self,
+        task: str,
+        robots: Any,
+        envs: int = 1,
+        *,
+        seed: int = 0,
+        jobs: int = 1,
+        fast: bool = False,
+        physics: str | None = None,
+        settings: Mapping[str, Any] | None = None,
+    ) -> None:
+        command = [find_tool("evo-env"), "--task", os.fspath(task), "--mode", "binary",
+                   "--envs", str(envs), "--seed", str(seed), "--jobs", str(jobs)]
+        if fast:
+            command.append("--fast")
+        if physics is not None:
+            command += ["--physics", os.fspath(physics)]
+        for key, value in (settings or {}).items():
+            command += ["--set", f"{key}={value}"]
+        self._process: subprocess.Popen | None = None
+        with contextlib.ExitStack() as documents:
+            files = [documents.enter_context(_document_file(group)) if not are_paths else group
+                     for are_paths, group in _grouped(robots)]
+            names = [name for file in files for name in (
+                file if isinstance(file, list) else [f"/dev/fd/{file.fileno()}"])]
+            self._errors = tempfile.TemporaryFile()
+            self._process = subprocess.Popen(
+                command + ["--"] + names,
+                bufsize=0, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
+                pass_fds=[file.fileno() for file in files if not isinstance(file, list)])
+        self._in = self._process.stdout.fileno()
+        self._out = self._process.stdin.fileno()
+        self._state_bytes = 0
+        self._awaited = False
+        self.info: dict[str, Any] = json.loads(self._receive(b"JSON"))
+
+        robots_info = self.info["robots"]
+        self.num_envs: int = len(robots_info) * envs
+        self.observation_lengths = np.repeat([r["observation_length"] for r in robots_info], envs)
+        self.action_lengths = np.repeat([r["action_length"] for r in robots_info], envs)
+        self._observation_values = int(self.observation_lengths.sum())
+        self._action_values = int(self.action_lengths.sum())
+        self._same_length = len(set(self.observation_lengths.tolist())) == 1
+        self._state_bytes = 8 * self._observation_values + 11 * self.num_envs
+        self._step_header = HEADER.pack(b"STEP", 8 * self._action_values)
+        self._mask = np.zeros((self.num_envs + 7) // 8 * 8, np.uint8)
+        self._mask_header = HEADER.pack(b"MASK", self._mask.nbytes + 8 * self._action_values)
+
+    # ---- requests -----------------------------------------------------------
+
+    def reset(
+        self,
+        environments: Sequence[int] | None = None,
+        *,
+        seed: int | None = None,
+        episode: int | None = None,
+        draws: Mapping[str, Any] | None = None,
+        jitter: float = 0.0,
+    ) -> State:
+        """Begins episodes. What is not given: the seed stays, episodes are
+        counted on, the task's draws follow from seed and episode."""
+        wanted: dict[str, Any] = {"jitter": jitter}
+        if environments is not None:
+            wanted["environments"] = [int(e) for e in environments]
+        if seed is not None:
+            wanted["seed"] = int(seed)
+        if episode is not None:
+            wanted["episode"] = int(episode)
+        if draws is not None:
+            wanted["draws"] = draws
+        self._request({"reset": wanted})
+        return self._receive_state()
+
+    def step(self, actions: Any, mask: Any = None) -> State:
+        """One control step: actions of all environments, [E, A] or one after the
+        other. Those of environments outside of ``mask`` are ignored."""
+        self.send_step(actions, mask)
+        return self.receive_step()
+
+    def send_step(self, actions: Any, mask: Any = None) -> None:
+        """The first half of step(): returns while the environments move."""
+        if self._awaited:
+            raise EvoError("a step is under way; receive_step() takes its result")
+        values = np.ascontiguousarray(actions, np.float64)
+        if values.size != self._action_values:
+            raise ValueError(f"{self._action_values} actions are expected, not {values.size}")
+        payload = memoryview(values).cast("B")
+        if mask is None:
+            self._send(self._step_header, payload)
+        else:
+            self._mask[: self.num_envs] = mask
+            self._send(self._mask_header, memoryview(self._mask), payload)
+        self._awaited = True
+
+    def receive_step(self) -> State:
+        if not self._awaited:
+            raise EvoError("no step is under way")
+        self._awaited = False
+        return self._receive_state()
+
+    def positions(self, environment: int = 0) -> dict[str, Any]:
+        """All points of the world: ``positions`` and ``velocities`` [N, 2], raw
+        units, and ``objects``, a dict from names to slices of the points."""
+        self._request({"positions": {"environments": [environment]}})
+        found = json.loads(self._receive(b"JSON"))["positions"][0]
+        return {
+            "positions": np.array(found["positions"]).reshape(-1, 2),
+            "velocities": np.array(found["velocities"]).reshape(-1, 2),
+            "objects": {o["name"]: slice(o["first_point"], o["first_point"] + o["points"])
+                        for o in found["objects"]},
+        }
+
+    def picture(self, environment: int = 0, width: int = 600, height: int = 300) -> np.ndarray:
+        """[height, width, 3] uint8."""
+        self._request({"picture": {"environment": environment, "width": width, "height": height}})
+        payload = self._receive(b"PICT")
+        width, height = struct.unpack_from("<II", payload)
+        return np.frombuffer(payload, np.uint8, offset=8).reshape(height, width, 3)
+
+    def task(self) -> dict[str, str]:
+        """``task``, ``task_yaml`` and ``physics_yaml``, as files keep them."""
+        self._request({"task": {}})
+        return json.loads(self._receive(b"JSON"))
+
+    def close(self) -> None:
+        """Ends the process. Safe to call twice."""
+        process, self._process = self._process, None
+        if process is None:
+            return
+        process.stdin.close()
+        process.stdout.close()
+        process.wait()
+        self._errors.close()
+
+    def __enter__(self) -> "Simulator":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if getattr(self, "_process", None) is not None:
+            self.close()
+
+    # ---- frames ---------------------------------------------------------------
+
+    def _request(self, document: Mapping[str, Any]) -> None:
+        text = json.dumps(document).encode()
+        self._send(HEADER.pack(b"JSON", len(text)), memoryview(text))
+
+    def _send(self, *pieces: Any) -> None:
+        if self._process is None:
+            raise EvoError("the simulator was closed")
+        rest = [memoryview(piece) for piece in pieces]
+        try:
+            while rest:
+                sent = os.writev(self._out, rest)
+                while rest and sent >= len(rest[0]):
+                    sent -= len(rest.pop(0))
+                if rest and sent:
+                    rest[0] = rest[0][sent:]
+        except BrokenPipeError:
+            raise self._gone() from None
+
+    def _receive(self, expected: bytes) -> memoryview:
+        # A state is by far the most frequent answer: read with its header at once.
+        buffer = np.empty(HEADER.size + self._state_bytes, np.uint8)
+        view = memoryview(buffer)
+        wanted = len(view) if expected == b"DATA" else HEADER.size
+        got = self._fill(view, 0, HEADER.size, wanted)
+        kind, length = HEADER.unpack_from(view)
+        whole = HEADER.size + length
+        if whole > len(view):
+            larger = np.empty(whole, np.uint8)
+            larger[:got] = buffer[:got]
+            view = memoryview(larger)
+        self._fill(view, got, whole, whole)
+        payload = view[HEADER.size : whole]
+        if kind == b"FAIL":
+            raise EvoError(json.loads(bytes(payload))["error"])
+        if kind != expected:
+            raise EvoError(f"evo-env answered {kind!r} instead of {expected!r}")
+        return _text(payload) if expected == b"JSON" else payload
+
+    def _fill(self, view: memoryview, got: int, needed: int, most: int) -> int:
+        while got < needed:
+            n = os.readv(self._in, [view[got:most]])
+            if n == 0:
+                raise self._gone()
+            got += n
+        return got
+
+    def _receive_state(self) -> State:
+        payload = self._receive(b"DATA")
+        count, values = self.num_envs, self._observation_values
+        observations = np.frombuffer(payload, np.float64, values)
+        flags = np.frombuffer(payload, np.uint8, 3 * count, 8 * (values + count))
+        return State(
+            observations.reshape(count, -1) if self._same_length else observations,
+            np.frombuffer(payload, np.float64, count, 8 * values),
+            flags[:count].view(np.bool_),
+            flags[count : 2 * count].view(np.bool_),
+            flags[2 * count :],
+        )
+
+    def _gone(self) -> EvoError:
+        process, self._process = self._process, None
+        status = process.wait()
+        process.stdin.close()
+        process.stdout.close()
+        self._errors.seek(0)
+        said = self._errors.read().decode(errors="replace").strip()
+        self._errors.close()
+        return EvoError(said or f"evo-env ended with status {status}")
+
+
+def _text(payload: memoryview) -> str:
+    return bytes(payload).decode()
+
+
+def _is_path(robot: Any) -> bool:
+    return isinstance(robot, (str, os.PathLike))
+
+
+def _grouped(robots: Any) -> Iterator[tuple[bool, list[Any]]]:
+    """Robots in order: runs of paths, and runs of anything else."""
+    for are_paths, group in itertools.groupby(_listed(robots), _is_path):
+        yield are_paths, [os.fspath(robot) for robot in group] if are_paths else list(group)
+
+
+def _document_file(robots: list[Any]) -> Any:
+    """A file without a name, for a child that inherits it."""
+    lines = [json.dumps(robot_document(robot)).encode() + b"\n" for robot in robots]
+    file = tempfile.TemporaryFile()
+    file.writelines(lines)
+    file.flush()
+    file.seek(0)
+    return file
+
+
+def _listed(robots: Any) -> list[Any]:
+    """One robot or a list of them."""
+    if _is_path(robots) or isinstance(robots, (Mapping, np.ndarray)):
+        return [robots]
+    robots = list(robots) if not isinstance(robots, tuple) else robots
+    first = robots[0] if len(robots) else None
+    if isinstance(robots, tuple) and len(robots) == 2 and (
+            robots[1] is None or np.shape(robots[1])[:1] == (2,)):
+        return [robots]  # (body, connections)
+    if isinstance(first, (list, tuple)) and first and np.isscalar(first[0]):
+        return [np.asarray(robots)]  # a matrix as nested lists
+    return list(robots)

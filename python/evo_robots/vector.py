@@ -1,0 +1,122 @@
+"""Many environments of one robot, stepped together, with Gymnasium's interface:
+they fill the simulator's vector lanes, which SyncVectorEnv cannot."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from .environment import action_box, observation_box
+from .simulator import Simulator, State
+
+__all__ = ["VectorEnvironment"]
+
+
+class VectorEnvironment(VectorEnv):
+    """``num_envs`` episodes of a robot; arguments as of Environment, and
+    ``jobs``, the threads of the simulator (results do not depend on it).
+
+    Environment i meets episodes i, i + num_envs, .. of the seed, each with draws
+    of its own. An environment whose simulation fails is truncated, with
+    ``infos["unstable"]``.
+    """
+
+    def __init__(
+        self,
+        task: str,
+        body: Any = None,
+        connections: Any = None,
+        *,
+        num_envs: int = 1,
+        robot: Any = None,
+        render_mode: str | None = None,
+        width: int = 600,
+        height: int = 300,
+        jitter: float = 0.0,
+        seed: int = 0,
+        jobs: int = 1,
+        fast: bool = False,
+        physics: str | None = None,
+        settings: Mapping[str, Any] | None = None,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+    ) -> None:
+        if (body is None) == (robot is None):
+            raise ValueError("give a body (with or without connections), or a robot")
+        self.simulator = Simulator(
+            task, robot if body is None else (np.asarray(body), connections), num_envs,
+            seed=seed, jobs=jobs, fast=fast, physics=physics, settings=settings)
+        if self.simulator.num_envs != num_envs:
+            self.simulator.close()
+            raise ValueError("one robot is expected; Simulator takes several")
+        self.num_envs = num_envs
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = {"render_modes": ["rgb_array"], "render_fps": 50,
+                         "autoreset_mode": self.autoreset_mode}
+        self.render_mode = render_mode
+        self.single_observation_space = observation_box(
+            int(self.simulator.observation_lengths[0]))
+        self.single_action_space = action_box(
+            self.simulator, int(self.simulator.action_lengths[0]))
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._size = (width, height)
+        self._jitter = jitter
+        self._ended = np.zeros(num_envs, bool)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None):
+        super().reset(seed=seed)
+        options = dict(options or {})
+        mask = options.pop("reset_mask", None)
+        environments = None if mask is None else np.flatnonzero(mask)
+        state = self._reset(environments, seed=seed, **options)
+        self._ended[slice(None) if mask is None else mask] = False
+        return state.observations, {}
+
+    def step_async(self, actions: Any) -> None:
+        """The first half of step(): returns while the environments move."""
+        if self.autoreset_mode == AutoresetMode.NEXT_STEP and self._ended.any():
+            self._reset(np.flatnonzero(self._ended))
+            self._moving = ~self._ended
+        else:
+            self._moving = None
+        self.simulator.send_step(actions, self._moving)
+
+    def step_wait(self):
+        state = self.simulator.receive_step()
+        unstable = state.status != 0
+        rewards, terminated = state.rewards, state.terminated
+        truncated = state.truncated | unstable
+        if self._moving is not None:  # those reset show their start
+            rewards = np.where(self._moving, rewards, 0.0)
+            terminated = terminated & self._moving
+            truncated = truncated & self._moving
+        infos: dict[str, Any] = {"unstable": unstable} if unstable.any() else {}
+        observations = state.observations
+        self._ended = terminated | truncated
+        if self.autoreset_mode == AutoresetMode.SAME_STEP and self._ended.any():
+            final = np.full(self.num_envs, None, object)
+            for e in np.flatnonzero(self._ended):
+                final[e] = observations[e]
+            infos.update(final_obs=final, _final_obs=self._ended.copy())
+            observations = self._reset(np.flatnonzero(self._ended)).observations
+        return observations, rewards, terminated, truncated, infos
+
+    def step(self, actions: Any):
+        self.step_async(actions)
+        return self.step_wait()
+
+    def render(self) -> tuple[np.ndarray, ...] | None:
+        if self.render_mode is None:
+            gymnasium.logger.warn("render() needs render_mode='rgb_array'")
+            return None
+        return tuple(self.simulator.picture(e, *self._size) for e in range(self.num_envs))
+
+    def close_extras(self, **_: Any) -> None:
+        self.simulator.close()
+
+    def _reset(self, environments, **options: Any) -> State:
+        return self.simulator.reset(environments, **{"jitter": self._jitter, **options})

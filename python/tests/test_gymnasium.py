@@ -1,0 +1,127 @@
+"""Gymnasium's interface; needs gymnasium."""
+import re
+import subprocess
+import sys
+import unittest
+import warnings
+from pathlib import Path
+
+import gymnasium
+import numpy as np
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode
+
+import evo_robots
+
+WALKER = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
+                   [4, 0, 0, 0, 4]])
+SMALL = np.array([[3, 4], [4, 3]])
+
+
+class One(unittest.TestCase):
+    def test_gymnasium_finds_nothing_wrong(self):
+        for task in ("Walker-v0", "Catcher-v0", "BidirectionalWalker-v0"):
+            env = gymnasium.make("evo/" + task, body=SMALL, render_mode="rgb_array")
+            with warnings.catch_warnings(record=True) as said:
+                warnings.simplefilter("always")
+                check_env(env.unwrapped)
+            complaints = [str(w.message) for w in said]
+            # Bounds of actions are the benchmark's, not [-1, 1], which is asked of networks.
+            self.assertEqual([c for c in complaints if "normalized" not in c and
+                              "symmetric" not in c], [])
+            env.close()
+
+    def test_every_task_is_there_with_the_benchmarks_bounds(self):
+        for task in evo_robots.TASKS:
+            env = gymnasium.make("evo/" + task, body=SMALL)
+            self.assertEqual((env.action_space.low.min(), env.action_space.high.max()), (0.6, 1.6))
+            self.assertEqual(env.observation_space.low.min(), -100)
+            self.assertEqual(env.observation_space.dtype, np.float64)
+            observation, _ = env.reset(seed=0)
+            self.assertTrue(env.observation_space.contains(observation))
+            env.close()
+
+    def test_the_time_limit_truncates(self):
+        env = gymnasium.make("evo/Walker-v0", body=SMALL)
+        env.reset(seed=0)
+        ends = [env.step(np.ones(4))[2:4] for _ in range(500)]
+        self.assertEqual(ends[-1], (False, True))
+        self.assertEqual(set(ends[:-1]), {(False, False)})
+        env.close()
+
+    def test_settings_reach_the_simulator(self):
+        def after(**arguments):
+            env = gymnasium.make("evo/Walker-v0", body=WALKER, **arguments)
+            env.reset(seed=0)
+            for _ in range(10):
+                observation = env.step(np.full(13, 1.3))[0]
+            env.close()
+            return observation
+        plain = after()
+        for changed in ({"settings": {"gravity": 50}}, {"fast": True}, {"jitter": 1e-3}):
+            self.assertFalse(np.array_equal(plain, after(**changed)), changed)
+        with self.assertRaises(ValueError):
+            gymnasium.make("evo/Walker-v0")
+
+
+class Many(unittest.TestCase):
+    def test_a_batch_is_the_environments_one_by_one(self):
+        rng = np.random.default_rng(0)
+        envs = gymnasium.make_vec("evo/Catcher-v0", num_envs=3, body=SMALL)
+        observations, _ = envs.reset(seed=5)
+        actions = rng.uniform(0.6, 1.6, (30, 3, 4))
+        many = [observations] + [envs.step(a)[0] for a in actions]
+        self.assertIsInstance(envs.unwrapped, evo_robots.vector.VectorEnvironment)
+        for e in range(3):
+            env = gymnasium.make("evo/Catcher-v0", body=SMALL)
+            observation, _ = env.reset(seed=5, options={"episode": e})
+            alone = [observation] + [env.step(a[e])[0] for a in actions]
+            np.testing.assert_array_equal([m[e] for m in many], alone)
+            env.close()
+        envs.close()
+
+    def test_autoreset_in_the_next_step(self):
+        envs = gymnasium.make_vec("evo/Walker-v0", num_envs=2, body=SMALL)
+        start, _ = envs.reset(seed=0)
+        for _ in range(500):
+            observations, rewards, terminated, truncated, _ = envs.step(np.ones((2, 4)))
+        self.assertTrue(truncated.all())
+        observations, rewards, terminated, truncated, _ = envs.step(np.ones((2, 4)))
+        np.testing.assert_array_equal(observations, start)
+        self.assertEqual((rewards.tolist(), truncated.tolist()), ([0, 0], [False, False]))
+        envs.close()
+
+    def test_autoreset_in_the_same_step_keeps_the_last_observation(self):
+        envs = gymnasium.make_vec("evo/Walker-v0", num_envs=2, body=SMALL,
+                                  autoreset_mode=AutoresetMode.SAME_STEP)
+        start, _ = envs.reset(seed=0)
+        for t in range(500):
+            observations, _, _, truncated, infos = envs.step(np.ones((2, 4)))
+        self.assertTrue(truncated.all())
+        np.testing.assert_array_equal(observations, start)
+        self.assertFalse(np.array_equal(infos["final_obs"][0], start[0]))
+        envs.close()
+
+    def test_some_of_them_reset(self):
+        envs = gymnasium.make_vec("evo/Walker-v0", num_envs=3, body=SMALL,
+                                  autoreset_mode=AutoresetMode.DISABLED)
+        start, _ = envs.reset(seed=0)
+        moved = envs.step(np.full((3, 4), 1.5))[0]
+        observations, _ = envs.reset(options={"reset_mask": np.array([False, True, False])})
+        np.testing.assert_array_equal(observations[1], start[1])
+        np.testing.assert_array_equal(observations[[0, 2]], moved[[0, 2]])
+        envs.close()
+
+
+class Readme(unittest.TestCase):
+    def test_what_the_readme_shows_runs(self):
+        text = (Path(__file__).parents[1] / "README.md").read_text()
+        blocks = [b for b in re.findall(r"```python\n(.*?)```", text, re.S)
+                  if "stable_baselines3" not in b]
+        self.assertEqual(len(blocks), 3)
+        for program in ("\n".join(blocks[:2]), blocks[2]):
+            subprocess.run([sys.executable, "-c", program], check=True)
+
+
+if __name__ == "__main__":
+    unittest.main()

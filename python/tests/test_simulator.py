@@ -1,0 +1,157 @@
+"""The client itself; needs numpy alone."""
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import unittest
+
+import numpy as np
+
+import evo_robots
+from evo_robots import EvoError, Simulator
+
+WALKER = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
+                   [4, 0, 0, 0, 4]])
+SMALL = np.array([[3, 4], [4, 3]])
+
+
+class Bodies(unittest.TestCase):
+    def test_connectivity_as_the_benchmark_lists_it(self):
+        found = evo_robots.get_full_connectivity(np.array([[1, 3], [0, 4]]))
+        np.testing.assert_array_equal(found, [[0, 1], [1, 3]])
+        self.assertEqual(evo_robots.get_full_connectivity(np.array([[3]])).shape, (2, 0))
+
+    def test_validity(self):
+        self.assertTrue(evo_robots.is_connected(WALKER))
+        self.assertFalse(evo_robots.is_connected(np.array([[1, 0], [0, 1]])))
+        self.assertFalse(evo_robots.is_connected(np.zeros((2, 2))))
+        self.assertFalse(evo_robots.has_actuator(np.ones((2, 2))))
+
+    def test_samples_are_valid_and_follow_the_generator(self):
+        for seed in range(20):
+            body, links = evo_robots.sample_robot((4, 5), rng=np.random.default_rng(seed))
+            again, _ = evo_robots.sample_robot((4, 5), rng=np.random.default_rng(seed))
+            self.assertTrue(evo_robots.is_connected(body) and evo_robots.has_actuator(body))
+            np.testing.assert_array_equal(body, again)
+            back, back_links = evo_robots.robot_arrays(evo_robots.robot_document((body, links)))
+            np.testing.assert_array_equal(body, back)
+            self.assertEqual(links.shape, back_links.shape)
+        with self.assertRaises(ValueError):
+            evo_robots.sample_robot((2, 2), pd=[1, 1, 1, 0, 0])
+
+    def test_task_names_are_those_of_the_tools(self):
+        names = subprocess.run([evo_robots.find_tool("evo-data"), "--names", "tasks"],
+                               capture_output=True, text=True, check=True).stdout.split()
+        self.assertEqual(sorted(evo_robots.TASKS), sorted(names))
+
+
+class Stepping(unittest.TestCase):
+    def test_an_episode_earns_what_evo_eval_says(self):
+        rng = np.random.default_rng(1)
+        actions = rng.uniform(0.6, 1.6, (60, 13))
+        with Simulator("Carrier-v0", WALKER) as simulator:
+            simulator.reset(seed=3, episode=0)
+            total = 0.0
+            for action in actions:
+                total += simulator.step(action).rewards[0]
+        with tempfile.TemporaryDirectory() as folder:
+            np.savetxt(f"{folder}/actions.csv", actions, delimiter=",", fmt="%.17g")
+            with open(f"{folder}/robot.json", "w") as file:
+                json.dump(evo_robots.robot_document(WALKER), file)
+            said = subprocess.run(
+                [evo_robots.find_tool("evo-eval"), "--task", "Carrier-v0", "--seed", "3",
+                 "--actions", f"{folder}/actions.csv", f"{folder}/robot.json"],
+                capture_output=True, text=True, check=True).stdout
+        self.assertEqual(json.loads(said)["fitness"], total)
+
+    def test_many_are_each_as_alone_and_masked_ones_stay(self):
+        rng = np.random.default_rng(2)
+        actions = rng.uniform(0.6, 1.6, (20, 5, 13))
+        with Simulator("Walker-v0", WALKER, 5) as many, Simulator("Walker-v0", WALKER) as one:
+            many.reset(seed=1, jitter=1e-3)
+            for t in range(20):
+                mask = np.arange(5) != t % 5
+                before = many.step(actions[t], mask) if t == 0 else state
+                state = many.step(actions[t], mask)
+                np.testing.assert_array_equal(state.observations[t % 5],
+                                              before.observations[t % 5])
+            one.reset(seed=1, episode=3, jitter=1e-3)
+            one.step(actions[0, 3])
+            for t in range(20):
+                if t % 5 != 3:
+                    alone = one.step(actions[t, 3])
+            np.testing.assert_array_equal(alone.observations[0], state.observations[3])
+
+    def test_robots_of_different_sizes(self):
+        with Simulator("Walker-v0", [WALKER, (SMALL, None)], 2) as simulator:
+            self.assertEqual(simulator.num_envs, 4)
+            self.assertEqual(simulator.action_lengths.tolist(), [13, 13, 4, 4])
+            state = simulator.reset(seed=1)
+            self.assertEqual(state.observations.shape, (simulator.observation_lengths.sum(),))
+            simulator.step(np.ones(34))
+
+    def test_connections_count(self):
+        links = evo_robots.get_full_connectivity(SMALL)[:, :3]
+        with Simulator("Walker-v0", (SMALL, links)) as cut, Simulator("Walker-v0", SMALL) as whole:
+            self.assertNotEqual(cut.info["robots"][0]["id"], whole.info["robots"][0]["id"])
+
+    def test_draws(self):
+        with Simulator("Catcher-v0", SMALL) as simulator:
+            one = simulator.reset(draws={"ox": 0, "oy": 3}).observations
+            other = simulator.reset(draws={"ox": 1, "oy": 3}).observations
+            self.assertFalse(np.array_equal(one, other))
+
+    def test_positions_and_pictures(self):
+        with Simulator("Carrier-v0", WALKER) as simulator:
+            simulator.reset()
+            world = simulator.positions()
+            self.assertEqual(world["positions"].shape, world["velocities"].shape)
+            self.assertIn("package", world["objects"])
+            at_start = simulator.picture(width=200, height=100)
+            self.assertEqual((at_start.shape, at_start.dtype), ((100, 200, 3), np.uint8))
+            self.assertGreater(len(np.unique(at_start.reshape(-1, 3), axis=0)), 5)
+            for _ in range(30):
+                simulator.step(np.full(13, 1.6))
+            self.assertFalse(np.array_equal(at_start, simulator.picture(width=200, height=100)))
+
+
+class Failures(unittest.TestCase):
+    def test_refusals_leave_the_session_as_it_was(self):
+        with Simulator("Walker-v0", SMALL) as simulator:
+            with self.assertRaisesRegex(EvoError, "reset"):
+                simulator.step(np.ones(4))
+            simulator.reset()
+            with self.assertRaisesRegex(EvoError, "not a finite number"):
+                simulator.step([1, 1, 1, np.nan])
+            with self.assertRaises(ValueError):
+                simulator.step(np.ones(5))
+            with self.assertRaisesRegex(EvoError, "no environment|from 0 to 0"):
+                simulator.reset([4])
+            with self.assertRaisesRegex(EvoError, "under way"):
+                simulator.send_step(np.ones(4))
+                simulator.send_step(np.ones(4))
+            self.assertEqual(simulator.receive_step().status[0], 0)
+
+    def test_what_evo_env_says_at_its_start_is_the_error(self):
+        with self.assertRaisesRegex(EvoError, "Walkr-v0.*Walker-v0"):
+            Simulator("Walkr-v0", SMALL)
+        with self.assertRaisesRegex(EvoError, "no actuator|actuator"):
+            Simulator("Walker-v0", np.ones((2, 2)))
+        with self.assertRaises(ValueError):
+            Simulator("Walker-v0", np.full((2, 2), 9))
+
+    def test_a_process_that_dies_is_an_error_not_a_hang(self):
+        simulator = Simulator("Walker-v0", SMALL)
+        simulator.reset()
+        os.kill(simulator._process.pid, signal.SIGKILL)
+        with self.assertRaisesRegex(EvoError, "ended with status -9"):
+            for _ in range(3):
+                simulator.step(np.ones(4))
+        with self.assertRaisesRegex(EvoError, "closed"):
+            simulator.reset()
+        simulator.close()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -2,9 +2,10 @@
 # packages: tools, dev (the library), python.
 set(EVO_DATA_DIR ${CMAKE_INSTALL_DATADIR}/evo)
 install(DIRECTORY tasks DESTINATION ${EVO_DATA_DIR} COMPONENT tools)
-install(DIRECTORY scripts/ DESTINATION ${EVO_DATA_DIR}/scripts COMPONENT tools USE_SOURCE_PERMISSIONS
+install(DIRECTORY scripts/ DESTINATION ${EVO_DATA_DIR}/scripts COMPONENT tools
+        USE_SOURCE_PERMISSIONS
         FILES_MATCHING PATTERN "*.mk" PATTERN "*.gnuplot" PATTERN "*.jq" PATTERN "*.awk"
-        PATTERN "train-slots" PATTERN "slurm/*")
+        PATTERN "*-slots" PATTERN "slurm/*" PATTERN "completion" EXCLUDE)
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)
 
 # Completion is loaded by the name of a tool (bash), or of the function (zsh).

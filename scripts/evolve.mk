@@ -50,6 +50,10 @@ TRAIN_OPTIONS ?=
 # Format of the champion's video, and options of evo-render for it.
 VIDEO  ?= mp4
 VIDEO_OPTIONS ?=
+# A program that scores robots in the place of training: it reads a robot (one
+# line of JSON) and writes it with its `fitness`, such as EVALUATE='evo-eval --task
+# Walker-v0 --sine 0.5,20,0.7'. TASK, STEPS and the like are then left to it.
+EVALUATE ?=
 # Put in front of every training, such as LAUNCH='srun --exact -n1 -c1'.
 LAUNCH ?=
 # Robots that one launch trains, and cores that it has for them. They change no result.
@@ -58,17 +62,18 @@ CORES  ?= 1
 # How often a training may die before it is recorded as failed.
 TRIES  ?= 3
 # The tool that trains slots; scripts/train-slots says what it is given.
-TRAINER ?= evo-run train -j $(CORES)
+TRAINER ?= $(if $(EVALUATE),$(SCRIPTS)evaluate-slots,evo-run train -j $(CORES))
 export LAUNCH TRAINER TRIES
 train_slots = exec '$(SCRIPTS)train-slots' '$(RUN)'
 
 SETTINGS := method=$(METHOD) task=$(TASK) population=$(POP) evaluations=$(EVALS) steps=$(STEPS) \
   seed=$(SEED) shape=$(SHAPE) algo=$(ALGO) train=$(TRAIN) physics=$(if $(PHYSICS),$(PHYSICS),task) \
   $(METHOD_SETTINGS)
-# Given as it is, quotes and all.
+# Given as they are, quotes and all.
 export EVO_TRAIN_OPTIONS := $(TRAIN_OPTIONS)
+export EVO_EVALUATE := $(EVALUATE)
 
-BEST := $(RUN)/best.json $(RUN)/best.policy.h5 $(RUN)/best.$(VIDEO) $(RUN)/report.html
+BEST := $(RUN)/best.json $(if $(EVALUATE),,$(RUN)/best.policy.h5 $(RUN)/best.$(VIDEO) $(RUN)/report.html)
 
 # One seed per purpose and generation.
 stage_seed = $$(( $(SEED) * 1000000 + $(1) ))
@@ -104,7 +109,8 @@ generations: | $(RUN)/run.yaml
 
 # Every setting of the run. A changed one is refused, never mixed in.
 $(RUN)/run.yaml: FORCE
-	@evo-run init '$(RUN)' $(SETTINGS) "train_options=$$EVO_TRAIN_OPTIONS"
+	@evo-run init '$(RUN)' $(SETTINGS) "train_options=$$EVO_TRAIN_OPTIONS" \
+	  $(if $(EVALUATE),"evaluate=$$EVO_EVALUATE")
 FORCE:
 
 $(RUN)/history.jsonl: | generations

@@ -8,7 +8,9 @@
 
 METHOD := ga
 MUTATE_OPTIONS ?=
-METHOD_SETTINGS = mutate_options='$(MUTATE_OPTIONS)'
+# Any program that takes the options of evo-mutate used below can make the children.
+MUTATE ?= evo-mutate
+METHOD_SETTINGS = mutate_options='$(MUTATE_OPTIONS)' $(if $(filter evo-mutate,$(MUTATE)),,mutate='$(MUTATE)')
 
 # A row per generation: generation,robots,created,survivors,children
 PLAN = $(call tool_lines,evo-select --schedule paper --population $(POP) --of $(EVALS) --plan)
@@ -35,7 +37,7 @@ $(POPULATION):
 	@mkdir -p '$(@D)'
 	@evo-select --schedule paper --population $(POP) --evaluated $(word 3,$(before)) --of $(EVALS) \
 	  '$(PREVIOUS)/scores.jsonl' -o '$@.survivors.tmp'
-	@evo-mutate -n $(word 5,$(before)) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \
+	@$(MUTATE) -n $(word 5,$(before)) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \
 	  $(ALL_BEFORE:%=--avoid '%/population.jsonl') '$@.survivors.tmp' -o '$@.children.tmp'
 	@cat '$@.survivors.tmp' '$@.children.tmp' > '$@.tmp'
 	@mv '$@.tmp' '$@' && rm '$@.survivors.tmp' '$@.children.tmp'

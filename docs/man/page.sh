@@ -17,5 +17,5 @@ name=$(basename "$tool")
 purpose=$("$tool" --help | sed -n '1s/^[^ ]* - //p')
 EVO_TOOL=$tool help2man --no-info --section=1 --version-string="$version" --name="$purpose" \
   --include="$also" "$0" |
-  sed "s/page\\.sh/$name/g; s/PAGE\\.SH/$(echo "$name" | tr a-z A-Z)/g
+  sed "s/page\\.sh/$name/g; s/PAGE\\.SH/$(echo "$name" | tr '[:lower:]' '[:upper:]')/g
     s/^Exit status:\$/.SH \"EXIT STATUS\"/"

@@ -1,0 +1,27 @@
+# What the documentation shows, run.
+load helpers
+
+@test "every command in README and docs runs, and prints what the text says" {
+  for file in README.md docs/recipes.md docs/benchmark.md docs/evo-env.md docs/own-fitness.md; do
+    python3 "$EVO_SOURCE/tests/cli/run_blocks.py" "$EVO_SOURCE/$file"
+  done
+}
+
+@test "links within the documentation lead somewhere" {
+  cd "$EVO_SOURCE"
+  git ls-files '*.md' | while read -r file; do
+    { grep -o '](\([^)#]*\)' "$file" || true; } | sed 's/^](//' | grep -v '^https*:' | while read -r link; do
+      [ -z "$link" ] || [ -e "$(dirname "$file")/$link" ] || { echo "$file: $link" >&2; exit 1; }
+    done
+  done
+}
+
+@test "the examples run" {
+  cp -r "$EVO_SOURCE/examples" .
+  make -s -f examples/experiments.mk POP=4 EVALS=9 -j2 > said
+  [ "$(grep -c 'actuators' said)" -eq 3 ]
+  # Both sides of the symmetric ones are the same.
+  jq -e 'select(.parents) | all(.body[]; . == (explode | reverse | implode))' \
+    runs/examples/symmetric/history.jsonl > same
+  ! grep -v true same
+}

@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""Runs the command blocks of Markdown files, each file in a folder of its own, top
+to bottom in one shell: run_blocks.py FILE...
+
+Blocks are those fenced as sh, and indented lines after a "$ " with what they
+print, which is compared. Large numbers are made smaller first; from there on what is
+printed is not compared. Python fences are run, too.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+SMALLER = [  # what costs hours of a core
+    (r"STEPS=\d+", "STEPS=2048"), (r"--steps \d+", "--steps 2048"), (r"EVALS=\d+", "EVALS=4"),
+    (r"POP=\d+", "POP=3"), (r'SEEDS="[^"]*"', 'SEEDS="1 2"'), (r"-j8", "-j2"),
+    (r"(make [^|]*) RUN=", r"\1 VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' RUN="),
+    (r"--episodes \d+", "--episodes 2"), (r"-o walk\.mp4", "-o walk.gif --size 160x90"),
+    (r"num_envs=16", "num_envs=4"),
+]
+
+
+def smaller(command):
+    for pattern, replacement in SMALLER:
+        command = re.sub(pattern, replacement, command)
+    return command
+
+
+def blocks(text):
+    """(kind, command, output or None) in order."""
+    for fence, indented in re.findall(r"^```(\w+\n[\s\S]*?)^```|((?:^    .*\n|^\n(?=    ))+)", text,
+                                      re.M):
+        if fence:
+            kind, code = fence.split("\n", 1)
+            # Gymnasium's are run by python/tests, where Gymnasium is.
+            if kind == "sh" or kind == "python" and "gymnasium" not in code:
+                yield kind, code, None
+            continue
+        lines = [line[4:] for line in indented.split("\n")]
+        while lines:
+            line = lines.pop(0)
+            if not line.startswith("$ "):
+                continue
+            command = line[2:]
+            while command.endswith(("|", "\\")) and lines:
+                command += "\n" + lines.pop(0)
+            output = []
+            while lines and not lines[0].startswith("$ "):
+                output.append(lines.pop(0))
+            yield "sh", command, "\n".join(output).strip("\n")
+
+
+def run(path):
+    with open(path) as file:
+        found = list(blocks(file.read()))
+    assert found, f"{path}: no commands"
+    changed = False  # an earlier command did less than it says
+    with tempfile.TemporaryDirectory() as folder:
+        for kind, command, output in found:
+            less = smaller(command)
+            changed |= less != command
+            interpreter = ["bash", "-euo", "pipefail", "-c"] if kind == "sh" else ["/usr/bin/python3", "-c"]
+            done = subprocess.run([*interpreter, less], cwd=folder, capture_output=True, text=True)
+            if done.returncode != 0:
+                sys.exit(f"{path}: status {done.returncode}\n{less}\n{done.stdout}{done.stderr}")
+            if output and not changed and done.stdout.strip("\n") != output:
+                sys.exit(f"{path}:\n{less}\nprinted\n{done.stdout}\nbut the text says\n{output}")
+    print(f"{path}: {len(found)} commands")
+
+
+if __name__ == "__main__":
+    os.environ["PATH"] = os.environ["EVO_BIN"] + ":" + os.environ["PATH"]
+    for name in sys.argv[1:]:
+        run(name)

@@ -70,22 +70,6 @@ class Viewer {
   std::unique_ptr<Painter> painter_;
 };
 
-// Moments one after the other, drawn in this process with a GL context that is
-// kept: milliseconds each. A process that owns one must not call the functions
-// above and below (painter.h says why).
-class Viewer {
- public:
-  Viewer();  // throws Error(work) where OSMesa gives no context
-  ~Viewer();
-  Viewer(const Viewer&) = delete;
-  Viewer& operator=(const Viewer&) = delete;
-
-  Image draw(const Episode& episode, double step, const RenderOptions& options);
-
- private:
-  std::unique_ptr<Painter> painter_;
-};
-
 // ---- moving pictures ----------------------------------------------------------------
 
 // Episodes as a video, side by side when they are several (a shorter one stays at

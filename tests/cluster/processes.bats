@@ -17,7 +17,7 @@ idle() { ! busy "$1"; }
     sleep 1
     kill -KILL $make
     within 20 idle $pipeline
-    [ "$(ls $pipeline/policies/*.checkpoint.h5 | wc -l)" -eq 3 ]
+    [ "$(find $pipeline/policies -name '*.checkpoint.h5' | wc -l)" -eq 3 ]
     [ -z "$(ls $pipeline/gen-000/*.running 2> /dev/null)" ]
   done
 }

@@ -342,7 +342,7 @@ TEST_CASE("a task that is there but cannot be read is not called unknown") {
   CHECK(load_task("walk", {folder}).name == "walk");
   CHECK(load_task("stroll", {folder}).name == "walk");
   CHECK_THROWS_WITH(load_task("run", {folder}),
-                    Catch::StartsWith("unknown task 'run'") && Catch::Contains("broken.yaml:2"));
+                    Catch::StartsWith("unknown task 'run'") && Catch::Contains("broken.yaml:3"));
   fs::remove_all(folder);
 }
 

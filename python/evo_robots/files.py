@@ -145,7 +145,7 @@ def write_policy(
     with h5py.File(path, "w") as file:
         file.attrs.update({
             "format": "evo/policy", "version": np.int64(1), "robot": json.dumps(robot),
-            **known, "training_yaml": "", "seed": np.uint64(0), "isa": "any",
+            **known, "training_yaml": "{}", "seed": np.uint64(0), "isa": "any",
             "observation_layout": json.dumps(info["robots"][0]["observation_layout"]),
             "created_by": created_by, "settings_hash": "", "fitness": float(fitness),
             "best_step": np.int64(steps), "steps": np.int64(steps), "kind": "network",

@@ -101,7 +101,7 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
   std::vector<std::string> words = training_words(run);
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
-  cli::Command command(words[0], "");
+  cli::Command command(asked.name(), "");
   cli::TrainingOptions options;
   options.add_to(command);
   return command.run(static_cast<int>(arguments.size()), arguments.data(), [&] {

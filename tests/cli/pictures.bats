@@ -64,7 +64,7 @@ print(np.abs(a - b).mean())" "$1" "$2"
 
 @test "what cannot be drawn is refused in one line, and leaves no file" {
   episode r.h5
-  fails_with 2 "0x9" "8192" -- evo-render r.h5 -o x.png --size 0x9
+  fails_with 2 "0x9" "1280x720" -- evo-render r.h5 -o x.png --size 0x9
   fails_with 2 "-o" -- evo-render r.h5
   fails_with 2 "walk.xyz" -- evo-render r.h5 -o walk.xyz
   fails_with 66 "none.h5" -- evo-render none.h5 -o x.mp4

@@ -153,8 +153,9 @@ int train(const cli::Command& command, const std::string& folder, const Options&
   const RunFolder run(folder);
   if (fs::exists(run.scores(options.generation))) return 0;
   std::vector<int> slots = slot_numbers(options.slots);
+  const int population = run.population_size(options.generation);  // which must be there
   if (slots.empty())
-    for (int k = 0; k < run.population_size(options.generation); ++k) slots.push_back(k);
+    for (int k = 0; k < population; ++k) slots.push_back(k);
   const RunningMark mark(run, options.generation,
                          options.slots.empty() ? std::vector<std::string>{"all"} : options.slots);
   try {

@@ -34,7 +34,9 @@ idle() { ! busy "$1"; }
     failed=$(jq -r 'select(.fitness == null) | .id' lively/history.jsonl | sort -u)
     [ -n "$failed" ]
     for id in $failed; do
-      [ "$(grep -c "^die $id" lively/stand-in.log)" -eq 3 ]
+      deaths=$(grep -c "^die $id" lively/stand-in.log)
+      # A failed robot may survive a generation of worse ones, and is tried there again.
+      [ "$deaths" -eq 3 ] || { [ $pipeline = ga ] && [ "$deaths" -gt 3 ]; }
     done
     jq -se 'map(select(.fitness == null).failure.why) | all(contains("status 137 on here, 3 times"))' lively/history.jsonl
     [ "$(wc -l < lively/history.jsonl)" -eq 12 ]

@@ -16,7 +16,7 @@ void check_outputs(const std::vector<OutputName>& outputs) {
     if (output.path == standard_stream || fs::is_character_file(output.path, failed) ||
         fs::is_fifo(output.path, failed))
       continue;
-    const fs::path whole = fs::weakly_canonical(output.path, failed);
+    const fs::path whole = fs::weakly_canonical(fs::absolute(output.path), failed);
     const auto [owner, added] = owners.emplace(failed ? fs::path(output.path) : whole, &output);
     if (!added)
       throw error(Failure::usage, "{} and {} are both written to '{}'; name two files",

@@ -12,11 +12,22 @@ namespace {
 // What the benchmark's simple tasks have.
 constexpr int episode_steps = 500;
 constexpr int floor_width = 5;
+constexpr int usual_width = 5;  // of a robot
 
 bool moves(const Object& object) {
   return std::any_of(object.body.cells.begin(), object.body.cells.end(), [](Voxel voxel) {
     return voxel == Voxel::horizontal || voxel == Voxel::vertical;
   });
+}
+
+// The lowest cell above all that stands in the first columns.
+int free_row(const std::vector<Placement>& scenery) {
+  int row = 0;
+  for (const Placement& placement : scenery) {
+    const Object& object = placement.object;
+    if (object.x < usual_width) row = std::max(row, object.y + object.body.rows);
+  }
+  return row;
 }
 
 // As a task may be called: in one word.
@@ -49,7 +60,7 @@ std::string draft_task(const World& world, const std::string& name) {
       "{}}}\n\n"
       "reward:\n  - displacement: {{of: robot, axis: x}}\n\nfollow: [robot]\n",
       yaml_scalar(one_word(name)), episode_steps, robot != nullptr ? robot->x : 0,
-      robot != nullptr ? robot->y : 0, world_to_yaml(scenery), floor_width);
+      robot != nullptr ? robot->y : free_row(scenery), world_to_yaml(scenery), floor_width);
 }
 
 }  // namespace evo

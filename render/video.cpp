@@ -198,7 +198,18 @@ struct FfmpegEncoder::Process {
     posix_spawn_file_actions_adddup2(&actions, frames, STDIN_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, complaints, STDERR_FILENO);
-    const int code = ::posix_spawnp(&id, words.front(), &actions, nullptr, words.data(), environ);
+    // A file that grows too large ends ffmpeg; told of it as an error, it would go on
+    // and say that all is well.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t restored;
+    sigemptyset(&restored);
+    sigaddset(&restored, SIGXFSZ);
+    posix_spawnattr_setsigdefault(&attributes, &restored);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+    const int code =
+        ::posix_spawnp(&id, words.front(), &actions, &attributes, words.data(), environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     if (code != 0) id = -1;
     return code;
@@ -212,12 +223,18 @@ struct FfmpegEncoder::Process {
     return status;
   }
 
-  Error failure(const std::filesystem::path& path) const {
+  // It may end well all the same.
+  bool ran_out_of_room() const {
     const std::string words = last_words();
-    const bool disk = std::any_of(out_of_room.begin(), out_of_room.end(), [&](const char* reason) {
-      return words.find(reason) != std::string::npos;
-    });
-    return error(disk ? Failure::io : Failure::work, "{}: ffmpeg failed: {}", path.string(), words);
+    return std::any_of(out_of_room.begin(), out_of_room.end(),
+                       [&](const char* reason) { return words.find(reason) != std::string::npos; });
+  }
+
+  Error failure(const std::filesystem::path& path, int status) const {
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXFSZ)
+      return error(Failure::io, "{}: cannot be written: {}", path.string(), reason(EFBIG));
+    return error(ran_out_of_room() ? Failure::io : Failure::work, "{}: ffmpeg failed: {}",
+                 path.string(), last_words());
   }
 
   std::string last_words() const {
@@ -254,7 +271,8 @@ void FfmpegEncoder::finish() {
   ::close(process_->input);
   process_->input = -1;
   const int status = process_->wait();
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) throw process_->failure(path_);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || process_->ran_out_of_room())
+    throw process_->failure(path_, status);
   file_.commit();
 }
 

@@ -54,7 +54,7 @@ setup_file() {
   cd "$made"
   local commands=(
     "evo-suggest -n 2" "evo-suggest -n 2 --history six.jsonl" "evo-suggest -n 2 --history scored.jsonl"
-    "evo-sample -n 2" "evo-mutate six.jsonl" "evo-select six.jsonl" "evo-convert six.jsonl"
+    "evo-sample -n 2" "evo-mutate six.jsonl" "evo-select scored.jsonl" "evo-convert six.jsonl"
     "evo-neat -n 4 --state-out $BATS_TEST_TMPDIR/s.json"
     "evo-eval --task Walker-v0 --random --max-steps 2 six.jsonl"
     "evo-train --progress always --task Walker-v0 --train tiny.yaml --steps 2 --out-dir $BATS_TEST_TMPDIR/p six.jsonl")

@@ -17,6 +17,7 @@ setup_file() {
   fails_with 2 "--output and --rollout" -- evo-eval small.txt --task Walker-v0 --random -o x --rollout x
   fails_with 2 "--rollout" "--rollout-dir" -- evo-eval small.txt --task Walker-v0 --random --rollout x --rollout-dir y
   local id; id=$(evo-convert small.txt | jq -r .id)
+  mkdir p
   fails_with 2 "--output" "policy of robot $id" -- evo-train small.txt --task Walker-v0 --steps 2 --algo random --out-dir p -o "p/$id.policy.h5"
   fails_with 2 "--curve" "--output" -- evo-train small.txt --task Walker-v0 --steps 2 --algo random --out-dir p -o p/x --curve p/x
   evo-neat -n 4 -o /dev/null --state-out /dev/null

@@ -183,7 +183,8 @@ def main():
         made = os.path.join(folder, "valid")
         valid.make(made, os.environ["EVO_SOURCE"])
         with open(os.path.join(made, "many.jsonl"), "wb") as file:
-            file.write(valid.run("evo-sample", "-n", "1000"))
+            file.write(valid.run("jq", "-c", ".fitness = 1",
+                                 input=valid.run("evo-sample", "-n", "1000")))
         identity = valid.run("jq", "-r", ".id", os.path.join(made, "robot.json")).decode().strip()
         for words, outputs in TOOLS:
             words = resolve(words, made, identity)

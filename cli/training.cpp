@@ -96,15 +96,95 @@ Error trained_otherwise(const fs::path& policy, const std::string& difference) {
                policy.string(), difference);
 }
 
-// The robot as it was trained before with exactly these settings, or nothing.
+// ---- what a training starts from ----------------------------------------------------
+
+// The policy that --init means for a robot: the one given, or in a folder that of
+// the first parent which has one there. Nothing: from scratch.
+std::optional<fs::path> inherited_policy(const Robot& robot, const TrainingOptions& options) {
+  if (!options.init) return std::nullopt;
+  if (!fs::is_directory(*options.init)) return fs::path(*options.init);
+  const auto parents = robot.document.find("parents");
+  if (parents == robot.document.end() || !parents->is_array()) return std::nullopt;
+  for (const Json& parent : *parents) {
+    if (!parent.is_string()) continue;
+    const fs::path path = fs::path(*options.init) / (parent.get<std::string>() + ".policy.h5");
+    if (fs::exists(path)) return path;
+  }
+  return std::nullopt;
+}
+
+struct Start {
+  std::optional<Inheritance> inheritance;
+  TrainingOrigin origin;
+  TrainingIdentity identity;             // of the whole training
+  std::optional<Checkpoint> checkpoint;  // to go on from
+};
+
+TrainingIdentity identify(const Robot& robot, const Job& job, std::int64_t steps,
+                          const TrainingOrigin& origin) {
+  TrainingSettings settings = job.training;
+  settings.steps = steps;
+  return evo::identify(robot.body, job.task, settings, job.seed, origin);
+}
+
+// The checkpoint is of this training, or the end of one with fewer steps.
+void go_on(const Robot& robot, const Job& job, const Arena& arena, const fs::path& path,
+           Start& start) {
+  const auto span = span_of_same(read_checkpoint_identity(path), start.identity.lines);
+  if (!span || span->steps > job.training.steps) {
+    start.checkpoint = read_checkpoint(path, start.identity);  // an old one, or says what differs
+    return;
+  }
+  start.origin.parts = span->parts;
+  start.checkpoint = read_checkpoint(path, identify(robot, job, span->steps, start.origin));
+  if (span->steps < job.training.steps) {
+    TrainingSettings settings = job.training;
+    settings.steps = span->steps;
+    Trainer shorter(arena, settings, job.seed, robot.id, start.inheritance);
+    shorter.restore(*start.checkpoint);
+    if (!shorter.done())
+      throw error(Failure::cannot_create,
+                  "{}: belongs to a training of {} steps that has not ended; finish it first, or "
+                  "remove it to start afresh",
+                  path.string(), span->steps);
+    start.origin.parts.push_back(span->steps);
+  }
+  start.identity = identify(robot, job, job.training.steps, start.origin);
+}
+
+Start find_start(const Robot& robot, const Job& job, const Arena& arena, const Paths& paths) {
+  Start start;
+  if (const auto path = inherited_policy(robot, job.options)) {
+    const PolicyFile file = read_policy(*path);
+    start.inheritance = Inheritance{file.controller, anatomy(file.robot.body, file.layout)};
+    start.origin.inherited = file.settings_hash;
+  }
+  start.identity = identify(robot, job, job.training.steps, start.origin);
+  if (job.options.resume && fs::exists(paths.checkpoint))
+    go_on(robot, job, arena, paths.checkpoint, start);
+  return start;
+}
+
+// ---- one robot ----------------------------------------------------------------------
+
+// Whether the policy with this identity is of the training, but perhaps for its span.
+bool is_part(const std::string& there, const Start& start) {
+  return start.checkpoint && span_of_same(there, start.identity.lines);
+}
+
+// The robot as it was trained before with exactly these settings (with --resume:
+// perhaps in parts), or nothing.
 std::optional<Robot> trained_before(const Robot& robot, const Job& job, const Paths& paths,
-                                    const TrainingIdentity& training) {
+                                    const Start& start) {
   if (!fs::exists(paths.policy)) return std::nullopt;
   try {
     const std::string there = read_policy_identity(paths.policy);
-    if (there == training.lines) return scored(robot, read_policy(paths.policy), paths.policy);
-    if (!job.options.force)
-      throw trained_otherwise(paths.policy, difference(there, training.lines));
+    const auto span = span_of_same(there, start.identity.lines);
+    const bool in_parts = job.options.resume && span && span->steps == job.training.steps;
+    if (there == start.identity.lines || in_parts)
+      return scored(robot, read_policy(paths.policy), paths.policy);
+    if (!job.options.force && !is_part(there, start))
+      throw trained_otherwise(paths.policy, difference(there, start.identity.lines));
   } catch (const Error& e) {  // damaged, or no policy at all
     if (!job.options.force || e.kind() != Failure::data) throw;
   }
@@ -135,22 +215,28 @@ Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
                     const std::function<void(const TrainingReport&)>& show) {
   const Paths paths = paths_of(job.options, robot.id);
   const Arena arena(job.task, robot.body);
-  const TrainingIdentity identity = identify(robot.body, job.task, job.training, job.seed);
+  const Start start = find_start(robot, job, arena, paths);
   Trained trained;
-  trained.robot = trained_before(robot, job, paths, identity);
+  trained.robot = trained_before(robot, job, paths, start);
   trained.known = trained.robot.has_value();
   if (trained.known) return trained;
 
-  Trainer trainer(arena, job.training, job.seed, robot.id);
-  const bool resumed = job.options.resume && fs::exists(paths.checkpoint);
+  // What is there is an earlier end of the same training.
+  const bool replaces_part =
+      fs::exists(paths.policy) && is_part(read_policy_identity(paths.policy), start);
+
+  Trainer trainer(arena, job.training, job.seed, robot.id, start.inheritance);
+  const bool resumed = start.checkpoint.has_value();
   if (resumed) {
-    trainer.restore(read_checkpoint(paths.checkpoint, identity));
+    trainer.restore(*start.checkpoint);
     job.command.note(fmt::format("robot {}: goes on from {}", robot.id, paths.checkpoint.string()));
   } else if (fs::exists(paths.checkpoint)) {
     job.command.note(fmt::format("robot {}: begins anew; --resume would go on from {}", robot.id,
                                  paths.checkpoint.string()));
   }
-  const auto save = [&] { write_checkpoint(paths.checkpoint, trainer.checkpoint(), identity); };
+  const auto save = [&] {
+    write_checkpoint(paths.checkpoint, trainer.checkpoint(), start.identity);
+  };
 
   TrainingLog log(paths.log);
   log.begin(created_by(trained_by), job.task.name, resumed);
@@ -166,7 +252,7 @@ Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
       log.line(report, static_cast<double>(trained.steps) / std::max(trained.seconds, 1e-9));
     show(report);
     if (trainer.done()) break;
-    job.rescue.keep(index, trainer.checkpoint(), paths.checkpoint, identity);
+    job.rescue.keep(index, trainer.checkpoint(), paths.checkpoint, start.identity);
     if (interrupted() != 0) {
       save();
       trained.seconds = clock.seconds();
@@ -181,13 +267,16 @@ Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
   const TrainResult result = trainer.result();
   log.end(clock.seconds());
   if (!result.failure)
-    save_policy(
-        paths.policy,
-        make_policy_file(robot, arena, job.training, job.seed, result, created_by(trained_by)),
-        job.options.force);
+    save_policy(paths.policy,
+                make_policy_file(robot, arena, job.training, job.seed, result,
+                                 created_by(trained_by), start.origin),
+                job.options.force || replaces_part);
   job.rescue.forget(index);
   std::error_code ignored;
-  fs::remove(paths.checkpoint, ignored);
+  if (job.options.keep_checkpoint && !result.failure)
+    save();
+  else
+    fs::remove(paths.checkpoint, ignored);
   if (job.options.curve) write_curve(*job.options.curve, result.curve);
   trained.robot = result.failure ? failed(robot, job, *result.failure)
                                  : scored(robot, read_policy(paths.policy), paths.policy);
@@ -235,17 +324,20 @@ void TrainingOptions::add_to(Command& command) {
   task.add_to(command);
   command.section("Training");
   command.option("--train", profile, "PROFILE",
-                 "training profile by name or file: default, paper, release2");
+                 "training profile by name or file: default, paper, portfolio, release2");
   command.option("--train-set", set, "KEY=VALUE",
                  "one setting of the profile, such as learning_rate=3e-4 (repeatable); "
                  "'evo-inspect training' lists them");
   command.option("--algo", algorithm, "NAME",
-                 "ppo, sine (open loop, by evolution strategy) or random [the profile's]");
+                 "ppo, portfolio, or open loop: gait, sine or random [the profile's]");
   command.option("--steps", steps, "N", "environment steps [the profile's]");
   command.option("--final-episodes", final_episodes, "N",
                  "episodes of the best policy from shifted starts, after training [the profile's]");
   command.option("--jitter", jitter, "VOXELS",
                  "how far their start coordinates are shifted [the profile's]");
+  command.option("--init", init, "POLICY|DIR",
+                 "start from this policy, or in a folder from the parent's (<id>.policy.h5); "
+                 "robots without one start from scratch");
   command.seed_option();
   command.section("Files");
   command.option("--out-dir", out_dir, "DIR", "where <id>.policy.h5 goes");
@@ -254,6 +346,8 @@ void TrainingOptions::add_to(Command& command) {
   command.output_option("where the robots go, with fitness, steps and policy");
   command.option("--checkpoint-every", checkpoint_every, "N",
                  "save a checkpoint after this many steps; 0: on interruption only");
+  command.flag("--keep-checkpoint", keep_checkpoint,
+               "keep the end of each training, to go on later (--resume with more --steps)");
   command.flag("--resume", resume, "go on from checkpoints where there are any");
   command.flag("--force", force, "replace policies trained with other settings");
   command.option("--failures", failures, "WHAT",

@@ -27,6 +27,8 @@ struct TrainingOptions {
   int checkpoint_every = 100'000;
   std::optional<int> final_episodes;
   std::optional<double> jitter;
+  std::optional<std::string> init;
+  bool keep_checkpoint = false;
   bool resume = false;
   bool force = false;
   std::string failures = "stop";

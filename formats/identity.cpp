@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <iterator>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -82,22 +85,59 @@ std::map<std::string, std::string> by_key(std::string_view lines) {
   return values;
 }
 
+const std::string steps_key = "training.steps";
+const std::string part_prefix = "part.";
+
 }  // namespace
 
 std::string TrainingIdentity::hash() const { return sha256_hex(lines); }
 
 TrainingIdentity identify(const Body& robot, const TaskSpec& task, const TrainingSettings& settings,
-                          std::uint64_t seed) {
+                          std::uint64_t seed, const TrainingOrigin& origin) {
   const std::string task_yaml = task_to_yaml(task);
   TrainingIdentity result;
   result.lines = fmt::format("evo-training 2\nrobot={}\nseed={}\n", identity(robot), seed);
   result.lines += task_lines(task_yaml);
   for (const std::string& line : physics_identity(task.physics)) result.lines += line + "\n";
   for (const std::string& line : training_identity(settings)) result.lines += line + "\n";
+  if (!origin.inherited.empty()) result.lines += fmt::format("inherited={}\n", origin.inherited);
+  for (std::size_t i = 0; i < origin.parts.size(); ++i)
+    result.lines += fmt::format("{}{}={}\n", part_prefix, i, origin.parts[i]);
   result.old_hash =
       sha256_hex(fmt::format("evo-training 1\nrobot {}\n{}\n{}\nseed {}\n", identity(robot),
                              task_yaml, training_to_yaml(settings), seed));
   return result;
+}
+
+std::optional<TrainingSpan> span_of_same(const std::string& there, const std::string& asked) {
+  const auto is_part = [](const std::string& key) { return key.rfind(part_prefix, 0) == 0; };
+  const auto whole_number = [](const std::string& text) -> std::optional<std::int64_t> {
+    std::int64_t value = 0;
+    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+    return value;
+  };
+  auto one = by_key(there);
+  auto other = by_key(asked);
+  TrainingSpan span;
+  span.steps = TrainingSettings{}.steps;  // the baseline's, which has no line
+  if (const auto steps = one.find(steps_key); steps != one.end()) {
+    const auto value = whole_number(steps->second);
+    if (!value) return std::nullopt;
+    span.steps = *value;
+  }
+  for (std::size_t i = 0; one.count(part_prefix + std::to_string(i)) != 0; ++i) {
+    const auto value = whole_number(one[part_prefix + std::to_string(i)]);
+    if (!value) return std::nullopt;
+    span.parts.push_back(*value);
+  }
+  for (auto* values : {&one, &other}) {
+    values->erase(steps_key);
+    for (auto it = values->begin(); it != values->end();)
+      it = is_part(it->first) ? values->erase(it) : std::next(it);
+  }
+  if (one != other) return std::nullopt;
+  return span;
 }
 
 std::string difference(const std::string& there, const std::string& asked) {

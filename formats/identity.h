@@ -18,13 +18,24 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "libevo/body/body.h"
 #include "libevo/control/settings.h"
 #include "libevo/task/spec.h"
 
 namespace evo {
+
+// What a training started from, besides its settings: lines of its identity.
+struct TrainingOrigin {
+  // Settings hash of the policy that was inherited; empty: none.
+  std::string inherited;
+  // Steps after which the training had been at an end before it was asked for more,
+  // ascending: what was trained in parts is another training than the whole at once.
+  std::vector<std::int64_t> parts;
+};
 
 struct TrainingIdentity {
   std::string lines;
@@ -36,7 +47,16 @@ struct TrainingIdentity {
 };
 
 TrainingIdentity identify(const Body& robot, const TaskSpec& task, const TrainingSettings& settings,
-                          std::uint64_t seed);
+                          std::uint64_t seed, const TrainingOrigin& origin = {});
+
+// How long the training of an identity is.
+struct TrainingSpan {
+  std::int64_t steps = 0;
+  std::vector<std::int64_t> parts;  // as in TrainingOrigin
+};
+
+// The span of `there` if it is the training `asked` for but for its span.
+std::optional<TrainingSpan> span_of_same(const std::string& there, const std::string& asked);
 
 // "training.steps: 4096 there, 8192 asked for; ..." for the first few settings
 // that differ; empty if none does.

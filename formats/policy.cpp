@@ -77,6 +77,26 @@ struct Stored<SineController> {
   static SineController read(const hdf5::Reader& file);
 };
 
+// Shifts are written where there are any: waves without are as ever.
+void write_sine(hdf5::Writer& file, const std::string& group, const SineController& sine) {
+  file.vector(group + "/amplitude", sine.amplitude);
+  file.vector(group + "/phase", sine.phase);
+  if (!sine.shift.empty()) file.vector(group + "/shift", sine.shift);
+  file.attribute(group, "period", sine.period);
+  file.attribute(group, "middle", sine.middle);
+}
+
+SineController read_sine(const hdf5::Reader& file, const std::string& group) {
+  SineController sine;
+  sine.amplitude = file.vector<double>(group + "/amplitude");
+  sine.phase = file.vector<double>(group + "/phase", sine.amplitude.size());
+  if (file.exists(group + "/shift"))
+    sine.shift = file.vector<double>(group + "/shift", sine.amplitude.size());
+  sine.period = file.number<double>(group, "period");
+  sine.middle = file.number<double>(group, "middle");
+  return sine;
+}
+
 void Stored<Policy>::write(hdf5::Writer& file, const Policy& policy) {
   write_network(file, "/actor", policy.actor);
   write_network(file, "/critic", policy.critic);
@@ -89,14 +109,19 @@ void Stored<Policy>::write(hdf5::Writer& file, const Policy& policy) {
   file.attribute("/", "action_map", word(policy.action_map));
   file.attribute("/", "action_offset", policy.action_offset);
   file.attribute("/", "action_bounds", std::vector<double>{policy.low, policy.high});
+  if (!policy.clock.empty()) file.vector("/clock", policy.clock);
+  if (policy.gait) write_sine(file, "/gait", *policy.gait);
 }
 
 Policy Stored<Policy>::read(const hdf5::Reader& file) {
   Policy policy;
   const auto mean = file.vector<double>("/normalizer/mean");
   const auto variance = file.vector<double>("/normalizer/var", mean.size());
-  policy.actor = read_network(file, "/actor", mean.size());
-  policy.critic = read_network(file, "/critic", mean.size());
+  if (file.exists("/clock")) policy.clock = file.vector<double>("/clock");
+  if (file.exists("/gait")) policy.gait = read_sine(file, "/gait");
+  const std::size_t inputs = mean.size() + 2 * policy.clock.size();
+  policy.actor = read_network(file, "/actor", inputs);
+  policy.critic = read_network(file, "/critic", inputs);
   const std::size_t actions = size(policy.actor.layers.back().bias.size());
   const auto log_std = file.vector<float>("/log_std", actions);
   if (policy.critic.layers.back().bias.size() != 1)
@@ -124,19 +149,11 @@ Policy Stored<Policy>::read(const hdf5::Reader& file) {
 }
 
 void Stored<SineController>::write(hdf5::Writer& file, const SineController& sine) {
-  file.vector("/sine/amplitude", sine.amplitude);
-  file.vector("/sine/phase", sine.phase);
-  file.attribute("/sine", "period", sine.period);
-  file.attribute("/sine", "middle", sine.middle);
+  write_sine(file, "/sine", sine);
 }
 
 SineController Stored<SineController>::read(const hdf5::Reader& file) {
-  SineController sine;
-  sine.amplitude = file.vector<double>("/sine/amplitude");
-  sine.phase = file.vector<double>("/sine/phase", sine.amplitude.size());
-  sine.period = file.number<double>("/sine", "period");
-  sine.middle = file.number<double>("/sine", "middle");
-  return sine;
+  return read_sine(file, "/sine");
 }
 
 void write_controller(hdf5::Writer& file, const TrainedController& controller) {
@@ -226,7 +243,8 @@ std::string read_identity(const hdf5::Reader& file) {
 
 PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
                             const TrainingSettings& settings, std::uint64_t seed,
-                            const TrainResult& result, const std::string& created_by) {
+                            const TrainResult& result, const std::string& created_by,
+                            const TrainingOrigin& origin) {
   PolicyFile file;
   file.robot = robot;
   file.task = arena.task().name;
@@ -236,7 +254,7 @@ PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
   file.layout = arena.layout();
   file.seed = seed;
   file.created_by = created_by;
-  const TrainingIdentity training = identify(arena.robot(), arena.task(), settings, seed);
+  const TrainingIdentity training = identify(arena.robot(), arena.task(), settings, seed, origin);
   file.identity = training.lines;
   file.settings_hash = training.hash();
   file.controller = result.controller.value();
@@ -344,6 +362,12 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
   }
   file.strings("/index", index);
   file.commit();
+}
+
+std::string read_checkpoint_identity(const std::filesystem::path& path) {
+  const hdf5::Reader file(path);
+  check_format(file, format::checkpoint, Head::required);
+  return file.has_attribute("/", "identity") ? file.text("/", "identity") : "";
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& path, const TrainingIdentity& training) {

@@ -42,7 +42,8 @@ struct PolicyFile {
 // set). `robot` is stored as it is.
 PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
                             const TrainingSettings& settings, std::uint64_t seed,
-                            const TrainResult& result, const std::string& created_by);
+                            const TrainResult& result, const std::string& created_by,
+                            const TrainingOrigin& origin = {});
 
 // Appears whole or not at all. Throws Error(cannot_create, io).
 void write_policy(const std::filesystem::path& path, const PolicyFile& policy,
@@ -52,6 +53,8 @@ PolicyFile read_policy(const std::filesystem::path& path);
 // Only the lines of its identity, to see whether the work is done already.
 std::string read_policy_identity(const std::filesystem::path& path);
 
+// The lines of a checkpoint's identity; of older ones, which have none, empty.
+std::string read_checkpoint_identity(const std::filesystem::path& path);
 // A training to go on with, `<id>.checkpoint.h5`, marked with its identity.
 // Reading throws Error(no_input, data), and Error(cannot_create) where the
 // checkpoint is of another training, saying what differs.

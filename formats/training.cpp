@@ -121,6 +121,9 @@ struct Setting {
   // they were.
   const char* baseline;
   const char* meaning;
+  // The paper knows nothing of it: written only where it differs from what is built
+  // in, so that profiles without it keep their text.
+  bool ours = false;
 };
 
 // In the order of libevo/control/settings.h. All that is said and written of the
@@ -157,6 +160,13 @@ const std::vector<Setting>& all_settings() {
        "log standard deviation of actions at the start"},
       {"action_map", &T::action_map, "offset", "offset: clip(offset + a); squash: tanh(a), scaled"},
       {"action_offset", &T::action_offset, "1", "actuator target at action 0 (map offset)"},
+      {"clock", &T::clock, "[]", "periods, control steps, whose phases networks see", true},
+      {"noise_correlation", &T::noise_correlation, "0", "of one step's exploration with the next",
+       true},
+      {"gait_log_std", &T::gait_log_std, "-1.2", "initial_log_std of actions added to a gait",
+       true},
+      {"inherited_log_std", &T::inherited_log_std, "-1", "initial_log_std of an inherited policy",
+       true},
       {"normalize_observations", &T::normalize_observations, "true",
        "by running mean and deviation"},
       {"normalize_rewards", &T::normalize_rewards, "true",
@@ -171,6 +181,14 @@ const std::vector<Setting>& all_settings() {
       {"initial_sigma", &T::initial_sigma, "0.5", "step size at the start (sine)"},
       {"shortest_period", &T::shortest_period, "8", "of waves, control steps (sine, random)"},
       {"longest_period", &T::longest_period, "100", "of waves, control steps (sine, random)"},
+      {"wave_share", &T::wave_share, "0.33", "of the search: waves over the whole body (gait)",
+       true},
+      {"actuator_sigma", &T::actuator_sigma, "0.15",
+       "step size of each actuator's own search (gait)", true},
+      {"gait_share", &T::gait_share, "0.2", "of the steps: the search for a gait (portfolio)",
+       true},
+      {"trial_share", &T::trial_share, "0.2", "of the steps: each network's trial (portfolio)",
+       true},
   };
   return list;
 }
@@ -272,9 +290,11 @@ void apply_override(TrainingSettings& settings, std::string_view assignment) {
 
 std::string training_to_yaml(const TrainingSettings& settings) {
   std::string text = "format: evo/training\nversion: 1\n";
-  for (const Setting& setting : all_settings())
-    text +=
-        fmt::format("{}: {}  # {}\n", setting.key, value_text(settings, setting), setting.meaning);
+  for (const Setting& setting : all_settings()) {
+    const std::string value = value_text(settings, setting);
+    if (setting.ours && value == value_text(T{}, setting)) continue;
+    text += fmt::format("{}: {}  # {}\n", setting.key, value, setting.meaning);
+  }
   return text;
 }
 

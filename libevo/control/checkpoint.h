@@ -57,6 +57,20 @@ struct Checkpoint {
     stream.seek({values[0], static_cast<std::uint32_t>(values[1])});
   }
 
+  // Another checkpoint as a part of this one, "<name>/...", and back.
+  void put(const std::string& name, const Checkpoint& part) {
+    for (const auto& [inner, array] : part.arrays) arrays[name + "/" + inner] = array;
+  }
+  Checkpoint part(const std::string& name) const {
+    const std::string prefix = name + "/";
+    Checkpoint part;
+    for (auto it = arrays.lower_bound(prefix);
+         it != arrays.end() && it->first.compare(0, prefix.size(), prefix) == 0; ++it)
+      part.arrays[it->first.substr(prefix.size())] = it->second;
+    return part;
+  }
+  bool has(const std::string& name) const { return arrays.count(name) != 0; }
+
   bool operator==(const Checkpoint&) const = default;
 };
 

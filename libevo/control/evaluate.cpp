@@ -128,14 +128,19 @@ struct Prepare {
     require_length("inputs", static_cast<std::size_t>(policy.observation_length()),
                    static_cast<std::size_t>(arena.observation_length()));
     require_length("outputs", static_cast<std::size_t>(policy.action_length()), actions());
-    work.choose = [&policy](const VecEnv& env, std::span<Running>, std::span<double> targets) {
-      act(policy, env.observations(), targets);
+    if (policy.gait) (*this)(*policy.gait);
+    work.choose = [&policy](const VecEnv& env, std::span<Running> lanes,
+                            std::span<double> targets) {
+      std::vector<int> steps;
+      for (const Running& lane : lanes) steps.push_back(lane.steps);
+      act(policy, env.observations(), steps, targets);
     };
   }
 
   void operator()(const SineController& sine) const {
     require_length("amplitudes", sine.amplitude.size(), actions());
     require_length("phases", sine.phase.size(), actions());
+    if (!sine.shift.empty()) require_length("shifts", sine.shift.size(), actions());
     work.choose = lane_by_lane(actions(), [&sine](const Running& lane, std::span<double> targets) {
       act(sine, lane.steps, targets);
     });

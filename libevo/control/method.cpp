@@ -1,5 +1,9 @@
 #include "libevo/control/method.h"
 
+#include <utility>
+
+#include "libevo/control/ppo.h"
+
 namespace evo {
 
 EvaluationSettings TrainingJob::evaluation() const {
@@ -16,6 +20,13 @@ void Findings::evaluated(double value, const TrainedController& controller) {
     best_step = steps;
   }
   curve.push_back({steps, value, *fitness});
+}
+
+Policy initial_policy(const TrainingJob& job, std::optional<SineController> gait) {
+  const Physics& physics = job.arena.task().physics;
+  return initial_policy(job.settings, job.arena.observation_length(), job.arena.action_length(),
+                        physics.min_target, physics.max_target, std::move(gait),
+                        Stream(job.seed, "train/initial", job.robot_id));
 }
 
 void report_evaluation(const Findings& findings, Metrics& metrics) {

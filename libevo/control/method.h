@@ -20,6 +20,7 @@ struct TrainingJob {
   TrainingSettings settings;
   std::uint64_t seed = 0;
   std::string robot_id;  // names the random streams
+  std::optional<Inheritance> inheritance = {};
 
   // Evaluations meet the same episodes for every robot.
   EvaluationSettings evaluation() const;
@@ -39,6 +40,9 @@ struct Findings {
 };
 
 using Metrics = std::vector<Metric>;
+
+// An untrained policy for the job's arena, on a gait where one is given.
+Policy initial_policy(const TrainingJob& job, std::optional<SineController> gait);
 
 // eval/return and eval/best of the evaluation just made.
 void report_evaluation(const Findings& findings, Metrics& metrics);
@@ -61,8 +65,6 @@ concept TrainingMethod = std::movable<T> && std::constructible_from<T, const Tra
   // All that the method needs to go on to the same bytes.
   constant.save(out);
   method.load(in);
-  // A controller of the shape this method finds, to load the best one into.
-  { constant.blank() } -> std::convertible_to<TrainedController>;
 };
 
 }  // namespace evo

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "libevo/base/elementary.h"
 
@@ -80,11 +81,12 @@ bool Normalizer::operator==(const Normalizer& other) const {
 bool Policy::operator==(const Policy& other) const {
   return actor == other.actor && critic == other.critic && same(log_std, other.log_std) &&
          normalizer == other.normalizer && action_map == other.action_map &&
-         action_offset == other.action_offset && low == other.low && high == other.high;
+         action_offset == other.action_offset && low == other.low && high == other.high &&
+         clock == other.clock && gait == other.gait;
 }
 
 int Policy::observation_length() const {
-  return static_cast<int>(actor.layers.front().weight.cols());
+  return static_cast<int>(actor.layers.front().weight.cols()) - 2 * static_cast<int>(clock.size());
 }
 
 int Policy::action_length() const { return static_cast<int>(log_std.size()); }
@@ -166,22 +168,51 @@ void normalize(const Normalizer& normalizer, std::span<const double> observation
   }
 }
 
-double target_of(const Policy& policy, double output) {
+void network_inputs(const Policy& policy, std::span<const double> observations,
+                    std::span<const int> steps, Matrix& inputs) {
+  normalize(policy.normalizer, observations, inputs);
+  if (policy.clock.empty()) return;
+  const Eigen::Index seen = inputs.cols();
+  inputs.conservativeResize(Eigen::NoChange,
+                            seen + 2 * static_cast<Eigen::Index>(policy.clock.size()));
+  for (std::size_t e = 0; e < steps.size(); ++e) {
+    const auto row = static_cast<Eigen::Index>(e);
+    Eigen::Index next = seen;
+    for (const double period : policy.clock) {
+      const double turn = 2.0 * std::numbers::pi * steps[e] / period;
+      inputs(row, next++) = static_cast<float>(math::sin(turn));
+      inputs(row, next++) = static_cast<float>(math::sin(turn + 0.5 * std::numbers::pi));
+    }
+  }
+}
+
+void rest_targets(const Policy& policy, int t, std::span<double> targets) {
+  if (policy.gait)
+    act(*policy.gait, t, targets);
+  else
+    std::fill(targets.begin(), targets.end(), policy.action_offset);
+}
+
+double target_of(const Policy& policy, double rest, double output) {
   if (policy.action_map == ActionMap::squash) {
     const double middle = 0.5 * (policy.high + policy.low);
     return middle + 0.5 * (policy.high - policy.low) * math::tanh(output);
   }
-  return std::clamp(policy.action_offset + output, policy.low, policy.high);
+  return std::clamp(rest + output, policy.low, policy.high);
 }
 
-void act(const Policy& policy, std::span<const double> observations, std::span<double> targets) {
+void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,
+         std::span<double> targets) {
   Matrix x;
   Activations activations;
-  normalize(policy.normalizer, observations, x);
+  network_inputs(policy, observations, steps, x);
   forward(policy.actor, x, activations);
   const Matrix& mean = activations.back();
+  const auto actions = static_cast<std::size_t>(mean.cols());
+  for (std::size_t e = 0; e < steps.size(); ++e)
+    rest_targets(policy, steps[e], targets.subspan(e * actions, actions));
   for (std::size_t i = 0; i < targets.size(); ++i)
-    targets[i] = target_of(policy, static_cast<double>(mean.data()[i]));
+    targets[i] = target_of(policy, targets[i], static_cast<double>(mean.data()[i]));
 }
 
 std::vector<std::span<float>> parameter_blocks(Policy& policy) { return blocks_of<float>(policy); }

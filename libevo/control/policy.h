@@ -1,15 +1,17 @@
 // The controller PPO trains: two small networks, actor and critic, over a
-// normalised observation. Single precision. Spec: robots, section 5.2;
+// normalised observation and, if so set, a clock. Single precision. Spec: robots, section 5.2;
 // formats, "Policy".
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "libevo/base/random.h"
 #include "libevo/control/matrix.h"
+#include "libevo/control/sine.h"
 
 namespace evo {
 
@@ -40,7 +42,8 @@ struct Normalizer {
 };
 
 // How network outputs become actuator targets.
-//   offset: target = clip(offset + a, low, high), as in the paper's code
+//   offset: target = clip(offset + a, low, high), as in the paper's code; with a
+//           gait, target = clip(gait(t) + a, low, high)
 //   squash: target = middle + half * tanh(a), bounded by construction
 enum class ActionMap { offset, squash };
 constexpr const char* word(ActionMap value) {
@@ -62,8 +65,12 @@ struct Policy {
   double action_offset = 1.0;
   double low = 0.6;
   double high = 1.6;
+  // Periods in control steps: after the observation networks see sine and cosine
+  // of 2 pi t / period of each.
+  std::vector<double> clock;
+  std::optional<SineController> gait;  // what actions are added to
 
-  int observation_length() const;
+  int observation_length() const;  // without the clock
   int action_length() const;
   bool operator==(const Policy& other) const;
 };
@@ -93,11 +100,19 @@ void update(Normalizer& normalizer, std::span<const double> observations);
 // [B x D] doubles -> [B x D] floats.
 void normalize(const Normalizer& normalizer, std::span<const double> observations, Matrix& out);
 
-// Actuator target of one network output.
-double target_of(const Policy& policy, double output);
+// What networks see of observations [E x D] at steps [E] of their episodes:
+// [E x (D + 2 periods)].
+void network_inputs(const Policy& policy, std::span<const double> observations,
+                    std::span<const int> steps, Matrix& inputs);
+// What actions are added to at step t of an episode, [A].
+void rest_targets(const Policy& policy, int t, std::span<double> targets);
+// Actuator target of one network output, `rest` being what it is added to.
+double target_of(const Policy& policy, double rest, double output);
 
-// The deterministic controller: observations [E x D] in, targets [E x A] out.
-void act(const Policy& policy, std::span<const double> observations, std::span<double> targets);
+// The deterministic controller: observations [E x D] at steps [E] of their episodes
+// in, targets [E x A] out.
+void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,
+         std::span<double> targets);
 
 // All parameters as runs of floats, in one fixed order: actor, critic (weight,
 // bias of every layer), log_std. The same for gradients, run by run.

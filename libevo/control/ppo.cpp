@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "libevo/base/elementary.h"
 
@@ -208,26 +209,6 @@ void Adam::step(Policy& policy, Gradients& gradients, double learning_rate, doub
 
 namespace {
 
-// [2, 3] Orthogonal initialisation, separate networks for actor and critic.
-Policy initial_policy(const TrainingSettings& s, int observation_length, int action_length,
-                      double low, double high, Stream stream) {
-  Policy policy;
-  const double hidden_gain = std::sqrt(2.0);
-  policy.actor = orthogonal_network(observation_length, s.hidden, action_length, hidden_gain,
-                                    s.head_gain, stream);
-  policy.critic = orthogonal_network(observation_length, s.hidden, 1, hidden_gain, 1.0, stream);
-  policy.log_std = Vector::Constant(action_length, static_cast<float>(s.initial_log_std));
-  policy.normalizer.mean = Eigen::VectorXd::Zero(observation_length);
-  policy.normalizer.variance = Eigen::VectorXd::Ones(observation_length);
-  policy.normalizer.count = s.normalize_observations ? initial_moment_count : 0.0;
-  policy.normalizer.clip = s.observation_clip;
-  policy.action_map = s.action_map;
-  policy.action_offset = s.action_offset;
-  policy.low = low;
-  policy.high = high;
-  return policy;
-}
-
 double scheduled(double value, Schedule schedule, std::int64_t update, std::int64_t horizon) {
   if (schedule == Schedule::constant) return value;
   const double done = static_cast<double>(update) / static_cast<double>(horizon);
@@ -269,52 +250,89 @@ double explained_variance(const Samples& rollout) {
 
 }  // namespace
 
-Ppo::Ppo(const TrainingSettings& settings, int observation_length, int action_length, double low,
-         double high, std::uint64_t seed, std::string_view robot_id)
+// [2, 3] Orthogonal initialisation, separate networks for actor and critic.
+Policy initial_policy(const TrainingSettings& s, int observation_length, int action_length,
+                      double low, double high, std::optional<SineController> gait, Stream stream) {
+  Policy policy;
+  policy.clock.assign(s.clock.begin(), s.clock.end());
+  if (gait) policy.clock.push_back(gait->period);
+  policy.gait = std::move(gait);
+  const int inputs = observation_length + 2 * static_cast<int>(policy.clock.size());
+  const double hidden_gain = std::sqrt(2.0);
+  policy.actor =
+      orthogonal_network(inputs, s.hidden, action_length, hidden_gain, s.head_gain, stream);
+  policy.critic = orthogonal_network(inputs, s.hidden, 1, hidden_gain, 1.0, stream);
+  policy.log_std = Vector::Constant(
+      action_length, static_cast<float>(policy.gait ? s.gait_log_std : s.initial_log_std));
+  policy.normalizer.mean = Eigen::VectorXd::Zero(observation_length);
+  policy.normalizer.variance = Eigen::VectorXd::Ones(observation_length);
+  policy.normalizer.count = s.normalize_observations ? initial_moment_count : 0.0;
+  policy.normalizer.clip = s.observation_clip;
+  policy.action_map = s.action_map;
+  policy.action_offset = s.action_offset;
+  policy.low = low;
+  policy.high = high;
+  return policy;
+}
+
+Ppo::Ppo(const TrainingSettings& settings, Policy policy, std::uint64_t seed,
+         std::string_view robot_id)
     : settings_(settings),
-      policy_(initial_policy(settings, observation_length, action_length, low, high,
-                             Stream(seed, "train/initial", robot_id))),
+      policy_(std::move(policy)),
       adam_(parameter_count(policy_)),
       noise_(seed, "train/noise", robot_id),
       shuffle_(seed, "train/shuffle", robot_id),
       gradients_(zero_gradients(policy_)) {
   const auto environments = static_cast<std::size_t>(settings.environments);
   const auto samples = static_cast<std::size_t>(settings.batch());
+  const int actions = policy_.action_length();
+  const auto inputs = static_cast<int>(policy_.actor.layers.front().weight.cols());
   return_moments_.mean = Eigen::VectorXd::Zero(1);
   return_moments_.variance = Eigen::VectorXd::Ones(1);
   return_moments_.count = initial_moment_count;
   discounted_returns_.assign(environments, 0.0);
-  resize(rollout_, settings.batch(), observation_length, action_length);
-  resize(minibatch_, settings.batch() / settings.minibatches, observation_length, action_length);
+  resize(rollout_, settings.batch(), inputs, actions);
+  resize(minibatch_, settings.batch() / settings.minibatches, inputs, actions);
   rewards_.resize(samples);
   ended_.resize(samples);
-  targets_.resize(environments * static_cast<std::size_t>(action_length));
+  targets_.resize(environments * static_cast<std::size_t>(actions));
+  colour_.resize(targets_.size());
 }
 
 // [20, 21] Observations are normalised by running moments and clipped.
-void Ppo::observe(std::span<const double> observations) {
+void Ppo::observe(std::span<const double> observations, std::span<const int> steps) {
   if (!all_finite(observations)) divergence_ = "an observation is not a finite number";
   if (settings_.normalize_observations) update(policy_.normalizer, observations);
-  normalize(policy_.normalizer, observations, state_);
+  network_inputs(policy_, observations, steps, state_);
+  steps_.assign(steps.begin(), steps.end());
 }
 
 // [17-19] Independent Gaussians with a deviation that does not depend on the
-// state; the log-probability is that of the action before it is clipped.
+// state; the log-probability is that of the action before it is clipped. Noise may
+// be correlated from step to step (Hollenstein et al. 2024), a first-order process
+// that leaves each step's distribution as it is.
 std::span<const double> Ppo::act() {
   forward(policy_.actor, state_, actor_out_);
   forward(policy_.critic, state_, critic_out_);
   const Matrix& mean = actor_out_.back();
   const Vector deviation = deviations(policy_);
   const float scale = log_scale(policy_);
+  const double kept = settings_.noise_correlation;
+  const double fresh = std::sqrt(1.0 - kept * kept);
   Vector z(deviation.size());
   for (Eigen::Index e = 0; e < state_.rows(); ++e) {
+    const auto first = static_cast<std::size_t>(e * deviation.size());
+    const std::span<double> targets{targets_.data() + first,
+                                    static_cast<std::size_t>(deviation.size())};
+    rest_targets(policy_, steps_[static_cast<std::size_t>(e)], targets);
     const Eigen::Index row = t_ * state_.rows() + e;
     rollout_.states.row(row) = state_.row(e);
     for (Eigen::Index j = 0; j < deviation.size(); ++j) {
-      const float a = mean(e, j) + deviation[j] * static_cast<float>(noise_.gaussian());
+      const auto k = static_cast<std::size_t>(j);
+      colour_[first + k] = kept * colour_[first + k] + fresh * noise_.gaussian();
+      const float a = mean(e, j) + deviation[j] * static_cast<float>(colour_[first + k]);
       rollout_.actions(row, j) = a;
-      targets_[static_cast<std::size_t>(e * deviation.size() + j)] =
-          target_of(policy_, static_cast<double>(a));
+      targets[k] = target_of(policy_, targets[k], static_cast<double>(a));
     }
     rollout_.log_probs[row] =
         log_density(rollout_.actions.row(row), mean.row(e), deviation, z) - scale;
@@ -325,14 +343,15 @@ std::span<const double> Ppo::act() {
 }
 
 void Ppo::reward(std::span<const double> rewards, std::span<const std::uint8_t> terminated,
-                 std::span<const std::uint8_t> truncated, std::span<const double> reached) {
+                 std::span<const std::uint8_t> truncated, std::span<const double> reached,
+                 std::span<const int> steps) {
   if (!all_finite(rewards)) divergence_ = "a reward is not a finite number";
   const std::size_t first = static_cast<std::size_t>(t_) * rewards.size();
   for (std::size_t e = 0; e < rewards.size(); ++e)
     ended_[first + e] = terminated[e] != 0 || truncated[e] != 0 ? 1 : 0;
   scale_rewards(rewards, {ended_.data() + first, rewards.size()});
   if (settings_.time_limit == TimeLimit::bootstrap)
-    bootstrap_truncated(terminated, truncated, reached);
+    bootstrap_truncated(terminated, truncated, reached, steps);
   ++t_;
 }
 
@@ -357,12 +376,12 @@ void Ppo::scale_rewards(std::span<const double> rewards, std::span<const std::ui
 // (Pardo et al. 2018).
 void Ppo::bootstrap_truncated(std::span<const std::uint8_t> terminated,
                               std::span<const std::uint8_t> truncated,
-                              std::span<const double> reached) {
+                              std::span<const double> reached, std::span<const int> steps) {
   const std::size_t length = reached.size() / truncated.size();
   Matrix state;
   for (std::size_t e = 0; e < truncated.size(); ++e) {
     if (truncated[e] == 0 || terminated[e] != 0) continue;
-    normalize(policy_.normalizer, reached.subspan(e * length, length), state);
+    network_inputs(policy_, reached.subspan(e * length, length), steps.subspan(e, 1), state);
     forward(policy_.critic, state, critic_out_);
     rewards_[static_cast<std::size_t>(t_) * truncated.size() + e] +=
         settings_.gamma * static_cast<double>(critic_out_.back()(0, 0));
@@ -484,6 +503,8 @@ void Ppo::save(Checkpoint& checkpoint) const {
   save_moments(checkpoint, "learner/return_moments", return_moments_);
   checkpoint.put("learner/discounted_returns", discounted_returns_);
   checkpoint.put<float>("learner/state", {state_.data(), state_.data() + state_.size()});
+  checkpoint.put<std::uint64_t>("learner/steps", {steps_.begin(), steps_.end()});
+  checkpoint.put("learner/colour", colour_);
 }
 
 void Ppo::load(const Checkpoint& checkpoint) {
@@ -499,10 +520,15 @@ void Ppo::load(const Checkpoint& checkpoint) {
   load_moments(checkpoint, "learner/return_moments", return_moments_);
   discounted_returns_ =
       checkpoint.get<double>("learner/discounted_returns", discounted_returns_.size());
-  state_.resize(settings_.environments, policy_.observation_length());
+  state_.resize(settings_.environments, policy_.actor.layers.front().weight.cols());
   const auto& state =
       checkpoint.get<float>("learner/state", static_cast<std::size_t>(state_.size()));
   std::copy(state.begin(), state.end(), state_.data());
+  steps_.clear();
+  for (const std::uint64_t step : checkpoint.get<std::uint64_t>(
+           "learner/steps", static_cast<std::size_t>(settings_.environments)))
+    steps_.push_back(static_cast<int>(step));
+  colour_ = checkpoint.get<double>("learner/colour", colour_.size());
 }
 
 }  // namespace evo

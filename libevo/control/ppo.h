@@ -17,9 +17,9 @@
 
 namespace evo {
 
-// Samples of a rollout, one per row.
+// Samples of a rollout, one a row.
 struct Samples {
-  Matrix states;      // s [M x D], normalised
+  Matrix states;      // s [M x I], as networks see it
   Matrix actions;     // a [M x A], before the action map
   Vector log_probs;   // log pi_old(a|s)
   Vector values;      // V_old(s)
@@ -83,22 +83,27 @@ struct UpdateReport {
   double learning_rate = 0.0;
 };
 
+// An untrained policy for observations of D numbers and A actuators with targets in
+// [low, high], on a gait where one is given.
+Policy initial_policy(const TrainingSettings& settings, int observation_length, int action_length,
+                      double low, double high, std::optional<SineController> gait, Stream stream);
+
 class Ppo {
  public:
-  // For observations of D numbers and A actuators with targets in [low, high].
-  // Random numbers come from streams named by seed and robot id.
-  Ppo(const TrainingSettings& settings, int observation_length, int action_length, double low,
-      double high, std::uint64_t seed, std::string_view robot_id);
+  // Starts from `policy`. Random numbers come from streams named by seed and robot id.
+  Ppo(const TrainingSettings& settings, Policy policy, std::uint64_t seed,
+      std::string_view robot_id);
 
-  // s_t of every environment [E x D]: after the first reset, and after every
-  // step once ended episodes have been reset.
-  void observe(std::span<const double> observations);
+  // s_t of every environment [E x D] and the steps of its episode [E]: after the
+  // first reset, and after every step once ended episodes have been reset.
+  void observe(std::span<const double> observations, std::span<const int> steps);
   // Samples a_t ~ pi(.|s_t); targets [E x A].
   std::span<const double> act();
   // What a_t earned and how it ended [E]; `reached` [E x D] are the states
-  // reached, before any reset.
+  // reached after `steps` [E], before any reset.
   void reward(std::span<const double> rewards, std::span<const std::uint8_t> terminated,
-              std::span<const std::uint8_t> truncated, std::span<const double> reached);
+              std::span<const std::uint8_t> truncated, std::span<const double> reached,
+              std::span<const int> steps);
   // After settings.rollout rounds of act, reward, observe: one update.
   UpdateReport learn();
 
@@ -114,8 +119,8 @@ class Ppo {
  private:
   void scale_rewards(std::span<const double> rewards, std::span<const std::uint8_t> ended);
   void bootstrap_truncated(std::span<const std::uint8_t> terminated,
-                           std::span<const std::uint8_t> truncated,
-                           std::span<const double> reached);
+                           std::span<const std::uint8_t> truncated, std::span<const double> reached,
+                           std::span<const int> steps);
   bool learn_minibatch(std::span<const std::uint32_t> samples, double learning_rate,
                        const Objective& objective, Losses& sum);
 
@@ -133,7 +138,9 @@ class Ppo {
 
   // The rollout being collected, rows t*E + e.
   int t_ = 0;
-  Matrix state_;  // s_t [E x D], normalised
+  std::vector<int> steps_;      // [E] of the episodes
+  Matrix state_;                // s_t, what networks see of it [E x I]
+  std::vector<double> colour_;  // [E x A] exploration, of unit variance
   Samples rollout_;
   std::vector<double> rewards_;      // [T*E], scaled
   std::vector<std::uint8_t> ended_;  // [T*E]

@@ -1,8 +1,28 @@
 #include "libevo/control/ppo_training.h"
 
+#include <utility>
+
 #include "libevo/base/error.h"
+#include "libevo/control/transfer.h"
 
 namespace evo {
+namespace {
+
+Policy first_policy(const TrainingJob& job, std::optional<SineController> gait) {
+  if (!job.inheritance) return initial_policy(job, std::move(gait));
+  const Inheritance& old = *job.inheritance;
+  const Anatomy to = anatomy(job.arena.robot(), job.arena.layout());
+  const auto* policy = std::get_if<Policy>(&old.controller);
+  if (policy == nullptr)  // a gait alone: the network starts afresh on it
+    return initial_policy(job,
+                          transferred(std::get<SineController>(old.controller), old.anatomy, to));
+  if (policy->gait) gait = transferred(*policy->gait, old.anatomy, to);
+  Policy fresh = initial_policy(job, std::move(gait));
+  fresh.log_std.setConstant(static_cast<float>(job.settings.inherited_log_std));
+  return transferred(*policy, old.anatomy, fresh, to);
+}
+
+}  // namespace
 
 void PpoTraining::check(const TrainingSettings& s) {
   if (s.updates() < 1)
@@ -10,15 +30,13 @@ void PpoTraining::check(const TrainingSettings& s) {
                 s.environments, s.rollout);
 }
 
-PpoTraining::PpoTraining(const TrainingJob& job)
+PpoTraining::PpoTraining(const TrainingJob& job, std::optional<SineController> gait)
     : env_(job.arena, job.settings.environments),
-      ppo_(job.settings, job.arena.observation_length(), job.arena.action_length(),
-           job.arena.task().physics.min_target, job.arena.task().physics.max_target, job.seed,
-           job.robot_id),
+      ppo_(job.settings, first_policy(job, std::move(gait)), job.seed, job.robot_id),
       next_episode_(static_cast<std::size_t>(job.settings.environments), 0),
       episode_return_(next_episode_.size(), 0.0) {
   for (int e = 0; e < env_.environments(); ++e) start_episode(job, e);
-  ppo_.observe(env_.observations());
+  observe();
 }
 
 bool PpoTraining::done(const TrainingJob& job, const Findings&) const {
@@ -26,6 +44,13 @@ bool PpoTraining::done(const TrainingJob& job, const Findings&) const {
 }
 
 void PpoTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
+  const auto evaluate_now = [&] {
+    const Policy& policy = ppo_.policy();
+    findings.evaluated(evaluate(job.arena, policy, job.evaluation()).mean(), policy);
+  };
+  // What was inherited counts as it is.
+  if (job.inheritance && findings.curve.empty()) evaluate_now();
+
   std::vector<double> returns;
   for (int t = 0; t < job.settings.rollout; ++t) {
     step(job, returns);
@@ -48,8 +73,7 @@ void PpoTraining::advance(const TrainingJob& job, Findings& findings, Metrics& m
     metrics.push_back({"charts/episodic_return", sum / static_cast<double>(returns.size())});
   }
   if (ppo_.updates() % job.settings.evaluation_interval == 0 || done(job, findings)) {
-    const Policy& policy = ppo_.policy();
-    findings.evaluated(evaluate(job.arena, policy, job.evaluation()).mean(), policy);
+    evaluate_now();
     report_evaluation(findings, metrics);
   }
 }
@@ -82,7 +106,8 @@ void PpoTraining::step(const TrainingJob& job, std::vector<double>& returns) {
   require_finite();
   env_.step(targets);
   require_stable(env_);
-  ppo_.reward(env_.rewards(), env_.terminated(), env_.truncated(), env_.observations());
+  ppo_.reward(env_.rewards(), env_.terminated(), env_.truncated(), env_.observations(),
+              episode_steps());
   for (int e = 0; e < env_.environments(); ++e) {
     const auto i = static_cast<std::size_t>(e);
     episode_return_[i] += env_.rewards()[i];
@@ -90,7 +115,15 @@ void PpoTraining::step(const TrainingJob& job, std::vector<double>& returns) {
     returns.push_back(episode_return_[i]);
     start_episode(job, e);
   }
-  ppo_.observe(env_.observations());
+  observe();
+}
+
+void PpoTraining::observe() { ppo_.observe(env_.observations(), episode_steps()); }
+
+const std::vector<int>& PpoTraining::episode_steps() {
+  episode_steps_.clear();
+  for (int e = 0; e < env_.environments(); ++e) episode_steps_.push_back(env_.steps(e));
+  return episode_steps_;
 }
 
 void PpoTraining::require_finite() const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "libevo/control/method.h"
@@ -15,25 +16,29 @@ class PpoTraining {
   static constexpr const char* name = "ppo";
   static void check(const TrainingSettings& settings);
 
-  explicit PpoTraining(const TrainingJob& job);
+  explicit PpoTraining(const TrainingJob& job) : PpoTraining(job, std::nullopt) {}
+  // On a gait where one is given; an inheritance of the job brings its own.
+  PpoTraining(const TrainingJob& job, std::optional<SineController> gait);
 
   bool done(const TrainingJob& job, const Findings& findings) const;
   void advance(const TrainingJob& job, Findings& findings, Metrics& metrics);  // one update
   void save(Checkpoint& checkpoint) const;
   void load(const Checkpoint& checkpoint);
-  Policy blank() const { return ppo_.policy(); }
 
  private:
   // Episode k of environment e has the draws of (seed, "train", e, k).
   void start_episode(const TrainingJob& job, int environment);
   // One step of every environment; the returns of episodes that ended are added.
   void step(const TrainingJob& job, std::vector<double>& returns);
+  void observe();
+  const std::vector<int>& episode_steps();
   void require_finite() const;
 
   VecEnv env_;
   Ppo ppo_;
   std::vector<std::uint64_t> next_episode_;  // [E] of each environment
   std::vector<double> episode_return_;       // [E] so far
+  std::vector<int> episode_steps_;           // [E] so far
 };
 
 }  // namespace evo

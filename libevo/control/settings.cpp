@@ -56,6 +56,14 @@ void check(const TrainingSettings& s) {
   positive("initial_sigma", s.initial_sigma);
   at_least("shortest_period", s.shortest_period, 2);
   at_least("longest_period", s.longest_period, s.shortest_period);
+  for (const int period : s.clock) at_least("clock", period, 2);
+  share("noise_correlation", s.noise_correlation);
+  require(s.noise_correlation < 1.0, "noise_correlation", s.noise_correlation,
+          "it must be below 1");
+  share("wave_share", s.wave_share);
+  positive("actuator_sigma", s.actuator_sigma);
+  share("gait_share", s.gait_share);
+  share("trial_share", s.trial_share);
   check_method(s);
 }
 

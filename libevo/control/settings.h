@@ -16,6 +16,9 @@ namespace evo {
 //   ppo     a policy network, by proximal policy optimisation
 //   sine    open-loop sine waves, by an evolution strategy
 //   random  the best of random open-loop sine waves
+//   gait    as sine, but from the best of the waves that travel over the body
+//   portfolio  a gait, a network, and a network that adds to the gait, each for a part
+//              of the steps; the better network goes on
 class Algorithm {
  public:
   Algorithm() : Algorithm("ppo") {}
@@ -99,6 +102,12 @@ struct TrainingSettings {
   double initial_log_std = 0.0;  // log of the standard deviation of actions
   ActionMap action_map = ActionMap::offset;
   double action_offset = 1.0;  // target = clip(offset + action)
+  std::vector<int> clock;      // periods, control steps, whose phases networks see
+
+  // Exploration
+  double noise_correlation = 0.0;   // of one step's noise with the next
+  double gait_log_std = -1.2;       // initial_log_std where actions are added to a gait
+  double inherited_log_std = -1.0;  // and of a policy that goes on from another robot's
 
   // Normalisation
   bool normalize_observations = true;
@@ -117,6 +126,12 @@ struct TrainingSettings {
   double initial_sigma = 0.5;  // of the evolution strategy, in its scaled coordinates
   double shortest_period = 8;  // control steps, of random candidates
   double longest_period = 100;
+  double wave_share = 0.33;      // of the generations: waves over the whole body (gait)
+  double actuator_sigma = 0.15;  // step size once each actuator is for itself (gait)
+
+  // Portfolio
+  double gait_share = 0.2;   // of the steps: the search for a gait
+  double trial_share = 0.2;  // of the steps: the trial of each network
 
   bool operator==(const TrainingSettings&) const = default;
 

@@ -13,23 +13,22 @@ namespace {
 
 // ---- the findings in checkpoints -----------------------------------------------------
 
-// One pair for every TrainedController: without it, this does not compile.
+// For every TrainedController: without it, this does not compile.
 void save_best(Checkpoint& checkpoint, const Policy& policy) {
   save_policy(checkpoint, "best/policy", policy);
+  if (policy.gait) save_sine(checkpoint, "best/gait", *policy.gait);
 }
-void load_best(const Checkpoint& checkpoint, Policy& policy) {
-  load_policy(checkpoint, "best/policy", policy);
+void save_best(Checkpoint& checkpoint, const SineController& sine) {
+  save_sine(checkpoint, "best/sine", sine);
 }
 
-void save_best(Checkpoint& checkpoint, const SineController& sine) {
-  checkpoint.put("best/amplitude", sine.amplitude);
-  checkpoint.put("best/phase", sine.phase);
-  checkpoint.put<double>("best/period", {sine.period});
-}
-void load_best(const Checkpoint& checkpoint, SineController& sine) {
-  sine.amplitude = checkpoint.get<double>("best/amplitude", sine.amplitude.size());
-  sine.phase = checkpoint.get<double>("best/phase", sine.phase.size());
-  sine.period = checkpoint.get<double>("best/period", 1)[0];
+TrainedController load_best(const Checkpoint& checkpoint, const TrainingJob& job) {
+  if (checkpoint.has("best/sine/period")) return load_sine(checkpoint, "best/sine");
+  std::optional<SineController> gait;
+  if (checkpoint.has("best/gait/period")) gait = load_sine(checkpoint, "best/gait");
+  Policy policy = initial_policy(job, std::move(gait));  // of its shape
+  load_policy(checkpoint, "best/policy", policy);
+  return policy;
 }
 
 void save(Checkpoint& checkpoint, const Findings& findings) {
@@ -51,8 +50,7 @@ void save(Checkpoint& checkpoint, const Findings& findings) {
   std::visit([&](const auto& controller) { save_best(checkpoint, controller); }, *findings.best);
 }
 
-// `blank` has the shape of the best controller.
-Findings load(const Checkpoint& checkpoint, TrainedController blank) {
+Findings load(const Checkpoint& checkpoint, const TrainingJob& job) {
   Findings findings;
   const auto& steps = checkpoint.get<std::uint64_t>("curve/step");
   const auto& evaluations = checkpoint.get<double>("curve/evaluation", steps.size());
@@ -63,8 +61,7 @@ Findings load(const Checkpoint& checkpoint, TrainedController blank) {
   if (steps.empty()) return findings;
   findings.best_step = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("best/step", 1)[0]);
   findings.fitness = checkpoint.get<double>("best/fitness", 1)[0];
-  std::visit([&](auto& controller) { load_best(checkpoint, controller); }, blank);
-  findings.best = std::move(blank);
+  findings.best = load_best(checkpoint, job);
   return findings;
 }
 
@@ -96,6 +93,11 @@ struct Trainer::Impl {
 
   static Method begin(const TrainingJob& job) {
     check(job.settings);
+    const std::string& name = job.settings.algorithm.name();
+    if (job.inheritance && name != PpoTraining::name && name != PortfolioTraining::name)
+      throw error(Failure::usage,
+                  "training: only networks (algorithm {} or {}) start from a policy, not {}",
+                  PpoTraining::name, PortfolioTraining::name, name);
     return make_method(job);
   }
 
@@ -103,8 +105,9 @@ struct Trainer::Impl {
 };
 
 Trainer::Trainer(const Arena& arena, const TrainingSettings& settings, std::uint64_t seed,
-                 std::string_view robot_id)
-    : impl_(std::make_unique<Impl>(TrainingJob{arena, settings, seed, std::string(robot_id)})) {}
+                 std::string_view robot_id, std::optional<Inheritance> inheritance)
+    : impl_(std::make_unique<Impl>(
+          TrainingJob{arena, settings, seed, std::string(robot_id), std::move(inheritance)})) {}
 
 Trainer::~Trainer() = default;
 Trainer::Trainer(Trainer&&) noexcept = default;
@@ -160,12 +163,8 @@ Checkpoint Trainer::checkpoint() const {
 }
 
 void Trainer::restore(const Checkpoint& checkpoint) {
-  std::visit(
-      [&](auto& m) {
-        impl_->findings = load(checkpoint, m.blank());
-        m.load(checkpoint);
-      },
-      impl_->method);
+  impl_->findings = load(checkpoint, impl_->job);
+  std::visit([&](auto& m) { m.load(checkpoint); }, impl_->method);
 }
 
 TrainResult train(Trainer& trainer, const TrainingHook& go_on) {

@@ -15,6 +15,7 @@
 #include "libevo/control/checkpoint.h"
 #include "libevo/control/controller.h"
 #include "libevo/control/settings.h"
+#include "libevo/control/transfer.h"
 #include "libevo/task/env.h"
 
 namespace evo {
@@ -41,6 +42,12 @@ struct TrainingFailure {
   std::int64_t step = 0;  // environment steps taken
   std::uint64_t seed = 0;
   bool operator==(const TrainingFailure&) const = default;
+};
+
+// The controller of another robot that a training starts from.
+struct Inheritance {
+  TrainedController controller;
+  Anatomy anatomy;  // what it was attached to
 };
 
 struct TrainResult {
@@ -70,9 +77,10 @@ struct TrainingReport {
 class Trainer {
  public:
   // `arena` must outlive this. Throws Error(usage) for settings that make no
-  // sense. `robot_id` names the random streams.
+  // sense, Error(data) for an inheritance that does not fit them. `robot_id` names
+  // the random streams.
   Trainer(const Arena& arena, const TrainingSettings& settings, std::uint64_t seed,
-          std::string_view robot_id);
+          std::string_view robot_id, std::optional<Inheritance> inheritance = {});
   ~Trainer();
   Trainer(Trainer&&) noexcept;
   Trainer& operator=(Trainer&&) noexcept;
@@ -87,7 +95,8 @@ class Trainer {
 
   // Everything needed to go on to the same bytes.
   Checkpoint checkpoint() const;
-  // Into a trainer made with the same arguments. Throws Error(data) otherwise.
+  // Into a trainer made with the same arguments, or with more steps: a finished
+  // training then goes on. Throws Error(data) otherwise.
   void restore(const Checkpoint& checkpoint);
 
  private:

@@ -20,7 +20,8 @@ std::size_t actuators_of(const TrainingJob& job) {
 
 Stream stream_of(const TrainingJob& job) { return {job.seed, "train/search", job.robot_id}; }
 
-// At most, in environment steps: episodes can end early.
+}  // namespace
+
 std::int64_t generation_cost(const TrainingJob& job) {
   return std::int64_t{job.settings.population} * job.settings.evaluation_episodes *
          job.arena.task().episode_steps;
@@ -39,7 +40,6 @@ bool spent(const TrainingJob& job, const Findings& findings) {
   return findings.steps + generation_cost(job) > job.settings.steps;
 }
 
-// The mean return of each candidate; the best of them is an evaluation.
 std::vector<double> try_out(const TrainingJob& job, const std::vector<SineController>& candidates,
                             Findings& findings, Metrics& metrics) {
   const SineEvaluation result = evaluate_each(job.arena, candidates, job.evaluation());
@@ -52,9 +52,7 @@ std::vector<double> try_out(const TrainingJob& job, const std::vector<SineContro
   return result.means;
 }
 
-SineController blank_wave(std::size_t actuators) {
-  return {std::vector<double>(actuators), std::vector<double>(actuators)};
-}
+namespace {
 
 // ---- the points of the evolution strategy ------------------------------------------
 
@@ -100,8 +98,6 @@ void SineTraining::load(const Checkpoint& checkpoint) {
   strategy_.load(checkpoint, "search/strategy");
 }
 
-SineController SineTraining::blank() const { return blank_wave(actuators_); }
-
 SineController SineTraining::decode(const std::vector<double>& x, const TrainingSettings& s) const {
   SineController sine;
   for (std::size_t i = 0; i < actuators_; ++i) {
@@ -141,8 +137,6 @@ void RandomTraining::save(Checkpoint& checkpoint) const {
 void RandomTraining::load(const Checkpoint& checkpoint) {
   checkpoint.get("search/random", random_);
 }
-
-SineController RandomTraining::blank() const { return blank_wave(actuators_); }
 
 SineController RandomTraining::draw(const TrainingSettings& s) {
   SineController sine;

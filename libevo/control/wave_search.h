@@ -2,6 +2,7 @@
 // strategy or drawn at random.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "libevo/base/random.h"
@@ -9,6 +10,16 @@
 #include "libevo/control/method.h"
 
 namespace evo {
+
+// Of a generation, at most, in environment steps: episodes can end early.
+std::int64_t generation_cost(const TrainingJob& job);
+// Throws Error(usage) where the budget is less than one generation.
+void require_a_generation(const TrainingJob& job);
+// Another generation might exceed the budget.
+bool spent(const TrainingJob& job, const Findings& findings);
+// The mean return of each candidate; the best of them is an evaluation.
+std::vector<double> try_out(const TrainingJob& job, const std::vector<SineController>& candidates,
+                            Findings& findings, Metrics& metrics);
 
 class SineTraining {
  public:
@@ -24,7 +35,6 @@ class SineTraining {
   void advance(const TrainingJob& job, Findings& findings, Metrics& metrics);
   void save(Checkpoint& checkpoint) const;
   void load(const Checkpoint& checkpoint);
-  SineController blank() const;
 
  private:
   SineController decode(const std::vector<double>& x, const TrainingSettings& settings) const;
@@ -47,7 +57,6 @@ class RandomTraining {
   void advance(const TrainingJob& job, Findings& findings, Metrics& metrics);
   void save(Checkpoint& checkpoint) const;
   void load(const Checkpoint& checkpoint);
-  SineController blank() const;
 
  private:
   SineController draw(const TrainingSettings& settings);

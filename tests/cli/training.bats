@@ -43,11 +43,55 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
 
 @test "training: open-loop algorithms and a curve" {
   robots | head -1 > robot
-  for algo in sine random; do
+  for algo in sine gait random; do
     evo-train --task Walker-v0 --algo $algo --steps 16000 --out-dir $algo --curve $algo.tsv robot > $algo.json
     [ "$(head -1 $algo.tsv)" = "$(printf 'step\treturn\tbest')" ]
     evo-eval $algo.json | jq -e ".fitness == $(jq .fitness $algo.json)"
   done
+}
+
+@test "training: a portfolio, interrupted and resumed, ends with the same bytes" {
+  robots | head -1 > robot
+  options="--task Lifter-v0 --train portfolio --steps 49152"
+  evo-train $options --out-dir calm robot > calm.json
+  for _ in 1 2 3; do timeout -s TERM 0.7 evo-train $options --out-dir stormy --resume robot > /dev/null && break; done
+  evo-train $options --out-dir stormy --resume robot > /dev/null
+  cmp calm/*.policy.h5 stormy/*.policy.h5
+  evo-eval calm.json | jq -e ".fitness == $(jq .fitness calm.json)"
+}
+
+@test "training: children start from their parents' policies, the rest from scratch" {
+  robots > parents
+  evo-train --task Walker-v0 --steps 8192 --out-dir old parents > trained
+  evo-mutate -n 2 --seed 1 trained > children
+  evo-train --task Walker-v0 --steps 8192 --out-dir new --init old children parents > mixed
+  evo-train --task Walker-v0 --steps 8192 --out-dir plain children > /dev/null
+  id=$(head -1 children | jq -r .id)
+  run ! cmp -s new/$id.policy.h5 plain/$id.policy.h5
+  parent=$(head -1 children | jq -r '.parents[0]')
+  hash=$(h5dump -a settings_hash old/$parent.policy.h5 | grep -o '[0-9a-f]\{64\}')
+  [[ $(h5dump -a identity new/$id.policy.h5) == *"inherited=$hash"* ]]
+  id=$(head -1 parents | jq -r .id)
+  cmp old/$id.policy.h5 new/$id.policy.h5
+  # One policy for every robot; done is done; another start is another training.
+  head -1 children | evo-train --task Walker-v0 --steps 8192 --out-dir one --init old/$id.policy.h5 > one
+  head -1 children | evo-train --task Walker-v0 --steps 8192 --out-dir one --init old/$id.policy.h5 | cmp - one
+  fails_with 73 "other settings" -- evo-train --task Walker-v0 --steps 8192 --out-dir one children
+}
+
+@test "training: what has ended goes on with more steps, and says so" {
+  robots | head -1 > robot
+  go() { evo-train --task Walker-v0 --out-dir "$1" --keep-checkpoint --resume --steps "$2" robot; }
+  go parts 8192 > first
+  [ -s parts/*.checkpoint.h5 ]
+  go parts 8192 | cmp - first
+  go parts 16384 > second
+  jq -e ".steps == 16384 and .fitness >= $(jq .fitness first)" second
+  go parts 16384 | cmp - second
+  [[ $(h5dump -a identity parts/*.policy.h5) == *part.0=8192* ]]
+  go whole 16384 > /dev/null
+  run ! cmp -s parts/*.policy.h5 whole/*.policy.h5
+  fails_with 73 "other settings" -- evo-train --task Walker-v0 --out-dir parts --resume --steps 32768 --seed 5 robot
 }
 
 @test "training: a diverging robot ends alone" {

@@ -63,20 +63,26 @@ TEST_CASE("normalised observations are clipped, and unchanged without statistics
 
 TEST_CASE("targets stay within their bounds for either action map") {
   Policy policy;
-  CHECK(target_of(policy, 0.25) == 1.25);
-  CHECK(target_of(policy, 7.0) == 1.6);
-  CHECK(target_of(policy, -7.0) == 0.6);
+  CHECK(target_of(policy, 1.0, 0.25) == 1.25);
+  CHECK(target_of(policy, 1.0, 7.0) == 1.6);
+  CHECK(target_of(policy, 1.0, -7.0) == 0.6);
   policy.action_map = ActionMap::squash;
-  CHECK(target_of(policy, 0.0) == Approx(1.1));
-  CHECK(target_of(policy, 1.0) == Approx(1.1 + 0.5 * std::tanh(1.0)));
-  CHECK(target_of(policy, 1e6) <= 1.6);
+  CHECK(target_of(policy, 1.0, 0.0) == Approx(1.1));
+  CHECK(target_of(policy, 1.0, 1.0) == Approx(1.1 + 0.5 * std::tanh(1.0)));
+  CHECK(target_of(policy, 1.0, 1e6) <= 1.6);
 }
 
 TEST_CASE("acting on a batch is acting on each row") {
   Stream stream(5, "test");
   Policy policy;
-  policy.actor = orthogonal_network(7, {64, 64}, 3, std::sqrt(2.0), 1.0, stream);
-  policy.critic = orthogonal_network(7, {64, 64}, 1, std::sqrt(2.0), 1.0, stream);
+  const bool on_gait = GENERATE(false, true);
+  if (on_gait) {
+    policy.gait = travelling_wave(3, 0.3, 12.5, 0.7);
+    policy.clock = {12.5, 40.0};
+  }
+  const int inputs = on_gait ? 7 + 4 : 7;
+  policy.actor = orthogonal_network(inputs, {64, 64}, 3, std::sqrt(2.0), 1.0, stream);
+  policy.critic = orthogonal_network(inputs, {64, 64}, 1, std::sqrt(2.0), 1.0, stream);
   policy.log_std = Vector::Zero(3);
   policy.normalizer.mean = Eigen::VectorXd::Zero(7);
   policy.normalizer.variance = Eigen::VectorXd::Ones(7);
@@ -84,11 +90,39 @@ TEST_CASE("acting on a batch is acting on each row") {
   std::vector<double> observations(7 * 9);
   for (double& o : observations) o = stream.gaussian();
   std::vector<double> together(3 * 9);
-  act(policy, observations, together);
+  const std::vector<int> steps{0, 1, 2, 3, 4, 5, 6, 7, 8};
+  act(policy, observations, steps, together);
   for (std::size_t e = 0; e < 9; ++e) {
     std::vector<double> alone(3);
-    act(policy, std::span(observations).subspan(7 * e, 7), alone);
+    act(policy, std::span(observations).subspan(7 * e, 7), std::span(steps).subspan(e, 1), alone);
     CHECK(alone == std::vector<double>(together.begin() + static_cast<std::ptrdiff_t>(3 * e),
                                        together.begin() + static_cast<std::ptrdiff_t>(3 * e + 3)));
   }
+}
+
+TEST_CASE("networks see the clock of the episode after the observation, and act on the gait") {
+  Policy policy;
+  policy.actor.layers = {{Matrix::Zero(2, 3 + 2), Vector::Zero(2)}};
+  policy.log_std = Vector::Zero(2);
+  policy.normalizer.mean = Eigen::VectorXd::Zero(3);
+  policy.normalizer.variance = Eigen::VectorXd::Ones(3);
+  policy.clock = {8.0};
+  CHECK(policy.observation_length() == 3);
+
+  Matrix inputs;
+  network_inputs(policy, std::vector<double>{1, 2, 3, 4, 5, 6}, std::vector<int>{0, 2}, inputs);
+  REQUIRE(inputs.cols() == 5);
+  CHECK(inputs(0, 2) == 3.0F);
+  CHECK(inputs(0, 3) == 0.0F);  // sine, then cosine
+  CHECK(inputs(0, 4) == 1.0F);
+  CHECK(inputs(1, 3) == Approx(1.0F));
+  CHECK(inputs(1, 4) == Approx(0.0F).margin(1e-6));
+
+  policy.gait = travelling_wave(2, 0.25, 8.0, 0.0);
+  std::vector<double> targets(2);
+  act(policy, std::vector<double>{1, 2, 3}, std::vector<int>{2}, targets);
+  CHECK(targets[0] == Approx(1.1 + 0.25));
+  policy.gait->shift = {-0.1, 0.0};
+  act(policy, std::vector<double>{1, 2, 3}, std::vector<int>{2}, targets);
+  CHECK(targets[0] == Approx(1.1 - 0.1 + 0.25));
 }

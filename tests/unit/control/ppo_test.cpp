@@ -210,7 +210,7 @@ TEST_CASE("gradients are scaled down to the largest norm allowed, never up") {
 
 namespace {
 
-// Points on a line, one per environment, pushed by an action in [0.6, 1.6] about
+// Points on a line, one a environment, pushed by an action in [0.6, 1.6] about
 // 1.1, rewarded for being near the origin; episodes last 20 steps.
 struct PointMasses {
   explicit PointMasses(int n, std::uint64_t seed)
@@ -253,6 +253,14 @@ TrainingSettings point_settings() {
   return s;
 }
 
+Ppo fresh_learner(const TrainingSettings& settings, int observation_length, std::uint64_t seed,
+                  const char* robot) {
+  return Ppo(settings,
+             initial_policy(settings, observation_length, 1, 0.6, 1.6, {},
+                            Stream(seed, "train/initial", robot)),
+             seed, robot);
+}
+
 // Mean reward a step of each update.
 std::vector<double> learn_points(const TrainingSettings& settings, Ppo& ppo, PointMasses& points,
                                  int updates) {
@@ -261,12 +269,12 @@ std::vector<double> learn_points(const TrainingSettings& settings, Ppo& ppo, Poi
     double sum = 0.0;
     for (int t = 0; t < settings.rollout && !ppo.divergence(); ++t) {
       points.step(ppo.act());
-      ppo.reward(points.rewards, points.terminated, points.truncated, points.x);
+      ppo.reward(points.rewards, points.terminated, points.truncated, points.x, points.age);
       for (std::size_t e = 0; e < points.x.size(); ++e) {
         sum += points.rewards[e];
         if (points.truncated[e] != 0) points.reset(e);
       }
-      ppo.observe(points.x);
+      ppo.observe(points.x, points.age);
     }
     if (ppo.divergence()) break;
     ppo.learn();
@@ -281,9 +289,9 @@ TEST_CASE("the learner solves a point mass") {
   TrainingSettings settings = point_settings();
   settings.time_limit = GENERATE(TimeLimit::end, TimeLimit::bootstrap);
   settings.action_map = GENERATE(ActionMap::offset, ActionMap::squash);
-  Ppo ppo(settings, 1, 1, 0.6, 1.6, 11, "robot");
+  Ppo ppo = fresh_learner(settings, 1, 11, "robot");
   PointMasses points(settings.environments, 11);
-  ppo.observe(points.x);
+  ppo.observe(points.x, points.age);
   const std::vector<double> history = learn_points(settings, ppo, points, 60);
   REQUIRE(history.size() == 60);
   CHECK(history.front() < -0.8);  // wandering
@@ -291,13 +299,17 @@ TEST_CASE("the learner solves a point mass") {
 }
 
 TEST_CASE("the learner is reproducible, and resumes to the same parameters") {
-  const TrainingSettings settings = point_settings();
+  TrainingSettings settings = point_settings();
+  if (GENERATE(false, true)) {
+    settings.noise_correlation = 0.7;
+    settings.clock = {20, 7};
+  }
   const auto fresh = [&](std::uint64_t seed, const char* robot) {
-    return Ppo(settings, 1, 1, 0.6, 1.6, seed, robot);
+    return fresh_learner(settings, 1, seed, robot);
   };
   Ppo whole = fresh(1, "a");
   PointMasses points(settings.environments, 1);
-  whole.observe(points.x);
+  whole.observe(points.x, points.age);
   learn_points(settings, whole, points, 3);
   Checkpoint checkpoint;
   whole.save(checkpoint);
@@ -323,9 +335,9 @@ TEST_CASE("divergence is noticed and named") {
   TrainingSettings settings = point_settings();
   settings.learning_rate = 1e30;
   settings.max_gradient_norm = 0;
-  Ppo ppo(settings, 1, 1, 0.6, 1.6, 1, "robot");
+  Ppo ppo = fresh_learner(settings, 1, 1, "robot");
   PointMasses points(settings.environments, 1);
-  ppo.observe(points.x);
+  ppo.observe(points.x, points.age);
   learn_points(settings, ppo, points, 20);
   REQUIRE(ppo.divergence());
   CHECK_THAT(*ppo.divergence(), Catch::Contains("not a finite number"));
@@ -333,12 +345,44 @@ TEST_CASE("divergence is noticed and named") {
 
 TEST_CASE("a checkpoint of another shape is refused") {
   const TrainingSettings settings = point_settings();
-  Ppo one(settings, 1, 1, 0.6, 1.6, 1, "robot");
-  one.observe(std::vector<double>(8, 0.0));
+  Ppo one = fresh_learner(settings, 1, 1, "robot");
+  one.observe(std::vector<double>(8, 0.0), std::vector<int>(8, 0));
   Checkpoint checkpoint;
   one.save(checkpoint);
-  Ppo two(settings, 2, 1, 0.6, 1.6, 1, "robot");
+  Ppo two = fresh_learner(settings, 2, 1, "robot");
   CHECK_THROWS_WITH(two.load(checkpoint), Catch::Contains("learner/policy/parameters"));
   checkpoint.arrays.erase("learner/noise");
   CHECK_THROWS_WITH(one.load(checkpoint), Catch::Contains("no array 'learner/noise'"));
+}
+
+TEST_CASE("exploration correlated from step to step keeps its deviation") {
+  TrainingSettings settings = point_settings();
+  settings.environments = 64;
+  settings.noise_correlation = 0.6;
+  settings.initial_log_std = std::log(0.05);  // the bounds do not cut
+  settings.action_offset = 1.1;
+  Ppo ppo = fresh_learner(settings, 1, 3, "robot");
+  const std::vector<double> rest(64, 0.0);
+  const std::vector<int> steps(64, 1);
+  const std::vector<std::uint8_t> no(64, 0);
+  std::vector<double> before(64, 0.0);
+  double square = 0.0;
+  double product = 0.0;
+  int counted = 0;
+  for (int t = 0; t < settings.rollout; ++t) {
+    ppo.observe(rest, steps);
+    const auto targets = ppo.act();
+    for (std::size_t e = 0; e < 64; ++e) {
+      const double noise = (targets[e] - 1.1) / 0.05;
+      if (t >= 10) {  // it starts at rest
+        square += noise * noise;
+        product += noise * before[e];
+        ++counted;
+      }
+      before[e] = noise;
+    }
+    ppo.reward(rest, no, no, rest, steps);
+  }
+  CHECK(square / counted == Approx(1.0).margin(0.1));
+  CHECK(product / counted == Approx(0.6).margin(0.1));
 }

@@ -33,6 +33,18 @@ TrainingSettings brief_search(Algorithm algorithm) {
   return s;
 }
 
+// Search for 120 steps, trials of 2 updates, 5 updates more.
+TrainingSettings brief_portfolio() {
+  TrainingSettings s = brief();
+  s.algorithm = Algorithm("portfolio");
+  s.population = 4;
+  s.steps = 120 + 9 * 64;
+  s.gait_share = 0.18;
+  s.trial_share = 0.2;
+  s.evaluation_interval = 1;
+  return s;
+}
+
 void check_equal(const TrainResult& a, const TrainResult& b) {
   CHECK(a.fitness == b.fitness);
   CHECK(a.controller == b.controller);
@@ -87,10 +99,11 @@ TEST_CASE("a training takes its updates, evaluates when due, and keeps the best"
 TEST_CASE("a resumed training ends with the same bytes") {
   const Arena arena(test::walker(10), test::small_body());
   const TrainingSettings settings =
-      GENERATE(brief(), brief_search(Algorithm("sine")), brief_search(Algorithm("random")));
-  const int before = GENERATE(0, 2, 4);
+      GENERATE(brief(), brief_search(Algorithm("sine")), brief_search(Algorithm("random")),
+               brief_search(Algorithm("gait")), brief_portfolio());
+  const int before = GENERATE(0, 2, 4, 5, 9);
   Trainer whole(arena, settings, 5, "robot");
-  for (int i = 0; i < before; ++i) whole.advance();
+  for (int i = 0; i < before && !whole.done(); ++i) whole.advance();
   const Checkpoint checkpoint = whole.checkpoint();
 
   Trainer resumed(arena, settings, 5, "robot");
@@ -103,7 +116,8 @@ TEST_CASE("a resumed training ends with the same bytes") {
 TEST_CASE("results depend on seed and robot id, and on nothing else") {
   const Arena arena(test::walker(10), test::small_body());
   const TrainingSettings settings =
-      GENERATE(brief(), brief_search(Algorithm("sine")), brief_search(Algorithm("random")));
+      GENERATE(brief(), brief_search(Algorithm("sine")), brief_search(Algorithm("random")),
+               brief_search(Algorithm("gait")), brief_portfolio());
   const auto run = [&](std::uint64_t seed, const char* id) {
     Trainer trainer(arena, settings, seed, id);
     return train(trainer);
@@ -162,7 +176,7 @@ TEST_CASE("a training that diverges is a failure record, not an exception") {
 
 TEST_CASE("open-loop searches stay within their budget") {
   const Arena arena(test::walker(10), test::small_body());
-  const Algorithm algorithm = GENERATE(Algorithm("sine"), Algorithm("random"));
+  const Algorithm algorithm = GENERATE(Algorithm("sine"), Algorithm("random"), Algorithm("gait"));
   Trainer trainer(arena, brief_search(algorithm), 1, "robot");
   const TrainResult result = train(trainer);
   CHECK(result.complete);
@@ -198,8 +212,9 @@ TrainingSettings lively(std::int64_t steps) {
 }
 
 double untrained_return(const Arena& arena, const TrainingSettings& settings) {
-  const Ppo ppo(settings, arena.observation_length(), arena.action_length(), 0.6, 1.6, 1, "robot");
-  return evaluate(arena, ppo.policy(), {}).mean();
+  const Policy policy = initial_policy(settings, arena.observation_length(), arena.action_length(),
+                                       0.6, 1.6, {}, Stream(1, "train/initial", "robot"));
+  return evaluate(arena, policy, {}).mean();
 }
 
 }  // namespace
@@ -280,4 +295,80 @@ TEST_CASE("a checkpoint of another training is refused") {
   CHECK_THROWS_AS(search.restore(one.checkpoint()), Error);
   Trainer draws(arena, brief_search(Algorithm("random")), 1, "robot");
   CHECK_THROWS_AS(search.restore(draws.checkpoint()), Error);
+}
+
+TEST_CASE("a portfolio searches, tries and goes on within its budget, and keeps the best of all") {
+  const Arena arena(test::walker(10), test::small_body());
+  const TrainingSettings settings = brief_portfolio();
+  Trainer trainer(arena, settings, 2, "robot");
+  const TrainResult result = train(trainer);
+  CHECK(result.complete);
+  CHECK(result.steps <= settings.steps);
+  CHECK(result.steps > settings.steps - 64);
+  REQUIRE(result.curve.size() > 9);  // generations, then every update
+  double best = result.curve[0].evaluation;
+  for (const CurvePoint& point : result.curve) best = std::max(best, point.evaluation);
+  CHECK(*result.fitness == best);
+  EvaluationSettings evaluation;
+  evaluation.seed = 2;
+  CHECK(evaluate(arena, to_controller(*result.controller), evaluation).mean() == best);
+}
+
+TEST_CASE("a portfolio too short for its parts is one network") {
+  const Arena arena(test::walker(10), test::small_body());
+  TrainingSettings settings = brief_portfolio();
+  settings.gait_share = 0.01;
+  Trainer trainer(arena, settings, 2, "robot");
+  const TrainResult result = train(trainer);
+  settings.algorithm = Algorithm("ppo");
+  Trainer network(arena, settings, 2, "robot");
+  check_equal(train(network), result);
+}
+
+TEST_CASE("a training starts from another robot's policy, and that counts as it is") {
+  const Arena old_arena(test::walker(10), test::small_body());
+  TrainingSettings settings = GENERATE(brief(), brief_portfolio());
+  Trainer old_trainer(old_arena, settings, 1, "old");
+  const TrainResult old_result = train(old_trainer);
+  const Inheritance inheritance{*old_result.controller,
+                                anatomy(old_arena.robot(), old_arena.layout())};
+
+  SECTION("on the same body it earns what it earned") {
+    if (std::holds_alternative<SineController>(inheritance.controller)) return;
+    Trainer trainer(old_arena, settings, 1, "new", inheritance);
+    const TrainResult result = train(trainer);
+    CHECK(result.curve.front().step == 0);
+    CHECK(result.curve.front().evaluation == Approx(*old_result.fitness));
+    CHECK(*result.fitness >= result.curve.front().evaluation);
+  }
+  SECTION("on another body it resumes to the same bytes") {
+    const Arena arena(test::walker(10), Body::from_rows({"HHV", "VSV"}));
+    Trainer whole(arena, settings, 1, "new", inheritance);
+    for (int i = 0; i < 3; ++i) whole.advance();
+    Trainer resumed(arena, settings, 1, "new", inheritance);
+    resumed.restore(whole.checkpoint());
+    check_equal(train(resumed), train(whole));
+    CHECK(resumed.checkpoint() == whole.checkpoint());
+  }
+  SECTION("searches for waves have no use for it") {
+    CHECK_THROWS_WITH(Trainer(old_arena, brief_search(Algorithm("sine")), 1, "new", inheritance),
+                      Catch::Contains("start from a policy"));
+  }
+}
+
+TEST_CASE("a finished training goes on with more steps") {
+  const Arena arena(test::walker(10), test::small_body());
+  TrainingSettings settings = GENERATE(brief(), brief_search(Algorithm("gait")), brief_portfolio());
+  Trainer first(arena, settings, 4, "robot");
+  const TrainResult part = train(first);
+  settings.steps += 10 * 64;
+  Trainer second(arena, settings, 4, "robot");
+  second.restore(first.checkpoint());
+  CHECK_FALSE(second.done());
+  const TrainResult whole = train(second);
+  CHECK(whole.steps > part.steps + 8 * 64);
+  CHECK(whole.steps <= settings.steps);
+  CHECK(*whole.fitness >= *part.fitness);
+  REQUIRE(whole.curve.size() > part.curve.size());
+  CHECK(std::equal(part.curve.begin(), part.curve.end(), whole.curve.begin()));
 }

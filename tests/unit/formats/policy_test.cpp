@@ -26,6 +26,12 @@ struct Scratch {
   ~Scratch() { std::filesystem::remove_all(folder); }
 };
 
+SineController shifted_wave() {
+  SineController wave = travelling_wave(3, 0.3, 17.5, 0.4);
+  wave.shift = {0.1, -0.05, 0.0};
+  return wave;
+}
+
 Policy network_policy() {
   Stream stream(1, "policy");
   Policy policy;
@@ -37,6 +43,18 @@ Policy network_policy() {
   policy.normalizer.count = 512.0001;
   policy.action_map = ActionMap::squash;
   policy.low = 0.7;
+  return policy;
+}
+
+// As a portfolio ends with: on a gait, with its clock.
+Policy policy_on_gait() {
+  Stream stream(2, "policy");
+  Policy policy = network_policy();
+  policy.action_map = ActionMap::offset;
+  policy.clock = {40.0, 17.5};
+  policy.gait = shifted_wave();
+  policy.actor = orthogonal_network(7 + 4, {8, 6}, 3, 1.4, 1.0, stream);
+  policy.critic = orthogonal_network(7 + 4, {8, 6}, 1, 1.4, 1.0, stream);
   return policy;
 }
 
@@ -115,8 +133,9 @@ std::string message_reading(const std::filesystem::path& path) {
 
 TEST_CASE("policies come back as they were written, and twice the same bytes") {
   const Scratch scratch;
-  const PolicyFile file = GENERATE(example(network_policy()),
-                                   example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
+  const PolicyFile file =
+      GENERATE(example(network_policy()), example(policy_on_gait()), example(shifted_wave()),
+               example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
   const auto path = scratch.folder / "a.policy.h5";
   write_policy(path, file);
   check_equal(read_policy(path), file);

@@ -38,7 +38,7 @@ std::string override_message(const std::string& assignment) {
 
 }  // namespace
 
-TEST_CASE("the profile paper is what libevo has built in, and names every setting") {
+TEST_CASE("the profile paper is what libevo has built in, and names every setting it knows") {
   CHECK(load_training("paper", data) == TrainingSettings{});
   CHECK(load_training("paper", {}) == TrainingSettings{});
   CHECK(read("{}") == TrainingSettings{});
@@ -50,9 +50,10 @@ TEST_CASE("the profile paper is what libevo has built in, and names every settin
     for (const char* key : {"format", "version", "name", "description"}) keys.emplace_back(key);
     return keys;
   }());
+  const std::string known = training_to_yaml(TrainingSettings{});
   for (const std::string& key : training_keys()) {
     INFO(key);
-    CHECK(mapping.has(key));
+    CHECK(mapping.has(key) == (known.find("\n" + key + ": ") != std::string::npos));
   }
 }
 

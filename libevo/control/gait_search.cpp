@@ -1,0 +1,120 @@
+#include "libevo/control/gait_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libevo/base/elementary.h"
+#include "libevo/base/error.h"
+
+namespace evo {
+namespace {
+
+// A point of either stage is scaled so that a step of 1 matters about the same
+// in every coordinate.
+constexpr double amplitude_scale = 0.3;  // share of the rest length
+constexpr double initial_amplitude = 0.4;
+constexpr double middle_scale = 0.15;  // share of the rest length
+constexpr double phase_scale = 2.0;    // radian
+constexpr double vector_scale = 1.0;   // of wave vectors, radian a cell
+constexpr double period_scale = 0.7;   // of the period's logarithm
+
+// Coordinates of a wave.
+enum Wave { across, up, amplitude_h, amplitude_v, middle_h, middle_v, lag, pace, wave_length };
+
+}  // namespace
+
+GaitSearch::GaitSearch(const Body& robot, const GaitSearchSettings& settings, Stream random)
+    : settings_(settings),
+      random_(random),
+      strategy_(std::vector<double>(wave_length, 0.0), settings.wave_sigma, settings.population) {
+  for (int row = 0; row < robot.rows; ++row)
+    for (int col = 0; col < robot.cols; ++col)
+      if (is_actuator(robot.at(row, col)))
+        actuators_.push_back({col - 0.5 * (robot.cols - 1), 0.5 * (robot.rows - 1) - row,
+                              robot.at(row, col) == Voxel::vertical});
+}
+
+double GaitSearch::period(double x) const {
+  const double middle = math::sqrt(settings_.shortest_period * settings_.longest_period);
+  return std::clamp(middle * math::exp(period_scale * x), settings_.shortest_period,
+                    settings_.longest_period);
+}
+
+SineController GaitSearch::decode_wave(const std::vector<double>& x) const {
+  SineController gait;
+  gait.period = period(x[pace]);
+  for (const Actuator& a : actuators_) {
+    gait.amplitude.push_back(initial_amplitude +
+                             amplitude_scale * x[a.vertical ? amplitude_v : amplitude_h]);
+    gait.shift.push_back(middle_scale * x[a.vertical ? middle_v : middle_h]);
+    gait.phase.push_back(vector_scale * (x[across] * a.x + x[up] * a.y) +
+                         (a.vertical ? phase_scale * x[lag] : 0.0));
+  }
+  return gait;
+}
+
+SineController GaitSearch::decode(const std::vector<double>& x) const {
+  const std::size_t n = actuators_.size();
+  SineController gait;
+  gait.period = period(x[3 * n]);
+  for (std::size_t i = 0; i < n; ++i) {
+    gait.amplitude.push_back(initial_amplitude + amplitude_scale * x[i]);
+    gait.phase.push_back(phase_scale * x[n + i]);
+    gait.shift.push_back(middle_scale * x[2 * n + i]);
+  }
+  return gait;
+}
+
+void GaitSearch::begin_second_stage() {
+  const SineController wave = decode_wave(best_);
+  std::vector<double> mean;
+  for (const double a : wave.amplitude) mean.push_back((a - initial_amplitude) / amplitude_scale);
+  for (const double p : wave.phase) mean.push_back(p / phase_scale);
+  for (const double s : wave.shift) mean.push_back(s / middle_scale);
+  mean.push_back(best_[pace]);
+  strategy_ = EvolutionStrategy(std::move(mean), settings_.actuator_sigma, settings_.population);
+  second_stage_ = true;
+}
+
+std::vector<SineController> GaitSearch::ask() {
+  if (!second_stage_ && generation_ >= settings_.wave_generations) begin_second_stage();
+  points_ = strategy_.ask(random_);
+  std::vector<SineController> gaits;
+  for (const auto& x : points_) gaits.push_back(second_stage_ ? decode(x) : decode_wave(x));
+  return gaits;
+}
+
+void GaitSearch::tell(std::span<const double> returns) {
+  strategy_.tell(points_, returns);
+  const auto best = std::max_element(returns.begin(), returns.end());
+  if (!second_stage_ && (best_.empty() || *best > best_return_)) {
+    best_ = points_[static_cast<std::size_t>(best - returns.begin())];
+    best_return_ = *best;
+  }
+  ++generation_;
+}
+
+void GaitSearch::save(Checkpoint& checkpoint) const {
+  checkpoint.put("search/random", random_);
+  checkpoint.put<std::uint64_t>("search/generation", {static_cast<std::uint64_t>(generation_),
+                                                      std::uint64_t{second_stage_ ? 1U : 0U}});
+  checkpoint.put("search/best", best_);
+  checkpoint.put<double>("search/best_return", {best_return_});
+  strategy_.save(checkpoint, "search/strategy");
+}
+
+void GaitSearch::load(const Checkpoint& checkpoint) {
+  checkpoint.get("search/random", random_);
+  const auto& generation = checkpoint.get<std::uint64_t>("search/generation", 2);
+  generation_ = static_cast<std::int64_t>(generation[0]);
+  best_ = checkpoint.get<double>("search/best");
+  best_return_ = checkpoint.get<double>("search/best_return", 1)[0];
+  if (generation[1] != 0) {
+    if (best_.size() != wave_length)
+      throw Error(Failure::data, "checkpoint: 'search/best' is no wave");
+    begin_second_stage();
+  }
+  strategy_.load(checkpoint, "search/strategy");
+}
+
+}  // namespace evo

@@ -1,0 +1,41 @@
+#include "libevo/control/gait_training.h"
+
+#include <algorithm>
+
+#include "libevo/control/wave_search.h"
+
+namespace evo {
+namespace {
+
+GaitSearchSettings search_settings(const TrainingJob& job) {
+  const TrainingSettings& s = job.settings;
+  const auto generations = static_cast<double>(s.steps / generation_cost(job));
+  GaitSearchSettings settings;
+  settings.population = s.population;
+  settings.wave_generations =
+      std::max<std::int64_t>(1, static_cast<std::int64_t>(s.wave_share * generations));
+  settings.actuator_sigma = s.actuator_sigma;
+  settings.shortest_period = s.shortest_period;
+  settings.longest_period = s.longest_period;
+  return settings;
+}
+
+}  // namespace
+
+GaitTraining::GaitTraining(const TrainingJob& job)
+    : search_(job.arena.robot(), search_settings(job),
+              Stream(job.seed, "train/search", job.robot_id)) {
+  require_a_generation(job);
+}
+
+bool GaitTraining::done(const TrainingJob& job, const Findings& findings) const {
+  return spent(job, findings);
+}
+
+void GaitTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
+  search_.tell(try_out(job, search_.ask(), findings, metrics));
+  metrics.push_back({"charts/sigma", search_.sigma()});
+  report_evaluation(findings, metrics);
+}
+
+}  // namespace evo

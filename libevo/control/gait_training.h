@@ -1,0 +1,29 @@
+// Training a gait: open-loop waves, first over the whole body, then of every
+// actuator for itself (gait_search.h).
+#pragma once
+
+#include "libevo/control/gait_search.h"
+#include "libevo/control/method.h"
+
+namespace evo {
+
+class GaitTraining {
+ public:
+  static constexpr const char* name = "gait";
+  static void check(const TrainingSettings&) {}
+
+  // Throws Error(usage) where the budget is less than one generation.
+  explicit GaitTraining(const TrainingJob& job);
+
+  // Another generation might exceed the budget.
+  bool done(const TrainingJob& job, const Findings& findings) const;
+  // One generation.
+  void advance(const TrainingJob& job, Findings& findings, Metrics& metrics);
+  void save(Checkpoint& checkpoint) const { search_.save(checkpoint); }
+  void load(const Checkpoint& checkpoint) { search_.load(checkpoint); }
+
+ private:
+  GaitSearch search_;
+};
+
+}  // namespace evo

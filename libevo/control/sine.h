@@ -1,0 +1,34 @@
+// Open-loop controllers: a sine wave for every actuator, all of one period.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libevo/control/checkpoint.h"
+
+namespace evo {
+
+// a_i(t) = middle + shift_i + amplitude_i sin(2 pi t / period + phase_i), with t in
+// control steps from 0; the simulator clips it to [0.6, 1.6].
+struct SineController {
+  std::vector<double> amplitude;  // [A], share of the rest length
+  std::vector<double> phase;      // [A], radian
+  double period = 25.0;           // control steps
+  double middle = 1.1;
+  std::vector<double> shift = {};  // [A], share of the rest length; empty: none
+  bool operator==(const SineController&) const = default;
+};
+
+// The same wave for every actuator, `phase_step` radian further at each
+// (spec: cli, evo-eval --sine).
+SineController travelling_wave(int actuators, double amplitude, double period, double phase_step);
+
+// Targets of step t, [A].
+void act(const SineController& controller, int t, std::span<double> targets);
+
+// In a checkpoint, under `name`.
+void save_sine(Checkpoint& checkpoint, const std::string& name, const SineController& controller);
+SineController load_sine(const Checkpoint& checkpoint, const std::string& name);
+
+}  // namespace evo

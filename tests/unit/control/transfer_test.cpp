@@ -1,0 +1,106 @@
+#include "libevo/control/transfer.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "libevo/base/error.h"
+#include "libevo/control/ppo.h"
+#include "tests/unit/control/arena.h"
+
+using namespace evo;
+
+namespace {
+
+Anatomy anatomy_of(const Arena& arena) { return anatomy(arena.robot(), arena.layout()); }
+
+Policy fresh_policy(const Arena& arena, std::uint64_t seed) {
+  TrainingSettings settings;
+  settings.hidden = {12, 10};
+  Policy policy = initial_policy(settings, arena.observation_length(), arena.action_length(), 0.6,
+                                 1.6, {}, Stream(seed, "test"));
+  Stream stream(seed, "moments");
+  for (double& mean : policy.normalizer.mean) mean = stream.gaussian();
+  for (double& variance : policy.normalizer.variance) variance = 1.0 + stream.uniform();
+  policy.normalizer.count = 50000;
+  return policy;
+}
+
+std::vector<double> outputs(const Policy& policy, const std::vector<double>& observation) {
+  std::vector<double> targets(static_cast<std::size_t>(policy.action_length()));
+  act(policy, observation, std::vector<int>{0}, targets);
+  return targets;
+}
+
+}  // namespace
+
+TEST_CASE("points and actuators are known by their places on the lattice") {
+  const Anatomy a = anatomy(Body::from_rows({"HR", ".V"}), {});
+  CHECK(a.actuators == std::vector<Anatomy::Place>{{0, 0}, {1, 1}});
+  CHECK(a.points.size() == 8);
+  CHECK(a.points[0] == Anatomy::Place{0, 0});
+  CHECK(a.points[3] == Anatomy::Place{1, 1});  // bottom right of the first cell
+  CHECK(a.points[7] == Anatomy::Place{2, 2});
+}
+
+TEST_CASE("carried over to the same body, a policy acts as it did") {
+  const Arena arena(test::walker(10), test::small_body());
+  const Policy old_policy = fresh_policy(arena, 1);
+  const Policy fresh = fresh_policy(arena, 2);
+  const Policy policy = transferred(old_policy, anatomy_of(arena), fresh, anatomy_of(arena));
+  CHECK(policy.actor == old_policy.actor);
+  CHECK(policy.critic == old_policy.critic);
+  CHECK(policy.normalizer.mean == old_policy.normalizer.mean);
+  CHECK(policy.normalizer.count == 10000);  // adapts
+  CHECK(policy.log_std == fresh.log_std);
+}
+
+TEST_CASE("carried over to a body with a voxel more, old actuators do what they did at rest") {
+  const Arena small(test::walker(10), test::small_body());  // HHH V.V
+  const Arena large(test::walker(10), Body::from_rows({"HHH", "VHV"}));
+  const Policy old_policy = fresh_policy(small, 1);
+  const Policy policy =
+      transferred(old_policy, anatomy_of(small), fresh_policy(large, 2), anatomy_of(large));
+  // All points are the old ones but for their order: put them where they are.
+  const std::vector<Anatomy::Place> from = anatomy_of(small).points;
+  const std::vector<Anatomy::Place> to = anatomy_of(large).points;
+  Stream stream(3, "test");
+  std::vector<double> old_seen(static_cast<std::size_t>(small.observation_length()));
+  for (double& x : old_seen) x = stream.gaussian();
+  std::vector<double> seen(static_cast<std::size_t>(large.observation_length()));
+  seen[0] = old_seen[0];
+  seen[1] = old_seen[1];
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    for (std::size_t p = 0; p < to.size(); ++p) {
+      const auto old = std::find(from.begin(), from.end(), to[p]);
+      REQUIRE(old != from.end());
+      seen[2 + axis * to.size() + p] =
+          old_seen[2 + axis * from.size() + static_cast<std::size_t>(old - from.begin())];
+    }
+  const std::vector<double> before = outputs(old_policy, old_seen);
+  const std::vector<double> after = outputs(policy, seen);
+  REQUIRE(after.size() == 6);
+  const std::vector<std::size_t> old_ones{0, 1, 2, 3, 5};  // the new one is in the middle below
+  for (std::size_t i = 0; i < 5; ++i) CHECK(after[old_ones[i]] == Approx(before[i]).margin(1e-5));
+}
+
+TEST_CASE("a gait is carried over to the nearest actuators") {
+  const Anatomy from = anatomy(test::small_body(), {});
+  const Anatomy to = anatomy(Body::from_rows({"HHH", "VHV"}), {});
+  SineController gait = travelling_wave(5, 0.3, 21.0, 0.5);
+  const SineController carried = transferred(gait, from, to);
+  CHECK(carried.period == 21.0);
+  CHECK(carried.phase == std::vector<double>{0.0, 0.5, 1.0, 1.5, 0.5, 2.0});
+}
+
+TEST_CASE("networks of another shape are refused") {
+  const Arena arena(test::walker(10), test::small_body());
+  const Policy old_policy = fresh_policy(arena, 1);
+  Policy fresh = fresh_policy(arena, 2);
+  fresh.actor.layers.erase(fresh.actor.layers.begin());
+  CHECK_THROWS_WITH(transferred(old_policy, anatomy_of(arena), fresh, anatomy_of(arena)),
+                    Catch::Contains("hidden layers"));
+  fresh = fresh_policy(arena, 2);
+  fresh.action_map = ActionMap::squash;
+  CHECK_THROWS_WITH(transferred(old_policy, anatomy_of(arena), fresh, anatomy_of(arena)),
+                    Catch::Contains("action_map"));
+}

@@ -222,8 +222,8 @@ Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
   if (trained.known) return trained;
 
   // What is there is an earlier end of the same training.
-  const bool replaces_part =
-      fs::exists(paths.policy) && is_part(read_policy_identity(paths.policy), start);
+  const bool replaces_part = !job.options.force && start.checkpoint && fs::exists(paths.policy) &&
+                             is_part(read_policy_identity(paths.policy), start);
 
   Trainer trainer(arena, job.training, job.seed, robot.id, start.inheritance);
   const bool resumed = start.checkpoint.has_value();

@@ -54,7 +54,7 @@ all: $(RUN)/summary.tsv
 
 task_of = $(firstword $(subst /, ,$(1)))
 body_of = $(lastword $(subst /, ,$(1)))
-options = $(if $(filter sine random,$(1)),--algo $(1),--train '$(1)')
+options = $(if $(filter sine random gait,$(1)),--algo $(1),--train '$(1)')
 
 # $(1) row, $(2) method, $(3) seed. The seconds are processor time.
 define training

@@ -44,12 +44,11 @@ bool PpoTraining::done(const TrainingJob& job, const Findings&) const {
 }
 
 void PpoTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
-  const auto evaluate_now = [&] {
-    const Policy& policy = ppo_.policy();
+  const auto evaluate_now = [&](const Policy& policy) {
     findings.evaluated(evaluate(job.arena, policy, job.evaluation()).mean(), policy);
   };
-  // What was inherited counts as it is.
-  if (job.inheritance && findings.curve.empty()) evaluate_now();
+  // What was inherited counts as it is, before it has seen anything.
+  if (job.inheritance && findings.curve.empty()) evaluate_now(first_policy(job, std::nullopt));
 
   std::vector<double> returns;
   for (int t = 0; t < job.settings.rollout; ++t) {
@@ -73,7 +72,7 @@ void PpoTraining::advance(const TrainingJob& job, Findings& findings, Metrics& m
     metrics.push_back({"charts/episodic_return", sum / static_cast<double>(returns.size())});
   }
   if (ppo_.updates() % job.settings.evaluation_interval == 0 || done(job, findings)) {
-    evaluate_now();
+    evaluate_now(ppo_.policy());
     report_evaluation(findings, metrics);
   }
 }

@@ -24,6 +24,13 @@ void save_best(Checkpoint& checkpoint, const SineController& sine) {
 
 TrainedController load_best(const Checkpoint& checkpoint, const TrainingJob& job) {
   if (checkpoint.has("best/sine/period")) return load_sine(checkpoint, "best/sine");
+  if (checkpoint.has("best/amplitude")) {  // as programs before gaits wrote it
+    SineController sine;
+    sine.amplitude = checkpoint.get<double>("best/amplitude");
+    sine.phase = checkpoint.get<double>("best/phase", sine.amplitude.size());
+    sine.period = checkpoint.get<double>("best/period", 1)[0];
+    return sine;
+  }
   std::optional<SineController> gait;
   if (checkpoint.has("best/gait/period")) gait = load_sine(checkpoint, "best/gait");
   Policy policy = initial_policy(job, std::move(gait));  // of its shape

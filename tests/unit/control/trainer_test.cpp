@@ -277,11 +277,13 @@ TEST_CASE("settings that make no sense are refused by name") {
 }
 
 TEST_CASE("an algorithm is one of the list") {
-  CHECK(algorithm_names() == std::vector<std::string>{"ppo", "sine", "random"});
+  CHECK(algorithm_names() ==
+        std::vector<std::string>{"ppo", "sine", "random", "gait", "portfolio"});
   CHECK(Algorithm().name() == "ppo");
   for (const std::string& name : algorithm_names()) CHECK(Algorithm(name).name() == name);
   CHECK_THROWS_WITH(Algorithm("sin"),
-                    "unknown algorithm 'sin' (did you mean 'sine'?); there are ppo, sine, random");
+                    "unknown algorithm 'sin' (did you mean 'sine'?); there are ppo, sine, random, "
+                    "gait, portfolio");
 }
 
 TEST_CASE("a checkpoint of another training is refused") {

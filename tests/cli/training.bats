@@ -74,8 +74,8 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
   id=$(head -1 parents | jq -r .id)
   cmp old/$id.policy.h5 new/$id.policy.h5
   # One policy for every robot; done is done; another start is another training.
-  head -1 children | evo-train --task Walker-v0 --steps 8192 --out-dir one --init old/$id.policy.h5 > one
-  head -1 children | evo-train --task Walker-v0 --steps 8192 --out-dir one --init old/$id.policy.h5 | cmp - one
+  head -1 children | evo-train --task Walker-v0 --steps 8192 --out-dir one --init old/$id.policy.h5 > one.json
+  head -1 children | evo-train --task Walker-v0 --steps 8192 --out-dir one --init old/$id.policy.h5 | cmp - one.json
   fails_with 73 "other settings" -- evo-train --task Walker-v0 --steps 8192 --out-dir one children
 }
 
@@ -105,7 +105,7 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
 @test "the policy gives its recorded fitness again, to the last digit" {
   robots | train p > trained
   evo-eval trained | jq -c '[.id, .fitness]' | cmp - <(jq -c '[.id, .fitness]' trained)
-  head -1 trained > one
+  head -1 trained > one.json
   evo-eval --rollout r.h5 one > /dev/null
   # A policy and a rollout stand for the robot they hold; paths follow the file.
   evo-eval --policy p/"$(jq -r .id one)".policy.h5 r.h5 | jq -e ".fitness == $(jq .fitness one)"
@@ -148,8 +148,8 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
 
 @test "evaluation: the random tasks draw by seed, and take draws" {
   robots | head -1 > robot
-  evo-eval --task Catcher-v0 --random --seed 1 --rollout a.h5 robot > one
-  evo-eval --task Catcher-v0 --random --seed 1 --draws a.h5 robot | cmp - one
+  evo-eval --task Catcher-v0 --random --seed 1 --rollout a.h5 robot > one.json
+  evo-eval --task Catcher-v0 --random --seed 1 --draws a.h5 robot | cmp - one.json
   evo-eval --task Catcher-v0 --random --seed 1 --draws '{"ox":0,"oy":3}' robot > /dev/null
   fails_with 2 "ox" -- evo-eval --task Catcher-v0 --random --draws '{"oz":0}' robot
 }

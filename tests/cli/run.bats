@@ -46,11 +46,16 @@ populate() { mkdir -p run/gen-000 && evo-sample -n 3 --shape 3x3 --seed 1 -o run
   begin train_options="--checkpoint-every 8192"
   populate
   evo-run train run --slot 0 && cp run/gen-000/00.json calm.json && cp run/policies/*.policy.h5 calm.h5
-  rm run/gen-000/00.json run/policies/* run/timings/*
-  run --separate-stderr timeout --preserve-status -s TERM 0.7 evo-run train run --slot 0
+  rm run/gen-000/00.json run/policies/* run/timings/* run/logs/*
+  evo-run train run --slot 0 2> said &
+  local training=$!
+  until grep -qs global_step run/logs/*.log; do kill -0 $training && sleep 0.05; done
+  kill -TERM $training || true
+  status=0
+  wait $training || status=$?
   if [ "$status" -ne 0 ]; then
     [ "$status" -eq 143 ]
-    [[ $stderr == *"evo-run"*"same command again"* ]]
+    grep -q 'evo-run: .*same command again' said
     [ ! -e run/gen-000/00.json ]
     cat run/timings/*.jsonl | jq -e '.finished | not'
   fi

@@ -105,7 +105,7 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
 @test "the policy gives its recorded fitness again, to the last digit" {
   robots | train p > trained
   evo-eval trained | jq -c '[.id, .fitness]' | cmp - <(jq -c '[.id, .fitness]' trained)
-  head -1 trained > one.json
+  head -1 trained > one
   evo-eval --rollout r.h5 one > /dev/null
   # A policy and a rollout stand for the robot they hold; paths follow the file.
   evo-eval --policy p/"$(jq -r .id one)".policy.h5 r.h5 | jq -e ".fitness == $(jq .fitness one)"
@@ -148,8 +148,8 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
 
 @test "evaluation: the random tasks draw by seed, and take draws" {
   robots | head -1 > robot
-  evo-eval --task Catcher-v0 --random --seed 1 --rollout a.h5 robot > one.json
-  evo-eval --task Catcher-v0 --random --seed 1 --draws a.h5 robot | cmp - one.json
+  evo-eval --task Catcher-v0 --random --seed 1 --rollout a.h5 robot > one
+  evo-eval --task Catcher-v0 --random --seed 1 --draws a.h5 robot | cmp - one
   evo-eval --task Catcher-v0 --random --seed 1 --draws '{"ox":0,"oy":3}' robot > /dev/null
   fails_with 2 "ox" -- evo-eval --task Catcher-v0 --random --draws '{"oz":0}' robot
 }

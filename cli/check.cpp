@@ -10,6 +10,7 @@
 #include "cli/robots.h"
 #include "cli/terminal.h"
 #include "formats/files.h"
+#include "formats/format.h"
 #include "formats/hdf5.h"
 #include "formats/npz.h"
 #include "formats/policy.h"
@@ -63,9 +64,9 @@ class Policies {
 std::string check_hdf5(const fs::path& path, Policies& policies) {
   const hdf5::Reader file(path);
   file.verify();
-  const std::string format =
+  const std::string found =
       file.has_attribute("/", "format") ? file.text("/", "format") : std::string();
-  if (format == "evo/policy") {
+  if (found == format::policy.name) {
     const PolicyFile& policy = policies.at(path);
     const std::string stem = path.stem().stem().string();
     const bool named_by_id = path.string().ends_with(".policy.h5") && stem.size() == 12 &&
@@ -75,7 +76,7 @@ std::string check_hdf5(const fs::path& path, Policies& policies) {
                   policy.robot.id);
     return "policy of robot " + policy.robot.id;
   }
-  if (format == "evo/checkpoint") {
+  if (found == format::checkpoint.name) {
     TrainingIdentity own;
     if (file.has_attribute("/", "identity"))
       own.lines = file.text("/", "identity");

@@ -8,6 +8,7 @@
 #include "cli/data.h"
 #include "cli/terminal.h"
 #include "formats/evogym.h"
+#include "formats/format.h"
 #include "formats/neat.h"
 #include "formats/physics_profile.h"
 #include "formats/task.h"
@@ -87,14 +88,14 @@ struct Kind {
 };
 
 std::optional<Kind> kind_of(const std::string& text) {
-  static const std::vector<Kind> kinds{{"evo/task", describe_task_file},
-                                       {"evo/physics", describe_physics},
-                                       {"evo/training", describe_training},
-                                       {"evo/neat", describe_neat_settings},
-                                       {"evo/neat-state", describe_neat_state}};
-  const std::string format = format_of(text);
+  static const std::vector<Kind> kinds{{format::task.name, describe_task_file},
+                                       {format::physics.name, describe_physics},
+                                       {format::training.name, describe_training},
+                                       {format::neat.name, describe_neat_settings},
+                                       {format::neat_state.name, describe_neat_state}};
+  const std::string found = format_of(text);
   for (const Kind& kind : kinds)
-    if (kind.name == format) return kind;
+    if (kind.name == found) return kind;
   if (text.find("\"grid_width\"") == std::string::npos) return std::nullopt;
   return Kind{"world of the design tool", describe_world};
 }

@@ -8,6 +8,7 @@
 #include "cli/robots.h"
 #include "cli/task_options.h"
 #include "formats/evogym.h"
+#include "formats/format.h"
 #include "formats/hdf5.h"
 #include "formats/minari.h"
 #include "formats/npz.h"
@@ -20,26 +21,6 @@ namespace {
 
 using namespace evo;
 namespace fs = std::filesystem;
-
-const std::vector<std::string> formats{"jsonl", "json",   "yaml",   "text", "npz",
-                                       "onnx",  "evogym", "minari", "task"};
-
-// The format asked for, or the one the output's ending says, or JSON Lines.
-std::string output_format(const std::optional<std::string>& asked, const std::string& output) {
-  if (asked) {
-    if (std::find(formats.begin(), formats.end(), *asked) == formats.end())
-      throw error(Failure::usage, "--to: unknown format '{}'{}; allowed: {}", *asked,
-                  did_you_mean(*asked, formats), fmt::join(formats, ", "));
-    return *asked;
-  }
-  const std::string ending = fs::path(output).extension().string();
-  if (ending == ".json") return "json";
-  if (ending == ".yaml" || ending == ".yml") return "yaml";
-  if (ending == ".txt") return "text";
-  if (ending == ".npz") return "npz";
-  if (ending == ".onnx") return "onnx";
-  return "jsonl";
-}
 
 // A design-tool document: JSON with its grid's size.
 std::optional<World> design_tool_world(const std::string& text, const std::string& name) {
@@ -102,33 +83,82 @@ const Robot& single(const std::vector<Robot>& robots, const std::string& format)
   return robots.front();
 }
 
-void write_robots(const std::vector<Robot>& robots, const std::string& format,
-                  const std::string& output) {
-  if (format == "jsonl") {
-    cli::RobotWriter out(output);
-    for (const Robot& robot : robots) out.write(robot);
-    out.finish();
-  } else if (format == "json") {
-    write_text(output, robot_to_json(single(robots, format)) + "\n");
-  } else if (format == "yaml") {
-    std::string text;
-    for (const Robot& robot : robots) {
-      if (!text.empty()) text += "---\n";
-      text += robot_to_yaml(robot) + "\n";
-    }
-    write_text(output, text);
-  } else if (format == "text") {
-    std::string text;
-    for (const Robot& robot : robots) {
-      if (!text.empty()) text += "\n";
-      text += letters(robot.body);
-    }
-    write_text(output, text);
-  } else if (format == "npz") {
-    write_text(output, body_to_npz(single(robots, format).body));
-  } else {
-    write_text(output, evogym_world_to_json(evogym_world_of_robot(single(robots, format))));
+// ---- what robots are written as -----------------------------------------------------
+
+using Robots = std::vector<Robot>;
+
+void write_lines(const Robots& robots, const std::string& output) {
+  cli::RobotWriter out(output);
+  for (const Robot& robot : robots) out.write(robot);
+  out.finish();
+}
+
+void write_json(const Robots& robots, const std::string& output) {
+  write_text(output, robot_to_json(single(robots, "json")) + "\n");
+}
+
+void write_yaml(const Robots& robots, const std::string& output) {
+  std::string text;
+  for (const Robot& robot : robots) {
+    if (!text.empty()) text += "---\n";
+    text += robot_to_yaml(robot) + "\n";
   }
+  write_text(output, text);
+}
+
+void write_letters(const Robots& robots, const std::string& output) {
+  std::string text;
+  for (const Robot& robot : robots) {
+    if (!text.empty()) text += "\n";
+    text += letters(robot.body);
+  }
+  write_text(output, text);
+}
+
+void write_npz(const Robots& robots, const std::string& output) {
+  write_text(output, body_to_npz(single(robots, "npz").body));
+}
+
+void write_design(const Robots& robots, const std::string& output) {
+  write_text(output, evogym_world_to_json(evogym_world_of_robot(single(robots, "evogym"))));
+}
+
+struct Target {
+  std::string name;                  // of --to
+  std::vector<std::string> endings;  // of files that are written so without --to
+  // Null: not for robots, but for policies, rollouts or worlds.
+  void (*write)(const Robots& robots, const std::string& output);
+};
+
+const std::vector<Target>& targets() {
+  static const std::vector<Target> list{{"jsonl", {".jsonl"}, write_lines},
+                                        {"json", {".json"}, write_json},
+                                        {"yaml", {".yaml", ".yml"}, write_yaml},
+                                        {"text", {".txt"}, write_letters},
+                                        {"npz", {".npz"}, write_npz},
+                                        {"onnx", {".onnx"}, nullptr},
+                                        {"evogym", {}, write_design},
+                                        {"minari", {}, nullptr},
+                                        {"task", {}, nullptr}};
+  return list;
+}
+
+// The target asked for, or the one of the output's ending, or JSON Lines.
+const Target& target_of(const std::optional<std::string>& asked, const std::string& output) {
+  if (asked) {
+    std::vector<std::string> names;
+    for (const Target& target : targets()) {
+      if (target.name == *asked) return target;
+      names.push_back(target.name);
+    }
+    throw error(Failure::usage, "--to: unknown format '{}'{}; allowed: {}", *asked,
+                did_you_mean(*asked, names), fmt::join(names, ", "));
+  }
+  const std::string ending = fs::path(output).extension().string();
+  for (const Target& target : targets())
+    if (std::find(target.endings.begin(), target.endings.end(), ending) != target.endings.end())
+      return target;
+  return targets().front();
 }
 
 // Rollouts as a dataset for offline learning.
@@ -155,7 +185,7 @@ const std::string& only(const std::vector<std::string>& files, const std::string
 bool is_policy(const std::string& file) {
   if (file == standard_stream || !hdf5::is_hdf5(file)) return false;
   const hdf5::Reader reader(file);
-  return reader.has_attribute("/", "format") && reader.text("/", "format") == "evo/policy";
+  return reader.has_attribute("/", "format") && reader.text("/", "format") == format::policy.name;
 }
 
 // A whole policy, not only its robot. Whether that is what is to be written.
@@ -221,7 +251,8 @@ int main(int argc, char** argv) {
       write_task_world(task, command.output);
       return 0;
     }
-    const std::string to = output_format(format, command.output);
+    const Target& target = target_of(format, command.output);
+    const std::string& to = target.name;
     if (to == "minari") {
       write_dataset(files, command.output, dataset_id);
       return 0;
@@ -231,9 +262,10 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (write_policy_document(files, to, command.output)) return 0;
+    if (target.write == nullptr) throw error(Failure::usage, "--to {} is not for robots", to);
     std::vector<Robot> robots = read_any(files);
     if (unique) keep_first_of_each(robots);
-    write_robots(robots, to, command.output);
+    target.write(robots, command.output);
     return 0;
   });
 }

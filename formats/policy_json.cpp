@@ -3,6 +3,7 @@
 #include <cmath>
 #include <variant>
 
+#include "formats/format.h"
 #include "formats/json.h"
 #include "libevo/base/error.h"
 #include "libevo/base/overloaded.h"
@@ -73,7 +74,7 @@ Json curve_to_json(const std::vector<CurvePoint>& curve) {
 }  // namespace
 
 std::string policy_to_json(const PolicyFile& policy) {
-  Json document{{"format", "evo/policy"}, {"version", 1}};
+  Json document{{"format", format::policy.name}, {"version", format::policy.version}};
   std::visit(
       Overloaded{[&](const Policy& network) { add_controller(document, network); },
                  [&](const SineController& sine) { add_controller(document, sine); },

@@ -33,7 +33,7 @@ struct Image {
       : size(s), rgba(static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height) * 4) {}
 };
 
-// Pixels of somebody else, an Image or a slot of shared memory: to read, to paint.
+// Pixels of somebody else, an Image or a buffer of shared memory: to read, to paint.
 struct PixelView {
   Size size;
   std::span<const std::uint8_t> rgba;

@@ -114,8 +114,8 @@ using TakePixels = std::function<bool(std::size_t frame, PixelView pixels)>;
 void each_frame(const Film& film, const TakePixels& take) {
   const Size size = film.options->size;
   run_workers({film.steps.size(), rgba_bytes(size), film.options->workers,
-               [&](Painter& painter, std::size_t k, std::span<std::uint8_t> slot) {
-                 film.paint(painter, k, slot.first(rgba_bytes(size)));
+               [&](Painter& painter, std::size_t k, std::span<std::uint8_t> buffer) {
+                 film.paint(painter, k, buffer.first(rgba_bytes(size)));
                  return rgba_bytes(size);
                },
                [&](std::size_t k, std::span<const std::uint8_t> bytes) {
@@ -130,9 +130,9 @@ void each_yuv_frame(const Film& film,
   const Size size = film.options->size;
   run_workers({film.steps.size(), yuv_bytes(size), film.options->workers,
                [&film, size, image = Image(size)](Painter& painter, std::size_t k,
-                                                  std::span<std::uint8_t> slot) mutable {
+                                                  std::span<std::uint8_t> buffer) mutable {
                  film.paint(painter, k, image.rgba);
-                 to_yuv(view(image), slot);
+                 to_yuv(view(image), buffer);
                  return yuv_bytes(size);
                },
                [&](std::size_t k, std::span<const std::uint8_t> bytes) {
@@ -170,10 +170,10 @@ Histogram sample_colors(const Film& film) {
   const std::size_t n = std::min(most, film.steps.size());
   Histogram histogram;
   run_workers({n, rgba_bytes(film.options->size), film.options->workers,
-               [&](Painter& painter, std::size_t k, std::span<std::uint8_t> slot) {
+               [&](Painter& painter, std::size_t k, std::span<std::uint8_t> buffer) {
                  const std::size_t bytes = rgba_bytes(film.options->size);
                  film.paint(painter, k * (film.steps.size() - 1) / std::max<std::size_t>(1, n - 1),
-                            slot.first(bytes));
+                            buffer.first(bytes));
                  return bytes;
                },
                [&](std::size_t, std::span<const std::uint8_t> bytes) {
@@ -390,8 +390,8 @@ Drawing draw_generations(const std::vector<Generation>& generations, int rows,
 Image paint(const Drawing& drawing) {
   Image image(drawing.size());
   run_workers({1, image.rgba.size(), 1,
-               [&](Painter& painter, std::size_t, std::span<std::uint8_t> slot) {
-                 painter.paint(drawing, {image.size, slot.first(image.rgba.size())});
+               [&](Painter& painter, std::size_t, std::span<std::uint8_t> buffer) {
+                 painter.paint(drawing, {image.size, buffer.first(image.rgba.size())});
                  return image.rgba.size();
                },
                [&](std::size_t, std::span<const std::uint8_t> bytes) {

@@ -22,8 +22,8 @@
 namespace evo::render {
 namespace {
 
-constexpr std::size_t slots_per_worker = 2;  // one being drawn, one being read
-constexpr std::size_t message_bytes = 1024;  // room for an error even in a tiny frame
+constexpr std::size_t buffers_per_worker = 2;  // one being drawn, one being read
+constexpr std::size_t message_bytes = 1024;    // room for an error even in a tiny frame
 
 std::string reason(int code) { return std::generic_category().message(code); }
 
@@ -98,7 +98,7 @@ class SharedMemory {
   ~SharedMemory() { ::munmap(data_, bytes_); }
   SharedMemory(const SharedMemory&) = delete;
   SharedMemory& operator=(const SharedMemory&) = delete;
-  std::span<std::uint8_t> slot(std::size_t index, std::size_t bytes) const {
+  std::span<std::uint8_t> buffer(std::size_t index, std::size_t bytes) const {
     return {data_ + index * bytes, bytes};
   }
 
@@ -107,17 +107,17 @@ class SharedMemory {
   std::uint8_t* data_ = nullptr;
 };
 
-Report put_message(Failure failure, std::string_view message, std::span<std::uint8_t> slot) {
-  const std::size_t bytes = std::min(message.size(), slot.size());
-  std::memcpy(slot.data(), message.data(), bytes);
+Report put_message(Failure failure, std::string_view message, std::span<std::uint8_t> buffer) {
+  const std::size_t bytes = std::min(message.size(), buffer.size());
+  std::memcpy(buffer.data(), message.data(), bytes);
   return {static_cast<std::int64_t>(failure), bytes};
 }
 
-// The life of a worker: frames first, first + stride, ... into its slots in turn.
-void work(const FrameJob& job, const SharedMemory& memory, std::size_t slot_bytes,
+// The life of a worker: frames first, first + stride, ... into its buffers in turn.
+void work(const FrameJob& job, const SharedMemory& memory, std::size_t buffer_bytes,
           std::size_t first, std::size_t stride, int socket) {
-  const auto slot_of = [&](std::size_t round) {
-    return memory.slot(first * slots_per_worker + round % slots_per_worker, slot_bytes);
+  const auto buffer_of = [&](std::size_t round) {
+    return memory.buffer(first * buffers_per_worker + round % buffers_per_worker, buffer_bytes);
   };
   Report report;
   std::size_t round = 0;
@@ -125,23 +125,23 @@ void work(const FrameJob& job, const SharedMemory& memory, std::size_t slot_byte
     Painter painter;
     for (std::size_t frame = first; frame < job.frames; frame += stride, ++round) {
       char credit = 0;
-      if (round >= slots_per_worker && !receive(socket, credit)) return;
-      report.bytes = job.draw(painter, frame, slot_of(round));
+      if (round >= buffers_per_worker && !receive(socket, credit)) return;
+      report.bytes = job.draw(painter, frame, buffer_of(round));
       if (!send(socket, report)) return;
     }
     return;
   } catch (const Error& failure) {
-    report = put_message(failure.kind(), failure.what(), slot_of(round));
+    report = put_message(failure.kind(), failure.what(), buffer_of(round));
   } catch (const std::exception& failure) {
-    report = put_message(Failure::work, failure.what(), slot_of(round));
+    report = put_message(Failure::work, failure.what(), buffer_of(round));
   }
   (void)send(socket, report);
 }
 
 class Worker {
  public:
-  Worker(const FrameJob& job, const SharedMemory& memory, std::size_t slot_bytes, std::size_t index,
-         std::size_t stride) {
+  Worker(const FrameJob& job, const SharedMemory& memory, std::size_t buffer_bytes,
+         std::size_t index, std::size_t stride) {
     Connection connection;
     const pid_t parent = ::getpid();
     process_ = ::fork();
@@ -157,7 +157,7 @@ class Worker {
       // Processes are the parallelism; llvmpipe's own threads only cost.
       ::setenv("LP_NUM_THREADS", "0", 1);
       connection.ours.close();
-      work(job, memory, slot_bytes, index, stride, connection.theirs.get());
+      work(job, memory, buffer_bytes, index, stride, connection.theirs.get());
       ::_exit(0);
     }
     socket_ = std::move(connection.ours);
@@ -180,7 +180,7 @@ class Worker {
     throw error(Failure::work, "a drawing process ended early with status {}", WEXITSTATUS(status));
   }
 
-  // A slot may be used again. That a worker has died shows at its next report.
+  // A buffer may be used again. That a worker has died shows at its next report.
   void give_back() const { (void)send(socket_.get(), 'c'); }
 
  private:
@@ -202,22 +202,24 @@ void run_workers(const FrameJob& job) {
   if (job.frames == 0) return;
   const std::size_t stride =
       std::min(job.frames, static_cast<std::size_t>(std::max(1, job.workers)));
-  const std::size_t slot_bytes = std::max(job.frame_bytes, message_bytes);
-  const SharedMemory memory(stride * slots_per_worker * slot_bytes);
+  const std::size_t buffer_bytes = std::max(job.frame_bytes, message_bytes);
+  const SharedMemory memory(stride * buffers_per_worker * buffer_bytes);
   std::deque<Worker> workers;
-  for (std::size_t k = 0; k < stride; ++k) workers.emplace_back(job, memory, slot_bytes, k, stride);
+  for (std::size_t k = 0; k < stride; ++k)
+    workers.emplace_back(job, memory, buffer_bytes, k, stride);
 
   for (std::size_t frame = 0; frame < job.frames; ++frame) {
     const std::size_t who = frame % stride;
     const std::size_t round = frame / stride;
-    const auto slot = memory.slot(who * slots_per_worker + round % slots_per_worker, slot_bytes);
+    const auto buffer =
+        memory.buffer(who * buffers_per_worker + round % buffers_per_worker, buffer_bytes);
     const Report report = workers[who].next();
-    const auto bytes = slot.first(static_cast<std::size_t>(report.bytes));
+    const auto bytes = buffer.first(static_cast<std::size_t>(report.bytes));
     if (report.failure != 0)
       throw Error(static_cast<Failure>(report.failure), {bytes.begin(), bytes.end()});
     if (!job.take(frame, bytes)) return;
-    // Credit is only read by a worker that has another frame for this slot.
-    if (frame + slots_per_worker * stride < job.frames) workers[who].give_back();
+    // Credit is only read by a worker that has another frame for this buffer.
+    if (frame + buffers_per_worker * stride < job.frames) workers[who].give_back();
   }
 }
 

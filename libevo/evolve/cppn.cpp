@@ -45,28 +45,28 @@ float activate(Activation activation, float z) {
 CppnNetwork::CppnNetwork(const Genome& genome, int inputs, int outputs)
     : inputs_(static_cast<std::size_t>(inputs)),
       outputs_(static_cast<std::size_t>(outputs)),
-      slots_(inputs_ + genome.nodes.size()) {
+      count_(inputs_ + genome.nodes.size()) {
   if (const auto found = defect(genome, inputs, outputs)) throw Error(Failure::data, *found);
 
-  const auto slot = [&](int key) {
+  const auto number_of = [&](int key) {
     if (key < 0) return static_cast<std::size_t>(-1 - key);
     return inputs_ + static_cast<std::size_t>(find(genome, key) - genome.nodes.data());
   };
   // Genes ascend by source, hence so do the edges of every node.
-  std::vector<std::vector<Edge>> incoming(slots_);
+  std::vector<std::vector<Edge>> incoming(count_);
   for (const ConnectionGene& gene : genome.connections) {
     const bool from_output = gene.in >= 0 && gene.in < outputs;
     if (gene.enabled && !from_output)
-      incoming[slot(gene.out)].push_back({slot(gene.in), single(gene.weight)});
+      incoming[number_of(gene.out)].push_back({number_of(gene.in), single(gene.weight)});
   }
 
   // Depth first from the outputs; a node follows all its sources. The stack is
   // explicit, as a genome from a file may be one long chain.
   enum class Visit : std::uint8_t { no, open, done };
-  std::vector<Visit> visits(slots_, Visit::no);
+  std::vector<Visit> visits(count_, Visit::no);
   std::fill_n(visits.begin(), inputs_, Visit::done);
   std::vector<std::size_t> stack;
-  for (int output = outputs; output-- > 0;) stack.push_back(slot(output));
+  for (int output = outputs; output-- > 0;) stack.push_back(number_of(output));
   while (!stack.empty()) {
     const std::size_t at = stack.back();
     if (visits[at] == Visit::no) {
@@ -85,12 +85,12 @@ CppnNetwork::CppnNetwork(const Genome& genome, int inputs, int outputs)
   }
 }
 
-float CppnNetwork::value(const Node& node, const std::vector<float>& slots) const {
+float CppnNetwork::value(const Node& node, const std::vector<float>& values) const {
   if (node.edges == 0) return node.bias;
   const bool is_sum = node.aggregation == Aggregation::sum;
   float total = is_sum ? 0.0F : 1.0F;
   for (std::size_t e = node.first_edge; e < node.first_edge + node.edges; ++e) {
-    const float term = edges_[e].weight * slots[edges_[e].source];
+    const float term = edges_[e].weight * values[edges_[e].source];
     total = is_sum ? total + term : total * term;
   }
   return activate(node.activation, node.response * total + node.bias);
@@ -100,11 +100,11 @@ std::vector<float> CppnNetwork::evaluate(std::span<const float> inputs) const {
   if (inputs.size() != inputs_)
     throw error(Failure::data, "the network has {} inputs, {} values given", inputs_,
                 inputs.size());
-  std::vector<float> slots(slots_);
-  std::copy(inputs.begin(), inputs.end(), slots.begin());
-  for (const Node& node : order_) slots[node.slot] = value(node, slots);
-  // The outputs have the lowest keys, so their slots follow the inputs.
-  const auto first = slots.begin() + static_cast<std::ptrdiff_t>(inputs_);
+  std::vector<float> values(count_);
+  std::copy(inputs.begin(), inputs.end(), values.begin());
+  for (const Node& node : order_) values[node.number] = value(node, values);
+  // The outputs have the lowest keys, so they follow the inputs.
+  const auto first = values.begin() + static_cast<std::ptrdiff_t>(inputs_);
   return {first, first + static_cast<std::ptrdiff_t>(outputs_)};
 }
 

@@ -26,11 +26,11 @@ class CppnNetwork {
 
  private:
   struct Edge {
-    std::size_t source;  // slot
+    std::size_t source;  // its number
     float weight;
   };
   struct Node {
-    std::size_t slot;
+    std::size_t number;
     std::size_t first_edge;
     std::size_t edges;
     float bias;
@@ -38,12 +38,12 @@ class CppnNetwork {
     Activation activation;
     Aggregation aggregation;
   };
-  float value(const Node& node, const std::vector<float>& slots) const;
+  float value(const Node& node, const std::vector<float>& values) const;
 
-  // Slots of the values: the inputs, then the genome's nodes.
+  // The values are numbered: the inputs, then the genome's nodes.
   std::size_t inputs_;
   std::size_t outputs_;
-  std::size_t slots_;
+  std::size_t count_;
   std::vector<Node> order_;
   std::vector<Edge> edges_;
 };

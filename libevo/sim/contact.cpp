@@ -15,7 +15,7 @@ using contact::cell_of;
 using contact::Points;
 using contact::Quad;
 using contact::reach_slack;
-using contact::V;
+using contact::Vector;
 
 // ---- inside a cell, or how far from it ----------------------------------------------
 
@@ -42,12 +42,12 @@ struct Clearance {
   double distance = 0.0;
 };
 // Both triangles at once: which one comes to matter is more than a branch can guess.
-Clearance clearance(V p, const Quad& q) {
-  const auto size = [](V v) { return std::abs(v.x) + std::abs(v.y); };
-  const V tl = q.top_left - p;
-  const V tr = q.top_right - p;
-  const V bl = q.bottom_left - p;
-  const V br = q.bottom_right - p;
+Clearance clearance(Vector p, const Quad& q) {
+  const auto size = [](Vector v) { return std::abs(v.x) + std::abs(v.y); };
+  const Vector tl = q.top_left - p;
+  const Vector tr = q.top_right - p;
+  const Vector bl = q.bottom_left - p;
+  const Vector br = q.bottom_right - p;
   const Two side_x{tr.x, bl.x};
   const Two side_y{tr.y, bl.y};
   const Two first = tl.x * side_y - tl.y * side_x;
@@ -102,7 +102,7 @@ class Pusher {
     const ContactCell& owner = cell_of(world_, candidate.corner / 4);
     const std::uint32_t corner = candidate.corner % 4;
     const std::int32_t point = owner.corners[corner];
-    const V p = points_(point);
+    const Vector p = points_(point);
     const Clearance clear = clearance(p, points_.quad(cell));
     candidate.due = travel + clear.distance;
     if (!clear.inside) return false;
@@ -129,44 +129,44 @@ class Pusher {
   }
 
   bool cross_each_other(const Edge& probe, const Edge& edge) const {
-    const V a1 = points_(probe[0]);
-    const V a2 = points_(edge[0]);
-    const V d1 = points_(probe[1]) - a1;
-    const V d2 = points_(edge[1]) - a2;
+    const Vector a1 = points_(probe[0]);
+    const Vector a2 = points_(edge[0]);
+    const Vector d1 = points_(probe[1]) - a1;
+    const Vector d2 = points_(edge[1]) - a2;
     const double det = -d1.x * d2.y + d2.x * d1.y;
     if (std::abs(det) < parallel_determinant_) return false;
-    const V d = a2 - a1;
+    const Vector d = a2 - a1;
     const double t = (-d2.y * d.x + d2.x * d.y) / det;
     const double s = (-d1.y * d.x + d1.x * d.y) / det;
     return t >= 0.0 && t <= 1.0 && s >= 0.0 && s <= 1.0;
   }
 
-  double distance_to_line(V p, const Edge& edge) const {
-    const V a = points_(edge[0]);
-    const V along = points_(edge[1]) - a;
+  double distance_to_line(Vector p, const Edge& edge) const {
+    const Vector a = points_(edge[0]);
+    const Vector along = points_(edge[1]) - a;
     const double length = norm(along);
     if (length < shortest_edge * world_.length_scale) return far_away * world_.length_scale;
     return std::abs(cross(along, p - a)) / length;
   }
 
   // Velocity as friction and damping feel it: strain limiting included.
-  V true_velocity(std::int32_t site) const {
+  Vector true_velocity(std::int32_t site) const {
     return (points_(site) - points_.previous(site)) / physics_.substep;
   }
 
   // Roundings as in the specification: every product in this order.
   void apply(std::int32_t point, const Edge& edge, double depth) const {
     const auto [a, b] = edge;
-    const V along = points_(b) - points_(a);
-    const V n = V{-along.y, along.x} / norm(along);
-    const V force = n * physics_.contact_stiffness * (depth + physics_.contact_margin);
-    const V velocity = true_velocity(point);
-    const auto damping = [&](V v) { return n * dot(n, v) * physics_.contact_damping; };
+    const Vector along = points_(b) - points_(a);
+    const Vector n = Vector{-along.y, along.x} / norm(along);
+    const Vector force = n * physics_.contact_stiffness * (depth + physics_.contact_margin);
+    const Vector velocity = true_velocity(point);
+    const auto damping = [&](Vector v) { return n * dot(n, v) * physics_.contact_damping; };
     points_.add_force(point, force - damping(velocity));
     push_back(a, force / 2.0 + damping(true_velocity(a)) / 2.0);
     push_back(b, force / 2.0 + damping(true_velocity(b)) / 2.0);
 
-    V t{-n.y, n.x};
+    Vector t{-n.y, n.x};
     t = t / norm(t);
     double slip = dot(t, velocity);
     if (slip < 0.0) {
@@ -175,14 +175,14 @@ class Pusher {
     }
     const double pressure = norm(force);
     const double grip = math::tanh(slip / (physics_.friction_coefficient * pressure));
-    const V friction =
+    const Vector friction =
         t * -1.0 * physics_.friction_multiplier * physics_.friction_coefficient * pressure * grip;
     points_.add_force(point, friction);
     push_back(a, friction / 2.0);
     push_back(b, friction / 2.0);
   }
 
-  void push_back(std::int32_t site, V f) const { points_.add_force(site, f * -1.0); }
+  void push_back(std::int32_t site, Vector f) const { points_.add_force(site, f * -1.0); }
 
   const Model::Compiled& world_;
   const Physics& physics_;

@@ -15,21 +15,21 @@ namespace evo::contact {
 
 inline constexpr double reach_slack = 1e-9;  // raw length, far above all roundings
 
-struct V {
+struct Vector {
   double x = 0.0;
   double y = 0.0;
 };
-inline V operator+(V a, V b) { return {a.x + b.x, a.y + b.y}; }
-inline V operator-(V a, V b) { return {a.x - b.x, a.y - b.y}; }
-inline V operator*(V a, double s) { return {a.x * s, a.y * s}; }
-inline V operator/(V a, double s) { return {a.x / s, a.y / s}; }
-inline double dot(V a, V b) { return a.x * b.x + a.y * b.y; }
-inline double cross(V a, V b) { return a.x * b.y - a.y * b.x; }
-inline double norm(V a) { return std::sqrt(dot(a, a)); }
+inline Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y}; }
+inline Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y}; }
+inline Vector operator*(Vector a, double s) { return {a.x * s, a.y * s}; }
+inline Vector operator/(Vector a, double s) { return {a.x / s, a.y / s}; }
+inline double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y; }
+inline double cross(Vector a, Vector b) { return a.x * b.y - a.y * b.x; }
+inline double norm(Vector a) { return std::sqrt(dot(a, a)); }
 
 struct Box {
-  V low;
-  V high;
+  Vector low;
+  Vector high;
 };
 
 // Boxes that touch overlap.
@@ -43,13 +43,13 @@ inline double gap(const Box& a, const Box& b) {
   const double y = std::max(a.low.y - b.high.y, b.low.y - a.high.y);
   return std::max({0.0, x, y});
 }
-inline bool within(V p, const Box& b, double gap) {
+inline bool within(Vector p, const Box& b, double gap) {
   return b.low.x - gap <= p.x && p.x <= b.high.x + gap && b.low.y - gap <= p.y &&
          p.y <= b.high.y + gap;
 }
 
 struct Quad {
-  V top_left, top_right, bottom_left, bottom_right;
+  Vector top_left, top_right, bottom_left, bottom_right;
 };
 
 // ---- points of the world -----------------------------------------------------------
@@ -60,17 +60,17 @@ class Points {
       : view_(view), sites_(world.plan.sites), terrain_(world.static_points.data()) {}
 
   bool moves(std::int32_t site) const { return site < sites_; }
-  V operator()(std::int32_t site) const {
+  Vector operator()(std::int32_t site) const {
     if (!moves(site)) return {terrain_[site - sites_].x, terrain_[site - sites_].y};
     const double* p = view_.position + offset(site);
     return {p[0], p[view_.stride]};
   }
-  V previous(std::int32_t site) const {
+  Vector previous(std::int32_t site) const {
     if (!moves(site)) return (*this)(site);
     const double* p = view_.previous + offset(site);
     return {p[0], p[view_.stride]};
   }
-  void add_force(std::int32_t site, V f) const {
+  void add_force(std::int32_t site, Vector f) const {
     if (!moves(site)) return;
     double* force = view_.force + offset(site) * view_.force_spacing;
     force[0] += f.x;

@@ -10,7 +10,7 @@ using contact::Box;
 using contact::cell_of;
 using contact::Points;
 using contact::reach_slack;
-using contact::V;
+using contact::Vector;
 
 namespace {
 
@@ -41,8 +41,8 @@ void NearCells::start(const std::vector<Box>& boxes, double gap, double pitch) {
   boxes_ = &boxes;
   gap_ = gap;
   widest_ = {};
-  V low{HUGE_VAL, HUGE_VAL};
-  V high{-HUGE_VAL, -HUGE_VAL};
+  Vector low{HUGE_VAL, HUGE_VAL};
+  Vector high{-HUGE_VAL, -HUGE_VAL};
   for (const Box& box : boxes) {  // what is not a number counts nowhere, and is near nothing
     low = {std::min(low.x, box.low.x), std::min(low.y, box.low.y)};
     high = {std::max(high.x, box.low.x), std::max(high.y, box.low.y)};

@@ -9,19 +9,19 @@
 namespace evo {
 namespace {
 
-struct V {
+struct Vector {
   double x = 0.0;
   double y = 0.0;
 };
-V operator+(V a, V b) { return {a.x + b.x, a.y + b.y}; }
-V operator-(V a, V b) { return {a.x - b.x, a.y - b.y}; }
-V operator*(V a, double s) { return {a.x * s, a.y * s}; }
-V operator/(V a, double s) { return {a.x / s, a.y / s}; }
-V& operator+=(V& a, V b) { return a = a + b; }
-V& operator-=(V& a, V b) { return a = a - b; }
-double dot(V a, V b) { return a.x * b.x + a.y * b.y; }
-double cross(V a, V b) { return a.x * b.y - a.y * b.x; }
-double norm(V a) { return math::sqrt(dot(a, a)); }
+Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y}; }
+Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y}; }
+Vector operator*(Vector a, double s) { return {a.x * s, a.y * s}; }
+Vector operator/(Vector a, double s) { return {a.x / s, a.y / s}; }
+Vector& operator+=(Vector& a, Vector b) { return a = a + b; }
+Vector& operator-=(Vector& a, Vector b) { return a = a - b; }
+double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y; }
+double cross(Vector a, Vector b) { return a.x * b.y - a.y * b.x; }
+double norm(Vector a) { return math::sqrt(dot(a, a)); }
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Box {
@@ -77,7 +77,7 @@ class Plain {
 
  private:
   bool substep() {
-    const std::vector<V> start = p_;
+    const std::vector<Vector> start = p_;
     contacts();
     const bool folding = folds();
     for (std::size_t i = 0; i < length_.size(); ++i) {
@@ -107,7 +107,7 @@ class Plain {
   }
 
   void contacts() {
-    std::fill(contact_.begin(), contact_.end(), V{});
+    std::fill(contact_.begin(), contact_.end(), Vector{});
     boxes_.clear();
     for (const SurfaceCell& c : world_.surface) boxes_.push_back(box(c));
     const int objects = static_cast<int>(world_.objects.size());
@@ -147,11 +147,11 @@ class Plain {
       point_against_cell(a.corners[k], a.edges[at(probes[k][0])], a.edges[at(probes[k][1])], b);
   }
 
-  bool is_inside(V p, const SurfaceCell& cell) const {
-    const V tl = p_[at(cell.corners[top_left])] - p;
-    const V tr = p_[at(cell.corners[top_right])] - p;
-    const V br = p_[at(cell.corners[bottom_right])] - p;
-    const V bl = p_[at(cell.corners[bottom_left])] - p;
+  bool is_inside(Vector p, const SurfaceCell& cell) const {
+    const Vector tl = p_[at(cell.corners[top_left])] - p;
+    const Vector tr = p_[at(cell.corners[top_right])] - p;
+    const Vector br = p_[at(cell.corners[bottom_right])] - p;
+    const Vector bl = p_[at(cell.corners[bottom_left])] - p;
     const double a = cross(tl, tr), b = cross(tr, br), c = cross(br, tl);
     if (c * a >= 0.0 && c * b >= 0.0) return true;
     const double d = cross(tl, bl), e = cross(bl, br);
@@ -159,9 +159,9 @@ class Plain {
   }
 
   bool cross_each_other(const std::array<int, 2>& probe, const std::array<int, 2>& edge) const {
-    const V a1 = p_[at(probe[0])], b1 = p_[at(probe[1])];
-    const V a2 = p_[at(edge[0])], b2 = p_[at(edge[1])];
-    const V d1 = b1 - a1, d2 = b2 - a2;
+    const Vector a1 = p_[at(probe[0])], b1 = p_[at(probe[1])];
+    const Vector a2 = p_[at(edge[0])], b2 = p_[at(edge[1])];
+    const Vector d1 = b1 - a1, d2 = b2 - a2;
     const double det = -d1.x * d2.y + d2.x * d1.y;
     if (std::abs(det) < 1e-4 * world_.length_scale * world_.length_scale) return false;
     const double dx = a2.x - a1.x, dy = a2.y - a1.y;
@@ -170,8 +170,8 @@ class Plain {
     return t >= 0.0 && t <= 1.0 && s >= 0.0 && s <= 1.0;
   }
 
-  double distance_to_line(V p, const std::array<int, 2>& edge) const {
-    const V d = p_[at(edge[1])] - p_[at(edge[0])];
+  double distance_to_line(Vector p, const std::array<int, 2>& edge) const {
+    const Vector d = p_[at(edge[1])] - p_[at(edge[0])];
     const double length = norm(d);
     if (length < 1e-6 * world_.length_scale) return 1000.0 * world_.length_scale;
     return std::abs(cross(d, p - p_[at(edge[0])])) / length;
@@ -181,7 +181,7 @@ class Plain {
                           const std::array<int, 2>& probe2, const SurfaceCell& cell) {
     for (const int corner : cell.corners)
       if (corner == point) return;
-    const V p = p_[at(point)];
+    const Vector p = p_[at(point)];
     if (!is_inside(p, cell)) return;
     int best = -1;
     double depth = 0.0;
@@ -198,13 +198,15 @@ class Plain {
     if (best >= 0) push(point, cell.edges[at(best)], depth);
   }
 
-  V true_velocity(int point) const { return (p_[at(point)] - last_[at(point)]) / physics_.substep; }
+  Vector true_velocity(int point) const {
+    return (p_[at(point)] - last_[at(point)]) / physics_.substep;
+  }
 
   void push(int point, const std::array<int, 2>& edge, double depth) {
     const auto [a, b] = edge;
-    const V along = p_[at(b)] - p_[at(a)];
-    const V n = V{-along.y, along.x} / norm(along);
-    const V force = n * physics_.contact_stiffness * (depth + physics_.contact_margin);
+    const Vector along = p_[at(b)] - p_[at(a)];
+    const Vector n = Vector{-along.y, along.x} / norm(along);
+    const Vector force = n * physics_.contact_stiffness * (depth + physics_.contact_margin);
     const auto damping = [&](int i) {
       return n * dot(n, true_velocity(i)) * physics_.contact_damping;
     };
@@ -212,7 +214,7 @@ class Plain {
     contact_[at(a)] -= force / 2.0 + damping(a) / 2.0;
     contact_[at(b)] -= force / 2.0 + damping(b) / 2.0;
 
-    V t{-n.y, n.x};
+    Vector t{-n.y, n.x};
     t = t / norm(t);
     double slip = dot(t, true_velocity(point));
     if (slip < 0.0) {
@@ -221,7 +223,7 @@ class Plain {
     }
     const double pressure = norm(force);
     const double grip = math::tanh(slip / (physics_.friction_coefficient * pressure));
-    const V friction =
+    const Vector friction =
         t * -1.0 * physics_.friction_multiplier * physics_.friction_coefficient * pressure * grip;
     contact_[at(point)] += friction;
     contact_[at(a)] -= friction / 2.0;
@@ -248,15 +250,15 @@ class Plain {
 
   // ---- integration ------------------------------------------------------------
 
-  std::vector<V> forces(const std::vector<V>& p, const std::vector<V>& v) const {
+  std::vector<Vector> forces(const std::vector<Vector>& p, const std::vector<Vector>& v) const {
     const std::vector<Spring>& springs = world_.dynamics.springs;
-    std::vector<V> f(springs.size());
+    std::vector<Vector> f(springs.size());
     for (std::size_t i = 0; i < springs.size(); ++i) {
-      const V q = p[at(springs[i].a)] - p[at(springs[i].b)];
+      const Vector q = p[at(springs[i].a)] - p[at(springs[i].b)];
       const double d = norm(q);
       f[i] = q * ((springs[i].stiffness * (d - length_[i])) / d);
     }
-    std::vector<V> total(at(world_.moving_points));
+    std::vector<Vector> total(at(world_.moving_points));
     for (std::size_t i = 0; i < springs.size(); ++i) total[at(springs[i].a)] -= f[i];
     for (std::size_t i = 0; i < springs.size(); ++i) total[at(springs[i].b)] += f[i];
     for (std::size_t i = 0; i < total.size(); ++i) {
@@ -276,15 +278,15 @@ class Plain {
   void integrate() {
     const std::size_t n = at(world_.moving_points);
     const double dt = physics_.substep;
-    std::vector<V> p(n), v(n), p_sum(n), v_sum(n);
+    std::vector<Vector> p(n), v(n), p_sum(n), v_sum(n);
     std::copy_n(p_.begin(), n, p.begin());
     std::copy_n(v_.begin(), n, v.begin());
     constexpr double weight[4] = {1.0, 2.0, 2.0, 1.0};
     constexpr double next[4] = {0.5, 0.5, 1.0, 0.0};
     for (std::size_t stage = 0; stage < 4; ++stage) {
-      const std::vector<V> f = forces(p, v);
+      const std::vector<Vector> f = forces(p, v);
       for (std::size_t i = 0; i < n; ++i) {
-        const V kp = v[i] * dt, kv = f[i] * dt;
+        const Vector kp = v[i] * dt, kv = f[i] * dt;
         p_sum[i] = stage == 0 ? kp : p_sum[i] + kp * weight[stage];
         v_sum[i] = stage == 0 ? kv : v_sum[i] + kv * weight[stage];
         p[i] = p_[i] + kp * next[stage];
@@ -298,8 +300,8 @@ class Plain {
     }
   }
 
-  V correction(const Spring& s, double limit) const {
-    const V q = p_[at(s.a)] - p_[at(s.b)];
+  Vector correction(const Spring& s, double limit) const {
+    const Vector q = p_[at(s.a)] - p_[at(s.b)];
     const double d = norm(q);
     const double strain = d / s.rest;
     if (strain > 1.0 + limit) return q * ((d - (1.0 + limit) * s.rest) / (2.0 * d));
@@ -309,7 +311,7 @@ class Plain {
 
   void limit_strain() {
     const std::vector<Spring>& springs = world_.dynamics.springs;
-    std::vector<V> c;
+    std::vector<Vector> c;
     for (const Spring& s : springs) c.push_back(correction(s, physics_.strain_limit));
     for (std::size_t i = 0; i < springs.size(); ++i)
       if (!world_.dynamics.fixed[at(springs[i].a)])
@@ -322,7 +324,8 @@ class Plain {
   void limit_rigid_strain() {
     for (const int edge : world_.dynamics.rigid_edges) {
       const Spring& s = world_.dynamics.springs[at(edge)];
-      const V c = correction(s, physics_.rigid_strain_limit) * physics_.rigid_strain_correction;
+      const Vector c =
+          correction(s, physics_.rigid_strain_limit) * physics_.rigid_strain_correction;
       p_[at(s.a)] -= c;
       p_[at(s.b)] += c;
     }
@@ -331,9 +334,9 @@ class Plain {
   const Model::Compiled& world_;
   const Physics& physics_;
   State& state_;
-  std::vector<V> p_, v_, last_, contact_;  // by reference, static points included
-  std::vector<double> goal_, length_;      // of every spring
-  std::vector<Box> boxes_;                 // of every surface cell, at the substep's start
+  std::vector<Vector> p_, v_, last_, contact_;  // by reference, static points included
+  std::vector<double> goal_, length_;           // of every spring
+  std::vector<Box> boxes_;                      // of every surface cell, at the substep's start
 };
 
 }  // namespace

@@ -61,6 +61,7 @@ ended() {
 }
 
 @test "a training that is cancelled is done again" {
+  [ -n "${EVO_SLOW:-}" ] || skip "slow: run by scripts/test --full"
   export SECONDS_EACH=2
   few=("${small[@]/EVALS=18/EVALS=9}")
   evolve steady calm "${few[@]}" -j7 SECONDS_EACH=0
@@ -81,6 +82,7 @@ ended() {
 }
 
 @test "preempted, it goes back into the queue and then on" {
+  [ -n "${EVO_SLOW:-}" ] || skip "slow: run by scripts/test --full"
   export SECONDS_EACH=0.4
   evolve steady calm "${small[@]}" -j7 SECONDS_EACH=0
   submit run --ntasks=4 -- "${evolution[@]}" "${small[@]}" "$PWD/run/history.jsonl"

@@ -272,7 +272,7 @@ class GrowingPopulation {
   }
   void write() const {
     if (text_.empty()) return;
-    fs::create_directories(run_.generation(generation_));
+    make_folders(run_.generation(generation_));
     write_file(run_.population(generation_), text_);
   }
 

@@ -42,14 +42,6 @@ struct Paths {
   fs::path log;
 };
 
-void make_folder(const fs::path& folder) {
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure)
-    throw error(Failure::cannot_create, "{}: cannot make this folder: {}", folder.string(),
-                failure.message());
-}
-
 Paths paths_of(const TrainingOptions& options, const std::string& id) {
   fs::path out = options.out_dir;
   fs::path logs = options.log_dir.value_or(options.out_dir);
@@ -57,8 +49,6 @@ Paths paths_of(const TrainingOptions& options, const std::string& id) {
     out /= run_shard(id);
     logs /= run_shard(id);
   }
-  make_folder(out);
-  make_folder(logs);
   return {out / (id + ".policy.h5"), out / (id + ".checkpoint.h5"), logs / (id + ".log")};
 }
 
@@ -214,6 +204,8 @@ void write_curve(const std::string& path, const std::vector<CurvePoint>& curve) 
 Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
                     const std::function<void(const TrainingReport&)>& show) {
   const Paths paths = paths_of(job.options, robot.id);
+  if (job.options.sharded)
+    for (const fs::path& file : {paths.policy, paths.log}) make_folders(file.parent_path());
   const Arena arena(job.task, robot.body);
   const Start start = find_start(robot, job, arena, paths);
   Trained trained;

@@ -34,14 +34,6 @@ std::optional<int> whole_number(std::string_view text) {
   return value;
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure)
-    throw error(Failure::cannot_create, "{}: cannot make this folder: {}", folder.string(),
-                failure.message());
-}
-
 // The numbers of a folder's entries that are named prefix, number, suffix; sorted.
 std::vector<int> numbered(const fs::path& folder, std::string_view prefix,
                           std::string_view suffix) {
@@ -218,7 +210,7 @@ RunFolder::RunFolder(fs::path path) : path_(std::move(path)) {
 
 RunFolder RunFolder::create(const fs::path& path, const RunSettings& settings) {
   RunFolder run(path, settings);
-  for (const fs::path& folder : {run.policies(), run.logs(), run.timings()}) make_folder(folder);
+  for (const fs::path& folder : {run.policies(), run.logs(), run.timings()}) make_folders(folder);
   const fs::path file = path / settings_name;
   if (!fs::exists(file)) {
     write_file(file, settings.to_yaml());
@@ -286,7 +278,7 @@ int RunFolder::population_size(int generation_number) const {
 // One write() to a file opened for appending stays in one piece between the
 // processes of a machine, on network file systems, too.
 void RunFolder::add_timing(const Timing& timing) const {
-  make_folder(timings());
+  make_folders(timings());
   const fs::path file = timings() / (this_machine() + ".jsonl");
   const Json line = {{"robot", timing.robot},      {"generation", timing.slot.generation},
                      {"slot", timing.slot.slot},   {"started", timing.started},

@@ -30,14 +30,14 @@ over_ssh() {
 
 @test "two machines end with the bytes of make here; one that is not there is gone round" {
   run_make steady calm "${small[@]}" -s -j2 calm/history.jsonl
-  over_ssh 2/one,1/nowhere,1/two run 2> messages
+  SHELL=/usr/sbin/nologin over_ssh 2/one,1/nowhere,1/two run 2> messages
   diff <(essence calm) <(essence run)
   [ "$(cd run/timings && echo *)" = "one.jsonl two.jsonl" ]
   grep -q "Could not resolve hostname nowhere" messages
 }
 
 @test "killed, it leaves nothing running anywhere" {
-  (exec "$EVO_SOURCE/scripts/ssh-run" 2/one,1/two run -- TASK=Walker-v0 STEPS=100000000 "${small[@]}" -s > /dev/null 2>&1 3>&-) &
+  (unset SHELL; exec "$EVO_SOURCE/scripts/ssh-run" 2/one,1/two run -- TASK=Walker-v0 STEPS=100000000 "${small[@]}" -s > /dev/null 2>&1 3>&-) &
   main=$!
   training() { [ "$(ls run/gen-000/*.running 2> /dev/null | wc -l)" -eq 3 ]; }
   within 60 training

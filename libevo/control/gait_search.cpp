@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "libevo/base/elementary.h"
 #include "libevo/base/error.h"
@@ -32,6 +33,13 @@ GaitSearch::GaitSearch(const Body& robot, const GaitSearchSettings& settings, St
       if (is_actuator(robot.at(row, col)))
         actuators_.push_back({col - 0.5 * (robot.cols - 1), 0.5 * (robot.rows - 1) - row,
                               robot.at(row, col) == Voxel::vertical});
+}
+
+GaitSearch::GaitSearch(const Body& robot, const GaitSearchSettings& settings, Stream random,
+                       SineController start)
+    : GaitSearch(robot, settings, random) {
+  start_ = std::move(start);
+  begin_second_stage(*start_);
 }
 
 double GaitSearch::period(double x) const {
@@ -65,22 +73,28 @@ SineController GaitSearch::decode(const std::vector<double>& x) const {
   return gait;
 }
 
-void GaitSearch::begin_second_stage() {
-  const SineController wave = decode_wave(best_);
+void GaitSearch::begin_second_stage(const SineController& from) {
   std::vector<double> mean;
-  for (const double a : wave.amplitude) mean.push_back((a - initial_amplitude) / amplitude_scale);
-  for (const double p : wave.phase) mean.push_back(p / phase_scale);
-  for (const double s : wave.shift) mean.push_back(s / middle_scale);
-  mean.push_back(best_[pace]);
+  for (const double a : from.amplitude) mean.push_back((a - initial_amplitude) / amplitude_scale);
+  for (const double p : from.phase) mean.push_back(p / phase_scale);
+  for (std::size_t i = 0; i < from.amplitude.size(); ++i) {
+    const double shift = from.shift.empty() ? 0.0 : from.shift[i];
+    mean.push_back((from.middle + shift - SineController{}.middle) / middle_scale);
+  }
+  const double middle = math::sqrt(settings_.shortest_period * settings_.longest_period);
+  mean.push_back(math::log(from.period / middle) / period_scale);
   strategy_ = EvolutionStrategy(std::move(mean), settings_.actuator_sigma, settings_.population);
   second_stage_ = true;
 }
 
 std::vector<SineController> GaitSearch::ask() {
-  if (!second_stage_ && generation_ >= settings_.wave_generations) begin_second_stage();
+  if (!second_stage_ && generation_ >= settings_.wave_generations)
+    begin_second_stage(decode_wave(best_));
   points_ = strategy_.ask(random_);
+  if (start_ && generation_ == 0) points_.front() = strategy_.mean();
   std::vector<SineController> gaits;
   for (const auto& x : points_) gaits.push_back(second_stage_ ? decode(x) : decode_wave(x));
+  if (start_ && generation_ == 0) gaits.front() = *start_;  // to the last bit
   return gaits;
 }
 
@@ -109,10 +123,10 @@ void GaitSearch::load(const Checkpoint& checkpoint) {
   generation_ = static_cast<std::int64_t>(generation[0]);
   best_ = checkpoint.get<double>("search/best");
   best_return_ = checkpoint.get<double>("search/best_return", 1)[0];
-  if (generation[1] != 0) {
+  if (generation[1] != 0 && !second_stage_) {
     if (best_.size() != wave_length)
       throw Error(Failure::data, "checkpoint: 'search/best' is no wave");
-    begin_second_stage();
+    begin_second_stage(decode_wave(best_));
   }
   strategy_.load(checkpoint, "search/strategy");
 }

@@ -1,10 +1,12 @@
 // Search for an open-loop gait in two stages: first waves that travel over the
 // body, a few numbers whatever its size (wave vector, period, and amplitude,
 // middle and phase for each of the two kinds of actuators); then, from the best
-// of those, every actuator for itself. Both by separable CMA-ES.
+// of those, every actuator for itself. Both by separable CMA-ES. A search that starts
+// from a gait, as a child from its parent's, has the second stage only.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +30,9 @@ struct GaitSearchSettings {
 class GaitSearch {
  public:
   GaitSearch(const Body& robot, const GaitSearchSettings& settings, Stream random);
+  // From `start`, which is the first candidate of the first generation.
+  GaitSearch(const Body& robot, const GaitSearchSettings& settings, Stream random,
+             SineController start);
 
   // The candidates of the next generation.
   std::vector<SineController> ask();
@@ -47,7 +52,7 @@ class GaitSearch {
   SineController decode_wave(const std::vector<double>& x) const;
   SineController decode(const std::vector<double>& x) const;
   double period(double x) const;
-  void begin_second_stage();
+  void begin_second_stage(const SineController& from);
 
   GaitSearchSettings settings_;
   std::vector<Actuator> actuators_;
@@ -58,6 +63,7 @@ class GaitSearch {
   std::vector<std::vector<double>> points_;  // asked for
   std::vector<double> best_;                 // wave of the first stage
   double best_return_ = 0.0;
+  std::optional<SineController> start_;
 };
 
 }  // namespace evo

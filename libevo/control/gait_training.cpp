@@ -1,6 +1,7 @@
 #include "libevo/control/gait_training.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "libevo/control/wave_search.h"
 
@@ -20,11 +21,17 @@ GaitSearchSettings search_settings(const TrainingJob& job) {
   return settings;
 }
 
+GaitSearch make_search(const TrainingJob& job) {
+  const Stream random(job.seed, "train/search", job.robot_id);
+  if (job.inheritance)
+    if (auto gait = inherited_gait(job))
+      return {job.arena.robot(), search_settings(job), random, std::move(*gait)};
+  return {job.arena.robot(), search_settings(job), random};
+}
+
 }  // namespace
 
-GaitTraining::GaitTraining(const TrainingJob& job)
-    : search_(job.arena.robot(), search_settings(job),
-              Stream(job.seed, "train/search", job.robot_id)) {
+GaitTraining::GaitTraining(const TrainingJob& job) : search_(make_search(job)) {
   require_a_generation(job);
 }
 

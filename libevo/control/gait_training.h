@@ -1,5 +1,5 @@
 // Training a gait: open-loop waves, first over the whole body, then of every
-// actuator for itself (gait_search.h).
+// actuator for itself (gait_search.h); from an inherited gait, the latter only.
 #pragma once
 
 #include "libevo/control/gait_search.h"

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "libevo/control/ppo.h"
+#include "libevo/control/transfer.h"
 
 namespace evo {
 
@@ -27,6 +28,15 @@ Policy initial_policy(const TrainingJob& job, std::optional<SineController> gait
   return initial_policy(job.settings, job.arena.observation_length(), job.arena.action_length(),
                         physics.min_target, physics.max_target, std::move(gait),
                         Stream(job.seed, "train/initial", job.robot_id));
+}
+
+std::optional<SineController> inherited_gait(const TrainingJob& job) {
+  const Inheritance& old = job.inheritance.value();
+  const SineController* gait = std::get_if<SineController>(&old.controller);
+  if (const auto* policy = std::get_if<Policy>(&old.controller); policy && policy->gait)
+    gait = &*policy->gait;
+  if (gait == nullptr) return std::nullopt;
+  return transferred(*gait, old.anatomy, anatomy(job.arena.robot(), job.arena.layout()));
 }
 
 void report_evaluation(const Findings& findings, Metrics& metrics) {

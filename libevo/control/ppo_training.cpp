@@ -13,10 +13,8 @@ Policy first_policy(const TrainingJob& job, std::optional<SineController> gait) 
   const Inheritance& old = *job.inheritance;
   const Anatomy to = anatomy(job.arena.robot(), job.arena.layout());
   const auto* policy = std::get_if<Policy>(&old.controller);
-  if (policy == nullptr)  // a gait alone: the network starts afresh on it
-    return initial_policy(job,
-                          transferred(std::get<SineController>(old.controller), old.anatomy, to));
-  if (policy->gait) gait = transferred(*policy->gait, old.anatomy, to);
+  if (auto inherited = inherited_gait(job)) gait = std::move(inherited);
+  if (policy == nullptr) return initial_policy(job, std::move(gait));  // afresh, on a gait
   Policy fresh = initial_policy(job, std::move(gait));
   fresh.log_std.setConstant(static_cast<float>(job.settings.inherited_log_std));
   return transferred(*policy, old.anatomy, fresh, to);

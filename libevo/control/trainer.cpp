@@ -101,10 +101,10 @@ struct Trainer::Impl {
   static Method begin(const TrainingJob& job) {
     check(job.settings);
     const std::string& name = job.settings.algorithm.name();
-    if (job.inheritance && name != PpoTraining::name && name != PortfolioTraining::name)
+    if (job.inheritance && (name == SineTraining::name || name == RandomTraining::name))
       throw error(Failure::usage,
-                  "training: only networks (algorithm {} or {}) start from a policy, not {}",
-                  PpoTraining::name, PortfolioTraining::name, name);
+                  "training: {}, {} and {} can start from a policy, {} cannot", PpoTraining::name,
+                  GaitTraining::name, PortfolioTraining::name, name);
     return make_method(job);
   }
 

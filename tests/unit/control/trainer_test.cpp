@@ -358,6 +358,39 @@ TEST_CASE("a training starts from another robot's policy, and that counts as it 
   }
 }
 
+TEST_CASE("a search for a gait starts from another robot's, and that counts as it is") {
+  const Arena old_arena(test::walker(10), test::small_body());
+  const TrainingSettings settings = brief_search(Algorithm("gait"));
+  Trainer old_trainer(old_arena, settings, 1, "old");
+  const TrainResult old_result = train(old_trainer);
+  const Inheritance inheritance{*old_result.controller,
+                                anatomy(old_arena.robot(), old_arena.layout())};
+
+  SECTION("on the same body it earns at least what it earned, to the last bit") {
+    TrainingSettings one_generation = settings;
+    one_generation.steps = 60;
+    one_generation.actuator_sigma = 1e-300;
+    Trainer trainer(old_arena, one_generation, 2, "new", inheritance);
+    CHECK(train(trainer).curve.front().evaluation >= *old_result.fitness);
+  }
+  SECTION("on another body it resumes to the same bytes") {
+    const Arena arena(test::walker(10), Body::from_rows({"HHV", "VSV"}));
+    Trainer whole(arena, settings, 1, "new", inheritance);
+    whole.advance();
+    Trainer resumed(arena, settings, 1, "new", inheritance);
+    resumed.restore(whole.checkpoint());
+    check_equal(train(resumed), train(whole));
+    CHECK(resumed.checkpoint() == whole.checkpoint());
+  }
+  SECTION("from a network that has none it starts afresh") {
+    Trainer networks(old_arena, brief(), 1, "old");
+    const Inheritance network{*train(networks).controller,
+                              anatomy(old_arena.robot(), old_arena.layout())};
+    Trainer heir(old_arena, settings, 1, "old", network);
+    check_equal(train(heir), old_result);
+  }
+}
+
 TEST_CASE("a finished training goes on with more steps") {
   const Arena arena(test::walker(10), test::small_body());
   TrainingSettings settings = GENERATE(brief(), brief_search(Algorithm("gait")), brief_portfolio());

@@ -76,6 +76,8 @@ std::vector<std::string> training_words(const RunFolder& run) {
   give("--out-dir", run.policies().string());
   give("--log-dir", run.logs().string());
   words.emplace_back("--resume");
+  if (const std::string* inherit = settings.find("inherit"); inherit && *inherit == "yes")
+    give("--init", run.policies().string());
   if (const std::string* more = settings.find("train_options"))
     for (std::string& word :
          cli::shell_words(*more, (run.path() / "run.yaml").string() + ": train_options"))

@@ -97,8 +97,9 @@ std::optional<fs::path> inherited_policy(const Robot& robot, const TrainingOptio
   if (parents == robot.document.end() || !parents->is_array()) return std::nullopt;
   for (const Json& parent : *parents) {
     if (!parent.is_string()) continue;
-    const fs::path path = fs::path(*options.init) / (parent.get<std::string>() + ".policy.h5");
-    if (fs::exists(path)) return path;
+    const std::string id = parent.get<std::string>();
+    for (const fs::path& folder : {fs::path(*options.init), *options.init / fs::path(run_shard(id))})
+      if (const fs::path path = folder / (id + ".policy.h5"); fs::exists(path)) return path;
   }
   return std::nullopt;
 }

@@ -47,6 +47,9 @@ ALGO   ?= ppo
 TRAIN  ?= default
 PHYSICS ?=
 TRAIN_OPTIONS ?=
+# yes: a child's training starts from its parent's controller, carried over to its
+# body. Short trainings then add up along a line of descent.
+INHERIT ?= no
 # Format of the champion's video, and options of evo-render for it.
 VIDEO  ?= mp4
 VIDEO_OPTIONS ?=
@@ -68,7 +71,8 @@ train_slots = exec '$(SCRIPTS)train-slots' '$(RUN)'
 
 SETTINGS := method=$(METHOD) task=$(TASK) population=$(POP) evaluations=$(EVALS) steps=$(STEPS) \
   seed=$(SEED) shape=$(SHAPE) algo=$(ALGO) train=$(TRAIN) physics=$(if $(PHYSICS),$(PHYSICS),task) \
-  $(METHOD_SETTINGS)
+  $(if $(filter-out no,$(INHERIT)),inherit=$(INHERIT)) $(METHOD_SETTINGS)
+$(if $(filter yes no,$(INHERIT)),,$(error INHERIT is yes or no, not '$(INHERIT)'))
 # Given as they are, quotes and all.
 export EVO_TRAIN_OPTIONS := $(TRAIN_OPTIONS)
 export EVO_EVALUATE := $(EVALUATE)

@@ -68,6 +68,24 @@ kill_and_repeat() {
   diff <(essence calm) <(essence stormy)
 }
 
+@test "inherit: children go on from their parents' gaits, by generations and without" {
+  local inherit=(INHERIT=yes ALGO=gait STEPS=4000 TRAIN_OPTIONS="--train-set population=4" -s)
+  run_make ga calm "${inherit[@]}" -j2 calm/history.jsonl
+  run_make ga other "${inherit[@]}" other/history.jsonl
+  diff calm/history.jsonl other/history.jsonl
+  run_make steady steady "${inherit[@]}" -j2 steady/history.jsonl
+  # A child's policy names its parent's, the first robots' name none.
+  for folder in calm steady; do
+    child=$(tail -n 1 $folder/history.jsonl)
+    parent=$(find $folder/policies -name "$(jq -r '.parents[0]' <<< "$child").policy.h5")
+    hash=$(h5dump -a settings_hash "$parent" | grep -o '[0-9a-f]\{64\}')
+    [[ $(h5dump -a identity "$(find $folder/policies -name "$(jq -r .id <<< "$child").policy.h5")") == *"inherited=$hash"* ]]
+  done
+  [[ $(h5dump -a identity "calm/policies/$(head -n 1 calm/history.jsonl | jq -r .id).policy.h5") != *inherited=* ]]
+  run -2 run_make ga third INHERIT=maybe
+  [[ $output == *"yes or no, not 'maybe'"* ]]
+}
+
 @test "neat and bo: exactly as asked, no body twice, twice the same bytes" {
   for method in neat bo; do
     run_make $method $method-one -j2

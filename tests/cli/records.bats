@@ -1,0 +1,54 @@
+# The records of the tasks: added by a command that checks, replayed to the last bit.
+load helpers
+
+setup() {
+  cd "$BATS_TEST_TMPDIR" || return
+  mkdir records
+  cp "$EVO_SOURCE/records/published.tsv" records
+  export RECORDS=$PWD/records
+}
+evolve() {
+  make -f "$EVO_SOURCE/scripts/ga.mk" RUN="$1" TASK=Walker-v0 POP=4 EVALS=8 ALGO=gait STEPS=4000 SEED="$2" \
+    TRAIN_OPTIONS="--train-set population=4" -s "$1/history.jsonl"
+}
+
+@test "a run's best robot becomes the record, is replayed, and is beaten only by a better one" {
+  evolve one 1
+  evolve two 2
+  best() { jq -s 'map(.fitness) | max' "$1/history.jsonl"; }
+  if jq -en "$(best one) > $(best two)"; then better=one worse=two; else better=two worse=one; fi
+  "$EVO_SOURCE/scripts/add-record" $worse
+  jq -e ".fitness == $(best $worse) and .robots == 8 and .shifted.episodes == 32" records/Walker-v0/record.json
+  [ "$(jq .steps records/Walker-v0/record.json)" -eq "$(jq -s 'map(.steps) | add' $worse/history.jsonl)" ]
+  "$EVO_SOURCE/scripts/verify-records"
+  fails_with 73 "the record is" -- "$EVO_SOURCE/scripts/add-record" $worse
+  "$EVO_SOURCE/scripts/add-record" $better
+  jq -e ".fitness == $(best $better)" records/Walker-v0/record.json
+  fails_with 73 "nothing was changed" -- "$EVO_SOURCE/scripts/add-record" $worse
+  grep -q '^| \[Walker-v0\](#walker-v0) | ' records/README.md
+  [[ $(head -c 4 records/Walker-v0/picture.png | tr -d '\211') == PNG ]]
+  # The command makes the same run again.
+  command=$(jq -r .command records/Walker-v0/record.json)
+  (cd "$EVO_SOURCE" && eval "${command/runs\/record/$BATS_TEST_TMPDIR/again} -s $BATS_TEST_TMPDIR/again/history.jsonl")
+  diff $better/history.jsonl again/history.jsonl
+}
+
+@test "what a record does not earn, or another body, or an old page is found out" {
+  evolve run 1
+  "$EVO_SOURCE/scripts/add-record" run
+  record=records/Walker-v0/record.json
+  cp $record whole
+  jq '.fitness += 1e-15' whole > $record
+  run -1 "$EVO_SOURCE/scripts/verify-records" Walker-v0
+  [[ $output == *"Walker-v0: claims"* ]]
+  jq '.body[0] = "HHHHH"' whole > $record
+  run -1 "$EVO_SOURCE/scripts/verify-records" Walker-v0
+  [[ $output == *"another body"* ]]
+  cp whole $record
+  echo >> records/README.md
+  run -1 "$EVO_SOURCE/scripts/verify-records"
+  [[ $output == *"not up to date"* ]]
+  head -c 1000 records/Walker-v0/policy.h5 > cut && mv cut records/Walker-v0/policy.h5
+  run -1 "$EVO_SOURCE/scripts/verify-records" Walker-v0
+  fails_with 66 "no run folder" -- "$EVO_SOURCE/scripts/add-record" nothing
+}

@@ -27,9 +27,9 @@ SEEDS   ?= 1 2 3
 # svg, png or pdf
 PLOT    ?= svg
 
-known := ga neat bo
-unknown := $(filter-out $(known) $(known:%=steady-%),$(METHODS))
-$(if $(unknown),$(error METHODS may be ga, neat and bo, with generations, and steady-ga, steady-neat and steady-bo, without; there is no '$(unknown)'))
+known := ga neat bo map steady-ga steady-neat steady-bo
+unknown := $(filter-out $(known),$(METHODS))
+$(if $(unknown),$(error METHODS may be ga, neat, bo and map, with generations, and steady-ga, steady-neat and steady-bo, without; there is no '$(unknown)'))
 # The pipeline of a method.
 pipeline = $(if $(filter steady-%,$(1)),'$(SCRIPTS)steady.mk' METHOD=$(patsubst steady-%,%,$(1)),'$(SCRIPTS)$(1).mk')
 

@@ -101,6 +101,16 @@ kill_and_repeat() {
   jq -e '.genome.kind == "cppn"' neat-one/best.json
 }
 
+@test "map: an archive of kinds, twice the same bytes, killed or not" {
+  run_make map calm -j2
+  kill_and_repeat map stormy 3
+  diff <(essence calm) <(essence stormy)
+  [ "$(wc -l < calm/history.jsonl)" -eq 9 ]
+  [ "$(jq -r .id calm/history.jsonl | sort -u | wc -l)" -eq 9 ]
+  [ "$(wc -l < calm/archive.tsv)" -eq $(($(wc -l < calm/archive.jsonl) + 1)) ]
+  [ "$(jq -s 'map(.fitness) | max' calm/archive.jsonl)" = "$(jq .fitness calm/best.json)" ]
+}
+
 @test "neat and bo: killed, they end with the same result" {
   for method in neat bo; do
     run_make $method $method-calm -j2

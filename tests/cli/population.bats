@@ -91,3 +91,19 @@ J
   [ -z "$stderr" ]
   fails_with 74 "standard output" -- bash -c 'evo-sample -n 3 > /dev/full'
 }
+
+@test "archive: the fittest of every kind, as robots and as a table" {
+  printf '%s\n' '{"body":["HHH"],"fitness":1}' '{"body":["HHH","..R"],"fitness":3,"final":{"mean":9}}' \
+    '{"body":["HRR"],"fitness":2}' '{"body":["SSV"],"fitness":4,"final":{"mean":1}}' '{"body":["VVV"],"fitness":null}' > scored
+  evo-archive -q --features actuators:3,height:2 scored > elites
+  jq -c '[.cell, .fitness]' elites | diff - <(printf '[[1,1],4]\n[[2,1],3]\n')
+  evo-archive -q --features actuators:3,height:2 --table < scored | cut -f 1-3 |
+    diff - <(printf 'actuators\theight\tfitness\n0.3333333333333333\t0.5\t4\n0.6666666666666666\t0.5\t3\n')
+  evo-archive -q --features final.mean:2:0:10 scored | jq -c .cell | diff - <(printf '[0]\n[1]\n')
+  [ "$(evo-archive -q < /dev/null)" = "" ]
+  evo-archive scored 2>&1 > /dev/null | grep -q '3 of 25 cells'
+  fails_with 2 "'hight' is no feature of bodies" "height" -- evo-archive --features hight:5 scored
+  fails_with 2 "NAME:BINS" -- evo-archive --features height scored
+  fails_with 2 "nothing lies between" -- evo-archive --features x:5:1:1 scored
+  fails_with 65 "no robot has a number 'final.median'" -- evo-archive --features final.median:2:0:1 scored
+}

@@ -26,7 +26,7 @@ setup_file() {
 @test "every tool says 74 on a full disk behind standard output" {
   cd "$made"
   local commands=(
-    "evo-sample -n 2" "evo-mutate six.jsonl" "evo-select scored.jsonl" "evo-suggest -q -n 2"
+    "evo-sample -n 2" "evo-mutate six.jsonl" "evo-archive -q scored.jsonl" "evo-select scored.jsonl" "evo-suggest -q -n 2"
     "evo-neat -n 4 --state-out $BATS_TEST_TMPDIR/s.json" "evo-convert six.jsonl" "evo-inspect tasks"
     "evo-inspect six.jsonl" "evo-render small.txt -o -" "evo-render walk.h5 -o -"
     "evo-convert small.txt --to npz" "evo-select --schedule paper --population 25 --of 250 --plan"

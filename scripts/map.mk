@@ -1,0 +1,39 @@
+# Quality and diversity (MAP-Elites) as a pipeline: parents are drawn from an archive
+# that keeps the fittest robot of every kind, so that what is good in its own way is
+# not lost to what is ahead now.
+#
+#   make -f scripts/map.mk RUN=runs/stairs TASK=UpStepper-v0 POP=25 EVALS=500 STEPS=16384 ALGO=gait INHERIT=yes SEED=1 -j8
+#
+# FEATURES are the archive's axes ('evo-archive --help'). The run ends with the usual
+# files and archive.jsonl, the elites by cells; archive.tsv is their map.
+
+METHOD := map
+FEATURES ?= voxels:5,actuators:5
+MUTATE_OPTIONS ?=
+METHOD_SETTINGS = features='$(FEATURES)' mutate_options='$(MUTATE_OPTIONS)'
+GENERATIONS = $(call counting,$(call batches,$(EVALS),$(POP)))
+slots = $(call counting,$(call batch_size,$(GEN)))
+
+all:
+
+include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
+
+ifdef GEN
+$(POPULATION):
+	@mkdir -p '$(@D)'
+ifeq ($(GEN),0)
+	@evo-sample -n $(call batch_size,$(GEN)) --shape $(SHAPE) --seed $(call stage_seed,$(GEN)) -o '$@'
+else
+	@evo-archive -q --features '$(FEATURES)' $(ALL_BEFORE:%='%/scores.jsonl') | \
+	  evo-mutate -n $(call batch_size,$(GEN)) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \
+	    $(ALL_BEFORE:%=--avoid '%/population.jsonl') -o '$@'
+endif
+else
+all: $(RUN)/archive.jsonl $(RUN)/archive.tsv
+
+$(RUN)/archive.jsonl: | $(RUN)/history.jsonl
+	@evo-archive -q --features '$(FEATURES)' '$(RUN)/history.jsonl' -o '$@'
+
+$(RUN)/archive.tsv: | $(RUN)/history.jsonl
+	@evo-archive -q --features '$(FEATURES)' --table '$(RUN)/history.jsonl' -o '$@'
+endif

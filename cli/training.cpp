@@ -98,7 +98,8 @@ std::optional<fs::path> inherited_policy(const Robot& robot, const TrainingOptio
   for (const Json& parent : *parents) {
     if (!parent.is_string()) continue;
     const std::string id = parent.get<std::string>();
-    for (const fs::path& folder : {fs::path(*options.init), *options.init / fs::path(run_shard(id))})
+    for (const fs::path& folder :
+         {fs::path(*options.init), *options.init / fs::path(run_shard(id))})
       if (const fs::path path = folder / (id + ".policy.h5"); fs::exists(path)) return path;
   }
   return std::nullopt;

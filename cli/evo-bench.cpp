@@ -191,6 +191,7 @@ class Report {
       const Json line{{"task", m.task},
                       {"shape", {m.body.rows, m.body.cols}},
                       {"voxels", voxels},
+                      {"body", m.body.to_rows()},
                       {"seed", m.seed},
                       {"width", m.envs},
                       {"isa", isa},

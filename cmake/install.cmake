@@ -1,12 +1,14 @@
 # What `cmake --install` and the Debian packages consist of. Components are
-# packages: tools, dev (the library), python.
+# packages: tools, library, dev, python.
 set(EVO_DATA_DIR ${CMAKE_INSTALL_DATADIR}/evo)
 install(DIRECTORY tasks DESTINATION ${EVO_DATA_DIR} COMPONENT tools)
 install(DIRECTORY scripts/ DESTINATION ${EVO_DATA_DIR}/scripts COMPONENT tools
         USE_SOURCE_PERMISSIONS
         FILES_MATCHING PATTERN "*.mk" PATTERN "*.gnuplot" PATTERN "*.jq" PATTERN "*.awk"
         PATTERN "*-slots" PATTERN "slurm/*" PATTERN "completion" EXCLUDE)
-install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)
+install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)
+install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
+        USE_SOURCE_PERMISSIONS PATTERN man EXCLUDE)
 
 # Completion is loaded by the name of a tool (bash), or of the function (zsh).
 foreach(tool ${EVO_TOOLS})
@@ -20,6 +22,9 @@ else()
 endif()
 install(FILES scripts/completion/_evo COMPONENT tools
         DESTINATION ${CMAKE_INSTALL_DATADIR}/${EVO_ZSH_FUNCTIONS})
+# Where Debian's Python looks: for its package alone, others have pip.
+install(DIRECTORY python/evo_robots DESTINATION lib/python3/dist-packages COMPONENT python
+        EXCLUDE_FROM_ALL PATTERN __pycache__ EXCLUDE)
 
 # ---- Debian packages: cpack -G DEB ---------------------------------------------
 set(CPACK_GENERATOR DEB)
@@ -29,7 +34,7 @@ set(CPACK_PACKAGE_CONTACT "the evo developers <evo@localhost>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL tools)
+set(CPACK_COMPONENTS_ALL tools library dev python)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
@@ -41,4 +46,26 @@ set(CPACK_DEBIAN_TOOLS_DESCRIPTION "${PROJECT_DESCRIPTION}
 # What the pipelines call; videos and plots do without it when asked for others.
 set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "make, jq")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox")
+
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libevo${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "${PROJECT_DESCRIPTION} (shared library)
+ Environments and training for programs of your own; the tasks are in evo.")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "evo (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
+
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libevo-dev)
+set(CPACK_DEBIAN_DEV_DESCRIPTION "${PROJECT_DESCRIPTION} (development files)
+ The header of the library, evo/evo.h, with what CMake and pkg-config need.")
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${CPACK_DEBIAN_LIBRARY_PACKAGE_NAME} (= ${PROJECT_VERSION})")
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-evo-robots)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "${PROJECT_DESCRIPTION} (Python package)
+ Gymnasium's interface to the environments, and readers of the tools' files.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "evo (= ${PROJECT_VERSION}), python3:any, python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-h5py")
 include(CPack)

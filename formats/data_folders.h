@@ -12,6 +12,13 @@ namespace evo {
 // Each holds tasks as NAME.yaml and physics profiles as physics/NAME.yaml.
 using DataFolders = std::vector<std::filesystem::path>;
 
+// The folder that holds tasks/ and scripts/: $EVO_DATA; else the first of
+// `candidates` that is one. Throws Error(no_input).
+std::filesystem::path data_root(const std::vector<std::filesystem::path>& candidates);
+
+// The folders in $EVO_TASKS (separated by colons), then `root`/tasks.
+DataFolders data_folders(const std::filesystem::path& root);
+
 // "my/walk.yaml", "./walk", "walk.yml": a file rather than a name.
 bool is_file_name(const std::string& name_or_file);
 

@@ -110,6 +110,13 @@ class Simulator:
         self._mask = np.zeros((self.num_envs + 7) // 8 * 8, np.uint8)
         self._mask_header = HEADER.pack(b"MASK", self._mask.nbytes + 8 * self._action_values)
 
+    @property
+    def pid(self) -> int:
+        """The process of evo-env."""
+        if self._process is None:
+            raise EvoError("the simulator was closed")
+        return self._process.pid
+
     # ---- requests -----------------------------------------------------------
 
     def reset(

@@ -144,7 +144,7 @@ class Failures(unittest.TestCase):
     def test_a_process_that_dies_is_an_error_not_a_hang(self):
         simulator = Simulator("Walker-v0", SMALL)
         simulator.reset()
-        os.kill(simulator._process.pid, signal.SIGKILL)
+        os.kill(simulator.pid, signal.SIGKILL)
         with self.assertRaisesRegex(EvoError, "ended with status -9"):
             for _ in range(3):
                 simulator.step(np.ones(4))

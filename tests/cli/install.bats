@@ -62,16 +62,65 @@ installed() {
   fails_with 66 "$PWD/share/evo" "EVO_DATA" -- alone/evo-inspect tasks
 }
 
+# The example as programs are built that have nothing of ours but these files:
+# with what pkg-config says of the package below this prefix.
+build_example() {
+  local flags
+  flags=$(PKG_CONFIG_LIBDIR="$1/lib/pkgconfig:$1/lib/$(gcc -print-multiarch)/pkgconfig" pkg-config --cflags --libs evo)
+  # shellcheck disable=SC2086
+  g++ -std=c++20 -O1 "$EVO_SOURCE/examples/library/walk.cpp" $flags -o "$2"
+}
+
+@test "library: the example is built with CMake and with pkg-config, and does what the tools do" {
+  cmake -S "$EVO_SOURCE/examples/library" -B with-cmake -D CMAKE_PREFIX_PATH="$PREFIX" > log
+  cmake --build with-cmake >> log
+  installed "$PWD/with-cmake/walk Walker-v0 2048" > said
+  build_example "$PREFIX" with-pkg-config
+  installed "LD_LIBRARY_PATH=$PREFIX/lib $PWD/with-pkg-config Walker-v0 2048" | diff said -
+  printf 'RHHHR\nVSSSV\nVHRHV\nV...V\nV...V\n' > walker.txt
+  evo-train walker.txt --task Walker-v0 --steps 2048 --seed 1 -o trained.json
+  fitness=$(jq -r '.fitness * 1e4 | round / 1e4' trained.json)
+  grep -qE "^trained: ${fitness}0*, and again ${fitness}0*$" said
+  h5diff --exclude-attribute /created_by walk.policy.h5 "$(jq -r .policy trained.json)"
+  fails_with 2 "Walkr-v0" "Walker-v0" -- env LD_LIBRARY_PATH="$PREFIX/lib" ./with-pkg-config Walkr-v0
+}
+
+@test "library: it shows its header and nothing else" {
+  nm -DC --defined-only "$PREFIX/lib/libevo.so" | awk '$2 != "A"' > symbols
+  grep -q ' T libevo::VectorEnv::step' symbols
+  run ! grep -vE ' ([A-Z] libevo::|V (vtable|typeinfo|typeinfo name) for libevo::Error)' symbols
+  objdump -p "$PREFIX/lib/libevo.so" | grep -qE 'SONAME +libevo\.so\.[0-9]+\.[0-9]+$'
+  grep -h '^#include' "$PREFIX/include/evo/evo.h" > includes
+  run ! grep -vE '<[a-z]+>$' includes
+  echo '#include <evo/evo.h>' > alone.cpp
+  g++ -std=c++20 -Wall -Wextra -Wconversion -Wpedantic -Werror -fsyntax-only -I"$PREFIX/include" alone.cpp
+}
+
 @test "Debian packages: names, dependencies, contents" {
   command -v dpkg-shlibdeps > /dev/null || skip "dpkg-dev is not installed"
   (cd "$BATS_TEST_TMPDIR" && cpack --config "$EVO_BIN/../CPackConfig.cmake" -G DEB -B "$PWD/packages" > log) || { cat log; false; }
-  deb=$(ls packages/evo_*.deb)
-  dpkg-deb -f "$deb" Depends > depends
-  for package in libc6 libhdf5-103-1 libosmesa6 make jq; do grep -qE "(^|, )$package(:|,| |$)" depends; done
-  dpkg-deb -f "$deb" Recommends | grep -q ffmpeg
-  dpkg-deb -x "$deb" root
+  for deb in packages/*.deb; do dpkg-deb -x "$deb" root; done
+  depends() { dpkg-deb -f packages/"$1"_*.deb Depends; }
+  for package in libc6 libhdf5-103-1 libosmesa6 make jq; do
+    depends evo | grep -qE "(^|, )$package(:|,| |$)"
+  done
+  dpkg-deb -f packages/evo_*.deb Recommends | grep -q ffmpeg
+  library=$(cd packages && ls | sed -n 's/_.*//; /^libevo[0-9]/p')
+  depends "$library" | grep -q 'evo (= '
+  depends libevo-dev | grep -q "^$library (= "
+  depends python3-evo-robots | grep -q python3-numpy
+  dpkg-deb -f packages/python3-evo-robots_*_all.deb Architecture | grep -qx all
+  # Each file is in one of them.
+  for deb in packages/*.deb; do dpkg-deb -c "$deb" | awk '$1 !~ /^d/ { print $6 }'; done | sort | uniq -d > twice
+  [ ! -s twice ]
   cmp root/usr/share/evo/scripts/evolve.mk "$EVO_SOURCE/scripts/evolve.mk"
-  # Nothing in it tells where it was built.
+  # Nothing in them tells where they were built.
   run ! grep -rqF "$EVO_SOURCE" root
   root/usr/bin/evo-inspect tasks | diff - <(evo-inspect tasks)
+  build_example root/usr walk
+  LD_LIBRARY_PATH=root/usr/lib ./walk Walker-v0 2048 > said
+  PATH="$PWD/root/usr/bin:/usr/bin:/bin" PYTHONPATH=root/usr/lib/python3/dist-packages EVO_BIN='' /usr/bin/python3 -c '
+import evo_robots
+with evo_robots.Simulator("Walker-v0", [[3, 4], [4, 3]]) as simulator:
+    print(simulator.reset().observations.shape)'
 }

@@ -8,35 +8,34 @@ namespace {
 
 using namespace evo;
 
-constexpr double bytes_per_megabyte = 1e6;
-
 }  // namespace
 
 int main(int argc, char** argv) {
   cli::Command command("evo-report",
-                       "a page about runs: curves, generations, lineage, champion, settings");
+                       "a page about runs: what came out, replays, curves, family tree, settings");
   std::vector<std::string> names;
   report::PageOptions options;
-  double largest_video = 6.0;
+  int replays = 20;
   command.arguments(names, "RUN_DIR",
                     "run folders, finished or not; several are compared on one page");
   command.option("--title", options.title, "TEXT", "of the page [the task and the folder's name]");
-  command.option("--max-video", largest_video, "MB",
-                 "leave a champion's video out if it is larger; 0 leaves all out");
+  command.option("--replays", replays, "N",
+                 "episodes to play on the page: of a run's N fittest robots, beside the champion "
+                 "and its ancestors");
   command.output_option("where the page goes, HTML that needs no other file and no network");
+  command.jobs_option();
   command.example("evo-report runs/walker -o report.html", "one run, at any time");
   command.example("evo-report runs/ga-* runs/bo-* -o methods.html",
                   "methods compared; runs that differ in the seed only are averaged");
 
   return command.run(argc, argv, [&] {
     if (names.empty()) throw error(Failure::usage, "name at least one run folder");
-    if (!(largest_video >= 0.0))
-      throw error(Failure::usage, "--max-video must be at least 0, got {}", largest_video);
+    if (replays < 0) throw error(Failure::usage, "--replays must be at least 0, got {}", replays);
     const std::vector<std::filesystem::path> folders(names.begin(), names.end());
     std::vector<report::Run> runs;
     runs.reserve(folders.size());
     for (const auto& folder : folders)
-      runs.push_back(report::read_run(folder, largest_video * bytes_per_megabyte));
+      runs.push_back(report::read_run(folder, replays, command.jobs));
     report::tell_apart(runs, folders);
     options.generator = cli::created_by(command.name());
     LineWriter out(command.output);

@@ -17,8 +17,8 @@
 EVO_EMBED(evo_report_page, EVO_REPORT_PAGE);
 EVO_EMBED(evo_report_style, EVO_REPORT_STYLE);
 EVO_EMBED(evo_report_script, EVO_REPORT_SCRIPT);
-EVO_EMBED(evo_report_dygraphs_script, EVO_DYGRAPHS_SCRIPT);
-EVO_EMBED(evo_report_dygraphs_style, EVO_DYGRAPHS_STYLE);
+EVO_EMBED(evo_report_charts, EVO_REPORT_CHARTS);
+EVO_EMBED(evo_report_replay, EVO_REPORT_REPLAY);
 
 namespace evo::report {
 namespace {
@@ -32,11 +32,7 @@ std::string_view between(const char* begin, const char* end) {
 std::string_view page_template() { return between(evo_report_page, evo_report_page_end); }
 std::string_view style() { return between(evo_report_style, evo_report_style_end); }
 std::string_view script() { return between(evo_report_script, evo_report_script_end); }
-std::string_view dygraphs_script() {
-  return between(evo_report_dygraphs_script, evo_report_dygraphs_script_end);
-}
-std::string_view dygraphs_style() {
-  return between(evo_report_dygraphs_style, evo_report_dygraphs_style_end);
-}
+std::string_view charts_script() { return between(evo_report_charts, evo_report_charts_end); }
+std::string_view replay_script() { return between(evo_report_replay, evo_report_replay_end); }
 
 }  // namespace evo::report

@@ -1,4 +1,4 @@
-// The parts of a page that are files beside this one, and dygraphs.
+// The parts of a page that are files beside this one.
 #pragma once
 
 #include <string_view>
@@ -7,8 +7,8 @@ namespace evo::report {
 
 std::string_view page_template();  // page.html
 std::string_view style();          // report.css
+std::string_view charts_script();  // charts.js
+std::string_view replay_script();  // replay.js
 std::string_view script();         // report.js
-std::string_view dygraphs_script();
-std::string_view dygraphs_style();
 
 }  // namespace evo::report

@@ -1,11 +1,14 @@
 #include "cli/report/charts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <numeric>
-#include <set>
+
+#include "cli/report/lineage.h"
 
 namespace evo::report {
 namespace {
@@ -215,19 +218,22 @@ Json generation_chart(const Run& run) {
   Chart chart("generation", "fitness", true);
   chart.series("best so far", "thick");
   chart.series("best", "line");
-  chart.series("median", "line", "quartiles");
-  chart.series("mean", "line", "s.d.", true);
+  chart.series("median of new ones", "line", "quartiles");
+  chart.series("mean of new ones", "line", "s.d.", true);
   double best = nothing;
   for (const Generation& generation : run.generations) {
-    std::vector<double> scores;
-    for (const std::size_t member : generation.members)
-      if (run.robots[member].fitness) scores.push_back(*run.robots[member].fitness);
     if (generation.members.empty()) continue;
-    const double highest =
-        scores.empty() ? nothing : *std::max_element(scores.begin(), scores.end());
-    if (!scores.empty()) best = better(best, highest);
-    chart.row(generation.number, {Point(best), Point(highest), median_and_quartiles(scores),
-                                  mean_and_deviation(scores)});
+    std::vector<double> fresh;
+    double highest = nothing;
+    for (const std::size_t member : generation.members) {
+      const Entry& entry = run.robots[member];
+      if (!entry.fitness) continue;
+      highest = better(highest, *entry.fitness);
+      if (entry.generation == generation.number) fresh.push_back(*entry.fitness);
+    }
+    if (!std::isnan(highest)) best = better(best, highest);
+    chart.row(generation.number, {Point(best), Point(highest), median_and_quartiles(fresh),
+                                  mean_and_deviation(fresh)});
   }
   return chart.json;
 }
@@ -260,11 +266,12 @@ Json comparison_chart(const std::vector<const Run*>& runs) {
 }
 
 Json learning_chart(const Run& run) {
-  if (run.curve.empty()) return nullptr;
+  const std::vector<CurvePoint>& curve = run.robots[*run.champion].training.curve;
+  if (curve.empty()) return nullptr;
   Chart chart("training steps", "return", true);
   chart.series("best so far", "step");
   chart.series("evaluation", "line");
-  for (const CurvePoint& point : run.curve)
+  for (const CurvePoint& point : curve)
     chart.row(static_cast<double>(point.step), {Point(point.best), Point(point.evaluation)});
   return chart.json;
 }
@@ -274,6 +281,129 @@ std::vector<FeatureChart> feature_charts(const Run& run) {
   if (!run.champion) return charts;
   for (const Feature& feature : features())
     charts.push_back({feature.name, feature_chart(run, feature)});
+  return charts;
+}
+
+Json tree_chart(const Run& run) {
+  Chart chart("generation", "fitness", false);
+  chart.series("robots", "points");
+  chart.series("champion", "best");
+  Json ids = Json::array();
+  std::map<std::size_t, std::size_t> row_of;
+  // Within its generation, robots stand in the order they were trained.
+  std::map<int, int> size;
+  std::map<int, int> place;
+  for (const Entry& entry : run.robots) ++size[entry.generation];
+  for (std::size_t k = 0; k < run.robots.size(); ++k) {
+    const Entry& entry = run.robots[k];
+    constexpr double width = 0.6;  // of the distance between generations
+    const double share =
+        size[entry.generation] > 1
+            ? static_cast<double>(place[entry.generation]++) / (size[entry.generation] - 1) - 0.5
+            : 0.0;
+    if (!entry.fitness) continue;
+    row_of[k] = ids.size();
+    const bool is_champion = k == run.champion;
+    chart.row(entry.generation + width * share,
+              {Point(*entry.fitness), is_champion ? Point(*entry.fitness) : Point()});
+    ids.push_back(entry.robot.id);
+  }
+  const std::vector<std::size_t> line = lineage(run, *run.champion);
+  Json edges = Json::array();
+  for (const auto& [k, row] : row_of)
+    for (const std::string& id : parent_ids(run.robots[k].robot)) {
+      const auto from = run.by_id.find(id);
+      if (from == run.by_id.end() || !row_of.contains(from->second)) continue;
+      const auto child = std::find(line.begin(), line.end(), k);
+      const bool descent =
+          child != line.end() && child != line.begin() && *(child - 1) == from->second;
+      edges.push_back({row_of[from->second], row, descent});
+    }
+  chart.json["robots"] = std::move(ids);
+  chart.json["edges"] = std::move(edges);
+  return chart.json;
+}
+
+Json coverage_chart(const Run& run) {
+  std::map<std::pair<int, int>, const Entry*> best;  // by voxels and actuators
+  int fewest = std::numeric_limits<int>::max(), most = 0, lowest = fewest, highest = 0;
+  for (const Entry& entry : run.robots) {
+    if (!entry.fitness) continue;
+    const int voxels = count_voxels(entry.robot.body);
+    const int actuators = count_actuators(entry.robot.body);
+    fewest = std::min(fewest, voxels);
+    most = std::max(most, voxels);
+    lowest = std::min(lowest, actuators);
+    highest = std::max(highest, actuators);
+    const Entry*& there = best[{voxels, actuators}];
+    if (there == nullptr || *entry.fitness > *there->fitness) there = &entry;
+  }
+  Json chart{{"kind", "heat"},          {"x", "voxels"},          {"y", "actuators"},
+             {"value", "best fitness"}, {"diverging", false},     {"columns", Json::array()},
+             {"lines", Json::array()},  {"cells", Json::array()}, {"robots", Json::array()}};
+  for (int voxels = fewest; voxels <= most; ++voxels)
+    chart["columns"].push_back(fmt::to_string(voxels));
+  for (int actuators = highest; actuators >= lowest; --actuators) {
+    chart["lines"].push_back(fmt::to_string(actuators));
+    Json cells = Json::array();
+    Json robots = Json::array();
+    for (int voxels = fewest; voxels <= most; ++voxels) {
+      const auto there = best.find({voxels, actuators});
+      cells.push_back(there == best.end() ? Json() : Json(*there->second->fitness));
+      robots.push_back(there == best.end() ? Json() : Json(there->second->robot.id));
+    }
+    chart["cells"].push_back(std::move(cells));
+    chart["robots"].push_back(std::move(robots));
+  }
+  return chart;
+}
+
+std::vector<FeatureChart> position_charts(const Run& run) {
+  constexpr std::size_t fewest = 3;  // robots, for a mean worth showing
+  std::vector<FeatureChart> charts;
+  std::vector<const Entry*> scored;
+  double mean = 0;
+  for (const Entry& entry : run.robots)
+    if (entry.fitness) {
+      scored.push_back(&entry);
+      mean += *entry.fitness;
+    }
+  if (scored.empty()) return charts;
+  mean /= static_cast<double>(scored.size());
+  const Body& first = scored.front()->robot.body;
+  for (const Entry* entry : scored)
+    if (entry->robot.body.rows != first.rows || entry->robot.body.cols != first.cols) return charts;
+  for (const auto& [kind, name] : {std::pair{Voxel::empty, "empty"},
+                                   {Voxel::rigid, "rigid"},
+                                   {Voxel::soft, "soft"},
+                                   {Voxel::horizontal, "horizontal"},
+                                   {Voxel::vertical, "vertical"}}) {
+    Json chart{{"kind", "heat"},
+               {"x", "column"},
+               {"y", "row"},
+               {"value", "difference in fitness"},
+               {"diverging", true},
+               {"columns", Json::array()},
+               {"lines", Json::array()},
+               {"cells", Json::array()}};
+    for (int col = 0; col < first.cols; ++col) chart["columns"].push_back(fmt::to_string(col + 1));
+    for (int row = 0; row < first.rows; ++row) {
+      chart["lines"].push_back(fmt::to_string(row + 1));
+      Json cells = Json::array();
+      for (int col = 0; col < first.cols; ++col) {
+        double sum = 0;
+        std::size_t count = 0;
+        for (const Entry* entry : scored)
+          if (entry->robot.body.at(row, col) == kind) {
+            sum += *entry->fitness;
+            ++count;
+          }
+        cells.push_back(count < fewest ? Json() : Json(sum / static_cast<double>(count) - mean));
+      }
+      chart["cells"].push_back(std::move(cells));
+    }
+    charts.push_back({name, std::move(chart)});
+  }
   return charts;
 }
 

@@ -6,16 +6,14 @@ namespace evo::report {
 namespace {
 
 constexpr int moments = 6;
-constexpr int width = 1140;  // pixels, as wide as the page
-constexpr int deflate_level = 9;
+constexpr render::Size page{1140, 560};  // pixels, as wide as the page
 
 std::string draw(const Rollout& rollout, const char* theme) {
   render::RenderOptions options;
-  options.size.width = width;
+  options.size = page;
   options.theme = theme;
-  const render::Image image =
-      render::paint(render::draw_moments({&rollout, 0, ""}, {moments}, options));
-  return render::encode_png(render::view(image), deflate_level);
+  return render::encode_picture(render::draw_moments({&rollout, 0, ""}, {moments}, options),
+                                rollout.task, "film.svg");
 }
 
 }  // namespace

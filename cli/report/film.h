@@ -1,5 +1,5 @@
-// Moments of an episode side by side: what a video shows, for paper, and for a
-// page without one.
+// The way of a robot in one picture: what a replay shows, for paper, and where there
+// is no JavaScript.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace evo::report {
 
-// PNG files.
+// SVG documents.
 struct Film {
   std::string light;
   std::string dark;

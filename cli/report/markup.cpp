@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
 
 namespace evo::report {
@@ -71,10 +72,14 @@ std::string escape(std::string_view text) {
   return safe;
 }
 
-std::string data_uri(const std::string& media_type, std::string_view bytes) {
+std::string base64(std::string_view bytes) {
   std::string text(BASE64_ENCODE_RAW_LENGTH(bytes.size()), '\0');
   base64_encode_raw(text.data(), bytes.size(), reinterpret_cast<const std::uint8_t*>(bytes.data()));
-  return "data:" + media_type + ";base64," + text;
+  return text;
+}
+
+std::string data_uri(const std::string& media_type, std::string_view bytes) {
+  return "data:" + media_type + ";base64," + base64(bytes);
 }
 
 std::string fill(std::string_view page, const std::map<std::string, std::string>& values) {
@@ -93,6 +98,12 @@ std::string fill(std::string_view page, const std::map<std::string, std::string>
 
 std::string shown(const std::optional<double>& fitness) {
   return fitness ? fmt::format("{:.4g}", *fitness) : "failed";
+}
+
+std::string with_error(double value, double error) {
+  if (!(error > 0)) return fmt::format("{:.4g}", value);
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(error))), 0, 9);
+  return fmt::format("{:.{}f} ± {:.{}f}", value, decimals, error, decimals);
 }
 
 const char* kind_name(Voxel voxel) {

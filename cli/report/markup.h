@@ -15,6 +15,7 @@ namespace evo::report {
 // Text for an element or a quoted attribute.
 std::string escape(std::string_view text);
 
+std::string base64(std::string_view bytes);
 // "data:<media type>;base64,<bytes>"
 std::string data_uri(const std::string& media_type, std::string_view bytes);
 
@@ -24,6 +25,8 @@ std::string fill(std::string_view page, const std::map<std::string, std::string>
 
 // Four significant digits, for people; "failed" for nothing.
 std::string shown(const std::optional<double>& fitness);
+// "9.99 ± 0.22": both to the second digit of the error.
+std::string with_error(double value, double error);
 
 // "rigid"; "empty".
 const char* kind_name(Voxel voxel);

@@ -1,154 +1,120 @@
-// What moves on the page: charts that can be hovered over and zoomed into, their
-// series to choose from, tables that can be sorted.
+// What moves on the page: charts, the cards of robots, replays, tables that can be
+// sorted.
 'use strict';
 (() => {
-  const palette = ['#d9730d', '#2f86c9', '#2b9a66', '#9a63c9', '#d0456b', '#8a7a17', '#17989c', '#7f8894'];
-  const faint = 'rgba(128, 138, 150, 0.28)';
-  const charts = JSON.parse(document.getElementById('charts').textContent);
-  const drawn = [];
+  const { draw, redrawAll, element, number, thumbnail } = Charts;
+  const page = JSON.parse(document.getElementById('data').textContent);
 
-  const element = (name, attributes = {}, ...children) => {
-    const made = document.createElement(name);
-    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-    made.append(...children);
+  // ---- a card a robot ---------------------------------------------------------------
+
+  const dialog = element('dialog', { class: 'robot', 'aria-label': 'Robot' });
+  document.body.append(dialog);
+  let playing = null;
+  const leave = () => {
+    playing?.end();
+    playing = null;
+    dialog.replaceChildren();
+  };
+  dialog.addEventListener('close', leave);
+  dialog.addEventListener('click', (event) => { if (event.target === dialog) dialog.close(); });
+
+  const link = (run, id) => {
+    const made = element('a', { href: `#${run}-${id}`, class: 'relative', 'aria-label': 'robot ' + id }, thumbnail(id));
+    const score = page.runs[run].robots[id].fitness;
+    made.append(element('span', {}, score === null ? 'failed' : number(score)));
     return made;
   };
-
-  // Four significant digits, thousands as they are.
-  const number = (value) =>
-    Number.isInteger(value) ? value.toLocaleString('en').replaceAll(',', '\u202f') : String(Number(value.toPrecision(4)));
-
-  const thumbnail = (id) => {
-    const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
-    const use = document.createElementNS('http://www.w3.org/2000/svg', 'use');
-    svg.setAttribute('class', 'body');
-    use.setAttribute('href', '#b-' + id);
-    svg.append(use);
-    return svg;
+  const relatives = (run, title, ids) => {
+    const known = ids.filter((id) => page.runs[run].robots[id]);
+    if (known.length === 0) return '';
+    return element('div', { class: 'relatives' }, element('h4', {}, title), ...known.slice(0, 12).map((id) => link(run, id)),
+      ...(known.length > 12 ? [`and ${known.length - 12} more`] : []));
+  };
+  const copyable = (text) => {
+    const button = element('button', { type: 'button', 'aria-label': 'Copy: ' + text }, 'Copy');
+    button.addEventListener('click', () => copy(button, text));
+    return element('div', { class: 'command' }, element('code', {}, text), button);
+  };
+  const copy = (button, text) => {
+    const area = element('textarea', { 'aria-hidden': 'true' });
+    area.value = text;
+    button.after(area);
+    area.select();
+    document.execCommand('copy');  // the clipboard of a page from disk
+    area.remove();
+    button.textContent = 'Copied';
+    setTimeout(() => { button.textContent = 'Copy'; }, 1500);
   };
 
-  // ---- charts ---------------------------------------------------------------------
-
-  const looks = {
-    line: { strokeWidth: 2, drawPoints: true, pointSize: 2.5 },
-    thick: { strokeWidth: 5 },
-    step: { strokeWidth: 2, stepPlot: true },
-    points: { strokeWidth: 0, drawPoints: true, pointSize: 3 },
-    best: { strokeWidth: 0, drawPoints: true, pointSize: 6 },
+  // Evaluations during training, and what the algorithm logged beside them.
+  const learning = (robot) => {
+    const charts = [];
+    if (robot.curve?.length)
+      charts.push(['evaluation', { x: 'training steps', y: 'return', whole: true, labels: ['training steps', 'best so far', 'evaluation'],
+        series: [{ kind: 'step' }, { kind: 'line' }], rows: robot.curve.map(([step, value, best]) => [step, [best, best, best], [value, value, value]]) }]);
+    for (const [name, points] of Object.entries(robot.log ?? {}))
+      charts.push([name, { x: 'training steps', y: name, whole: true, labels: ['training steps', name], series: [{ kind: 'line' }],
+        rows: points.map(([step, value]) => [step, [value, value, value]]) }]);
+    return charts;
   };
 
-  // Fingers scroll the page; two of them zoom.
-  const touches = () => {
-    const model = Object.assign({}, Dygraph.defaultInteractionModel);
-    for (const name of ['touchstart', 'touchmove', 'touchend']) {
-      const original = model[name];
-      model[name] = (event, graph, context) => {
-        const two = event.touches.length > 1;
-        if (two || context.twoFingers) original(event, graph, context);
-        context.twoFingers = two;
-      };
-    }
-    return model;
-  };
-
-  const tick = (whole) => (value, granularity, options, graph) => {
-    if (whole && !Number.isInteger(value)) return '';
-    return Math.abs(value) >= 10000 ? number(value / 1000) + 'k' : number(Number(value.toPrecision(8)));
-  };
-
-  const readout = (chart, row) => {
-    const id = (chart.robots || [])[row];
-    const parts = id ? [thumbnail(id), element('span', { class: 'id' }, id)] : [];
-    const values = chart.rows[row];
-    parts.push(element('span', {}, chart.x + ' ', element('b', {}, number(values[0]))));
-    chart.series.forEach((series, k) => {
-      const [low, value, high] = values[k + 1];
-      if (value === null || !chart.visible[k] || series.kind === 'best') return;
-      const name = series.kind === 'points' ? chart.y : chart.labels[k + 1];
-      const spread = series.band && low !== high ? ` (${number(low)} to ${number(high)})` : '';
-      parts.push(element('span', {}, name + ' ', element('b', {}, number(value)), spread));
-    });
-    return parts;
-  };
-
-  const draw = (holder) => {
-    const chart = charts[holder.dataset.chart];
-    if (!chart || chart.rows.length === 0) return;
-    const small = holder.classList.contains('small');
-    const plot = element('div', { class: 'plot' });
-    const says = element('div', { class: 'readout', 'aria-live': 'polite' });
-    const hint = matchMedia('(hover: hover)').matches
-      ? 'Hover for values, drag to zoom, double-click to see all.'
-      : 'Tap for values, two fingers zoom.';
-    const quiet = () => says.replaceChildren(small ? '' : hint);
-    quiet();
-
-    chart.visible = chart.series.map((series) => !series.off);
-    const colors = chart.series.map((series, k) =>
-      series.kind === 'points' ? '#2f86c9' : palette[k % palette.length]);
-    if (chart.series.some((series) => series.kind === 'best')) colors[1] = palette[0];
-    const options = {};
-    chart.series.forEach((series, k) => { options[chart.labels[k + 1]] = looks[series.kind]; });
-    const scattered = Boolean(chart.robots);
-    const xs = chart.rows.map((row) => row[0]);
-
-    const toggles = element('div', { class: 'series' });
-    holder.append(...(small ? [] : [toggles]), plot, says);
-    const graph = new Dygraph(plot, chart.rows, {
-      labels: chart.labels, customBars: true, series: options, colors,
-      visibility: chart.visible.slice(), legend: 'never', fillAlpha: 0.18,
-      xlabel: chart.x, ylabel: chart.y, xLabelHeight: 18, yLabelWidth: 18,
-      gridLineColor: faint, axisLineColor: faint, gridLineWidth: 1,
-      xRangePad: 18, yRangePad: 14, animatedZooms: false, highlightCircleSize: 4,
-      ...(scattered ? { highlightSeriesOpts: { highlightCircleSize: 6 }, highlightSeriesBackgroundAlpha: 1 } : {}),
-      ...(xs[0] === xs[xs.length - 1] ? { dateWindow: [xs[0] - (xs[0] || 1), 2 * xs[0] + (xs[0] ? 0 : 1)] } : {}),
-      axes: {
-        x: { axisLabelFormatter: tick(chart.whole), pixelsPerLabel: small ? 44 : 60, axisLabelFontSize: 12 },
-        y: { axisLabelFormatter: tick(false), axisLabelWidth: 46, axisLabelFontSize: 12, pixelsPerLabel: 34 },
-      },
-      interactionModel: touches(),
-      highlightCallback: (event, x, points, row) => says.replaceChildren(...readout(chart, row)),
-      unhighlightCallback: quiet,
-      pointClickCallback: (event, point) => {
-        if (scattered) location.hash = holder.dataset.run + '-' + chart.robots[point.idx];
-      },
-    });
-    drawn.push(graph);
-
-    chart.series.forEach((series, k) => {
-      const box = element('input', { type: 'checkbox' });
-      box.checked = chart.visible[k];
-      const label = element('label', {}, box, chart.labels[k + 1] + (series.band ? ` (${series.band})` : ''));
-      label.style.setProperty('--series', colors[k]);
-      label.classList.toggle('off', !box.checked);
-      box.addEventListener('change', () => {
-        chart.visible[k] = box.checked;
-        label.classList.toggle('off', !box.checked);
-        graph.setVisibility(k, box.checked);
-      });
-      toggles.append(label);
-    });
-    const reset = element('button', { type: 'button' }, 'See all');
-    reset.addEventListener('click', () => graph.resetZoom());
-    toggles.append(reset);
-  };
-
-  // Paper is narrower than a screen, and what is drawn on a canvas now would not be
-  // printed: pictures of the charts stand in for them.
-  const beforePrint = () => {
-    document.body.classList.add('printing');
-    for (const graph of drawn) graph.resize();
-    for (const canvas of document.querySelectorAll('.plot canvas')) {
-      const image = element('img', { class: 'frozen', style: canvas.style.cssText, decoding: 'sync' });
-      image.src = canvas.toDataURL();
-      canvas.after(image);
+  const openRobot = (run, id) => {
+    const robot = page.runs[run]?.robots[id];
+    if (!robot) return;
+    leave();
+    const close = element('button', { type: 'button', class: 'close', 'aria-label': 'Close' }, '\u00d7');
+    close.addEventListener('click', () => dialog.close());
+    const shown = element('div', { class: 'portrait' });
+    const picture = thumbnail(id);
+    picture.setAttribute('viewBox', document.getElementById('b-' + id).getAttribute('viewBox'));
+    shown.append(picture);
+    const facts = element('dl', { class: 'facts' });
+    for (const [name, value] of robot.facts) facts.append(element('dt', {}, name), element('dd', {}, value));
+    const stage = element('div', { class: 'replay' });
+    const charts = element('div', { class: 'three' });
+    dialog.append(close, element('h3', {}, 'Robot ', element('span', { class: 'id' }, id)),
+      element('div', { class: 'top' }, shown, facts), ...(robot.replay ? [stage] : []),
+      relatives(run, 'Parents', robot.parents), relatives(run, 'Children', robot.children), charts,
+      element('div', { class: 'commands' }, ...robot.commands.map(copyable)));
+    if (!dialog.open) dialog.showModal();
+    dialog.scrollTop = 0;
+    if (robot.replay) playing = Replays.player(stage, robot.replay, page.runs[run].world, 'Robot ' + id);
+    for (const [name, chart] of learning(robot)) {
+      const holder = element('div', { class: 'chart small' });
+      charts.append(holder);
+      draw(holder, chart, () => {}, `${id} ${name}`);
     }
   };
-  const afterPrint = () => {
-    document.body.classList.remove('printing');
-    for (const image of document.querySelectorAll('.frozen')) image.remove();
-    for (const graph of drawn) graph.resize();
+
+  // A link to a robot opens its card; one inside of a card another card.
+  const robotOf = (hash) => {
+    const found = /^#?(run-\d+)-([0-9a-f]{12})$/.exec(hash);
+    return found && page.runs[found[1]]?.robots[found[2]] ? found.slice(1) : null;
   };
+  document.addEventListener('click', (event) => {
+    const anchor = event.target.closest('a[href^="#"]');
+    const robot = anchor && robotOf(anchor.getAttribute('href'));
+    if (!robot) return;
+    event.preventDefault();
+    openRobot(...robot);
+  });
+
+  // ---- what stands on the page from the start ------------------------------------------
+
+  const drawCharts = () => document.querySelectorAll('[data-chart]').forEach((holder) => {
+    if (holder.offsetWidth === 0 || holder.hasChildNodes()) return;
+    const chart = page.charts[holder.dataset.chart];
+    if (chart && (chart.cells || chart.rows).length > 0) draw(holder, chart, (id) => openRobot(holder.dataset.run, id), holder.dataset.name);
+  });
+  const stages = new Map();
+  const drawReplays = () => document.querySelectorAll('[data-replay]').forEach((holder) => {
+    if (holder.offsetWidth === 0 || stages.has(holder)) return;
+    const { run, replay } = holder.dataset;
+    stages.set(holder, Replays.player(holder, page.runs[run].robots[replay].replay, page.runs[run].world, 'The champion'));
+  });
+  const drawVisible = () => { drawCharts(); drawReplays(); };
+
+  document.querySelectorAll('[data-copy]').forEach((button) => button.addEventListener('click', () => copy(button, button.dataset.copy)));
 
   // ---- tables -----------------------------------------------------------------------
 
@@ -181,23 +147,24 @@
     });
   };
 
-  // Runs of a comparison are folded; their charts are drawn when they have a size.
-  const drawVisible = () => document.querySelectorAll('[data-chart]').forEach((holder) => {
-    if (holder.offsetWidth > 0 && !holder.hasChildNodes()) draw(holder);
-  });
+  // Runs of a comparison are folded; what is in them is drawn when it has a size.
   const unfold = () => {
-    const target = document.getElementById(location.hash.slice(1));
+    const robot = robotOf(location.hash);
+    if (robot) return openRobot(...robot);
+    const target = location.hash && document.getElementById(location.hash.slice(1));
     const fold = target && target.closest('details');
     if (!fold || fold.open) return;
     fold.open = true;
     target.scrollIntoView();
   };
 
+  // Paper is narrower than a screen: charts are drawn anew for it.
+  addEventListener('beforeprint', () => { document.body.classList.add('printing'); redrawAll(); });
+  addEventListener('afterprint', () => { document.body.classList.remove('printing'); redrawAll(); });
+
   drawVisible();
   document.querySelectorAll('details').forEach((fold) => fold.addEventListener('toggle', drawVisible));
   addEventListener('hashchange', unfold);
   unfold();
   document.querySelectorAll('table.sortable').forEach(sortable);
-  addEventListener('beforeprint', beforePrint);
-  addEventListener('afterprint', afterPrint);
 })();

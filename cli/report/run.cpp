@@ -1,21 +1,23 @@
 #include "cli/report/run.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
+#include <mutex>
+#include <numeric>
+#include <set>
 #include <string_view>
 
-#include "formats/files.h"
+#include "cli/report/lineage.h"
+#include "cli/report/replay.h"
 #include "formats/policy.h"
 #include "formats/rollout.h"
 #include "formats/run.h"
+#include "libevo/base/parallel.h"
 
 namespace evo::report {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int newest_run_version = 1;
 
 // A folder as it is called, "." too; the folders above need not be readable.
 fs::path full_path(const fs::path& folder) {
@@ -43,50 +45,73 @@ void add_history(const RunHistory& history, Run& run) {
   }
 }
 
-// ---- the champion -----------------------------------------------------------------
+// ---- trainings and episodes --------------------------------------------------------
 
-void read_training(const RunFolder& folder, const std::string& id, Run& run) {
+// The robot's own file, or the champion's copy.
+std::optional<PolicyFile> policy_of(const RunFolder& folder, const std::string& id) {
   for (const fs::path& file : {folder.policy(id), folder.path() / "best.policy.h5"}) {
     if (!fs::exists(file)) continue;
     PolicyFile policy = read_policy(file);
-    if (policy.robot.id != id) continue;
-    run.curve = std::move(policy.curve);
-    run.final_score = policy.final_score;
-    return;
+    if (policy.robot.id == id) return policy;
+  }
+  return std::nullopt;
+}
+
+// The champion, its ancestors, and the fittest.
+std::set<std::size_t> shown_moving(const Run& run, int most) {
+  std::set<std::size_t> chosen;
+  if (!run.champion) return chosen;
+  for (const std::size_t robot : lineage(run, *run.champion)) chosen.insert(robot);
+  std::vector<std::size_t> order(run.robots.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return run.robots[a].fitness > run.robots[b].fitness;
+  });
+  order.resize(std::min(order.size(), static_cast<std::size_t>(most)));
+  for (const std::size_t robot : order)
+    if (run.robots[robot].fitness) chosen.insert(robot);
+  return chosen;
+}
+
+// Each on its own, whatever the number of threads.
+void read_trainings(const RunFolder& folder, int replays, int threads, Run& run) {
+  const std::set<std::size_t> moving = shown_moving(run, replays);
+  std::vector<Json> episodes(run.robots.size());
+  std::vector<Json> worlds(run.robots.size());
+  ThreadPool pool(threads);
+  std::mutex hdf5;  // whose library is not made for several threads
+  pool.run(run.robots.size(), [&](std::size_t k, int /*worker*/) {
+    Entry& entry = run.robots[k];
+    std::optional<PolicyFile> policy;
+    {
+      const std::scoped_lock lock(hdf5);
+      policy = policy_of(folder, entry.robot.id);
+    }
+    if (!policy) return;
+    entry.training = training_of(*policy);
+    add_log(folder.log(entry.robot.id), entry.training);
+    if (!moving.contains(k)) return;
+    const Rollout rollout = run_again(*policy, "evo-report");
+    episodes[k] = replay_of(rollout);
+    worlds[k] = world_of(rollout);
+  });
+  for (std::size_t k = 0; k < run.robots.size(); ++k) {
+    if (!episodes[k].is_null()) run.replays.emplace(k, std::move(episodes[k]));
+    if (run.world.is_null() && !worlds[k].is_null()) run.world = std::move(worlds[k]);
   }
 }
 
-// The final files belong to the champion only if no better robot was found since.
-bool best_is(const RunFolder& folder, const std::string& id) {
-  const fs::path best = folder.best();
-  if (!fs::exists(best)) return false;
-  const std::vector<Robot> robots = read_robots(best.string(), BodyCheck::any);
-  return robots.size() == 1 && robots.front().id == id;
-}
-
-void read_film(const fs::path& folder, const std::string& id, Run& run) {
+// The champion's recorded episode: its way as a picture, and its replay where its
+// policy is gone.
+void read_recording(const fs::path& folder, const std::string& id, Run& run) {
   const fs::path file = folder / "best.rollout.h5";
   if (!fs::exists(file)) return;
   const Rollout rollout = read_rollout(file);
-  if (rollout.robot && rollout.robot->id == id) run.film = draw_film(rollout);
-}
-
-void read_video(const fs::path& folder, double largest, Run& run) {
-  constexpr std::array<std::pair<const char*, const char*>, 5> forms{{{"best.mp4", "video/mp4"},
-                                                                      {"best.webm", "video/webm"},
-                                                                      {"best.gif", "image/gif"},
-                                                                      {"best.apng", "image/apng"},
-                                                                      {"best.png", "image/png"}}};
-  for (const auto& [name, media_type] : forms) {
-    if (!fs::exists(folder / name)) continue;
-    const auto bytes = static_cast<double>(fs::file_size(folder / name));
-    if (bytes <= largest) {
-      run.video = Video{media_type, read_file(folder / name)};
-      run.video_left_out = 0.0;
-      return;
-    }
-    run.video_left_out = bytes;
-  }
+  if (!rollout.robot || rollout.robot->id != id) return;
+  run.film = draw_film(rollout);
+  if (run.replays.contains(*run.champion)) return;
+  run.replays.emplace(*run.champion, replay_of(rollout));
+  run.world = world_of(rollout);
 }
 
 }  // namespace
@@ -111,18 +136,15 @@ std::size_t Run::failures() const {
                                                 [](const Entry& entry) { return !entry.fitness; }));
 }
 
-Run read_run(const fs::path& folder, double largest_video) {
+Run read_run(const fs::path& folder, int replays, int threads) {
   const RunHistory history{RunFolder(folder)};
   Run run;
   run.label = full_path(folder).filename().string();
   run.settings = masked(history.folder().settings());
   add_history(history, run);
-  if (run.champion) {
-    const std::string& id = run.robots[*run.champion].robot.id;
-    read_training(history.folder(), id, run);
-    read_film(folder, id, run);
-    if (best_is(history.folder(), id)) read_video(folder, largest_video, run);
-  }
+  run.seconds = history.seconds();
+  read_trainings(history.folder(), replays, threads, run);
+  if (run.champion) read_recording(folder, run.robots[*run.champion].robot.id, run);
   return run;
 }
 

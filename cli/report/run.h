@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "cli/report/film.h"
+#include "cli/report/training.h"
+#include "formats/json.h"
 #include "formats/robot.h"
-#include "libevo/control/trainer.h"
 
 namespace evo::report {
 
@@ -27,17 +28,13 @@ struct Entry {
   int generation = 0;
   std::optional<double> fitness;  // nothing: its training failed
   std::string failure;            // why, if it did
+  Training training;              // empty without a policy file
 };
 
 struct Generation {
   int number = 0;
   std::vector<std::size_t> members;  // in Run::robots, by slot; survivors are there again
   std::size_t planned = 0;           // robots of the population, trained or not
-};
-
-struct Video {
-  std::string media_type;  // "video/mp4", "image/gif", ...
-  std::string bytes;
 };
 
 struct Run {
@@ -47,13 +44,15 @@ struct Run {
   std::map<std::string, std::size_t> by_id;
   std::vector<Generation> generations;
 
-  // The fittest robot, the first of equals, and what there is of it.
+  // The fittest robot, the first of equals, and pictures of its way.
   std::optional<std::size_t> champion;
-  std::vector<CurvePoint> curve;  // of its training
-  std::optional<FinalScore> final_score;
   std::optional<Film> film;
-  std::optional<Video> video;
-  double video_left_out = 0.0;  // bytes of a video that is larger than allowed
+  // Episodes (replay.h) of the champion, its ancestors and the fittest robots, where
+  // their policies are there; and what stands still around them.
+  std::map<std::size_t, Json> replays;
+  Json world;
+
+  double seconds = 0.0;  // of all trainings, one core each; 0: not recorded
 
   // A setting's value; empty where run.yaml has none.
   std::string setting(const std::string& name) const;
@@ -63,10 +62,11 @@ struct Run {
   std::size_t failures() const;
 };
 
-// Finished or not. A video of more than `largest_video` bytes is left out.
-// Throws Error(no_input) for a folder that is not there, Error(data) for one that
-// is no run or has a damaged file.
-Run read_run(const std::filesystem::path& folder, double largest_video);
+// Finished or not, with at most `replays` episodes of its fittest robots beside those
+// of the champion and its ancestors, run again on `threads` threads. Throws
+// Error(no_input) for a folder that is not there, Error(data) for one that is no run
+// or has a damaged file.
+Run read_run(const std::filesystem::path& folder, int replays, int threads);
 
 // Gives runs whose folders have the same name that of the folder above, too, and
 // numbers where that is not enough.

@@ -21,8 +21,8 @@ count() { grep -o -- "$1" "$2" | wc -l; }
     id=$(jq -r --arg id "$id" 'select(.id == $id) | .parents[0] // empty' run/history.jsonl)
   done
   [ "$(count '<div class="step">' page.html)" -eq "$line" ]
-  grep -q "<dd>$(jq .fitness run/best.json)</dd>" page.html
-  for part in 'data:image/gif' 'data:image/png' 'training steps' 'share of soft voxels'; do
+  grep -q "<dd>$(jq -r '.fitness * 1000 | round / 1000' run/best.json)</dd>" page.html
+  for part in 'data:image/svg' 'training steps' 'share of soft voxels' 'data-replay='; do
     grep -q "$part" page.html
   done
 }
@@ -40,7 +40,7 @@ count() { grep -o -- "$1" "$2" | wc -l; }
   make_run run ga 1 2 6 trained
   evo-report run -o page.html
   lacks '(src|href)="([^#d]|d[^a])' page.html
-  lacks '<link|@import|url\(|sourceMappingURL' page.html
+  lacks '<link|@import|url\([^#]|sourceMappingURL' page.html
   lacks "$PWD" page.html
   grep -q '<td class="wrap">fast.yaml</td>' page.html
 }
@@ -53,7 +53,7 @@ count() { grep -o -- "$1" "$2" | wc -l; }
   lacks '<img src=x|<i>run|at <b>step' page.html
 }
 
-@test "an unfinished run: settings alone, half a generation, no video" {
+@test "an unfinished run: settings alone, half a generation, no champion's files" {
   make_run run ga 1 2 6
   mkdir bare half
   cp run/run.yaml bare
@@ -78,11 +78,60 @@ count() { grep -o -- "$1" "$2" | wc -l; }
   [ "$(count '<tr id="run-1-' page.html)" -eq 4 ]
 }
 
-@test "a video larger than allowed is left out, and the page says so" {
+data_of() { sed -n 's|.*id="data">\(.*\)</script>|\1|p' "$1"; }
+
+@test "a replay is the episode, to a hundredth of a voxel, in a few kilobytes" {
   make_run run ga 1 2 6 trained
-  evo-report run --max-video 0.001 > page.html
-  lacks 'data:image/gif' page.html
-  grep -q 'is left out (--max-video)' page.html
+  evo-report run -o page.html
+  id=$(jq -r .id run/best.json)
+  data_of page.html | jq -c --arg id "$id" '.runs["run-1"].robots[$id]' > robot.json
+  evo-eval "run/policies/$id.policy.h5" --rollout again.h5 > /dev/null
+  /usr/bin/python3 - <<'PY'
+import base64, json, zlib
+import h5py, numpy as np
+replay = json.load(open('robot.json'))['replay']
+assert len(replay['packed']) < 60000, len(replay['packed'])
+data = zlib.decompress(base64.b64decode(replay['packed']), -15)
+numbers, value, shift = [], 0, 0
+for byte in data:
+    value |= (byte & 127) << shift
+    shift += 7
+    if byte < 128:
+        numbers.append(-(value + 1) // 2 if value & 1 else value // 2)
+        value = shift = 0
+series = np.array(numbers).reshape(1 + 2 * replay['points'], replay['frames'])
+first, slope = series[:, :1], np.cumsum(series[:, 1:], axis=1)
+series = np.concatenate([first, first + np.cumsum(slope, axis=1)], axis=1)
+episode = h5py.File('again.h5')['episode_0']
+steps = episode['rewards'].shape[0]
+assert replay['steps'] == steps
+at = [min(f * replay['stride'], steps) for f in range(replay['frames'])]
+positions = episode['infos']['positions'][()][at] / 0.1
+robot = replay['robot']
+for axis in (0, 1):
+    packed = series[1 + axis:1 + 2 * robot:2].T / replay['scale']
+    assert np.abs(packed - positions[:, :robot, axis]).max() < 0.0051
+returns = np.concatenate([[0], np.cumsum(episode['rewards'][()])])[at]
+assert np.abs(series[0] / 1000 - returns).max() < 0.00051
+PY
+  evo-report run --replays 0 -o fewer.html
+  [ "$(data_of fewer.html | jq '[.runs["run-1"].robots[] | select(.replay)] | length')" -ge 1 ]
+  fails_with 2 "-1" -- evo-report run --replays -1
+}
+
+@test "the verdict: what came out, and commands for what is next" {
+  make_run run ga 1 4 8
+  evo-report run > page.html
+  grep -q 'class="card verdict doubt"' page.html  # not over: 1000 robots were asked for
+  grep -q 'Improved from' page.html
+  grep -q 'make -f scripts/ga.mk RUN=runs/run TASK=Walker-v0 POP=8 EVALS=1000' page.html
+  # A run in which all robots are alike bad has learnt nothing.
+  for scores in run/gen-*/scores.jsonl; do
+    jq -c 'if .fitness then .fitness = 0.08 else . end' "$scores" > new && mv new "$scores"
+  done
+  evo-report run > page.html
+  grep -q 'class="card verdict bad"' page.html
+  grep -q 'Nothing was learnt' page.html
 }
 
 @test "several runs: methods side by side, repetitions as their mean" {
@@ -90,7 +139,7 @@ count() { grep -o -- "$1" "$2" | wc -l; }
   make_run neat neat 1 3 6
   make_run bo bo 1 2 6
   evo-report ga-1 ga-2 neat bo -o page.html
-  sed -n 's|.*id="charts">\(.*\)</script>|\1|p' page.html > charts.json
+  data_of page.html | jq .charts > charts.json
   jq -e '.["chart-1"].labels == ["robots trained", "ga, mean of 2", "ga-1", "ga-2", "neat", "bo"]' charts.json
   # The mean after the third robot, by hand.
   mean=$(for seed in 1 2; do head -3 "ga-$seed/history.jsonl" | jq -s 'map(.fitness // empty) | max'; done | jq -s 'add / 2')
@@ -103,9 +152,12 @@ count() { grep -o -- "$1" "$2" | wc -l; }
 @test "curves: best so far and the quartiles of a generation" {
   make_run run ga 1 3 9
   evo-report run > page.html
-  sed -n 's|.*id="charts">\(.*\)</script>|\1|p' page.html > charts.json
+  data_of page.html | jq .charts > charts.json
   jq -e --argjson best "$(jq .fitness run/best.json)" '.["chart-1"].rows[-1][1][1] == $best' charts.json
-  wanted=$(jq -sc 'map(.fitness) | sort | [.[2], .[4], .[6]]' run/gen-002/scores.jsonl)
+  # Of the robots that are new in the generation, here five.
+  wanted=$(jq -sc --slurpfile before run/gen-001/scores.jsonl '
+    ($before | map(.id)) as $old | map(select(.id | IN($old[]) | not) | .fitness) | sort
+    | [.[1], .[2], .[3]]' run/gen-002/scores.jsonl)
   jq -e --argjson wanted "$wanted" '.["chart-2"].rows[2][3] == $wanted' charts.json
 }
 

@@ -97,26 +97,109 @@ const check = (what, good, found = '') => {
 // ---- the checks --------------------------------------------------------------------------
 
 const checkCharts = async () => {
-  const blank = await evaluate(`[...document.querySelectorAll('[data-chart]')].filter((holder) => {
-    const canvas = [...holder.querySelectorAll('canvas')].find((c) => c.width > 0);
-    if (!canvas) return true;
-    const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
-    return !pixels.some((value) => value !== 0);
-  }).map((holder) => holder.dataset.chart)`);
+  const blank = await evaluate(`[...document.querySelectorAll('[data-chart]')].filter((holder) => holder.offsetWidth > 0 &&
+    !holder.querySelector('svg :is(path, circle, rect)')).map((holder) => holder.dataset.chart)`);
   const all = await evaluate(`document.querySelectorAll('[data-chart]').length`);
   check(`all ${all} charts are drawn`, all >= 8 && blank.length === 0, blank);
+  // Ticks stand under their grid lines.
+  const off = await evaluate(`[...document.querySelectorAll('.plot svg')].flatMap((svg) => {
+    const lines = [...svg.querySelectorAll('line')].map((line) => Number(line.getAttribute('x1')));
+    return [...svg.querySelectorAll('.tick-x')].map((tick) => Math.min(...lines.map((x) => Math.abs(x - Number(tick.getAttribute('x'))))));
+  }).filter((distance) => distance > 0.5)`);
+  check('every tick stands where its value is', off.length === 0, off);
 };
 
-// The evolution sheet, the champion's ancestors, its film, and its video, which plays.
+// The evolution sheet, the champion's ancestors, and its film.
 const checkParts = async () => {
-  const missing = await evaluate(`['.generation', '.step', '.film, video, img'].filter((s) => !document.querySelector(s))`);
-  check('generations, lineage and champion are there', missing.length === 0, missing);
-  const videos = await evaluate(`Promise.all([...document.querySelectorAll('video')].map(async (video) => {
-    video.preload = 'auto';
-    if (video.readyState < 2) await new Promise((done) => { video.onloadeddata = video.onerror = done; setTimeout(done, 5000); });
-    return video.readyState >= 2 && video.videoWidth > 0 && video.duration > 0;
-  }))`);
-  check(`${videos.length} videos can be played`, videos.every(Boolean), videos);
+  const missing = await evaluate(`['.verdict', '.generation', '.step', '.film', '[data-replay] canvas'].filter((s) => !document.querySelector(s))`);
+  check('verdict, generations, lineage and champion are there', missing.length === 0, missing);
+};
+
+// How many colours the middle of a canvas shows.
+const colors = (selector) => evaluate(`(() => {
+  const canvas = document.querySelector(${JSON.stringify(selector)});
+  const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  const seen = new Set();
+  for (let k = 0; k < data.length; k += 4) seen.add(data[k] << 16 | data[k + 1] << 8 | data[k + 2]);
+  return seen.size;
+})()`);
+const settled = 'new Promise((done) => setTimeout(done, 400))';
+
+const checkReplay = async (within) => {
+  const moment = () => text(`${within} .moment`);
+  await evaluate(settled);
+  check('a replay is drawn', await colors(`${within} canvas`) > 8, await colors(`${within} canvas`));
+  check('it begins at the start', (await moment()).startsWith('step 0'), await moment());
+  await click(`${within} .play`);
+  await evaluate(settled);
+  await click(`${within} .play`);
+  const played = await moment();
+  check('it plays, and says step and return', /^step [1-9]\d* . return -?\d/.test(played), played);
+  await evaluate(settled);
+  check('it pauses', (await moment()) === played, await moment());
+  await evaluate(`(() => { const s = document.querySelector('${within} input'); s.value = s.max; s.dispatchEvent(new Event('input')); })()`);
+  check('it can be scrubbed to its end, and says why it ended', /^step \d+ .* . (time is up|goal|failed|end|over)/.test(await moment()), await moment());
+};
+
+// A click on a robot anywhere opens its card.
+const checkCard = async () => {
+  await click('.sheet a.best');
+  await evaluate(settled);
+  check('a click on a robot opens its card', await evaluate(`document.querySelector('dialog').open`));
+  const parts = await evaluate(`['.portrait use', '.facts dd', '.replay canvas', '.chart svg', '.command code'].filter((s) => !document.querySelector('dialog ' + s))`);
+  check('with body, facts, replay, curves and commands', parts.length === 0, parts);
+  await checkReplay('dialog');
+  await photograph('card.png');
+  await call('Input.dispatchKeyEvent', { type: 'keyDown', key: 'Escape', code: 'Escape', windowsVirtualKeyCode: 27 });
+  await evaluate(painted);
+  check('Escape closes it', !(await evaluate(`document.querySelector('dialog').open`)));
+};
+
+// Text against what is behind it, names of what can be pressed, and the tab key.
+const checkAccess = async (theme) => {
+  const pale = await evaluate(`(() => {
+    const read = (text) => (text.match(/[\\d.]+/g) ?? []).map(Number);
+    const luminance = ([r, g, b]) => [r, g, b].map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+      .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
+    const behind = (node) => {
+      for (let at = node; at; at = at.parentElement) {
+        const color = read(getComputedStyle(at).backgroundColor);
+        if (color.length === 3 || color[3] === 1) return color;
+      }
+      return [255, 255, 255];
+    };
+    const bad = [];
+    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    for (let node; (node = walker.nextNode());) {
+      const parent = node.parentElement;
+      if (!node.textContent.trim() || !parent.getClientRects().length || parent.closest('script, style, title, option')) continue;
+      const style = getComputedStyle(parent);
+      const ink = read(parent.closest('svg') ? style.fill : style.color);
+      const [a, b] = [luminance(ink), luminance(behind(parent))].sort((x, y) => y - x);
+      if ((a + 0.05) / (b + 0.05) < 4.5) bad.push([node.textContent.trim().slice(0, 30), ((a + 0.05) / (b + 0.05)).toFixed(2)]);
+    }
+    return bad.slice(0, 8);
+  })()`);
+  check(`text can be read (4.5 to 1), ${theme}`, pale.length === 0, pale);
+  const nameless = await evaluate(`[...document.querySelectorAll('button, input, select, a, img, [role=img], summary')].filter((it) => it.getClientRects().length)
+    .filter((it) => !(it.getAttribute('aria-label') || it.alt || it.textContent.trim() || it.labels?.length || it.querySelector('[aria-label]'))).map((it) => it.outerHTML.slice(0, 80))`);
+  check('what can be pressed or seen has a name', nameless.length === 0, nameless);
+  const twice = await evaluate(`(() => { const ids = [...document.querySelectorAll('[id]')].map((it) => it.id); return ids.filter((id, k) => ids.indexOf(id) !== k); })()`);
+  check('no id is there twice', twice.length === 0, twice.slice(0, 5));
+};
+
+const press = async (key, windowsVirtualKeyCode) => {
+  for (const type of ['keyDown', 'keyUp']) await call('Input.dispatchKeyEvent', { type, key, code: key, windowsVirtualKeyCode });
+};
+const checkKeyboard = async () => {
+  await evaluate(`document.querySelector('.chart .plot').focus()`);
+  await press('ArrowRight', 39);
+  const said = await text('.chart .readout');
+  check('arrow keys read a chart', /robots trained \d/.test(said), said);
+  await evaluate(`document.querySelector('.controls .play').focus()`);
+  await press('Tab', 9);
+  const next = await evaluate(`document.activeElement.getAttribute('aria-label')`);
+  check('the tab key goes on', next === 'Moment', next);
 };
 
 const checkHovering = async () => {
@@ -130,8 +213,23 @@ const checkHovering = async () => {
   check('hovering over a point shows its robot', /^#b-[0-9a-f]{12}$/.test(robot ?? ''), robot);
 };
 
+// What the buttons would save.
+const checkSaving = async () => {
+  const saved = await evaluate(`(async () => {
+    const kept = [];
+    const real = URL.createObjectURL;
+    URL.createObjectURL = (blob) => { kept.push(blob); return '#'; };
+    HTMLAnchorElement.prototype.click = function () { kept.push(this.download); };
+    for (const button of document.querySelectorAll('.chart .tools button')) if (['SVG', 'CSV'].includes(button.textContent)) button.click();
+    URL.createObjectURL = real;
+    return Promise.all(kept.slice(0, 4).map((it) => typeof it === 'string' ? it : it.text()));
+  })()`);
+  check('a chart can be saved as SVG and as CSV', saved[0]?.startsWith('<svg') && saved[1]?.endsWith('.svg') &&
+    saved[2]?.startsWith('"robots trained"') && saved[3]?.endsWith('.csv'), saved.map((it) => it?.slice(0, 60)));
+};
+
 const checkZooming = async () => {
-  const axis = `[...document.querySelector('.chart').querySelectorAll('.dygraph-axis-label-x')].map((l) => l.textContent).join()`;
+  const axis = `[...document.querySelector('.chart').querySelectorAll('.tick-x')].map((l) => l.textContent).join()`;
   const before = await evaluate(axis);
   const { left, top, width, height } = await place('.chart .plot');
   await mouse('mouseMoved', left + width * 0.4, top + height / 2);
@@ -140,7 +238,7 @@ const checkZooming = async () => {
   await mouse('mouseReleased', left + width * 0.7, top + height / 2);
   const zoomed = await evaluate(axis);
   check('dragging over a chart zooms in', zoomed !== before, zoomed);
-  await click('.chart .series button');
+  await click('.chart .tools button');
   check('the button shows all again', (await evaluate(axis)) === before, await evaluate(axis));
 };
 
@@ -200,6 +298,8 @@ const checkPhone = async () => {
   const paper = await evaluate('getComputedStyle(document.body).backgroundColor');
   check('dark where the user wants it', paper === 'rgb(18, 22, 28)', paper);
   await checkCharts();
+  await checkReplay('[data-replay]');
+  await checkAccess('dark');
   await photograph('phone.png');
 };
 
@@ -207,7 +307,7 @@ const checkPaper = async () => {
   const { data } = await call('Page.printToPDF', { printBackground: true });
   keep('paper.pdf', data);
   const pages = Buffer.from(data, 'base64').toString('latin1').match(/\/Type\s*\/Page\b/g)?.length ?? 0;
-  const clean = await evaluate(`!document.querySelector('.frozen, body.printing')`);
+  const clean = await evaluate(`!document.querySelector('body.printing')`);
   check('it prints, and is as before afterwards', pages >= 1 && clean, { pages, clean });
 };
 
@@ -222,9 +322,14 @@ try {
   } else {
     await checkCharts();
     await checkParts();
+    await checkReplay('[data-replay]');
+    await checkAccess('light');
+    await checkKeyboard();
     await checkHovering();
     await checkZooming();
     await checkSeries();
+    await checkCard();
+    await checkSaving();
     await checkSorting();
     await checkPhone();
   }

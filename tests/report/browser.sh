@@ -12,10 +12,6 @@ trap 'rm -rf "$work" || { sleep 2; rm -rf "$work"; }' EXIT
 cd "$work"
 export PATH="$EVO_BIN:$PATH"
 "$here/make-run.sh" run ga 1 4 8 trained
-# A champion's video as the pipelines make it, where there is ffmpeg.
-if command -v ffmpeg > /dev/null; then
-  evo-render -q run/best.rollout.h5 --size 320x180 -o run/best.mp4
-fi
 evo-report run -o report.html
 for method in neat bo; do "$here/make-run.sh" $method $method 1 3 6; done
 evo-report run neat bo -o comparison.html

@@ -3,7 +3,7 @@
 # A run folder as the pipelines leave it, with fitness made up from the bodies
 # (so that nothing is trained): the more horizontal actuators, the fitter; the
 # second robot of all has failed. METHOD is ga, neat or bo. "trained" adds what
-# there is of a champion: policy, rollout, picture.
+# there is of a champion: policy and rollout.
 set -eu
 folder=$1 method=$2 seed=$3 generations=$4 population=$5 champion=${6:-}
 
@@ -65,4 +65,3 @@ evo-train -q --task Walker-v0 --steps 8192 --out-dir "$folder/policies" "$folder
 cp "$folder/policies/$id.policy.h5" "$folder/best.policy.h5"
 evo-eval -q --policy "$folder/best.policy.h5" --max-steps 60 --rollout "$folder/best.rollout.h5" \
   "$folder/best.json" > /dev/null
-evo-render -q "$folder/best.rollout.h5" --size 320x180 --fps 10 -o "$folder/best.gif"

@@ -1,0 +1,382 @@
+// Charts as SVG: they are sharp on paper, can be saved, and every tick stands where
+// its value is. Data: see charts.h.
+'use strict';
+const Charts = (() => {
+  let clips = 0;
+  const NS = 'http://www.w3.org/2000/svg';
+  const palette = ['#d9730d', '#2f86c9', '#2b9a66', '#9a63c9', '#d0456b', '#8a7a17', '#17989c', '#7f8894'];
+
+  const svg = (name, attributes = {}, ...children) => {
+    const made = document.createElementNS(NS, name);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    made.append(...children);
+    return made;
+  };
+  const element = (name, attributes = {}, ...children) => {
+    const made = document.createElement(name);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    made.append(...children);
+    return made;
+  };
+
+  // Four significant digits, thousands as they are.
+  const number = (value) =>
+    Number.isInteger(value) ? value.toLocaleString('en').replaceAll(',', '\u202f') : String(Number(value.toPrecision(4)));
+
+  // Round numbers in [low, high], about so many.
+  const ticks = (low, high, count, whole) => {
+    if (!(high > low)) return [low];
+    const rough = (high - low) / Math.max(1, count);
+    const power = 10 ** Math.floor(Math.log10(rough));
+    let step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= rough * 0.999);
+    if (whole) step = Math.max(1, Math.round(step));
+    const all = [];
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) all.push(Number((k * step).toPrecision(12)));
+    return all;
+  };
+  const short = (value) => Math.abs(value) >= 10000 ? number(value / 1000) + 'k' : number(value);
+
+  const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const lookOfPage = () => ({ text: css('--muted'), grid: css('--line'), paper: css('--card'), font: 12 });
+  const lookOfFile = { text: '#444', grid: '#ddd', paper: '#fff', font: 12 };
+
+  const colorsOf = (chart) => chart.series.map((series, k) =>
+    series.kind === 'best' ? palette[0] : series.kind === 'points' ? palette[1] : palette[k % palette.length]);
+
+  // What is in sight: x from a zoom or all of it, y from the rows within.
+  const window_ = (chart) => {
+    let [x0, x1] = chart.zoom ?? [Infinity, -Infinity];
+    let y0 = Infinity, y1 = -Infinity;
+    if (!chart.zoom) for (const [x] of chart.rows) { x0 = Math.min(x0, x); x1 = Math.max(x1, x); }
+    for (const row of chart.rows) {
+      if (row[0] < x0 || row[0] > x1) continue;
+      chart.series.forEach((series, k) => {
+        const [low, value, high] = row[k + 1];
+        if (value === null || !chart.visible[k]) return;
+        y0 = Math.min(y0, low, value); y1 = Math.max(y1, high, value);
+      });
+    }
+    if (!(x1 > x0)) { x0 -= 1; x1 += 1; }
+    if (y0 > y1) { y0 = 0; y1 = 1; }
+    if (y0 === y1) { y0 -= 0.5; y1 += 0.5; }
+    const pad = 0.05 * (y1 - y0);
+    return { x0, x1, y0: y0 - pad, y1: y1 + pad };
+  };
+
+  // An SVG of `chart`, and from values to its pixels.
+  const plot = (chart, width, height, look) => {
+    const colors = colorsOf(chart);
+    const margin = { left: 52, right: 20, top: 10, bottom: 40 };
+    const seen = window_(chart);
+    const inner = { width: width - margin.left - margin.right, height: height - margin.top - margin.bottom };
+    const inset = chart.zoom ? 0 : 10;
+    const x = (value) => margin.left + inset + (value - seen.x0) / (seen.x1 - seen.x0) * (inner.width - 2 * inset);
+    const y = (value) => margin.top + (seen.y1 - value) / (seen.y1 - seen.y0) * inner.height;
+    const place = (k) => k.toFixed(1);
+    const picture = svg('svg', { xmlns: NS, viewBox: `0 0 ${width} ${height}`, width, height, 'font-size': look.font,
+      'font-family': 'system-ui, "DejaVu Sans", Verdana, sans-serif', role: 'img', 'aria-label': `${chart.y} against ${chart.x}` });
+    const clip = `clip-${++clips}`;
+    picture.append(svg('clipPath', { id: clip }, svg('rect', { x: margin.left, y: 0, width: inner.width, height: height })));
+
+    for (const value of ticks(seen.y0, seen.y1, inner.height / 38, false)) {
+      picture.append(svg('line', { x1: margin.left, x2: width - margin.right, y1: place(y(value)), y2: place(y(value)), stroke: look.grid }));
+      picture.append(svg('text', { x: margin.left - 7, y: place(y(value) + 4), 'text-anchor': 'end', fill: look.text, class: 'tick-y' }, short(value)));
+    }
+    for (const value of ticks(seen.x0, seen.x1, inner.width / 70, chart.whole)) {
+      picture.append(svg('line', { x1: place(x(value)), x2: place(x(value)), y1: margin.top, y2: height - margin.bottom + 4, stroke: look.grid }));
+      picture.append(svg('text', { x: place(x(value)), y: height - margin.bottom + 17, 'text-anchor': 'middle', fill: look.text, class: 'tick-x' }, short(value)));
+    }
+    picture.append(svg('text', { x: margin.left + inner.width / 2, y: height - 5, 'text-anchor': 'middle', fill: look.text }, chart.x));
+    picture.append(svg('text', { transform: `translate(13 ${margin.top + inner.height / 2}) rotate(-90)`, 'text-anchor': 'middle', fill: look.text }, chart.y));
+
+    const marks = svg('g', { 'clip-path': `url(#${clip})`, fill: 'none', 'stroke-linejoin': 'round' });
+    for (const [from, to, thick] of chart.edges ?? []) {
+      const [a, b] = [chart.rows[from], chart.rows[to]];
+      marks.append(svg('line', { x1: place(x(a[0])), y1: place(y(a[1][1])), x2: place(x(b[0])), y2: place(y(b[1][1])),
+        stroke: thick ? palette[0] : look.text, 'stroke-width': thick ? 3 : 1, 'stroke-opacity': thick ? 1 : 0.3 }));
+    }
+    chart.series.forEach((series, k) => {
+      if (!chart.visible[k]) return;
+      const points = chart.rows.map((row) => ({ x: x(row[0]), spread: row[k + 1] })).filter(({ spread }) => spread[1] !== null)
+        .map(({ x, spread }) => ({ x, y: y(spread[1]), low: y(spread[0]), high: y(spread[2]) }));
+      const step = series.kind === 'step';
+      const path = (of) => points.map((p, n) => n === 0 ? `M${place(p.x)} ${place(of(p))}`
+        : step ? `H${place(p.x)}V${place(of(p))}` : `L${place(p.x)} ${place(of(p))}`).join('');
+      if (series.band && points.length > 1) {
+        const up = points.map((p) => `${place(p.x)} ${place(p.high)}`);
+        const down = points.map((p) => `${place(p.x)} ${place(p.low)}`).reverse();
+        marks.append(svg('path', { d: 'M' + [...up, ...down].join('L') + 'z', fill: colors[k], 'fill-opacity': 0.16 }));
+      }
+      if (series.kind === 'points' || series.kind === 'best') {
+        const size = series.kind === 'best' ? 6 : 3.2;
+        for (const p of points) marks.append(svg('circle', { cx: place(p.x), cy: place(p.y), r: size, fill: colors[k],
+          ...(series.kind === 'best' ? { stroke: look.paper, 'stroke-width': 1.5 } : { 'fill-opacity': 0.75 }) }));
+        return;
+      }
+      marks.append(svg('path', { d: path((p) => p.y), stroke: colors[k], 'stroke-width': series.kind === 'thick' ? 4 : 2 }));
+      if (points.length === 1 || (series.kind === 'line' && points.length < 80))
+        for (const p of points) marks.append(svg('circle', { cx: place(p.x), cy: place(p.y), r: 2.4, fill: colors[k] }));
+    });
+    picture.append(marks);
+    return { picture, x, y, margin, seen };
+  };
+
+  // ---- tables of colours --------------------------------------------------------------
+  // {"kind": "heat", "x", "y": titles, "columns", "lines": their names, "cells": [[value or
+  // null]..] from the top, "robots": [[id or null]..], "diverging", "value": what it is}
+
+  const heatColor = (share, diverging) => {
+    const ramp = diverging
+      ? [[33, 102, 172], [146, 197, 222], [240, 240, 238], [244, 165, 100], [178, 64, 15]]
+      : [[68, 30, 110], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+    const at = Math.min(0.9999, Math.max(0, share)) * (ramp.length - 1);
+    const k = Math.floor(at);
+    return `rgb(${ramp[k].map((from, c) => Math.round(from + (ramp[k + 1][c] - from) * (at - k))).join()})`;
+  };
+
+  const heat = (chart, width, look) => {
+    const lines = chart.lines.length, columns = chart.columns.length;
+    const left = 44, top = 6, right = 58, bottom = 38;
+    const side = Math.min(44, (width - left - right) / columns);
+    const tall = Math.min(side, 30);
+    const height = top + bottom + tall * lines;
+    const values = chart.cells.flat().filter((value) => value !== null);
+    let low = Math.min(...values), high = Math.max(...values);
+    if (chart.diverging) { high = Math.max(Math.abs(low), Math.abs(high)) || 1; low = -high; }
+    if (low === high) { low -= 0.5; high += 0.5; }
+    const share = (value) => (value - low) / (high - low);
+    const picture = svg('svg', { xmlns: NS, viewBox: `0 0 ${width} ${height}`, width, height, 'font-size': look.font,
+      'font-family': 'system-ui, "DejaVu Sans", Verdana, sans-serif', role: 'img', 'aria-label': `${chart.value} by ${chart.x} and ${chart.y}` });
+    const cells = [];
+    chart.cells.forEach((row, r) => row.forEach((value, c) => {
+      const box = svg('rect', { x: left + c * side, y: top + r * tall, width: side - 1.5, height: tall - 1.5, rx: 2,
+        fill: value === null ? look.grid : heatColor(share(value), chart.diverging), 'fill-opacity': value === null ? 0.4 : 1 });
+      const said = `${chart.columns[c]} ${chart.x}, ${chart.lines[r]} ${chart.y}: ${value === null ? 'no robot' : number(value)}`;
+      box.append(svg('title', {}, said));
+      cells.push({ box, id: chart.robots?.[r]?.[c], said });
+      picture.append(box);
+    }));
+    const every = Math.ceil(22 / side);
+    chart.columns.forEach((name, c) => { if (c % every === 0) picture.append(svg('text', { x: left + (c + 0.5) * side, y: height - bottom + 15, 'text-anchor': 'middle', fill: look.text }, name)); });
+    chart.lines.forEach((name, r) => picture.append(svg('text', { x: left - 6, y: top + (r + 0.5) * tall + 4, 'text-anchor': 'end', fill: look.text }, name)));
+    picture.append(svg('text', { x: left + side * columns / 2, y: height - 4, 'text-anchor': 'middle', fill: look.text }, chart.x));
+    picture.append(svg('text', { transform: `translate(11 ${top + tall * lines / 2}) rotate(-90)`, 'text-anchor': 'middle', fill: look.text }, chart.y));
+    const bar = { x: left + side * columns + 10, height: tall * lines - 2 };
+    for (let k = 0; k < 24; ++k)
+      picture.append(svg('rect', { x: bar.x, y: top + bar.height * (1 - (k + 1) / 24), width: 9, height: bar.height / 24 + 0.6, fill: heatColor((k + 0.5) / 24, chart.diverging) }));
+    for (const [value, place] of [[high, top + 9], [low, top + bar.height]])
+      picture.append(svg('text', { x: bar.x + 13, y: place, fill: look.text, 'font-size': look.font - 1 }, (chart.diverging && value > 0 ? '+' : '') + Number(value.toPrecision(2))));
+    return { picture, cells };
+  };
+
+  // ---- a chart in its place -------------------------------------------------------------
+
+  const save = (name, type, text) => {
+    const link = element('a', { download: name, href: URL.createObjectURL(new Blob([text], { type })) });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  };
+  const svgFile = (chart) => new XMLSerializer().serializeToString(
+    chart.kind === 'heat' ? heat(chart, 480, lookOfFile).picture : withLegend(chart, plot(chart, 720, 420, lookOfFile).picture));
+  const withLegend = (chart, picture) => {
+    let at = 60;
+    chart.series.forEach((series, k) => {
+      if (!chart.visible[k]) return;
+      picture.append(svg('rect', { x: at, y: 2, width: 10, height: 4, fill: colorsOf(chart)[k] }));
+      picture.append(svg('text', { x: at + 14, y: 9, fill: '#444', 'font-size': 11 }, chart.labels[k + 1]));
+      at += 26 + 6.2 * chart.labels[k + 1].length;
+    });
+    return picture;
+  };
+  const csvFile = (chart) => {
+    const quoted = (text) => `"${String(text).replaceAll('"', '""')}"`;
+    if (chart.kind === 'heat')
+      return [[chart.y + ' \\ ' + chart.x, ...chart.columns], ...chart.cells.map((row, r) => [chart.lines[r], ...row.map((v) => v ?? '')])]
+        .map((row) => row.map(quoted).join()).join('\n') + '\n';
+    const head = [chart.x];
+    chart.series.forEach((series, k) => { head.push(chart.labels[k + 1]); if (series.band) head.push(`low (${series.band})`, `high (${series.band})`); });
+    if (chart.robots) head.push('robot');
+    const rows = chart.rows.map((row, n) => {
+      const cells = [row[0]];
+      chart.series.forEach((series, k) => { const [low, value, high] = row[k + 1]; cells.push(value ?? ''); if (series.band) cells.push(low ?? '', high ?? ''); });
+      if (chart.robots) cells.push(chart.robots[n]);
+      return cells;
+    });
+    return [head, ...rows].map((row) => row.map(quoted).join()).join('\n') + '\n';
+  };
+
+  const thumbnail = (id) => {
+    const picture = svg('svg', { class: 'body', 'aria-hidden': 'true' });
+    picture.append(svg('use', { href: '#b-' + id }));
+    return picture;
+  };
+
+  const tools = (chart, name) => {
+    const buttons = element('span', { class: 'tools' });
+    for (const [label, type, make] of [['SVG', 'image/svg+xml', svgFile], ['CSV', 'text/csv', csvFile]]) {
+      const button = element('button', { type: 'button', 'aria-label': `Save ${name} as ${label}` }, label);
+      button.addEventListener('click', () => save(`${name}.${label.toLowerCase()}`, type, make(chart)));
+      buttons.append(button);
+    }
+    return buttons;
+  };
+
+  const readout = (chart, row) => {
+    const id = (chart.robots || [])[row];
+    const parts = id ? [thumbnail(id), element('span', { class: 'id' }, id)] : [];
+    const values = chart.rows[row];
+    parts.push(element('span', {}, chart.x + ' ', element('b', {}, number(values[0]))));
+    chart.series.forEach((series, k) => {
+      const [low, value, high] = values[k + 1];
+      if (value === null || !chart.visible[k] || series.kind === 'best') return;
+      const name = series.kind === 'points' ? chart.y : chart.labels[k + 1];
+      const spread = series.band && low !== high ? ` (${number(low)} to ${number(high)})` : '';
+      parts.push(element('span', {}, name + ' ', element('b', {}, number(value)), spread));
+    });
+    return parts;
+  };
+
+  const all = new Set();
+
+  // Draws `chart` into `holder`; `open(id)` is called for a robot that is clicked on.
+  const draw = (holder, chart, open, name) => {
+    const small = holder.classList.contains('small');
+    const says = element('div', { class: 'readout', 'aria-live': 'polite' });
+    if (chart.kind === 'heat') {
+      const place = element('div', { class: 'heat' });
+      const redraw = (width = holder.clientWidth) => {
+        const { picture, cells } = heat(chart, width, lookOfPage());
+        for (const { box, id, said } of cells) {
+          if (!id) continue;
+          box.setAttribute('class', 'pick');
+          box.addEventListener('mouseenter', () => says.replaceChildren(thumbnail(id), element('span', {}, said)));
+          box.addEventListener('click', () => open(id));
+        }
+        place.replaceChildren(picture);
+      };
+      holder.append(place, says, tools(chart, name));
+      all.add({ redraw, holder });
+      redraw();
+      return;
+    }
+
+    const hint = matchMedia('(hover: hover)').matches
+      ? 'Hover for values, drag to zoom, double-click to see all.' : 'Tap for values.';
+    const quiet = () => says.replaceChildren(small ? '' : hint);
+    chart.visible ??= chart.series.map((series) => !series.off);
+    const box = element('div', { class: 'plot', tabindex: 0, role: 'group', 'aria-label': `${chart.y} against ${chart.x}; arrow keys read values` });
+    let drawn, at = null;
+    const cursor = svg('g', { class: 'cursor', 'pointer-events': 'none' });
+    const redraw = (width = box.clientWidth) => {
+      drawn = plot(chart, width, small ? 210 : 300, lookOfPage());
+      drawn.picture.append(cursor);
+      box.replaceChildren(drawn.picture);
+    };
+    const point = (row) => {
+      at = row;
+      const { x, y, margin } = drawn;
+      cursor.replaceChildren();
+      if (row === null) return quiet();
+      const values = chart.rows[row];
+      if (!chart.robots) cursor.append(svg('line', { x1: x(values[0]), x2: x(values[0]), y1: margin.top, y2: (small ? 210 : 300) - margin.bottom, stroke: css('--muted'), 'stroke-dasharray': '3 3' }));
+      chart.series.forEach((series, k) => {
+        if (values[k + 1][1] === null || !chart.visible[k]) return;
+        cursor.append(svg('circle', { cx: x(values[0]), cy: y(values[k + 1][1]), r: 5, fill: 'none', stroke: css('--text'), 'stroke-width': 1.5 }));
+      });
+      says.replaceChildren(...readout(chart, row));
+    };
+    // The row nearest to the pointer: along x, and where rows are robots in both.
+    const nearest = (event) => {
+      const { left, top } = box.getBoundingClientRect();
+      const px = event.clientX - left, py = event.clientY - top;
+      let best = null, least = Infinity;
+      chart.rows.forEach((row, n) => {
+        if (row[0] < drawn.seen.x0 || row[0] > drawn.seen.x1) return;
+        const dx = drawn.x(row[0]) - px;
+        chart.series.forEach((series, k) => {
+          if (row[k + 1][1] === null || !chart.visible[k]) return;
+          const dy = chart.robots && series.kind === 'points' ? drawn.y(row[k + 1][1]) - py : 0;
+          const distance = dx * dx + dy * dy;
+          if (distance < least) { least = distance; best = n; }
+        });
+      });
+      return best;
+    };
+    let start = null, moved = false;
+    const band = svg('rect', { y: 0, height: 1000, fill: css('--muted'), 'fill-opacity': 0.18 });
+    const across = (event) => event.clientX - box.getBoundingClientRect().left;
+    const value = (px) => {
+      const [a, b] = [drawn.x(0), drawn.x(1)];
+      return (px - a) / (b - a);
+    };
+    box.addEventListener('pointerdown', (event) => { if (event.pointerType === 'mouse') { start = across(event); moved = false; } });
+    box.addEventListener('pointermove', (event) => {
+      if (start !== null && Math.abs(across(event) - start) > 5) {
+        moved = true;
+        const [a, b] = [start, across(event)].sort((p, q) => p - q);
+        band.setAttribute('x', a);
+        band.setAttribute('width', b - a);
+        drawn.picture.append(band);
+      } else if (start === null) point(nearest(event));
+    });
+    box.addEventListener('pointerleave', () => { start = null; band.remove(); point(null); });
+    box.addEventListener('pointerup', (event) => {
+      band.remove();
+      if (start !== null && moved) {
+        const [a, b] = [value(start), value(across(event))].sort((p, q) => p - q);
+        if (chart.rows.some((row) => row[0] >= a && row[0] <= b)) chart.zoom = [a, b];
+        redraw();
+      }
+      start = null;
+    });
+    box.addEventListener('click', (event) => {
+      const row = nearest(event);
+      point(row);
+      if (!moved && chart.robots && row !== null && matchMedia('(hover: hover)').matches) open(chart.robots[row]);
+      moved = false;
+    });
+    const seeAll = () => { chart.zoom = undefined; redraw(); };
+    box.addEventListener('dblclick', seeAll);
+    box.addEventListener('keydown', (event) => {
+      const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+      if (step) {
+        event.preventDefault();
+        point(at === null ? (step > 0 ? 0 : chart.rows.length - 1) : Math.min(chart.rows.length - 1, Math.max(0, at + step)));
+      } else if (event.key === 'Escape') seeAll();
+      else if (event.key === 'Enter' && at !== null && chart.robots) open(chart.robots[at]);
+    });
+
+    const colors = colorsOf(chart);
+    const toggles = element('div', { class: 'series' });
+    chart.series.forEach((series, k) => {
+      const tick = element('input', { type: 'checkbox' });
+      tick.checked = chart.visible[k];
+      const label = element('label', {}, tick, chart.labels[k + 1] + (series.band ? ` (${series.band})` : ''));
+      label.style.setProperty('--series', colors[k]);
+      label.classList.toggle('off', !tick.checked);
+      tick.addEventListener('change', () => {
+        chart.visible[k] = tick.checked;
+        label.classList.toggle('off', !tick.checked);
+        redraw();
+      });
+      toggles.append(label);
+    });
+    const last = tools(chart, name);
+    if (!small) {
+      const reset = element('button', { type: 'button' }, 'See all');
+      reset.addEventListener('click', seeAll);
+      last.prepend(reset);
+    }
+    if (!small) toggles.append(last);
+    holder.append(...(small ? [] : [toggles]), box, says, ...(small ? [last] : []));
+    quiet();
+    redraw();
+    all.add({ redraw, holder });
+  };
+
+  const redrawAll = (width) => { for (const { redraw, holder } of all) if (holder.isConnected && holder.offsetWidth > 0) redraw(width); };
+  addEventListener('resize', () => redrawAll());
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => redrawAll());
+
+  return { draw, redrawAll, element, svg, number, thumbnail, css };
+})();

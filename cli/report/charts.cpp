@@ -285,7 +285,7 @@ std::vector<FeatureChart> feature_charts(const Run& run) {
 }
 
 Json tree_chart(const Run& run) {
-  Chart chart("generation", "fitness", false);
+  Chart chart("generation", "fitness", true);
   chart.series("robots", "points");
   chart.series("champion", "best");
   Json ids = Json::array();

@@ -225,7 +225,7 @@ const Charts = (() => {
     const id = (chart.robots || [])[row];
     const parts = id ? [thumbnail(id), element('span', { class: 'id' }, id)] : [];
     const values = chart.rows[row];
-    parts.push(element('span', {}, chart.x + ' ', element('b', {}, number(values[0]))));
+    parts.push(element('span', {}, chart.x + ' ', element('b', {}, number(chart.whole ? Math.round(values[0]) : values[0]))));
     chart.series.forEach((series, k) => {
       const [low, value, high] = values[k + 1];
       if (value === null || !chart.visible[k] || series.kind === 'best') return;

@@ -64,10 +64,7 @@ namespace {
 
 long long training_steps(const Run& run) {
   long long steps = 0;
-  for (const Entry& entry : run.robots)
-    if (const auto found = entry.robot.document.find("steps");
-        found != entry.robot.document.end() && found->is_number_integer())
-      steps += found->get<long long>();
+  for (const Entry& entry : run.robots) steps += entry.robot.steps().value_or(0);
   return steps;
 }
 
@@ -263,7 +260,7 @@ std::string descent(const Run& run, const Entry& child, const Entry& from,
     html += fmt::format("<li>{} changed</li>", count_of(changed->size(), "voxel"));
     html += change_list(*changed);
   }
-  for (const std::string& id : parent_ids(child.robot))
+  for (const std::string& id : child.robot.parents())
     if (id != from.robot.id)
       html += fmt::format("<li>{} <span class=\"id\">{}</span></li>",
                           run.by_id.contains(id) ? "also from" : "also from, not in this run,",
@@ -290,7 +287,7 @@ std::string lineage_card(const Run& run, const std::string& anchor, Page& page) 
   std::string html = "<section class=\"card long\">\n";
   if (line.size() == 1) {
     html += heading(anchor + "-lineage", "Lineage of the champion",
-                    parent_ids(run.robots[line[0]].robot).empty()
+                    run.robots[line[0]].robot.parents().empty()
                         ? "It has no parents: it was drawn anew, not made from another robot."
                         : "Its parents are not in this run.");
   } else {

@@ -311,7 +311,7 @@ Json tree_chart(const Run& run) {
   const std::vector<std::size_t> line = lineage(run, *run.champion);
   Json edges = Json::array();
   for (const auto& [k, row] : row_of)
-    for (const std::string& id : parent_ids(run.robots[k].robot)) {
+    for (const std::string& id : run.robots[k].robot.parents()) {
       const auto from = run.by_id.find(id);
       if (from == run.by_id.end() || !row_of.contains(from->second)) continue;
       const auto child = std::find(line.begin(), line.end(), k);

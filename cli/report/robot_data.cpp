@@ -45,7 +45,7 @@ Json robot_data(const Run& run, std::size_t k, const std::vector<std::string>& c
   const std::string policy = fmt::format("{}/policies/{}.policy.h5", folder, entry.robot.id);
   Json robot{{"fitness", entry.fitness ? rounded(*entry.fitness) : Json()},
              {"facts", facts_of(run, k)},
-             {"parents", parent_ids(entry.robot)},
+             {"parents", entry.robot.parents()},
              {"children", children}};
   Json curve = Json::array();
   for (const CurvePoint& point : entry.training.curve)
@@ -74,7 +74,7 @@ Json robot_data(const Run& run, std::size_t k, const std::vector<std::string>& c
 Json robots_data(const Run& run) {
   std::vector<std::vector<std::string>> children(run.robots.size());
   for (const Entry& entry : run.robots)
-    for (const std::string& id : parent_ids(entry.robot))
+    for (const std::string& id : entry.robot.parents())
       if (const auto known = run.by_id.find(id); known != run.by_id.end())
         children[known->second].push_back(entry.robot.id);
   Json robots = Json::object();

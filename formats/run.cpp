@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <charconv>
 #include <climits>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <string_view>
@@ -369,7 +370,14 @@ void RunHistory::read_timings() {
       read += line.size() + 1;
       const Json timing = Json::parse(line, nullptr, false);
       if (!timing.is_object() || !timing.contains("seconds")) continue;
-      seconds_ += timing.value("seconds", 0.0);
+      const double seconds = timing.value("seconds", 0.0);
+      seconds_ += seconds;
+      if (const auto started = timing.value("started", std::int64_t{0}); started > 0) {
+        const std::int64_t ended = started + std::llround(seconds);
+        began_ = began_ == 0 ? started : std::min(began_, started);
+        ended_ = std::max(ended_, ended);
+      }
+      machines_.insert(entry.path().stem().string());
       timed_ += timing.value("finished", false) ? 1 : 0;
     }
   }

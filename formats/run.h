@@ -27,6 +27,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -219,6 +220,11 @@ class RunHistory {
 
   // Of all trainings recorded, one core each.
   double seconds() const { return seconds_; }
+  // When the first of them began and the last ended, seconds since 1970; 0 without any.
+  std::int64_t began() const { return began_; }
+  std::int64_t ended() const { return ended_; }
+  // That trained, by name.
+  const std::set<std::string>& machines() const { return machines_; }
   // Per robot that was trained to the end; nothing before the first.
   std::optional<double> seconds_each() const;
 
@@ -234,6 +240,9 @@ class RunHistory {
   std::optional<std::size_t> champion_;
   std::map<std::string, std::uintmax_t> timings_read_;  // bytes by file
   double seconds_ = 0.0;
+  std::int64_t began_ = 0;
+  std::int64_t ended_ = 0;
+  std::set<std::string> machines_;
   std::size_t timed_ = 0;  // trainings finished
 };
 

@@ -50,16 +50,16 @@ std::optional<Judged> judge(const YamlNode& condition, const Rollout& rollout,
   const auto centre = last_centre(rollout, episode, of->string());
   if (!centre) return std::nullopt;
   const double value = axis->string() == "x" ? centre->x : centre->y;
-  for (const auto& [key, word, sign] : {std::tuple{"above", "above", 1.0},
-                                        {"at_least", "at least", 1.0},
-                                        {"below", "below", -1.0},
-                                        {"at_most", "at most", -1.0}}) {
+  for (const auto& [key, sign] :
+       {std::pair{"above", 1.0}, {"at_least", 1.0}, {"below", -1.0}, {"at_most", -1.0}}) {
     const auto bound = value_of(*position, key);
     if (!bound || !bound->is_scalar()) continue;
     const double limit = bound->number();
     constexpr double close = 1e-6;
+    const char* where = axis->string() == "x" ? (sign > 0 ? "beyond x =" : "left of x =")
+                                              : (sign > 0 ? "higher than" : "lower than");
     return Judged{sign * (value - limit) >= -close,
-                  fmt::format("{} {} {} {:.4g}", of->string(), axis->string(), word, limit)};
+                  fmt::format("{} {} {:.4g}", of->string(), where, limit)};
   }
   return std::nullopt;
 }

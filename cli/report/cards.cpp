@@ -72,14 +72,12 @@ std::string tile(const std::string& name, const std::string& value) {
   return fmt::format("<div class=\"tile\"><dt>{}</dt><dd>{}</dd></div>\n", name, value);
 }
 
-// Of one core.
 std::string duration(double seconds) {
   constexpr double minute = 60;
   constexpr double hour = 60 * minute;
-  if (seconds < 2 * minute) return fmt::format("{:.0f} <small>s of a core</small>", seconds);
-  if (seconds < 2 * hour)
-    return fmt::format("{:.0f} <small>min of a core</small>", seconds / minute);
-  return fmt::format("{:.1f} <small>h of a core</small>", seconds / hour);
+  if (seconds < 2 * minute) return fmt::format("{:.0f} <small>s</small>", seconds);
+  if (seconds < 2 * hour) return fmt::format("{:.0f} <small>min</small>", seconds / minute);
+  return fmt::format("{:.1f} <small>h</small>", seconds / hour);
 }
 
 }  // namespace
@@ -92,7 +90,10 @@ std::string tiles(const Run& run) {
   html += tile("generations", fmt::to_string(run.generations.size()));
   html += tile("failed trainings", fmt::to_string(run.failures()));
   html += tile("training steps", cli::grouped(training_steps(run)));
-  if (run.seconds > 0) html += tile("training time", duration(run.seconds));
+  if (run.seconds > 0)
+    html += tile("training time", duration(run.seconds) + " <small>of a core</small>");
+  if (run.ended > run.began)
+    html += tile("from begin to end", duration(static_cast<double>(run.ended - run.began)));
   return html + "</dl>\n";
 }
 
@@ -154,7 +155,7 @@ std::string champion_card(const Run& run, const std::string& anchor, Page& page)
   else
     html += fmt::format("<div>{}</div>\n<div>", page.link(robot, anchor));
   html += champion_facts(run) + "</div>\n</div>\n";
-  if (run.film) html += still_pictures(*run.film);
+  if (run.film) html += "<div class=\"scroll\">\n" + still_pictures(*run.film) + "</div>\n";
   return html + "</section>\n";
 }
 
@@ -399,13 +400,7 @@ std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
       table_head(columns), rows);
 }
 
-namespace {
-
 // ---- settings -------------------------------------------------------------------------
-
-// A row a setting, a column a run; rows in which runs differ stand out.
-
-}  // namespace
 
 std::string settings_card(const std::vector<const Run*>& runs) {
   std::vector<std::string> names;

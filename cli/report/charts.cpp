@@ -266,13 +266,13 @@ Json comparison_chart(const std::vector<const Run*>& runs) {
 }
 
 Json learning_chart(const Run& run) {
-  const std::vector<CurvePoint>& curve = run.robots[*run.champion].training.curve;
-  if (curve.empty()) return nullptr;
+  if (std::all_of(run.robots.begin(), run.robots.end(),
+                  [](const Entry& entry) { return entry.training.curve.empty(); }))
+    return nullptr;
   Chart chart("training steps", "return", true);
-  chart.series("best so far", "step");
-  chart.series("evaluation", "line");
-  for (const CurvePoint& point : curve)
-    chart.row(static_cast<double>(point.step), {Point(point.best), Point(point.evaluation)});
+  chart.series("robots", "edges");
+  chart.series("champion", "edges");
+  chart.json["champion"] = run.robots[*run.champion].robot.id;
   return chart.json;
 }
 

@@ -2,7 +2,7 @@
 //   {"x","y": axis titles, "labels": [x, series..], "rows": [[x, [low,mid,high]..]..],
 //    "series": [{"kind": "line"|"thick"|"step"|"points"|"best", "band": its name, "off": hidden at
 //    first}..], "whole": x has no fractions, "robots": [id of each row],
-//    "edges": [[row, row, of the champion's line?]..] lines between robots}
+//    "edges": [[row, row, the champion's?]..] lines between rows}
 // where a missing value is [null,null,null], or a table of colours
 //   {"kind": "heat", "x", "y": titles, "columns", "lines": their names, from the top,
 //    "cells": [[value or null]..], "robots": [[id or null]..], "value": what it is,
@@ -29,7 +29,8 @@ Json generation_chart(const Run& run);
 // seed give one curve, their mean with its standard deviation, and each its own.
 Json comparison_chart(const std::vector<const Run*>& runs);
 
-// The champion's evaluations during its training. Null without any.
+// All robots' evaluations during their trainings; rows, robots and edges are left to
+// report.js, which has the curves with the robots. Null without any.
 Json learning_chart(const Run& run);
 
 // Every scored robot by generation and fitness, with lines from its parents.

@@ -37,11 +37,12 @@ const Charts = (() => {
   const short = (value) => Math.abs(value) >= 10000 ? number(value / 1000) + 'k' : number(value);
 
   const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-  const lookOfPage = () => ({ text: css('--muted'), grid: css('--line'), paper: css('--card'), font: 12 });
+  const lookOfPage = { text: 'var(--muted)', grid: 'var(--line)', paper: 'var(--card)', font: 12 };
   const lookOfFile = { text: '#444', grid: '#ddd', paper: '#fff', font: 12 };
 
   const colorsOf = (chart) => chart.series.map((series, k) =>
-    series.kind === 'best' ? palette[0] : series.kind === 'points' ? palette[1] : palette[k % palette.length]);
+    series.kind === 'best' ? palette[0] : series.kind === 'points' ? palette[1]
+      : series.kind === 'edges' ? [palette[7], palette[0]][k] : palette[k % palette.length]);
 
   // What is in sight: x from a zoom or all of it, y from the rows within.
   const window_ = (chart) => {
@@ -66,8 +67,9 @@ const Charts = (() => {
   // An SVG of `chart`, and from values to its pixels.
   const plot = (chart, width, height, look) => {
     const colors = colorsOf(chart);
-    const margin = { left: 52, right: 20, top: 10, bottom: 40 };
     const seen = window_(chart);
+    const ticksY = ticks(seen.y0, seen.y1, (height - 50) / 38, false);
+    const margin = { left: 31 + 7 * Math.max(3, ...ticksY.map((value) => short(value).length)), right: 20, top: 10, bottom: 40 };
     const inner = { width: width - margin.left - margin.right, height: height - margin.top - margin.bottom };
     const inset = chart.zoom ? 0 : 10;
     const x = (value) => margin.left + inset + (value - seen.x0) / (seen.x1 - seen.x0) * (inner.width - 2 * inset);
@@ -78,7 +80,7 @@ const Charts = (() => {
     const clip = `clip-${++clips}`;
     picture.append(svg('clipPath', { id: clip }, svg('rect', { x: margin.left, y: 0, width: inner.width, height: height })));
 
-    for (const value of ticks(seen.y0, seen.y1, inner.height / 38, false)) {
+    for (const value of ticksY) {
       picture.append(svg('line', { x1: margin.left, x2: width - margin.right, y1: place(y(value)), y2: place(y(value)), stroke: look.grid }));
       picture.append(svg('text', { x: margin.left - 7, y: place(y(value) + 4), 'text-anchor': 'end', fill: look.text, class: 'tick-y' }, short(value)));
     }
@@ -90,13 +92,14 @@ const Charts = (() => {
     picture.append(svg('text', { transform: `translate(13 ${margin.top + inner.height / 2}) rotate(-90)`, 'text-anchor': 'middle', fill: look.text }, chart.y));
 
     const marks = svg('g', { 'clip-path': `url(#${clip})`, fill: 'none', 'stroke-linejoin': 'round' });
-    for (const [from, to, thick] of chart.edges ?? []) {
-      const [a, b] = [chart.rows[from], chart.rows[to]];
-      marks.append(svg('line', { x1: place(x(a[0])), y1: place(y(a[1][1])), x2: place(x(b[0])), y2: place(y(b[1][1])),
-        stroke: thick ? palette[0] : look.text, 'stroke-width': thick ? 3 : 1, 'stroke-opacity': thick ? 1 : 0.3 }));
+    const end = ([at, ...values]) => `${place(x(at))} ${place(y(values.find((value) => value[1] !== null)[1]))}`;
+    for (const thick of [false, true]) {
+      const lines = (chart.edges ?? []).filter((edge) => edge[2] === thick && chart.visible[thick ? 1 : 0]);
+      if (lines.length) marks.append(svg('path', { d: lines.map(([from, to]) => `M${end(chart.rows[from])}L${end(chart.rows[to])}`).join(''),
+        stroke: thick ? palette[0] : look.text, 'stroke-width': thick ? 3 : 1, 'stroke-opacity': thick ? 1 : 0.35 }));
     }
     chart.series.forEach((series, k) => {
-      if (!chart.visible[k]) return;
+      if (!chart.visible[k] || series.kind === 'edges') return;
       const points = chart.rows.map((row) => ({ x: x(row[0]), spread: row[k + 1] })).filter(({ spread }) => spread[1] !== null)
         .map(({ x, spread }) => ({ x, y: y(spread[1]), low: y(spread[0]), high: y(spread[2]) }));
       const step = series.kind === 'step';
@@ -229,7 +232,7 @@ const Charts = (() => {
     chart.series.forEach((series, k) => {
       const [low, value, high] = values[k + 1];
       if (value === null || !chart.visible[k] || series.kind === 'best') return;
-      const name = series.kind === 'points' ? chart.y : chart.labels[k + 1];
+      const name = ['points', 'edges'].includes(series.kind) ? chart.y : chart.labels[k + 1];
       const spread = series.band && low !== high ? ` (${number(low)} to ${number(high)})` : '';
       parts.push(element('span', {}, name + ' ', element('b', {}, number(value)), spread));
     });
@@ -245,7 +248,7 @@ const Charts = (() => {
     if (chart.kind === 'heat') {
       const place = element('div', { class: 'heat' });
       const redraw = (width = holder.clientWidth) => {
-        const { picture, cells } = heat(chart, width, lookOfPage());
+        const { picture, cells } = heat(chart, width, lookOfPage);
         for (const { box, id, said } of cells) {
           if (!id) continue;
           box.setAttribute('class', 'pick');
@@ -268,7 +271,7 @@ const Charts = (() => {
     let drawn, at = null;
     const cursor = svg('g', { class: 'cursor', 'pointer-events': 'none' });
     const redraw = (width = box.clientWidth) => {
-      drawn = plot(chart, width, small ? 210 : 300, lookOfPage());
+      drawn = plot(chart, width, small ? 210 : 300, lookOfPage);
       drawn.picture.append(cursor);
       box.replaceChildren(drawn.picture);
     };
@@ -278,10 +281,10 @@ const Charts = (() => {
       cursor.replaceChildren();
       if (row === null) return quiet();
       const values = chart.rows[row];
-      if (!chart.robots) cursor.append(svg('line', { x1: x(values[0]), x2: x(values[0]), y1: margin.top, y2: (small ? 210 : 300) - margin.bottom, stroke: css('--muted'), 'stroke-dasharray': '3 3' }));
+      if (!chart.robots) cursor.append(svg('line', { x1: x(values[0]), x2: x(values[0]), y1: margin.top, y2: (small ? 210 : 300) - margin.bottom, stroke: 'var(--muted)', 'stroke-dasharray': '3 3' }));
       chart.series.forEach((series, k) => {
         if (values[k + 1][1] === null || !chart.visible[k]) return;
-        cursor.append(svg('circle', { cx: x(values[0]), cy: y(values[k + 1][1]), r: 5, fill: 'none', stroke: css('--text'), 'stroke-width': 1.5 }));
+        cursor.append(svg('circle', { cx: x(values[0]), cy: y(values[k + 1][1]), r: 5, fill: 'none', stroke: 'var(--text)', 'stroke-width': 1.5 }));
       });
       says.replaceChildren(...readout(chart, row));
     };
@@ -295,7 +298,7 @@ const Charts = (() => {
         const dx = drawn.x(row[0]) - px;
         chart.series.forEach((series, k) => {
           if (row[k + 1][1] === null || !chart.visible[k]) return;
-          const dy = chart.robots && series.kind === 'points' ? drawn.y(row[k + 1][1]) - py : 0;
+          const dy = chart.robots && ['points', 'edges'].includes(series.kind) ? drawn.y(row[k + 1][1]) - py : 0;
           const distance = dx * dx + dy * dy;
           if (distance < least) { least = distance; best = n; }
         });
@@ -303,7 +306,7 @@ const Charts = (() => {
       return best;
     };
     let start = null, moved = false;
-    const band = svg('rect', { y: 0, height: 1000, fill: css('--muted'), 'fill-opacity': 0.18 });
+    const band = svg('rect', { y: 0, height: 1000, fill: 'var(--muted)', 'fill-opacity': 0.18 });
     const across = (event) => event.clientX - box.getBoundingClientRect().left;
     const value = (px) => {
       const [a, b] = [drawn.x(0), drawn.x(1)];
@@ -376,7 +379,5 @@ const Charts = (() => {
 
   const redrawAll = (width) => { for (const { redraw, holder } of all) if (holder.isConnected && holder.offsetWidth > 0) redraw(width); };
   addEventListener('resize', () => redrawAll());
-  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => redrawAll());
-
   return { draw, redrawAll, element, svg, number, thumbnail, css };
 })();

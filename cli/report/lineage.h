@@ -24,8 +24,6 @@ std::optional<std::vector<Change>> changes(const Body& parent, const Body& child
 // The first parent that the robot names and that is in the run.
 std::optional<std::size_t> parent(const Run& run, std::size_t robot);
 
-// Ids of all parents the robot names.
-
 // From the first ancestor to the robot itself, along first parents.
 std::vector<std::size_t> lineage(const Run& run, std::size_t robot);
 

@@ -1,5 +1,6 @@
 #include "cli/report/page.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -79,12 +80,13 @@ std::string learning_card(const Run& run, const std::string& anchor, Page& page)
   Json chart = learning_chart(run);
   if (chart.is_null())
     return "<section class=\"card\">\n" +
-           heading(anchor + "-learning", "Learning curve of the champion",
-                   "Its policy file is not in the run folder, so there is no curve.") +
+           heading(anchor + "-learning", "Learning curves",
+                   "No policy files are in the run folder, so there are no curves.") +
            "</section>\n";
-  return chart_card(anchor + "-learning", "Learning curve of the champion",
-                    "Returns of its evaluations during training.",
-                    page.chart(std::move(chart), anchor, "learning-curve"));
+  return chart_card(anchor + "-learning", "Learning curves",
+                    "Returns of every robot's evaluations during its training; entropy, KL "
+                    "divergence and explained variance are on its card.",
+                    page.chart(std::move(chart), anchor, "learning-curves"));
 }
 
 void link_parts(const Run& run, const std::string& anchor, Page& page) {
@@ -203,12 +205,24 @@ std::string default_title(const std::vector<Run>& runs) {
   return fmt::format("{}: {}", runs[0].setting("task"), runs[0].label);
 }
 
+// "; trained on 2026-11-22 on host with evo-train 1.2", as far as it is known.
+std::string when_and_where(const Run& run) {
+  std::string text;
+  if (run.ended > 0) text += fmt::format(" on {:%Y-%m-%d}", fmt::gmtime(run.ended));
+  if (run.machines.size() == 1) text += " on " + escape(run.machines.front());
+  if (run.machines.size() > 1) text += " on " + count_of(run.machines.size(), "machine");
+  if (run.champion)
+    if (const std::string& tool = run.robots[*run.champion].training.created_by; !tool.empty())
+      text += " with " + escape(tool);
+  return text.empty() ? "" : "; trained" + text;
+}
+
 std::string lead(const std::vector<Run>& runs) {
   if (runs.size() > 1) return "Co-design of soft robots, several runs side by side";
   const Run& run = runs[0];
-  return fmt::format("Co-design of soft robots by {}, bodies of {} voxels, seed {} {}",
+  return fmt::format("Co-design of soft robots by {}, bodies of {} voxels, seed {}{} {}",
                      escape(run.setting("method")), escape(run.setting("shape")),
-                     escape(run.setting("seed")), badge(run));
+                     escape(run.setting("seed")), when_and_where(run), badge(run));
 }
 
 std::string legend() {

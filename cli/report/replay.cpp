@@ -154,6 +154,18 @@ Json world_of(const Rollout& rollout) {
       fixed.push_back({x, y, 1.0, 1.0});
     }
   }
+  // So are boxes of one width that lie on each other.
+  for (std::size_t k = 1; k < fixed.size(); ++k)
+    for (std::size_t above = 0; above < k; ++above) {
+      const Json low = fixed[k];
+      if (fixed[above][0] != low[0] || fixed[above][2] != low[2] ||
+          fixed[above][1].get<double>() != low[1].get<double>() + low[3].get<double>())
+        continue;
+      fixed[above][1] = low[1];
+      fixed[above][3] = fixed[above][3].get<double>() + low[3].get<double>();
+      fixed.erase(k--);
+      break;
+    }
   return {{"fixed", std::move(fixed)}};
 }
 
@@ -163,7 +175,7 @@ Rollout run_again(const PolicyFile& policy, const std::string& tool) {
   EvaluationSettings settings;
   settings.seed = policy.seed;
   cli::Recorder recorder(arena, policy.robot, policy.seed, false, tool);
-  evaluate(arena, policy.controller, settings,
+  evaluate(arena, to_controller(policy.controller), settings,
            [&](const EpisodeMoment& moment) { recorder.record(moment); });
   return recorder.rollout();
 }

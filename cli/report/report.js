@@ -101,9 +101,23 @@
 
   // ---- what stands on the page from the start ------------------------------------------
 
+  // A row an evaluation, and lines between those of one robot; the champion's last.
+  const addCurves = (chart, robots) => {
+    Object.assign(chart, { rows: [], robots: [], edges: [] });
+    const missing = [null, null, null];
+    for (const [id, { curve }] of Object.entries(robots).sort(([a], [b]) => (a === chart.champion) - (b === chart.champion)))
+      curve.forEach(([step, value], n) => {
+        const best = id === chart.champion;
+        if (value === null) return;
+        if (n > 0 && chart.robots.at(-1) === id) chart.edges.push([chart.rows.length - 1, chart.rows.length, best]);
+        chart.rows.push([step, best ? missing : [value, value, value], best ? [value, value, value] : missing]);
+        chart.robots.push(id);
+      });
+  };
   const drawCharts = () => document.querySelectorAll('[data-chart]').forEach((holder) => {
     if (holder.offsetWidth === 0 || holder.hasChildNodes()) return;
     const chart = page.charts[holder.dataset.chart];
+    if (chart?.champion) addCurves(chart, page.runs[holder.dataset.run].robots);
     if (chart && (chart.cells || chart.rows).length > 0) draw(holder, chart, (id) => openRobot(holder.dataset.run, id), holder.dataset.name);
   });
   const stages = new Map();

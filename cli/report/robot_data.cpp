@@ -61,9 +61,10 @@ Json robot_data(const Run& run, std::size_t k, const std::vector<std::string>& c
   robot["commands"] =
       entry.training.curve.empty()
           ? Json::array()
-          : Json::array({fmt::format("evo-inspect {}", policy),
-                         fmt::format("evo-eval {} --rollout {}.h5", policy, entry.robot.id),
-                         fmt::format("evo-render {0}.h5 -o {0}.mp4", entry.robot.id)});
+          : Json::array(
+                {fmt::format("evo-inspect {}", policy),
+                 fmt::format("evo-eval {0} --policy {0} --rollout {1}.h5", policy, entry.robot.id),
+                 fmt::format("evo-render {0}.h5 -o {0}.mp4", entry.robot.id)});
   if (const auto replay = run.replays.find(k); replay != run.replays.end())
     robot["replay"] = replay->second;
   return robot;

@@ -34,7 +34,7 @@ std::vector<Setting> masked(const RunSettings& settings) {
 void add_history(const RunHistory& history, Run& run) {
   for (const TrainedRobot& trained : history.robots())
     run.robots.push_back(
-        {trained.robot, trained.generation, trained.fitness, without_folders(trained.failure)});
+        {trained.robot, trained.generation, trained.fitness, without_folders(trained.failure), {}});
   run.by_id = history.by_id();
   run.champion = history.champion_index();
   for (const RunHistory::Generation& begun : history.generations()) {
@@ -143,6 +143,9 @@ Run read_run(const fs::path& folder, int replays, int threads) {
   run.settings = masked(history.folder().settings());
   add_history(history, run);
   run.seconds = history.seconds();
+  run.began = history.began();
+  run.ended = history.ended();
+  run.machines = {history.machines().begin(), history.machines().end()};
   read_trainings(history.folder(), replays, threads, run);
   if (run.champion) read_recording(folder, run.robots[*run.champion].robot.id, run);
   return run;

@@ -53,6 +53,10 @@ struct Run {
   Json world;
 
   double seconds = 0.0;  // of all trainings, one core each; 0: not recorded
+  // When the first began and the last ended, seconds since 1970; 0: not recorded.
+  std::int64_t began = 0;
+  std::int64_t ended = 0;
+  std::vector<std::string> machines;
 
   // A setting's value; empty where run.yaml has none.
   std::string setting(const std::string& name) const;

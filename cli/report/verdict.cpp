@@ -36,28 +36,46 @@ double gain(const Run& run, double best) {
   return most;
 }
 
-std::string doubled(const std::string& number) {  // "512000" as "1024000"
+std::string times(long factor, const std::string& number) {  // 2, "512000": "1024000"
   const long value = std::strtol(number.c_str(), nullptr, 10);
-  return value > 0 ? fmt::format("{}", 2 * value) : number;
+  return value > 0 ? fmt::format("{}", factor * value) : number;
 }
 
-void say_progress(const Run& run, double best, Verdict& verdict) {
+// As a word of a shell's command line, for make, to which a dollar is "$$".
+std::string shell_word(const std::string& value) {
+  constexpr const char* plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./,:=+";
+  if (value.find_first_not_of(plain) == std::string::npos) return value;
+  std::string word = "'";
+  for (const char c : value) word += c == '\'' ? "'\\''" : c == '$' ? "$$" : std::string(1, c);
+  return word + "'";
+}
+
+bool is_over(const Run& run) {
+  return run.evaluations() && run.robots.size() >= *run.evaluations();
+}
+
+// Of the best fitness, from the first generation on.
+std::string progress(const Run& run, double best) {
   const auto start = best_of(run, run.generations.front());
+  return start && best > *start
+             ? fmt::format("Improved from {} to {}", shown(start), shown(best))
+             : fmt::format("{} from the first generation on: evolution added nothing", shown(best));
+}
+
+void say_progress(const Run& run, double best, double gained, Verdict& verdict) {
   const std::size_t number = *run.champion + 1;
-  const std::size_t since = run.robots.size() - number;
-  if (start && best > *start)
-    verdict.sentences.push_back(fmt::format("Improved from {} in generation {} to {}.",
-                                            shown(start), run.generations.front().number,
-                                            shown(best)));
-  else
-    verdict.sentences.push_back(fmt::format(
-        "The best fitness, {}, was there in the first generation already.", shown(best)));
+  if (gained < least_gain)
+    verdict.sentences.push_back(
+        fmt::format("The best fitness after {} robots is {}, {:.2g} more than it began with; less "
+                    "than {} is no success.",
+                    run.robots.size(), shown(best), gained, least_gain));
   verdict.sentences.push_back(
-      since == 0
+      number == run.robots.size()
           ? fmt::format("The last improvement is the last robot trained, number {}.", number)
           : fmt::format("The last improvement was robot {} of {}.", number, run.robots.size()));
   if (const auto replay = run.replays.find(*run.champion); replay != run.replays.end())
-    verdict.sentences.push_back(fmt::format("Its episode of {} steps: {}.",
+    verdict.sentences.push_back(fmt::format("Its episode ends after {} steps: {}.",
                                             replay->second["steps"].get<int>(),
                                             replay->second["ending"].get<std::string>()));
 }
@@ -82,23 +100,30 @@ bool still_rising(const Run& run) {
          static_cast<double>(training.best_step) >= late * static_cast<double>(training.steps);
 }
 
-void advise(const Run& run, double best, bool robust, Verdict& verdict) {
+void advise(const Run& run, bool robust, Verdict& verdict) {
   const std::string folder = "runs/" + run.label;
   const auto add = [&](const std::string& why, const std::string& line) {
     verdict.commands.push_back({why, line});
   };
-  const bool over = run.evaluations() && run.robots.size() >= *run.evaluations();
-  if (!over) add("go on where it is", run_command(run, {}));
+  const bool over = is_over(run);
+  const bool bad = verdict.level == Verdict::Level::bad;
+  const bool rising = still_rising(run);
   const std::size_t since = run.robots.size() - (*run.champion + 1);
   const bool settled = 4 * since >= run.robots.size();  // nothing better for a quarter of the run
-  if (verdict.level == Verdict::Level::bad || still_rising(run))
-    add("train each robot longer",
-        run_command(run, {{"RUN", folder + "-longer"}, {"STEPS", doubled(run.setting("steps"))}}));
-  if (over && !settled)
+  const auto longer = [&](long factor) {
+    return run_command(
+        run, {{"RUN", folder + "-longer"}, {"STEPS", times(factor, run.setting("steps"))}});
+  };
+  if (!over) add("go on where it is", run_command(run, {}));
+  if (over && bad)
+    add("train each robot ten times as long", longer(10));
+  else if (over && rising)
+    add("train longer: the champion was still learning", longer(2));
+  if (over && !bad && !settled)
     add("evolve on: it was still improving",
         run_command(run,
-                    {{"RUN", folder + "-more"}, {"EVALS", doubled(run.setting("evaluations"))}}));
-  if (over && settled && verdict.level != Verdict::Level::bad)
+                    {{"RUN", folder + "-more"}, {"EVALS", times(2, run.setting("evaluations"))}}));
+  if (over && !bad && settled && !rising)
     add("enough: see whether another seed agrees",
         run_command(run, {{"RUN", folder + "-again"},
                           {"SEED", fmt::format("{}", 1 + std::strtol(run.setting("seed").c_str(),
@@ -108,30 +133,45 @@ void advise(const Run& run, double best, bool robust, Verdict& verdict) {
         fmt::format("evo-eval {}/best.json --episodes 20 --jitter 1e-3 -o -", folder));
   add("its way as a figure",
       fmt::format("evo-render {}/best.rollout.h5 --strip 6 --theme paper -o champion.pdf", folder));
-  (void)best;
 }
 
 }  // namespace
 
 std::string run_command(const Run& run,
                         const std::vector<std::pair<std::string, std::string>>& changed) {
-  std::vector<std::pair<std::string, std::string>> words{
-      {"RUN", "runs/" + run.label},       {"TASK", run.setting("task")},
-      {"POP", run.setting("population")}, {"EVALS", run.setting("evaluations")},
-      {"STEPS", run.setting("steps")},    {"SEED", run.setting("seed")},
-      {"SHAPE", run.setting("shape")},    {"TRAIN", run.setting("train")},
-      {"ALGO", run.setting("algo")}};
-  std::string line = fmt::format("make -f scripts/{}.mk", run.setting("method"));
-  for (auto& [name, value] : words) {
-    for (const auto& [other, instead] : changed)
-      if (other == name) value = instead;
-    if (value.empty() || (name == "TRAIN" && value == "default") ||
-        (name == "ALGO" && value == "ppo"))
-      continue;
-    const bool plain = value.find_first_not_of(
-                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./") ==
-                       std::string::npos;
-    line += fmt::format(" {}={}", name, plain ? value : "'" + value + "'");
+  // The pipelines' variables, the settings they become, and what need not be said.
+  struct Variable {
+    const char* name;
+    const char* setting;
+    const char* plain = "";
+  };
+  const bool steady = run.setting("layout") == "steady";
+  std::vector<Variable> variables{{"RUN", ""}};
+  if (steady) variables.push_back({"METHOD", "method"});
+  variables.insert(variables.end(), {{"TASK", "task"},
+                                     {"POP", "population"},
+                                     {"EVALS", "evaluations"},
+                                     {"STEPS", "steps"},
+                                     {"SEED", "seed"},
+                                     {"SHAPE", "shape"},
+                                     {"ALGO", "algo", "ppo"},
+                                     {"TRAIN", "train", "default"},
+                                     {"PHYSICS", "physics", "task"},
+                                     {"TRAIN_OPTIONS", "train_options"},
+                                     {"MUTATE", "mutate"},
+                                     {"MUTATE_OPTIONS", "mutate_options"},
+                                     {"NEAT", "neat", "default"},
+                                     {"WINDOW", "window"},
+                                     {"EVALUATE", "evaluate"}});
+  std::string line =
+      fmt::format("make -f scripts/{}.mk", steady ? "steady" : run.setting("method"));
+  for (const Variable& variable : variables) {
+    std::string value =
+        *variable.setting == '\0' ? "runs/" + run.label : run.setting(variable.setting);
+    for (const auto& [name, instead] : changed)
+      if (name == variable.name) value = instead;
+    if (value.empty() || value == variable.plain) continue;
+    line += fmt::format(" {}={}", variable.name, shell_word(value));
   }
   return line + " -j8";
 }
@@ -147,12 +187,13 @@ Verdict judge(const Run& run) {
     return verdict;
   }
   const double best = *run.robots[*run.champion].fitness;
-  const bool learnt = gain(run, best) >= least_gain;
-  const bool over = run.evaluations() && run.robots.size() >= *run.evaluations();
+  const double gained = gain(run, best);
+  const bool learnt = gained >= least_gain;
+  const bool over = is_over(run);
   verdict.level = !learnt ? Verdict::Level::bad
                   : over  ? Verdict::Level::good
                           : Verdict::Level::doubt;
-  say_progress(run, best, verdict);
+  say_progress(run, best, gained, verdict);
   const bool robust = say_robustness(run, best, verdict);
   if (learnt && !robust) verdict.level = Verdict::Level::doubt;
   if (const std::size_t failures = run.failures(); failures > 0) {
@@ -161,10 +202,10 @@ Verdict judge(const Run& run) {
     if (5 * failures > run.robots.size() && learnt) verdict.level = Verdict::Level::doubt;
   }
   verdict.headline = !learnt  ? "Nothing was learnt"
-                     : !over  ? "Learning, and not over"
-                     : robust ? "It worked"
-                              : "It worked, with luck";
-  advise(run, best, robust, verdict);
+                     : !over  ? progress(run, best) + ", and it is not over"
+                     : robust ? progress(run, best)
+                              : progress(run, best) + ", in part by luck";
+  advise(run, robust, verdict);
   return verdict;
 }
 

@@ -118,7 +118,9 @@ const checkParts = async () => {
 // How many colours the middle of a canvas shows.
 const colors = (selector) => evaluate(`(() => {
   const canvas = document.querySelector(${JSON.stringify(selector)});
-  const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
+  copy.drawImage(canvas, 0, 0);
+  const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
   const seen = new Set();
   for (let k = 0; k < data.length; k += 4) seen.add(data[k] << 16 | data[k + 1] << 8 | data[k + 2]);
   return seen.size;

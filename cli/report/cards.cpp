@@ -75,9 +75,9 @@ std::string tile(const std::string& name, const std::string& value) {
 std::string duration(double seconds) {
   constexpr double minute = 60;
   constexpr double hour = 60 * minute;
-  if (seconds < 2 * minute) return fmt::format("{:.0f} <small>s</small>", seconds);
-  if (seconds < 2 * hour) return fmt::format("{:.0f} <small>min</small>", seconds / minute);
-  return fmt::format("{:.1f} <small>h</small>", seconds / hour);
+  if (seconds < 2 * minute) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 2 * hour) return fmt::format("{:.0f} min", seconds / minute);
+  return fmt::format("{:.1f} h", seconds / hour);
 }
 
 }  // namespace
@@ -90,10 +90,12 @@ std::string tiles(const Run& run) {
   html += tile("generations", fmt::to_string(run.generations.size()));
   html += tile("failed trainings", fmt::to_string(run.failures()));
   html += tile("training steps", cli::grouped(training_steps(run)));
-  if (run.seconds > 0)
-    html += tile("training time", duration(run.seconds) + " <small>of a core</small>");
-  if (run.ended > run.began)
-    html += tile("from begin to end", duration(static_cast<double>(run.ended - run.began)));
+  if (run.seconds > 0) {
+    const auto elapsed = static_cast<double>(run.ended - run.began);
+    html += tile("training time of one core",
+                 duration(run.seconds) +
+                     (elapsed > 0 ? " <small>within " + duration(elapsed) + "</small>" : ""));
+  }
   return html + "</dl>\n";
 }
 

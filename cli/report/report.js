@@ -152,6 +152,7 @@
     [...table.tHead.rows[0].cells].forEach((cell, column) => {
       if (cell.dataset.sort === undefined) return;
       const button = element('button', { type: 'button' }, cell.textContent);
+      cell.dataset.name = cell.textContent;  // paper repeats headings, but no buttons
       cell.replaceChildren(button);
       button.addEventListener('click', () => {
         const now = cell.getAttribute('aria-sort');

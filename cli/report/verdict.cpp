@@ -160,6 +160,7 @@ std::string run_command(const Run& run,
                                      {"TRAIN_OPTIONS", "train_options"},
                                      {"MUTATE", "mutate"},
                                      {"MUTATE_OPTIONS", "mutate_options"},
+                                     {"INHERIT", "inherit"},
                                      {"NEAT", "neat", "default"},
                                      {"WINDOW", "window"},
                                      {"EVALUATE", "evaluate"}});

@@ -1,10 +1,11 @@
 // Compiled once per instruction set by Highway and chosen at run time.
 //
-// The product works on panels of B, a few vectors wide and `panel_rows` high,
-// copied so that they are contiguous and padded with zeros. Against a panel go
-// tiles of up to `tile_rows` rows of C, held in registers while k runs. A sum
-// over more than `panel_rows` terms is put back into C and taken up again from
-// there, which leaves the order of its additions as it was.
+// The product works on panels of B, a few vectors wide and `panel_rows` high. Where B
+// is transposed, or the panel is its ragged edge, it is copied to be contiguous and
+// padded with zeros; else it is read where it lies. Against a panel go tiles of up to
+// `tile_rows` rows of C, held in registers while k runs. A sum over more than
+// `panel_rows` terms is put back into C and taken up again from there, which leaves
+// the order of its additions as it was.
 #include "libevo/control/matrix.h"
 
 #include <algorithm>
@@ -46,14 +47,22 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::ScalableTag<float>;
 using V = hn::Vec<D>;
 
-constexpr std::ptrdiff_t tile_rows = 6;     // 6 x 2 sums, 2 of B, 1 of A: 15 registers
+// Sums x 2 vectors, 2 of B, 1 of A: 15 of 16 registers, or 19 of 32 for the 8
+// environments of a batch at once.
+constexpr std::ptrdiff_t tile_rows = HWY_TARGET <= HWY_AVX3 ? 8 : 6;
 constexpr std::ptrdiff_t panel_rows = 256;  // x 2 vectors: at most 32 KiB
 constexpr std::ptrdiff_t max_lanes = 16;
+
+// Rows of B, `row` apart, a panel's width each.
+struct Panel {
+  const float* data;
+  std::ptrdiff_t row;
+};
 
 // tile += A rows [Rows x k] times panel [k x Vectors * lanes]; the tile's rows
 // are `stride` apart.
 template <int Rows, int Vectors>
-HWY_INLINE void multiply_tile(const Operand& a, const float* panel, std::ptrdiff_t k, float* tile,
+HWY_INLINE void multiply_tile(const Operand& a, const Panel& panel, std::ptrdiff_t k, float* tile,
                               std::ptrdiff_t stride) {
   const D d;
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
@@ -62,7 +71,7 @@ HWY_INLINE void multiply_tile(const Operand& a, const float* panel, std::ptrdiff
     for (int v = 0; v < Vectors; ++v) sum[r][v] = hn::LoadU(d, tile + r * stride + v * lanes);
   for (std::ptrdiff_t i = 0; i < k; ++i) {
     V b[Vectors];
-    for (int v = 0; v < Vectors; ++v) b[v] = hn::Load(d, panel + (i * Vectors + v) * lanes);
+    for (int v = 0; v < Vectors; ++v) b[v] = hn::LoadU(d, panel.data + i * panel.row + v * lanes);
     for (int r = 0; r < Rows; ++r) {
       const V value = hn::Set(d, a.data[r * a.row + i * a.column]);
       for (int v = 0; v < Vectors; ++v) sum[r][v] = hn::Add(sum[r][v], hn::Mul(value, b[v]));
@@ -73,7 +82,7 @@ HWY_INLINE void multiply_tile(const Operand& a, const float* panel, std::ptrdiff
 }
 
 template <int Vectors>
-void multiply_rows(std::ptrdiff_t rows, const Operand& a, const float* panel, std::ptrdiff_t k,
+void multiply_rows(std::ptrdiff_t rows, const Operand& a, const Panel& panel, std::ptrdiff_t k,
                    float* tile, std::ptrdiff_t stride) {
   switch (rows) {
     case 1:
@@ -86,18 +95,56 @@ void multiply_rows(std::ptrdiff_t rows, const Operand& a, const float* panel, st
       return multiply_tile<4, Vectors>(a, panel, k, tile, stride);
     case 5:
       return multiply_tile<5, Vectors>(a, panel, k, tile, stride);
-    default:
+    case 6:
       return multiply_tile<6, Vectors>(a, panel, k, tile, stride);
+    case 7:
+      return multiply_tile<std::min<int>(7, tile_rows), Vectors>(a, panel, k, tile, stride);
+    default:
+      return multiply_tile<tile_rows, Vectors>(a, panel, k, tile, stride);
   }
+}
+
+// 4 x 4 numbers: to[i * to_row + j] = from[j * from_row + i]
+HWY_INLINE void transpose_block(const float* from, std::ptrdiff_t from_row, float* to,
+                                std::ptrdiff_t to_row) {
+#if HWY_TARGET == HWY_SCALAR
+  for (std::ptrdiff_t i = 0; i < 4; ++i)
+    for (std::ptrdiff_t j = 0; j < 4; ++j) to[i * to_row + j] = from[j * from_row + i];
+#else
+  const hn::Full128<float> d;
+  const auto row0 = hn::LoadU(d, from);
+  const auto row1 = hn::LoadU(d, from + from_row);
+  const auto row2 = hn::LoadU(d, from + 2 * from_row);
+  const auto row3 = hn::LoadU(d, from + 3 * from_row);
+  const auto lower02 = hn::InterleaveLower(d, row0, row2);
+  const auto lower13 = hn::InterleaveLower(d, row1, row3);
+  const auto upper02 = hn::InterleaveUpper(d, row0, row2);
+  const auto upper13 = hn::InterleaveUpper(d, row1, row3);
+  hn::StoreU(hn::InterleaveLower(d, lower02, lower13), d, to);
+  hn::StoreU(hn::InterleaveUpper(d, lower02, lower13), d, to + to_row);
+  hn::StoreU(hn::InterleaveLower(d, upper02, upper13), d, to + 2 * to_row);
+  hn::StoreU(hn::InterleaveUpper(d, upper02, upper13), d, to + 3 * to_row);
+#endif
 }
 
 // Rows [0, k) and columns [0, columns) of B, padded to `width` columns.
 void pack(const Operand& b, std::ptrdiff_t k, std::ptrdiff_t columns, std::ptrdiff_t width,
           float* panel) {
+  constexpr std::ptrdiff_t block = 4;
+  std::ptrdiff_t whole_columns = 0;  // copied in blocks, in whole_rows
+  std::ptrdiff_t whole_rows = 0;
+  if (b.row == 1) {
+    whole_columns = columns / block * block;
+    whole_rows = k / block * block;
+    for (std::ptrdiff_t j = 0; j < whole_columns; j += block)
+      for (std::ptrdiff_t i = 0; i < whole_rows; i += block)
+        transpose_block(b.data + i + j * b.column, b.column, panel + i * width + j, width);
+  }
   for (std::ptrdiff_t i = 0; i < k; ++i) {
     float* row = panel + i * width;
-    for (std::ptrdiff_t j = 0; j < columns; ++j) row[j] = b.data[i * b.row + j * b.column];
-    std::fill(row + columns, row + width, 0.0F);
+    for (std::ptrdiff_t j = i < whole_rows ? whole_columns : 0; j < columns; ++j)
+      row[j] = b.data[i * b.row + j * b.column];
+    for (std::ptrdiff_t j = columns; j < width; ++j) row[j] = 0.0F;
   }
 }
 
@@ -107,8 +154,12 @@ void multiply_panel(const Shape& shape, std::ptrdiff_t columns, const Operand& a
                     float* c, std::ptrdiff_t c_row) {
   const D d;
   const auto width = Vectors * static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  HWY_ALIGN float panel[panel_rows * Vectors * max_lanes];
-  pack(b, shape.k, columns, width, panel);
+  HWY_ALIGN float packed[panel_rows * Vectors * max_lanes];
+  Panel panel{b.data, b.row};
+  if (b.column != 1 || columns != width) {
+    pack(b, shape.k, columns, width, packed);
+    panel = {packed, width};
+  }
   for (std::ptrdiff_t i = 0; i < shape.m; i += tile_rows) {
     const std::ptrdiff_t rows = std::min(tile_rows, shape.m - i);
     const Operand a_rows{a.data + i * a.row, a.row, a.column};
@@ -116,12 +167,14 @@ void multiply_panel(const Shape& shape, std::ptrdiff_t columns, const Operand& a
     if (columns == width) {
       multiply_rows<Vectors>(rows, a_rows, panel, shape.k, c_rows, c_row);
     } else {
-      HWY_ALIGN float tile[tile_rows * Vectors * max_lanes] = {};
-      for (std::ptrdiff_t r = 0; r < rows; ++r)
-        std::copy_n(c_rows + r * c_row, columns, tile + r * width);
+      HWY_ALIGN float tile[tile_rows * Vectors * max_lanes];
+      for (std::ptrdiff_t r = 0; r < rows; ++r) {
+        for (std::ptrdiff_t j = 0; j < width; ++j)
+          tile[r * width + j] = j < columns ? c_rows[r * c_row + j] : 0.0F;
+      }
       multiply_rows<Vectors>(rows, a_rows, panel, shape.k, tile, width);
       for (std::ptrdiff_t r = 0; r < rows; ++r)
-        std::copy_n(tile + r * width, columns, c_rows + r * c_row);
+        for (std::ptrdiff_t j = 0; j < columns; ++j) c_rows[r * c_row + j] = tile[r * width + j];
     }
   }
 }

@@ -163,14 +163,24 @@ void estimate_advantages(std::span<const double> rewards, std::span<const std::u
 
 // ---- the optimiser ------------------------------------------------------------
 
+namespace {
+double square(float x) { return static_cast<double>(x) * static_cast<double>(x); }
+}  // namespace
+
 double clip_norm(Gradients& gradients, double limit) {
   // Eight interleaved sums: a fixed order that still fills vector registers.
   constexpr std::size_t lanes = 8;
   double sums[lanes] = {};
   const auto blocks = parameter_blocks(gradients);
   for (const std::span<float> block : blocks)
-    for (std::size_t i = 0; i < block.size(); ++i)
-      sums[i % lanes] += static_cast<double>(block[i]) * static_cast<double>(block[i]);
+    for (std::size_t i = 0; i < block.size(); i += lanes) {
+      const std::size_t n = std::min(lanes, block.size() - i);
+      if (n == lanes) {  // of a length that the compiler knows
+        for (std::size_t j = 0; j < lanes; ++j) sums[j] += square(block[i + j]);
+      } else {
+        for (std::size_t j = 0; j < n; ++j) sums[j] += square(block[i + j]);
+      }
+    }
   const double norm = std::sqrt(std::accumulate(sums, sums + lanes, 0.0));
   if (limit > 0.0 && norm > limit) {
     const auto factor = static_cast<float>(limit / norm);

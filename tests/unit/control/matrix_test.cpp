@@ -49,6 +49,8 @@ TEST_CASE("products have the bits of their definition on every instruction set")
                                                         {7, 33, 600},
                                                         {13, 10, 5},
                                                         {128, 1, 64},
+                                                        {8, 23, 70},
+                                                        {14, 64, 66},
                                                         {2, 17, 257}}));
   const Matrix a = random_matrix(m, k, stream);
   const Matrix b = random_matrix(k, n, stream);

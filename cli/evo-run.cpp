@@ -68,7 +68,7 @@ std::vector<std::string> training_words(const RunFolder& run) {
   };
   give("--task", settings.text("task"));
   give("--steps", settings.text("steps"));
-  give("--algo", settings.text("algo"));
+  if (settings.text("algo") != "profile") give("--algo", settings.text("algo"));
   give("--train", settings.text("train"));
   if (settings.text("physics") != "task") give("--physics", settings.text("physics"));
   give("--seed", settings.text("seed"));

@@ -43,8 +43,9 @@ EVALS  ?= 250
 STEPS  ?= 512000
 SEED   ?= 0
 SHAPE  ?= $(if $(filter Lifter-v0,$(TASK)),5x7,5x5)
-ALGO   ?= ppo
 TRAIN  ?= default
+# What trains: a name of evo-train --algo, or the profile's own.
+ALGO   ?= $(if $(filter default paper release2,$(TRAIN)),ppo,profile)
 PHYSICS ?=
 TRAIN_OPTIONS ?=
 # yes: a child's training starts from its parent's controller, carried over to its

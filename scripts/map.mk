@@ -2,7 +2,7 @@
 # that keeps the fittest robot of every kind, so that what is good in its own way is
 # not lost to what is ahead now.
 #
-#   make -f scripts/map.mk RUN=runs/stairs TASK=UpStepper-v0 POP=25 EVALS=500 STEPS=16384 ALGO=gait INHERIT=yes SEED=1 -j8
+#   make -f scripts/map.mk RUN=runs/stairs TASK=UpStepper-v0 POP=25 EVALS=500 STEPS=8000 TRAIN=gait INHERIT=yes SEED=1 -j8
 #
 # FEATURES are the archive's axes ('evo-archive --help'). The run ends with the usual
 # files and archive.jsonl, the elites by cells; archive.tsv is their map.

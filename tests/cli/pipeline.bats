@@ -69,7 +69,7 @@ kill_and_repeat() {
 }
 
 @test "inherit: children go on from their parents' gaits, by generations and without" {
-  local inherit=(INHERIT=yes ALGO=gait STEPS=4000 TRAIN_OPTIONS="--train-set population=4" -s)
+  local inherit=(INHERIT=yes TRAIN=gait STEPS=8000 -s)
   run_make ga calm "${inherit[@]}" -j2 calm/history.jsonl
   run_make ga other "${inherit[@]}" other/history.jsonl
   diff calm/history.jsonl other/history.jsonl

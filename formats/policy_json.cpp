@@ -6,7 +6,6 @@
 #include "formats/format.h"
 #include "formats/json.h"
 #include "libevo/base/error.h"
-#include "libevo/base/overloaded.h"
 
 namespace evo {
 namespace {
@@ -35,6 +34,16 @@ Json network_to_json(const Network& network) {
   return layers;
 }
 
+Json sine_to_json(const SineController& sine) {
+  Json wave{{"amplitude", numbers(sine.amplitude)},
+            {"phase", numbers(sine.phase)},
+            {"period", number(sine.period)},
+            {"middle", number(sine.middle)}};
+  if (!sine.shift.empty()) wave["shift"] = numbers(sine.shift);
+  return wave;
+}
+
+// One for every TrainedController.
 void add_controller(Json& document, const Policy& policy) {
   const Normalizer& normalizer = policy.normalizer;
   document["kind"] = "network";
@@ -49,14 +58,13 @@ void add_controller(Json& document, const Policy& policy) {
   document["actor"] = network_to_json(policy.actor);
   document["critic"] = network_to_json(policy.critic);
   document["log_std"] = numbers(policy.log_std);
+  if (!policy.clock.empty()) document["clock"] = numbers(policy.clock);
+  if (policy.gait) document["gait"] = sine_to_json(*policy.gait);
 }
 
 void add_controller(Json& document, const SineController& sine) {
   document["kind"] = "sine";
-  document["sine"] = {{"amplitude", numbers(sine.amplitude)},
-                      {"phase", numbers(sine.phase)},
-                      {"period", number(sine.period)},
-                      {"middle", number(sine.middle)}};
+  document["sine"] = sine_to_json(sine);
 }
 
 Json curve_to_json(const std::vector<CurvePoint>& curve) {
@@ -75,11 +83,8 @@ Json curve_to_json(const std::vector<CurvePoint>& curve) {
 
 std::string policy_to_json(const PolicyFile& policy) {
   Json document{{"format", format::policy.name}, {"version", format::policy.version}};
-  std::visit(
-      Overloaded{[&](const Policy& network) { add_controller(document, network); },
-                 [&](const SineController& sine) { add_controller(document, sine); },
-                 [](const auto&) { throw Error(Failure::data, "not a trained controller"); }},
-      policy.controller);
+  std::visit([&](const auto& controller) { add_controller(document, controller); },
+             policy.controller);
   document["robot"] = parse_json(robot_to_line(policy.robot), "robot");
   document["task"] = policy.task;
   document["task_yaml"] = policy.task_yaml;

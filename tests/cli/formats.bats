@@ -8,6 +8,7 @@ setup_file() {
   local small=(--train-set 'hidden=[8]' --train-set environments=2 --train-set rollout=32)
   evo-train small.txt --task Walker-v0 --steps 640 --out-dir net "${small[@]}" -o net.json
   evo-train small.txt --task Walker-v0 --steps 640 --out-dir squash "${small[@]}" --train-set action_map=squash -o squash.json
+  evo-train small.txt --task Walker-v0 --steps 64 --out-dir timed "${small[@]}" --train-set 'clock=[20]'
   evo-train small.txt --task Walker-v0 --steps 8000 --algo sine --out-dir sine -o sine.json
 }
 schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
@@ -31,7 +32,7 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
   evo-convert small.txt --to evogym | schema design-tool
   evo-convert --task Carrier-v0 --to evogym | schema design-tool
   local policy
-  for policy in net/*.policy.h5 squash/*.policy.h5 sine/*.policy.h5; do
+  for policy in {net,squash,timed,sine}/*.policy.h5; do
     evo-convert "$policy" --to json | tee policy.json | schema policy
     jq -r .task_yaml policy.json | schema task
     jq -r .physics_yaml policy.json | schema physics
@@ -66,6 +67,7 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
     /usr/bin/python3 "$EVO_SOURCE/tests/cli/policy_onnx.py" $kind.onnx $kind.h5
   done
   fails_with 65 "open loop" -- evo-convert "$made"/sine/*.policy.h5 --to onnx -o x.onnx
+  fails_with 65 "depends on the time" -- evo-convert "$made"/timed/*.policy.h5 --to onnx -o x.onnx
   [ ! -e x.onnx ]
 }
 

@@ -6,6 +6,8 @@
 
 #include "formats/files.h"
 #include "formats/hdf5.h"
+#include "formats/json.h"
+#include "formats/policy_json.h"
 #include "formats/task.h"
 #include "formats/training.h"
 #include "libevo/control/evaluate.h"
@@ -143,6 +145,18 @@ TEST_CASE("policies come back as they were written, and twice the same bytes") {
   const auto again = scratch.folder / "b.policy.h5";
   write_policy(again, file);
   CHECK(read_file(path) == read_file(again));
+}
+
+TEST_CASE("as JSON a policy keeps its clock, its gait and the shifts of its waves") {
+  const Json network = parse_json(policy_to_json(example(policy_on_gait())), "policy");
+  CHECK(network.at("clock") == Json{40.0, 17.5});
+  CHECK(network.at("gait").at("period") == 17.5);
+  CHECK(network.at("gait").at("shift") == Json{0.1, -0.05, 0.0});
+  const Json plain = parse_json(policy_to_json(example(network_policy())), "policy");
+  CHECK_FALSE(plain.contains("clock"));
+  CHECK_FALSE(plain.contains("gait"));
+  const Json wave = parse_json(policy_to_json(example(shifted_wave())), "policy");
+  CHECK(wave.at("sine").at("shift") == network.at("gait").at("shift"));
 }
 
 TEST_CASE("a policy without final episodes has no final score") {

@@ -1,5 +1,7 @@
 #include "cli/training.h"
 
+#include <fmt/ranges.h>
+
 #include <atomic>
 #include <chrono>
 #include <filesystem>
@@ -323,7 +325,7 @@ void TrainingOptions::add_to(Command& command) {
                  "one setting of the profile, such as learning_rate=3e-4 (repeatable); "
                  "'evo-inspect training' lists them");
   command.option("--algo", algorithm, "NAME",
-                 "ppo, portfolio, or open loop: gait, sine or random [the profile's]");
+                 fmt::format("{} [the profile's]", fmt::join(algorithm_names(), ", ")));
   command.option("--steps", steps, "N", "environment steps [the profile's]");
   command.option("--final-episodes", final_episodes, "N",
                  "episodes of the best policy from shifted starts, after training [the profile's]");

@@ -3,6 +3,7 @@
 #include <utility>
 #include <variant>
 
+#include "libevo/base/alternatives.h"
 #include "libevo/base/error.h"
 #include "libevo/control/evaluate.h"
 #include "libevo/control/methods.h"
@@ -13,29 +14,54 @@ namespace {
 
 // ---- the findings in checkpoints -----------------------------------------------------
 
-// For every TrainedController: without it, this does not compile.
-void save_best(Checkpoint& checkpoint, const Policy& policy) {
-  save_policy(checkpoint, "best/policy", policy);
-  if (policy.gait) save_sine(checkpoint, "best/gait", *policy.gait);
-}
-void save_best(Checkpoint& checkpoint, const SineController& sine) {
-  save_sine(checkpoint, "best/sine", sine);
-}
+// One for every TrainedController, or this does not compile: save it, say whether
+// it is in a checkpoint, load it.
+template <typename Controller>
+struct Best;
 
-TrainedController load_best(const Checkpoint& checkpoint, const TrainingJob& job) {
-  if (checkpoint.has("best/sine/period")) return load_sine(checkpoint, "best/sine");
-  if (checkpoint.has("best/amplitude")) {  // as programs before gaits wrote it
-    SineController sine;
+template <>
+struct Best<Policy> {
+  static void save(Checkpoint& checkpoint, const Policy& policy) {
+    save_policy(checkpoint, "best/policy", policy);
+    if (policy.gait) save_sine(checkpoint, "best/gait", *policy.gait);
+  }
+  static bool in(const Checkpoint& checkpoint) {
+    return !checkpoint.part("best/policy").arrays.empty();
+  }
+  static Policy load(const Checkpoint& checkpoint, const TrainingJob& job) {
+    std::optional<SineController> gait;
+    if (checkpoint.has("best/gait/period")) gait = load_sine(checkpoint, "best/gait");
+    Policy policy = initial_policy(job, std::move(gait));  // of its shape
+    load_policy(checkpoint, "best/policy", policy);
+    return policy;
+  }
+};
+
+template <>
+struct Best<SineController> {
+  static void save(Checkpoint& checkpoint, const SineController& sine) {
+    save_sine(checkpoint, "best/sine", sine);
+  }
+  static bool in(const Checkpoint& checkpoint) {
+    return checkpoint.has("best/sine/period") || checkpoint.has("best/amplitude");
+  }
+  static SineController load(const Checkpoint& checkpoint, const TrainingJob&) {
+    if (checkpoint.has("best/sine/period")) return load_sine(checkpoint, "best/sine");
+    SineController sine;  // as programs before gaits wrote it
     sine.amplitude = checkpoint.get<double>("best/amplitude");
     sine.phase = checkpoint.get<double>("best/phase", sine.amplitude.size());
     sine.period = checkpoint.get<double>("best/period", 1)[0];
     return sine;
   }
-  std::optional<SineController> gait;
-  if (checkpoint.has("best/gait/period")) gait = load_sine(checkpoint, "best/gait");
-  Policy policy = initial_policy(job, std::move(gait));  // of its shape
-  load_policy(checkpoint, "best/policy", policy);
-  return policy;
+};
+
+TrainedController load_best(const Checkpoint& checkpoint, const TrainingJob& job) {
+  std::optional<TrainedController> best;
+  for_each_alternative<TrainedController>([&]<typename T>(std::type_identity<T>) {
+    if (!best && Best<T>::in(checkpoint)) best = Best<T>::load(checkpoint, job);
+  });
+  if (!best) throw error(Failure::data, "checkpoint: its best controller is missing");
+  return std::move(*best);
 }
 
 void save(Checkpoint& checkpoint, const Findings& findings) {
@@ -54,7 +80,8 @@ void save(Checkpoint& checkpoint, const Findings& findings) {
   if (!findings.best) return;
   checkpoint.put<std::uint64_t>("best/step", {static_cast<std::uint64_t>(findings.best_step)});
   checkpoint.put<double>("best/fitness", {*findings.fitness});
-  std::visit([&](const auto& controller) { save_best(checkpoint, controller); }, *findings.best);
+  std::visit([&]<typename T>(const T& controller) { Best<T>::save(checkpoint, controller); },
+             *findings.best);
 }
 
 Findings load(const Checkpoint& checkpoint, const TrainingJob& job) {

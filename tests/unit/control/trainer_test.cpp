@@ -45,6 +45,13 @@ TrainingSettings brief_portfolio() {
   return s;
 }
 
+// Of any algorithm: a new one that is no network is taken for a search.
+TrainingSettings brief(const std::string& algorithm) {
+  if (algorithm == "ppo") return brief();
+  if (algorithm == "portfolio") return brief_portfolio();
+  return brief_search(Algorithm(algorithm));
+}
+
 void check_equal(const TrainResult& a, const TrainResult& b) {
   CHECK(a.fitness == b.fitness);
   CHECK(a.controller == b.controller);
@@ -98,9 +105,7 @@ TEST_CASE("a training takes its updates, evaluates when due, and keeps the best"
 
 TEST_CASE("a resumed training ends with the same bytes") {
   const Arena arena(test::walker(10), test::small_body());
-  const TrainingSettings settings =
-      GENERATE(brief(), brief_search(Algorithm("sine")), brief_search(Algorithm("random")),
-               brief_search(Algorithm("gait")), brief_portfolio());
+  const TrainingSettings settings = brief(GENERATE(from_range(algorithm_names())));
   const int before = GENERATE(0, 2, 4, 5, 9);
   Trainer whole(arena, settings, 5, "robot");
   for (int i = 0; i < before && !whole.done(); ++i) whole.advance();
@@ -115,9 +120,7 @@ TEST_CASE("a resumed training ends with the same bytes") {
 
 TEST_CASE("results depend on seed and robot id, and on nothing else") {
   const Arena arena(test::walker(10), test::small_body());
-  const TrainingSettings settings =
-      GENERATE(brief(), brief_search(Algorithm("sine")), brief_search(Algorithm("random")),
-               brief_search(Algorithm("gait")), brief_portfolio());
+  const TrainingSettings settings = brief(GENERATE(from_range(algorithm_names())));
   const auto run = [&](std::uint64_t seed, const char* id) {
     Trainer trainer(arena, settings, seed, id);
     return train(trainer);
@@ -277,13 +280,11 @@ TEST_CASE("settings that make no sense are refused by name") {
 }
 
 TEST_CASE("an algorithm is one of the list") {
-  CHECK(algorithm_names() ==
-        std::vector<std::string>{"ppo", "sine", "random", "gait", "portfolio"});
   CHECK(Algorithm().name() == "ppo");
   for (const std::string& name : algorithm_names()) CHECK(Algorithm(name).name() == name);
   CHECK_THROWS_WITH(Algorithm("sin"),
-                    "unknown algorithm 'sin' (did you mean 'sine'?); there are ppo, sine, random, "
-                    "gait, portfolio");
+                    Catch::StartsWith("unknown algorithm 'sin' (did you mean 'sine'?); there are "
+                                      "ppo, sine, random, gait, portfolio"));
 }
 
 TEST_CASE("a checkpoint of another training is refused") {

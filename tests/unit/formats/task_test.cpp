@@ -469,16 +469,16 @@ TEST_CASE("a task may choose and change its physics, and stays complete") {
 
 TEST_CASE("mistakes in a task are named with their place and the nearest word") {
   CHECK(message(good) == "(no error)");
-  CHECK(spoilt("velocity", "velocty") ==
-        "t.yaml:9:5: unknown observation part 'velocty' (did you mean 'velocity'?); allowed: "
-        "velocity, orientation, relative_positions, offset, floor, ceiling, goal_index, "
-        "goal_position, goal_offset");
+  CHECK_THAT(spoilt("velocity", "velocty"),
+             Catch::StartsWith("t.yaml:9:5: unknown observation part 'velocty' (did you mean "
+                               "'velocity'?); allowed: velocity, orientation, "));
   CHECK(spoilt("displacement: {of: robot", "displacement: {of: pakage") ==
         "t.yaml:11:24: unknown object 'pakage' (did you mean 'package'?); allowed: robot, ground, "
         "package");
-  CHECK(spoilt("displacement", "displace") ==
-        "t.yaml:11:5: reward term: unknown key 'displace'; allowed: displacement, distance, "
-        "approach, hull_area, extent, rotation, goal_approach, weight, when");
+  CHECK_THAT(spoilt("displacement", "displace"),
+             Catch::StartsWith("t.yaml:11:5: reward term: unknown key 'displace'; allowed: "
+                               "displacement, distance, ") &&
+                 Catch::EndsWith(", weight, when"));
   CHECK(spoilt("axis: x}\n", "axis: z}\n") ==
         "t.yaml:11:37: unknown axis 'z' (did you mean 'x'?); allowed: x, y");
   CHECK_THAT(spoilt("steps: 100", "stesp: 100"),

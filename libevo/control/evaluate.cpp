@@ -191,7 +191,8 @@ Evaluation evaluate(const Arena& arena, const Controller& controller,
   Work work;
   work.jobs = settings.episodes;
   work.episode = [](int job) { return job; };
-  std::visit(Prepare{arena, work}, controller);
+  // By way of a lambda: the compiler then says here which controller has no case.
+  std::visit([prepare = Prepare{arena, work}](const auto& c) { prepare(c); }, controller);
   return run(arena, settings, work, observer);
 }
 

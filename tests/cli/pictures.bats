@@ -83,6 +83,14 @@ print(np.abs(a - b).mean())" "$1" "$2"
     difference ours.png theirs.png | awk '{ exit !($1 < 2.5) }'
     rm ./*.rgb
   done
+  # And a browser, where there is one; its window is as high as the picture.
+  command -v chromium > /dev/null || skip "the browser's part: no chromium (scripts/install-packages full)"
+  read -r width height < <(sed -n '1s/.* width="\([0-9]*\)" height="\([0-9]*\)".*/\1 \2/p' shapes.svg)
+  printf '<body style="margin:0"><img src="shapes.svg" style="display:block">' > page.html
+  HOME=$PWD timeout 100 chromium --headless=new --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir="$PWD/profile" \
+    --window-size="$width,$((height + 200))" --screenshot="$PWD/window.png" "file://$PWD/page.html" 2> /dev/null
+  ffmpeg -v error -i window.png -vf "crop=$width:$height:0:0" browser.png
+  difference ours.png browser.png | awk '{ exit !($1 < 2.5) }'
 }
 
 @test "the same rollout is the same picture, whatever -j" {

@@ -86,7 +86,7 @@ Drawing EvolutionFilm::frame(std::size_t k, Typesetter& typesetter) const {
   if (stands && flash - std::floor(flash) < 0.6) scene.framed = part.changed;
   for (auto earlier = parts_.begin(); options_.overlays.labels && &*earlier != &part; ++earlier)
     scene.notes.push_back({earlier->clip.centre(earlier->clip.steps()),
-                           std::to_string(earlier->champion.first), false});
+                           fmt::format("gen {}", earlier->champion.first), false});
   draw_scene(scene, theme, drawing.whole(), drawing);
   if (!options_.overlays.labels) return drawing;
   Caption caption = part.clip.caption(step);

@@ -37,7 +37,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
 @test "a film of an evolution: the champions of its generations, each once" {
   "$EVO_SOURCE/tests/report/make-run.sh" run ga 1 3 4
   fails_with 66 "policies/" "generation 0" -- evo-render --evolution run -o film.mp4
-  evo-train -q --task Walker-v0 --steps 512 --out-dir run/policies run/gen-*/scores.jsonl > /dev/null
+  evo-train -q --task Walker-v0 --steps 1024 --out-dir run/policies run/gen-*/scores.jsonl > /dev/null
   evo-render --evolution run -o film.mp4 --size 320x180 --speed 10 --fps 50
   champions=$(for scores in run/gen-*/scores.jsonl; do evo-select --keep 1 "$scores" | jq -r .id; done | uniq | wc -l)
   # Of each, 0.7 s at rest, 2 s of its episode, and 0.4 s at its end, ten times as fast.

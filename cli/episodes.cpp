@@ -5,6 +5,7 @@
 
 #include "cli/command.h"
 #include "formats/physics_profile.h"
+#include "formats/task.h"
 
 namespace evo::cli {
 namespace {
@@ -60,6 +61,17 @@ void Recorder::record(const EpisodeMoment& moment) {
     const auto velocities = env.velocities(moment.lane);
     episode.velocities.insert(episode.velocities.end(), velocities.begin(), velocities.end());
   }
+}
+
+Rollout play(const PolicyFile& policy, const std::string& tool) {
+  const Arena arena(parse_task(policy.task_yaml, "task of robot " + policy.robot.id),
+                    policy.robot.body);
+  EvaluationSettings settings;
+  settings.seed = policy.seed;
+  Recorder recorder(arena, policy.robot, policy.seed, false, tool);
+  evaluate(arena, to_controller(policy.controller), settings,
+           [&](const EpisodeMoment& moment) { recorder.record(moment); });
+  return recorder.rollout();
 }
 
 Json draws_to_json(const Draws& draws) {

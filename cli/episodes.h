@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "formats/policy.h"
 #include "formats/rollout.h"
 #include "libevo/control/evaluate.h"
 #include "libevo/task/env.h"
@@ -24,6 +25,10 @@ class Recorder {
   bool velocities_;
   Rollout rollout_;
 };
+
+// A policy at its task once more: the episode that was its evaluation. `tool` goes
+// into the rollout.
+Rollout play(const PolicyFile& policy, const std::string& tool);
 
 // {"ox":0,"oy":3} or {"goals":[47,32]}; {} for a task without random parts.
 Json draws_to_json(const Draws& draws);

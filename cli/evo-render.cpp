@@ -1,13 +1,17 @@
 // evo-render: pictures and videos of rollouts and robots, off-screen.
 #include <algorithm>
+#include <memory>
 
 #include "cli/command.h"
+#include "cli/episodes.h"
 #include "cli/progress.h"
 #include "cli/robots.h"
 #include "cli/values.h"
 #include "formats/files.h"
 #include "formats/hdf5.h"
+#include "formats/policy.h"
 #include "formats/rollout.h"
+#include "formats/run.h"
 #include "render/render.h"
 
 namespace {
@@ -31,6 +35,8 @@ struct Settings {
   std::string moments = "gait";
   bool grid = false;
   std::optional<int> generations;
+  std::optional<std::string> evolution;
+  bool race = false;
   bool no_labels = false;
   bool no_grid_lines = false;
   std::string tint = "actuation";
@@ -172,6 +178,17 @@ render::Drawing draw_still(const Settings& settings, const RenderOptions& option
   return render::draw_moments(episode, moments, options);
 }
 
+// Says how far a film is.
+render::Progress frames_on(cli::LiveLine& line) {
+  return [&line](std::size_t frames, std::size_t of) {
+    if (!line.due()) return;
+    const double share = static_cast<double>(frames) / static_cast<double>(of);
+    line.draw(fmt::format("{:3.0f}%  {}/{} frames  {:.0f} frames/s  {}", 100.0 * share, frames, of,
+                          static_cast<double>(frames) / line.seconds(),
+                          cli::time_left(share, line.seconds())));
+  };
+}
+
 void render_rollouts(const Settings& settings, const RenderOptions& options,
                      const std::vector<std::string>& files, const std::string& output,
                      cli::Progress progress) {
@@ -188,13 +205,45 @@ void render_rollouts(const Settings& settings, const RenderOptions& options,
     return;
   }
   cli::LiveLine line(progress);
-  render::render_video(episodes, options, output, [&](std::size_t frames, std::size_t of) {
-    if (!line.due()) return;
-    const double share = static_cast<double>(frames) / static_cast<double>(of);
-    line.draw(fmt::format("{:3.0f}%  {}/{} frames  {:.0f} frames/s  {}", 100.0 * share, frames, of,
-                          static_cast<double>(frames) / line.seconds(),
-                          cli::time_left(share, line.seconds())));
-  });
+  if (settings.race)
+    render::render_race(episodes, options, output, frames_on(line));
+  else
+    render::render_video(episodes, options, output, frames_on(line));
+}
+
+// The best robot of every generation that has one, with its policy; one that stays
+// best counts once.
+void render_evolution(const std::string& folder, const RenderOptions& options,
+                      const std::string& output, cli::Progress progress) {
+  const RunHistory history{RunFolder(folder)};
+  std::vector<std::unique_ptr<Rollout>> rollouts;
+  std::vector<render::Champion> champions;
+  std::optional<std::size_t> shown;
+  for (const RunHistory::Generation& generation : history.generations()) {
+    std::optional<std::size_t> best;
+    for (const auto& slot : generation.slots)
+      if (slot && history.robots()[*slot].fitness &&
+          (!best || *history.robots()[*slot].fitness > *history.robots()[*best].fitness))
+        best = slot;
+    if (!best) continue;
+    const TrainedRobot& robot = history.robots()[*best];
+    if (best == shown) {
+      champions.back().last = generation.number;
+      continue;
+    }
+    const auto policy = history.folder().policy(robot.robot.id);
+    if (!std::filesystem::exists(policy))
+      throw error(Failure::no_input, "{}: is not there, so generation {} cannot be shown",
+                  policy.string(), generation.number);
+    rollouts.push_back(std::make_unique<Rollout>(cli::play(read_policy(policy), "evo-render")));
+    champions.push_back(
+        {{rollouts.back().get(), 0, ""}, generation.number, generation.number, *robot.fitness});
+    shown = best;
+  }
+  if (champions.empty())
+    throw error(Failure::data, "{}: no generation has a robot with a fitness yet", folder);
+  cli::LiveLine line(progress);
+  render::render_evolution(champions, options, output, frames_on(line));
 }
 
 }  // namespace
@@ -238,6 +287,10 @@ int main(int argc, char** argv) {
                  "actuation: actuators lighter when expanded, darker when contracted; or none");
   command.flag("--trail", options.overlays.trail, "the path of the centre of mass");
   command.flag("--velocities", options.overlays.velocities, "an arrow at every moving point");
+  command.section("Films of several robots");
+  command.flag("--race", settings.race, "all episodes in one world, with one camera and a ranking");
+  command.option("--evolution", settings.evolution, "RUN_DIR",
+                 "the best robot of one generation after another, changed voxels flashing");
   command.section("Still pictures");
   command.option("--at", settings.at, "STEP", "one moment of an episode");
   command.option("--strip", settings.strip, "N",
@@ -256,6 +309,7 @@ int main(int argc, char** argv) {
   command.example("evo-render walk.h5 -o walk.mp4", "an episode as a video");
   command.example("evo-render walk.h5 --strip 6 -o walk.svg", "its whole way on one picture");
   command.example("evo-render walk.h5 --at 120 --theme paper -o step.pdf", "one moment, for print");
+  command.example("evo-render --evolution runs/walker -o film.mp4", "an evolution");
   command.example("evo-sample -n 12 | evo-render --grid -o robots.png", "twelve robots");
 
   return command.run(argc, argv, [&] {
@@ -268,6 +322,16 @@ int main(int argc, char** argv) {
     options.overlays.labels = !settings.no_labels;
     options.overlays.grid = !settings.no_grid_lines;
     options.overlays.tint = parse_tint(settings.tint);
+    if (settings.evolution) {
+      if (!files.empty() || settings.race || is_still(settings))
+        throw error(Failure::usage,
+                    "--evolution shows the robots of a run, without files, --race and stills");
+      choose_format(settings, is_animation(settings, command.output), options);
+      if (!settings.fps) options.fps = std::min(options.fps, 30.0);
+      render::check_options(options);
+      render_evolution(*settings.evolution, options, command.output, command.progress_style());
+      return 0;
+    }
     const bool rollouts =
         !files.empty() && std::all_of(files.begin(), files.end(), [](const std::string& file) {
           return file != standard_stream && hdf5::is_hdf5(file) &&
@@ -279,6 +343,8 @@ int main(int argc, char** argv) {
     if (film) {
       render_rollouts(settings, options, files, command.output, command.progress_style());
     } else {
+      if (settings.race)
+        throw error(Failure::usage, "--race needs rollouts, made with evo-eval --rollout");
       if (is_still(settings))
         throw error(Failure::usage,
                     "--at, --strip and --sheet need a rollout; for robots there is --grid");

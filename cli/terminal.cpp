@@ -22,7 +22,7 @@ struct Paint {
 Paint paint(Voxel voxel) {
   switch (voxel) {
     case Voxel::rigid:
-      return {234, 250};
+      return {240, 254};
     case Voxel::soft:
       return {250, 240};
     case Voxel::horizontal:
@@ -30,7 +30,7 @@ Paint paint(Voxel voxel) {
     case Voxel::vertical:
       return {74, 24};
     case Voxel::fixed:
-      return {240, 252};
+      return {245, 232};
     case Voxel::empty:
       break;
   }

@@ -105,7 +105,8 @@ std::vector<int> followed(const Rollout& rollout, const Mesh& mesh,
       throw error(Failure::usage, "the camera cannot follow '{}': the objects are {}{}", name,
                   fmt::join(known, ", "), did_you_mean(name, known));
     }
-    objects.push_back(object);
+    for (std::size_t k = 0; k < mesh.objects.size(); ++k)  // of a race, there are several
+      if (mesh.objects[k].name == name) objects.push_back(static_cast<int>(k));
   }
   if (objects.empty()) objects.push_back(0);  // the robot comes first in world order
   return objects;

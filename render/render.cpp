@@ -1,29 +1,22 @@
 #include "render/render.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-#include "formats/files.h"
 #include "libevo/base/error.h"
-#include "render/gif.h"
 #include "render/label.h"
+#include "render/movie.h"
 #include "render/painter.h"
+#include "render/race.h"
 #include "render/strip.h"
 #include "render/vector.h"
-#include "render/video.h"
 #include "render/workers.h"
 
 namespace evo::render {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::size_t rgba_bytes(Size size) {
-  return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) * 4;
-}
 
 double aspect_of(const Rect& panel) {
   return static_cast<double>(panel.width) / static_cast<double>(panel.height);
@@ -74,7 +67,6 @@ struct Film {
   std::vector<double> steps;  // of each frame
   const RenderOptions* options = nullptr;
   const Theme* theme = nullptr;
-  Progress progress;
 
   Film(const std::vector<Episode>& episodes, const RenderOptions& chosen)
       : options(&chosen), theme(&theme_by_name(chosen.theme)) {
@@ -98,196 +90,7 @@ struct Film {
     }
     return drawing;
   }
-
-  void finished(std::size_t k) const {
-    if (progress) progress(k + 1, steps.size());
-  }
-
-  // Pixels of frame k.
-  void paint(Painter& painter, std::size_t k, std::span<std::uint8_t> rgba) const {
-    painter.paint(frame(steps[k], painter.typesetter()), {options->size, rgba});
-  }
 };
-
-using TakePixels = std::function<bool(std::size_t frame, PixelView pixels)>;
-
-void each_frame(const Film& film, const TakePixels& take) {
-  const Size size = film.options->size;
-  run_workers({film.steps.size(), rgba_bytes(size), film.options->workers,
-               [&](Painter& painter, std::size_t k, std::span<std::uint8_t> buffer) {
-                 film.paint(painter, k, buffer.first(rgba_bytes(size)));
-                 return rgba_bytes(size);
-               },
-               [&](std::size_t k, std::span<const std::uint8_t> bytes) {
-                 film.finished(k);
-                 return take(k, {size, bytes});
-               }});
-}
-
-// As each_frame, in planes for video; the conversion is the workers' work.
-void each_yuv_frame(const Film& film,
-                    const std::function<bool(std::span<const std::uint8_t>)>& take) {
-  const Size size = film.options->size;
-  run_workers({film.steps.size(), yuv_bytes(size), film.options->workers,
-               [&film, size, image = Image(size)](Painter& painter, std::size_t k,
-                                                  std::span<std::uint8_t> buffer) mutable {
-                 film.paint(painter, k, image.rgba);
-                 to_yuv(view(image), buffer);
-                 return yuv_bytes(size);
-               },
-               [&](std::size_t k, std::span<const std::uint8_t> bytes) {
-                 film.finished(k);
-                 return take(bytes);
-               }});
-}
-
-// ---- forms of output -------------------------------------------------------------------------
-
-void write_ffmpeg(const Film& film, const fs::path& path) {
-  FfmpegEncoder encoder(path, film.options->size, film.options->fps);
-  each_yuv_frame(film, [&](std::span<const std::uint8_t> planes) {
-    encoder.add(planes);
-    return true;
-  });
-  encoder.finish();
-}
-
-void write_y4m(const Film& film) {
-  const std::string label = "standard output";
-  if (!write_quietly(STDOUT_FILENO, y4m_header(film.options->size, film.options->fps), label))
-    return;
-  each_yuv_frame(film, [&](std::span<const std::uint8_t> planes) {
-    const std::string_view bytes(reinterpret_cast<const char*>(planes.data()),  // NOLINT: bytes
-                                 planes.size());
-    return write_quietly(STDOUT_FILENO, y4m_frame_line, label) &&
-           write_quietly(STDOUT_FILENO, bytes, label);
-  });
-}
-
-// Frames whose colours make the palette, from the whole film.
-Histogram sample_colors(const Film& film) {
-  constexpr std::size_t most = 12;
-  const std::size_t n = std::min(most, film.steps.size());
-  Histogram histogram;
-  run_workers({n, rgba_bytes(film.options->size), film.options->workers,
-               [&](Painter& painter, std::size_t k, std::span<std::uint8_t> buffer) {
-                 const std::size_t bytes = rgba_bytes(film.options->size);
-                 film.paint(painter, k * (film.steps.size() - 1) / std::max<std::size_t>(1, n - 1),
-                            buffer.first(bytes));
-                 return bytes;
-               },
-               [&](std::size_t, std::span<const std::uint8_t> bytes) {
-                 histogram.add(bytes);
-                 return true;
-               }});
-  return histogram;
-}
-
-void write_gif(const Film& film, const fs::path& path) {
-  AtomicFile file(path);
-  GifEncoder encoder(film.options->size, make_palette(sample_colors(film), gif_colors));
-  constexpr double ticks = 100;  // a second
-  const auto moment = [&](std::size_t k) {
-    return static_cast<int>(std::lround(static_cast<double>(k) * ticks / film.options->fps));
-  };
-  each_frame(film, [&](std::size_t k, PixelView pixels) {
-    encoder.add(pixels, moment(k + 1) - moment(k));
-    return true;
-  });
-  file.write(encoder.finish());
-  file.commit();
-}
-
-void write_png_or_apng(const Film& film, const fs::path& path) {
-  if (film.steps.size() == 1) {
-    each_frame(film, [&](std::size_t, PixelView pixels) {
-      write_png(path, pixels);
-      return true;
-    });
-    return;
-  }
-  AtomicFile file(path);
-  constexpr int ticks = 10000;  // a second
-  ApngEncoder encoder(film.options->size, film.steps.size(), ticks);
-  const int delay = static_cast<int>(std::lround(ticks / film.options->fps));
-  each_frame(film, [&](std::size_t, PixelView pixels) {
-    encoder.add(pixels, delay);
-    return true;
-  });
-  file.write(encoder.finish());
-  file.commit();
-}
-
-// "frames/%05d.png": what stands before the number, its width, what comes after.
-struct Pattern {
-  std::string before, after;
-  std::size_t digits = 1;
-  std::string name(std::size_t k) const {
-    const std::string number = std::to_string(k);
-    return before + std::string(digits - std::min(digits, number.size()), '0') + number + after;
-  }
-};
-
-std::optional<Pattern> pattern_of(const std::string& output) {
-  constexpr std::size_t most_digits = 20;
-  const std::size_t percent = output.find('%');
-  const std::size_t letter = output.find_first_not_of("0123456789", percent + 1);
-  if (percent == std::string::npos || letter == std::string::npos || output[letter] != 'd' ||
-      output.find('%', letter) != std::string::npos)
-    return std::nullopt;
-  const std::string width = output.substr(percent + 1, letter - percent - 1);
-  const bool padded = width.size() >= 2 && width.size() <= 3 && width.front() == '0';
-  if (!width.empty() && !padded) return std::nullopt;
-  const std::size_t digits = padded ? std::stoul(width) : 1;
-  if (digits > most_digits) return std::nullopt;
-  return Pattern{output.substr(0, percent), output.substr(letter + 1), digits};
-}
-
-// Workers write the files of their frames themselves.
-void write_sequence(const Film& film, const Pattern& pattern) {
-  const fs::path folder = fs::path(pattern.name(0)).parent_path();
-  std::error_code failed;
-  if (!folder.empty()) fs::create_directories(folder, failed);
-  if (failed)
-    throw error(Failure::cannot_create, "{}: cannot be created: {}", folder.string(),
-                failed.message());
-  run_workers({film.steps.size(), 0, film.options->workers,
-               [&film, &pattern, image = Image(film.options->size)](
-                   Painter& painter, std::size_t k, std::span<std::uint8_t>) mutable {
-                 constexpr int quick = 2;
-                 film.paint(painter, k, image.rgba);
-                 write_png(pattern.name(k), view(image), quick);
-                 return std::size_t{0};
-               },
-               [&film](std::size_t k, std::span<const std::uint8_t>) {
-                 film.finished(k);
-                 return true;
-               }});
-}
-
-void check_video_size(Size size, const std::string& output) {
-  if (size.width % 2 == 0 && size.height % 2 == 0) return;
-  throw error(Failure::usage, "{}: videos need even sides, {}x{} has an odd one: use {}x{}", output,
-              size.width, size.height, size.width + size.width % 2, size.height + size.height % 2);
-}
-
-enum class Form { y4m, sequence, ffmpeg, gif, png };
-
-Form form_of(const std::string& output) {
-  if (output == standard_stream) return Form::y4m;
-  const std::string extension = fs::path(output).extension().string();
-  if (output.find('%') != std::string::npos) {
-    if (extension == ".png" && pattern_of(output)) return Form::sequence;
-    throw error(Failure::usage, "{}: a sequence of pictures is named like frames/%05d.png", output);
-  }
-  if (extension == ".mp4" || extension == ".webm") return Form::ffmpeg;
-  if (extension == ".gif") return Form::gif;
-  if (extension == ".png" || extension == ".apng") return Form::png;
-  throw error(Failure::usage,
-              "{}: unknown kind of picture '{}'; allowed are .mp4, .webm, .gif, .png, .apng, a "
-              "sequence like frames/%05d.png, and - for Y4M",
-              output, extension);
-}
 
 }  // namespace
 
@@ -416,28 +219,37 @@ std::string encode_picture(const Drawing& drawing, const std::string& title,
 VideoReport render_video(const std::vector<Episode>& episodes, const RenderOptions& options,
                          const std::string& output, const Progress& progress) {
   check_options(options);
-  const Form form = form_of(output);
-  if (form == Form::ffmpeg || form == Form::y4m) check_video_size(options.size, output);
-  Film film(episodes, options);
-  film.progress = progress;
-  switch (form) {
-    case Form::ffmpeg:
-      write_ffmpeg(film, output);
-      break;
-    case Form::y4m:
-      write_y4m(film);
-      break;
-    case Form::gif:
-      write_gif(film, output);
-      break;
-    case Form::sequence:
-      write_sequence(film, *pattern_of(output));
-      break;
-    case Form::png:
-      write_png_or_apng(film, output);
-      break;
-  }
-  return {film.steps.size(), static_cast<double>(film.steps.size()) / options.fps};
+  check_movie(options.size, output);
+  const Film film(episodes, options);
+  return write_movie(
+      {options.size, options.fps, options.workers, film.steps.size(),
+       [&](std::size_t k, Typesetter& typesetter) { return film.frame(film.steps[k], typesetter); },
+       progress},
+      output);
+}
+
+VideoReport render_race(const std::vector<Episode>& episodes, const RenderOptions& options,
+                        const std::string& output, const Progress& progress) {
+  check_options(options);
+  check_movie(options.size, output);
+  const Race race(episodes, options);
+  const std::vector<double> steps = timeline(options, race.steps());
+  return write_movie(
+      {options.size, options.fps, options.workers, steps.size(),
+       [&](std::size_t k, Typesetter& typesetter) { return race.frame(steps[k], typesetter); },
+       progress},
+      output);
+}
+
+VideoReport render_evolution(const std::vector<Champion>& champions, const RenderOptions& options,
+                             const std::string& output, const Progress& progress) {
+  check_options(options);
+  check_movie(options.size, output);
+  const EvolutionFilm film(champions, options);
+  return write_movie(
+      {options.size, options.fps, options.workers, film.frames(),
+       [&](std::size_t k, Typesetter& typesetter) { return film.frame(k, typesetter); }, progress},
+      output);
 }
 
 }  // namespace evo::render

@@ -3,7 +3,6 @@
 // any program, with any number of threads.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,8 +10,10 @@
 #include "formats/robot.h"
 #include "libevo/sim/model.h"
 #include "render/clip.h"
+#include "render/evolution_film.h"
 #include "render/image.h"
 #include "render/moments.h"
+#include "render/movie.h"
 #include "render/options.h"
 #include "render/png.h"
 #include "render/sheet.h"
@@ -73,18 +74,16 @@ class Viewer {
 // ---- moving pictures ----------------------------------------------------------------
 
 // Episodes as a video, side by side when they are several (a shorter one stays at
-// its end). The form follows from `output`: .mp4, .webm, .gif, .png or .apng
-// (animated; one frame is an ordinary PNG), a name with %05d or the like (a PNG
-// a frame, counted from 0; folders are made), "-" (Y4M on standard output).
-// Files appear whole or not at all. A reader of "-" that goes away ends the work
-// quietly. Throws Error(usage) for another ending or odd sizes of videos.
-struct VideoReport {
-  std::size_t frames = 0;
-  double seconds = 0;  // playing time
-};
-// `progress`, if given, hears how many frames are finished, of how many.
-using Progress = std::function<void(std::size_t frames, std::size_t of)>;
+// its end). The form follows from `output` (movie.h). Files appear whole or not at
+// all. A reader of "-" that goes away ends the work quietly. Throws Error(usage) for
+// another ending or odd sizes of videos.
 VideoReport render_video(const std::vector<Episode>& episodes, const RenderOptions& options,
                          const std::string& output, const Progress& progress = {});
+// The same episodes in one world, with a ranking (race.h).
+VideoReport render_race(const std::vector<Episode>& episodes, const RenderOptions& options,
+                        const std::string& output, const Progress& progress = {});
+// The best robots of an evolution, one after the other (evolution_film.h).
+VideoReport render_evolution(const std::vector<Champion>& champions, const RenderOptions& options,
+                             const std::string& output, const Progress& progress = {});
 
 }  // namespace evo::render

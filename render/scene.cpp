@@ -180,6 +180,31 @@ void draw_arrow(const Arrow& arrow, const Theme& theme, const Projection& to_pix
                    theme.arrow);
 }
 
+void draw_frame(const std::array<Vec2, 4>& place, const Theme& theme, const Projection& to_pixels,
+                Drawing& drawing) {
+  std::array<Point, 4> corners;
+  for (std::size_t k = 0; k < 4; ++k) corners[k] = to_pixels(place[k]);
+  drawing.stroke(corners, true, to_pixels.pixels(0.2, 2.0), theme.trail);
+}
+
+void draw_note(const Note& note, const Theme& theme, const Projection& to_pixels,
+               Drawing& drawing) {
+  const Rect& panel = to_pixels.panel;
+  const float size = std::max(8.0F, 0.85F * label_size(panel));
+  const float width = (0.7F * static_cast<float>(note.text.size()) + 0.6F) * size;
+  const float height = 1.4F * size;
+  Point at = to_pixels(note.at);
+  const bool seen = at.x > panel.x + width && at.x < panel.x + panel.width - width &&
+                    at.y > panel.y + height && at.y < panel.y + panel.height - height;
+  if (!seen && !note.fixed) return;
+  at.x = std::clamp(at.x, panel.x + width, panel.x + panel.width - width);
+  at.y = std::clamp(at.y, panel.y + height, panel.y + panel.height - height);
+  drawing.rounded_rectangle({at.x - width / 2, at.y - height / 2, width, height}, 0.4F * size,
+                            theme.trail);
+  drawing.text(
+      {{at.x, at.y + 0.36F * size}, size, note.text, ink_on(theme.trail), Align::centre, true});
+}
+
 // The robot comes first in world order and is seen in front of everything; what
 // travels, as it was before, stands in front of what does not.
 void draw_objects(const Scene& scene, const Theme& theme, const Projection& to_pixels,
@@ -214,6 +239,8 @@ void draw_scene(const Scene& scene, const Theme& theme, const Rect& panel, Drawi
   draw_objects(scene, theme, to_pixels, drawing);
   draw_trail(scene, theme, to_pixels, drawing);
   for (const Arrow& arrow : scene.arrows) draw_arrow(arrow, theme, to_pixels, drawing);
+  for (const auto& place : scene.framed) draw_frame(place, theme, to_pixels, drawing);
+  for (const Note& note : scene.notes) draw_note(note, theme, to_pixels, drawing);
 }
 
 ViewRect fit(ViewRect view, double aspect) {

@@ -2,6 +2,7 @@
 // laid out in a panel of a drawing.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,13 @@ struct Ghost {
   double pale = 0.5;  // share of the background in every colour
 };
 
+// A word in the world, on a plate; `fixed`: kept inside of the picture.
+struct Note {
+  Vec2 at;
+  std::string text;
+  bool fixed = false;
+};
+
 // One moment. Lengths in voxels.
 struct Scene {
   const Mesh* mesh = nullptr;
@@ -40,6 +48,8 @@ struct Scene {
   std::vector<Vec2> trail;  // oldest first
   std::vector<Vec2> marks;  // dots on the trail
   std::vector<Arrow> arrows;
+  std::vector<std::array<Vec2, 4>> framed;  // places with a border to catch the eye
+  std::vector<Note> notes;
   std::optional<Vec2> goal;  // where the robot is sent, on the ground
 };
 

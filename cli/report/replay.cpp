@@ -6,11 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "cli/episodes.h"
 #include "cli/report/markup.h"
-#include "formats/task.h"
-#include "libevo/control/evaluate.h"
-#include "libevo/task/spec.h"
 #include "render/clip.h"
 #include "render/ending.h"
 
@@ -167,17 +163,6 @@ Json world_of(const Rollout& rollout) {
       break;
     }
   return {{"fixed", std::move(fixed)}};
-}
-
-Rollout run_again(const PolicyFile& policy, const std::string& tool) {
-  TaskSpec task = parse_task(policy.task_yaml, "task of robot " + policy.robot.id);
-  const Arena arena(task, policy.robot.body);
-  EvaluationSettings settings;
-  settings.seed = policy.seed;
-  cli::Recorder recorder(arena, policy.robot, policy.seed, false, tool);
-  evaluate(arena, to_controller(policy.controller), settings,
-           [&](const EpisodeMoment& moment) { recorder.record(moment); });
-  return recorder.rollout();
 }
 
 }  // namespace evo::report

@@ -1,11 +1,9 @@
 // Episodes small enough to lie in a page by the dozen, for replay.js to draw.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "formats/json.h"
-#include "formats/policy.h"
 #include "formats/rollout.h"
 
 namespace evo::report {
@@ -24,9 +22,5 @@ Json replay_of(const Rollout& rollout);
 
 // What does not move, in voxels: {"fixed": [[x, y, width, height]..]}.
 Json world_of(const Rollout& rollout);
-
-// A policy at its task once more, from its own file: the episode that was its
-// evaluation.
-Rollout run_again(const PolicyFile& policy, const std::string& tool);
 
 }  // namespace evo::report

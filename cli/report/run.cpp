@@ -7,6 +7,7 @@
 #include <set>
 #include <string_view>
 
+#include "cli/episodes.h"
 #include "cli/report/lineage.h"
 #include "cli/report/replay.h"
 #include "formats/policy.h"
@@ -91,7 +92,7 @@ void read_trainings(const RunFolder& folder, int replays, int threads, Run& run)
     entry.training = training_of(*policy);
     add_log(folder.log(entry.robot.id), entry.training);
     if (!moving.contains(k)) return;
-    const Rollout rollout = run_again(*policy, "evo-report");
+    const Rollout rollout = cli::play(*policy, "evo-report");
     episodes[k] = replay_of(rollout);
     worlds[k] = world_of(rollout);
   });

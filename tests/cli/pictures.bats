@@ -18,6 +18,36 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   for file in r.gif r.png sheet.png grid.png; do [ "$(stat -c %s $file)" -gt 1000 ]; done
 }
 
+@test "a race: several robots in one world, one frame per step of the longest" {
+  for seed in 4 5; do
+    evo-sample -n 1 --seed $seed |
+      evo-eval --task Walker-v0 --sine 0.5,20,0.7 --max-steps $((seed * 10)) --rollout $seed.h5 > /dev/null
+  done
+  evo-render --race 4.h5 5.h5 -o race.mp4 --size 320x180
+  ffprobe -v error -show_entries stream=nb_frames -of csv=p=0 race.mp4 | grep -qx 51
+  evo-render --race 4.h5 5.h5 -o 'race/%d.png' --size 320x180 --every 25
+  evo-render 5.h5 -o 'one/%d.png' --size 320x180 --every 25
+  [ "$(ls race | wc -l)" -eq "$(ls one | wc -l)" ]
+  fails_with 2 "2 to 26" -- evo-render --race 4.h5 -o race.mp4
+  evo-sample -n 1 --seed 4 | evo-eval --task Climber-v0 --random --max-steps 5 --rollout c.h5 > /dev/null
+  fails_with 2 "Climber-v0" "Walker-v0" -- evo-render --race 4.h5 c.h5 -o race.mp4
+  fails_with 2 "--race" -- evo-render --race -o race.png < /dev/null
+}
+
+@test "a film of an evolution: the champions of its generations, each once" {
+  "$EVO_SOURCE/tests/report/make-run.sh" run ga 1 3 4
+  fails_with 66 "policies/" "generation 0" -- evo-render --evolution run -o film.mp4
+  evo-train -q --task Walker-v0 --steps 1024 --out-dir run/policies run/gen-*/scores.jsonl > /dev/null
+  evo-render --evolution run -o film.mp4 --size 320x180 --speed 10 --fps 50
+  champions=$(for scores in run/gen-*/scores.jsonl; do evo-select --keep 1 "$scores" | jq -r .id; done | uniq | wc -l)
+  # Of each, 0.7 s at rest, 2 s of its episode, and 0.4 s at its end, ten times as fast.
+  frames=$(ffprobe -v error -show_entries stream=nb_frames -of csv=p=0 film.mp4)
+  [ "$frames" -eq $((champions * (4 + 10 + 2))) ]
+  fails_with 2 "--evolution" -- evo-render --evolution run run/best.json -o film.mp4
+  fails_with 66 "missing" -- evo-render --evolution missing -o film.mp4
+  [ ! -e missing ]
+}
+
 @test "still pictures: a moment, a strip, robots; as pixels and as shapes" {
   episode r.h5
   evo-render r.h5 --at 12.5 -o moment.png --size 320x180
@@ -53,6 +83,14 @@ print(np.abs(a - b).mean())" "$1" "$2"
     difference ours.png theirs.png | awk '{ exit !($1 < 2.5) }'
     rm ./*.rgb
   done
+  # And a browser, where there is one; its window is as high as the picture.
+  command -v chromium > /dev/null || skip "the browser's part: no chromium (scripts/install-packages full)"
+  read -r width height < <(sed -n '1s/.* width="\([0-9]*\)" height="\([0-9]*\)".*/\1 \2/p' shapes.svg)
+  printf '<body style="margin:0"><img src="shapes.svg" style="display:block">' > page.html
+  HOME=$PWD timeout 100 chromium --headless=new --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir="$PWD/profile" \
+    --window-size="$width,$((height + 200))" --screenshot="$PWD/window.png" "file://$PWD/page.html" 2> /dev/null
+  ffmpeg -v error -i window.png -vf "crop=$width:$height:0:0" browser.png
+  difference ours.png browser.png | awk '{ exit !($1 < 2.5) }'
 }
 
 @test "the same rollout is the same picture, whatever -j" {

@@ -79,7 +79,8 @@ std::string describe_steady_state(const std::string& text, const std::string& na
 
 std::string describe_config(const std::string& text, const std::string& name) {
   std::string told = fmt::format("{}: options of a tool\n", printable(name));
-  for (const auto& [key, value] : YamlNode::parse(text, name).entries())
+  const YamlNode node = YamlNode::parse(text, name);
+  for (const auto& [key, value] : node.entries())
     if (key.string() != "format" && key.string() != "version")
       told += fmt::format("--{}\n", printable(key.string()));
   return told;

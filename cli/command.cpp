@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <concepts>
 #include <csignal>
@@ -18,6 +19,7 @@
 #include <new>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include "cli/config_file.h"
 #include "cli/terminal.h"
@@ -130,6 +132,41 @@ void occupy_standard_streams() {
     }
 }
 
+// What other programs call it, and what it is called here.
+constexpr std::array<std::pair<const char*, const char*>, 18> other_names{{
+    {"--top", "--keep"},
+    {"--best", "--keep"},
+    {"--number", "--count"},
+    {"--num", "--count"},
+    {"--population", "--count"},
+    {"--size", "--shape"},
+    {"--env", "--task"},
+    {"--environment", "--task"},
+    {"--threads", "--jobs"},
+    {"--workers", "--jobs"},
+    {"--cores", "--jobs"},
+    {"--out", "--output"},
+    {"--outfile", "--output"},
+    {"--dir", "--out-dir"},
+    {"--output-dir", "--out-dir"},
+    {"--timesteps", "--steps"},
+    {"--algorithm", "--algo"},
+    {"--mutation-rate", "--rate"},
+}};
+
+// What an option that does not exist may have meant, as words for the message.
+std::string option_meant(const std::string& option, const std::vector<std::string>& names) {
+  for (const auto& [elsewhere, here] : other_names)
+    if (option == elsewhere && std::find(names.begin(), names.end(), here) != names.end())
+      return fmt::format(" (did you mean '{}'?)", here);
+  // Compared without the dashes, which all have in common.
+  std::vector<std::string> words;
+  for (const std::string& name : names) words.push_back(name.substr(2));
+  const std::string word = nearest(
+      option.substr(std::min<std::size_t>(option.find_first_not_of('-'), option.size())), words);
+  return word.empty() ? "" : " (did you mean '--" + word + "'?)";
+}
+
 volatile std::sig_atomic_t pending_signal = 0;
 
 extern "C" void remember_signal(int signal) {
@@ -209,7 +246,7 @@ struct Command::Impl {
       if (word.size() > 1 && word.front() == '-') {
         const std::string option = word.substr(0, word.find('='));
         return {Failure::usage, fmt::format("unknown option {}{}{}", option,
-                                            did_you_mean(option, long_names()), see)};
+                                            option_meant(option, long_names()), see)};
       }
     if (dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr)
       return {Failure::usage, "unexpected argument '" + app.remaining().front() + "'" + see};
@@ -217,7 +254,7 @@ struct Command::Impl {
       const std::string what = e.what();
       const std::string key = what.substr(what.rfind(' ') + 1);
       return {Failure::usage, "--config: unknown option '" + key + "'" +
-                                  did_you_mean("--" + key, long_names()) + see};
+                                  option_meant("--" + key, long_names()) + see};
     }
     if (dynamic_cast<const CLI::FileError*>(&e) != nullptr)
       return {Failure::no_input, std::string("--config: ") + e.what()};

@@ -1,6 +1,11 @@
 #include "cli/data.h"
 
+#include <algorithm>
 #include <system_error>
+#include <vector>
+
+#include "formats/task.h"
+#include "libevo/base/error.h"
 
 namespace evo::cli {
 
@@ -13,5 +18,16 @@ fs::path data_root() {
 }
 
 DataFolders data_folders() { return evo::data_folders(data_root()); }
+
+void refuse_task_as_file(const std::string& name) {
+  std::error_code ignored;
+  if (name.empty() || is_file_name(name) || fs::exists(name, ignored)) return;
+  const std::vector<std::string> tasks = task_names(data_folders());
+  if (std::find(tasks.begin(), tasks.end(), name) == tasks.end()) return;
+  throw error(Failure::no_input,
+              "{}: no such file, but a task; it is given as --task {}, and `evo-inspect task {}` "
+              "explains it",
+              name, name, name);
+}
 
 }  // namespace evo::cli

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "formats/data_folders.h"
 
@@ -14,5 +15,9 @@ std::filesystem::path data_root();
 
 // Folders in $EVO_TASKS (separated by colons), then data_root()'s tasks.
 DataFolders data_folders();
+
+// Throws Error(no_input) where no file has this name but a task does, as in `evo-eval
+// Walker-v0 robots.jsonl`.
+void refuse_task_as_file(const std::string& name);
 
 }  // namespace evo::cli

@@ -11,6 +11,8 @@
 #include "formats/format.h"
 #include "formats/neat.h"
 #include "formats/physics_profile.h"
+#include "formats/run.h"
+#include "formats/steady.h"
 #include "formats/task.h"
 #include "formats/task_text.h"
 #include "formats/training.h"
@@ -60,6 +62,30 @@ std::string describe_neat_state(const std::string& text, const std::string& name
   return told;
 }
 
+std::string describe_run(const std::string& text, const std::string& name) {
+  const RunSettings settings = RunSettings::parse(text, name);
+  std::string told = fmt::format("{}: settings of a run\n", printable(name));
+  for (const RunSetting& setting : settings.list())
+    told += fmt::format("{:<16} {}\n", setting.name, printable(setting.value));
+  return told;
+}
+
+std::string describe_steady_state(const std::string& text, const std::string& name) {
+  const SteadyState state = parse_steady_state(text, name);
+  return fmt::format(
+      "{}: state of a run without generations, {} robots proposed, {} scores known\n",
+      printable(name), state.robots, state.scores);
+}
+
+std::string describe_config(const std::string& text, const std::string& name) {
+  std::string told = fmt::format("{}: options of a tool\n", printable(name));
+  const YamlNode node = YamlNode::parse(text, name);
+  for (const auto& [key, value] : node.entries())
+    if (key.string() != "format" && key.string() != "version")
+      told += fmt::format("--{}\n", printable(key.string()));
+  return told;
+}
+
 std::string describe_world(const std::string& text, const std::string& name) {
   const World world = evogym_world_from_json(parse_json(text, name), name);
   std::string told = fmt::format("{}: world of the design tool, {} objects\n", printable(name),
@@ -88,11 +114,11 @@ struct Kind {
 };
 
 std::optional<Kind> kind_of(const std::string& text) {
-  static const std::vector<Kind> kinds{{format::task.name, describe_task_file},
-                                       {format::physics.name, describe_physics},
-                                       {format::training.name, describe_training},
-                                       {format::neat.name, describe_neat_settings},
-                                       {format::neat_state.name, describe_neat_state}};
+  static const std::vector<Kind> kinds{
+      {format::task.name, describe_task_file},        {format::physics.name, describe_physics},
+      {format::training.name, describe_training},     {format::neat.name, describe_neat_settings},
+      {format::neat_state.name, describe_neat_state}, {format::run.name, describe_run},
+      {format::steady.name, describe_steady_state},   {format::config.name, describe_config}};
   const std::string found = format_of(text);
   for (const Kind& kind : kinds)
     if (kind.name == found) return kind;

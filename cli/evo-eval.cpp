@@ -1,4 +1,6 @@
 // evo-eval: episodes with a given controller, and what they earned.
+#include <unistd.h>
+
 #include <functional>
 #include <optional>
 #include <set>
@@ -6,6 +8,7 @@
 #include "cli/command.h"
 #include "cli/episodes.h"
 #include "cli/outputs.h"
+#include "cli/progress.h"
 #include "cli/robots.h"
 #include "cli/task_options.h"
 #include "cli/values.h"
@@ -206,6 +209,7 @@ int main(int argc, char** argv) {
   command.option("--failures", settings.failures, "WHAT",
                  "a robot that cannot be measured: stop, or skip (fitness null)");
   command.jobs_option();
+  command.progress_option();
   command.example("evo-sample -n 9 | evo-eval --task Walker-v0 --sine 0.5,20,0.7",
                   "how far random bodies get on a travelling wave");
   command.example("evo-eval best.json --episodes 20 --jitter 1e-4 --rollout best.h5",
@@ -224,16 +228,26 @@ int main(int argc, char** argv) {
     if (settings.rollout_dir) make_folders(*settings.rollout_dir);
     const Warn warn = [&](const std::string& text) { command.warn(text); };
     cli::OrderedWriter out(command.output);
+    // Robots that go to the terminal are progress enough.
+    const bool shows = command.progress == "auto" && command.output == standard_stream &&
+                       ::isatty(STDOUT_FILENO) == 1;
+    cli::TrainingProgress progress(shows ? cli::Progress::none : command.progress_style(),
+                                   robots.size());
     cli::Workers workers(command, robots.size());
     workers.pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
       const Robot& robot = robots[i];
       try {
-        out.put(i, measure(settings, task, robot, command.seed, warn));
+        Robot measured = measure(settings, task, robot, command.seed, warn);
+        double steps = 0.0;
+        for (const Json& length : measured.document.at("lengths")) steps += length.get<double>();
+        progress.update(i, {robot.id, 1.0, {}, 0.0}, steps);
+        out.put(i, std::move(measured));
       } catch (const Error& e) {
         if (settings.failures == "stop" || e.kind() != Failure::work)
           throw e.at("robot " + robot.id);
         out.put(i, failed(robot, e.what(), command.seed));
       }
+      progress.finish(i);
     });
     out.finish();
     return 0;

@@ -275,12 +275,14 @@ std::vector<Robot> robots_in(const std::string& text, const std::string& name) {
 }
 
 void print_file(const std::string& name, bool color) {
+  cli::refuse_task_as_file(name);
   if (name != standard_stream && fs::is_directory(name)) return print_run(name, color);
   if (name != standard_stream && hdf5::is_hdf5(name)) return print_hdf5(name, color);
   const std::string text =
       fs::path(name).extension() == ".npz" ? read_file(name) : read_robot_text(name);
-  if (cli::print_document(text, input_label(name))) return;
-  const std::vector<Robot> robots = hdf5::begins_as_hdf5(text)
+  const bool is_hdf5 = hdf5::begins_as_hdf5(text);
+  if (!is_hdf5 && cli::print_document(text, input_label(name))) return;
+  const std::vector<Robot> robots = is_hdf5
                                         ? parse_robots(hdf5::Reader(text, name).text("/", "robot"),
                                                        input_label(name), BodyCheck::any)
                                         : robots_in(text, name);

@@ -4,15 +4,18 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <mutex>
+#include <thread>
 
 #include "cli/robots.h"
 #include "cli/shell_words.h"
 #include "cli/steady.h"
 #include "cli/training.h"
 #include "formats/files.h"
+#include "formats/lock.h"
 #include "formats/run.h"
 #include "formats/training_log.h"
 
@@ -130,6 +133,31 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
   });
 }
 
+// Seconds for a process that is coming to its end to let go.
+constexpr std::chrono::seconds patience{10};
+
+// Waits a moment for this byte of the run's lock. False: another process is at it.
+bool take(const LockFile& lock, std::uint64_t byte) {
+  const auto end = std::chrono::steady_clock::now() + patience;
+  while (!lock.take(byte)) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return true;
+}
+
+void take_slots(const LockFile& lock, const RunFolder& run, int generation,
+                const std::vector<int>& slots) {
+  for (const int slot : slots) {
+    const SlotAddress address{generation, slot};
+    if (fs::exists(run.slot(address)) || take(lock, RunFolder::lock_byte(address))) continue;
+    throw error(Failure::work,
+                "{}: another process is training slot {} of generation {}; give the same command "
+                "again when it has ended (or remove {}, if its machine is lost)",
+                run.path().string(), slot, generation, run.lock().string());
+  }
+}
+
 // Says on which machine slots are being trained, RUN/gen-003/05-09.running. It stays
 // behind when the process dies: whoever started it then knows that it had begun.
 class RunningMark {
@@ -158,6 +186,8 @@ int train(const cli::Command& command, const std::string& folder, const Options&
   const int population = run.population_size(options.generation);  // which must be there
   if (slots.empty())
     for (int k = 0; k < population; ++k) slots.push_back(k);
+  const LockFile lock(run.lock());
+  take_slots(lock, run, options.generation, slots);
   const RunningMark mark(run, options.generation,
                          options.slots.empty() ? std::vector<std::string>{"all"} : options.slots);
   try {
@@ -168,6 +198,18 @@ int train(const cli::Command& command, const std::string& folder, const Options&
     mark.ended(static_cast<int>(e.kind()));
     throw;
   }
+}
+
+// ---- propose ----------------------------------------------------------------------
+
+int propose(const RunFolder& run, int robots) {
+  const LockFile lock(run.lock());
+  if (!take(lock, RunFolder::proposals_byte))
+    throw error(Failure::work,
+                "{}: another process is proposing robots; give the same command again when it has "
+                "ended (or remove {}, if its machine is lost)",
+                run.path().string(), run.lock().string());
+  return cli::propose_robots(run, robots);
 }
 
 // ---- fail -------------------------------------------------------------------------
@@ -268,6 +310,6 @@ int main(int argc, char** argv) {
     if (words[0] == "slots") return list_slots(folder);
     if (options.robots.value_or(-1) < 0)
       throw error(Failure::usage, "propose: --robots says how many there are to be");
-    return cli::propose_robots(RunFolder(folder), *options.robots);
+    return propose(RunFolder(folder), *options.robots);
   });
 }

@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
                  "least improvement counted, in standard deviations");
   command.seed_option();
   command.output_option("where the bodies go, one JSON document per line");
+  command.jobs_option();
   command.example("evo-suggest -n 25 --history history.jsonl --seed 3", "the next batch");
   command.example("evo-suggest -n 1 --history a.jsonl --history b.jsonl | evo-inspect robot -",
                   "the most promising body, drawn");
@@ -61,16 +62,18 @@ int main(int argc, char** argv) {
     if (!history_files.empty()) history = read_history(history_files);
     const cli::Shape shape =
         history.observations.empty() ? cli::parse_shape(shape_text) : history.shape;
-    const SuggestedBatch batch =
-        suggest(shape.rows, shape.cols, history.observations, {}, count, settings, command.seed);
+    cli::Workers workers(command, static_cast<std::size_t>(command.jobs));
+    const SuggestedBatch batch = suggest(shape.rows, shape.cols, history.observations, {}, count,
+                                         settings, command.seed, &workers.pool);
     if (!batch.from_model) command.warn("no scored robot to learn from; these bodies are random");
     cli::RobotWriter out(command.output);
     int index = 0;
     for (const Suggestion& suggestion : batch.designs) {
       Robot robot = make_child(suggestion.body, {}, "evo-suggest", command.seed,
                                static_cast<std::uint64_t>(index++));
-      command.detail(fmt::format("{}: expected {:.4g} +- {:.2g}", robot.id, suggestion.mean,
-                                 suggestion.stddev));
+      if (batch.from_model)
+        command.detail(fmt::format("{}: expected {:.4g} +- {:.2g}", robot.id, suggestion.mean,
+                                   suggestion.stddev));
       out.write(std::move(robot));
     }
     out.finish();

@@ -63,7 +63,7 @@ std::string training_curve(const TrainingView& view);
 // beginning.
 std::string time_left(double share, double seconds);
 
-// Shows `total` trainings of one process. Thread-safe.
+// Shows `total` trainings or evaluations of one process. Thread-safe.
 class TrainingProgress {
  public:
   TrainingProgress(Progress style, std::size_t total) : line_(style), total_(total) {}

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "cli/command.h"
+#include "cli/data.h"
 #include "libevo/base/error.h"
 
 namespace evo::cli {
@@ -58,6 +59,7 @@ std::vector<Robot> read_robots(const std::vector<std::string>& files, BodyCheck 
       files.empty() ? std::vector<std::string>{std::string(standard_stream)} : files;
   std::vector<Robot> robots;
   for (const std::string& source : sources) {
+    refuse_task_as_file(source);
     for (Robot& robot : evo::read_robots(source, check)) {
       make_policy_path_relative_to_here(robot, source);
       robots.push_back(std::move(robot));

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <climits>
 #include <system_error>
@@ -43,7 +44,7 @@ std::string read_descriptor(int descriptor, const std::string& label, std::size_
     if (text.size() > most) throw too_long();
     if (looked || text.size() < chunk) continue;
     looked = true;
-    glance(std::string_view(text).substr(0, chunk));
+    most = std::min(most, glance(std::string_view(text).substr(0, chunk)));
   }
 }
 

@@ -17,9 +17,9 @@ inline constexpr std::string_view standard_stream = "-";
 inline constexpr std::size_t largest_input = std::size_t{1} << 30;     // bytes
 inline constexpr std::size_t largest_document = std::size_t{1} << 24;  // of one document by hand
 
-// Looks at the beginning of a long input, 64 KiB of it, before the rest is read;
-// throws to refuse it.
-using Glance = std::function<void(std::string_view beginning)>;
+// Looks at the beginning of a long input, 64 KiB of it, before the rest is read, and
+// says how many bytes it may have at most; throws to refuse it.
+using Glance = std::function<std::size_t(std::string_view beginning)>;
 
 // Everything in a file. Throws Error(no_input) when it is missing, a folder or
 // not readable, Error(io) when reading fails halfway, Error(data) when it is

@@ -1,5 +1,7 @@
 #include "formats/format.h"
 
+#include <cmath>
+
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -58,8 +60,13 @@ void check_format(const hdf5::Reader& file, const Format& format, Head head) {
   if (file.has_attribute("/", "format")) name = file.text("/", "format");
   if (name || head == Head::required)
     if (const auto problem = wrong_name(format, name)) throw refused(file, "format", *problem);
-  if (head == Head::optional && !file.has_attribute("/", "version")) return;
-  if (const auto problem = wrong_version(format, file.number<std::int64_t>("/", "version")))
+  if (!name && !file.has_attribute("/", "version")) return;
+  const double version = file.number<double>("/", "version");
+  constexpr double largest_whole = 1e15;
+  if (!(version == std::floor(version) && std::abs(version) < largest_whole))
+    throw refused(file, "version",
+                  fmt::format("a whole number from 1 is expected, found '{}'", version));
+  if (const auto problem = wrong_version(format, static_cast<std::int64_t>(version)))
     throw refused(file, "version", *problem);
 }
 

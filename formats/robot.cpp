@@ -362,11 +362,14 @@ std::vector<Robot> robots_of(const hdf5::Reader& file, BodyCheck check) {
   if (!file.has_attribute("/", "robot"))
     throw error(Failure::data, "{}: an HDF5 file without a robot: neither a policy nor a rollout",
                 file.name());
+  const bool is_policy =
+      file.has_attribute("/", "format") && file.text("/", "format") == format::policy.name;
+  check_format(file, is_policy ? format::policy : format::rollout, Head::optional);
   return parse_robots(file.text("/", "robot"), file.name() + ": /@robot", check);
 }
 
-void glance_at_robots(std::string_view beginning, const std::string& where) {
-  if (hdf5::begins_as_hdf5(beginning)) return;
+std::size_t glance_at_robots(std::string_view beginning, const std::string& where) {
+  if (hdf5::begins_as_hdf5(beginning)) return largest_input;
   beginning = without_byte_order_mark(beginning);
   const std::size_t first = beginning.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos)
@@ -375,9 +378,16 @@ void glance_at_robots(std::string_view beginning, const std::string& where) {
     JsonPieces pieces(beginning, where);
     const auto piece = pieces.next();
     if (!pieces.done()) (void)parse_json_robots(piece->text, where, BodyCheck::any);
-  } else if (!looks_like_yaml(beginning)) {
+  } else if (looks_like_yaml(beginning)) {
+    for (const char c : beginning.substr(0, beginning.find('\n')))
+      if (static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r')
+        throw refusal("", "a control character, which no robot has")
+            .at(with_place(where, "line 1"));
+    return longest_yaml;
+  } else {
     glance_at_grid(beginning.substr(first), where);
   }
+  return largest_input;
 }
 
 }  // namespace
@@ -487,7 +497,7 @@ std::vector<Robot> parse_robots(std::string_view text, const std::string& where,
 
 std::string read_robot_text(const std::string& input) {
   return read_input(input, largest_input, [&](std::string_view beginning) {
-    glance_at_robots(beginning, input_label(input));
+    return glance_at_robots(beginning, input_label(input));
   });
 }
 

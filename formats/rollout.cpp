@@ -297,6 +297,7 @@ ActionSequence actions_from_csv(std::string_view text, const std::string& name) 
 
 ActionSequence actions_from_hdf5(const fs::path& path) {
   const hdf5::Reader file(path);
+  check_format(file, format::rollout, Head::optional);
   for (const char* dataset : {"/actions", "/episode_0/actions"}) {
     if (!file.exists(dataset)) continue;
     auto array = file.array<double>(dataset, {hdf5::any, hdf5::any});
@@ -364,6 +365,7 @@ ActionSequence read_actions(const fs::path& path) {
 
 Json read_draws(const fs::path& path) {
   const hdf5::Reader file(path);
+  check_format(file, format::rollout, Head::optional);
   if (auto draws = draws_of(file, episode_group(0))) return *std::move(draws);
   throw wrong(file, "/episode_0@random_draws", "is missing");
 }

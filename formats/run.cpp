@@ -58,6 +58,7 @@ constexpr const char* quoted_setting = "train_options";  // always, as it always
 bool is_plain(const std::string& value) {
   if (value.empty()) return true;
   constexpr std::string_view indicators = "?:,[]{}#&*!|>'\"%@` ";
+  if (value.find('\t') != std::string::npos) return false;
   const bool is_item = value[0] == '-' && (value.size() == 1 || value[1] == ' ');
   return !is_item && indicators.find(value.front()) == std::string_view::npos &&
          value.back() != ' ' && value.back() != ':' && value.find(": ") == std::string::npos &&
@@ -148,10 +149,14 @@ RunSettings RunSettings::from_words(const std::vector<std::string>& words) {
 }
 
 RunSettings RunSettings::read(const fs::path& file) {
-  const YamlNode document = YamlNode::parse(read_file(file, largest_document), file.string());
+  return parse(read_file(file, largest_document), file.string());
+}
+
+RunSettings RunSettings::parse(std::string_view text, const std::string& where) {
+  const YamlNode document = YamlNode::parse(text, where);
   if (!document.is_mapping()) throw document.error("a run's settings are a mapping");
   RunSettings settings;
-  settings.file_ = file.string();
+  settings.file_ = where;
   check_format(document, format::run, Head::required);
   for (const auto& [key, value] : document.entries()) {
     const std::string name = key.string();

@@ -12,6 +12,7 @@
 //   gen-003/ranking.tsv       best first; the generation is finished
 //   policies/ID.policy.h5     logs/ID.log     by robot, not by slot: a survivor
 //                             is in many slots and trained once
+//   lock                      which processes are at what; holds nothing
 //   timings/HOST.jsonl        what trainings took; lines are only appended, each
 //                             machine to a file of its own
 //   history.jsonl             all robots trained, in order, each once
@@ -29,6 +30,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "formats/robot.h"
@@ -52,6 +54,7 @@ class RunSettings {
   static RunSettings from_words(const std::vector<std::string>& words);
   // Throws Error(no_input, data); a newer version is refused by name.
   static RunSettings read(const std::filesystem::path& file);
+  static RunSettings parse(std::string_view text, const std::string& where);
 
   const std::vector<RunSetting>& list() const { return list_; }
   const std::string* find(const std::string& name) const;
@@ -139,6 +142,13 @@ class RunFolder {
     return sharded(logs(), id) / (id + ".log");
   }
   std::filesystem::path timings() const { return path_ / "timings"; }
+  // For a LockFile: a byte for the proposals of a steady run, and one for each slot.
+  std::filesystem::path lock() const { return path_ / "lock"; }
+  static constexpr std::uint64_t proposals_byte = 0;
+  static std::uint64_t lock_byte(SlotAddress address) {
+    return 1 + (static_cast<std::uint64_t>(address.generation) << 24U) +
+           static_cast<std::uint64_t>(address.slot);
+  }
   std::filesystem::path history() const { return path_ / "history.jsonl"; }
   std::filesystem::path best() const { return path_ / "best.json"; }
 

@@ -184,10 +184,39 @@ std::optional<TaskFile> read_head(const std::string& name, const fs::path& path)
   return is_task ? std::optional(file) : std::nullopt;
 }
 
+// "Walker" of "Walker-v0".
+std::string without_version(const std::string& name) { return name.substr(0, name.rfind("-v")); }
+
+// The task whose name was misspelt, or that was given without its version.
+std::string task_meant(const std::string& word, const std::vector<std::string>& names) {
+  if (std::string name = nearest(word, names); !name.empty()) return name;
+  std::vector<std::string> stems;
+  for (const std::string& name : names) stems.push_back(without_version(name));
+  const std::string stem = nearest(word, stems);
+  const auto found = std::find(stems.begin(), stems.end(), stem);
+  return found == stems.end() ? "" : names[static_cast<std::size_t>(found - stems.begin())];
+}
+
+// What may have been meant by a name that no task has.
+std::string hint(const std::string& word, const std::vector<std::string>& names) {
+  std::error_code ignored;
+  if (fs::is_regular_file(word, ignored))
+    return fmt::format(" (a file is given with its folder: './{}')", word);
+  const std::string meant = task_meant(word, names);
+  return meant.empty() ? "" : " (did you mean '" + meant + "'?)";
+}
+
 }  // namespace
 
 TaskSpec load_task(const std::string& name_or_file, const DataFolders& folders) {
-  if (is_file_name(name_or_file)) return load_task_file(name_or_file, folders);
+  if (is_file_name(name_or_file)) {
+    std::error_code ignored;
+    const std::string stem = fs::path(name_or_file).stem().string();
+    if (!fs::exists(name_or_file, ignored) && find_data_file(folders, "", stem))
+      throw error(Failure::no_input, "{}: no such file; the task of that name is given as '{}'",
+                  name_or_file, stem);
+    return load_task_file(name_or_file, folders);
+  }
   const auto path = find_data_file(folders, "", name_or_file);
   if (path && read_head(name_or_file, *path)) return load_task_file(*path, folders);
 
@@ -208,7 +237,7 @@ TaskSpec load_task(const std::string& name_or_file, const DataFolders& folders) 
   throw error(Failure::usage,
               "unknown task '{}'{}; `evo-inspect tasks` lists them, a task of your own is given "
               "as a file (NAME.yaml){}",
-              name_or_file, did_you_mean(name_or_file, names), unreadable);
+              name_or_file, hint(name_or_file, names), unreadable);
 }
 
 std::vector<std::string> task_names(const DataFolders& folders) {

@@ -37,6 +37,7 @@ batch_size = $(shell left=$$(( $(EVALS) - $(1) * $(POP) )); echo $$(( left < $(P
 lines_or = $(if $(wildcard $(1)),$(shell wc -l < '$(1)'),$(2))
 
 RUN    ?= $(error give RUN=folder, such as RUN=runs/first)
+include $(SCRIPTS)run-name.mk
 TASK   ?= Walker-v0
 POP    ?= 25
 EVALS  ?= 250
@@ -101,6 +102,12 @@ silent := $(findstring s,$(letters))
 watch := env -u MAKELEVEL evo-inspect --watch '$(RUN)' >&2 & \
   watcher=$$!; trap 'kill $$watcher 2> /dev/null && wait $$watcher || true' EXIT;
 
+# One make at a time works on a run. The system takes the lock away however the shell
+# that holds it ends; where files cannot be locked there is none, and no result needs it.
+alone := { exec 200<> '$(RUN)/run.yaml'; } 2> /dev/null || true; \
+  flock -w 10 -E 99 200 2> /dev/null || [ $$? -ne 99 ] || \
+  { echo '$(RUN): another make is at work on this run; give the command again when it has ended' >&2; exit 1; };
+
 # First the population, then its slots, whose number it may decide.
 make_part = $(ends_with_us) $(MAKE) -f $(firstword $(MAKEFILE_LIST))
 all_generations ?= for gen in $(GENERATIONS); do \
@@ -110,7 +117,7 @@ all_generations ?= for gen in $(GENERATIONS); do \
 	    $(make_part) GEN=$$gen "$$folder/ranking.tsv"; }; \
 	done
 generations: | $(RUN)/run.yaml
-	+@$(if $(dry_run)$(silent),,$(watch)) $(all_generations)
+	+@$(if $(dry_run),,$(alone)) { $(if $(dry_run)$(silent),,$(watch)) $(all_generations); } 200>&-
 
 # Every setting of the run. A changed one is refused, never mixed in.
 $(RUN)/run.yaml: FORCE

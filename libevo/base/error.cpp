@@ -34,11 +34,17 @@ std::size_t distance(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string nearest(const std::string& word, const std::vector<std::string>& candidates) {
+  constexpr std::size_t shortest_beginning = 3;
   const std::string folded = lower(word);
+  // Of a word as short as "top", two slips leave nothing.
+  const std::size_t slips = folded.size() <= 3 ? 1 : std::max<std::size_t>(2, folded.size() / 3);
   std::string best;
-  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  std::size_t best_distance = slips + 1;
   for (const std::string& candidate : candidates) {
-    const std::size_t d = distance(folded, lower(candidate));
+    const std::string whole = lower(candidate);
+    std::size_t d = distance(folded, whole);
+    if (folded.size() >= shortest_beginning && whole.starts_with(folded))
+      d = std::min<std::size_t>(d, 1);
     if (d < best_distance) {
       best_distance = d;
       best = candidate;

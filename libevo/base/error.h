@@ -41,8 +41,8 @@ Error error(Failure kind, fmt::format_string<Args...> format, Args&&... args) {
   return {kind, fmt::format(format, std::forward<Args>(args)...)};
 }
 
-// The candidate nearest to a misspelt word (Damerau-Levenshtein, case folded),
-// or an empty string when none is close enough to be worth suggesting.
+// The candidate nearest to a misspelt word (Damerau-Levenshtein, case folded; its beginning
+// counts as one slip), or an empty string when none is close enough to be worth suggesting.
 std::string nearest(const std::string& word, const std::vector<std::string>& candidates);
 
 // " (did you mean 'X'?)" for the nearest candidate, or "".

@@ -167,11 +167,19 @@ Design improve(const Shape& shape, Design design, const Acquisition& acquisition
 
 // One independent normal draw for each candidate, ascending costs.
 std::vector<Design> by_thompson_sampling(const GaussianProcess& process,
-                                         std::vector<Design> candidates, Stream& stream) {
-  const Prediction prediction = observe(process, candidates);
+                                         std::vector<Design> candidates, Stream& stream,
+                                         ThreadPool& pool) {
+  constexpr std::size_t piece = 256;  // candidates, whatever the number of threads
+  std::vector<Prediction> predictions((candidates.size() + piece - 1) / piece);
+  pool.run(predictions.size(), [&](std::size_t k, int /*worker*/) {
+    const std::size_t first = k * piece;
+    predictions[k] = observe(
+        process, std::span(candidates).subspan(first, std::min(piece, candidates.size() - first)));
+  });
   std::vector<std::pair<double, std::size_t>> draws;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
+    const Prediction& prediction = predictions[i / piece];
+    const auto at = static_cast<Eigen::Index>(i % piece);
     draws.emplace_back(prediction.mean(at) + prediction.stddev(at) * stream.gaussian(), i);
   }
   std::sort(draws.begin(), draws.end());
@@ -185,7 +193,7 @@ std::vector<Design> by_thompson_sampling(const GaussianProcess& process,
 // in the batch already. Should that not be enough, the best of the other draws.
 std::vector<Design> pick(const Shape& shape, const std::vector<Design>& draws,
                          const Acquisition& acquisition, const std::set<Design>& known,
-                         std::size_t count, const SuggestSettings& settings) {
+                         std::size_t count, const SuggestSettings& settings, ThreadPool& pool) {
   const std::size_t anchors =
       std::min(draws.size(), count * static_cast<std::size_t>(settings.anchors_per_design));
   std::vector<Design> batch;
@@ -195,8 +203,17 @@ std::vector<Design> pick(const Shape& shape, const std::vector<Design>& draws,
     batch.push_back(design);
     return true;
   };
-  for (std::size_t i = 0; i < anchors && batch.size() < count; ++i)
-    if (!take(improve(shape, draws[i], acquisition, known, settings.local_steps))) take(draws[i]);
+  // A few anchors more may be improved than are taken: as many as there are threads.
+  const auto together = static_cast<std::size_t>(pool.threads());
+  std::vector<Design> improved(together);
+  for (std::size_t first = 0; first < anchors && batch.size() < count; first += together) {
+    const std::size_t n = std::min(together, anchors - first);
+    pool.run(n, [&](std::size_t k, int /*worker*/) {
+      improved[k] = improve(shape, draws[first + k], acquisition, known, settings.local_steps);
+    });
+    for (std::size_t k = 0; k < n && batch.size() < count; ++k)
+      if (!take(improved[k])) take(draws[first + k]);
+  }
   for (std::size_t i = 0; i < draws.size() && batch.size() < count; ++i) take(draws[i]);
   return batch;
 }
@@ -277,7 +294,7 @@ GpParameters fit_parameters(std::span<const Observation> observations,
 
 SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observations,
                        std::span<const Design> pending, int count, const SuggestSettings& settings,
-                       std::uint64_t seed) {
+                       std::uint64_t seed, ThreadPool* pool) {
   const Shape shape{rows, cols};
   check(shape, observations, pending, count);
   const auto wanted = static_cast<std::size_t>(count);
@@ -303,13 +320,16 @@ SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observat
       settings.parameters ? *settings.parameters : fit_parameters(observations, settings, seed);
   const GaussianProcess process = believing(GaussianProcess(data, batch.parameters), pending);
 
+  ThreadPool alone(1);
+  ThreadPool& threads = pool != nullptr ? *pool : alone;
   std::set<Design> drawn = known;
   const auto tried = std::max(wanted, static_cast<std::size_t>(settings.candidates));
   Stream thompson(seed, "suggest/thompson", index);
-  const std::vector<Design> draws =
-      by_thompson_sampling(process, random_designs(shape, tried, drawn, candidates), thompson);
+  const std::vector<Design> draws = by_thompson_sampling(
+      process, random_designs(shape, tried, drawn, candidates), thompson, threads);
   const Acquisition acquisition(process, settings.ei_jitter);
-  const std::vector<Design> chosen = pick(shape, draws, acquisition, known, wanted, settings);
+  const std::vector<Design> chosen =
+      pick(shape, draws, acquisition, known, wanted, settings, threads);
   check_complete(shape, chosen.size(), count);
 
   const Prediction prediction = observe(process, chosen);

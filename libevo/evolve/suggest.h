@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "libevo/base/parallel.h"
 #include "libevo/body/body.h"
 #include "libevo/evolve/gp.h"
 
@@ -50,10 +51,11 @@ struct SuggestedBatch {
 // less (the Kriging believer of Ginsbourger, Le Riche and Carraro, "Kriging is
 // well-suited to parallelize optimization", 2010). Without a finite fitness to learn from they are
 // random, every voxel uniform over the five kinds until valid. Throws Error(data) for observations
-// of another shape, Error(work) when the shape has not so many designs left.
+// of another shape, Error(work) when the shape has not so many designs left. With a
+// pool its threads share the work; the batch does not depend on it.
 SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observations,
                        std::span<const Design> pending, int count, const SuggestSettings& settings,
-                       std::uint64_t seed);
+                       std::uint64_t seed, ThreadPool* pool = nullptr);
 
 // The parameters that suggest() would fit to these observations, of which at least
 // one has succeeded.

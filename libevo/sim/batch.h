@@ -28,7 +28,7 @@ namespace evo {
 enum class LaneStatus : std::uint8_t {
   done,
   self_folding,  // a robot folded onto itself: stopped after the folding substep
-  unstable,      // a position or velocity is not a finite number any more
+  unstable,      // values are not finite any more, or it folded at over a voxel per substep
 };
 
 class Batch {

@@ -298,16 +298,28 @@ class ControlStep {
         row[o + to] = row[o + from];
   }
 
-  // Lanes that folded keep the state at the end of this substep.
+  // Lanes that folded keep the state at the end of this substep. Where points fly past
+  // whole cells from one substep to the next, it is the integrator that folded.
   std::size_t stop_folded() {
     std::size_t stopped = 0;
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (!folding_[i] || !runs(i)) continue;
-      lanes_[i]->status = LaneStatus::self_folding;
+      lanes_[i]->status = flies_apart(i) ? LaneStatus::unstable : LaneStatus::self_folding;
+      set_aside_[i] = true;
       set_aside(i);
       ++stopped;
     }
     return stopped;
+  }
+
+  bool flies_apart(std::size_t lane) const {
+    const double limit = physics_.voxel_length / physics_.substep;  // a cell per substep
+    for (std::int32_t site = 0; site < plan_.sites; ++site) {
+      const double* velocity = w_.motion_of(pair_offset(site, width)) + Motion::velocity * width;
+      for (const std::size_t k : {lane, lane + width})
+        if (!(std::abs(velocity[k]) <= limit)) return true;
+    }
+    return false;
   }
 
   // Position, previous position and velocity of a lane, wherever they are at present.
@@ -336,7 +348,7 @@ class ControlStep {
 
   void end() {
     for (std::size_t i = 0; i < lanes_.size(); ++i)
-      if (lanes_[i]->status == LaneStatus::self_folding) put_back(i);
+      if (set_aside_[i]) put_back(i);
     rows_.position = w_.position;
     rows_.previous = w_.previous;
     HWY_ALIGN double nothing[2 * width] = {};  // 0 times every value: 0 where all are finite
@@ -360,6 +372,7 @@ class ControlStep {
   Arrays<arithmetic> w_;
   std::size_t lead_;
   std::array<bool, width> folding_{};
+  std::array<bool, width> set_aside_{};
   bool touching_ = false;
   bool near_floor_ = false;  // fast arithmetic: any point of any lane
 };

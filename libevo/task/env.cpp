@@ -285,8 +285,8 @@ void require_stable(const VecEnv& env) {
   for (int i = 0; i < env.environments(); ++i)
     if (env.status(i) == LaneStatus::unstable)
       throw error(Failure::work,
-                  "task '{}': the simulation became unstable in step {} of an episode: an "
-                  "observation or the reward is not a number",
+                  "task '{}': the simulation became unstable in step {} of an episode: a value is "
+                  "not a number, or points fly further than a voxel in a substep",
                   env.arena(i).task().name, env.steps(i));
 }
 

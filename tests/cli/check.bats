@@ -62,6 +62,14 @@ with h5py.File(sys.argv[1], 'r+') as f: del f.attrs['checksum']" "$policy"
   evo-inspect species.json | grep -q 'state of NEAT'
   evo-inspect "$EVO_SOURCE/tasks/neat.yaml" "$EVO_SOURCE/tasks/Walker-v0.yaml" "$EVO_SOURCE/tasks/physics/paper.yaml" "$EVO_SOURCE/tasks/training/default.yaml"
   evo-inspect - < "$(ls ./*.policy.h5)" | grep -q 2x2
+  evo-inspect - < walk.h5 | grep -q 2x2
+  evo-run init run method=ga layout=steady population=2 evaluations=4 window=2 shape=2x2 seed=1 task=Walker-v0 mutate_options=
+  evo-run propose run --robots 2
+  evo-inspect run/run.yaml | grep -qx 'task  *Walker-v0'
+  evo-inspect run/steady.json | grep -q '2 robots proposed, 0 scores known'
+  evo-inspect --check run/run.yaml run/steady.json
+  printf 'format: evo/config\nversion: 1\ncount: 3\n' > options.yaml
+  evo-inspect options.yaml | grep -qx -e --count
   evo-mutate -n 1 < walk.h5 | jq -e '.parents | length == 1'
   printf 'RS\n' > idle.txt
   fails_with 65 "actuator" -- evo-convert idle.txt

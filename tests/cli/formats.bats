@@ -42,12 +42,36 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
   evo-convert world.json --to task | schema task
 }
 
+@test "runs fit their schemas: settings, and the state of a steady run" {
+  local method
+  for method in ga neat bo; do
+    make -s -f "$EVO_SOURCE/scripts/steady.mk" METHOD=$method RUN=$method POP=4 EVALS=9 WINDOW=2 SHAPE=3x3 SEED=1 \
+      EVALUATE='evo-eval --task Walker-v0 --random --max-steps 3'
+    schema run < $method/run.yaml
+    schema steady < $method/steady.json
+    jq -e '.robots == 9 and .scores > 0' $method/steady.json
+  done
+  jq -e '.parameters.fitted > 0' bo/steady.json
+  evo-run init mine task=Walker-v0 none= "text=# it's: [odd]" train_options="--train-set 'hidden=8,8'"
+  schema run < mine/run.yaml
+}
+
 @test "the data that the tools come with fits the schemas" {
   local file
   for file in "$EVO_SOURCE"/tasks/*-v?.yaml "$EVO_SOURCE"/tasks/examples/*.yaml; do schema task < "$file"; done
   for file in "$EVO_SOURCE"/tasks/physics/*.yaml; do schema physics < "$file"; done
   for file in "$EVO_SOURCE"/tasks/training/*.yaml; do schema training < "$file"; done
   schema neat < "$EVO_SOURCE/tasks/neat.yaml"
+}
+
+@test "options in a file fit their schema, and what the tools refuse does not" {
+  printf 'format: evo/config\nversion: 1\ncount: 3\nseed: 7\navoid: [a, b]\n' | schema config
+  sed -n '/^format: evo.config/,/^```/p' "$EVO_SOURCE/docs/formats/profiles.md" | grep -v '```' | schema config
+  local wrong
+  for wrong in 'help: true' 'config: x' 'version: 2' 'count: {a: 1}'; do
+    run schema config <<< "$wrong"; [ "$status" -eq 1 ]
+    fails_with 65 "--config" -- evo-sample --config <(echo "$wrong")
+  done
 }
 
 @test "a schema refuses what the tools refuse" {
@@ -65,10 +89,19 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
     /usr/bin/python3 "$EVO_SOURCE/tests/cli/policy_json.py" $kind.json $kind.h5
     evo-convert "$made/$kind"/*.policy.h5 -o $kind.onnx
     /usr/bin/python3 "$EVO_SOURCE/tests/cli/policy_onnx.py" $kind.onnx $kind.h5
+    cp $kind.onnx $kind.h5 "$made"
   done
   fails_with 65 "open loop" -- evo-convert "$made"/sine/*.policy.h5 --to onnx -o x.onnx
   fails_with 65 "depends on the time" -- evo-convert "$made"/timed/*.policy.h5 --to onnx -o x.onnx
   [ ! -e x.onnx ]
+}
+
+@test "another program runs the ONNX graph to the same actions" {
+  local python kind
+  python=$("$EVO_SOURCE/tests/cli/onnxruntime.sh" "$EVO_BUILD") || skip "onnxruntime is not here and cannot be installed from PyPI"
+  for kind in net squash; do
+    "$python" "$EVO_SOURCE/tests/cli/policy_run.py" "$made/$kind.onnx" "$made/$kind.h5"
+  done
 }
 
 @test "a world of the design tool becomes a task that runs" {

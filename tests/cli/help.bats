@@ -26,6 +26,24 @@ tools() { (cd "$EVO_BIN" && printf '%s\n' evo-*); }
   fails_with 2 "--jobs" -- evo-eval -j 0 --task Walker-v0 --random
 }
 
+@test "what other programs call it, names cut short, tasks and files mixed up: what was meant is named" {
+  fails_with 2 "--top" "did you mean '--keep'" -- evo-select --top 3
+  fails_with 2 "did you mean '--count'" -- evo-sample --number 3
+  fails_with 2 "did you mean '--task'" -- evo-train --env Walker-v0
+  fails_with 2 "did you mean '--keep'" -- evo-select --kepp 3
+  evo-sample -n 1 > robot
+  local word
+  for word in walker Walker WALKER-V0 wlaker-v0; do
+    fails_with 2 "'$word'" "did you mean 'Walker-v0'" -- evo-eval --task $word --random robot
+  done
+  cp "$EVO_SOURCE/tasks/Walker-v0.yaml" mine
+  fails_with 2 "'./mine'" -- evo-eval --task mine --random robot
+  evo-eval --task ./mine --random --max-steps 1 robot > /dev/null
+  fails_with 66 "given as 'Walker-v0'" -- evo-eval --task Walker-v0.yaml --random robot
+  fails_with 66 "but a task" "--task Walker-v0" -- evo-eval Walker-v0
+  fails_with 66 "but a task" "evo-inspect task Walker-v0" -- evo-inspect Walker-v0
+}
+
 @test "options from a file, the command line winning" {
   printf 'count: 3\nseed: 9\n' > options.yaml
   evo-sample --config options.yaml | cmp - <(evo-sample -n 3 --seed 9)

@@ -153,6 +153,32 @@ kill_and_repeat() {
   make -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${settings[@]}" run/run.yaml
 }
 
+@test "one make at a time works on a run; one that was killed lets go" {
+  local long=("${settings[@]/STEPS=4096/STEPS=51200000}") pid
+  setsid make -s -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${long[@]}" > /dev/null 2>&1 3>&- &
+  pid=$!
+  until [ -e run/gen-000/00.running ]; do kill -0 $pid && sleep 0.1; done
+  run make -s -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${long[@]}"
+  [ "$status" -eq 2 ]
+  [[ $output == *"run: another make is at work on this run"* ]]
+  kill -KILL -- -$pid
+  wait $pid || true
+  flock -w 5 run/run.yaml true
+}
+
+@test "folders that make cannot work in are refused with the reason" {
+  local name
+  for name in "my runs/x" "a:b" "a'b" "50%"; do
+    run run_make ga "$name"
+    [ "$status" -eq 2 ]
+    [[ $output == *"RUN='$name': make cannot work in a folder whose name has "* ]]
+    run make -f "$EVO_SOURCE/scripts/compare.mk" RUN="$name"
+    [ "$status" -eq 2 ]
+    [[ $output == *"make cannot work in a folder"* ]]
+  done
+  [ -z "$(ls)" ]
+}
+
 @test "make -n shows the plan by slots" {
   run_make ga run -n > plan
   [ "$(grep -c 'train-slots' plan)" -ge 9 ]

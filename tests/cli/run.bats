@@ -87,3 +87,25 @@ populate() { mkdir -p run/gen-000 && evo-sample -n 3 --shape 3x3 --seed 1 -o run
   fails_with 65 "train_options" -- evo-run train two --slot 0
   [ ! -e here ]
 }
+
+@test "train: one process at a time per slot, slots side by side; one that was killed lets go" {
+  settings=("${settings[@]/steps=4096/steps=51200000}")
+  begin train_options=
+  populate
+  evo-run train run --slot 0 -j1 3>&- &
+  local first=$!
+  evo-run train run --slot 1 -j1 3>&- &
+  local beside=$!
+  until [ "$(cat run/logs/*.log 2> /dev/null | grep -c global_step)" -ge 2 ] && [ "$(ls run/logs | wc -l)" -eq 2 ]; do
+    kill -0 $first && kill -0 $beside && sleep 0.1
+  done
+  fails_with 1 "another process is training slot 0" "same command" -- evo-run train run --slot 0
+  kill -KILL $first $beside
+  wait $first $beside || true
+  run timeout --preserve-status -s TERM 2 evo-run train run --slot 0
+  [ "$status" -eq 143 ]
+  # Without a lock nobody is kept from work.
+  rm run/lock && mkdir run/lock
+  run timeout --preserve-status -s TERM 1 evo-run train run --slot 1
+  [ "$status" -eq 143 ]
+}

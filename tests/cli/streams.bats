@@ -57,6 +57,7 @@ setup_file() {
     "evo-sample -n 2" "evo-mutate six.jsonl" "evo-select scored.jsonl" "evo-convert six.jsonl"
     "evo-neat -n 4 --state-out $BATS_TEST_TMPDIR/s.json"
     "evo-eval --task Walker-v0 --random --max-steps 2 six.jsonl"
+    "evo-eval --progress always --task Walker-v0 --random --max-steps 2 six.jsonl"
     "evo-train --progress always --task Walker-v0 --train tiny.yaml --steps 2 --out-dir $BATS_TEST_TMPDIR/p six.jsonl")
   local command
   for command in "${commands[@]}"; do

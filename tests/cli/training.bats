@@ -34,6 +34,30 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
   [ -s long/*.checkpoint.h5 ]
 }
 
+@test "training: SIGTERM in the middle of an update saves the state before it, and ends the same" {
+  robots | head -1 > robot
+  # An update takes some seconds, far longer than a training that is told to end may take.
+  local options=(--task Walker-v0 --steps 131072 --train-set environments=4 --train-set rollout=16384
+    --train-set epochs=2 --train-set evaluation_interval=1 --train-set final_episodes=0 -j1)
+  evo-train "${options[@]}" --out-dir calm robot > calm.json
+  evo-train "${options[@]}" --out-dir stormy robot 2> said >/dev/null 3>&- &
+  local training=$! start status
+  until grep -qs global_step stormy/*.log; do kill -0 $training && sleep 0.05; done
+  start=$EPOCHREALTIME
+  kill -TERM $training
+  status=0
+  wait $training || status=$?
+  [ "$status" -eq 143 ]
+  grep -q -- --resume said
+  # It did not come to the end of its update.
+  [ "$(grep -c global_step stormy/*.log)" -eq 1 ]
+  awk -v from="$start" -v to="$EPOCHREALTIME" 'BEGIN { exit !(to - from < 10) }'
+  evo-train "${options[@]}" --out-dir stormy --resume robot 2> said > stormy.json
+  grep -q "goes on from" said
+  cmp calm/*.policy.h5 stormy/*.policy.h5
+  cmp <(jq 'del(.policy)' calm.json) <(jq 'del(.policy)' stormy.json)
+}
+
 @test "training: done is done, and other settings are refused" {
   robots | train p > first
   robots | train p | cmp - first
@@ -121,6 +145,7 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
 }
 
 @test "evaluation: physics can be changed, and a typo names the nearest key" {
+  fails_with 1 "became unstable in step 1" -- bash -c 'evo-sample -n 1 | evo-eval --task Walker-v0 --random --set gravity=1e12'
   robots | head -1 > robot
   evo-eval --task Walker-v0 --sine 0.5,20,0.7 robot > normal
   evo-eval --task Walker-v0 --sine 0.5,20,0.7 --set gravity=110 robot | cmp - normal

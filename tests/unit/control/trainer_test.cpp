@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libevo/base/error.h"
+#include "libevo/base/parallel.h"
 #include "libevo/control/evaluate.h"
 #include "libevo/control/ppo.h"
 #include "libevo/sim/isa.h"
@@ -129,6 +130,26 @@ TEST_CASE("results depend on seed and robot id, and on nothing else") {
   check_equal(run(1, "a"), reference);
   CHECK_FALSE(run(2, "a").controller == reference.controller);
   CHECK_FALSE(run(1, "b").controller == reference.controller);
+}
+
+TEST_CASE("trainings side by side are each as alone", "[threads]") {
+  const Arena arena(test::walker(10), test::small_body());
+  const Arena other(test::walker(10), test::body_a());
+  const std::vector<TrainingSettings> settings{brief(), brief_search(Algorithm("sine")),
+                                               brief_search(Algorithm("gait")), brief_portfolio()};
+  const auto run = [&](std::size_t i) {
+    Trainer trainer(i % 2 == 0 ? arena : other, settings[i % settings.size()], 1,
+                    std::to_string(i));
+    while (!trainer.done()) {
+      trainer.advance();
+      (void)trainer.checkpoint();
+    }
+    return trainer.result();
+  };
+  std::vector<TrainResult> results(8);
+  ThreadPool pool(4);
+  pool.run(results.size(), [&](std::size_t i, int /*worker*/) { results[i] = run(i); });
+  for (std::size_t i = 0; i < results.size(); ++i) check_equal(run(i), results[i]);
 }
 
 TEST_CASE("results are the same on every instruction set") {

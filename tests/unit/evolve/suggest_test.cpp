@@ -195,6 +195,21 @@ TEST_CASE("parameters fitted before give the same batch as fitting them anew") {
   for (std::size_t i = 0; i < 5; ++i) CHECK(given.designs[i].body == fitted.designs[i].body);
 }
 
+TEST_CASE("the batch is the same for any number of threads", "[threads]") {
+  const auto observations = random_observations(4, 4, 30, 8);
+  const SuggestedBatch alone = suggest(4, 4, observations, {}, 6, quick(), 3);
+  for (const int threads : {2, 3, 8}) {
+    ThreadPool pool(threads);
+    const SuggestedBatch batch = suggest(4, 4, observations, {}, 6, quick(), 3, &pool);
+    REQUIRE(batch.designs.size() == 6);
+    for (std::size_t i = 0; i < 6; ++i) {
+      CHECK(batch.designs[i].body == alone.designs[i].body);
+      CHECK(batch.designs[i].mean == alone.designs[i].mean);
+      CHECK(batch.designs[i].stddev == alone.designs[i].stddev);
+    }
+  }
+}
+
 TEST_CASE("what is proposed is predicted to be better than what is known, on average") {
   const auto observations = random_observations(5, 5, 80, 6);
   double mean = 0.0;

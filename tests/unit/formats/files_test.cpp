@@ -157,6 +157,12 @@ TEST_CASE("An input is not read without end, and looked at before the rest is re
   CHECK(contains(error_of(Failure::data, [] { (void)read_file("/dev/zero", 1 << 20); }), "1 MiB"));
   std::size_t seen = 0;
   (void)read_file(folder / "long", largest_input,
-                  [&](std::string_view text) { seen = text.size(); });
+                  [&](std::string_view text) { return seen = text.size(), largest_input; });
   CHECK(seen == 1 << 16);
+  CHECK(contains(error_of(Failure::data,
+                          [] {
+                            (void)read_file("/dev/zero", largest_input,
+                                            [](std::string_view) { return std::size_t{1} << 20U; });
+                          }),
+                 "1 MiB"));
 }

@@ -311,6 +311,19 @@ TEST_CASE("Robot: an input is a file, and an HDF5 file stands for its robot") {
                  "@robot"));
 }
 
+TEST_CASE("Robot: what cannot be robots is refused before it is read to its end") {
+  const ScratchFolder folder;
+  const auto file = (folder / "endless").string();
+  const auto refused = [&](const std::string& beginning) {
+    write_file(file, beginning);
+    std::filesystem::resize_file(file, largest_input);  // sparse: nothing is written
+    return error_of(Failure::data, [&] { (void)read_robot_text(file); });
+  };
+  CHECK(contains(refused(std::string(1 << 16, 'x')), "line 1"));
+  CHECK(contains(refused("a: b\n"), "8 MiB"));
+  CHECK(contains(refused("a: \x01" + std::string(1 << 16, 'x')), "control character"));
+}
+
 TEST_CASE("Robot: damaged text throws Error and nothing else") {
   const Robot robot =
       one(R"({"body":["HH","VV"],"connections":[[0,1],[0,2],[1,3]],"note":"\u00e4"})");

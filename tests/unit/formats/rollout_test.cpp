@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -288,6 +289,49 @@ TEST_CASE("Actions: from HDF5") {
                             });
                           }),
                  "step 1 holds nan"));
+}
+
+TEST_CASE("Whatever reads a rollout looks at its version") {
+  const ScratchFolder folder;
+  const auto file = folder / "r.h5";
+  const auto write = [&](const char* format, const auto& version) {
+    hdf5::Writer out(file);
+    if (format != nullptr) out.attribute("/", "format", std::string(format));
+    version(out);
+    out.attribute("/", "robot", R"({"body":["HV"]})");
+    out.array("/actions", {1, 2}, std::vector<double>{1, 1});
+    out.group("/episode_0");
+    out.attribute("/episode_0", "random_draws", "{}");
+    out.commit();
+  };
+  const auto refuses = [&](const std::string& why) {
+    CHECK(contains(error_of(Failure::data, [&] { (void)read_actions(file); }), why));
+    CHECK(contains(error_of(Failure::data, [&] { (void)read_draws(file); }), why));
+    CHECK(contains(error_of(Failure::data, [&] { (void)read_robots(file.string()); }), why));
+  };
+  const auto version = [](auto number) {
+    return [number](hdf5::Writer& out) { out.attribute("/", "version", number); };
+  };
+  const auto none = [](hdf5::Writer&) {};
+  write("evo/rollout", version(2));
+  refuses("version 2 is newer");
+  write("evo/rollout", version(0));
+  refuses("found '0'");
+  write("evo/rollout", version(1.5));
+  refuses("found '1.5'");
+  write("evo/rollout", version(std::numeric_limits<double>::infinity()));
+  refuses("found 'inf'");
+  write("evo/rollout", none);
+  refuses("version");
+  for (const char* format : {"evo/rollout", static_cast<const char*>(nullptr)}) {
+    if (format != nullptr)
+      write(format, version(1));
+    else
+      write(format, none);  // as the benchmark writes them
+    CHECK(read_actions(file).steps == 1);
+    CHECK(read_draws(file).is_object());
+    CHECK(read_robots(file.string()).size() == 1);
+  }
 }
 
 TEST_CASE("Actions: from CSV") {

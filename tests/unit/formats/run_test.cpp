@@ -5,6 +5,7 @@
 
 #include "formats/files.h"
 #include "formats/training_log.h"
+#include "libevo/base/random.h"
 #include "tests/unit/formats/scratch.h"
 
 using namespace evo;
@@ -71,6 +72,27 @@ TEST_CASE("values that YAML would take for something else come back as they were
     write_file(file, settings.to_yaml());
     INFO(settings.to_yaml());
     CHECK(RunSettings::read(file).list() == settings.list());
+  }
+}
+
+TEST_CASE("whatever line of text a setting is, it comes back") {
+  const test::ScratchFolder scratch;
+  Stream random(1, "settings");
+  const std::vector<std::string> pieces{"'", "\"", "\\", "#",  " ", ": ",  "- ",   "%",    "@",
+                                        "{", "]",  ",",  "&a", "*", "!",   "null", "0x1F", "1e5",
+                                        "~", "ä",  "|",  "?",  "=", "yes", "\t"};
+  for (int trial = 0; trial < 300; ++trial) {
+    std::vector<std::string> settings;
+    for (int k = 0; k < 5; ++k) {
+      std::string value;
+      for (std::uint32_t length = random.below(6); length > 0; --length)
+        value += pieces[random.below(static_cast<std::uint32_t>(pieces.size()))];
+      settings.push_back("key_" + std::to_string(k) + "=" + value);
+    }
+    const RunSettings written = RunSettings::from_words(settings);
+    write_file(scratch / "run.yaml", written.to_yaml());
+    INFO(written.to_yaml());
+    CHECK(RunSettings::read(scratch / "run.yaml").list() == written.list());
   }
 }
 

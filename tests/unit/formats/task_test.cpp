@@ -302,6 +302,12 @@ TEST_CASE("an unknown task is named with the nearest one") {
                Catch::StartsWith("unknown task 'Walkr-v0' (did you mean 'Walker-v0'?)") &&
                    Catch::Contains("evo-inspect tasks"));
   }
+  for (const char* word : {"walker", "Walker", "WALKER-V0", "wlaker", "walke"})
+    CHECK_THROWS_WITH(load_task(word, data), Catch::Contains("(did you mean 'Walker-v0'?)"));
+  CHECK_THROWS_WITH(load_task("bridge", data), Catch::Contains("'BridgeWalker-v0'"));
+  CHECK_THROWS_WITH(load_task("zebra", data), !Catch::Contains("did you mean"));
+  CHECK_THROWS_WITH(load_task("Walker-v0.yaml", data), Catch::Contains("given as 'Walker-v0'"));
+  CHECK_THROWS_WITH(load_task("README.md", data), Catch::Contains("'./README.md'"));
   try {
     load_task("./nowhere.yaml", data);
     FAIL("accepted");
@@ -476,8 +482,8 @@ TEST_CASE("mistakes in a task are named with their place and the nearest word") 
         "t.yaml:11:24: unknown object 'pakage' (did you mean 'package'?); allowed: robot, ground, "
         "package");
   CHECK_THAT(spoilt("displacement", "displace"),
-             Catch::StartsWith("t.yaml:11:5: reward term: unknown key 'displace'; allowed: "
-                               "displacement, distance, ") &&
+             Catch::StartsWith("t.yaml:11:5: reward term: unknown key 'displace' (did you mean "
+                               "'displacement'?); allowed: displacement, distance, ") &&
                  Catch::EndsWith(", weight, when"));
   CHECK(spoilt("axis: x}\n", "axis: z}\n") ==
         "t.yaml:11:37: unknown axis 'z' (did you mean 'x'?); allowed: x, y");

@@ -248,6 +248,33 @@ TEST_CASE("an unstable lane says so and leaves its neighbours alone") {
   }
 }
 
+TEST_CASE("what flies past whole cells has not folded: it is unstable") {
+  for (const Arithmetic arithmetic : {Arithmetic::exact, Arithmetic::fast}) {
+    Physics physics;
+    physics.arithmetic = arithmetic;
+    const Model tame(flat_world(Body::from_rows(body_a)), physics);
+    physics.gravity = 1e5;  // squashes the robot
+    const Model heavy(flat_world(Body::from_rows(body_a)), physics);
+    physics.gravity = 1e12;
+    const Model wild(flat_world(Body::from_rows(body_a)), physics);
+    Batch untouched(1);
+    untouched.place(0, tame);
+    Batch batch(3);
+    batch.place(0, tame);
+    batch.place(1, heavy);
+    batch.place(2, wild);
+    LaneStatus squashed = LaneStatus::done;
+    for (int t = 0; t < 5 && squashed == LaneStatus::done; ++t) {
+      batch.step();
+      untouched.step();
+      CHECK(batch.status(2) == LaneStatus::unstable);
+      squashed = batch.status(1);
+    }
+    CHECK(squashed == LaneStatus::self_folding);
+    CHECK(hash_of(batch.state(0)) == hash_of(untouched.state(0)));
+  }
+}
+
 TEST_CASE("threads step independently", "[threads]") {
   const Model model(flat_world(Body::from_rows(body_a)), Physics{});
   const std::uint64_t expected = hash_after(model, 20, 4);

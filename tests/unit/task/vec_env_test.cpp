@@ -93,7 +93,8 @@ TEST_CASE("an unstable environment says so and leaves the others alone") {
   CHECK_THROWS_WITH(require_stable(env),
                     "task 'Test-wild': the simulation became unstable in step " +
                         std::to_string(steps) +
-                        " of an episode: an observation or the reward is not a number");
+                        " of an episode: a value is not a number, or points fly further "
+                        "than a voxel in a substep");
   env.reset(1, {});
   CHECK(env.status(1) == LaneStatus::done);
   require_stable(env);

@@ -18,6 +18,7 @@
 #include "formats/lock.h"
 #include "formats/run.h"
 #include "formats/training_log.h"
+#include "libevo/sim/isa.h"
 
 namespace {
 
@@ -29,6 +30,7 @@ struct Options {
   std::vector<std::string> slots;
   std::optional<int> robots;
   std::string why;
+  std::optional<std::string> isa;
 };
 
 // ---- init -------------------------------------------------------------------------
@@ -88,9 +90,16 @@ std::vector<std::string> training_words(const RunFolder& run) {
   return words;
 }
 
+void write_slot(const RunFolder& run, SlotAddress address, const Robot& robot) {
+  cli::RobotWriter out(run.slot(address).string());
+  out.write(robot);
+  out.finish();
+}
+
 // A slot's file appears as soon as its robot is trained. Slots that have one are
 // left alone; a survivor's policy is there already, made with the same settings,
-// and gives its fitness back without a training.
+// and gives its fitness back without a training. One that failed has failed: it is
+// not tried again in every generation that it survives.
 int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
                 const std::vector<int>& slots) {
   std::vector<SlotAddress> addresses;
@@ -98,8 +107,13 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
   for (const int slot : slots) {
     const SlotAddress address{generation, slot};
     if (fs::exists(run.slot(address))) continue;
+    Robot robot = run.robot(address);
+    if (robot.failure()) {
+      write_slot(run, address, robot);
+      continue;
+    }
     addresses.push_back(address);
-    robots.push_back(run.robot(address));
+    robots.push_back(std::move(robot));
   }
   if (robots.empty()) return 0;
 
@@ -124,9 +138,7 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
                             trained.steps, trained.robot.has_value()});
           }
           if (!trained.robot) return;
-          cli::RobotWriter out(run.slot(address).string());
-          out.write(*trained.robot);
-          out.finish();
+          write_slot(run, address, *trained.robot);
         });
     if (status != 0) asked.warn("interrupted; give the same command again to go on");
     return status;
@@ -226,9 +238,7 @@ int fail(const std::string& folder, const Options& options) {
     Robot robot = run.robot(address);
     robot.document["fitness"] = nullptr;
     robot.document["failure"] = {{"why", options.why}};
-    cli::RobotWriter out(run.slot(address).string());
-    out.write(robot);
-    out.finish();
+    write_slot(run, address, robot);
   }
   return 0;
 }
@@ -288,6 +298,9 @@ int main(int argc, char** argv) {
       "--slot", options.slots, "K",
       "train this one, or several as in 3-8 (repeatable); those done are left alone [all]");
   command.option("--why", options.why, "TEXT", "fail: the reason, kept with the robot");
+  command.option("--isa", options.isa, "NAME",
+                 "train: no newer instruction set than this, e.g. x86-64-v3; the results are the "
+                 "same [the processor's]");
   command.jobs_option();
   command.progress_option();
   command.example("evo-run train runs/walker --generation 3 --slot $SLURM_ARRAY_TASK_ID -j1",
@@ -305,6 +318,7 @@ int main(int argc, char** argv) {
     const std::string folder = words[1];
     if (words[0] == "init") return init(folder, {words.begin() + 2, words.end()});
     if (words.size() > 2) throw error(Failure::usage, "{}: name one run folder", words[0]);
+    if (options.isa) select_isa(*options.isa);
     if (words[0] == "train") return train(command, folder, options);
     if (words[0] == "fail") return fail(folder, options);
     if (words[0] == "slots") return list_slots(folder);

@@ -114,7 +114,7 @@ all_generations ?= for gen in $(GENERATIONS); do \
 	  gen=$$(( 10\#$$gen )); folder=$$(printf '$(RUN)/gen-%03d' $$gen); \
 	  [ -e "$$folder/ranking.tsv" ] || { \
 	    $(if $(dry_run),,$(make_part) -s GEN=$$gen "$$folder/population.jsonl" &&) \
-	    $(make_part) GEN=$$gen "$$folder/ranking.tsv"; }; \
+	    $(make_part) GEN=$$gen "$$folder/ranking.tsv"; } || exit; \
 	done
 generations: | $(RUN)/run.yaml
 	+@$(if $(dry_run),,$(alone)) { $(if $(dry_run)$(silent),,$(watch)) $(all_generations); } 200>&-

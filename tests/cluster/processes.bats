@@ -34,9 +34,8 @@ idle() { ! busy "$1"; }
     failed=$(jq -r 'select(.fitness == null) | .id' lively/history.jsonl | sort -u)
     [ -n "$failed" ]
     for id in $failed; do
-      deaths=$(grep -c "^die $id" lively/stand-in.log)
-      # A failed robot may survive a generation of worse ones, and is tried there again.
-      [ "$deaths" -eq 3 ] || { [ $pipeline = ga ] && [ "$deaths" -gt 3 ]; }
+      # No more often even if it survives a generation of worse ones.
+      [ "$(grep -c "^die $id" lively/stand-in.log)" -eq 3 ]
     done
     jq -se 'map(select(.fitness == null).failure.why) | all(contains("status 137 on here, 3 times"))' lively/history.jsonl
     [ "$(wc -l < lively/history.jsonl)" -eq 12 ]
@@ -65,4 +64,37 @@ END
   evolve steady run "${small[@]}" LAUNCH="$PWD/not-today" SECONDS_EACH=0 2> messages
   [ "$(jq -s 'map(select(.fitness == null)) | length' run/history.jsonl)" -eq 0 ]
   grep -q "started again" messages
+}
+
+@test "a robot that failed is given back as it is by a generation that it survives" {
+  evo-run init run method=ga task=Walker-v0 population=1 evaluations=2 steps=1000000000 seed=1 algo=ppo train=default physics=task
+  mkdir run/gen-001
+  evo-sample -n 1 | jq -c '. + {fitness: null, failure: {why: "diverged"}}' > run/gen-001/population.jsonl
+  evo-run train run --generation 1 --slot 0
+  cmp run/gen-001/population.jsonl run/gen-001/00.json
+  [ -z "$(ls run/policies)" ]
+}
+
+@test "a generation that cannot be proposed ends the run" {
+  run -2 evolve ga run "${small[@]}" SECONDS_EACH=0 MUTATE=false
+  [ -e run/gen-000/ranking.tsv ]
+  [ "$(cd run && echo gen-*)" = "gen-000 gen-001" ]
+}
+
+@test "results that a file system shows late are waited for; those that never come are made again" {
+  cat > late << 'END'
+#!/bin/bash
+# What the stand-in has written is seen two seconds later; once not at all.
+"$EVO_SOURCE/tests/cluster/stand-in" "$@"
+file=$(printf '%s/gen-%03d/%s.json' "$1" "$3" "$5")
+if mkdir lost 2> /dev/null; then mv "$file" lost; exit; fi
+mv "$file" "$file.late"
+(sleep 2; mv "$file.late" "$file") > /dev/null 2>&1 3>&- &
+END
+  chmod +x late
+  export SECONDS_EACH=0 EVO_SOURCE
+  evolve steady calm POP=3 EVALS=4 SHAPE=4x4
+  PATIENCE=10 run_make steady run -s POP=3 EVALS=4 SHAPE=4x4 -j3 TRAINER="$PWD/late" run/history.jsonl 2> messages
+  diff <(essence calm) <(essence run)
+  [ "$(grep -c "gave no result within 10 s" messages)" -eq 1 ]
 }

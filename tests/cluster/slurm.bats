@@ -114,6 +114,7 @@ n2_returns() {
   within 60 trained 3
   sbatch --parsable --partition=urgent --ntasks=4 --nodes=2 --output=/dev/null --wrap "sleep 3" > urgent
   within 60 waiting
+  scontrol update JobId="$job" StartTime=now  # else two minutes later
   ended
   diff <(essence calm) <(essence run)
   # What was done before was not done again.

@@ -47,3 +47,30 @@ small=(POP=5 EVALS=22 WINDOW=7 SHAPE=4x4)
     rm -r calm lost
   done
 }
+
+@test "a mixture of instruction sets ends with the same bytes" {
+  isas=()
+  for isa in x86-64 x86-64-v2 x86-64-v3 x86-64-v4; do
+    if evo-bench --isa $isa --sizes 2 --repetitions 1 --seconds 0.01 > /dev/null 2>&1; then isas+=("$isa"); fi
+  done
+  [ ${#isas[@]} -ge 2 ] || skip "this processor has one instruction set"
+  cat > mixed << 'END'
+#!/bin/bash
+# mixed ISA .. -- RUN --generation N --slot SLOT: each slot with the next one.
+while [ "$1" != -- ]; do isas+=("$1"); shift; done
+shift
+isa=${isas[$(((10#$5 + $3) % ${#isas[@]}))]}
+echo "$isa" >> used
+exec evo-run train --isa "$isa" "$@"
+END
+  chmod +x mixed
+  for pipeline in steady ga; do
+    rm -f used
+    run_make $pipeline pure-$pipeline POP=4 EVALS=10 SHAPE=4x4 -s -j2 pure-$pipeline/history.jsonl
+    run_make $pipeline mixed-$pipeline POP=4 EVALS=10 SHAPE=4x4 -s -j2 \
+      TRAINER="$PWD/mixed ${isas[*]} --" mixed-$pipeline/history.jsonl
+    [ "$(sort -u used | wc -l)" -eq ${#isas[@]} ]
+    diff <(essence pure-$pipeline | sed s/pure/mixed/) <(essence mixed-$pipeline)
+    [ "$(find mixed-$pipeline/policies -name '*.policy.h5' | wc -l)" -eq 10 ]
+  done
+}

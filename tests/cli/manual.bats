@@ -33,6 +33,12 @@ pages="$EVO_BIN/../docs/man"
   done
 }
 
+@test "evo-pipelines(7) names every setting of the pipelines" {
+  sed -nE 's/^([A-Z_]+) *\?=.*/\1/p' "$EVO_SOURCE"/scripts/*.mk | sort -u | while read -r setting; do
+    grep -qF "*$setting*=" "$EVO_SOURCE/docs/man/evo-pipelines.7.scd" || { echo "$setting" >&2; exit 1; }
+  done
+}
+
 # What bash would offer for the last word of a line.
 offers() {
   local words=("$@")

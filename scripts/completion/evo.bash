@@ -15,4 +15,4 @@ _evo() {
   esac
 }
 complete -o bashdefault -o default -F _evo \
-  evo-{bench,convert,data,env,eval,inspect,mutate,neat,render,report,run,sample,select,suggest,train}
+  evo-{archive,bench,convert,data,env,eval,inspect,mutate,neat,render,report,run,sample,select,suggest,train}

@@ -81,7 +81,8 @@ build_example() {
   evo-train walker.txt --task Walker-v0 --steps 2048 --seed 1 -o trained.json
   fitness=$(jq -r '.fitness * 1e4 | round / 1e4' trained.json)
   grep -qE "^trained: ${fitness}0*, and again ${fitness}0*$" said
-  h5diff --exclude-attribute /created_by --exclude-attribute /checksum walk.policy.h5 "$(jq -r .policy trained.json)"
+  content() { evo-convert "$1" --to json | jq -S 'del(.created_by)'; }
+  diff <(content walk.policy.h5) <(content "$(jq -r .policy trained.json)")
   fails_with 2 "Walkr-v0" "Walker-v0" -- env LD_LIBRARY_PATH="$PREFIX/lib" ./with-pkg-config Walkr-v0
 }
 

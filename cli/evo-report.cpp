@@ -4,7 +4,11 @@
 #include "cli/report/run.h"
 #include "formats/files.h"
 
+namespace {
+
 using namespace evo;
+
+}  // namespace
 
 int main(int argc, char** argv) {
   cli::Command command("evo-report",
@@ -30,14 +34,8 @@ int main(int argc, char** argv) {
     const std::vector<std::filesystem::path> folders(names.begin(), names.end());
     std::vector<report::Run> runs;
     runs.reserve(folders.size());
-    for (const auto& folder : folders) {
+    for (const auto& folder : folders)
       runs.push_back(report::read_run(folder, replays, command.jobs));
-      if (const std::size_t damaged = runs.back().damaged_policies; damaged > 0)
-        command.warn(
-            fmt::format("{}: cannot read {} of its policies, which are left out; 'evo-inspect "
-                        "--check {}' names them",
-                        folder.string(), damaged, folder.string()));
-    }
     report::tell_apart(runs, folders);
     options.generator = cli::created_by(command.name());
     LineWriter out(command.output);

@@ -48,18 +48,12 @@ void add_history(const RunHistory& history, Run& run) {
 
 // ---- trainings and episodes --------------------------------------------------------
 
-// The robot's own file, or the champion's copy. Counts files that cannot be read.
-std::optional<PolicyFile> policy_of(const RunFolder& folder, const std::string& id,
-                                    std::size_t& damaged) {
+// The robot's own file, or the champion's copy.
+std::optional<PolicyFile> policy_of(const RunFolder& folder, const std::string& id) {
   for (const fs::path& file : {folder.policy(id), folder.path() / "best.policy.h5"}) {
     if (!fs::exists(file)) continue;
-    try {
-      PolicyFile policy = read_policy(file);
-      if (policy.robot.id == id) return policy;
-    } catch (const Error& e) {
-      if (e.kind() != Failure::data) throw;
-      ++damaged;
-    }
+    PolicyFile policy = read_policy(file);
+    if (policy.robot.id == id) return policy;
   }
   return std::nullopt;
 }
@@ -92,7 +86,7 @@ void read_trainings(const RunFolder& folder, int replays, int threads, Run& run)
     std::optional<PolicyFile> policy;
     {
       const std::scoped_lock lock(hdf5);
-      policy = policy_of(folder, entry.robot.id, run.damaged_policies);
+      policy = policy_of(folder, entry.robot.id);
     }
     if (!policy) return;
     entry.training = training_of(*policy);

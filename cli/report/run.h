@@ -51,7 +51,6 @@ struct Run {
   // their policies are there; and what stands still around them.
   std::map<std::size_t, Json> replays;
   Json world;
-  std::size_t damaged_policies = 0;  // which could not be read
 
   double seconds = 0.0;  // of all trainings, one core each; 0: not recorded
   // When the first began and the last ended, seconds since 1970; 0: not recorded.
@@ -70,7 +69,7 @@ struct Run {
 // Finished or not, with at most `replays` episodes of its fittest robots beside those
 // of the champion and its ancestors, run again on `threads` threads. Throws
 // Error(no_input) for a folder that is not there, Error(data) for one that is no run
-// or has a damaged file, policies apart.
+// or has a damaged file.
 Run read_run(const std::filesystem::path& folder, int replays, int threads);
 
 // Gives runs whose folders have the same name that of the folder above, too, and

@@ -169,20 +169,6 @@ PY
   [ "$(stat -c %s page.html)" -lt 2000000 ]
 }
 
-@test "a policy that cannot be read is left out, with a word" {
-  make_run run ga 1 2 6
-  file=$(find run/policies -name '*.policy.h5' | head -n 1)
-  if [ -z "$file" ]; then
-    mkdir -p run/policies
-    file=run/policies/$(jq -r .id run/best.json).policy.h5
-  fi
-  echo damaged > "$file"
-  run --separate-stderr evo-report run -o page.html
-  [ "$status" -eq 0 ]
-  [[ $stderr == *"cannot read 1 of its policies"*"evo-inspect --check run"* ]]
-  grep -q '</html>' page.html
-}
-
 @test "what is no run is refused" {
   fails_with 66 "missing" -- evo-report missing
   mkdir folder && touch file

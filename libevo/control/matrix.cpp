@@ -81,27 +81,14 @@ HWY_INLINE void multiply_tile(const Operand& a, const Panel& panel, std::ptrdiff
     for (int v = 0; v < Vectors; ++v) hn::StoreU(sum[r][v], d, tile + r * stride + v * lanes);
 }
 
-template <int Vectors>
+// As multiply_tile with `rows` rows, 1 to Rows.
+template <int Vectors, int Rows = tile_rows>
 void multiply_rows(std::ptrdiff_t rows, const Operand& a, const Panel& panel, std::ptrdiff_t k,
                    float* tile, std::ptrdiff_t stride) {
-  switch (rows) {
-    case 1:
-      return multiply_tile<1, Vectors>(a, panel, k, tile, stride);
-    case 2:
-      return multiply_tile<2, Vectors>(a, panel, k, tile, stride);
-    case 3:
-      return multiply_tile<3, Vectors>(a, panel, k, tile, stride);
-    case 4:
-      return multiply_tile<4, Vectors>(a, panel, k, tile, stride);
-    case 5:
-      return multiply_tile<5, Vectors>(a, panel, k, tile, stride);
-    case 6:
-      return multiply_tile<6, Vectors>(a, panel, k, tile, stride);
-    case 7:
-      return multiply_tile<std::min<int>(7, tile_rows), Vectors>(a, panel, k, tile, stride);
-    default:
-      return multiply_tile<tile_rows, Vectors>(a, panel, k, tile, stride);
+  if constexpr (Rows > 1) {
+    if (rows < Rows) return multiply_rows<Vectors, Rows - 1>(rows, a, panel, k, tile, stride);
   }
+  multiply_tile<Rows, Vectors>(a, panel, k, tile, stride);
 }
 
 // 4 x 4 numbers: to[i * to_row + j] = from[j * from_row + i]

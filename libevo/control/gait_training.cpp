@@ -23,9 +23,8 @@ GaitSearchSettings search_settings(const TrainingJob& job) {
 
 GaitSearch make_search(const TrainingJob& job) {
   const Stream random(job.seed, "train/search", job.robot_id);
-  if (job.inheritance)
-    if (auto gait = inherited_gait(job))
-      return {job.arena.robot(), search_settings(job), random, std::move(*gait)};
+  if (auto gait = inherited_gait(job))
+    return {job.arena.robot(), search_settings(job), random, std::move(*gait)};
   return {job.arena.robot(), search_settings(job), random};
 }
 

@@ -31,7 +31,8 @@ Policy initial_policy(const TrainingJob& job, std::optional<SineController> gait
 }
 
 std::optional<SineController> inherited_gait(const TrainingJob& job) {
-  const Inheritance& old = job.inheritance.value();
+  if (!job.inheritance) return std::nullopt;
+  const Inheritance& old = *job.inheritance;
   const SineController* gait = std::get_if<SineController>(&old.controller);
   if (const auto* policy = std::get_if<Policy>(&old.controller); policy && policy->gait)
     gait = &*policy->gait;

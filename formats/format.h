@@ -27,6 +27,7 @@ inline constexpr Format neat{"evo/neat", 1};
 inline constexpr Format neat_state{"evo/neat-state", 1};
 inline constexpr Format steady{"evo/steady", 1};
 inline constexpr Format run{"evo/run", 1};
+inline constexpr Format env{"evo/env", 1};
 inline constexpr Format policy{"evo/policy", 1};
 inline constexpr Format checkpoint{"evo/checkpoint", 1};
 inline constexpr Format rollout{"evo/rollout", 1};

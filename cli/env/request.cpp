@@ -5,6 +5,7 @@
 
 #include "cli/command.h"
 #include "cli/episodes.h"
+#include "formats/format.h"
 #include "formats/json_object.h"
 #include "formats/physics_profile.h"
 
@@ -118,8 +119,8 @@ Json describe(const Session& session) {
                       {"action_length", arena.action_length()},
                       {"observation_layout", std::move(layout)}});
   }
-  return {{"format", "evo/env"},
-          {"version", 1},
+  return {{"format", format::env.name},
+          {"version", format::env.version},
           {"created_by", created_by("evo-env")},
           {"task", task.name},
           {"episode_steps", task.episode_steps},

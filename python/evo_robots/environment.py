@@ -23,6 +23,22 @@ def action_box(simulator: Simulator, length: int) -> Box:
     return Box(simulator.info["action_low"], simulator.info["action_high"], (length,), np.float64)
 
 
+RENDERING = {"render_modes": ["rgb_array"], "render_fps": 50}
+
+
+def the_robot(body: Any, connections: Any, robot: Any) -> Any:
+    """What Simulator takes, of the two ways to name a robot."""
+    if (body is None) == (robot is None):
+        raise ValueError("give a body (with or without connections), or a robot")
+    return robot if body is None else (np.asarray(body), connections)
+
+
+def known_render_mode(mode: str | None) -> str | None:
+    if mode not in (None, *RENDERING["render_modes"]):
+        raise ValueError(f"render_mode: {mode!r} is not 'rgb_array' or None")
+    return mode
+
+
 class Environment(gymnasium.Env):
     """A robot in a task.
 
@@ -36,7 +52,7 @@ class Environment(gymnasium.Env):
     that two runs of a program are the same.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
+    metadata = RENDERING
 
     def __init__(
         self,
@@ -54,16 +70,11 @@ class Environment(gymnasium.Env):
         physics: str | None = None,
         settings: Mapping[str, Any] | None = None,
     ) -> None:
-        if (body is None) == (robot is None):
-            raise ValueError("give a body (with or without connections), or a robot")
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise ValueError(f"render_mode: {render_mode!r} is not 'rgb_array' or None")
-        self.simulator = Simulator(
-            task, robot if body is None else (np.asarray(body), connections),
-            seed=seed, fast=fast, physics=physics, settings=settings)
+        self.render_mode = known_render_mode(render_mode)
+        self.simulator = Simulator(task, the_robot(body, connections, robot),
+                                   seed=seed, fast=fast, physics=physics, settings=settings)
         self.observation_space = observation_box(int(self.simulator.observation_lengths[0]))
         self.action_space = action_box(self.simulator, int(self.simulator.action_lengths[0]))
-        self.render_mode = render_mode
         self._size = (width, height)
         self._jitter = jitter
 

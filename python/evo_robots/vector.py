@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from .environment import action_box, observation_box
+from .environment import RENDERING, action_box, known_render_mode, observation_box, the_robot
 from .simulator import Simulator, State
 
 __all__ = ["VectorEnvironment"]
@@ -44,19 +44,15 @@ class VectorEnvironment(VectorEnv):
         settings: Mapping[str, Any] | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
     ) -> None:
-        if (body is None) == (robot is None):
-            raise ValueError("give a body (with or without connections), or a robot")
-        self.simulator = Simulator(
-            task, robot if body is None else (np.asarray(body), connections), num_envs,
-            seed=seed, jobs=jobs, fast=fast, physics=physics, settings=settings)
+        self.render_mode = known_render_mode(render_mode)
+        self.simulator = Simulator(task, the_robot(body, connections, robot), num_envs, seed=seed,
+                                   jobs=jobs, fast=fast, physics=physics, settings=settings)
         if self.simulator.num_envs != num_envs:
             self.simulator.close()
             raise ValueError("one robot is expected; Simulator takes several")
         self.num_envs = num_envs
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {"render_modes": ["rgb_array"], "render_fps": 50,
-                         "autoreset_mode": self.autoreset_mode}
-        self.render_mode = render_mode
+        self.metadata = {**RENDERING, "autoreset_mode": self.autoreset_mode}
         self.single_observation_space = observation_box(
             int(self.simulator.observation_lengths[0]))
         self.single_action_space = action_box(

@@ -102,6 +102,11 @@ class Many(unittest.TestCase):
         self.assertFalse(np.array_equal(infos["final_obs"][0], start[0]))
         envs.close()
 
+    def test_what_cannot_be_drawn_is_refused(self):
+        for make in (gymnasium.make, gymnasium.make_vec):
+            with self.assertRaisesRegex(ValueError, "'ansi' is not 'rgb_array'"):
+                make("evo/Walker-v0", body=SMALL, render_mode="ansi")
+
     def test_some_of_them_reset(self):
         envs = gymnasium.make_vec("evo/Walker-v0", num_envs=3, body=SMALL,
                                   autoreset_mode=AutoresetMode.DISABLED)

@@ -48,19 +48,9 @@ GridArchive parse_archive(const std::string& list) {
   return GridArchive(std::move(axes));
 }
 
-// Of the body, or a number of the document, within objects by dots: final.mean
 double feature(const Robot& robot, const std::string& name) {
   if (const auto value = body_feature(robot.body, name)) return *value;
-  const Json* at = &robot.document;
-  for (std::size_t begin = 0; begin <= name.size();) {
-    const std::size_t end = std::min(name.find('.', begin), name.size());
-    if (!at->is_object()) return std::numeric_limits<double>::quiet_NaN();
-    const auto found = at->find(name.substr(begin, end - begin));
-    if (found == at->end()) return std::numeric_limits<double>::quiet_NaN();
-    at = &*found;
-    begin = end + 1;
-  }
-  return at->is_number() ? at->get<double>() : std::numeric_limits<double>::quiet_NaN();
+  return cli::number_of(robot, name).value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 void fill(GridArchive& archive, const std::vector<Robot>& robots) {
@@ -101,7 +91,7 @@ void print_table(const GridArchive& archive, const std::vector<Robot>& robots,
 int main(int argc, char** argv) {
   cli::Command command("evo-archive", "the fittest robot of every kind (MAP-Elites)");
   std::vector<std::string> files;
-  std::string features = "voxels:5,actuators:5";
+  std::string features = "filled:5,actuated:5";
   bool table = false;
   command.arguments(files, "FILE", "scored robots [standard input]");
   command.option("--features", features, "LIST",

@@ -88,9 +88,7 @@ std::size_t survivors(const Settings& settings, std::size_t population) {
 double objective(const Robot& robot, const std::string& name) {
   if (name == "actuators") return count_actuators(robot.body);
   if (name == "voxels") return count_voxels(robot.body);
-  const auto found = robot.document.find(name);
-  if (found != robot.document.end() && found->is_number()) return found->get<double>();
-  return std::numeric_limits<double>::quiet_NaN();
+  return cli::number_of(robot, name).value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 Objectives read_objectives(const std::vector<Robot>& robots, const std::string& list) {
@@ -159,9 +157,10 @@ int main(int argc, char** argv) {
                "print the whole schedule as a table instead of reading robots");
   command.section("Which");
   command.option("--method", settings.method, "NAME", "truncation, tournament or pareto");
-  command.option("--objectives", settings.objectives, "LIST",
-                 "what is maximised: numbers of the document, actuators, voxels; '-' before a "
-                 "name minimises it");
+  command.option(
+      "--objectives", settings.objectives, "LIST",
+      "what is maximised: numbers of the document, such as final.mean, actuators, voxels; "
+      "'-' before a name minimises it");
   command.option("--tournament-size", settings.tournament_size, "N", "entrants of a tournament");
   command.seed_option();
   command.output_option("where the survivors go, one JSON document per line");

@@ -1,5 +1,6 @@
 #include "cli/robots.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "cli/command.h"
@@ -28,6 +29,18 @@ std::filesystem::path seen_from(const std::filesystem::path& folder,
 }
 
 }  // namespace
+
+std::optional<double> number_of(const Robot& robot, const std::string& name) {
+  const Json* at = &robot.document;
+  for (std::size_t begin = 0; begin <= name.size();) {
+    const std::size_t end = std::min(name.find('.', begin), name.size());
+    const auto found = at->find(name.substr(begin, end - begin));  // none in what is no object
+    if (found == at->end()) return std::nullopt;
+    at = &*found;
+    begin = end + 1;
+  }
+  return at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
+}
 
 void RobotWriter::write(Robot robot) {
   if (const auto policy = robot.policy(); policy && target_ != standard_stream)

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -22,6 +23,10 @@ std::vector<Robot> read_robots(const std::vector<std::string>& files,
 
 // Ids of every robot in the files, for --avoid.
 std::set<std::string> read_ids(const std::vector<std::string>& files);
+
+// A number of the robot's document, within objects by dots: "fitness", "final.mean".
+// Nothing where there is none.
+std::optional<double> number_of(const Robot& robot, const std::string& name);
 
 // Robots on their way out, one JSON document per line. `policy` paths are written
 // relative to the folder of the file, or to the current one for standard output.

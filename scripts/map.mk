@@ -8,7 +8,7 @@
 # files and archive.jsonl, the elites by cells; archive.tsv is their map.
 
 METHOD := map
-FEATURES ?= voxels:5,actuators:5
+FEATURES ?= filled:5,actuated:5
 MUTATE_OPTIONS ?=
 METHOD_SETTINGS = features='$(FEATURES)' mutate_options='$(MUTATE_OPTIONS)'
 GENERATIONS = $(call counting,$(call batches,$(EVALS),$(POP)))

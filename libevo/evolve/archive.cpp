@@ -118,8 +118,8 @@ struct Feature {
   double (*measure)(const Body&);
 };
 constexpr std::array features{
-    Feature{"voxels", [](const Body& b) { return share(count_voxels(b), b.rows * b.cols); }},
-    Feature{"actuators", [](const Body& b) { return share(count_actuators(b), count_voxels(b)); }},
+    Feature{"filled", [](const Body& b) { return share(count_voxels(b), b.rows * b.cols); }},
+    Feature{"actuated", [](const Body& b) { return share(count_actuators(b), count_voxels(b)); }},
     Feature{"horizontal",
             [](const Body& b) { return share(count(b, Voxel::horizontal), count_actuators(b)); }},
     Feature{"rigid", [](const Body& b) { return share(count(b, Voxel::rigid), count_voxels(b)); }},

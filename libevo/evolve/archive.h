@@ -52,10 +52,10 @@ class GridArchive {
 
 // ---- features of bodies, all in [0, 1] ---------------------------------------------
 
-//   voxels      non-empty cells, of all cells
-//   actuators   of the voxels
+//   filled      cells with a voxel, of all cells
+//   actuated    actuators, of the voxels
 //   horizontal  horizontal actuators, of the actuators
-//   rigid       of the voxels
+//   rigid       rigid voxels, of the voxels
 //   height      rows between the lowest and the highest voxel, of all rows
 //   width       the same of columns
 //   feet        runs of voxels in the lowest row that has any, of as many as fit there

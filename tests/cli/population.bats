@@ -57,6 +57,7 @@ J
   evo-select --keep 1 < scored | jq -e '.fitness == 3'
   evo-select --keep 3 scored | tail -1 | jq -e '.note == "kept"'
   evo-select --fraction 0.5 scored | wc -l | grep -qx 2
+  printf '%s\n' '{"body":["H"],"final":{"mean":1}}' '{"body":["V"],"final":{"mean":2}}' | evo-select --objectives final.mean --keep 1 | jq -e '.final.mean == 2'
   evo-select --method pareto --objectives=fitness,-actuators --keep 2 scored | jq -r '.body[0]' | sort | tr '\n' ' ' | grep -qx 'H HH '
   evo-select --method tournament --keep 2 --seed 1 scored | wc -l | grep -qx 2
 }
@@ -95,10 +96,10 @@ J
 @test "archive: the fittest of every kind, as robots and as a table" {
   printf '%s\n' '{"body":["HHH"],"fitness":1}' '{"body":["HHH","..R"],"fitness":3,"final":{"mean":9}}' \
     '{"body":["HRR"],"fitness":2}' '{"body":["SSV"],"fitness":4,"final":{"mean":1}}' '{"body":["VVV"],"fitness":null}' > scored
-  evo-archive -q --features actuators:3,height:2 scored > elites
+  evo-archive -q --features actuated:3,height:2 scored > elites
   jq -c '[.cell, .fitness]' elites | diff - <(printf '[[1,1],4]\n[[2,1],3]\n')
-  evo-archive -q --features actuators:3,height:2 --table < scored | cut -f 1-3 |
-    diff - <(printf 'actuators\theight\tfitness\n0.3333333333333333\t0.5\t4\n0.6666666666666666\t0.5\t3\n')
+  evo-archive -q --features actuated:3,height:2 --table < scored | cut -f 1-3 |
+    diff - <(printf 'actuated\theight\tfitness\n0.3333333333333333\t0.5\t4\n0.6666666666666666\t0.5\t3\n')
   evo-archive -q --features final.mean:2:0:10 scored | jq -c .cell | diff - <(printf '[0]\n[1]\n')
   [ "$(evo-archive -q < /dev/null)" = "" ]
   evo-archive scored 2>&1 > /dev/null | grep -q '3 of 25 cells'

@@ -50,8 +50,8 @@ TEST_CASE("grids that make no sense are refused") {
 TEST_CASE("features of a drawn body") {
   const Body body = Body::from_rows({".....", "HHHR.", "VSSS.", "V..V."});
   const auto feature = [&](const char* name) { return *body_feature(body, name); };
-  CHECK(feature("voxels") == Approx(10.0 / 20));
-  CHECK(feature("actuators") == Approx(6.0 / 10));
+  CHECK(feature("filled") == Approx(10.0 / 20));
+  CHECK(feature("actuated") == Approx(6.0 / 10));
   CHECK(feature("horizontal") == Approx(3.0 / 6));
   CHECK(feature("rigid") == Approx(1.0 / 10));
   CHECK(feature("height") == Approx(3.0 / 4));

@@ -163,36 +163,10 @@ double size_on_disk(const fs::path& folder) {
   return bytes;
 }
 
-// "7 on n1, 5 on n2", "2 training diverged": how often each text comes, the most
-// frequent first.
-std::string tally(const std::vector<std::string>& texts, const char* join) {
-  std::map<std::string, int> counts;
-  for (const std::string& text : texts) ++counts[text];
-  std::vector<std::pair<std::string, int>> order(counts.begin(), counts.end());
-  std::stable_sort(order.begin(), order.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
-  std::string list;
-  for (const auto& [text, count] : order)
-    list += fmt::format("{}{}{}{}", list.empty() ? "" : ", ", count, join, text);
-  return list;
-}
-
-void print_work(const RunHistory& history) {
-  std::vector<std::string> hosts;
-  std::size_t waiting = 0;
-  for (const RunHistory::Generation& generation : history.generations()) {
-    if (generation.finished) continue;
-    for (const Launch& launch : history.folder().launches(generation.number))
-      hosts.push_back(launch.host);
-    for (const SlotStatus& slot : history.slots(generation))
-      waiting += slot.state == SlotState::waiting;
-  }
-  if (!hosts.empty()) fmt::print("launches     {}\n", tally(hosts, " on "));
-  if (waiting > 0) fmt::print("waiting      {} robots\n", waiting);
-  std::vector<std::string> failures;
-  for (const TrainedRobot& trained : history.robots())
-    if (!trained.fitness) failures.push_back(trained.failure);
-  if (!failures.empty()) fmt::print("failed       {}\n", tally(failures, " x "));
+void print_work(const cli::RunWork& work) {
+  if (!work.launches.empty()) fmt::print("launches     {}\n", cli::tally(work.launches, " on "));
+  if (work.waiting > 0) fmt::print("waiting      {} robots\n", work.waiting);
+  if (!work.failures.empty()) fmt::print("failed       {}\n", cli::tally(work.failures, " x "));
 }
 
 void print_run(const fs::path& folder, bool color) {
@@ -208,10 +182,13 @@ void print_run(const fs::path& folder, bool color) {
              std::count_if(history.generations().begin(), history.generations().end(),
                            [](const auto& generation) { return generation.finished; }),
              history.generations().size());
-  print_work(history);
+  print_work(run.work());
   if (const auto each = history.seconds_each()) {
-    fmt::print("training     {} a robot on average, {:.2f} core hours so far\n",
+    fmt::print("training     {} per robot on average, {:.2f} core hours so far\n",
                cli::duration(*each), history.seconds() / 3600.0);
+    if (const Utilisation cores = history.utilisation(); cores.cores > 0)
+      fmt::print("cores        at most {} at once, {:.1f} % of their time between trainings\n",
+                 cores.cores, 100.0 * cores.idle);
     if (run.left() > 0)
       fmt::print("expected     {:.2f} more core hours: {} on one core\n",
                  *each * run.left() / 3600.0, cli::duration(*each * run.left()));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <set>
 
 #include "cli/command.h"
@@ -37,37 +38,102 @@ std::vector<double> RunStatus::best_so_far() const {
 
 bool RunStatus::over() const { return fs::exists(folder().best()); }
 
-std::vector<TrainingView> RunStatus::running() const {
-  std::vector<TrainingView> views;
+namespace {
+
+std::vector<Count> counted(const std::vector<std::string>& texts) {
+  std::map<std::string, std::size_t> times;
+  for (const std::string& text : texts) ++times[text];
+  std::vector<Count> counts;
+  for (const auto& [text, count] : times) counts.push_back({text, count});
+  std::stable_sort(counts.begin(), counts.end(),
+                   [](const Count& a, const Count& b) { return a.times > b.times; });
+  return counts;
+}
+
+}  // namespace
+
+std::string tally(const std::vector<Count>& counts, const char* join) {
+  constexpr std::size_t most = 8;
+  std::string list;
+  std::size_t more = 0;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    if (k < most)
+      list += fmt::format("{}{}{}{}", k == 0 ? "" : ", ", counts[k].times, join,
+                          printable(counts[k].text));
+    else
+      more += counts[k].times;
+  }
+  return more == 0 ? list : fmt::format("{}, {}{}{} others", list, more, join, counts.size() - most);
+}
+
+RunWork RunStatus::work() const {
+  RunWork work;
+  std::vector<std::string> hosts;
+  for (const RunHistory::Generation& generation : history_.generations()) {
+    if (generation.finished) continue;
+    for (const Launch& launch : folder().launches(generation.number)) hosts.push_back(launch.host);
+    for (const SlotStatus& slot : history_.slots(generation))
+      work.waiting += slot.state == SlotState::waiting;
+  }
+  std::vector<std::string> failures;
+  for (const TrainedRobot& trained : history_.robots())
+    if (!trained.fitness) failures.push_back(trained.failure);
+  work.launches = counted(hosts);
+  work.failures = counted(failures);
+  return work;
+}
+
+std::vector<std::string> RunStatus::running() const {
+  std::vector<std::string> robots;
   for (const RunHistory::Generation& generation : history_.generations()) {
     if (generation.finished) continue;
     for (const SlotStatus& slot : history_.slots(generation)) {
       if (slot.state != SlotState::training) continue;
-      const fs::path file = folder().log(slot.robot);
       std::error_code gone;
-      if (fs::last_write_time(file, gone) < made_) continue;
-      LoggedTraining log = read_training_log(file);
-      views.push_back(
-          {slot.robot, log.step / std::max(1.0, steps_), std::move(log.evaluations), log.best});
+      if (fs::last_write_time(folder().log(slot.robot), gone) < made_) continue;
+      robots.push_back(slot.robot);
     }
   }
-  return views;
+  return robots;
+}
+
+TrainingView RunStatus::view(const std::string& robot) const {
+  LoggedTraining log = read_training_log(folder().log(robot));
+  return {robot, log.step / std::max(1.0, steps_), std::move(log.evaluations), log.best};
 }
 
 // ---- watching -------------------------------------------------------------------
 
 namespace {
 
-// "   87/250 robots   best 5.67 ▁▂▅█   12 min 05 s left"
+// "   87/250 robots  best 5.67 ▁▂▅█  2 failed  1.31 core hours, 3 % idle  12 min 05 s left"
 std::string standing(const RunStatus& run, std::size_t at_once) {
   constexpr std::size_t curve_columns = 16;
+  const RunHistory& history = run.history();
   std::string text = fmt::format("{:>{}}/{} robots", run.trained(),
                                  std::to_string(run.evaluations()).size(), run.evaluations());
-  if (const TrainedRobot* best = run.history().champion())
+  if (const TrainedRobot* best = history.champion())
     text += fmt::format("  best {:.3f} {}", *best->fitness,
                         sparkline(run.best_so_far(), curve_columns));
-  if (const auto each = run.history().seconds_each(); each && run.left() > 0)
+  const auto failed = std::count_if(history.robots().begin(), history.robots().end(),
+                                    [](const TrainedRobot& robot) { return !robot.fitness; });
+  if (failed > 0) text += fmt::format("  {} failed", failed);
+  const auto each = history.seconds_each();
+  if (each)
+    text += fmt::format("  {:.2f} core hours, {:.0f} % idle", history.seconds() / 3600.0,
+                        100.0 * history.utilisation().idle);
+  if (each && run.left() > 0)
     text += fmt::format("  {} left", duration(*each * run.left() / static_cast<double>(at_once)));
+  return text;
+}
+
+// "  24 launches on 3 machines, 17 waiting"
+std::string at_work(const RunWork& work) {
+  std::size_t launches = 0;
+  for (const Count& machine : work.launches) launches += machine.times;
+  std::string text = fmt::format("  {} launch{}", launches, launches == 1 ? "" : "es");
+  if (work.launches.size() > 1) text += fmt::format(" on {} machines", work.launches.size());
+  if (work.waiting > 0) text += fmt::format(", {} waiting", work.waiting);
   return text;
 }
 
@@ -86,7 +152,10 @@ std::string generation_result(const RunStatus& run, const RunHistory::Generation
 }  // namespace
 
 void watch_run(const fs::path& folder, Progress style) {
-  constexpr int pause_milliseconds = 250;
+  constexpr double shortest_pause = 0.25;  // seconds
+  constexpr double longest_pause = 10.0;
+  constexpr double pause_per_look = 10.0;  // so that looking at a large run costs little
+  constexpr std::size_t curves = 8;        // of trainings under way, at most
   catch_interrupts();
   const pid_t caller = ::getppid();
   RunStatus run(folder);
@@ -97,9 +166,10 @@ void watch_run(const fs::path& folder, Progress style) {
     if (generation.finished) told.insert(generation.number);
   std::size_t at_once = 1;  // most trainings seen side by side
   for (bool last = false; !last;) {
+    const Clock look;
     last = run.over() || interrupted() != 0 || ::getppid() != caller;
     run.update();
-    const std::vector<TrainingView> running = run.running();
+    const std::vector<std::string> running = run.running();
     at_once = std::max(at_once, running.size());
     for (const RunHistory::Generation& generation : run.history().generations()) {
       if (!generation.finished || !told.insert(generation.number).second) continue;
@@ -109,12 +179,15 @@ void watch_run(const fs::path& folder, Progress style) {
     }
     if (last) return;
     if (line.due()) {
-      std::string text = standing(run, at_once);
-      for (const TrainingView& view : running)
-        if (!view.evaluations.empty()) text += "  " + training_curve(view);
+      std::string text = standing(run, at_once) + at_work(run.work());
+      for (std::size_t k = 0; k < std::min(running.size(), curves); ++k)
+        if (const TrainingView view = run.view(running[k]); !view.evaluations.empty())
+          text += "  " + training_curve(view);
       line.draw(text);
     }
-    ::poll(nullptr, 0, pause_milliseconds);  // ends early on a signal
+    const double pause =
+        std::clamp(pause_per_look * look.seconds(), shortest_pause, longest_pause);
+    ::poll(nullptr, 0, static_cast<int>(1000.0 * pause));  // ends early on a signal
   }
 }
 

@@ -1,14 +1,28 @@
 // How far a run folder has come, for those who wait for it.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "cli/progress.h"
 #include "formats/run.h"
 
 namespace evo::cli {
+
+// A text and how often it comes.
+struct Count {
+  std::string text;
+  std::size_t times = 0;
+};
+
+// What goes on in a run.
+struct RunWork {
+  std::vector<Count> launches;  // processes that train, by machine
+  std::size_t waiting = 0;      // robots proposed and not begun
+  std::vector<Count> failures;  // robots by why their training failed
+};
 
 class RunStatus {
  public:
@@ -25,9 +39,11 @@ class RunStatus {
   int left() const { return trained() < evaluations_ ? evaluations_ - trained() : 0; }
   std::vector<double> best_so_far() const;  // robot by robot, from the first with a fitness
   bool over() const;
+  RunWork work() const;  // by frequency, the most frequent first
 
-  // Trainings under way that said something since this object was made.
-  std::vector<TrainingView> running() const;
+  // Robots whose training said something since this object was made.
+  std::vector<std::string> running() const;
+  TrainingView view(const std::string& robot) const;
 
  private:
   RunHistory history_;
@@ -35,6 +51,9 @@ class RunStatus {
   int evaluations_ = 0;
   double steps_ = 0.0;
 };
+
+// "7 on n1, 5 on n2"; of more than eight texts the most frequent, and how many more.
+std::string tally(const std::vector<Count>& counts, const char* join);
 
 // Follows a run: a line on standard output for every generation that ends, and on
 // a terminal a live one with the curves of what is being trained. Returns when the

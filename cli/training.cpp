@@ -54,10 +54,11 @@ Paths paths_of(const TrainingOptions& options, const std::string& id) {
   return {out / (id + ".policy.h5"), out / (id + ".checkpoint.h5"), logs / (id + ".log")};
 }
 
-std::int64_t seconds_since_1970() {
-  return std::chrono::duration_cast<std::chrono::seconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
+// To the millisecond.
+double seconds_since_1970() {
+  using namespace std::chrono;
+  const auto now = system_clock::now().time_since_epoch();
+  return static_cast<double>(duration_cast<milliseconds>(now).count()) / 1000.0;
 }
 
 Robot scored(const Robot& robot, const PolicyFile& file, const fs::path& policy) {

@@ -45,7 +45,7 @@ struct Trained {
   std::size_t index = 0;       // of the robot, in the order given
   std::optional<Robot> robot;  // with fitness or failure; nothing: interrupted
   bool known = false;          // trained before with the same settings, not now
-  std::int64_t started = 0;    // seconds since 1970
+  double started = 0.0;        // seconds since 1970
   double seconds = 0.0;
   std::int64_t steps = 0;  // environment steps taken
 };

@@ -376,12 +376,9 @@ void RunHistory::read_timings() {
       const Json timing = Json::parse(line, nullptr, false);
       if (!timing.is_object() || !timing.contains("seconds")) continue;
       const double seconds = timing.value("seconds", 0.0);
+      const double started = timing.value("started", 0.0);
       seconds_ += seconds;
-      if (const auto started = timing.value("started", std::int64_t{0}); started > 0) {
-        const std::int64_t ended = started + std::llround(seconds);
-        began_ = began_ == 0 ? started : std::min(began_, started);
-        ended_ = std::max(ended_, ended);
-      }
+      if (started > 0.0) worked_.emplace_back(started, started + seconds);
       machines_.insert(entry.path().stem().string());
       timed_ += timing.value("finished", false) ? 1 : 0;
     }
@@ -390,6 +387,41 @@ void RunHistory::read_timings() {
 
 std::optional<double> RunHistory::seconds_each() const {
   return timed_ > 0 ? std::optional(seconds_ / static_cast<double>(timed_)) : std::nullopt;
+}
+
+double RunHistory::began() const {
+  double first = worked_.empty() ? 0.0 : worked_.front().first;
+  for (const auto& [begin, end] : worked_) first = std::min(first, begin);
+  return first;
+}
+
+double RunHistory::ended() const {
+  double last = 0.0;
+  for (const auto& [begin, end] : worked_) last = std::max(last, end);
+  return last;
+}
+
+Utilisation RunHistory::utilisation() const {
+  std::vector<std::pair<double, int>> changes;  // time, trainings more or less
+  for (const auto& [begin, end] : worked_) {
+    changes.emplace_back(begin, 1);
+    changes.emplace_back(end, -1);
+  }
+  std::sort(changes.begin(), changes.end());  // an end before a beginning at the same time
+  Utilisation found;
+  double span = 0.0;
+  double busy = 0.0;
+  int running = 0;
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    running += changes[k].second;
+    found.cores = std::max(found.cores, static_cast<std::size_t>(running));
+    if (running == 0 || k + 1 == changes.size()) continue;
+    const double length = changes[k + 1].first - changes[k].first;
+    span += length;
+    busy += length * running;
+  }
+  if (span > 0.0) found.idle = 1.0 - busy / (span * static_cast<double>(found.cores));
+  return found;
 }
 
 std::vector<SlotStatus> RunHistory::slots(const Generation& generation) const {

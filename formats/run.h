@@ -31,6 +31,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "formats/robot.h"
@@ -99,7 +100,7 @@ std::string this_machine();
 struct Timing {
   std::string robot;  // id
   SlotAddress slot;
-  std::int64_t started = 0;  // seconds since 1970
+  double started = 0.0;  // seconds since 1970
   double seconds = 0.0;
   std::int64_t steps = 0;  // environment steps taken
   bool finished = false;
@@ -201,6 +202,14 @@ struct SlotStatus {
   std::string why;  // failed
 };
 
+// The cores of a run: the most trainings side by side, and the share of their time in
+// which they did not train, while any did. A run that was stopped for a night was not
+// idle.
+struct Utilisation {
+  std::size_t cores = 0;
+  double idle = 0.0;
+};
+
 // A run as far as it has come. update() reads only what is new, so that it can
 // be called again and again while others work on the run.
 class RunHistory {
@@ -231,10 +240,12 @@ class RunHistory {
   // Of all trainings recorded, one core each.
   double seconds() const { return seconds_; }
   // When the first of them began and the last ended, seconds since 1970; 0 without any.
-  std::int64_t began() const { return began_; }
-  std::int64_t ended() const { return ended_; }
+  double began() const;
+  double ended() const;
   // That trained, by name.
   const std::set<std::string>& machines() const { return machines_; }
+  // How busy the cores were that trained.
+  Utilisation utilisation() const;
   // Per robot that was trained to the end; nothing before the first.
   std::optional<double> seconds_each() const;
 
@@ -250,10 +261,10 @@ class RunHistory {
   std::optional<std::size_t> champion_;
   std::map<std::string, std::uintmax_t> timings_read_;  // bytes by file
   double seconds_ = 0.0;
-  std::int64_t began_ = 0;
-  std::int64_t ended_ = 0;
   std::set<std::string> machines_;
   std::size_t timed_ = 0;  // trainings finished
+  // When each training recorded began and ended, seconds since 1970.
+  std::vector<std::pair<double, double>> worked_;
 };
 
 }  // namespace evo

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <mutex>
 #include <numeric>
 #include <set>
@@ -144,8 +145,8 @@ Run read_run(const fs::path& folder, int replays, int threads) {
   run.settings = masked(history.folder().settings());
   add_history(history, run);
   run.seconds = history.seconds();
-  run.began = history.began();
-  run.ended = history.ended();
+  run.began = std::llround(history.began());
+  run.ended = std::llround(history.ended());
   run.machines = {history.machines().begin(), history.machines().end()};
   read_trainings(history.folder(), replays, threads, run);
   if (run.champion) read_recording(folder, run.robots[*run.champion].robot.id, run);

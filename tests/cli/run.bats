@@ -71,7 +71,7 @@ populate() { mkdir -p run/gen-000 && evo-sample -n 3 --shape 3x3 --seed 1 -o run
   evo-run train run --slot 2
   [ "$(evo-run slots run | cut -f 4 | tr '\n' ' ')" = "state waiting waiting done " ]
   [ "$(evo-run slots run | awk '$2 == 2 { print $5 }')" = "$(jq .fitness run/gen-000/02.json)" ]
-  evo-inspect run | grep -q '^training .* a robot on average'
+  evo-inspect run | grep -q '^training .* per robot on average'
   evo-run init bad "${settings[@]}" train_options="--train-set learning_rate=1e30"
   cp -r run/gen-000 bad/ && rm bad/gen-000/02.json
   evo-run train bad

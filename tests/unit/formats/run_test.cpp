@@ -217,6 +217,20 @@ TEST_CASE("a history follows a run while it grows") {
   CHECK(again.seconds() == 4.0);
 }
 
+TEST_CASE("how busy the cores of a run were: pauses of all of them do not count") {
+  const test::ScratchFolder scratch;
+  const RunFolder run = RunFolder::create(scratch / "run", RunSettings::from_words(words));
+  CHECK(RunHistory(run).utilisation().cores == 0);
+  // Two cores for ten seconds, one of which waits for five; a night; one core for one.
+  run.add_timing({"a", {0, 0}, 1000.0, 10.0, 1, true});
+  run.add_timing({"b", {0, 1}, 1000.0, 2.5, 1, true});
+  run.add_timing({"c", {0, 2}, 1002.5, 2.5, 1, true});
+  run.add_timing({"d", {0, 3}, 30000.0, 1.0, 1, true});
+  const Utilisation found = RunHistory(run).utilisation();
+  CHECK(found.cores == 2);
+  CHECK(found.idle == Approx(1.0 - (10.0 + 5.0 + 1.0) / (11.0 * 2)));
+}
+
 TEST_CASE("a timing that is being written is read when it is whole") {
   const test::ScratchFolder scratch;
   const RunFolder run = RunFolder::create(scratch.path() / "run", RunSettings::from_words(words));

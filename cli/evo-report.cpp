@@ -1,4 +1,7 @@
 // evo-report: one page about a run, or several side by side.
+#include <algorithm>
+#include <optional>
+
 #include "cli/command.h"
 #include "cli/report/page.h"
 #include "cli/report/run.h"
@@ -8,6 +11,9 @@ namespace {
 
 using namespace evo;
 
+constexpr std::size_t most_robots = 4000;   // of several runs, one by one
+constexpr std::size_t fewest_robots = 100;  // of each of them
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -15,10 +21,14 @@ int main(int argc, char** argv) {
                        "a page about runs: what came out, replays, curves, family tree, settings");
   std::vector<std::string> names;
   report::PageOptions options;
+  std::optional<int> robots;
   int replays = 20;
   command.arguments(names, "RUN_DIR",
                     "run folders, finished or not; several are compared on one page");
   command.option("--title", options.title, "TEXT", "of the page [the task and the folder's name]");
+  command.option("--robots", robots, "N",
+                 "robots of a run to show one by one; of more, the fittest, the champion's "
+                 "ancestors, and others evenly spread [1500, of several runs 4000 altogether]");
   command.option("--replays", replays, "N",
                  "episodes to play on the page: of a run's N fittest robots, beside the champion "
                  "and its ancestors");
@@ -31,11 +41,18 @@ int main(int argc, char** argv) {
   return command.run(argc, argv, [&] {
     if (names.empty()) throw error(Failure::usage, "name at least one run folder");
     if (replays < 0) throw error(Failure::usage, "--replays must be at least 0, got {}", replays);
+    if (robots && *robots < 1)
+      throw error(Failure::usage, "--robots must be at least 1, got {}", *robots);
+    report::Extent extent;
+    extent.replays = static_cast<std::size_t>(replays);
+    extent.robots =
+        robots ? static_cast<std::size_t>(*robots)
+               : std::min(extent.robots, std::max(fewest_robots, most_robots / names.size()));
     const std::vector<std::filesystem::path> folders(names.begin(), names.end());
     std::vector<report::Run> runs;
     runs.reserve(folders.size());
     for (const auto& folder : folders)
-      runs.push_back(report::read_run(folder, replays, command.jobs));
+      runs.push_back(report::read_run(folder, extent, command.jobs));
     report::tell_apart(runs, folders);
     options.generator = cli::created_by(command.name());
     LineWriter out(command.output);

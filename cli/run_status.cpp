@@ -63,7 +63,8 @@ std::string tally(const std::vector<Count>& counts, const char* join) {
     else
       more += counts[k].times;
   }
-  return more == 0 ? list : fmt::format("{}, {}{}{} others", list, more, join, counts.size() - most);
+  return more == 0 ? list
+                   : fmt::format("{}, {}{}{} others", list, more, join, counts.size() - most);
 }
 
 RunWork RunStatus::work() const {
@@ -185,8 +186,7 @@ void watch_run(const fs::path& folder, Progress style) {
           text += "  " + training_curve(view);
       line.draw(text);
     }
-    const double pause =
-        std::clamp(pause_per_look * look.seconds(), shortest_pause, longest_pause);
+    const double pause = std::clamp(pause_per_look * look.seconds(), shortest_pause, longest_pause);
     ::poll(nullptr, 0, static_cast<int>(1000.0 * pause));  // ends early on a signal
   }
 }

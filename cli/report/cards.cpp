@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
+#include "cli/report/choice.h"
 #include "cli/report/markup.h"
 #include "cli/report/verdict.h"
 #include "cli/terminal.h"
@@ -13,8 +13,6 @@
 namespace evo::report {
 namespace {
 
-constexpr std::size_t sheet_rows = 4;      // best robots of a generation
-constexpr std::size_t sheet_columns = 40;  // generations that still fit a screen by scrolling
 constexpr std::size_t changes_listed = 4;  // of one mutation, in words
 constexpr std::array kinds{Voxel::rigid, Voxel::soft, Voxel::horizontal, Voxel::vertical};
 
@@ -165,29 +163,6 @@ namespace {
 
 // ---- the evolution sheet -------------------------------------------------------------------
 
-std::vector<std::size_t> best_of(const Generation& generation, const Run& run) {
-  std::vector<std::size_t> best;
-  for (const std::size_t member : generation.members)
-    if (run.robots[member].fitness) best.push_back(member);
-  std::stable_sort(best.begin(), best.end(), [&](std::size_t a, std::size_t b) {
-    return *run.robots[a].fitness > *run.robots[b].fitness;
-  });
-  best.resize(std::min(best.size(), sheet_rows));
-  return best;
-}
-
-// All generations, or as many as fit, evenly chosen, the first and the last among them.
-std::vector<const Generation*> sheet_generations(const Run& run) {
-  std::vector<const Generation*> begun;
-  for (const Generation& generation : run.generations)
-    if (!generation.members.empty()) begun.push_back(&generation);
-  if (begun.size() <= sheet_columns) return begun;
-  std::vector<const Generation*> chosen;
-  for (std::size_t k = 0; k < sheet_columns; ++k)
-    chosen.push_back(begun[k * (begun.size() - 1) / (sheet_columns - 1)]);
-  return chosen;
-}
-
 std::string sheet_cell(const Run& run, std::size_t robot, int generation, const std::string& anchor,
                        Page& page) {
   const Entry& entry = run.robots[robot];
@@ -197,13 +172,14 @@ std::string sheet_cell(const Run& run, std::size_t robot, int generation, const 
                      anchor, entry.robot.id, page.body(entry.robot), shown(entry.fitness));
 }
 
-std::string sheet_column(const Run& run, const Generation& generation, const std::string& anchor,
+std::string sheet_column(const Run& run, const SheetColumn& chosen, const std::string& anchor,
                          Page& page) {
+  const Generation& generation = *chosen.generation;
   const bool partial = generation.members.size() < generation.planned;
   std::string column = fmt::format(
       "<li class=\"generation\"><b>{}{}</b>", generation.number,
       partial ? fmt::format(" ({}/{})", generation.members.size(), generation.planned) : "");
-  for (const std::size_t robot : best_of(generation, run))
+  for (const std::size_t robot : chosen.best)
     column += sheet_cell(run, robot, generation.number, anchor, page);
   return column + "</li>\n";
 }
@@ -211,13 +187,13 @@ std::string sheet_column(const Run& run, const Generation& generation, const std
 }  // namespace
 
 std::string evolution_card(const Run& run, const std::string& anchor, Page& page) {
-  const std::vector<const Generation*> generations = sheet_generations(run);
+  const std::vector<SheetColumn> generations = sheet(run);
   std::string columns = "<li class=\"ranks\"><b>generation</b><span>best</span>";
   for (std::size_t rank = 2; rank <= sheet_rows; ++rank)
     columns += fmt::format("<span>{}.</span>", rank);
   columns += "</li>\n";
-  for (const Generation* generation : generations)
-    columns += sheet_column(run, *generation, anchor, page);
+  for (const SheetColumn& generation : generations)
+    columns += sheet_column(run, generation, anchor, page);
   const std::string some =
       generations.size() < run.generations.size() ? " Not every generation is shown." : "";
   return fmt::format(
@@ -356,17 +332,18 @@ std::string robot_row(const Run& run, std::size_t number, bool has_genomes,
   return row + "</tr>\n";
 }
 
-// The fittest first, failed ones last, each in the order they were trained.
-std::vector<std::size_t> ranked(const Run& run) {
-  std::vector<std::size_t> order(run.robots.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return run.robots[a].fitness > run.robots[b].fitness;  // nothing is less than any number
-  });
-  return order;
-}
-
 }  // namespace
+
+std::string which_robots(const Run& run) {
+  const std::size_t count = run.robots.size();
+  if (run.shown.size() == count) return count_of(count, "robot");
+  return fmt::format(
+      "{} of {} robots: the fittest, the champion&rsquo;s ancestors, those that were the best "
+      "when they came, and others evenly spread over the run (all of them: "
+      "<code>evo-report --robots {}</code>, or history.jsonl)",
+      cli::grouped(static_cast<long long>(run.shown.size())),
+      cli::grouped(static_cast<long long>(count)), count);
+}
 
 std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
   const bool has_genomes =
@@ -387,17 +364,18 @@ std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
   if (has_genomes) columns.insert(columns.end(), {{"nodes"}, {"links"}});
   columns.push_back({"id", "", "ascending"});
   std::string rows;
-  for (const std::size_t k : ranked(run)) rows += robot_row(run, k, has_genomes, anchor, page);
+  for (const std::size_t k : ranked(run))
+    if (run.shows(k)) rows += robot_row(run, k, has_genomes, anchor, page);
   return fmt::format(
       "<section class=\"card long\">\n{}<div class=\"scroll\">"
       "<table class=\"data robots sortable\">\n{}<tbody>\n{}</tbody></table></div>\n</section>\n",
-      heading(anchor + "-robots", "All robots",
+      heading(anchor + "-robots", run.shown.size() < run.robots.size() ? "Robots" : "All robots",
               fmt::format("{}. A click on a heading sorts by it, one on a robot opens its card. "
                           "&ldquo;Shifted starts&rdquo; is the mean return from slightly moved "
                           "starts, with its standard error. Numbers are the order of training, "
                           "generations where a robot was new; &ldquo;changed&rdquo; counts the "
                           "voxels that differ from its parent{}.",
-                          count_of(run.robots.size(), "robot"),
+                          which_robots(run),
                           has_genomes ? ", nodes and links the genes of its network" : "")),
       table_head(columns), rows);
 }

@@ -24,6 +24,11 @@ struct Point {
   Point() = default;
   explicit Point(double v) : low(v), value(v), high(v) {}
   Point(double l, double v, double h) : low(l), value(v), high(h) {}
+
+  bool operator==(const Point& other) const {
+    const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+    return same(low, other.low) && same(value, other.value) && same(high, other.high);
+  }
 };
 
 Json to_json(const Point& point) {
@@ -180,8 +185,9 @@ std::vector<Feature> features() {
 
 Json feature_chart(const Run& run, const Feature& feature) {
   std::vector<std::pair<double, const Entry*>> points;
-  for (const Entry& entry : run.robots)
-    if (entry.fitness) points.emplace_back(feature.of(entry.robot.body), &entry);
+  for (const std::size_t robot : run.shown)
+    if (const Entry& entry = run.robots[robot]; entry.fitness)
+      points.emplace_back(feature.of(entry.robot.body), &entry);
   std::stable_sort(points.begin(), points.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   Chart chart(feature.name, "fitness", feature.whole);
@@ -205,7 +211,7 @@ Json progress_chart(const Run& run) {
   chart.series("each robot", "points");
   Json ids = Json::array();
   const std::vector<double> best = best_so_far(run);
-  for (std::size_t k = 0; k < run.robots.size(); ++k) {
+  for (const std::size_t k : run.shown) {
     chart.row(static_cast<double>(k + 1),
               {Point(best[k]), Point(run.robots[k].fitness.value_or(nothing))});
     ids.push_back(run.robots[k].robot.id);
@@ -256,10 +262,21 @@ Json comparison_chart(const std::vector<const Run*>& runs) {
       for (const double value : curves[run]) columns.back().emplace_back(value);
     }
   }
-  for (std::size_t k = 0; k < longest; ++k) {
+  const auto points_at = [&](std::size_t k) {
     std::vector<Point> points;
     points.reserve(columns.size());
     for (const auto& column : columns) points.push_back(k < column.size() ? column[k] : Point());
+    return points;
+  };
+  // Of long runs, where a curve steps or ends: the same picture.
+  constexpr std::size_t all_rows = 2000;
+  std::vector<Point> before;
+  for (std::size_t k = 0; k < longest; ++k) {
+    std::vector<Point> points = points_at(k);
+    const bool steps = longest <= all_rows || k == 0 || k + 1 == longest || points != before ||
+                       points_at(k + 1) != points;
+    before = points;
+    if (!steps) continue;
     chart.row(static_cast<double>(k + 1), points);
   }
   return chart.json;
@@ -301,7 +318,7 @@ Json tree_chart(const Run& run) {
         size[entry.generation] > 1
             ? static_cast<double>(place[entry.generation]++) / (size[entry.generation] - 1) - 0.5
             : 0.0;
-    if (!entry.fitness) continue;
+    if (!entry.fitness || !run.shows(k)) continue;
     row_of[k] = ids.size();
     const bool is_champion = k == run.champion;
     chart.row(entry.generation + width * share,
@@ -325,9 +342,10 @@ Json tree_chart(const Run& run) {
 }
 
 Json coverage_chart(const Run& run) {
-  std::map<std::pair<int, int>, const Entry*> best;  // by voxels and actuators
+  std::map<std::pair<int, int>, std::size_t> best;  // robots by voxels and actuators
   int fewest = std::numeric_limits<int>::max(), most = 0, lowest = fewest, highest = 0;
-  for (const Entry& entry : run.robots) {
+  for (std::size_t k = 0; k < run.robots.size(); ++k) {
+    const Entry& entry = run.robots[k];
     if (!entry.fitness) continue;
     const int voxels = count_voxels(entry.robot.body);
     const int actuators = count_actuators(entry.robot.body);
@@ -335,8 +353,8 @@ Json coverage_chart(const Run& run) {
     most = std::max(most, voxels);
     lowest = std::min(lowest, actuators);
     highest = std::max(highest, actuators);
-    const Entry*& there = best[{voxels, actuators}];
-    if (there == nullptr || *entry.fitness > *there->fitness) there = &entry;
+    const auto there = best.try_emplace({voxels, actuators}, k).first;
+    if (*entry.fitness > *run.robots[there->second].fitness) there->second = k;
   }
   Json chart{{"kind", "heat"},          {"x", "voxels"},          {"y", "actuators"},
              {"value", "best fitness"}, {"diverging", false},     {"columns", Json::array()},
@@ -349,8 +367,10 @@ Json coverage_chart(const Run& run) {
     Json robots = Json::array();
     for (int voxels = fewest; voxels <= most; ++voxels) {
       const auto there = best.find({voxels, actuators});
-      cells.push_back(there == best.end() ? Json() : Json(*there->second->fitness));
-      robots.push_back(there == best.end() ? Json() : Json(there->second->robot.id));
+      const Entry* entry = there == best.end() ? nullptr : &run.robots[there->second];
+      cells.push_back(entry == nullptr ? Json() : Json(*entry->fitness));
+      robots.push_back(entry == nullptr || !run.shows(there->second) ? Json()
+                                                                     : Json(entry->robot.id));
     }
     chart["cells"].push_back(std::move(cells));
     chart["robots"].push_back(std::move(robots));

@@ -11,6 +11,7 @@
 #include "cli/report/charts.h"
 #include "cli/report/markup.h"
 #include "cli/report/robot_data.h"
+#include "cli/terminal.h"
 
 namespace evo::report {
 namespace {
@@ -24,10 +25,18 @@ std::string chart_card(const std::string& id, const std::string& title, const st
   return "<section class=\"card\">\n" + heading(id, title, about) + chart + "</section>\n";
 }
 
+// What a chart shows of the robots, `all` of them or some.
+std::string points_of(const Run& run, const std::string& anchor, const std::string& all) {
+  if (run.shown.size() == run.robots.size()) return all;
+  return fmt::format("{} <a href=\"#{}-robots\">{} of {} robots</a> are shown.", all, anchor,
+                     cli::grouped(static_cast<long long>(run.shown.size())),
+                     cli::grouped(static_cast<long long>(run.robots.size())));
+}
+
 std::string curves(const Run& run, const std::string& anchor, Page& page) {
   std::string html = "<div class=\"two\">\n";
   html += chart_card(anchor + "-curves", "Fitness by robots trained",
-                     "The best fitness so far, and the fitness of every robot.",
+                     points_of(run, anchor, "The best fitness so far, and that of each robot."),
                      page.chart(progress_chart(run), anchor, "fitness-by-robots"));
   html += chart_card(
       "", "Fitness by generation",
@@ -43,16 +52,18 @@ std::string features_card(const Run& run, const std::string& anchor, Page& page)
     charts += page.chart(std::move(feature.chart), anchor, "fitness-by-" + feature.name, "small");
   return "<section class=\"card long\">\n" +
          heading(anchor + "-body", "Fitness and the body",
-                 "Every robot a point, the champion in orange. Hover over a point to see its "
-                 "robot; a click opens its card.") +
+                 points_of(run, anchor,
+                           "Every robot a point, the champion in orange. Hover over a point to "
+                           "see its robot; a click opens its card.")) +
          "<div class=\"three\">\n" + charts + "</div>\n</section>\n";
 }
 
 std::string tree_card(const Run& run, const std::string& anchor, Page& page) {
   return chart_card(
       anchor + "-tree", "Family tree",
-      "Every robot where it was new, with lines from its parents; the champion's line "
-      "of descent is drawn thick.",
+      points_of(run, anchor,
+                "Every robot where it was new, with lines from its parents; the champion's line "
+                "of descent is drawn thick."),
       page.chart(tree_chart(run), anchor, "family-tree"));
 }
 
@@ -84,8 +95,9 @@ std::string learning_card(const Run& run, const std::string& anchor, Page& page)
                    "No policy files are in the run folder, so there are no curves.") +
            "</section>\n";
   return chart_card(anchor + "-learning", "Learning curves",
-                    "Returns of every robot's evaluations during its training; entropy, KL "
-                    "divergence and explained variance are on its card.",
+                    points_of(run, anchor,
+                              "Returns of every robot's evaluations during its training; entropy, "
+                              "KL divergence and explained variance are on its card."),
                     page.chart(std::move(chart), anchor, "learning-curves"));
 }
 

@@ -74,12 +74,12 @@ Json robot_data(const Run& run, std::size_t k, const std::vector<std::string>& c
 
 Json robots_data(const Run& run) {
   std::vector<std::vector<std::string>> children(run.robots.size());
-  for (const Entry& entry : run.robots)
-    for (const std::string& id : entry.robot.parents())
+  for (const std::size_t robot : run.shown)
+    for (const std::string& id : run.robots[robot].robot.parents())
       if (const auto known = run.by_id.find(id); known != run.by_id.end())
-        children[known->second].push_back(entry.robot.id);
+        children[known->second].push_back(run.robots[robot].robot.id);
   Json robots = Json::object();
-  for (std::size_t k = 0; k < run.robots.size(); ++k)
+  for (const std::size_t k : run.shown)
     robots[run.robots[k].robot.id] = robot_data(run, k, children[k]);
   return {{"world", run.world}, {"robots", std::move(robots)}};
 }

@@ -4,12 +4,11 @@
 #include <charconv>
 #include <cmath>
 #include <mutex>
-#include <numeric>
 #include <set>
 #include <string_view>
 
 #include "cli/episodes.h"
-#include "cli/report/lineage.h"
+#include "cli/report/choice.h"
 #include "cli/report/replay.h"
 #include "formats/policy.h"
 #include "formats/rollout.h"
@@ -59,31 +58,15 @@ std::optional<PolicyFile> policy_of(const RunFolder& folder, const std::string& 
   return std::nullopt;
 }
 
-// The champion, its ancestors, and the fittest.
-std::set<std::size_t> shown_moving(const Run& run, int most) {
-  std::set<std::size_t> chosen;
-  if (!run.champion) return chosen;
-  for (const std::size_t robot : lineage(run, *run.champion)) chosen.insert(robot);
-  std::vector<std::size_t> order(run.robots.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return run.robots[a].fitness > run.robots[b].fitness;
-  });
-  order.resize(std::min(order.size(), static_cast<std::size_t>(most)));
-  for (const std::size_t robot : order)
-    if (run.robots[robot].fitness) chosen.insert(robot);
-  return chosen;
-}
-
 // Each on its own, whatever the number of threads.
-void read_trainings(const RunFolder& folder, int replays, int threads, Run& run) {
+void read_trainings(const RunFolder& folder, std::size_t replays, int threads, Run& run) {
   const std::set<std::size_t> moving = shown_moving(run, replays);
-  std::vector<Json> episodes(run.robots.size());
-  std::vector<Json> worlds(run.robots.size());
+  std::vector<Json> episodes(run.shown.size());
+  std::vector<Json> worlds(run.shown.size());
   ThreadPool pool(threads);
   std::mutex hdf5;  // whose library is not made for several threads
-  pool.run(run.robots.size(), [&](std::size_t k, int /*worker*/) {
-    Entry& entry = run.robots[k];
+  pool.run(run.shown.size(), [&](std::size_t k, int /*worker*/) {
+    Entry& entry = run.robots[run.shown[k]];
     std::optional<PolicyFile> policy;
     {
       const std::scoped_lock lock(hdf5);
@@ -92,13 +75,13 @@ void read_trainings(const RunFolder& folder, int replays, int threads, Run& run)
     if (!policy) return;
     entry.training = training_of(*policy);
     add_log(folder.log(entry.robot.id), entry.training);
-    if (!moving.contains(k)) return;
+    if (!moving.contains(run.shown[k])) return;
     const Rollout rollout = cli::play(*policy, "evo-report");
     episodes[k] = replay_of(rollout);
     worlds[k] = world_of(rollout);
   });
-  for (std::size_t k = 0; k < run.robots.size(); ++k) {
-    if (!episodes[k].is_null()) run.replays.emplace(k, std::move(episodes[k]));
+  for (std::size_t k = 0; k < run.shown.size(); ++k) {
+    if (!episodes[k].is_null()) run.replays.emplace(run.shown[k], std::move(episodes[k]));
     if (run.world.is_null() && !worlds[k].is_null()) run.world = std::move(worlds[k]);
   }
 }
@@ -138,7 +121,11 @@ std::size_t Run::failures() const {
                                                 [](const Entry& entry) { return !entry.fitness; }));
 }
 
-Run read_run(const fs::path& folder, int replays, int threads) {
+bool Run::shows(std::size_t robot) const {
+  return std::binary_search(shown.begin(), shown.end(), robot);
+}
+
+Run read_run(const fs::path& folder, const Extent& extent, int threads) {
   const RunHistory history{RunFolder(folder)};
   Run run;
   run.label = full_path(folder).filename().string();
@@ -148,7 +135,8 @@ Run read_run(const fs::path& folder, int replays, int threads) {
   run.began = std::llround(history.began());
   run.ended = std::llround(history.ended());
   run.machines = {history.machines().begin(), history.machines().end()};
-  read_trainings(history.folder(), replays, threads, run);
+  run.shown = shown_one_by_one(run, extent.robots);
+  read_trainings(history.folder(), extent.replays, threads, run);
   if (run.champion) read_recording(folder, run.robots[*run.champion].robot.id, run);
   return run;
 }

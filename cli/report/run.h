@@ -43,6 +43,9 @@ struct Run {
   std::vector<Entry> robots;  // in the order they were trained
   std::map<std::string, std::size_t> by_id;
   std::vector<Generation> generations;
+  // In `robots`, those that the page shows one by one (choice.h), in order; the others
+  // have a part in curves and figures alone, and `training` is empty.
+  std::vector<std::size_t> shown;
 
   // The fittest robot, the first of equals, and pictures of its way.
   std::optional<std::size_t> champion;
@@ -64,13 +67,20 @@ struct Run {
   std::optional<std::size_t> evaluations() const;
   // Robots whose training failed.
   std::size_t failures() const;
+  bool shows(std::size_t robot) const;
 };
 
-// Finished or not, with at most `replays` episodes of its fittest robots beside those
-// of the champion and its ancestors, run again on `threads` threads. Throws
+// How much of a run is shown.
+struct Extent {
+  std::size_t robots = 1500;  // one by one; of more a choice
+  std::size_t replays = 20;   // episodes of its fittest robots, beside those of the
+                              // champion and its ancestors
+};
+
+// Finished or not; episodes are run again on `threads` threads. Throws
 // Error(no_input) for a folder that is not there, Error(data) for one that is no run
 // or has a damaged file.
-Run read_run(const std::filesystem::path& folder, int replays, int threads);
+Run read_run(const std::filesystem::path& folder, const Extent& extent, int threads);
 
 // Gives runs whose folders have the same name that of the folder above, too, and
 // numbers where that is not enough.

@@ -169,6 +169,36 @@ PY
   [ "$(stat -c %s page.html)" -lt 2000000 ]
 }
 
+@test "of many robots a choice: figures of all, cards of what the page points to" {
+  make_run run ga 1 12 12
+  robots=$(wc -l < run/history.jsonl)
+  evo-report run -o all.html
+  evo-report run --robots 10 -o page.html
+  shown=$(count '<tr id="run-1-' page.html)
+  [ "$shown" -gt 10 ]
+  [ "$shown" -lt "$robots" ]
+  grep -q "$shown of $robots robots: the fittest" page.html
+  # Every link to a robot has its card, and a picture.
+  data_of page.html | jq -r '.runs["run-1"].robots | keys[]' | sort > cards
+  [ "$(wc -l < cards)" -eq "$shown" ]
+  grep -o 'href="#run-1-[0-9a-f]\{12\}"' page.html | sed 's/.*run-1-\(.*\)"/\1/' | sort -u > links
+  [ -z "$(comm -23 links cards)" ]
+  data_of page.html | jq -r '.charts[].robots // [] | flatten[] // empty' | sort -u > points
+  [ -z "$(comm -23 points cards)" ]
+  grep -q "$(jq -r .id run/best.json)" cards
+  # The curve of the best so far steps where it did, generations and tiles are of all.
+  for page in all page; do
+    data_of $page.html | jq -c '.charts["chart-1"].rows | map([.[0], .[1][1]]) | [.[0]] + [range(1; length) as $k |
+      select(.[$k][1] != .[$k - 1][1]) | .[$k]]' > $page.steps
+    data_of $page.html | jq -c '[.charts["chart-2"].rows, (.charts[] | select(.value == "best fitness").cells)]' > $page.figures
+    grep -o '<dl class="tiles">.*' $page.html > $page.tiles
+  done
+  cmp all.steps page.steps
+  cmp all.figures page.figures
+  cmp all.tiles page.tiles
+  fails_with 2 "--robots" -- evo-report run --robots 0
+}
+
 @test "what is no run is refused" {
   fails_with 66 "missing" -- evo-report missing
   mkdir folder && touch file

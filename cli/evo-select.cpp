@@ -91,6 +91,11 @@ double objective(const Robot& robot, const std::string& name) {
   return cli::number_of(robot, name).value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
+bool is_null(const Robot& robot, const std::string& name) {
+  const auto found = robot.document.find(name);
+  return found != robot.document.end() && found->is_null();
+}
+
 Objectives read_objectives(const std::vector<Robot>& robots, const std::string& list) {
   Objectives objectives;
   std::vector<std::string> names = cli::split_list(list);
@@ -109,6 +114,8 @@ Objectives read_objectives(const std::vector<Robot>& robots, const std::string& 
   for (std::size_t k = 0; k < names.size(); ++k) {
     bool known = robots.empty();
     for (const auto& row : objectives.rows) known |= !std::isnan(row[k]);
+    // That of robots that have all failed is null, which is no misspelt name.
+    for (const Robot& robot : robots) known |= is_null(robot, names[k]);
     if (!known)
       throw error(Failure::data,
                   "no robot has a number '{}'; objectives are fields of the document, "

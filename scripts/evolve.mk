@@ -70,6 +70,7 @@ TRIES  ?= 3
 TRAINER ?= $(if $(EVALUATE),$(SCRIPTS)evaluate-slots,evo-run train -j $(CORES))
 export LAUNCH TRAINER TRIES
 train_slots = exec '$(SCRIPTS)train-slots' '$(RUN)'
+rank_generation = '$(SCRIPTS)rank' '$(RUN)'
 
 SETTINGS := method=$(METHOD) task=$(TASK) population=$(POP) evaluations=$(EVALS) steps=$(STEPS) \
   seed=$(SEED) shape=$(SHAPE) algo=$(ALGO) train=$(TRAIN) physics=$(if $(PHYSICS),$(PHYSICS),task) \
@@ -173,5 +174,5 @@ $(GENERATION)/scores.jsonl: | $(TRAINED)
 	@cat $(SLOTS) > '$@.tmp' && mv '$@.tmp' '$@'
 
 $(GENERATION)/ranking.tsv: | $(GENERATION)/scores.jsonl
-	@evo-select '$(GENERATION)/scores.jsonl' | jq -r '[.id, .fitness // "failed"] | @tsv' > '$@.tmp' && mv '$@.tmp' '$@'
+	@$(rank_generation) $(GEN)
 endif

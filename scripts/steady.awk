@@ -56,5 +56,5 @@ BEGIN {
   }
   for (generation = 0; generation * population < evaluations; generation++)
     if (!done[generation])
-      rule(folder(generation) "/ranking.tsv", ready[generation], "rank," robots[generation])
+      rule(folder(generation) "/ranking.tsv", ready[generation], "rank," generation "," robots[generation])
 }

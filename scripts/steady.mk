@@ -40,11 +40,10 @@ propose = mkdir -p '$(@D)' && evo-run propose '$(RUN)' --robots $(1) && : > '$@'
 # Generation $(1), slots $(2)
 train = $(train_slots) $(1) $(2)
 
-# A generation of $(1) robots is over: one file each instead of several per robot.
-rank = cd '$(@D)' && slots=$$(seq -f '%02.0f.json' 0 $$(( $(1) - 1 ))) && \
-  cat $$slots > scores.jsonl.$$$$.tmp && mv scores.jsonl.$$$$.tmp scores.jsonl && \
-  evo-select scores.jsonl | jq -r '[.id, .fitness // "failed"] | @tsv' > ranking.tsv.$$$$.tmp && \
-  mv ranking.tsv.$$$$.tmp ranking.tsv && rm -f $$slots ./*.proposed ./*.trained ./*.tmp
+# Generation $(1) of $(2) robots is over: one file each instead of several per robot.
+rank = slots=$$(seq -f '$(@D)/%02.0f.json' 0 $$(( $(2) - 1 ))) && \
+  cat $$slots > '$(@D)/scores.jsonl.tmp' && mv '$(@D)/scores.jsonl.tmp' '$(@D)/scores.jsonl' && \
+  $(rank_generation) $(1) && rm -f $$slots '$(@D)'/*.proposed '$(@D)'/*.trained '$(@D)'/*.tmp
 
 $(eval $(subst @@,$(newline),$(shell awk -v run='$(RUN)' -v population='$(POP)' -v window='$(WINDOW)' \
   -v evaluations='$(EVALS)' -v chunk='$(CHUNK)' -v finished='$(finished)' -f '$(SCRIPTS)steady.awk')))

@@ -75,6 +75,43 @@ END
   [ -z "$(ls run/policies)" ]
 }
 
+# Trainings of the generations named by FAILING fail, those of others do not.
+failing_trainer() {
+  cat > failing << 'END'
+#!/bin/bash
+case " $FAILING " in *" $3 "*) exec evo-run fail "$1" --generation "$3" --slot "$5" --why "as the test wants" ;; esac
+exec "$EVO_SOURCE/tests/cluster/stand-in" "$@"
+END
+  chmod +x failing
+  export EVO_SOURCE SECONDS_EACH=0
+}
+
+@test "a generation in which every training fails does not end a run" {
+  failing_trainer
+  for method in ga neat bo map "steady METHOD=ga" "steady METHOD=neat" "steady METHOD=bo"; do
+    read -ra words <<< "$method"
+    FAILING=1 run_make "${words[0]}" run "${words[@]:1}" "${small[@]}" -s -j2 TRAINER="$PWD/failing" run/history.jsonl run/best.json
+    jq -se '(map(select(.failure.why? == "as the test wants")) | length) > 1 and length == 12' run/history.jsonl
+    if [ "$method" != ga ]; then [ "$(cut -f 2 run/gen-001/ranking.tsv | sort -u)" = failed ]; fi
+    jq -e '.fitness' run/best.json
+    rm -r run
+  done
+}
+
+@test "a run in which every training fails ends with a line that says why" {
+  failing_trainer
+  for pipeline in ga steady; do
+    FAILING="0 1 2 3" run -2 run_make $pipeline run "${small[@]}" -s -j2 TRAINER="$PWD/failing" run/history.jsonl
+    [ "$(grep -c "^run: every training of generation 0 has failed (4 x as the test wants)" <<< "$output")" -eq 1 ]
+    [ ! -e run/gen-000/ranking.tsv ]
+    # As it says.
+    eval "$(grep -o 'rm -r [^ ]*\( run/steady.json\)\?' <<< "$output")"
+    FAILING="" run_make $pipeline run "${small[@]}" -s -j2 TRAINER="$PWD/failing" run/history.jsonl
+    [ "$(wc -l < run/history.jsonl)" -eq 12 ]
+    rm -r run
+  done
+}
+
 @test "a generation that cannot be proposed ends the run" {
   run -2 evolve ga run "${small[@]}" SECONDS_EACH=0 MUTATE=false
   [ -e run/gen-000/ranking.tsv ]

@@ -5,7 +5,8 @@ install(DIRECTORY tasks DESTINATION ${EVO_DATA_DIR} COMPONENT tools)
 install(DIRECTORY scripts/ DESTINATION ${EVO_DATA_DIR}/scripts COMPONENT tools
         USE_SOURCE_PERMISSIONS
         FILES_MATCHING PATTERN "*.mk" PATTERN "*.gnuplot" PATTERN "*.jq" PATTERN "*.awk"
-        PATTERN "*-slots" PATTERN "slurm/*" PATTERN "completion" EXCLUDE)
+        PATTERN "*-slots" PATTERN "rank" PATTERN "places" PATTERN "ssh-run" PATTERN "carr*"
+        PATTERN "slurm/*" PATTERN "completion" EXCLUDE)
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)
 install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
         USE_SOURCE_PERMISSIONS PATTERN man EXCLUDE)

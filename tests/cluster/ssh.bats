@@ -14,10 +14,12 @@ case $1 in nowhere*) echo "ssh: Could not resolve hostname $1" >&2; exit 255 ;; 
 export SLURMD_NODENAME=$1
 shift
 if [ "$1" = -- ]; then shift; fi
-exec bash -c "$*" < /dev/null
+if [ -n "${FAR:-}" ]; then cd "$FAR" || exit; else exec < /dev/null; fi
+if [ -n "${CUT:-}" ] && mkdir "$CUT" 2> /dev/null; then bash -c "$*" | head -c 3000; exit 255; fi
+exec bash -c "$*"
 END
   chmod +x bin/ssh
-  export PARALLEL_SSH=$PWD/bin/ssh PARALLEL_HOME=$PWD
+  export PARALLEL_SSH=$PWD/bin/ssh PARALLEL_HOME=$PWD CARRY_SSH=$PWD/bin/ssh
 }
 
 small=(POP=6 EVALS=12 SHAPE=4x4)
@@ -45,6 +47,96 @@ over_ssh() {
   kill -TERM "$(pgrep -P $main -x make)"
   within 30 nobody_works
   [ "$(find run/policies -name '*.checkpoint.h5' | wc -l)" -eq 3 ]
+}
+
+# ---- files carried -------------------------------------------------------------------
+
+# Machines that see nothing of this folder: what runs there begins in another one.
+carried() {
+  local logins=$1 folder=$2
+  shift 2
+  mkdir -p far
+  FAR=$PWD/far TMPDIR=$PWD/far "$EVO_SOURCE/scripts/ssh-run" --carry "$logins" "$folder" -- \
+    "${settings[@]}" "${small[@]}" -s "$@" "$folder/history.jsonl"
+}
+# The oldest process of ours with such a command line.
+ours() {
+  local process
+  for process in $(pgrep -f "$1"); do
+    if [ "$(readlink "/proc/$process/cwd")" = "$PWD" ]; then echo "$process"; return; fi
+  done
+}
+nothing_left() {
+  [ -z "$(ls -A far)" ]
+  [ -z "$(find run -name '.carried*' -o -name '*.running' -o -name '*.checkpoint.h5')" ]
+}
+
+@test "carried: two machines end with the bytes of make here, inherited policies and chunks as well" {
+  mkdir own
+  cp "$EVO_SOURCE/tasks/Walker-v0.yaml" own/task.yaml
+  for pipeline in "steady CHUNK=2" "ga INHERIT=yes TASK=own/task.yaml"; do
+    read -ra words <<< "$pipeline"
+    run_make "${words[0]}" calm "${small[@]}" -s -j2 "${words[@]:1}" calm/history.jsonl
+    carried 2/one,1/nowhere,1/two run -f "$EVO_SOURCE/scripts/${words[0]}.mk" "${words[@]:1}" 2> messages
+    diff <(essence calm) <(essence run)
+    [ "$(cd run/timings && echo *)" = "one.jsonl two.jsonl" ]
+    [ "$(cat run/timings/*.jsonl | wc -l)" -eq 12 ]
+    grep -q "Could not resolve hostname nowhere" messages
+    nothing_left
+    rm -r calm run
+  done
+}
+
+@test "carried: a connection that breaks costs a training, and leaves no part of one" {
+  run_make steady calm "${small[@]}" -s -j2 calm/history.jsonl
+  CUT=$PWD/cut carried 1/one,1/two run 2> messages
+  diff <(essence calm) <(essence run)
+  nothing_left
+  # So does one that has begun, and whose process here is killed.
+  rm -r run
+  (carried 1/one,1/two run "STEPS=400000" TRAIN_OPTIONS="--final-episodes 0" 2> messages) 3>&- &
+  main=$!
+  begun() { [ -n "$(ls run/gen-000/*.running 2> /dev/null)" ]; }
+  within 60 begun
+  kill -KILL "$(ours "scripts/carry (one|two) ")"
+  again() { grep -q "1 of 3 times" messages; }
+  within 60 again
+  kill -TERM "$(ours "^make .*RUN=run .*-j 2")"
+  wait $main || true
+  within 30 nobody_works
+}
+
+@test "carried: stopped, checkpoints come back, and it goes on from them" {
+  long=(STEPS=30000 POP=2 EVALS=3 TRAIN_OPTIONS="--final-episodes 0 --checkpoint-every 8000")
+  run_make steady calm "${small[@]}" "${long[@]}" -s -j2 calm/history.jsonl
+  (CARRY_EVERY=1 carried 1/one,1/two run "${long[@]}" 2> messages) 3>&- &
+  main=$!
+  begun() { [ "$(ls run/gen-000/*.running 2> /dev/null | wc -l)" -eq 2 ]; }
+  within 60 begun
+  sleep 1
+  kill -TERM "$(ours "^make .*RUN=run .*-j 2")"
+  wait $main || true
+  within 30 nobody_works
+  [ "$(find run/policies -name '*.checkpoint.h5' | wc -l)" -ge 1 ]
+  [ -z "$(ls -A far)" ]
+  carried 1/one,1/two run "${long[@]}" 2> messages
+  diff <(essence calm) <(essence run)
+  nothing_left
+}
+
+@test "carried: another version of the tools is not used; a program that scores is carried, too" {
+  mkdir other
+  printf '#!/bin/sh\necho evo-run 0.0.1 "(old)"\n' > other/evo-run
+  chmod +x other/evo-run
+  sed -i '2i case " $* " in *" two "*) export PATH=$OTHER:$PATH ;; esac' bin/ssh
+  OTHER=$PWD/other carried 1/one,1/two run 2> messages
+  [ "$(cd run/timings && echo *)" = one.jsonl ]
+  grep -q "two has 'evo-run 0.0.1 (old)', here is 'evo-run" messages
+  rm -r run
+  evaluate='jq -c ". + {fitness: (.body | join(\"\") | length)}"'
+  carried 1/one run EVALUATE="$evaluate"
+  [ "$(jq -s 'map(select(.fitness == 16)) | length' run/history.jsonl)" -eq 12 ]
+  nothing_left
 }
 
 @test "what is no list of machines is refused" {

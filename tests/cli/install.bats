@@ -31,6 +31,10 @@ installed() {
 @test "every tool and every file the pipelines read is installed" {
   diff <(cd "$EVO_BIN" && ls evo-*) <(cd "$PREFIX/bin" && ls evo-*)
   for file in "$EVO_SOURCE"/scripts/*.{mk,jq,gnuplot}; do [ -e "$PREFIX/share/evo/scripts/$(basename "$file")" ]; done
+  for script in rank train-slots evaluate-slots places ssh-run carry slurm/submit slurm/one-node; do
+    [ -x "$PREFIX/share/evo/scripts/$script" ]
+  done
+  [ -e "$PREFIX/share/evo/scripts/carried" ]
   diff <(cd "$EVO_SOURCE/tasks" && find . -type f | sort) <(cd "$PREFIX/share/evo/tasks" && find . -type f | sort)
 }
 

@@ -2,7 +2,8 @@
 load helpers
 
 @test "every command in README and docs runs, and prints what the text says" {
-  for file in README.md docs/recipes.md docs/benchmark.md docs/evo-env.md docs/own-fitness.md; do
+  for file in README.md docs/recipes.md docs/benchmark.md docs/evo-env.md docs/own-fitness.md \
+      docs/run-folder.md docs/make-a-task.md; do
     python3 "$EVO_SOURCE/tests/cli/run_blocks.py" "$EVO_SOURCE/$file"
   done
 }

@@ -13,8 +13,9 @@ import sys
 import tempfile
 
 SMALLER = [  # what costs hours of a core
-    (r"STEPS=\d+", "STEPS=2048"), (r"--steps \d+", "--steps 2048"), (r"EVALS=\d+", "EVALS=4"),
-    (r"POP=\d+", "POP=3"), (r'SEEDS="[^"]*"', 'SEEDS="1 2"'), (r"-j8", "-j2"),
+    (r"STEPS=\d+", "STEPS=2048"), (r"steps=\d+", "steps=2048"), (r"--steps \d+", "--steps 2048"),
+    (r"EVALS=\d+", "EVALS=4"), (r"POP=\d+", "POP=3"),
+    (r'SEEDS="[^"]*"', 'SEEDS="1 2"'), (r"-j8", "-j2"),
     (r"(make [^|]*) RUN=", r"\1 VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' RUN="),
     (r"--episodes \d+", "--episodes 2"), (r"-o walk\.mp4", "-o walk.gif --size 160x90"),
     (r"num_envs=16", "num_envs=4"),

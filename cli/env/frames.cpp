@@ -34,7 +34,7 @@ class FrameServer {
   FrameServer(Session& session, int input, int output)
       : session_(session),
         requests_(session),
-        in_(input),
+        in_(input, /*eager=*/true),
         output_(output),
         actions_(session.action_values()),
         mask_((static_cast<std::size_t>(session.environments()) + alignment - 1) / alignment *

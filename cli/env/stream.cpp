@@ -1,9 +1,11 @@
 #include "cli/env/stream.h"
 
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 
 #include "libevo/base/error.h"
@@ -11,21 +13,44 @@
 namespace evo::cli {
 namespace {
 
+constexpr std::chrono::microseconds longest_look{200};
+constexpr unsigned longest_put_off = 1024;  // waits
+
+bool comes_soon(int descriptor) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point end = Clock::now() + longest_look;
+  pollfd input{descriptor, POLLIN, 0};
+  while (::poll(&input, 1, 0) == 0)
+    if (Clock::now() > end) return false;
+  return true;
+}
+
+}  // namespace
+
+void LookOut::wait(int descriptor) {
+  if (left_ > 0) {
+    --left_;
+  } else if (comes_soon(descriptor)) {
+    put_off_ = 0;
+  } else {
+    left_ = put_off_ = std::clamp(2 * put_off_, 1U, longest_put_off);
+  }
+}
+
 // As read(2), begun again after signals.
-std::size_t read_some(int descriptor, std::span<std::byte> target) {
+std::size_t InputStream::read_some(std::span<std::byte> target) {
+  if (eager_) look_out_.wait(descriptor_);
   for (;;) {
-    const ssize_t n = ::read(descriptor, target.data(), target.size());
+    const ssize_t n = ::read(descriptor_, target.data(), target.size());
     if (n >= 0) return static_cast<std::size_t>(n);
     if (errno != EINTR)
       throw error(Failure::io, "cannot read standard input: {}", std::strerror(errno));
   }
 }
 
-}  // namespace
-
 bool InputStream::fill() {
   begin_ = 0;
-  end_ = read_some(descriptor_, buffer_);
+  end_ = read_some(buffer_);
   return end_ > 0;
 }
 
@@ -34,7 +59,7 @@ std::size_t InputStream::read(std::span<std::byte> target) {
   while (got < target.size()) {
     const std::size_t rest = target.size() - got;
     if (begin_ == end_ && rest >= buffer_.size()) {  // past the buffer
-      const std::size_t n = read_some(descriptor_, target.subspan(got));
+      const std::size_t n = read_some(target.subspan(got));
       if (n == 0) break;
       got += n;
       continue;

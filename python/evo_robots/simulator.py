@@ -7,11 +7,13 @@ import contextlib
 import itertools
 import json
 import os
+import select
 import shutil
 import struct
 import subprocess
 import sys
 import tempfile
+import time
 from dataclasses import dataclass
 from typing import Any, Iterator, Mapping, Sequence
 
@@ -23,6 +25,36 @@ __all__ = ["EvoError", "Simulator", "State", "find_tool"]
 
 HEADER = struct.Struct("<4sI")
 STATUS = ("ok", "unreset", "unstable")
+
+
+class LookOut:
+    """Whether an answer is worth looking out for before the process is put to sleep
+    for it. One asleep on an idle processor is woken some 50 us after its answer has
+    come: as long as a step of a small robot takes. Looking out in vain costs others
+    the processor, so the next turn is put off, each time for twice as long. As in
+    evo-env itself (cli/env/stream.h)."""
+
+    LONGEST = 200e-6  # s
+    LONGEST_PUT_OFF = 1024  # waits
+
+    def __init__(self, descriptor: int) -> None:
+        self._poll = select.poll()
+        self._poll.register(descriptor, select.POLLIN)
+        self._put_off = 0  # waits that the last turn in vain put the next one off for
+        self._left = 0  # of them
+
+    def wait(self) -> None:
+        """Returns once there is input (or its end), or after a moment without."""
+        if self._left > 0:
+            self._left -= 1
+            return
+        end = time.perf_counter() + self.LONGEST
+        while not self._poll.poll(0):
+            if time.perf_counter() > end:
+                self._put_off = min(max(2 * self._put_off, 1), self.LONGEST_PUT_OFF)
+                self._left = self._put_off
+                return
+        self._put_off = 0
 
 
 class EvoError(RuntimeError):
@@ -94,6 +126,7 @@ class Simulator:
                 pass_fds=[file.fileno() for file in files if not isinstance(file, list)])
         self._in = self._process.stdout.fileno()
         self._out = self._process.stdin.fileno()
+        self._look_out = LookOut(self._in)
         self._state_bytes = 0
         self._awaited = False
         self.info: dict[str, Any] = json.loads(self._receive(b"JSON"))
@@ -238,6 +271,7 @@ class Simulator:
         buffer = np.empty(HEADER.size + self._state_bytes, np.uint8)
         view = memoryview(buffer)
         wanted = len(view) if expected == b"DATA" else HEADER.size
+        self._look_out.wait()
         got = self._fill(view, 0, HEADER.size, wanted)
         kind, length = HEADER.unpack_from(view)
         whole = HEADER.size + length

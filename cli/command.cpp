@@ -182,8 +182,8 @@ struct Command::Impl {
   CLI::App app;
   std::vector<Section> sections{{"Options", {}}};
   Section common{"Common options", {}};
-  std::string arguments_value;
-  Entry arguments_entry;
+  std::string arguments_usage;
+  std::vector<Entry> arguments;
   std::vector<std::pair<std::string, std::string>> examples;
   bool help = false;
   bool version = false;
@@ -214,12 +214,9 @@ struct Command::Impl {
   void print_help() const {
     std::ostringstream out;
     out << name << " - " << purpose << "\n\nUsage: " << name << " [OPTION]...";
-    if (!arguments_value.empty()) out << " [" << arguments_value << "]...";
+    if (!arguments.empty()) out << " " << arguments_usage << "\n";
     out << "\n";
-    if (!arguments_value.empty()) {
-      out << "\n";
-      print_entry(out, arguments_entry);
-    }
+    for (const Entry& entry : arguments) print_entry(out, entry);
     std::vector<Section> all = sections;
     all.push_back(common);
     for (const Section& section : all) {
@@ -330,9 +327,14 @@ void Command::section(const std::string& title) {
 
 void Command::arguments(std::vector<std::string>& target, const std::string& value,
                         const std::string& help) {
-  impl_->arguments_value = value;
-  impl_->arguments_entry = {"    " + value + "...", help};
-  impl_->app.add_option(value, target);
+  arguments(target, "[" + value + "]...", {{value + "...", help}});
+}
+
+void Command::arguments(std::vector<std::string>& target, const std::string& usage,
+                        const std::vector<Form>& forms) {
+  impl_->arguments_usage = usage;
+  for (const Form& form : forms) impl_->arguments.push_back({"    " + form.words, form.help});
+  impl_->app.add_option("ARGUMENT", target);
 }
 
 void Command::require(const std::string& long_name) {

@@ -48,9 +48,16 @@ class Command {
   // The next option begins a group with this title in the help.
   void section(const std::string& title);
 
-  // Arguments that are not options.
+  // Arguments that are not options: any number of one kind, or the forms that a
+  // usage line such as "COMMAND RUN" stands for.
   void arguments(std::vector<std::string>& target, const std::string& value,
                  const std::string& help);
+  struct Form {
+    std::string words;
+    std::string help;
+  };
+  void arguments(std::vector<std::string>& target, const std::string& usage,
+                 const std::vector<Form>& forms);
   void require(const std::string& long_name);  // the option must be given
 
   void example(const std::string& command, const std::string& what);

@@ -25,8 +25,10 @@ int main(int argc, char** argv) {
   cli::Command command("evo-env", "environments to be stepped by any program, over pipes");
   Settings settings;
   std::vector<std::string> files;
-  command.arguments(files, "ROBOT",
-                    "files of robots; standard input carries the requests, see docs/evo-env.md");
+  command.arguments(files, "ROBOT...",
+                    {{"ROBOT...",
+                      "files of robots; standard input carries the requests, which evo-formats(5) "
+                      "describes"}});
   settings.task.add_to(command);
   command.option("--envs", settings.envs, "N", "environments of each robot, stepped together");
   command.option("--mode", settings.mode, "MODE",

@@ -74,8 +74,7 @@ Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, 
   if (!settings.actions && !settings.sine && !settings.random) {
     const auto policy = robot.policy();
     if (!policy)
-      throw error(Failure::usage,
-                  "robot {} has no policy; give --policy, --actions, --sine or --random", robot.id);
+      throw error(Failure::usage, "it has no policy; give --policy, --actions, --sine or --random");
     return policy_trial(settings, task, robot, *policy, warn);
   }
   Trial trial{task ? *task : settings.task.load(), {}};
@@ -182,7 +181,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> files;
   command.arguments(files, "FILE", "robots, policies or rollouts [standard input]");
   command.section("Task");
-  settings.task.add_to(command);
+  settings.task.add_to(command, " [the one the policy was trained on; else required]");
   command.section("Controller (default: the policy named by each robot)");
   command.option("--policy", settings.policy, "FILE.h5", "a trained policy, for every robot read");
   command.option("--actions", settings.actions, "FILE",

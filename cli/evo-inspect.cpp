@@ -288,11 +288,13 @@ int main(int argc, char** argv) {
   bool check = false;
   bool replay = false;
   command.arguments(
-      words, "FILE|RUN_DIR|tasks|task NAME|physics|training|robot FILE",
-      "robots, policies, rollouts, tasks, profiles, NEAT states, worlds, run folders; "
-      "'tasks' lists the tasks, 'task NAME' explains one, 'physics' and 'training' "
-      "what can be set there, with the values of a profile if one is named, 'robot "
-      "FILE' draws robots");
+      words, "SUBJECT...",
+      {{"FILE...", "robots, policies, rollouts, tasks, profiles, NEAT states, worlds, run folders"},
+       {"tasks", "the tasks there are"},
+       {"task NAME", "what is observed, rewarded, and ends an episode"},
+       {"physics [PROFILE]", "what can be set there, and its values in a profile [evogym]"},
+       {"training [PROFILE]", "the same of trainings [default]"},
+       {"robot FILE...", "robots, drawn"}});
   command.option("--color", color, "WHEN", "auto, always or never");
   command.option("--shape", shape, "ROWSxCOLS",
                  "of the full body whose observation 'task NAME' lays out [5x5]");

@@ -287,12 +287,14 @@ int main(int argc, char** argv) {
   std::vector<std::string> words;
   Options options;
   command.arguments(
-      words, "init RUN KEY=VALUE|propose RUN|train RUN|fail RUN|slots RUN",
-      "init: begin a run with these settings, or make sure that it has them; propose: the "
-      "next robots of a run without generations; train: the robots of a generation; fail: "
-      "count slots that cannot be trained as failed; slots: a table of all, with state and "
-      "fitness, share done or what failed");
-  command.option("--robots", options.robots, "N", "propose: make sure that there are so many");
+      words, "COMMAND RUN [KEY=VALUE]...",
+      {{"init RUN KEY=VALUE...", "begin a run with these settings, or make sure that it has them"},
+       {"propose RUN", "the next robots of a run without generations"},
+       {"train RUN", "the robots of a generation"},
+       {"fail RUN", "count slots that cannot be trained as failed"},
+       {"slots RUN", "a table of all slots, with state and fitness, share done or what failed"}});
+  command.option("--robots", options.robots, "N",
+                 "propose: make sure that there are so many; required");
   command.option("--generation", options.generation, "N", "whose slots to train or to fail");
   command.option(
       "--slot", options.slots, "K",

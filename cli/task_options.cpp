@@ -12,10 +12,10 @@ constexpr const char* fast_profile = "fast";
 
 }  // namespace
 
-void TaskOptions::add_to(Command& command) {
-  command.option(
-      "--task", task, "TASK",
-      "a benchmark task by name, or a task file of your own" + (task ? " [" + *task + "]" : ""));
+void TaskOptions::add_to(Command& command, const std::string& otherwise) {
+  command.option("--task", task, "TASK",
+                 "a benchmark task by name, or a task file of your own" +
+                     (task ? " [" + *task + "]" : otherwise));
   command.option("--physics", physics, "PROFILE",
                  "physics profile by name or file (evogym, paper, fast) [the task's]");
   command.flag("--fast", fast,

@@ -16,7 +16,8 @@ struct TaskOptions {
   bool fast = false;
   std::vector<std::string> set;
 
-  void add_to(Command& command);
+  // `otherwise` says in the help what holds without --task.
+  void add_to(Command& command, const std::string& otherwise = "; required");
 
   bool given() const { return task.has_value(); }
   // The task, with physics changed as asked. Throws Error(usage) without --task.

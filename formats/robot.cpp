@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "formats/files.h"
@@ -365,7 +366,12 @@ std::vector<Robot> robots_of(const hdf5::Reader& file, BodyCheck check) {
   const bool is_policy =
       file.has_attribute("/", "format") && file.text("/", "format") == format::policy.name;
   check_format(file, is_policy ? format::policy : format::rollout, Head::optional);
-  return parse_robots(file.text("/", "robot"), file.name() + ": /@robot", check);
+  std::vector<Robot> robots =
+      parse_robots(file.text("/", "robot"), file.name() + ": /@robot", check);
+  if (is_policy && file.name() != input_label(std::string(standard_stream)))
+    for (Robot& robot : robots)  // relative to the file, as in any robot document
+      robot.document["policy"] = std::filesystem::path(file.name()).filename().string();
+  return robots;
 }
 
 std::size_t glance_at_robots(std::string_view beginning, const std::string& where) {

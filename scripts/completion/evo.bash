@@ -1,16 +1,20 @@
-# Completion of the evo tools in bash. Options are those of the tool's own help;
-# names of tasks and profiles are asked for when they are needed.
+# Completion of the evo tools in bash. Options and commands are those of the tool's own
+# help; names of tasks and profiles are asked for when they are needed.
 _evo() {
   local tool=$1 word=$2 previous=$3
   COMPREPLY=()
   case $previous in
-    --task) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names tasks 2> /dev/null)" -- "$word") ;;
-    --physics) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names physics 2> /dev/null)" -- "$word") ;;
-    --train) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names training 2> /dev/null)" -- "$word") ;;
+    --task | task) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names tasks 2> /dev/null)" -- "$word") ;;
+    --physics | physics) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names physics 2> /dev/null)" -- "$word") ;;
+    --train | training) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names training 2> /dev/null)" -- "$word") ;;
     *)
-      [[ $word == -* ]] || return 0  # a file
+      local kind=--
+      if [[ $word != -* ]]; then
+        ((COMP_CWORD == 1)) || return 0  # a file
+        kind=
+      fi
       mapfile -t COMPREPLY < <(compgen -W \
-        "$("$tool" --help 2> /dev/null | sed -nE 's/^  (-[a-zA-Z], |    )(--[a-z-]+).*/\2/p')" -- "$word")
+        "$("$tool" --help 2> /dev/null | sed -nE "s/^  (-[a-zA-Z], |    )($kind[a-z][a-z-]*).*/\\2/p")" -- "$word")
       ;;
   esac
 }

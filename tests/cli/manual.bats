@@ -7,7 +7,7 @@ pages="$EVO_BIN/../docs/man"
 @test "every tool has a manual page, without warnings of the formatter" {
   command -v man > /dev/null || skip "man is not installed"
   [ -e "$pages/evo.7" ] || skip "built without help2man or scdoc"
-  for page in $(cd "$EVO_BIN" && printf '%s.1\n' evo-*) evo.7 evo-formats.5; do
+  for page in $(cd "$EVO_BIN" && printf '%s.1\n' evo-*) evo.7 evo-pipelines.7 evo-formats.5; do
     LC_ALL=C.UTF-8 MANWIDTH=80 man -l --warnings=w "$pages/$page" 2> warnings | col -b > text
     [ ! -s warnings ] || { echo "$page: $(cat warnings)" >&2; return 1; }
     grep -q '^NAME' text
@@ -42,7 +42,7 @@ pages="$EVO_BIN/../docs/man"
 # What bash would offer for the last word of a line.
 offers() {
   local words=("$@")
-  bash -c 'source "$1"; shift; COMP_WORDS=("$@"); _evo "$1" "${!#}" "${*: -2:1}"; printf "%s\n" "${COMPREPLY[@]}"' \
+  bash -c 'source "$1"; shift; COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)); _evo "$1" "${!#}" "${*: -2:1}"; printf "%s\n" "${COMPREPLY[@]}"' \
     bash "$EVO_SOURCE/scripts/completion/evo.bash" "${words[@]}"
 }
 
@@ -53,6 +53,10 @@ offers() {
   offers evo-train --physics f | diff - <(echo fast)
   offers evo-train --train pap | diff - <(echo paper)
   [ -z "$(offers evo-eval walk)" ]
+  offers evo-run '' | diff - <(printf '%s\n' init propose train fail slots)
+  offers evo-inspect ta | diff - <(printf '%s\n' tasks task)
+  offers evo-inspect task Walk | diff - <(echo Walker-v0)
+  [ -z "$(offers evo-run slots runs/wal)" ]
 }
 
 @test "bash: every tool is completed" {
@@ -73,4 +77,5 @@ END
   zsh -f offers.zsh evo-eval --task '' | grep -qx Walker-v0
   zsh -f offers.zsh evo-eval -- | grep -qx -- --rollout-dir
   zsh -f offers.zsh evo-eval walk | diff - <(echo files)
+  zsh -f offers.zsh evo-run '' | diff - <(printf '%s\n' init propose train fail slots files)
 }

@@ -133,6 +133,7 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
   evo-eval --rollout r.h5 one > /dev/null
   # A policy and a rollout stand for the robot they hold; paths follow the file.
   evo-eval --policy p/"$(jq -r .id one)".policy.h5 r.h5 | jq -e ".fitness == $(jq .fitness one)"
+  evo-eval p/"$(jq -r .id one)".policy.h5 | jq -e ".fitness == $(jq .fitness one)"
   mkdir sub && evo-select trained -o sub/best.jsonl
   evo-eval sub/best.jsonl | jq -c '[.id, .fitness]' | sort | cmp - <(jq -c '[.id, .fitness]' trained | sort)
 }

@@ -73,5 +73,6 @@ def run(path):
 
 if __name__ == "__main__":
     os.environ["PATH"] = os.environ["EVO_BIN"] + ":" + os.environ["PATH"]
+    os.environ["PYTHONPATH"] = os.environ["EVO_SOURCE"] + "/python"  # as installed
     for name in sys.argv[1:]:
         run(name)

@@ -14,7 +14,7 @@ _evo() {
         kind=
       fi
       mapfile -t COMPREPLY < <(compgen -W \
-        "$("$tool" --help 2> /dev/null | sed -nE "s/^  (-[a-zA-Z], |    )($kind[a-z][a-z-]*).*/\\2/p")" -- "$word")
+        "$("$tool" --help 2> /dev/null | sed -nE "s/^  (-[a-zA-Z], |    )(${kind}[a-z][a-z-]*).*/\\2/p")" -- "$word")
       ;;
   esac
 }

@@ -38,6 +38,14 @@ installed() {
   diff <(cd "$EVO_SOURCE/tasks" && find . -type f | sort) <(cd "$PREFIX/share/evo/tasks" && find . -type f | sort)
 }
 
+@test "man finds the pages" {
+  command -v man > /dev/null || skip "man is not installed"
+  [ -e "$EVO_BIN/../docs/man/evo.7" ] || skip "built without help2man or scdoc"
+  for page in $(cd "$EVO_BIN" && ls evo-*) evo evo-pipelines evo-formats; do
+    MANPATH="$PREFIX/share/man" man -w "$page" | grep -q "^$PREFIX/share/man/man[157]/$page\.[157]$"
+  done
+}
+
 @test "a pipeline runs from the installed place to the same result" {
   settings="POP=3 EVALS=4 STEPS=2048 SEED=1 VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50'"
   installed "make -s -f \"\$(evo-data scripts/ga.mk)\" RUN=run $settings"

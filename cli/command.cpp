@@ -409,7 +409,7 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
   impl.common.entries.push_back(
       {shown("--config", "FILE"), "read options from a YAML file; the command line wins"});
   impl.app.set_config("--config");
-  impl.app.config_formatter(std::make_shared<YamlConfig>());
+  impl.app.config_formatter(std::make_shared<YamlConfig>(impl.app));
   impl.app.allow_config_extras(false);
   impl.common.entries.push_back({shown("-h,--help", ""), "show this help"});
   impl.app.add_flag("-h,--help", impl.help);

@@ -35,6 +35,9 @@ std::vector<CLI::ConfigItem> YamlConfig::from_config(std::istream& input) const 
     if (item.name == "config" || item.name == "help")
       throw entry.key.error(fmt::format("'{}' cannot be set in a configuration file", item.name));
     if (entry.value.is_sequence()) {
+      const CLI::Option* option = app_.get_option_no_throw("--" + item.name);
+      if (option != nullptr && option->get_multi_option_policy() != CLI::MultiOptionPolicy::TakeAll)
+        throw entry.value.error(fmt::format("'{}' takes one value, not a list", item.name));
       for (const YamlNode& element : entry.value.items()) item.inputs.push_back(element.string());
     } else if (entry.value.is_scalar()) {
       item.inputs.push_back(entry.value.string());

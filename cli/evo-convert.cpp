@@ -5,6 +5,7 @@
 #include <set>
 
 #include "cli/command.h"
+#include "cli/data.h"
 #include "cli/robots.h"
 #include "cli/task_options.h"
 #include "formats/evogym.h"
@@ -36,25 +37,22 @@ std::vector<Robot> read_any(const std::vector<std::string>& files) {
   const std::vector<std::string> sources =
       files.empty() ? std::vector<std::string>{std::string(standard_stream)} : files;
   for (const std::string& file : sources) {
-    if (file == standard_stream) {
-      const std::string text = read_robot_text(file);
-      if (const auto world = design_tool_world(text, input_label(file))) {
-        robots.push_back(robot_from_evogym_world(*world, input_label(file)));
-      } else {
-        add(parse_robots(text, input_label(file)));
-      }
-    } else if (fs::is_directory(file)) {
+    if (file != standard_stream && fs::is_directory(file)) {
       if (!is_evogym_experiment(file))
         throw error(Failure::data, "{}: not an EvoGym experiment (no generation_0/structure in it)",
                     file);
       add(read_evogym_experiment(file));
     } else if (fs::path(file).extension() == ".npz") {
       robots.push_back(robot_from_json(Robot(read_npz(file)).document, file));
-    } else if (fs::path(file).extension() == ".json" &&
-               design_tool_world(read_file(file), file).has_value()) {
-      robots.push_back(robot_from_evogym_world(read_evogym_world(file), file));
-    } else {
+    } else if (file != standard_stream && hdf5::is_hdf5(file)) {
       add(cli::read_robots({file}));
+    } else {
+      cli::refuse_task_as_file(file);
+      const std::string text = read_robot_text(file);
+      if (const auto world = design_tool_world(text, input_label(file)))
+        robots.push_back(robot_from_evogym_world(*world, input_label(file)));
+      else
+        add(cli::robots_in(text, file));
     }
   }
   return robots;

@@ -129,13 +129,28 @@ std::optional<std::string> rollout_of(const Settings& settings, const Robot& rob
 }
 
 void check_files(const Settings& settings, const std::vector<Robot>& robots,
-                 const std::string& output) {
-  std::vector<cli::OutputName> outputs{{"--output", output}};
+                 const std::vector<std::string>& files, const std::string& output) {
+  std::vector<cli::FileName> rollouts;
+  std::vector<cli::FileName> inputs;
+  const auto reads = [&](const std::string& what, const std::optional<std::string>& path) {
+    if (path) inputs.push_back({what, *path});
+  };
+  reads("the policy", settings.policy);
+  reads("the actions", settings.actions);
+  reads("the draws", settings.draws);
   std::set<std::string> ids;
-  for (const Robot& robot : robots)
-    if (const auto rollout = rollout_of(settings, robot); rollout && ids.insert(robot.id).second)
-      outputs.push_back({settings.rollout ? "--rollout" : "--rollout-dir", *rollout});
-  cli::check_outputs(outputs);
+  for (const Robot& robot : robots) {
+    if (!ids.insert(robot.id).second) continue;
+    reads("the policy of robot " + robot.id, robot.policy());
+    if (const auto rollout = rollout_of(settings, robot))
+      rollouts.push_back({settings.rollout ? "--rollout" : "--rollout-dir", *rollout});
+  }
+  std::vector<cli::FileName> outputs{{"--output", output}};
+  outputs.insert(outputs.end(), rollouts.begin(), rollouts.end());
+  cli::check_outputs(outputs, inputs);
+  // Robots may go where they came from, with their fitness; rollouts are something else.
+  for (const std::string& file : files) reads("the robots", file);
+  cli::check_outputs(rollouts, inputs);
 }
 
 Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
@@ -223,7 +238,7 @@ int main(int argc, char** argv) {
       throw error(Failure::usage,
                   "--rollout records one robot, but {} were read; use --rollout-dir",
                   robots.size());
-    check_files(settings, robots, command.output);
+    check_files(settings, robots, files, command.output);
     if (settings.rollout_dir) make_folders(*settings.rollout_dir);
     const Warn warn = [&](const std::string& text) { command.warn(text); };
     cli::OrderedWriter out(command.output);

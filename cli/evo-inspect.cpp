@@ -15,6 +15,7 @@
 #include "cli/values.h"
 #include "formats/format.h"
 #include "formats/hdf5.h"
+#include "formats/hdf5_bytes.h"
 #include "formats/npz.h"
 #include "formats/physics_profile.h"
 #include "formats/policy.h"
@@ -256,7 +257,7 @@ void print_file(const std::string& name, bool color) {
   if (name != standard_stream && fs::is_directory(name)) return print_run(name, color);
   if (name != standard_stream && hdf5::is_hdf5(name)) return print_hdf5(name, color);
   const std::string text =
-      fs::path(name).extension() == ".npz" ? read_file(name) : read_robot_text(name);
+      fs::path(name).extension() == ".npz" ? read_npz_bytes(name) : read_robot_text(name);
   const bool is_hdf5 = hdf5::begins_as_hdf5(text);
   if (!is_hdf5 && cli::print_document(text, input_label(name))) return;
   const std::vector<Robot> robots = is_hdf5

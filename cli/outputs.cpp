@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include "formats/files.h"
 #include "libevo/base/error.h"
@@ -9,18 +10,34 @@
 namespace evo::cli {
 namespace fs = std::filesystem;
 
-void check_outputs(const std::vector<OutputName>& outputs) {
-  std::map<fs::path, const OutputName*> owners;
-  for (const OutputName& output : outputs) {
-    std::error_code failed;
-    if (output.path == standard_stream || fs::is_character_file(output.path, failed) ||
-        fs::is_fifo(output.path, failed))
-      continue;
-    const fs::path whole = fs::weakly_canonical(fs::absolute(output.path), failed);
-    const auto [owner, added] = owners.emplace(failed ? fs::path(output.path) : whole, &output);
+namespace {
+
+// However it is written; nothing for what can be read and written by many.
+std::optional<fs::path> file_named(const std::string& path) {
+  std::error_code failed;
+  if (path == standard_stream || fs::is_character_file(path, failed) || fs::is_fifo(path, failed))
+    return std::nullopt;
+  const fs::path whole = fs::weakly_canonical(fs::absolute(path), failed);
+  return failed ? fs::path(path) : whole;
+}
+
+}  // namespace
+
+void check_outputs(const std::vector<FileName>& outputs, const std::vector<FileName>& inputs) {
+  std::map<fs::path, const FileName*> owners;
+  for (const FileName& output : outputs) {
+    const auto file = file_named(output.path);
+    if (!file) continue;
+    const auto [owner, added] = owners.emplace(*file, &output);
     if (!added)
       throw error(Failure::usage, "{} and {} are both written to '{}'; name two files",
                   owner->second->option, output.option, output.path);
+  }
+  for (const FileName& input : inputs) {
+    const auto file = file_named(input.path);
+    if (const auto owner = file ? owners.find(*file) : owners.end(); owner != owners.end())
+      throw error(Failure::usage, "{} would replace {}, '{}'; name another file",
+                  owner->second->option, input.option, input.path);
   }
 }
 

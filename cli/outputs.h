@@ -6,13 +6,14 @@
 
 namespace evo::cli {
 
-struct OutputName {
-  std::string option;  // or what writes it: "--output", "the policy of robot 3f9c02d41b7a"
+struct FileName {
+  std::string option;  // or what it is: "--output", "the policy of robot 3f9c02d41b7a"
   std::string path;
 };
 
-// Throws Error(usage) when two name the same file. Standard output and what is no
-// regular file, such as /dev/null, may be named often.
-void check_outputs(const std::vector<OutputName>& outputs);
+// Throws Error(usage) when two outputs name the same file, or one names an input that is
+// to stay. Standard streams and what is no regular file, such as /dev/null, may be named
+// often.
+void check_outputs(const std::vector<FileName>& outputs, const std::vector<FileName>& inputs = {});
 
 }  // namespace evo::cli

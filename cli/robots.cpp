@@ -10,13 +10,14 @@
 namespace evo::cli {
 namespace {
 
-void make_policy_path_relative_to_here(Robot& robot, const std::string& file) {
-  const auto given = robot.policy();
-  if (file == standard_stream || !given) return;
-  const std::filesystem::path policy = *given;
-  if (policy.is_relative())
-    robot.document["policy"] =
-        (std::filesystem::path(file).parent_path() / policy).lexically_normal().string();
+std::vector<Robot> with_policies_seen_from_here(std::vector<Robot> robots,
+                                                const std::string& file) {
+  if (file == standard_stream) return robots;
+  for (Robot& robot : robots)
+    if (const auto given = robot.policy(); given && std::filesystem::path(*given).is_relative())
+      robot.document["policy"] =
+          (std::filesystem::path(file).parent_path() / *given).lexically_normal().string();
+  return robots;
 }
 
 // The same path as seen from another folder.
@@ -73,13 +74,15 @@ std::vector<Robot> read_robots(const std::vector<std::string>& files, BodyCheck 
   std::vector<Robot> robots;
   for (const std::string& source : sources) {
     refuse_task_as_file(source);
-    for (Robot& robot : evo::read_robots(source, check)) {
-      make_policy_path_relative_to_here(robot, source);
+    for (Robot& robot : with_policies_seen_from_here(evo::read_robots(source, check), source))
       robots.push_back(std::move(robot));
-    }
     say_detail(fmt::format("{} robots read, the last from {}", robots.size(), input_label(source)));
   }
   return robots;
+}
+
+std::vector<Robot> robots_in(std::string_view bytes, const std::string& file, BodyCheck check) {
+  return with_policies_seen_from_here(evo::robots_in(bytes, file, check), file);
 }
 
 std::set<std::string> read_ids(const std::vector<std::string>& files) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "formats/files.h"
@@ -20,6 +21,9 @@ namespace evo::cli {
 // folder.
 std::vector<Robot> read_robots(const std::vector<std::string>& files,
                                BodyCheck check = BodyCheck::robot);
+// The same of one file whose bytes were read.
+std::vector<Robot> robots_in(std::string_view bytes, const std::string& file,
+                             BodyCheck check = BodyCheck::robot);
 
 // Ids of every robot in the files, for --avoid.
 std::set<std::string> read_ids(const std::vector<std::string>& files);

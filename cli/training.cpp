@@ -301,7 +301,7 @@ void stop_at_failure(const Robot& robot, const TrainingOptions& options) {
 // None of the files that the trainings write is another one's.
 void check_files(const TrainingOptions& options, const std::vector<Robot>& robots,
                  const std::string& output) {
-  std::vector<OutputName> outputs{{"--output", output}};
+  std::vector<FileName> outputs{{"--output", output}};
   if (options.curve) outputs.push_back({"--curve", *options.curve});
   std::set<std::string> ids;
   for (const Robot& robot : robots) {

@@ -385,7 +385,7 @@ World evogym_world_from_json(const Json& document, const std::string& where) {
 
 World read_evogym_world(const fs::path& path) {
   const std::string where = input_label(path.string());
-  return evogym_world_from_json(parse_json(read_input(path.string()), where), where);
+  return evogym_world_from_json(parse_json(read_input(path.string(), largest_value), where), where);
 }
 
 std::string evogym_world_to_json(const World& world) {

@@ -22,16 +22,19 @@ std::string read_descriptor(int descriptor, const std::string& label, std::size_
                             const Glance& glance) {
   constexpr std::size_t chunk = std::size_t{1} << 16;
   std::string text;
-  const auto too_long = [&] {
-    return error(Failure::data, "{}: longer than {} MiB", label, most >> 20U);
+  const auto too_long = [&](std::size_t bytes) {
+    constexpr std::size_t mebibyte = std::size_t{1} << 20;
+    return bytes % mebibyte == 0
+               ? error(Failure::data, "{}: longer than {} MiB", label, bytes / mebibyte)
+               : error(Failure::data, "{}: longer than {} bytes", label, bytes);
   };
   struct stat status {};
   if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) {
     const auto size = static_cast<std::size_t>(status.st_size);
-    if (size > most) throw too_long();
+    if (size > most) throw too_long(most);
     text.reserve(size + chunk);
   }
-  bool looked = !glance;
+  std::size_t allowed = glance ? chunk : most;
   for (;;) {
     const std::size_t have = text.size();
     text.resize(have + chunk);
@@ -41,10 +44,12 @@ std::string read_descriptor(int descriptor, const std::string& label, std::size_
     if (got == 0) return text;
     if (got < 0 && code != EINTR)
       throw error(Failure::io, "{}: cannot be read: {}", label, reason(code));
-    if (text.size() > most) throw too_long();
-    if (looked || text.size() < chunk) continue;
-    looked = true;
-    most = std::min(most, glance(std::string_view(text).substr(0, chunk)));
+    while (text.size() > allowed) {
+      const std::size_t before = allowed;
+      if (allowed < most)
+        allowed = std::min(most, glance(std::string_view(text).substr(0, before)));
+      if (allowed <= before) throw too_long(allowed);
+    }
   }
 }
 

@@ -13,12 +13,14 @@ namespace evo {
 // The name of standard input and output on every command line.
 inline constexpr std::string_view standard_stream = "-";
 
-// Inputs are read whole, but not without end.
-inline constexpr std::size_t largest_input = std::size_t{1} << 30;     // bytes
-inline constexpr std::size_t largest_document = std::size_t{1} << 24;  // of one document by hand
+// Inputs are read whole, but not without end: a pipe or a device may have none. Bytes.
+inline constexpr std::size_t largest_input = std::size_t{1} << 30;     // of any kind
+inline constexpr std::size_t largest_value = std::size_t{1} << 26;     // one JSON value
+inline constexpr std::size_t largest_document = std::size_t{1} << 24;  // written by hand
 
 // Looks at the beginning of a long input, 64 KiB of it, before the rest is read, and
-// says how many bytes it may have at most; throws to refuse it.
+// says how much to read. An input that is longer still is shown again, unless it has
+// `most` bytes already; it ends where the answer is the same. Throws to refuse it.
 using Glance = std::function<std::size_t(std::string_view beginning)>;
 
 // Everything in a file. Throws Error(no_input) when it is missing, a folder or

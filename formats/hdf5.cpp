@@ -13,6 +13,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "formats/hdf5_bytes.h"
 #include "formats/hdf5_checksum.h"
 #include "libevo/base/error.h"
 
@@ -349,46 +350,6 @@ std::vector<std::string> read_strings(hid_t stored_type, const Handle& space, st
 
 }  // namespace
 
-namespace {
-
-// Numbers in a file are little-endian.
-std::uint64_t number_at(std::string_view bytes, std::size_t at, std::size_t length) {
-  std::uint64_t value = 0;
-  for (std::size_t i = length; i-- > 0;)
-    value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
-  return value;
-}
-
-// The library follows the sizes in a "global heap collection", where variable
-// texts are kept, without looking, and such a heap has no checksum. So they are
-// looked at here (HDF5 file format specification, section III.E).
-bool heaps_are_sound(std::string_view file) {
-  constexpr std::string_view signature("GCOL\1\0\0\0", 8);
-  constexpr std::size_t header = 16;  // of the collection, and of each object
-  for (std::size_t at = file.find(signature); at != std::string_view::npos;
-       at = file.find(signature, at + header)) {
-    if (file.size() - at < header) return false;
-    const std::uint64_t length = number_at(file, at + 8, 8);
-    if (length < header || length > file.size() - at) return false;
-    const std::size_t end = at + static_cast<std::size_t>(length);
-    for (std::size_t object = at + header; end - object >= header;) {
-      const bool is_free_space = number_at(file, object, 2) == 0;
-      const std::uint64_t content = number_at(file, object + 8, 8);
-      const std::uint64_t room = end - object - header;
-      if (is_free_space) {  // the rest, its header included
-        if (content != end - object) return false;
-        break;
-      }
-      const std::uint64_t padded = content > room ? room + 1 : (content + 7) / 8 * 8;
-      if (padded > room) return false;
-      object += header + static_cast<std::size_t>(padded);
-    }
-  }
-  return true;
-}
-
-}  // namespace
-
 struct Reader::File {
   std::string name;
   std::uintmax_t size = 0;  // bytes
@@ -409,18 +370,20 @@ struct Reader::File {
   explicit File(const std::filesystem::path& path) : name(path.string()) {
     silence();
     stay_in_this_file();
+    // Opening a pipe may wait for ever.
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
+      throw error(Failure::no_input, "{}: is not a file, an HDF5 file is needed", name);
     // The library says of a missing file only that it cannot be opened.
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (descriptor < 0)
       throw error(Failure::no_input, "{}: cannot be opened: {}", name, std::strerror(errno));
-    ::close(descriptor);
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(path, ignored))
-      throw error(Failure::no_input, "{}: is not a file, an HDF5 file is needed", name);
     size = std::filesystem::file_size(path, ignored);
+    const bool sound = heaps_are_sound(descriptor, size);
+    ::close(descriptor);
     id = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     if (!id.ok()) throw damaged(H5Fis_hdf5(path.c_str()) > 0);
-    if (!heaps_are_sound(read_file(path))) throw unsound();
+    if (!sound) throw unsound();
   }
 
   Error damaged(bool is_hdf5) const {
@@ -646,11 +609,11 @@ std::vector<T> Reader::numbers(const std::string& object, const std::string& nam
   return file_->read_attribute<T>(object, name).values;
 }
 
-bool begins_as_hdf5(std::string_view bytes) { return bytes.starts_with("\x89HDF\r\n\x1a\n"); }
-
 bool is_hdf5(const std::filesystem::path& path) {
   silence();
-  return H5Fis_hdf5(path.c_str()) > 0;
+  // A pipe can be opened once, and that is for its reader to do.
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored) && H5Fis_hdf5(path.c_str()) > 0;
 }
 
 // ---- the numbers that can be stored ------------------------------------------

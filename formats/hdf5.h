@@ -126,9 +126,7 @@ class Reader {
   std::unique_ptr<File> file_;
 };
 
-// Whether the file exists and begins like an HDF5 file.
+// Whether this is a file, no pipe or device, and begins like an HDF5 file.
 bool is_hdf5(const std::filesystem::path& path);
-// Whether bytes begin like one.
-bool begins_as_hdf5(std::string_view bytes);
 
 }  // namespace evo::hdf5

@@ -249,7 +249,7 @@ NeatState parse_neat_state(std::string_view text, const std::string& where) {
 }
 
 NeatState load_neat_state(const std::string& file) {
-  return parse_neat_state(read_input(file), input_label(file));
+  return parse_neat_state(read_input(file, largest_value), input_label(file));
 }
 
 NeatSettings neat_settings_from_yaml(const YamlNode& node) {

@@ -182,14 +182,15 @@ Zip<zip_t> open_archive(std::string_view bytes) {
   return archive;
 }
 
+// The links of the largest robot, both directions, and a header.
+constexpr std::size_t largest_member =
+    std::size_t{8} * sizeof(std::int64_t) * largest_side * largest_side + 65536;
+
 std::string read_member(zip_t* archive, zip_uint64_t index) {
-  // The links of the largest robot, both directions, and a header.
-  constexpr zip_uint64_t largest =
-      std::uint64_t{8} * sizeof(std::int64_t) * largest_side * largest_side + 65536;
   zip_stat_t status{};
   if (zip_stat_index(archive, index, 0, &status) != 0 || (status.valid & ZIP_STAT_SIZE) == 0)
     throw Refusal{"", zip_strerror(archive)};
-  if (status.size > largest)
+  if (status.size > largest_member)
     throw refusal("", "{} bytes; the largest robot is {}x{}", status.size, largest_side,
                   largest_side);
   const Zip<zip_file_t> member(zip_fopen_index(archive, index, 0));
@@ -296,7 +297,19 @@ Body body_from_npz(std::string_view bytes, const std::string& where) {
   }
 }
 
-Body read_npz(const fs::path& path) { return body_from_npz(read_file(path), path.string()); }
+std::string read_npz_bytes(const std::string& input) {
+  // Members are kept, not compressed, where it matters: two of the largest.
+  constexpr std::size_t longest = 2 * largest_member;
+  return read_input(input, longest, [&](std::string_view beginning) {
+    if (!beginning.starts_with("PK"))
+      throw refusal("", "not an .npz file (a zip archive)").at(input_label(input));
+    return longest;
+  });
+}
+
+Body read_npz(const fs::path& path) {
+  return body_from_npz(read_npz_bytes(path.string()), path.string());
+}
 
 std::string body_to_npz(const Body& body) {
   std::vector<double> kinds;

@@ -16,6 +16,8 @@ namespace evo {
 // sense, connectivity is not asked for. Throws Error(no_input, io, data).
 Body read_npz(const std::filesystem::path& path);
 Body body_from_npz(std::string_view bytes, const std::string& where);
+// The bytes of one; "-" reads standard input. What is no archive is not read to its end.
+std::string read_npz_bytes(const std::string& input);
 
 // As EvoGym's examples write it: float64 and int64, each link once, not
 // compressed. The same body gives the same bytes.

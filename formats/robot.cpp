@@ -9,6 +9,7 @@
 #include "formats/files.h"
 #include "formats/format.h"
 #include "formats/hdf5.h"
+#include "formats/hdf5_bytes.h"
 #include "formats/yaml_json.h"
 #include "libevo/base/error.h"
 
@@ -232,12 +233,16 @@ Json in_canonical_order(Robot robot) {
 
 // ---- the forms of text ------------------------------------------------------
 
-constexpr std::size_t most_robots = 1'000'000;              // of one input
-constexpr std::size_t longest_yaml = std::size_t{1} << 23;  // bytes
+constexpr std::size_t most_robots = 1'000'000;                 // of one input
+constexpr std::size_t longest_yaml = std::size_t{1} << 23;     // bytes
+constexpr std::size_t longest_drawing = std::size_t{1} << 26;  // bytes, of letters
+
+Error too_many(const std::string& where) {
+  return refusal("", "more than {} robots in one input", most_robots).at(where);
+}
 
 void check_count(const std::vector<Robot>& robots, const std::string& where) {
-  if (robots.size() > most_robots)
-    throw refusal("", "more than {} robots in one input", most_robots).at(where);
+  if (robots.size() > most_robots) throw too_many(where);
 }
 
 // The robot of a document, or the robots of a list.
@@ -359,7 +364,7 @@ void glance_at_grid(std::string_view beginning, const std::string& where) {
   }
 }
 
-std::vector<Robot> robots_of(const hdf5::Reader& file, BodyCheck check) {
+std::vector<Robot> robots_of(const hdf5::Reader& file, const std::string& input, BodyCheck check) {
   if (!file.has_attribute("/", "robot"))
     throw error(Failure::data, "{}: an HDF5 file without a robot: neither a policy nor a rollout",
                 file.name());
@@ -368,32 +373,51 @@ std::vector<Robot> robots_of(const hdf5::Reader& file, BodyCheck check) {
   check_format(file, is_policy ? format::policy : format::rollout, Head::optional);
   std::vector<Robot> robots =
       parse_robots(file.text("/", "robot"), file.name() + ": /@robot", check);
-  if (is_policy && file.name() != input_label(std::string(standard_stream)))
-    for (Robot& robot : robots)  // relative to the file, as in any robot document
-      robot.document["policy"] = std::filesystem::path(file.name()).filename().string();
+  if (is_policy && input != standard_stream)  // relative to its folder, as in documents
+    for (Robot& robot : robots)
+      robot.document["policy"] = std::filesystem::path(input).filename().string();
   return robots;
 }
 
+Error too_large(const std::string& where) {
+  return refusal("", "a JSON value of more than {} MiB", largest_value >> 20U).at(where);
+}
+
+// Of JSON, whether the first value ends within a bound and is a robot, and whether there
+// are too many. How much to read until the next look.
+std::size_t glance_at_json(std::string_view beginning, const std::string& where) {
+  JsonPieces pieces(beginning, where);
+  const auto first = pieces.next();
+  if (!first || pieces.done()) {  // not ended yet
+    if (beginning.size() >= largest_value) throw too_large(where);
+    return largest_value;
+  }
+  (void)parse_json_robots(first->text, where, BodyCheck::any);
+  if (beginning.size() < largest_value) return largest_value;
+  std::size_t robots = 1;
+  while (const auto piece = pieces.next()) {
+    if (++robots > most_robots) throw too_many(where);
+    if (piece->text.size() >= largest_value) throw too_large(where);
+  }
+  return 2 * beginning.size();
+}
+
 std::size_t glance_at_robots(std::string_view beginning, const std::string& where) {
-  if (hdf5::begins_as_hdf5(beginning)) return largest_input;
+  if (hdf5::begins_as_hdf5(beginning)) return hdf5::stated_size(beginning, where);
   beginning = without_byte_order_mark(beginning);
   const std::size_t first = beginning.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos)
     throw refusal("", "{} blanks and no robot", beginning.size()).at(where);
-  if (beginning[first] == '{' || beginning[first] == '[') {
-    JsonPieces pieces(beginning, where);
-    const auto piece = pieces.next();
-    if (!pieces.done()) (void)parse_json_robots(piece->text, where, BodyCheck::any);
-  } else if (looks_like_yaml(beginning)) {
+  if (beginning[first] == '{' || beginning[first] == '[') return glance_at_json(beginning, where);
+  if (looks_like_yaml(beginning)) {
     for (const char c : beginning.substr(0, beginning.find('\n')))
       if (static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r')
         throw refusal("", "a control character, which no robot has")
             .at(with_place(where, "line 1"));
     return longest_yaml;
-  } else {
-    glance_at_grid(beginning.substr(first), where);
   }
-  return largest_input;
+  glance_at_grid(beginning.substr(first), where);
+  return longest_drawing;
 }
 
 }  // namespace
@@ -507,13 +531,16 @@ std::string read_robot_text(const std::string& input) {
   });
 }
 
+std::vector<Robot> robots_in(std::string_view bytes, const std::string& input, BodyCheck check) {
+  const std::string where = input_label(input);
+  if (!hdf5::begins_as_hdf5(bytes)) return parse_robots(bytes, where, check);
+  return robots_of(hdf5::Reader(bytes, where), input, check);
+}
+
 std::vector<Robot> read_robots(const std::string& input, BodyCheck check) {
   if (input != standard_stream && hdf5::is_hdf5(input))
-    return robots_of(hdf5::Reader(input), check);
-  const std::string text = read_robot_text(input);
-  const std::string where = input_label(input);
-  return hdf5::begins_as_hdf5(text) ? robots_of(hdf5::Reader(text, where), check)
-                                    : parse_robots(text, where, check);
+    return robots_of(hdf5::Reader(input), input, check);
+  return robots_in(read_robot_text(input), input, check);
 }
 
 }  // namespace evo

@@ -70,13 +70,16 @@ std::string robot_to_yaml(const Robot& robot);
 std::vector<Robot> parse_robots(std::string_view text, const std::string& where,
                                 BodyCheck check = BodyCheck::robot);
 
-// The text of robots in an input as named on a command line; what cannot be
-// robots is refused after its first 64 KiB. Throws Error(no_input, io, data).
+// The bytes of robots in an input as named on a command line: a file, or "-"; what
+// cannot be robots is refused after its first 64 KiB. Throws Error(no_input, io, data).
 std::string read_robot_text(const std::string& input);
 
-// The robots of an input as named on a command line: a file, or "-". An HDF5
-// file (rollout, policy) stands for the robot it holds. Throws Error(no_input,
-// io, data).
+// The robots in such bytes: text, or an HDF5 file (rollout, policy), which stands for
+// the robot it holds. A policy's robot has that policy.
+std::vector<Robot> robots_in(std::string_view bytes, const std::string& input,
+                             BodyCheck check = BodyCheck::robot);
+
+// Both at once.
 std::vector<Robot> read_robots(const std::string& input, BodyCheck check = BodyCheck::robot);
 
 }  // namespace evo

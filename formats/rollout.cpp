@@ -360,7 +360,7 @@ Rollout read_rollout(const fs::path& path) {
 
 ActionSequence read_actions(const fs::path& path) {
   if (hdf5::is_hdf5(path)) return actions_from_hdf5(path);
-  return actions_from_csv(read_input(path.string()), input_label(path.string()));
+  return actions_from_csv(read_input(path.string(), largest_document), input_label(path.string()));
 }
 
 Json read_draws(const fs::path& path) {

@@ -35,6 +35,12 @@ void serve_lines(Session& session, int input, int output) {
       const InputStream::Line read = in.read_line(line, longest_line);
       if (read == InputStream::Line::none) return;
       const std::string where = fmt::format("request {}", number);
+      if (read == InputStream::Line::endless) {
+        const Error failure =
+            error(Failure::data, "{}: the line does not end, nor can another begin", where);
+        send({{"error", failure.what()}});
+        throw failure;
+      }
       try {
         if (read == InputStream::Line::too_long)
           throw error(Failure::data, "{}: the line is longer than {} bytes", where, longest_line);

@@ -85,20 +85,22 @@ std::size_t InputStream::skip(std::size_t bytes) {
 
 InputStream::Line InputStream::read_line(std::string& line, std::size_t longest) {
   line.clear();
-  bool too_long = false;
+  const std::size_t endless = 4 * longest;
+  std::size_t length = 0;
   bool any = false;
   while (begin_ < end_ || fill()) {
     any = true;
     const auto* text = reinterpret_cast<const char*>(buffer_.data());
     const auto* newline = static_cast<const char*>(std::memchr(text + begin_, '\n', end_ - begin_));
     const std::size_t stop = newline == nullptr ? end_ : static_cast<std::size_t>(newline - text);
-    too_long |= line.size() + (stop - begin_) > longest;
-    if (!too_long) line.append(text + begin_, stop - begin_);
+    length += stop - begin_;
+    if (length <= longest) line.append(text + begin_, stop - begin_);
     begin_ = newline == nullptr ? end_ : stop + 1;
     if (newline != nullptr) break;
+    if (length > endless) return Line::endless;
   }
   if (!any) return Line::none;
-  return too_long ? Line::too_long : Line::whole;
+  return length > longest ? Line::too_long : Line::whole;
 }
 
 void write_all(int descriptor, std::string_view bytes) {

@@ -40,8 +40,9 @@ class InputStream {
   // Reads and forgets; how many bytes came before the end.
   std::size_t skip(std::size_t bytes);
 
-  // The next line without its newline. The end of the input ends a line, too.
-  enum class Line { whole, too_long, none };
+  // The next line without its newline. The end of the input ends a line, too. One that
+  // is too long is read over, unless it seems to have no end.
+  enum class Line { whole, too_long, endless, none };
   Line read_line(std::string& line, std::size_t longest);
 
  private:

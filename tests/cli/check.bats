@@ -19,6 +19,23 @@ setup_file() {
   fails_with 2 "--check" -- evo-inspect --replay trained.json
 }
 
+@test "a policy or a rollout stands for its robot, by name and on standard input" {
+  cp "$made"/* .
+  local policy; policy=$(ls ./*.policy.h5)
+  for file in "$policy" walk.h5; do
+    evo-convert "$file" | jq -r .id | cmp - <(jq -r .id trained.json)
+    evo-convert < "$file" | jq -r .id | cmp - <(jq -r .id trained.json)
+    evo-mutate -n 1 < "$file" | cmp - <(evo-mutate -n 1 small.txt)
+  done
+  # A policy named is its robot's policy.
+  evo-eval "$policy" | jq .fitness | cmp - <(jq .fitness trained.json)
+  mkdir elsewhere
+  evo-convert "$policy" -o elsewhere/robot.json --to jsonl
+  [ "$(jq -r .policy elsewhere/robot.json)" = "../$(basename "$policy")" ]
+  evo-eval elsewhere/robot.json | jq .fitness | cmp - <(jq .fitness trained.json)
+  fails_with 2 "it has no policy" -- evo-eval walk.h5
+}
+
 @test "what was changed is found: a value in a policy, a fitness, another's policy" {
   cp "$made"/* .
   jq -c '.fitness += 1' trained.json > inflated.json

@@ -23,6 +23,21 @@ setup_file() {
   evo-neat -n 4 -o /dev/null --state-out /dev/null
 }
 
+@test "a rollout does not replace what it is made from" {
+  cp "$made"/* .
+  cp walk.h5 before.h5
+  fails_with 2 "--rollout would replace the robots, 'walk.h5'" -- evo-eval walk.h5 --task Walker-v0 --random --rollout walk.h5
+  fails_with 2 "the actions, './walk.h5'" -- evo-eval small.txt --task Walker-v0 --actions ./walk.h5 --rollout walk.h5
+  fails_with 2 "the draws" -- evo-eval small.txt --task Walker-v0 --random --draws walk.h5 -o walk.h5
+  mkdir dir
+  cp walk.h5 "dir/$(evo-convert small.txt | jq -r .id).h5"
+  fails_with 2 "--rollout-dir" "the robots" -- evo-eval dir/*.h5 --task Walker-v0 --random --rollout-dir dir
+  cmp walk.h5 before.h5
+  # Robots may go where they came from.
+  evo-eval scored.jsonl --task Walker-v0 --random --max-steps 1 -o scored.jsonl
+  jq -e '.lengths == [1]' scored.jsonl
+}
+
 @test "inputs that would not be read are refused" {
   cp "$made"/* .
   fails_with 2 "small.txt" -- evo-convert small.txt --task Walker-v0

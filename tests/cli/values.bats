@@ -71,6 +71,8 @@ load helpers
   fails_with 65 "--config:1" "'help'" -- evo-sample --config help.yaml
   printf 'count:\n' > nothing.yaml
   fails_with 65 "'count' needs a value" -- evo-sample --config nothing.yaml
+  printf 'count: [1, 2]\n' > single.yaml
+  fails_with 65 "--config:1:8" "'count' takes one value, not a list" -- evo-sample --config single.yaml
   printf 'cuont: 1\n' > typo.yaml
   fails_with 2 "cuont" "--count" -- evo-sample --config typo.yaml
   printf 'count: x\n' > value.yaml

@@ -6,7 +6,7 @@ programs=$(realpath "${1:?folder of the targets}")
 seeds=$(mktemp -d)
 trap 'rm -rf "$seeds"' EXIT
 "$EVO_SOURCE/tests/fuzz/seeds.sh" "$seeds/all"
-for target in robots world neat_state yaml npz; do
+for target in robots world neat_state yaml run npz; do
   "$programs/fuzz_$target" --damaged 500 "$seeds/all/$target"
 done
 "$programs/fuzz_hdf5" --damaged 100 "$seeds/all/hdf5"

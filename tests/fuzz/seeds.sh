@@ -5,7 +5,7 @@ set -euo pipefail
 folder=$(realpath -m "${1:?folder}")
 export PATH="${EVO_BIN:?}:$PATH"
 rm -rf "$folder"
-mkdir -p "$folder"/{robots,world,neat_state,yaml,npz,hdf5}
+mkdir -p "$folder"/{robots,world,neat_state,yaml,run,npz,hdf5}
 PYTHONDONTWRITEBYTECODE=1 PYTHONPATH="$EVO_SOURCE/tests/hostile" /usr/bin/python3 -c '
 import sys, valid
 valid.make(sys.argv[1], sys.argv[2])' "$folder/valid" "$EVO_SOURCE"
@@ -14,6 +14,7 @@ cp robots.jsonl robot.json robots.yaml letters.txt scored.jsonl genomes.jsonl tr
 cp world.json carrier.json ../world
 cp species.json ../neat_state
 cp task.yaml ramp.yaml physics.yaml training.yaml neat.yaml ../yaml
+cp run.yaml steady.json ../run
 cp robot.npz "$EVO_SOURCE"/tests/data/formats/*.npz ../npz
 cp rollout.h5 sine.h5 network.h5 actions.csv ../hdf5
 cd ..

@@ -322,6 +322,31 @@ TEST_CASE("Robot: what cannot be robots is refused before it is read to its end"
   CHECK(contains(refused(std::string(1 << 16, 'x')), "line 1"));
   CHECK(contains(refused("a: b\n"), "8 MiB"));
   CHECK(contains(refused("a: \x01" + std::string(1 << 16, 'x')), "control character"));
+  CHECK(contains(refused(R"({"body":[)"), "more than 64 MiB"));
+  CHECK(contains(refused(R"({"body":["HV"]}{"body":[)"), "more than 64 MiB"));
+  CHECK(contains(refused("HV\n\n"), "64 MiB"));
+  CHECK(contains(refused("\x89HDF\r\n\x1a\n"), "damaged or truncated"));
+}
+
+TEST_CASE("Robot: too many of them are refused before they are parsed") {
+  const ScratchFolder folder;
+  std::string text;
+  while (text.size() <= largest_value) text += "{\"body\":[\"HV\"]}\n";
+  write_file(folder / "many", text);
+  CHECK(
+      contains(error_of(Failure::data, [&] { (void)read_robot_text((folder / "many").string()); }),
+               "more than 1000000 robots"));
+}
+
+TEST_CASE("Robot: a long first document is no trap") {
+  const ScratchFolder folder;
+  const std::string text =
+      robot_to_line(Robot(Body::from_rows(std::vector<std::string>(400, std::string(400, 'H'))))) +
+      "\n" + example + "\n";
+  REQUIRE(text.size() > (1 << 17));
+  write_file(folder / "large", text);
+  CHECK(read_robot_text((folder / "large").string()) == text);
+  CHECK(read_robots((folder / "large").string()).size() == 2);
 }
 
 TEST_CASE("Robot: damaged text throws Error and nothing else") {

@@ -33,7 +33,7 @@ setup_file() {
   evo-convert "$policy" -o elsewhere/robot.json --to jsonl
   [ "$(jq -r .policy elsewhere/robot.json)" = "../$(basename "$policy")" ]
   evo-eval elsewhere/robot.json | jq .fitness | cmp - <(jq .fitness trained.json)
-  fails_with 2 "it has no policy" -- evo-eval walk.h5
+  fails_with 2 "it has no policy" -- evo-eval small.txt
 }
 
 @test "what was changed is found: a value in a policy, a fitness, another's policy" {

@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 """Feeds damaged files and senseless options to every tool and looks how it ends.
 
-    hostile.py [--runs N] [--seed S] [--jobs J] [--table FILE] [--keep DIR]
+    hostile.py [--runs N] [--first K] [--seed S] [--jobs J] [--table FILE] [--keep DIR]
 
 Each run must end by itself with a documented status, in at most 2 s of processor
 time and 200 MB; a failure in exactly one line of printable text on standard
-error. Runs are numbered and depend on seed and number alone; --only N does one
-again, and --keep leaves the damaged files of failures in a folder. The tools are
-found in $EVO_BIN, the data in $EVO_SOURCE.
+error. Runs are numbered from 0, or from K, and depend on seed and number alone;
+--only N does one again, and --keep leaves the damaged files of failures in a
+folder. The tools are found in $EVO_BIN, the data in $EVO_SOURCE.
 """
 import argparse
 import collections
@@ -157,6 +157,7 @@ def table(outcomes):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=3000)
+    parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--only", type=int)
@@ -168,7 +169,7 @@ def main():
     kept = os.path.abspath(asked.keep) if asked.keep else None
     if kept:
         os.makedirs(kept, exist_ok=True)
-    numbers = [asked.only] if asked.only is not None else range(asked.runs)
+    numbers = [asked.only] if asked.only is not None else range(asked.first, asked.first + asked.runs)
     with tempfile.TemporaryDirectory() as folder:
         valid.make(os.path.join(folder, "valid"), os.environ["EVO_SOURCE"])
         with multiprocessing.Pool(asked.jobs, enter, (folder, asked.seed, kept)) as pool:

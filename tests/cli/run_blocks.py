@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Runs the command blocks of Markdown files, each file in a folder of its own, top
-to bottom in one shell: run_blocks.py FILE...
+to bottom: run_blocks.py FILE...
 
-Blocks are those fenced as sh, and indented lines after a "$ " with what they
-print, which is compared. Large numbers are made smaller first; from there on what is
+Blocks are those fenced as sh, each in a shell of its own, and indented lines after a
+"$ " with what they print, which is compared. Large numbers are made smaller first; from there on what is
 printed is not compared. Python fences are run, too.
 """
 import os
@@ -19,6 +19,12 @@ SMALLER = [  # what costs hours of a core
     (r"(make [^|]*) RUN=", r"\1 VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' RUN="),
     (r"--episodes \d+", "--episodes 2"), (r"-o walk\.mp4", "-o walk.gif --size 160x90"),
     (r"num_envs=16", "num_envs=4"),
+    # of a cluster
+    (r"--ntasks=\d+", "--ntasks=2"), (r"--cpus-per-task=\d+", "--cpus-per-task=1"),
+    (r" WINDOW=\d+", ""), (r"CHUNK=\d+", "CHUNK=2"), (r"\d+/(:|node)", r"1/\1"),
+    (r'TASKS="(\S+) [^"]*"', r'TASKS="\1"'),
+    (r'METHODS="(\S+ \S+) [^"]*"', r'METHODS="\1"'),
+    (r"(submit .* )-- (.*)", r"\1-- VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' \2"),
 ]
 
 

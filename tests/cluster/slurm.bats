@@ -121,11 +121,35 @@ n2_returns() {
   [ -z "$(grep ^end run/stand-in.log | cut -d' ' -f 2 | sort | uniq -d)" ]
 }
 
+@test "preempted, trainings save checkpoints and go on from them" {
+  long=(POP=2 EVALS=2 SHAPE=4x4 STEPS=100000 TRAIN_OPTIONS="--final-episodes 0")
+  run_make steady calm "${settings[@]}" "${long[@]}" -s -j2 calm/history.jsonl
+  submit run --ntasks=2 -- "${settings[@]}" "${long[@]}" -s "$PWD/run/history.jsonl"
+  learning() { [ "$(cat run/logs/*/*.log 2> /dev/null | grep -c '^charts')" -ge 2 ]; }
+  within 60 learning
+  sbatch --parsable --partition=urgent --ntasks=4 --nodes=2 --output=/dev/null --wrap "sleep 1" > urgent
+  within 60 waiting
+  [ "$(find run/policies -name '*.checkpoint.h5' | wc -l)" -ge 1 ]
+  scontrol update JobId="$job" StartTime=now
+  ended
+  diff <(essence calm) <(essence run)
+  grep -q 'resumed' run/logs/*/*.log
+}
+
 @test "an array has a job for every run of a comparison" {
   submit --array run --cpus-per-task=1 -- "${settings[@]:1}" "${small[@]}" TASKS=Walker-v0 METHODS="ga steady-bo" SEEDS="1 2" \
     "TRAINER=$stand_in" VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 10"
   [ "$(wc -l < run/slurm/runs)" -eq 4 ]
   grep -q '^#SBATCH --array=1-4' run/slurm/job.sh
+}
+
+@test "settings that are wrong, or of another run, are refused before anything is queued" {
+  run -2 "$EVO_SOURCE/scripts/slurm/submit" run -- "${settings[@]}" METHOD=nix
+  [[ $output == *"there is no 'nix'"* ]]
+  evo-run init run method=ga task=Walker-v0 population=1 evaluations=2 steps=1 seed=1
+  run -2 "$EVO_SOURCE/scripts/slurm/submit" run -- "${settings[@]}"
+  [[ $output == *"steps: 1 there, steps: 4096 asked for"* ]]
+  [ -z "$(squeue --noheader --name=evo-run)" ]
 }
 
 @test "without sbatch it says what to do, and the script is there" {

@@ -1,25 +1,10 @@
-# Runs on machines that ssh reaches. Here ssh is a script that starts a shell on this
-# machine, and has never heard of some others.
+# Runs on machines that ssh reaches.
 load helpers
 
 setup() {
   cd "$BATS_TEST_TMPDIR" || return
   command -v parallel > /dev/null || skip "GNU parallel is not here"
-  mkdir bin
-  cat > bin/ssh << 'END'
-#!/bin/bash
-# ssh [-o option].. [-l user] MACHINE COMMAND
-while :; do case $1 in -l | -o | -p | -S) shift 2 ;; -* | --) shift ;; *) break ;; esac; done
-case $1 in nowhere*) echo "ssh: Could not resolve hostname $1" >&2; exit 255 ;; esac
-export SLURMD_NODENAME=$1
-shift
-if [ "$1" = -- ]; then shift; fi
-if [ -n "${FAR:-}" ]; then cd "$FAR" || exit; else exec < /dev/null; fi
-if [ -n "${CUT:-}" ] && mkdir "$CUT" 2> /dev/null; then bash -c "$*" | head -c 3000; exit 255; fi
-exec bash -c "$*"
-END
-  chmod +x bin/ssh
-  export PARALLEL_SSH=$PWD/bin/ssh PARALLEL_HOME=$PWD CARRY_SSH=$PWD/bin/ssh
+  fake_ssh
 }
 
 small=(POP=6 EVALS=12 SHAPE=4x4)

@@ -6,11 +6,13 @@ the order of make. With generations (scripts/ga.mk, the paper's schedule) that i
 of the generation under way; without (scripts/steady.mk) it is robot k as soon as the
 scores of robots 0 .. k-W-1 are there. Prints a row per case: workers, law of the
 times, idle share of the workers with and without generations, and how many times
-faster the run without is.
+faster the run without is. durations.tsv has times of real trainings: seconds of a core
+for each robot of a GA's run (bodies of 5x5, 16 384 steps, profile `default`).
 
     benchmarks/evolution/schedule.py > benchmarks/evolution/schedule.tsv
 """
 import heapq
+import pathlib
 import random
 
 POPULATION, EVALUATIONS, REPETITIONS = 25, 250, 40
@@ -58,6 +60,13 @@ LAWS = {
     "uniform 0.5-1.5": lambda draw: draw.uniform(0.5, 1.5),
     "Pareto 1.5": lambda draw: min(draw.paretovariate(1.5), 40.0),
 }
+
+measured = {}
+for line in (pathlib.Path(__file__).parent / "durations.tsv").read_text().splitlines()[1:]:
+    task, seconds = line.split("\t")
+    measured.setdefault(task, []).append(float(seconds))
+for task, times in measured.items():
+    LAWS[f"trained on {task}"] = lambda draw, times=times: draw.choice(times)
 
 print("workers\twindow\ttimes\tidle_generations\tidle_steady\tfaster")
 for workers in (2, 8, 25, 64):

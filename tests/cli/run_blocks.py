@@ -22,8 +22,8 @@ SMALLER = [  # what costs hours of a core
     # of a cluster
     (r"--ntasks=\d+", "--ntasks=2"), (r"--cpus-per-task=\d+", "--cpus-per-task=1"),
     (r" WINDOW=\d+", ""), (r"CHUNK=\d+", "CHUNK=2"), (r"\d+/(:|node)", r"1/\1"),
-    (r'TASKS="(\S+) [^"]*"', r'TASKS="\1"'),
-    (r'METHODS="(\S+ \S+) [^"]*"', r'METHODS="\1"'),
+    (r'TASKS="([^" ]+) [^"]*"', r'TASKS="\1"'),
+    (r'METHODS="([^" ]+ [^" ]+) [^"]*"', r'METHODS="\1"'),
     (r"(submit .* )-- (.*)", r"\1-- VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' \2"),
 ]
 

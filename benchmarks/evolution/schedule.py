@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
 """What doing without generations gains in time, by simulation.
 
-Every training takes a time of its own; workers take the next one that may begin, in
-the order of make. With generations (scripts/ga.mk, the paper's schedule) that is one
-of the generation under way; without (scripts/steady.mk) it is robot k as soon as the
-scores of robots 0 .. k-W-1 are there. Prints a row per case: workers, law of the
-times, idle share of the workers with and without generations, and how many times
-faster the run without is. durations.tsv has times of real trainings: seconds of a core
-for each robot of a GA's run (bodies of 5x5, 16 384 steps, profile `default`).
+Every training takes a time of its own; workers take the next launch (a training, or a
+chunk of them one after another) that may begin, in the order of make. With generations
+(scripts/ga.mk, the paper's schedule) that is one of the generation under way; without
+(scripts/steady.mk) it is robot k as soon as the scores of robots 0 .. k-W-1 are there.
+Launching takes no time. Prints a row per case: workers, window, population, robots,
+robots per launch, law of the times, idle share of the workers with and without
+generations, and how many times faster the run without is.
+
+durations.tsv has times of real trainings: seconds of a core per robot, of a GA's run on
+Walker-v0 (16 384 steps) and of sampled bodies on Carrier-v0 (8 192 steps).
 
     benchmarks/evolution/schedule.py > benchmarks/evolution/schedule.tsv
 """
@@ -15,41 +18,44 @@ import heapq
 import pathlib
 import random
 
-POPULATION, EVALUATIONS, REPETITIONS = 25, 250, 40
 
-
-def survivors(created):
+def survivors(created, population, robots):
     """max(2, ceil(0.6 P (M - e - 1) / (M - 1))), spec of the paper's schedule."""
-    left = max(EVALUATIONS - created - 1, 0)
-    return max(2, -(-3 * POPULATION * left // (5 * (EVALUATIONS - 1))))
+    left = max(robots - created - 1, 0)
+    return max(2, -(-3 * population * left // (5 * (robots - 1))))
 
 
-def generations():
+def generations(population, robots):
     """How many robots each generation trains."""
-    sizes = [POPULATION]
-    while sum(sizes) < EVALUATIONS:
+    sizes = [population]
+    while sum(sizes) < robots:
         created = sum(sizes)
-        sizes.append(min(POPULATION - survivors(created), EVALUATIONS - created))
+        sizes.append(min(population - survivors(created, population, robots), robots - created))
     return sizes
 
 
-def generational(times, workers):
+def launches(times, chunk):
+    return [sum(times[k:k + chunk]) for k in range(0, len(times), chunk)]
+
+
+def generational(times, workers, population, chunk):
     now, first = 0.0, 0
-    for size in generations():
+    for size in generations(population, len(times)):
         free = [now] * workers
-        for time in times[first:first + size]:
+        for time in launches(times[first:first + size], chunk):
             heapq.heappush(free, heapq.heappop(free) + time)
         now = max(free)
         first += size
     return now
 
 
-def steady(times, workers, window):
+def steady(times, workers, population, chunk, window):
     free = [0.0] * workers
-    scored = []  # when the scores of robots 0 .. k are all there
-    for k, time in enumerate(times):
-        known = 0 if k < POPULATION else max(0, k - window)
-        begin = max(heapq.heappop(free), scored[known - 1] if known else 0.0)
+    scored = []  # when the scores of launches 0 .. k are all there
+    for k, time in enumerate(launches(times, chunk)):
+        last = min((k + 1) * chunk, len(times)) - 1
+        known = 0 if last < population else max(0, last - window)
+        begin = max(heapq.heappop(free), scored[(known - 1) // chunk] if known else 0.0)
         heapq.heappush(free, begin + time)
         scored.append(max(begin + time, scored[-1] if scored else 0.0))
     return scored[-1]
@@ -60,25 +66,31 @@ LAWS = {
     "uniform 0.5-1.5": lambda draw: draw.uniform(0.5, 1.5),
     "Pareto 1.5": lambda draw: min(draw.paretovariate(1.5), 40.0),
 }
-
 measured = {}
 for line in (pathlib.Path(__file__).parent / "durations.tsv").read_text().splitlines()[1:]:
     task, seconds = line.split("\t")
     measured.setdefault(task, []).append(float(seconds))
-for task, times in measured.items():
-    LAWS[f"trained on {task}"] = lambda draw, times=times: draw.choice(times)
+for task, seconds in measured.items():
+    LAWS[f"as on {task}"] = lambda draw, seconds=seconds: draw.choice(seconds)
 
-print("workers\twindow\ttimes\tidle_generations\tidle_steady\tfaster")
+
+def row(workers, window, population, robots, chunk, law, repetitions):
+    idle = [0.0, 0.0]
+    faster = 0.0
+    for repetition in range(repetitions):
+        draw = random.Random(repetition)
+        times = [LAWS[law](draw) for _ in range(robots)]
+        walls = (generational(times, workers, population, chunk),
+                 steady(times, workers, population, chunk, window))
+        for i, wall in enumerate(walls):
+            idle[i] += (1 - sum(times) / (wall * workers)) / repetitions
+        faster += walls[0] / walls[1] / repetitions
+    print(f"{workers}\t{window}\t{population}\t{robots}\t{chunk}\t{law}\t{idle[0]:.3f}\t{idle[1]:.3f}\t{faster:.2f}")
+
+
+print("workers\twindow\tpopulation\trobots\tchunk\ttimes\tidle_generations\tidle_steady\tfaster")
 for workers in (2, 8, 25, 64):
-    window = max(POPULATION, workers)
-    for law, draw_time in LAWS.items():
-        idle = [0.0, 0.0]
-        faster = 0.0
-        for repetition in range(REPETITIONS):
-            draw = random.Random(repetition)
-            times = [draw_time(draw) for _ in range(EVALUATIONS)]
-            walls = generational(times, workers), steady(times, workers, window)
-            for i, wall in enumerate(walls):
-                idle[i] += (1 - sum(times) / (wall * workers)) / REPETITIONS
-            faster += walls[0] / walls[1] / REPETITIONS
-        print(f"{workers}\t{window}\t{law}\t{idle[0]:.3f}\t{idle[1]:.3f}\t{faster:.2f}")
+    for law in LAWS:
+        row(workers, max(25, workers), 25, 250, 1, law, 40)
+for window in (1000, 3000):  # docs/cluster.md, "Scale"
+    row(100, window, 1000, 10000, 10, "Pareto 1.5", 5)

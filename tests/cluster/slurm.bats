@@ -14,6 +14,16 @@ teardown_file() {
   if [ -e "$BATS_FILE_TMPDIR/slurm" ]; then "$EVO_SOURCE/scripts/slurm/one-node" --stop "$BATS_FILE_TMPDIR/slurm"; fi
 }
 
+# What a test leaves behind when it fails does not fail the next one.
+teardown() {
+  [ -z "${BATS_TEST_COMPLETED:-}" ] || return 0
+  squeue --noheader --format=%i | xargs -r scancel
+  if [ -e "$BATS_FILE_TMPDIR/slurm/n2.pid" ] && ! within 20 both_idle; then
+    kill -KILL "$(daemon_of_n2)" 2> /dev/null || true
+    n2_returns || true
+  fi
+}
+
 small=(POP=6 EVALS=18 SHAPE=4x4)
 
 # submit RUN [sbatch options] -- [make arguments]; the job's number is in $job.
@@ -30,7 +40,7 @@ running() { [ "$(squeue --noheader --job "$job" --format=%T)" = RUNNING ]; }
 waiting() { [ "$(squeue --noheader --job "$job" --format=%T)" = PENDING ]; }
 trained() { [ -e run/stand-in.log ] && [ "$(grep -c ^end run/stand-in.log)" -ge "$1" ]; }
 ended() {
-  within 120 gone || { squeue; cat run/slurm/*.log; return 1; }
+  within 400 gone || { squeue; cat run/slurm/*.log; return 1; }
   [ -e run/history.jsonl ] || { cat run/slurm/*.log; return 1; }
 }
 
@@ -73,7 +83,7 @@ n2_returns() {
 }
 
 @test "a node stops dead with its trainings: they are done elsewhere" {
-  export SECONDS_EACH=1 PATIENCE=2
+  export SECONDS_EACH=2 PATIENCE=2  # long enough for a slow machine to find what to stop
   evolve steady calm "${small[@]}" -j7 SECONDS_EACH=0
   submit run --ntasks=4 -- "${evolution[@]}" "${small[@]}" "$PWD/run/history.jsonl"
   within 60 trained 3
@@ -82,7 +92,8 @@ n2_returns() {
   ended
   kill -KILL "${frozen[@]}" 2> /dev/null || true
   diff <(essence calm) <(essence run)
-  grep -q "places: n2 is lost" run/slurm/*.log
+  # How soon Slurm takes the node from the job decides what is said of it.
+  grep -Eq "places: n2 is lost|on n2 before anything had begun|on n2, [12] of 3 times" run/slurm/*.log
   n2_returns
 }
 

@@ -89,6 +89,9 @@ nothing_left() {
   kill -TERM "$(ours "^make .*RUN=run .*-j 2")"
   wait $main || true
   within 30 nobody_works
+  [ -n "$(find run -name '.carried*')" ]
+  carried 1/one,1/two run "STEPS=400000" TRAIN_OPTIONS="--final-episodes 0" -n 2> messages || true
+  [ -z "$(find run -name '.carried*')" ]
 }
 
 @test "carried: stopped, checkpoints come back, and it goes on from them" {

@@ -163,6 +163,7 @@ const std::vector<Setting>& all_settings() {
       {"clock", &T::clock, "[]", "periods, control steps, whose phases networks see", true},
       {"noise_correlation", &T::noise_correlation, "0", "of one step's exploration with the next",
        true},
+      {"failure_weight", &T::failure_weight, "1", "of what a bad end costs, for the learner", true},
       {"gait_log_std", &T::gait_log_std, "-1.2", "initial_log_std of actions added to a gait",
        true},
       {"inherited_log_std", &T::inherited_log_std, "-1", "initial_log_std of an inherited policy",

@@ -103,8 +103,8 @@ void PpoTraining::step(const TrainingJob& job, std::vector<double>& returns) {
   require_finite();
   env_.step(targets);
   require_stable(env_);
-  ppo_.reward(env_.rewards(), env_.terminated(), env_.truncated(), env_.observations(),
-              episode_steps());
+  ppo_.reward(learned_rewards(job.settings.failure_weight), env_.terminated(), env_.truncated(),
+              env_.observations(), episode_steps());
   for (int e = 0; e < env_.environments(); ++e) {
     const auto i = static_cast<std::size_t>(e);
     episode_return_[i] += env_.rewards()[i];
@@ -113,6 +113,15 @@ void PpoTraining::step(const TrainingJob& job, std::vector<double>& returns) {
     start_episode(job, e);
   }
   observe();
+}
+
+// Rewards, but for bad ends, which count as much as the settings say.
+std::span<const double> PpoTraining::learned_rewards(double failure_weight) {
+  learned_rewards_.assign(env_.rewards().begin(), env_.rewards().end());
+  for (std::size_t e = 0; e < learned_rewards_.size(); ++e)
+    if (env_.terminated()[e] != 0 && learned_rewards_[e] < 0.0)
+      learned_rewards_[e] *= failure_weight;
+  return learned_rewards_;
 }
 
 void PpoTraining::observe() { ppo_.observe(env_.observations(), episode_steps()); }

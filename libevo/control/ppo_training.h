@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "libevo/control/method.h"
@@ -30,6 +31,7 @@ class PpoTraining {
   void start_episode(const TrainingJob& job, int environment);
   // One step of every environment; the returns of episodes that ended are added.
   void step(const TrainingJob& job, std::vector<double>& returns);
+  std::span<const double> learned_rewards(double failure_weight);
   void observe();
   const std::vector<int>& episode_steps();
   void require_finite() const;
@@ -39,6 +41,7 @@ class PpoTraining {
   std::vector<std::uint64_t> next_episode_;  // [E] of each environment
   std::vector<double> episode_return_;       // [E] so far
   std::vector<int> episode_steps_;           // [E] so far
+  std::vector<double> learned_rewards_;      // [E]
 };
 
 }  // namespace evo

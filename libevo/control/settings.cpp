@@ -60,6 +60,7 @@ void check(const TrainingSettings& s) {
   share("noise_correlation", s.noise_correlation);
   require(s.noise_correlation < 1.0, "noise_correlation", s.noise_correlation,
           "it must be below 1");
+  share("failure_weight", s.failure_weight);
   share("wave_share", s.wave_share);
   positive("actuator_sigma", s.actuator_sigma);
   share("gait_share", s.gait_share);

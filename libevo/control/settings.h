@@ -106,6 +106,7 @@ struct TrainingSettings {
 
   // Exploration
   double noise_correlation = 0.0;   // of one step's noise with the next
+  double failure_weight = 1.0;      // of what an episode's end costs, as the learner sees it
   double gait_log_std = -1.2;       // initial_log_std where actions are added to a gait
   double inherited_log_std = -1.0;  // and of a policy that goes on from another robot's
 

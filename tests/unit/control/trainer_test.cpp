@@ -119,6 +119,37 @@ TEST_CASE("a resumed training ends with the same bytes") {
   CHECK(resumed.checkpoint() == whole.checkpoint());
 }
 
+TEST_CASE("a bad end is felt as the settings say, and counted as the task says") {
+  TaskSpec task = test::walker(10);
+  const auto first_update = [&](double weight) {
+    TrainingSettings settings = brief();
+    settings.failure_weight = weight;
+    settings.normalize_rewards = false;
+    const Arena arena(task, test::small_body());
+    Trainer trainer(arena, settings, 1, "robot");
+    return trainer.advance().metrics;
+  };
+  const auto value = [](const std::vector<Metric>& metrics, const std::string& name) {
+    for (const Metric& metric : metrics)
+      if (metric.name == name) return metric.value;
+    FAIL("no " + name);
+    return 0.0;
+  };
+  SECTION("where no rule ends an episode, nothing changes") {
+    for (const char* name : {"losses/value_loss", "charts/episodic_return"})
+      CHECK(value(first_update(0.2), name) == value(first_update(1.0), name));
+  }
+  SECTION("where one does, the learner's loss changes, the return does not") {
+    const double penalty = GENERATE(-3.0, 3.0);  // a good end counts in full
+    task.rules.push_back(
+        {{condition::Position{robot_name, Axis::x, -1.0, {}, {}, {}}}, penalty, true});
+    const auto full = first_update(1.0);
+    const auto mild = first_update(0.2);
+    CHECK(value(mild, "charts/episodic_return") == value(full, "charts/episodic_return"));
+    CHECK((value(mild, "losses/value_loss") == value(full, "losses/value_loss")) == (penalty > 0));
+  }
+}
+
 TEST_CASE("results depend on seed and robot id, and on nothing else") {
   const Arena arena(test::walker(10), test::small_body());
   const TrainingSettings settings = brief(GENERATE(from_range(algorithm_names())));
@@ -291,6 +322,7 @@ TEST_CASE("settings that make no sense are refused by name") {
   };
   CHECK_THAT(message([](auto& s) { s.gamma = 1.5; }), Catch::Contains("gamma is 1.5"));
   CHECK_THAT(message([](auto& s) { s.clip = NAN; }), Catch::Contains("clip"));
+  CHECK_THAT(message([](auto& s) { s.failure_weight = -1; }), Catch::Contains("failure_weight"));
   CHECK_THAT(message([](auto& s) { s.minibatches = 65; }), Catch::Contains("minibatches is 65"));
   CHECK_THAT(message([](auto& s) { s.steps = 63; }), Catch::Contains("63 steps"));
   CHECK_THAT(message([](auto& s) {

@@ -73,6 +73,8 @@ std::vector<std::string> training_words(const RunFolder& run) {
   };
   give("--task", settings.text("task"));
   give("--steps", settings.text("steps"));
+  if (settings.find("founder_steps") != nullptr)
+    give("--founder-steps", settings.text("founder_steps"));
   if (settings.text("algo") != "profile") give("--algo", settings.text("algo"));
   give("--train", settings.text("train"));
   if (settings.text("physics") != "task") give("--physics", settings.text("physics"));
@@ -265,7 +267,7 @@ std::string detail(const SlotStatus& slot, const RunHistory& history) {
     return fmt::format("{}", *history.robots()[history.by_id().at(slot.robot)].fitness);
   if (slot.state == SlotState::failed) return slot.why;
   if (slot.state == SlotState::waiting) return "";
-  const double steps = history.folder().settings().number("steps");
+  const double steps = history.folder().settings().steps(slot.address.generation);
   return fmt::format(
       "{:.2f}", read_training_log(history.folder().log(slot.robot)).step / std::max(1.0, steps));
 }

@@ -21,7 +21,6 @@ RunStatus::RunStatus(const fs::path& folder)
     : history_(RunFolder(folder)), made_(fs::file_time_type::clock::now()) {
   const RunSettings& settings = history_.folder().settings();
   evaluations_ = settings.number("evaluations");
-  steps_ = settings.number("steps");
 }
 
 std::vector<double> RunStatus::best_so_far() const {
@@ -84,23 +83,24 @@ RunWork RunStatus::work() const {
   return work;
 }
 
-std::vector<std::string> RunStatus::running() const {
-  std::vector<std::string> robots;
+std::vector<SlotStatus> RunStatus::running() const {
+  std::vector<SlotStatus> found;
   for (const RunHistory::Generation& generation : history_.generations()) {
     if (generation.finished) continue;
     for (const SlotStatus& slot : history_.slots(generation)) {
       if (slot.state != SlotState::training) continue;
       std::error_code gone;
       if (fs::last_write_time(folder().log(slot.robot), gone) < made_) continue;
-      robots.push_back(slot.robot);
+      found.push_back(slot);
     }
   }
-  return robots;
+  return found;
 }
 
-TrainingView RunStatus::view(const std::string& robot) const {
-  LoggedTraining log = read_training_log(folder().log(robot));
-  return {robot, log.step / std::max(1.0, steps_), std::move(log.evaluations), log.best};
+TrainingView RunStatus::view(const SlotStatus& slot) const {
+  LoggedTraining log = read_training_log(folder().log(slot.robot));
+  const double steps = folder().settings().steps(slot.address.generation);
+  return {slot.robot, log.step / std::max(1.0, steps), std::move(log.evaluations), log.best};
 }
 
 // ---- watching -------------------------------------------------------------------
@@ -170,7 +170,7 @@ void watch_run(const fs::path& folder, Progress style) {
     const Clock look;
     last = run.over() || interrupted() != 0 || ::getppid() != caller;
     run.update();
-    const std::vector<std::string> running = run.running();
+    const std::vector<SlotStatus> running = run.running();
     at_once = std::max(at_once, running.size());
     for (const RunHistory::Generation& generation : run.history().generations()) {
       if (!generation.finished || !told.insert(generation.number).second) continue;

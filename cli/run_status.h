@@ -41,15 +41,14 @@ class RunStatus {
   bool over() const;
   RunWork work() const;  // by frequency, the most frequent first
 
-  // Robots whose training said something since this object was made.
-  std::vector<std::string> running() const;
-  TrainingView view(const std::string& robot) const;
+  // Slots whose training said something since this object was made.
+  std::vector<SlotStatus> running() const;
+  TrainingView view(const SlotStatus& slot) const;
 
  private:
   RunHistory history_;
   std::filesystem::file_time_type made_;
   int evaluations_ = 0;
-  double steps_ = 0.0;
 };
 
 // "7 on n1, 5 on n2"; of more than eight texts the most frequent, and how many more.

@@ -91,13 +91,19 @@ Error trained_otherwise(const fs::path& policy, const std::string& difference) {
 
 // ---- what a training starts from ----------------------------------------------------
 
+const Json* parents_of(const Robot& robot) {
+  const auto parents = robot.document.find("parents");
+  return parents != robot.document.end() && parents->is_array() && !parents->empty() ? &*parents
+                                                                                     : nullptr;
+}
+
 // The policy that --init means for a robot: the one given, or in a folder that of
 // the first parent which has one there. Nothing: from scratch.
 std::optional<fs::path> inherited_policy(const Robot& robot, const TrainingOptions& options) {
   if (!options.init) return std::nullopt;
   if (!fs::is_directory(*options.init)) return fs::path(*options.init);
-  const auto parents = robot.document.find("parents");
-  if (parents == robot.document.end() || !parents->is_array()) return std::nullopt;
+  const Json* parents = parents_of(robot);
+  if (parents == nullptr) return std::nullopt;
   for (const Json& parent : *parents) {
     if (!parent.is_string()) continue;
     const std::string id = parent.get<std::string>();
@@ -320,14 +326,17 @@ void TrainingOptions::add_to(Command& command) {
   command.section("Task");
   task.add_to(command);
   command.section("Training");
-  command.option("--train", profile, "PROFILE",
-                 "training profile by name or file: default, gait, paper, portfolio, release2");
+  command.option(
+      "--train", profile, "PROFILE",
+      "training profile by name or file: default, gait, lineage, paper, portfolio, release2");
   command.option("--train-set", set, "KEY=VALUE",
                  "one setting of the profile, such as learning_rate=3e-4 (repeatable); "
                  "'evo-inspect training' lists them");
   command.option("--algo", algorithm, "NAME",
                  fmt::format("{} [the profile's]", fmt::join(algorithm_names(), ", ")));
   command.option("--steps", steps, "N", "environment steps [the profile's]");
+  command.option("--founder-steps", founder_steps, "N",
+                 "environment steps of robots without parents [--steps]");
   command.option("--final-episodes", final_episodes, "N",
                  "episodes of the best policy from shifted starts, after training [the profile's]");
   command.option("--jitter", jitter, "VOXELS",
@@ -353,18 +362,31 @@ void TrainingOptions::add_to(Command& command) {
   command.progress_option();
 }
 
+namespace {
+
+std::int64_t parse_steps(const std::string& text, const char* option) {
+  return parse_whole(text, option, 1, std::numeric_limits<std::int64_t>::max());
+}
+
+}  // namespace
+
 TrainingSettings TrainingOptions::settings() const {
   TrainingSettings training = load_training(profile, data_folders());
   const auto apply = [&](const std::string& key, const auto& value) {
     if (value) apply_override(training, fmt::format("{}={}", key, *value));
   };
   apply("algorithm", algorithm);
-  if (steps)
-    apply("steps", std::optional(parse_whole(*steps, "--steps", 1,
-                                             std::numeric_limits<std::int64_t>::max())));
+  if (steps) apply("steps", std::optional(parse_steps(*steps, "--steps")));
   apply("final_episodes", final_episodes);
   apply("final_jitter", jitter);
   for (const std::string& assignment : set) apply_override(training, assignment);
+  check(training);
+  return training;
+}
+
+TrainingSettings TrainingOptions::founder_settings() const {
+  TrainingSettings training = settings();
+  if (founder_steps) training.steps = parse_steps(*founder_steps, "--founder-steps");
   check(training);
   return training;
 }
@@ -374,7 +396,8 @@ int train_robots(const Command& command, const TrainingOptions& options,
                  const std::function<void(const Trained&)>& ended) {
   check_options(options, robots.size());
   const TaskSpec task = options.task.load();
-  const TrainingSettings training = options.settings();
+  const TrainingSettings of_children = options.settings();
+  const TrainingSettings of_founders = options.founder_settings();
   check_files(options, robots, command.output);
   make_folders(options.out_dir);
   make_folders(options.log_dir.value_or(options.out_dir));
@@ -383,10 +406,12 @@ int train_robots(const Command& command, const TrainingOptions& options,
   TrainingProgress progress(command.progress_style(), robots.size());
   std::atomic<bool> stopped = false;
   Rescue rescue([&] { command.warn(how_to_go_on); });
-  const Job job{options, task, training, command.seed, command, rescue};
   Workers workers(command, robots.size());
   workers.pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
     if (interrupted() != 0 || stopped) return;
+    const bool founder = parents_of(robots[i]) == nullptr;
+    const Job job{options,      task,    founder ? of_founders : of_children,
+                  command.seed, command, rescue};
     TrainingView view{robots[i].id, 0.0, {}, 0.0};
     std::int64_t last_step = 0;
     try {

@@ -21,6 +21,7 @@ struct TrainingOptions {
   std::vector<std::string> set;
   std::optional<std::string> algorithm;
   std::optional<std::string> steps;
+  std::optional<std::string> founder_steps;
   std::string out_dir = ".";
   std::optional<std::string> log_dir;
   std::optional<std::string> curve;
@@ -38,6 +39,7 @@ struct TrainingOptions {
   void add_to(Command& command);
   // The profile with what the options change. Throws Error(usage).
   TrainingSettings settings() const;
+  TrainingSettings founder_settings() const;  // of robots without parents
 };
 
 // How a training went in this process.

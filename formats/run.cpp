@@ -185,6 +185,10 @@ int RunSettings::number(const std::string& name) const {
   return *value;
 }
 
+int RunSettings::steps(int generation) const {
+  return number(generation == 0 && find("founder_steps") != nullptr ? "founder_steps" : "steps");
+}
+
 std::string RunSettings::to_yaml() const {
   std::string text =
       fmt::format("format: {}\nversion: {}\n", format::run.name, format::run.version);

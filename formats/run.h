@@ -62,6 +62,8 @@ class RunSettings {
   // Throws Error(data) for a setting that is missing, or is not a number from 0.
   const std::string& text(const std::string& name) const;
   int number(const std::string& name) const;
+  // Of each training of a generation: founders, in the first, may be given more.
+  int steps(int generation) const;
 
   std::string to_yaml() const;
 

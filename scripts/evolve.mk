@@ -42,6 +42,8 @@ TASK   ?= Walker-v0
 POP    ?= 25
 EVALS  ?= 250
 STEPS  ?= 512000
+# Steps of the robots of the first generation, which have no parents [STEPS].
+FOUNDER_STEPS ?=
 SEED   ?= 0
 SHAPE  ?= $(if $(filter Lifter-v0,$(TASK)),5x7,5x5)
 TRAIN  ?= default
@@ -73,6 +75,7 @@ train_slots = exec '$(SCRIPTS)train-slots' '$(RUN)'
 rank_generation = '$(SCRIPTS)rank' '$(RUN)'
 
 SETTINGS := method=$(METHOD) task=$(TASK) population=$(POP) evaluations=$(EVALS) steps=$(STEPS) \
+  $(if $(FOUNDER_STEPS),founder_steps=$(FOUNDER_STEPS)) \
   seed=$(SEED) shape=$(SHAPE) algo=$(ALGO) train=$(TRAIN) physics=$(if $(PHYSICS),$(PHYSICS),task) \
   $(if $(filter-out no,$(INHERIT)),inherit=$(INHERIT)) $(METHOD_SETTINGS)
 $(if $(filter yes no,$(INHERIT)),,$(error INHERIT is yes or no, not '$(INHERIT)'))

@@ -7,10 +7,12 @@
 # no body is trained twice; the run ends at exactly EVALS trained robots.
 
 METHOD := ga
+# Of evo-sample, such as --encoding cppn, and of evo-mutate.
+SAMPLE_OPTIONS ?=
 MUTATE_OPTIONS ?=
 # Any program that takes the options of evo-mutate used below can make the children.
 MUTATE ?= evo-mutate
-METHOD_SETTINGS = mutate_options='$(MUTATE_OPTIONS)' $(if $(filter evo-mutate,$(MUTATE)),,mutate='$(MUTATE)')
+METHOD_SETTINGS = $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') mutate_options='$(MUTATE_OPTIONS)' $(if $(filter evo-mutate,$(MUTATE)),,mutate='$(MUTATE)')
 
 # A row per generation: generation,robots,created,survivors,children
 PLAN = $(call tool_lines,evo-select --schedule paper --population $(POP) --of $(EVALS) --plan)
@@ -30,7 +32,7 @@ ifdef GEN
 ifeq ($(GEN),0)
 $(POPULATION):
 	@mkdir -p '$(@D)'
-	@evo-sample -n $(POP) --shape $(SHAPE) --seed $(call stage_seed,$(GEN)) -o '$@'
+	@evo-sample -n $(POP) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,$(GEN)) -o '$@'
 else
 # Survivors keep their fitness and policy; their children are new to the run.
 $(POPULATION):

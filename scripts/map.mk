@@ -9,8 +9,9 @@
 
 METHOD := map
 FEATURES ?= filled:5,actuated:5
+SAMPLE_OPTIONS ?=
 MUTATE_OPTIONS ?=
-METHOD_SETTINGS = features='$(FEATURES)' mutate_options='$(MUTATE_OPTIONS)'
+METHOD_SETTINGS = $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') features='$(FEATURES)' mutate_options='$(MUTATE_OPTIONS)'
 GENERATIONS = $(call counting,$(call batches,$(EVALS),$(POP)))
 slots = $(call counting,$(call batch_size,$(GEN)))
 
@@ -22,7 +23,7 @@ ifdef GEN
 $(POPULATION):
 	@mkdir -p '$(@D)'
 ifeq ($(GEN),0)
-	@evo-sample -n $(call batch_size,$(GEN)) --shape $(SHAPE) --seed $(call stage_seed,$(GEN)) -o '$@'
+	@evo-sample -n $(call batch_size,$(GEN)) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,$(GEN)) -o '$@'
 else
 	@evo-archive -q --features '$(FEATURES)' $(ALL_BEFORE:%='%/scores.jsonl') | \
 	  evo-mutate -n $(call batch_size,$(GEN)) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \

@@ -111,8 +111,11 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
   const std::size_t since = run.robots.size() - (*run.champion + 1);
   const bool settled = 4 * since >= run.robots.size();  // nothing better for a quarter of the run
   const auto longer = [&](long factor) {
-    return run_command(
-        run, {{"RUN", folder + "-longer"}, {"STEPS", times(factor, run.setting("steps"))}});
+    std::vector<std::pair<std::string, std::string>> changed{
+        {"RUN", folder + "-longer"}, {"STEPS", times(factor, run.setting("steps"))}};
+    if (const std::string founders = run.setting("founder_steps"); !founders.empty())
+      changed.emplace_back("FOUNDER_STEPS", times(factor, founders));
+    return run_command(run, changed);
   };
   if (!over) add("go on where it is", run_command(run, {}));
   if (over && bad)
@@ -152,15 +155,18 @@ std::string run_command(const Run& run,
                                      {"POP", "population"},
                                      {"EVALS", "evaluations"},
                                      {"STEPS", "steps"},
+                                     {"FOUNDER_STEPS", "founder_steps"},
                                      {"SEED", "seed"},
                                      {"SHAPE", "shape"},
                                      {"ALGO", "algo", "ppo"},
                                      {"TRAIN", "train", "default"},
                                      {"PHYSICS", "physics", "task"},
                                      {"TRAIN_OPTIONS", "train_options"},
+                                     {"SAMPLE_OPTIONS", "sample_options"},
                                      {"MUTATE", "mutate"},
                                      {"MUTATE_OPTIONS", "mutate_options"},
                                      {"INHERIT", "inherit"},
+                                     {"FEATURES", "features"},
                                      {"NEAT", "neat", "default"},
                                      {"WINDOW", "window"},
                                      {"EVALUATE", "evaluate"}});

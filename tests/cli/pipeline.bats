@@ -86,6 +86,19 @@ kill_and_repeat() {
   [[ $output == *"yes or no, not 'maybe'"* ]]
 }
 
+@test "founders have their own steps and sampling, and survive with what they had" {
+  local options=(FOUNDER_STEPS=8192 SAMPLE_OPTIONS="--encoding cppn" MUTATE_OPTIONS="--attempts 1" INHERIT=yes -s)
+  run_make ga calm "${options[@]}" -j2
+  run_make ga other "${options[@]}" other/history.jsonl
+  diff calm/history.jsonl other/history.jsonl
+  jq -e -s 'length == 9 and all(.[]; .steps == if .parents | length > 0 then 4096 else 8192 end)' \
+    calm/history.jsonl
+  jq -e '.genome.kind == "cppn"' calm/gen-000/00.json
+  grep -q "FOUNDER_STEPS=8192" calm/report.html
+  run_make steady steady FOUNDER_STEPS=8192 -s -j2 steady/history.jsonl
+  [ "$(jq -s 'map(.steps) | unique | length' steady/history.jsonl)" -eq 2 ]
+}
+
 @test "neat and bo: exactly as asked, no body twice, twice the same bytes" {
   for method in neat bo; do
     run_make $method $method-one -j2
@@ -189,7 +202,7 @@ kill_and_repeat() {
   needs_terminal
   run_make ga run -j2 > log 2>&1
   [ "$(grep -c 'robots  best' log)" -eq "$(ls -d run/gen-* | wc -l)" ]
-  tail -1 log | grep -q '^gen-003 .* 9/9 robots  best .*[█▁]$'
+  tail -1 log | grep -q '^gen-003 .* 9/9 robots  best .*[█▁]  .* core hours, .* idle$'
   if grep -q $'[\r\x1b]' log; then return 1; fi
   # On a terminal of 60 columns nothing is wider, and what was live is wiped.
   command="make -f $EVO_SOURCE/scripts/ga.mk RUN=seen ${settings[*]:0:6} VIDEO_OPTIONS='--size 160x90' -j2"

@@ -103,6 +103,14 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
   fails_with 73 "other settings" -- evo-train --task Walker-v0 --steps 8192 --out-dir one children
 }
 
+@test "training: robots without parents may be given more steps" {
+  evo-sample -n 1 --seed 3 > founder
+  evo-mutate founder -n 1 --seed 4 > child
+  evo-train --task Walker-v0 --steps 4096 --founder-steps 8192 --out-dir p founder child > both
+  [ "$(jq -c .steps both | paste -sd ' ')" = "8192 4096" ]
+  fails_with 2 "--founder-steps" -- evo-train --task Walker-v0 --founder-steps none founder
+}
+
 @test "training: what has ended goes on with more steps, and says so" {
   robots | head -1 > robot
   go() { evo-train --task Walker-v0 --out-dir "$1" --keep-checkpoint --resume --steps "$2" robot; }

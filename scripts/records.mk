@@ -3,6 +3,8 @@
 #
 #   nice make -f scripts/records.mk RUN=runs/records SEED=1 -j8
 #   nice make -f scripts/records.mk RUN=runs/records TASKS="Thrower-v0 Lifter-v0" EVALS=3000 SEED=2 -j8
+#   nice make -f scripts/records.mk RUN=runs/lines TRAIN=lineage POP=16 EVALS=84 STEPS=65536 \
+#     FOUNDER_STEPS=131072 SAMPLE_OPTIONS='--encoding cppn' MUTATE_OPTIONS='--attempts 1' -j8
 #
 # The recipe is PIPELINE [ga] with any of its settings; without others, bodies and
 # open-loop gaits evolve together, 8 million steps per task. Killed and given again it

@@ -155,17 +155,18 @@ n2_returns() {
 }
 
 @test "settings that are wrong, or of another run, are refused before anything is queued" {
-  run -2 "$EVO_SOURCE/scripts/slurm/submit" run -- "${settings[@]}" METHOD=nix
-  [[ $output == *"there is no 'nix'"* ]]
   # Nothing is trained here, whatever the targets are.
   "$EVO_SOURCE/scripts/slurm/submit" waits --hold -- "${evolution[@]}" "${small[@]}" "$PWD/waits/history.jsonl" > said
   [ -e waits/run.yaml ]
   [ -z "$(find waits -name "gen-*" -o -name stand-in.log)" ]
-  scancel "$(grep -o '^job [0-9]*' said | cut -d' ' -f 2)"
+  held=$(grep -o '^job [0-9]*' said | cut -d' ' -f 2)
+  scancel "$held"
+  run -2 "$EVO_SOURCE/scripts/slurm/submit" run -- "${settings[@]}" METHOD=nix
+  [[ $output == *"there is no 'nix'"* ]]
   evo-run init run method=ga task=Walker-v0 population=1 evaluations=2 steps=1 seed=1
   run -2 "$EVO_SOURCE/scripts/slurm/submit" run -- "${settings[@]}"
   [[ $output == *"steps: 1 there, steps: 4096 asked for"* ]]
-  [ -z "$(squeue --noheader --name=evo-run --states=PENDING,RUNNING)" ]
+  [ "$(squeue --noheader --states=all --format=%A | sort -n | tail -n 1)" -eq "$held" ]
 }
 
 @test "without sbatch it says what to do, and the script is there" {

@@ -23,7 +23,7 @@ VALUES = [
     "%s%n", "[", "{", '{"a":', "=", "a=b", "gravity=nan", "/", ".", "no/such", "/dev/null", "-",
 ]
 # Values that mean what they say: a very long work.
-MEANT = {("evo-train", "--steps", "2147483648"), ("evo-train", "--seed", "2147483648")}
+MEANT = {("evo-train", option, "2147483648") for option in ("--steps", "--founder-steps", "--seed")}
 STATUSES = (1, 2, 65, 66, 73, 74)
 
 

@@ -50,7 +50,7 @@ class Suite:
         for _ in range(generator.choice([1, 1, 1, 2, 3])):
             try:
                 data = generator.choice(mutate.KINDS[kind])(generator, data)
-            except (OSError, ValueError, RuntimeError, KeyError):
+            except (OSError, ValueError, RuntimeError, LookupError, TypeError, OverflowError):
                 pass  # already damaged beyond what h5py can change
         return (f"{words[0]}, {name}", words, (file, data), statuses)
 

@@ -24,6 +24,7 @@ VALUES = [
 ]
 # Values that mean what they say: a very long work.
 MEANT = {("evo-train", option, "2147483648") for option in ("--steps", "--founder-steps", "--seed")}
+MEANT.add(("evo-bench", "--seconds", "1.5"))
 STATUSES = (1, 2, 65, 66, 73, 74)
 
 

@@ -8,11 +8,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <concepts>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <limits>
@@ -167,11 +170,23 @@ std::string option_meant(const std::string& option, const std::vector<std::strin
   return word.empty() ? "" : " (did you mean '--" + word + "'?)";
 }
 
-volatile std::sig_atomic_t pending_signal = 0;
+std::atomic<int> pending_signal = 0;
+std::atomic<std::int64_t> signalled_at = 0;  // nanoseconds of the monotonic clock
+static_assert(std::atomic<std::int64_t>::is_always_lock_free, "for a signal handler");
+
+// Whoever ends a pipeline may say so in several ways: to the process group, through the
+// processes in between, as a parent that dies. What comes at once is one signal.
+constexpr std::int64_t at_once = 1'000'000'000;
 
 extern "C" void remember_signal(int signal) {
-  if (pending_signal != 0) ::_exit(128 + signal);
-  pending_signal = signal;
+  timespec clock{};
+  ::clock_gettime(CLOCK_MONOTONIC, &clock);
+  const std::int64_t now = std::int64_t{clock.tv_sec} * 1'000'000'000 + clock.tv_nsec;
+  std::int64_t first = 0;
+  if (signalled_at.compare_exchange_strong(first, now))
+    pending_signal = signal;
+  else if (now - first > at_once)
+    ::_exit(128 + signal);
 }
 
 }  // namespace

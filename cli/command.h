@@ -106,8 +106,8 @@ void say_detail(const std::string& text);
 std::string created_by(const std::string& tool);
 std::string version();
 
-// Set by SIGINT, SIGTERM and SIGHUP after catch_interrupts(); 0, or the signal. A
-// second one ends the process at once.
+// Set by SIGINT, SIGTERM and SIGHUP after catch_interrupts(); 0, or the signal. One
+// that comes over a second later ends the process at once.
 void catch_interrupts();
 int interrupted();
 

@@ -34,6 +34,20 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
   [ -s long/*.checkpoint.h5 ]
 }
 
+@test "training: SIGTERM from several sides at once is one signal, and the checkpoint is saved" {
+  robots | head -1 > robot
+  # In the middle of an update, so that saving takes longer than the signals do.
+  evo-train --task Walker-v0 --steps 1048576 --train-set environments=4 --train-set rollout=16384 \
+    --train-set evaluation_interval=1 -j1 --out-dir long robot 2> said > /dev/null 3>&- &
+  local training=$! status=0
+  until grep -qs global_step long/*.log; do kill -0 $training && sleep 0.05; done
+  for _ in 1 2 3 4; do kill -TERM $training; sleep 0.05; done
+  wait $training || status=$?
+  [ "$status" -eq 143 ]
+  grep -q -- --resume said
+  [ -s long/*.checkpoint.h5 ]
+}
+
 @test "training: SIGTERM in the middle of an update saves the state before it, and ends the same" {
   robots | head -1 > robot
   # An update takes some seconds, far longer than a training that is told to end may take.

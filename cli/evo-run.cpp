@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "cli/robots.h"
+#include "cli/run_command.h"
 #include "cli/shell_words.h"
 #include "cli/steady.h"
 #include "cli/training.h"
@@ -282,6 +283,25 @@ int list_slots(const std::string& folder) {
   return 0;
 }
 
+// ---- command --------------------------------------------------------------------------
+
+int print_command(const std::string& folder, const std::vector<std::string>& changes) {
+  const RunFolder run(folder);
+  std::vector<std::pair<std::string, std::string>> variables{{"RUN", folder}};
+  for (const std::string& change : changes) {
+    const std::size_t equals = change.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw error(Failure::usage, "command: '{}' is not VARIABLE=VALUE, such as SEED=2", change);
+    variables.emplace_back(change.substr(0, equals), change.substr(equals + 1));
+  }
+  const auto setting = [&](const std::string& name) {
+    const std::string* value = run.settings().find(name);
+    return value == nullptr ? std::string() : *value;
+  };
+  fmt::print("{}\n", cli::run_command(setting, variables));
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -294,7 +314,9 @@ int main(int argc, char** argv) {
        {"propose RUN", "the next robots of a run without generations"},
        {"train RUN", "the robots of a generation"},
        {"fail RUN", "count slots that cannot be trained as failed"},
-       {"slots RUN", "a table of all slots, with state and fitness, share done or what failed"}});
+       {"slots RUN", "a table of all slots, with state and fitness, share done or what failed"},
+       {"command RUN [VARIABLE=VALUE]...",
+        "the make command that began the run, with these variables instead"}});
   command.option("--robots", options.robots, "N",
                  "propose: make sure that there are so many; required");
   command.option("--generation", options.generation, "N", "whose slots to train or to fail");
@@ -309,11 +331,13 @@ int main(int argc, char** argv) {
   command.progress_option();
   command.example("evo-run train runs/walker --generation 3 --slot $SLURM_ARRAY_TASK_ID -j1",
                   "one robot of the fourth generation, as a job of a scheduler's array");
+  command.example("evo-run command runs/walker RUN=runs/again SEED=2",
+                  "how to do the run again with another seed");
   command.example("evo-run slots runs/walker | awk '$4 == \"failed\"'",
                   "trainings that failed, with the reason");
 
   return command.run(argc, argv, [&] {
-    const std::vector<std::string> verbs{"init", "propose", "train", "fail", "slots"};
+    const std::vector<std::string> verbs{"init", "propose", "train", "fail", "slots", "command"};
     if (words.empty()) throw error(Failure::usage, "one of {} is needed", fmt::join(verbs, ", "));
     if (std::find(verbs.begin(), verbs.end(), words[0]) == verbs.end())
       throw error(Failure::usage, "'{}' is none of {}{}", words[0], fmt::join(verbs, ", "),
@@ -321,6 +345,7 @@ int main(int argc, char** argv) {
     if (words.size() < 2) throw error(Failure::usage, "{}: name a run folder", words[0]);
     const std::string folder = words[1];
     if (words[0] == "init") return init(folder, {words.begin() + 2, words.end()});
+    if (words[0] == "command") return print_command(folder, {words.begin() + 2, words.end()});
     if (words.size() > 2) throw error(Failure::usage, "{}: name one run folder", words[0]);
     if (options.isa) select_isa(*options.isa);
     if (words[0] == "train") return train(command, folder, options);

@@ -91,6 +91,7 @@ Error trained_otherwise(const fs::path& policy, const std::string& difference) {
 
 // ---- what a training starts from ----------------------------------------------------
 
+// Nothing for a robot that was sampled.
 const Json* parents_of(const Robot& robot) {
   const auto parents = robot.document.find("parents");
   return parents != robot.document.end() && parents->is_array() && !parents->empty() ? &*parents

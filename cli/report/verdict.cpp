@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "cli/report/markup.h"
+#include "cli/run_command.h"
 
 namespace evo::report {
 namespace {
@@ -39,16 +40,6 @@ double gain(const Run& run, double best) {
 std::string times(long factor, const std::string& number) {  // 2, "512000": "1024000"
   const long value = std::strtol(number.c_str(), nullptr, 10);
   return value > 0 ? fmt::format("{}", factor * value) : number;
-}
-
-// As a word of a shell's command line, for make, to which a dollar is "$$".
-std::string shell_word(const std::string& value) {
-  constexpr const char* plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./,:=+";
-  if (value.find_first_not_of(plain) == std::string::npos) return value;
-  std::string word = "'";
-  for (const char c : value) word += c == '\'' ? "'\\''" : c == '$' ? "$$" : std::string(1, c);
-  return word + "'";
 }
 
 bool is_over(const Run& run) {
@@ -140,47 +131,9 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
 
 }  // namespace
 
-std::string run_command(const Run& run,
-                        const std::vector<std::pair<std::string, std::string>>& changed) {
-  // The pipelines' variables, the settings they become, and what need not be said.
-  struct Variable {
-    const char* name;
-    const char* setting;
-    const char* plain = "";
-  };
-  const bool steady = run.setting("layout") == "steady";
-  std::vector<Variable> variables{{"RUN", ""}};
-  if (steady) variables.push_back({"METHOD", "method"});
-  variables.insert(variables.end(), {{"TASK", "task"},
-                                     {"POP", "population"},
-                                     {"EVALS", "evaluations"},
-                                     {"STEPS", "steps"},
-                                     {"FOUNDER_STEPS", "founder_steps"},
-                                     {"SEED", "seed"},
-                                     {"SHAPE", "shape"},
-                                     {"ALGO", "algo", "ppo"},
-                                     {"TRAIN", "train", "default"},
-                                     {"PHYSICS", "physics", "task"},
-                                     {"TRAIN_OPTIONS", "train_options"},
-                                     {"SAMPLE_OPTIONS", "sample_options"},
-                                     {"MUTATE", "mutate"},
-                                     {"MUTATE_OPTIONS", "mutate_options"},
-                                     {"INHERIT", "inherit"},
-                                     {"FEATURES", "features"},
-                                     {"NEAT", "neat", "default"},
-                                     {"WINDOW", "window"},
-                                     {"EVALUATE", "evaluate"}});
-  std::string line =
-      fmt::format("make -f scripts/{}.mk", steady ? "steady" : run.setting("method"));
-  for (const Variable& variable : variables) {
-    std::string value =
-        *variable.setting == '\0' ? "runs/" + run.label : run.setting(variable.setting);
-    for (const auto& [name, instead] : changed)
-      if (name == variable.name) value = instead;
-    if (value.empty() || value == variable.plain) continue;
-    line += fmt::format(" {}={}", variable.name, shell_word(value));
-  }
-  return line + " -j8";
+std::string run_command(const Run& run, std::vector<std::pair<std::string, std::string>> changed) {
+  changed.insert(changed.begin(), {"RUN", "runs/" + run.label});  // a later one counts
+  return cli::run_command([&](const std::string& name) { return run.setting(name); }, changed);
 }
 
 Verdict judge(const Run& run) {

@@ -31,7 +31,6 @@ inline constexpr double least_gain = 0.1;
 Verdict judge(const Run& run);
 
 // The command line of the run with some settings changed: "make -f scripts/ga.mk ..".
-std::string run_command(const Run& run,
-                        const std::vector<std::pair<std::string, std::string>>& changed);
+std::string run_command(const Run& run, std::vector<std::pair<std::string, std::string>> changed);
 
 }  // namespace evo::report

@@ -109,3 +109,17 @@ populate() { mkdir -p run/gen-000 && evo-sample -n 3 --shape 3x3 --seed 1 -o run
   run timeout --preserve-status -s TERM 1 evo-run train run --slot 1
   [ "$status" -eq 143 ]
 }
+
+@test "command: make begins the same run again, or another one" {
+  begin_by_make() { (cd "$EVO_SOURCE" && eval "$* -s"); }
+  begin_by_make make -f scripts/ga.mk RUN="$PWD/run" TASK=Carrier-v0 POP=3 EVALS=7 STEPS=4096 SEED=5 TRAIN=lineage \
+    "TRAIN_OPTIONS='--train-set \"hidden=8,8\"'" "'MUTATE_OPTIONS=--attempts 1'" FOUNDER_STEPS=8192 INHERIT=yes "$PWD/run/run.yaml"
+  run evo-run command run RUN=runs/again SEED=6
+  [[ $output == "make -f scripts/ga.mk RUN=runs/again TASK=Carrier-v0 POP=3 EVALS=7 "*" SEED=6 "*" -j8" ]]
+  [[ $output != *ALGO=* ]]  # what lineage.yaml says
+  begin_by_make "$(evo-run command run "RUN=$PWD/again")" "$PWD/again/run.yaml"
+  cmp run/run.yaml again/run.yaml
+  fails_with 2 "'SEED' is not VARIABLE=VALUE" -- evo-run command run SEED
+  fails_with 2 "'=2' is not" -- evo-run command run =2
+  fails_with 66 "no such run folder" -- evo-run command nowhere
+}

@@ -4,6 +4,8 @@
 #include <unordered_set>
 #include <vector>
 
+template class nlohmann::basic_json<nlohmann::ordered_map>;
+
 namespace evo {
 namespace {
 

@@ -12,6 +12,9 @@
 
 #include "libevo/base/error.h"
 
+// Instantiated once, in json.cpp.
+extern template class nlohmann::basic_json<nlohmann::ordered_map>;
+
 namespace evo {
 
 // Key order is kept, so that what passes through a tool stays recognisable.

@@ -40,6 +40,7 @@ struct Settings {
   bool no_labels = false;
   bool no_grid_lines = false;
   std::string tint = "actuation";
+  std::string plot = "none";
 };
 
 constexpr int most_episodes = 1'000'000'000;
@@ -93,11 +94,46 @@ render::Camera parse_camera(const Settings& settings) {
   return camera;
 }
 
-bool parse_tint(const std::string& text) {
-  if (text != "actuation" && text != "none")
-    throw error(Failure::usage, "--tint: '{}' is not actuation or none{}", text,
-                did_you_mean(text, {"actuation", "none"}));
-  return text == "actuation";
+// One of a list of words by its place; `option` begins the message.
+template <typename Enum>
+Enum parse_word(const std::string& option, const std::string& text,
+                const std::vector<std::pair<std::string, Enum>>& allowed) {
+  std::vector<std::string> words;
+  for (const auto& [word, value] : allowed) {
+    if (word == text) return value;
+    words.push_back(word);
+  }
+  throw error(Failure::usage, "{}: '{}' is not {} or {}{}", option, text,
+              fmt::join(words.begin(), words.end() - 1, ", "), words.back(),
+              did_you_mean(text, words));
+}
+
+render::Tint parse_tint(const std::string& text) {
+  using render::Tint;
+  return parse_word<Tint>("--tint", text,
+                          {{"actuation", Tint::actuation},
+                           {"strain", Tint::strain},
+                           {"stress", Tint::stress},
+                           {"commanded", Tint::commanded},
+                           {"none", Tint::none}});
+}
+
+render::Plot parse_plot(const std::string& text) {
+  using render::Plot;
+  return parse_word<Plot>(
+      "--plot", text,
+      {{"return", Plot::reward_sum}, {"actuation", Plot::actuation}, {"none", Plot::none}});
+}
+
+// Several robots in one world have no common forces, commands and curves.
+void check_race(const Settings& settings, const render::Overlays& overlays) {
+  const bool forces = overlays.tint == render::Tint::stress ||
+                      overlays.tint == render::Tint::commanded || overlays.contacts;
+  if (settings.race && (forces || overlays.plot != render::Plot::none))
+    throw error(Failure::usage,
+                "--race does not go with --contacts, --plot, --tint stress and --tint commanded");
+  if (settings.evolution && overlays.plot != render::Plot::none)
+    throw error(Failure::usage, "--evolution does not go with --plot");
 }
 
 // "0", "2", "all" of every rollout; the first episode when nothing is asked.
@@ -284,9 +320,15 @@ int main(int argc, char** argv) {
   command.flag("--no-labels", settings.no_labels, "no task, robot, step and return");
   command.flag("--no-grid", settings.no_grid_lines, "no lines a voxel apart");
   command.option("--tint", settings.tint, "WHAT",
-                 "actuation: actuators lighter when expanded, darker when contracted; or none");
+                 "actuation: actuators lighter when expanded, darker when contracted; strain, "
+                 "stress or commanded (lengths of actuators), with a bar of colours; or none");
   command.flag("--trail", options.overlays.trail, "the path of the centre of mass");
   command.flag("--velocities", options.overlays.velocities, "an arrow at every moving point");
+  command.flag("--contacts", options.overlays.contacts,
+               "where the robot touches something, and the force that presses on it there");
+  command.option("--plot", settings.plot, "WHAT",
+                 "curves below the picture, in step with it: return, actuation (commanded "
+                 "lengths) or none");
   command.section("Films of several robots");
   command.flag("--race", settings.race, "all episodes in one world, with one camera and a ranking");
   command.option("--evolution", settings.evolution, "RUN_DIR",
@@ -322,6 +364,8 @@ int main(int argc, char** argv) {
     options.overlays.labels = !settings.no_labels;
     options.overlays.grid = !settings.no_grid_lines;
     options.overlays.tint = parse_tint(settings.tint);
+    options.overlays.plot = parse_plot(settings.plot);
+    check_race(settings, options.overlays);
     if (settings.evolution) {
       if (!files.empty() || settings.race || is_still(settings))
         throw error(Failure::usage,

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <numeric>
 
-#include "formats/yaml.h"
 #include "libevo/base/error.h"
 #include "render/camera.h"
-#include "render/goals.h"
+#include "render/contact.h"
+#include "render/ending.h"
+#include "render/task_yaml.h"
 
 namespace evo::render {
 namespace {
@@ -84,12 +85,10 @@ double voxel_length(const Rollout& rollout, const RolloutEpisode& episode) {
 // What the task wants to be kept in view, or nothing.
 std::vector<std::string> task_follow(const Rollout& rollout) {
   std::vector<std::string> names;
-  if (rollout.task_yaml.empty()) return names;
-  const YamlNode document = YamlNode::parse(rollout.task_yaml, "task of the rollout");
-  if (!document.is_mapping()) return names;
-  for (const YamlNode::Entry& entry : document.entries())
-    if (entry.key.string() == "follow" && entry.value.is_sequence())
-      for (const YamlNode& name : entry.value.items()) names.push_back(name.string());
+  const auto task = task_document(rollout);
+  const auto follow = task ? value_of(*task, "follow") : std::nullopt;
+  if (follow && follow->is_sequence())
+    for (const YamlNode& name : follow->items()) names.push_back(name.string());
   return names;
 }
 
@@ -115,6 +114,11 @@ std::vector<int> followed(const Rollout& rollout, const Mesh& mesh,
 Vec2 between(Vec2 a, Vec2 b, double share) {
   return {a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share};
 }
+
+// An arrow of a velocity ends where its point would be after that.
+constexpr double velocity_seconds = 0.12;
+// Of an arrow of a force as large as the robot's weight, voxels.
+constexpr double force_length = 2.5;
 
 struct Moment {
   int step;      // the last whole step
@@ -151,16 +155,22 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
   const double voxel = voxel_length(rollout, data);
   points_.reserve(data.positions.size());
   for (const Vec2& p : data.positions) points_.push_back({p.x / voxel, p.y / voxel});
-  for (int t = 0; t <= steps_; ++t) {
-    const ModelObject& object = mesh_.objects.front();
-    Vec2 sum;
-    for (int k = 0; k < object.points; ++k) {
-      sum.x += at(t)[object.first_point + k].x;
-      sum.y += at(t)[object.first_point + k].y;
-    }
-    centres_.push_back({sum.x / object.points, sum.y / object.points});
-  }
+  for (int t = 0; t <= steps_; ++t) centres_.push_back(centre_of(mesh_.objects.front(), t));
   goals_ = goals_by_step(rollout, data, centres_);
+  heights_ = rewards_height(rollout);
+  if (const Ending end = ending(rollout, data); steps_ > 0 && end.kind != Ending::Kind::cut)
+    ending_ = end.text;
+  const Tint tint = overlays_.tint;
+  if (tint == Tint::strain || tint == Tint::stress || tint == Tint::commanded)
+    quantity_.emplace(tint, rollout, data, mesh_, points_);
+  if (overlays_.contacts) {
+    physics_ = physics_of(rollout);
+    for (const ModelObject& object : mesh_.objects) {
+      std::vector<Vec2>& centres = object_centres_.emplace_back();
+      for (int t = 0; !object.is_static && t <= steps_; ++t)
+        centres.push_back(centre_of(object, t));
+    }
+  }
   returns_.push_back(0);
   for (const double reward : data.rewards) returns_.push_back(returns_.back() + reward);
   views_ = camera_path(mesh_, points_, options.camera,
@@ -170,6 +180,15 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
 const Vec2* Clip::at(int step) const {
   return points_.data() +
          static_cast<std::ptrdiff_t>(step) * static_cast<std::ptrdiff_t>(episode_.rollout->points);
+}
+
+Vec2 Clip::centre_of(const ModelObject& object, int step) const {
+  Vec2 sum;
+  for (int k = object.first_point; k < object.first_point + object.points; ++k) {
+    sum.x += at(step)[k].x;
+    sum.y += at(step)[k].y;
+  }
+  return {sum.x / object.points, sum.y / object.points};
 }
 
 Scene Clip::scene(double step) const {
@@ -187,13 +206,17 @@ Scene Clip::scene(double step) const {
   scene.view = {centre.x, centre.y, extent.x, extent.y};
   scene.grid = overlays_.grid;
   scene.fine_grid = overlays_.fine_grid;
-  scene.tint = overlays_.tint;
+  scene.tint = overlays_.tint == Tint::actuation;
+  scene.heights = heights_;
+  scene.values = values(whole + share);
+  if (quantity_) scene.value_scale = quantity_->scale();
   if (!goals_.empty()) {
-    const double x = goals_[static_cast<std::size_t>(share < 1 ? whole : next)];
-    scene.goal = Vec2{x, ground(x)};
+    const auto now = static_cast<std::size_t>(share < 1 ? whole : next);
+    scene.goal = {{goals_[now].x, ground(goals_[now].x)}, goals_[now].x - centres_[now].x};
   }
   if (overlays_.trail) add_trail(whole + share, scene);
   if (overlays_.velocities) add_arrows(whole + share, scene);
+  if (overlays_.contacts) add_contacts(whole + share, scene);
   return scene;
 }
 
@@ -226,15 +249,64 @@ Vec2 Clip::velocity(int step, int point) const {
   return {(b.x - a.x) * steps_per_second, (b.y - a.y) * steps_per_second};
 }
 
+std::vector<float> Clip::values(double step) const {
+  if (!quantity_) return {};
+  const auto [whole, share] = split(step, steps_);
+  const auto a = quantity_->values(whole);
+  const auto b = quantity_->values(std::min(whole + 1, steps_));
+  std::vector<float> values;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    values.push_back(a[k] + (b[k] - a[k]) * static_cast<float>(share));
+  return values;
+}
+
+std::span<const double> Clip::commands(int step) const {
+  const RolloutEpisode& episode =
+      episode_.rollout->episodes[static_cast<std::size_t>(episode_.index)];
+  const auto count = static_cast<std::size_t>(std::max(0, episode_.rollout->action_length));
+  if (episode.actions.size() != count * static_cast<std::size_t>(steps_)) return {};
+  return std::span(episode.actions).subspan(static_cast<std::size_t>(step) * count, count);
+}
+
+// The force of the ground on the robot and on what it holds, from the middle of where
+// they meet it.
+void Clip::add_contacts(double step, Scene& scene) const {
+  const auto [whole, share] = split(step, steps_);
+  scene.force_length = force_length;
+  Contacts contacts = contacts_of(mesh_, scene.points);
+  if (!contacts.ground.empty()) {
+    Vec2 foot;
+    for (const Vec2& p : contacts.ground) {
+      foot.x += p.x / static_cast<double>(contacts.ground.size());
+      foot.y += p.y / static_cast<double>(contacts.ground.size());
+    }
+    contacts.held.push_back(0);
+    Vec2 force;
+    for (const std::size_t k : contacts.held) {
+      const auto centres = std::span(object_centres_[k]);
+      const Vec2 own =
+          between(outside_force(centres, whole, *physics_),
+                  outside_force(centres, std::min(whole + 1, steps_), *physics_), share);
+      const double weights = static_cast<double>(mesh_.objects[k].points) /
+                             static_cast<double>(mesh_.objects.front().points);
+      force = {force.x + weights * own.x, force.y + weights * own.y};
+    }
+    scene.arrows.push_back(
+        {foot, {foot.x + force.x * force_length, foot.y + force.y * force_length}, true});
+  }
+  scene.touches = std::move(contacts.points);
+}
+
 void Clip::add_arrows(double step, Scene& scene) const {
-  constexpr double seconds = 0.12;  // an arrow ends where its point would be after that
+  scene.velocity_length = velocity_seconds;
   const auto [whole, share] = split(step, steps_);
   for (const ModelObject& object : mesh_.objects) {
     if (object.is_static) continue;
     for (int k = object.first_point; k < object.first_point + object.points; ++k) {
       const Vec2 v = between(velocity(whole, k), velocity(whole + 1, k), share);
       const Vec2 from = scene.points[static_cast<std::size_t>(k)];
-      scene.arrows.push_back({from, {from.x + v.x * seconds, from.y + v.y * seconds}});
+      scene.arrows.push_back(
+          {from, {from.x + v.x * velocity_seconds, from.y + v.y * velocity_seconds}});
     }
   }
 }
@@ -262,6 +334,16 @@ Caption Clip::caption(double step) const {
   caption.moment = fmt::format("step {} / {}   {:.2f} s", padded(shown, steps_), steps_,
                                shown / steps_per_second);
   caption.score = "return " + signed_score(score(step));
+  if (shown == steps_) caption.ending = ending_;
+  if (!goals_.empty()) {
+    const auto now = static_cast<std::size_t>(shown);
+    const double away = goals_[now].x - centres_[now].x;
+    caption.goal = fmt::format("{} {} reached", goals_[now].reached,
+                               goals_[now].reached == 1 ? "goal" : "goals");
+    if (shown < steps_)
+      caption.goal += fmt::format(", next {:.1f} voxels to the {}", std::abs(away),
+                                  away < 0 ? "left" : "right");
+  }
   return caption;
 }
 

@@ -1,11 +1,14 @@
 // An episode made ready for drawing: shapes, camera and captions at any step.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "formats/rollout.h"
+#include "render/goals.h"
+#include "render/quantity.h"
 #include "render/scene.h"
 
 namespace evo::render {
@@ -24,6 +27,8 @@ struct Caption {
   std::string brief;   // the one of both to show where there is room for one
   std::string moment;  // step and time
   std::string score;   // return so far
+  std::string goal;    // goals reached, and how far the next one is
+  std::string ending;  // why the episode is over, once it is
 };
 
 // "+1.250", "−0.004": as wide for either sign.
@@ -42,6 +47,12 @@ class Clip {
   Scene scene(double step) const;
   Caption caption(double step) const;
   double score(double step) const;  // return so far
+  // Commanded lengths of all actuators in a step from 0; empty where the file has none.
+  std::span<const double> commands(int step) const;
+  // The episode's last step ended it, rather than the recording.
+  bool over() const { return !ending_.empty(); }
+  // Of cells, as Scene has them; empty unless `tint` asks for them.
+  std::vector<float> values(double step) const;
 
   const Mesh& mesh() const { return mesh_; }
   // Of all objects, or of the first one's centre, at a whole step; voxels.
@@ -52,8 +63,10 @@ class Clip {
 
  private:
   const Vec2* at(int step) const;
+  Vec2 centre_of(const ModelObject& object, int step) const;
   void add_trail(double step, Scene& scene) const;
   void add_arrows(double step, Scene& scene) const;
+  void add_contacts(double step, Scene& scene) const;
   double ground(double x) const;             // height of what stands still there
   Vec2 velocity(int step, int point) const;  // voxels per second of video
 
@@ -65,7 +78,12 @@ class Clip {
   std::vector<Vec2> centres_;  // of the first object
   std::vector<double> returns_;
   std::vector<ViewRect> views_;
-  std::vector<double> goals_;  // x of the goal at every step, if there are any
+  std::vector<GoalOfStep> goals_;  // at every step, if there are any
+  bool heights_ = false;           // count in the task
+  std::string ending_;             // empty for a recording that was cut
+  std::optional<Quantity> quantity_;
+  std::optional<Physics> physics_;  // for forces, and centres of all objects that move
+  std::vector<std::vector<Vec2>> object_centres_;
 };
 
 // The steps shown by the frames of a video of an episode of `steps` steps; the

@@ -3,17 +3,10 @@
 #include <cmath>
 #include <optional>
 
-#include "formats/yaml.h"
+#include "render/task_yaml.h"
 
 namespace evo::render {
 namespace {
-
-std::optional<YamlNode> value_of(const YamlNode& mapping, const std::string& key) {
-  if (!mapping.is_mapping()) return std::nullopt;
-  for (const YamlNode::Entry& entry : mapping.entries())
-    if (entry.key.string() == key) return entry.value;
-  return std::nullopt;
-}
 
 // The last centre of an object, voxels; nothing for one that is not there.
 std::optional<Vec2> last_centre(const Rollout& rollout, const RolloutEpisode& episode,
@@ -70,8 +63,8 @@ struct RuleThatHolds {
 };
 
 std::optional<RuleThatHolds> rule_of(const Rollout& rollout, const RolloutEpisode& episode) {
-  if (rollout.task_yaml.empty()) return std::nullopt;
-  const auto rules = value_of(YamlNode::parse(rollout.task_yaml, "task of the rollout"), "rules");
+  const auto task = task_document(rollout);
+  const auto rules = task ? value_of(*task, "rules") : std::nullopt;
   if (!rules || !rules->is_sequence()) return std::nullopt;
   std::optional<RuleThatHolds> found;
   for (const YamlNode& rule : rules->items()) {

@@ -3,22 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/yaml.h"
+#include "render/task_yaml.h"
 
 namespace evo::render {
 namespace {
 
 // Of a goal, voxels; nothing for a task without goals.
 std::optional<double> goal_radius(const Rollout& rollout) {
-  if (rollout.task_yaml.empty()) return std::nullopt;
-  const YamlNode document = YamlNode::parse(rollout.task_yaml, "task of the rollout");
-  if (!document.is_mapping()) return std::nullopt;
-  for (const YamlNode::Entry& entry : document.entries()) {
-    if (entry.key.string() != "goals" || !entry.value.is_mapping()) continue;
-    for (const YamlNode::Entry& setting : entry.value.entries())
-      if (setting.key.string() == "radius") return setting.value.positive();
-  }
-  return std::nullopt;
+  const auto task = task_document(rollout);
+  const auto goals = task ? value_of(*task, "goals") : std::nullopt;
+  const auto radius = goals ? value_of(*goals, "radius") : std::nullopt;
+  return radius ? std::optional(radius->positive()) : std::nullopt;
 }
 
 std::vector<double> drawn_goals(const RolloutEpisode& episode) {
@@ -32,19 +27,19 @@ std::vector<double> drawn_goals(const RolloutEpisode& episode) {
 
 }  // namespace
 
-std::vector<double> goals_by_step(const Rollout& rollout, const RolloutEpisode& episode,
-                                  std::span<const Vec2> centres) {
+std::vector<GoalOfStep> goals_by_step(const Rollout& rollout, const RolloutEpisode& episode,
+                                      std::span<const Vec2> centres) {
   const std::vector<double> goals = drawn_goals(episode);
   const std::optional<double> radius = goal_radius(rollout);
   if (goals.empty() || !radius) return {};
-  std::vector<double> by_step;
-  std::size_t next = 0;
+  std::vector<GoalOfStep> by_step;
+  std::size_t reached = 0;
   for (const Vec2& centre : centres) {
     // At the start nothing is reached yet; after the last goal, it stays.
-    while (!by_step.empty() && next + 1 < goals.size() &&
-           std::abs(goals[next] - centre.x) < *radius)
-      ++next;
-    by_step.push_back(goals[next]);
+    while (!by_step.empty() && reached < goals.size() &&
+           std::abs(goals[reached] - centre.x) < *radius)
+      ++reached;
+    by_step.push_back({goals[std::min(reached, goals.size() - 1)], reached});
   }
   return by_step;
 }

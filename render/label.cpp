@@ -49,15 +49,19 @@ class Plate {
 
 }  // namespace
 
+float key_size(const Rect& panel) {
+  constexpr float least = 8.0F;  // pixels; smaller text cannot be read
+  return std::max(least, label_size(panel));
+}
+
 void draw_caption(const Caption& caption, const Theme& theme, const Rect& panel,
                   Typesetter& typesetter, Drawing& drawing) {
-  constexpr float least = 8.0F;  // pixels; smaller text cannot be read
-  const float size = std::max(least, label_size(panel));
+  const float size = key_size(panel);
   const float margin = 0.8F * size;
   if (panel.height < 6 * size) return;
   float left = panel.x + margin;
   float right = panel.x + panel.width - margin;
-  const float y = panel.y + margin;
+  float y = panel.y + margin;
   const auto put = [&](std::vector<Word> words, bool on_right) {
     std::erase_if(words, [](const Word& word) { return word.text.empty(); });
     if (words.empty()) return;
@@ -77,6 +81,11 @@ void draw_caption(const Caption& caption, const Theme& theme, const Rect& panel,
   else
     put({{caption.brief, theme.text, true}}, false);
   put({{caption.moment, theme.text, false}}, true);
+  left = panel.x + margin;
+  right = panel.x + panel.width - margin;
+  y += row_of_labels * size;
+  put({{caption.ending, theme.text, true}}, true);
+  put({{caption.goal, theme.text, false}}, false);
 }
 
 }  // namespace evo::render

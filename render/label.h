@@ -11,4 +11,8 @@ namespace evo::render {
 void draw_caption(const Caption& caption, const Theme& theme, const Rect& panel,
                   Typesetter& typesetter, Drawing& drawing);
 
+// Of the text of captions and keys in a panel, pixels.
+float key_size(const Rect& panel);
+inline constexpr float row_of_labels = 2.3F;  // from one row to the next, sizes of text
+
 }  // namespace evo::render

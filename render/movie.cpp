@@ -215,6 +215,8 @@ Form form_of(const std::string& output) {
 
 }  // namespace
 
+bool is_sequence(const std::string& output) { return form_of(output) == Form::sequence; }
+
 void check_movie(Size size, const std::string& output) {
   const Form form = form_of(output);
   if (form == Form::ffmpeg || form == Form::y4m) check_video_size(size, output);

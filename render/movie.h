@@ -28,7 +28,10 @@ struct VideoReport {
   double seconds = 0;  // playing time
 };
 
-// Throws Error(usage) for a name that says no form, and for odd sizes of videos.
+// Whether the name stands for a picture per frame. Throws Error(usage) for a name that
+// says no form.
+bool is_sequence(const std::string& output);
+// Throws the same, and Error(usage) for odd sizes of videos.
 void check_movie(Size size, const std::string& output);
 
 // The form follows from `output`: .mp4, .webm, .gif, .png or .apng (animated; one

@@ -80,6 +80,9 @@ void ObjectPainter::fill(int k, bool robot) {
   Color color = robot ? color_of(theme_, type) : color_of_object(theme_, type);
   if (style_.tint && is_actuator(type))
     color = tinted(color, type, {point(tl), point(tr), point(bl), point(br)});
+  if (const auto at = static_cast<std::size_t>(k);
+      at < style_.values.size() && !std::isnan(style_.values[at]))
+    color = color_of(*style_.scale, style_.values[at]);
   color = pale(color);
   colors_[static_cast<std::size_t>(k)] = color;
   if (!visible(to_pixels_, corners)) return;

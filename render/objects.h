@@ -6,12 +6,15 @@
 #include "render/mesh.h"
 #include "render/projection.h"
 #include "render/theme.h"
+#include "render/value_scale.h"
 
 namespace evo::render {
 
 struct ObjectStyle {
-  bool tint = true;   // actuators lighter when expanded, darker when contracted
-  double pale = 0.0;  // share of the background in every colour, for ghosts
+  bool tint = true;                 // actuators lighter when expanded, darker when contracted
+  double pale = 0.0;                // share of the background in every colour, for ghosts
+  std::span<const float> values{};  // of cells, for colours in place of their kinds'
+  const ValueScale* scale = nullptr;
 };
 
 // Objects of a mesh whose points are at `points`, voxels.

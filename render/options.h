@@ -34,13 +34,31 @@ struct Camera {
   ViewRect window{12.0, 4.0, 40.0, 20.0};  // fixed; the benchmark viewer's own
 };
 
+// What the colours of voxels tell.
+enum class Tint {
+  none,       // their kinds alone
+  actuation,  // kinds, and actuators lighter when expanded, darker when contracted
+  strain,     // how much larger or smaller than at rest (quantity.h)
+  stress,     // how strongly their springs pull or push
+  commanded,  // the length an actuator is told to have
+};
+
+// Curves below a picture, in step with it.
+enum class Plot {
+  none,
+  reward_sum,  // the return so far
+  actuation,   // the commanded length of every actuator
+};
+
 struct Overlays {
-  bool labels = true;       // task, robot, step, time, return
-  bool grid = true;         // lines a voxel apart, distances along the floor
-  bool fine_grid = true;    // else only every tenth line
-  bool tint = true;         // actuators lighter when expanded, darker when contracted
+  bool labels = true;     // task, robot, step, time, return
+  bool grid = true;       // lines a voxel apart, distances along the floor
+  bool fine_grid = true;  // else only every tenth line
+  Tint tint = Tint::actuation;
   bool trail = false;       // the path of the first object's centre of mass
   bool velocities = false;  // an arrow at every point of what moves
+  bool contacts = false;    // where the robot touches something, and what pushes it there
+  Plot plot = Plot::none;
 };
 
 struct RenderOptions {

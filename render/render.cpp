@@ -5,9 +5,11 @@
 #include <filesystem>
 
 #include "libevo/base/error.h"
+#include "render/key.h"
 #include "render/label.h"
 #include "render/movie.h"
 #include "render/painter.h"
+#include "render/plot.h"
 #include "render/race.h"
 #include "render/strip.h"
 #include "render/vector.h"
@@ -63,7 +65,8 @@ std::vector<Rect> panels(std::size_t n, Size size) {
 // Episodes, where they are shown, and when.
 struct Film {
   std::vector<Clip> clips;
-  std::vector<Rect> areas;
+  std::vector<Rect> areas;    // of the scenes
+  std::vector<Rect> plots;    // empty: none
   std::vector<double> steps;  // of each frame
   const RenderOptions* options = nullptr;
   const Theme* theme = nullptr;
@@ -72,6 +75,11 @@ struct Film {
       : options(&chosen), theme(&theme_by_name(chosen.theme)) {
     if (episodes.empty()) throw Error(Failure::data, "there is no episode to draw");
     areas = panels(episodes.size(), chosen.size);
+    if (chosen.overlays.plot != Plot::none)
+      for (Rect& area : areas) {
+        plots.push_back(plot_area(area));
+        area.height -= plots.back().height;
+      }
     int longest = 0;
     for (std::size_t k = 0; k < episodes.size(); ++k) {
       clips.emplace_back(episodes[k], chosen, aspect_of(areas[k]));
@@ -84,11 +92,27 @@ struct Film {
     Drawing drawing(options->size);
     if (clips.size() > 1) drawing.rectangle(drawing.whole(), theme->paper);
     for (std::size_t k = 0; k < clips.size(); ++k) {
-      draw_scene(clips[k].scene(step), *theme, areas[k], drawing);
-      if (options->overlays.labels)
+      const Scene scene = clips[k].scene(step);
+      draw_scene(scene, *theme, areas[k], drawing);
+      if (options->overlays.labels) {
         draw_caption(clips[k].caption(step), *theme, areas[k], typesetter, drawing);
+        draw_key(scene, *theme, areas[k], typesetter, drawing);
+      }
+      if (!plots.empty())
+        draw_plot(clips[k], options->overlays.plot, step, *theme, plots[k], drawing);
     }
     return drawing;
+  }
+
+  // Videos that come to the end of an episode stay there for a while, so that one can
+  // read why it ended.
+  void hold() {
+    constexpr double seconds = 0.5;
+    const bool ends = std::ranges::any_of(
+        clips, [&](const Clip& clip) { return clip.over() && steps.back() >= clip.steps(); });
+    if (!ends || steps.size() < 2) return;
+    const auto more = static_cast<std::size_t>(std::lround(seconds * options->fps));
+    steps.insert(steps.end(), more, steps.back());
   }
 };
 
@@ -220,7 +244,8 @@ VideoReport render_video(const std::vector<Episode>& episodes, const RenderOptio
                          const std::string& output, const Progress& progress) {
   check_options(options);
   check_movie(options.size, output);
-  const Film film(episodes, options);
+  Film film(episodes, options);
+  if (!is_sequence(output)) film.hold();
   return write_movie(
       {options.size, options.fps, options.workers, film.steps.size(),
        [&](std::size_t k, Typesetter& typesetter) { return film.frame(film.steps[k], typesetter); },

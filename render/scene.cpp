@@ -12,6 +12,8 @@ namespace {
 
 constexpr double trail_width = 0.11;
 constexpr double arrow_width = 0.06;
+constexpr double force_width = 0.16;
+constexpr double touch_radius = 0.16;
 // The grid has a line per voxel from the first size on, in pixels, fully visible
 // from the second; below the last one it is left out.
 constexpr double fine_grid_from = 6.0;
@@ -93,6 +95,46 @@ void draw_ruler(const Scene& scene, const Theme& theme, const Projection& to_pix
   });
 }
 
+// Heights along the left border, from the floor up to where captions begin.
+void draw_heights(const Scene& scene, const Theme& theme, const Projection& to_pixels,
+                  Drawing& drawing) {
+  const Rect& panel = to_pixels.panel;
+  constexpr float least = 7.0F;  // pixels
+  const float size =
+      scene.ruler_text > 0 ? scene.ruler_text : std::max(least, label_size(panel) * 0.8F);
+  if (panel.height < 20 * size || to_pixels.scale < least_grid_voxel) return;
+  int step = 1;
+  for (int k = 0; to_pixels.scale * step < 2.5 * size; ++k)
+    step = step * (k % 3 == 1 ? 5 : 2) / (k % 3 == 1 ? 2 : 1);
+  const float top = panel.y + (scene.ruler_text > 0 ? 0.0F : 4.2F * size);
+  const float bottom = std::min(panel.y + panel.height, to_pixels({0, 0}).y);
+  const float width = 3.1F * size;
+  if (bottom - top < 4 * size) return;
+  drawing.rounded_rectangle({panel.x, top, width, bottom - top}, 0, theme.label);
+  each_line(std::max(0.0, to_pixels.low()), to_pixels.top, step, [&](long y) {
+    const float at = to_pixels({0, static_cast<double>(y)}).y;
+    if (at < top + 0.7F * size || at > bottom + 0.5F) return;
+    drawing.segment({panel.x + width - 0.6F * size, at}, {panel.x + width, at},
+                    to_pixels.pixels(0.05, 1.0), theme.text_muted);
+    if (at > panel.y + panel.height - 0.7F * size) return;
+    drawing.text({{panel.x + width - 0.9F * size, at + 0.36F * size},
+                  size,
+                  std::to_string(y),
+                  theme.text,
+                  Align::right,
+                  false});
+  });
+}
+
+void draw_touches(const Scene& scene, const Theme& theme, const Projection& to_pixels,
+                  Drawing& drawing) {
+  const float radius = to_pixels.pixels(touch_radius, 1.8);
+  for (const Vec2& place : scene.touches) {
+    drawing.disc(to_pixels(place), 1.4F * radius, theme.sky_bottom);
+    drawing.disc(to_pixels(place), radius, theme.trail);
+  }
+}
+
 // ---- overlays --------------------------------------------------------------------------------
 
 void draw_trail(const Scene& scene, const Theme& theme, const Projection& to_pixels,
@@ -132,32 +174,32 @@ void draw_flag(Vec2 foot, const Theme& theme, const Projection& to_pixels, Drawi
 }
 
 // Towards a goal out of the picture: a triangle at its border, and how many voxels
-// lie between.
-void draw_way_to_goal(Vec2 goal, const Theme& theme, const Projection& to_pixels,
+// it is away from the robot.
+void draw_way_to_goal(const Goal& goal, const Theme& theme, const Projection& to_pixels,
                       Drawing& drawing) {
   const Rect& panel = to_pixels.panel;
   const float size = std::max(8.0F, label_size(panel));
-  const bool right = goal.x > to_pixels.right();
+  const bool right = goal.at.x > to_pixels.right();
   const float side = right ? 1.0F : -1.0F;
   const float border = right ? panel.x + panel.width : panel.x;
   const float y = panel.y + 0.45F * panel.height;
   const Point tip{border - side * 0.6F * size, y};
   const float base = tip.x - side * 1.1F * size;
   smooth_triangle({tip, {base, y - 0.8F * size}, {base, y + 0.8F * size}}, theme.trail, drawing);
-  const double voxels = right ? goal.x - to_pixels.right() : to_pixels.left - goal.x;
   drawing.text({{base - side * 0.4F * size, y + 0.36F * size},
                 size,
-                std::to_string(std::lround(voxels)),
+                std::to_string(std::lround(std::abs(goal.away))),
                 theme.trail,
                 right ? Align::right : Align::left,
                 true});
 }
 
-void draw_goal(Vec2 goal, const Theme& theme, const Projection& to_pixels, Drawing& drawing) {
-  if (goal.x < to_pixels.left || goal.x > to_pixels.right()) {
+void draw_goal(const Goal& goal, const Theme& theme, const Projection& to_pixels,
+               Drawing& drawing) {
+  if (goal.at.x < to_pixels.left || goal.at.x > to_pixels.right()) {
     draw_way_to_goal(goal, theme, to_pixels, drawing);
   } else {
-    draw_flag(goal, theme, to_pixels, drawing);
+    draw_flag(goal.at, theme, to_pixels, drawing);
   }
 }
 
@@ -166,9 +208,10 @@ void draw_arrow(const Arrow& arrow, const Theme& theme, const Projection& to_pix
   const Point a = to_pixels(arrow.from);
   const Point b = to_pixels(arrow.to);
   const float length = std::hypot(b.x - a.x, b.y - a.y);
-  const float width = to_pixels.pixels(arrow_width, 1.0);
+  const float width = to_pixels.pixels(arrow.force ? force_width : arrow_width, 1.0);
   if (length < width) return;
-  drawing.line(a, b, width, theme.arrow);
+  const Color color = arrow.force ? theme.trail : theme.arrow;
+  drawing.line(a, b, width, color);
   const float head = std::min(length, 4.5F * width);
   const Point along{(b.x - a.x) / length, (b.y - a.y) / length};
   const Point base{b.x - along.x * head, b.y - along.y * head};
@@ -177,7 +220,7 @@ void draw_arrow(const Arrow& arrow, const Theme& theme, const Projection& to_pix
   drawing.triangle({tip,
                     {base.x - along.y * half, base.y + along.x * half},
                     {base.x + along.y * half, base.y - along.x * half}},
-                   theme.arrow);
+                   color);
 }
 
 void draw_frame(const std::array<Vec2, 4>& place, const Theme& theme, const Projection& to_pixels,
@@ -211,12 +254,14 @@ void draw_objects(const Scene& scene, const Theme& theme, const Projection& to_p
                   Drawing& drawing) {
   const std::size_t count = scene.mesh->objects.size();
   const auto is_ghost = [&](std::size_t k) { return k < scene.travels.size() && scene.travels[k]; };
-  ObjectPainter now(*scene.mesh, scene.points, {scene.tint, 0.0}, theme, to_pixels, drawing);
+  ObjectPainter now(*scene.mesh, scene.points, {scene.tint, 0.0, scene.values, &scene.value_scale},
+                    theme, to_pixels, drawing);
   for (std::size_t k = count; k-- > 0;)
     if (!is_ghost(k)) now.draw(k);
   for (const Ghost& ghost : scene.ghosts) {
-    ObjectPainter before(*scene.mesh, ghost.points, {scene.tint, ghost.pale}, theme, to_pixels,
-                         drawing);
+    ObjectPainter before(*scene.mesh, ghost.points,
+                         {scene.tint, ghost.pale, ghost.values, &scene.value_scale}, theme,
+                         to_pixels, drawing);
     for (std::size_t k = count; k-- > 0;)
       if (is_ghost(k)) before.draw(k);
   }
@@ -238,9 +283,11 @@ void draw_scene(const Scene& scene, const Theme& theme, const Rect& panel, Drawi
   if (scene.goal) draw_goal(*scene.goal, theme, to_pixels, drawing);
   draw_objects(scene, theme, to_pixels, drawing);
   draw_trail(scene, theme, to_pixels, drawing);
+  draw_touches(scene, theme, to_pixels, drawing);
   for (const Arrow& arrow : scene.arrows) draw_arrow(arrow, theme, to_pixels, drawing);
   for (const auto& place : scene.framed) draw_frame(place, theme, to_pixels, drawing);
   for (const Note& note : scene.notes) draw_note(note, theme, to_pixels, drawing);
+  if (scene.heights && scene.grid) draw_heights(scene, theme, to_pixels, drawing);
 }
 
 ViewRect fit(ViewRect view, double aspect) {

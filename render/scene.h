@@ -11,18 +11,21 @@
 #include "render/mesh.h"
 #include "render/options.h"
 #include "render/theme.h"
+#include "render/value_scale.h"
 
 namespace evo::render {
 
 struct Arrow {
   Vec2 from;
   Vec2 to;
+  bool force = false;  // else a velocity
 };
 
 // Where everything was at an earlier moment, drawn paler.
 struct Ghost {
   std::vector<Vec2> points;
-  double pale = 0.5;  // share of the background in every colour
+  std::vector<float> values;  // as of Scene
+  double pale = 0.5;          // share of the background in every colour
 };
 
 // A word in the world, on a plate; `fixed`: kept inside of the picture.
@@ -30,6 +33,12 @@ struct Note {
   Vec2 at;
   std::string text;
   bool fixed = false;
+};
+
+// A place on the ground the robot is sent to.
+struct Goal {
+  Vec2 at;
+  double away = 0;  // voxels from the robot's centre, to the right
 };
 
 // One moment. Lengths in voxels.
@@ -41,16 +50,22 @@ struct Scene {
   ViewRect view;
   bool sky = true;  // a background of its own; else what was drawn before
   bool grid = true;
-  bool fine_grid = true;  // a line every voxel where there is room, not every ten
-  bool floor = true;      // the world's floor at y = 0
-  float ruler_text = 0;   // size of the distances along the floor; 0: from the panel's
-  bool tint = true;
+  bool fine_grid = true;      // a line every voxel where there is room, not every ten
+  bool floor = true;          // the world's floor at y = 0
+  float ruler_text = 0;       // size of the distances along the floor; 0: from the panel's
+  bool heights = false;       // a ruler along the left border
+  bool tint = true;           // actuators by how long they are
+  std::vector<float> values;  // of cells, for the colours of `value_scale`; NaN: none
+  ValueScale value_scale;
   std::vector<Vec2> trail;  // oldest first
   std::vector<Vec2> marks;  // dots on the trail
   std::vector<Arrow> arrows;
+  double velocity_length = 0;  // of an arrow, voxels for one voxel per second; 0: none shown
+  double force_length = 0;     // the same for the robot's weight
   std::vector<std::array<Vec2, 4>> framed;  // places with a border to catch the eye
   std::vector<Note> notes;
-  std::optional<Vec2> goal;  // where the robot is sent, on the ground
+  std::vector<Vec2> touches;  // where the robot touches something
+  std::optional<Goal> goal;
 };
 
 // Fills `panel` with the scene, cut at its border. Line widths follow the size

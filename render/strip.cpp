@@ -88,8 +88,9 @@ Scene panorama(const Clip& clip, const std::vector<int>& moments) {
   const auto intervals = static_cast<double>(std::max<std::size_t>(1, moments.size() - 1));
   for (std::size_t k = 0; k + 1 < moments.size(); ++k) {
     const auto then = clip.points(moments[k]);
-    scene.ghosts.push_back(
-        {{then.begin(), then.end()}, palest * (1 - static_cast<double>(k) / intervals)});
+    scene.ghosts.push_back({{then.begin(), then.end()},
+                            clip.values(moments[k]),
+                            palest * (1 - static_cast<double>(k) / intervals)});
   }
   scene.trail.clear();
   for (int t = moments.front(); t <= moments.back(); ++t) scene.trail.push_back(clip.centre(t));

@@ -15,7 +15,10 @@ TEST_CASE("the goal goes on when the robot's centre is nearer than the radius") 
   RolloutEpisode episode;
   episode.random_draws = {{"goals", {37, 38, 30}}};
   const auto goals = [&](std::vector<Vec2> centres) {
-    return goals_by_step(rollout, episode, centres);
+    std::vector<double> places;
+    for (const GoalOfStep& goal : goals_by_step(rollout, episode, centres))
+      places.push_back(goal.x);
+    return places;
   };
   // Nothing is reached at the start; exactly the radius is not near enough; two
   // goals may be reached at once; the last one stays.
@@ -34,10 +37,13 @@ TEST_CASE("a flag stands on the ground") {
   rollout.task_yaml = read_file(EVO_SOURCE_DIR "/tasks/BidirectionalWalker-v0.yaml");
   CHECK_FALSE(Clip({&rollout, 0, ""}, {}, 1.5).scene(3).goal);
   rollout.episodes[0].random_draws = {{"goals", {40, 20}}};
-  const auto goal = Clip({&rollout, 0, ""}, {}, 1.5).scene(3).goal;
+  const Clip clip({&rollout, 0, ""}, {}, 1.5);
+  const auto goal = clip.scene(3).goal;
   REQUIRE(goal);
-  CHECK(goal->x == 40);
-  CHECK(goal->y == Approx(1));
+  CHECK(goal->at.x == 40);
+  CHECK(goal->at.y == Approx(1));
+  CHECK(goal->away == Approx(40 - clip.centre(3).x));
+  CHECK(clip.caption(3).goal == "0 goals reached, next 4.5 voxels to the right");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "formats/physics_profile.h"
 #include "formats/task.h"
 #include "render/render.h"
 #include "tests/unit/render/example.h"
@@ -76,6 +77,26 @@ TEST_CASE("golden: both themes, with all overlays") {
   compare("frame-dark", draw_moment({&rollout, 0, "seed 7"}, 40.5, options));
 }
 
+TEST_CASE("golden: strain with velocities; contacts with a curve") {
+  Rollout rollout = example::simulate("Carrier-v0", example::walker, 60);
+  rollout.physics_yaml = physics_to_yaml(example::task("Carrier-v0").physics);
+  rollout.episodes[0].truncations.back() = 1;
+  RenderOptions options = small();
+  options.size = {480, 270};
+  options.overlays.tint = Tint::strain;
+  options.overlays.velocities = true;
+  compare("strain", draw_moment({&rollout, 0, ""}, 60, options));
+  options.overlays = {};
+  options.overlays.contacts = true;
+  options.overlays.plot = Plot::actuation;
+  compare("contacts", draw_moment({&rollout, 0, ""}, 22, options));
+  Rollout climber = example::simulate("Climber-v0", example::walker, 60);
+  options.overlays.contacts = false;
+  options.overlays.plot = Plot::reward_sum;
+  options.theme = "dark";
+  compare("heights", draw_moment({&climber, 0, ""}, 40, options));
+}
+
 TEST_CASE("golden: a thumbnail, a tall picture, and a picture without overlays") {
   const Rollout rollout = example::simulate("BridgeWalker-v0", example::small_box, 40);
   RenderOptions options = small();
@@ -83,7 +104,7 @@ TEST_CASE("golden: a thumbnail, a tall picture, and a picture without overlays")
   compare("thumbnail", draw_moment({&rollout, 0, ""}, 40, options));
   options.size = {90, 200};
   compare("tall", draw_moment({&rollout, 0, ""}, 20, options));
-  options.overlays = {false, false, false, false, false, false};
+  options.overlays = {false, false, false, Tint::none, false, false, false, Plot::none};
   options.size = {160, 90};
   compare("bare", draw_moment({&rollout, 0, ""}, 40, options));
 }

@@ -351,6 +351,8 @@ int main(int argc, char** argv) {
   command.example("evo-render walk.h5 -o walk.mp4", "an episode as a video");
   command.example("evo-render walk.h5 --strip 6 -o walk.svg", "its whole way on one picture");
   command.example("evo-render walk.h5 --at 120 --theme paper -o step.pdf", "one moment, for print");
+  command.example("evo-render walk.h5 --contacts --plot actuation -o walk.mp4",
+                  "what pushes it, and what its actuators are told");
   command.example("evo-render --evolution runs/walker -o film.mp4", "an evolution");
   command.example("evo-sample -n 12 | evo-render --grid -o robots.png", "twelve robots");
 

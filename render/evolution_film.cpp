@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libevo/base/error.h"
+#include "render/key.h"
 #include "render/label.h"
 
 namespace evo::render {
@@ -96,6 +97,7 @@ Drawing EvolutionFilm::frame(std::size_t k, Typesetter& typesetter) const {
   caption.brief = generations(part.champion);
   if (stands || over) caption.score = "fitness " + signed_score(part.champion.fitness);
   draw_caption(caption, theme, drawing.whole(), typesetter, drawing);
+  draw_key(scene, theme, drawing.whole(), 2, typesetter, drawing);
   return drawing;
 }
 

@@ -96,13 +96,14 @@ void draw_value_bar(const ValueScale& scale, const Theme& theme, Column& column,
 
 }  // namespace
 
-void draw_key(const Scene& scene, const Theme& theme, const Rect& panel, Typesetter& typesetter,
-              Drawing& drawing) {
+void draw_key(const Scene& scene, const Theme& theme, const Rect& panel, int captions,
+              Typesetter& typesetter, Drawing& drawing) {
   const float size = key_size(panel);
-  if (panel.height < 16 * size) return;
+  if (panel.height < (11 + 2.5F * static_cast<float>(captions)) * size) return;
   const Projection to_pixels(
       fit(scene.view, static_cast<double>(panel.width) / static_cast<double>(panel.height)), panel);
-  Column column{panel, size, panel.y + (0.8F + 2 * row_of_labels) * size};
+  Column column{panel, size,
+                panel.y + (0.8F + static_cast<float>(captions) * row_of_labels) * size};
   drawing.clip(panel);
   if (!scene.values.empty()) draw_value_bar(scene.value_scale, theme, column, typesetter, drawing);
   if (scene.velocity_length > 0)

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "libevo/base/error.h"
+#include "render/key.h"
 #include "render/label.h"
 
 namespace evo::render {
@@ -133,6 +134,7 @@ Drawing Race::frame(double step, Typesetter& typesetter) const {
   caption.brief.clear();
   draw_caption(caption, theme, drawing.whole(), typesetter, drawing);
   draw_ranking(step, typesetter, drawing);
+  draw_key(scene, theme, drawing.whole(), 1, typesetter, drawing);
   return drawing;
 }
 

@@ -96,7 +96,7 @@ struct Film {
       draw_scene(scene, *theme, areas[k], drawing);
       if (options->overlays.labels) {
         draw_caption(clips[k].caption(step), *theme, areas[k], typesetter, drawing);
-        draw_key(scene, *theme, areas[k], typesetter, drawing);
+        draw_key(scene, *theme, areas[k], 2, typesetter, drawing);
       }
       if (!plots.empty())
         draw_plot(clips[k], options->overlays.plot, step, *theme, plots[k], drawing);

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "libevo/task/spec.h"
+#include "render/key.h"
 #include "render/label.h"
 #include "render/legend.h"
 #include "render/painter.h"
@@ -238,15 +239,18 @@ Drawing lying(const Clip& clip, const std::vector<int>& moments, Scene scene, co
   const float below = 3.6F * size;
   const float legend = theme.signs ? 2.4F * size : 0.0F;
   const float earth = 2.4F * size;
-  const double high = std::max(1.0, extent.y1 + above - std::min(0.0, extent.y0));
+  double scale = static_cast<double>(width) / (extent.width() + 2 * beside);
+  // The bar of colours has the sky above the robot.
+  constexpr double bar = 48;  // pixels
+  const double sky = above + (scene.values.empty() ? 0.0 : bar / scale);
+  const double high = std::max(1.0, extent.y1 + sky - std::min(0.0, extent.y0));
   const double room =
       static_cast<double>(most.height) - static_cast<double>(heading + below + legend + earth);
-  double scale = static_cast<double>(width) / (extent.width() + 2 * beside);
   scale = std::min(scale, std::max(room, 0.1 * static_cast<double>(width)) / high);
   const float panel_height = std::round(static_cast<float>(high * scale) + earth);
   const Rect panel{0, std::round(heading), width, panel_height};
   const double panel_voxels = static_cast<double>(panel_height) / scale;
-  scene.view = {(extent.x0 + extent.x1) / 2, extent.y1 + above - panel_voxels / 2,
+  scene.view = {(extent.x0 + extent.x1) / 2, extent.y1 + sky - panel_voxels / 2,
                 static_cast<double>(width) / scale, panel_voxels};
   const float total = panel.y + panel.height + below + legend;
   Drawing drawing({most.width, static_cast<int>(std::lround(total))});
@@ -254,6 +258,7 @@ Drawing lying(const Clip& clip, const std::vector<int>& moments, Scene scene, co
   drawing.rectangle(drawing.whole(), theme.paper);
   scene.ruler_text = 0.8F * size;
   draw_scene(scene, theme, panel, drawing);
+  draw_key(scene, theme, panel, 0, typesetter, drawing);
   drawing.clip(drawing.whole());
 
   const Caption who = clip.caption(0);
@@ -308,6 +313,7 @@ Drawing standing(const Clip& clip, const std::vector<int>& moments, Scene scene,
   drawing.rectangle(drawing.whole(), theme.paper);
   scene.ruler_text = 0.8F * size;
   draw_scene(scene, theme, panel, drawing);
+  draw_key(scene, theme, panel, 0, typesetter, drawing);
   drawing.clip(drawing.whole());
   const float x = panel_width + 1.2F * size;
   drawing.text({{x, 1.6F * size}, 1.1F * size, who.title, theme.text, Align::left, true});

@@ -3,7 +3,7 @@ load helpers
 
 @test "every command in README and docs runs, and prints what the text says" {
   for file in README.md docs/recipes.md docs/benchmark.md docs/evo-env.md docs/own-fitness.md \
-      docs/run-folder.md docs/make-a-task.md; do
+      docs/run-folder.md docs/make-a-task.md docs/pictures.md; do
     python3 "$EVO_SOURCE/tests/cli/run_blocks.py" "$EVO_SOURCE/$file"
   done
 }

@@ -64,6 +64,39 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   fails_with 2 "gait" -- evo-render r.h5 --strip 4 --moments walk -o x.svg
 }
 
+@test "colours, contacts and curves over a picture, each with what it measures" {
+  episode r.h5
+  evo-render r.h5 --at 30 --tint strain --velocities -o strain.svg
+  grep -q '>strain (area)<' strain.svg
+  grep -q 'voxels/s<' strain.svg
+  evo-render r.h5 --at 30 --tint stress --plot actuation -o stress.svg
+  grep -q '>stress (weights per voxel)<' stress.svg
+  grep -q '>commanded length<' stress.svg
+  evo-render r.h5 --at 30 --contacts --plot return -o contacts.svg
+  grep -q 'robot weights\?<' contacts.svg
+  grep -q '>return<' contacts.svg
+  fails_with 2 "--tint" "did you mean 'strain'" -- evo-render r.h5 --at 1 --tint strian -o x.png
+  fails_with 2 "--plot" "return" -- evo-render r.h5 --at 1 --plot speed -o x.png
+  fails_with 2 "--race" "--contacts" -- evo-render --race r.h5 r.h5 --contacts -o x.mp4
+}
+
+@test "goals are counted, and the way to the next is measured from the robot" {
+  evo-sample -n 1 --seed 4 |
+    evo-eval --task BidirectionalWalker-v0 --draws '{"goals":[25,40]}' --sine 0.5,20,0.7 --max-steps 5 --rollout g.h5 > /dev/null
+  evo-render g.h5 --at 0 -o goal.svg
+  grep -Eq '>0 goals reached, next 1[01]\.[0-9] voxels to the left<' goal.svg
+}
+
+@test "a video says why its episode ended, and stays there for half a second" {
+  evo-sample -n 1 --seed 4 | evo-eval --task Lifter-v0 --sine 0.5,20,0.7 --rollout r.h5 > /dev/null
+  evo-render r.h5 --at 300 -o end.svg
+  grep -q '>time is up<' end.svg
+  evo-render r.h5 --at 299 -o before.svg
+  run ! grep -q 'time is up' before.svg
+  evo-render r.h5 -o r.mp4 --size 160x90 --from 290
+  ffprobe -v error -show_entries stream=nb_frames -of csv=p=0 r.mp4 | grep -qx $((11 + 25))
+}
+
 # Mean difference of two pictures of one size, of 255.
 difference() {
   for file in "$1" "$2"; do ffmpeg -v error -i "$file" -f rawvideo -pix_fmt rgb24 "$file.rgb"; done

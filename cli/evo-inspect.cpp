@@ -1,5 +1,6 @@
 // evo-inspect: what a file is, how a run stands, which tasks there are.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -13,6 +14,7 @@
 #include "cli/run_status.h"
 #include "cli/terminal.h"
 #include "cli/values.h"
+#include "formats/ending.h"
 #include "formats/format.h"
 #include "formats/hdf5.h"
 #include "formats/hdf5_bytes.h"
@@ -70,6 +72,29 @@ void print_robot(const Robot& robot, bool color) {
   print_field("origin", "origin");
 }
 
+// "    1.25 ..     2.50  ############ 17": equal parts of the range, the best on top.
+void print_histogram(const std::vector<double>& scores) {
+  constexpr std::size_t most_parts = 12;
+  constexpr double longest = 44;  // of a bar
+  const auto [low, high] = std::minmax_element(scores.begin(), scores.end());
+  if (!(*high > *low)) return;
+  const auto root =
+      static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(scores.size()))));
+  std::vector<std::size_t> counts(std::clamp<std::size_t>(root, 2, most_parts));
+  const double width = (*high - *low) / static_cast<double>(counts.size());
+  for (const double score : scores)
+    ++counts[std::min(counts.size() - 1, static_cast<std::size_t>((score - *low) / width))];
+  const auto most = static_cast<double>(*std::max_element(counts.begin(), counts.end()));
+  for (std::size_t k = counts.size(); k-- > 0;) {
+    const double from = *low + static_cast<double>(k) * width;
+    const auto bar =
+        static_cast<std::size_t>(std::ceil(longest * static_cast<double>(counts[k]) / most));
+    fmt::print("{:>9.4g} .. {:>9.4g}  {}{}{}\n", from,
+               k + 1 == counts.size() ? *high : from + width, std::string(bar, '#'),
+               bar > 0 ? " " : "", counts[k]);
+  }
+}
+
 void print_robots(const std::vector<Robot>& robots, const std::string& name, bool color) {
   if (robots.size() == 1) {
     print_robot(robots.front(), color);
@@ -90,6 +115,7 @@ void print_robots(const std::vector<Robot>& robots, const std::string& name, boo
     for (const double score : scores) sum += score;
     fmt::print("fitness of {}: best {}, mean {:.4g}, worst {}\n", scores.size(), *high,
                sum / static_cast<double>(scores.size()), *low);
+    print_histogram(scores);
   }
   if (failed > 0) fmt::print("failed: {}\n", failed);
 }
@@ -111,11 +137,11 @@ void print_policy(const std::string& path, bool color) {
   fmt::print("curve     {}\n", cli::sparkline(evaluations, 60));
   fmt::print("made by   {}, settings {}\n", cli::printable(file.created_by),
              cli::printable(file.settings_hash.substr(0, 12)));
-  fmt::print("observes");
+  std::string observes = "observes ";
   for (const ObservationSlice& slice : file.layout)
-    fmt::print("  {} [{}..{}]", cli::printable(slice.name), slice.offset,
-               slice.offset + slice.length - 1);
-  fmt::print("\n");
+    observes += fmt::format(" {} [{}..{}]", cli::printable(slice.name), slice.offset,
+                            slice.offset + slice.length - 1);
+  cli::print_wrapped(observes + "\n");
 }
 
 void print_rollout(const std::string& path, bool color) {
@@ -126,17 +152,13 @@ void print_rollout(const std::string& path, bool color) {
   fmt::print("{} observations, {} actuators, {} points{}\n", rollout.observation_length,
              rollout.action_length, rollout.points,
              rollout.world.cells.empty() ? ", no cells (cannot be drawn)" : "");
-  fmt::print("{:>8} {:>7} {:>20}  {}\n", "episode", "steps", "return", "ended by");
+  fmt::print("{:>8} {:>7} {:>20}  {}\n", "episode", "steps", "return", "end");
   for (std::size_t k = 0; k < rollout.episodes.size(); ++k) {
     const RolloutEpisode& episode = rollout.episodes[k];
     double sum = 0.0;
     for (const double reward : episode.rewards) sum += reward;
-    const bool terminated = !episode.terminations.empty() && episode.terminations.back() != 0;
-    const bool truncated = !episode.truncations.empty() && episode.truncations.back() != 0;
     fmt::print("{:>8} {:>7} {:>20.17g}  {}\n", k, episode.steps(), sum,
-               terminated  ? "a rule"
-               : truncated ? "the time limit"
-                           : "the end of its actions");
+               cli::printable(ending(rollout, episode).text));
   }
 }
 
@@ -207,7 +229,10 @@ void print_tasks(bool markdown) {
   const DataFolders folders = cli::data_folders();
   std::vector<TaskSpec> tasks;
   for (const std::string& name : task_names(folders)) tasks.push_back(load_task(name, folders));
-  fmt::print("{}", task_table(tasks, markdown ? TableStyle::markdown : TableStyle::plain));
+  if (markdown)
+    fmt::print("{}", task_table(tasks, TableStyle::markdown));
+  else
+    cli::print_wrapped(task_table(tasks, TableStyle::plain));
 }
 
 // Keys, values, what is allowed, and what it means, a line each.
@@ -220,9 +245,11 @@ void print_settings(const std::vector<SettingRow>& rows) {
     value = std::max(value, row.value.size());
     range = std::max(range, row.range.size());
   }
+  std::string text;
   for (const SettingRow& row : rows)
-    fmt::print("{:<{}}  {:>{}}  {:<{}}  {}{}{}\n", row.key, key, row.value, value, row.range, range,
-               row.unit, row.unit.empty() ? "" : "; ", row.meaning);
+    text += fmt::format("{:<{}}  {:>{}}  {:<{}}  {}{}{}\n", row.key, key, row.value, value,
+                        row.range, range, row.unit, row.unit.empty() ? "" : "; ", row.meaning);
+  cli::print_wrapped(text);
 }
 
 bool print_profile(const std::vector<std::string>& words) {
@@ -292,7 +319,7 @@ int main(int argc, char** argv) {
       words, "SUBJECT...",
       {{"FILE...", "robots, policies, rollouts, tasks, profiles, NEAT states, worlds, run folders"},
        {"tasks", "the tasks there are"},
-       {"task NAME", "what is observed, rewarded, and ends an episode"},
+       {"task NAME", "its world, what is observed, rewarded, and ends an episode"},
        {"physics [PROFILE]", "what can be set there, and its values in a profile [evogym]"},
        {"training [PROFILE]", "the same of trainings [default]"},
        {"robot FILE...", "robots, drawn"}});
@@ -301,7 +328,8 @@ int main(int argc, char** argv) {
                  "of the full body whose observation 'task NAME' lays out [5x5]");
   command.flag("--markdown", markdown, "'tasks' as a Markdown table");
   command.flag("--watch", watch,
-               "follow a run until it is over: a line per generation, on a terminal live curves");
+               "follow a run, or one that is to begin, until it is over: a line per generation, on "
+               "a terminal the champion's body and live curves");
   command.flag("--check", check,
                "read the files, or every file of a run, whole: structure, ids, checksums, fitness");
   command.flag("--replay", replay, "with --check, run the policies: each earns its fitness again");
@@ -331,8 +359,8 @@ int main(int argc, char** argv) {
     } else if (words[0] == "task") {
       if (words.size() != 2) throw error(Failure::usage, "task: name one task, such as Walker-v0");
       const cli::Shape size = cli::parse_shape(shape.value_or("5x5"));
-      fmt::print("{}", describe_task(load_task(words[1], cli::data_folders()),
-                                     full_body(size.rows, size.cols)));
+      cli::print_wrapped(
+          describe_task(load_task(words[1], cli::data_folders()), full_body(size.rows, size.cols)));
     } else if (print_profile(words)) {
       return 0;
     } else if (words[0] == "robot") {

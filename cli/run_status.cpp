@@ -107,38 +107,54 @@ TrainingView RunStatus::view(const SlotStatus& slot) const {
 
 namespace {
 
-// "   87/250 robots  best 5.67 ▁▂▅█  2 failed  1.31 core hours, 3 % idle  12 min 05 s left"
-std::string standing(const RunStatus& run, std::size_t at_once) {
+// "   87/250 robots  best 5.67 ▁▂▅█  2 failed  1.31 core hours, 3 % idle  12 min 05 s left",
+// in parts.
+std::vector<std::string> standing(const RunStatus& run, std::size_t at_once) {
   constexpr std::size_t curve_columns = 16;
   const RunHistory& history = run.history();
-  std::string text = fmt::format("{:>{}}/{} robots", run.trained(),
-                                 std::to_string(run.evaluations()).size(), run.evaluations());
+  std::vector<std::string> parts{fmt::format("{:>{}}/{} robots", run.trained(),
+                                             std::to_string(run.evaluations()).size(),
+                                             run.evaluations())};
   if (const TrainedRobot* best = history.champion())
-    text += fmt::format("  best {:.3f} {}", *best->fitness,
-                        sparkline(run.best_so_far(), curve_columns));
+    parts.push_back(
+        fmt::format("best {:.3f} {}", *best->fitness, sparkline(run.best_so_far(), curve_columns)));
   const auto failed = std::count_if(history.robots().begin(), history.robots().end(),
                                     [](const TrainedRobot& robot) { return !robot.fitness; });
-  if (failed > 0) text += fmt::format("  {} failed", failed);
+  if (failed > 0) parts.push_back(fmt::format("{} failed", failed));
   const auto each = history.seconds_each();
   if (each)
-    text += fmt::format("  {:.2f} core hours, {:.0f} % idle", history.seconds() / 3600.0,
-                        100.0 * history.utilisation().idle);
+    parts.push_back(fmt::format("{:.2f} core hours, {:.0f} % idle", history.seconds() / 3600.0,
+                                100.0 * history.utilisation().idle));
   if (each && run.left() > 0)
-    text += fmt::format("  {} left", duration(*each * run.left() / static_cast<double>(at_once)));
+    parts.push_back(
+        fmt::format("{} left", duration(*each * run.left() / static_cast<double>(at_once))));
+  return parts;
+}
+
+// As many parts as fit into a line, two blanks between them, those that do not left out.
+std::string as_line(const std::vector<std::string>& parts, std::optional<std::size_t> columns) {
+  std::string text;
+  std::size_t used = 0;
+  for (const std::string& part : parts) {
+    const std::size_t width = characters(part) + (text.empty() ? 0 : 2);
+    if (columns && !text.empty() && used + width > *columns) continue;
+    text += (text.empty() ? "" : "  ") + part;
+    used += width;
+  }
   return text;
 }
 
-// "  24 launches on 3 machines, 17 waiting"
+// "24 launches on 3 machines, 17 waiting"
 std::string at_work(const RunWork& work) {
   std::size_t launches = 0;
   for (const Count& machine : work.launches) launches += machine.times;
-  std::string text = fmt::format("  {} launch{}", launches, launches == 1 ? "" : "es");
+  std::string text = fmt::format("{} launch{}", launches, launches == 1 ? "" : "es");
   if (work.launches.size() > 1) text += fmt::format(" on {} machines", work.launches.size());
   if (work.waiting > 0) text += fmt::format(", {} waiting", work.waiting);
   return text;
 }
 
-// "gen-003  5.102 (median 3.310)  "
+// "gen-003  5.102 (median 3.310)"
 std::string generation_result(const RunStatus& run, const RunHistory::Generation& generation) {
   const std::string name = run.folder().generation(generation.number).filename().string();
   std::vector<double> scores;
@@ -150,6 +166,46 @@ std::string generation_result(const RunStatus& run, const RunHistory::Generation
   return fmt::format("{}  {:.3f} (median {:.3f})", name, scores.back(), scores[scores.size() / 2]);
 }
 
+// A folder that a run may begin in.
+bool not_begun(const fs::path& folder) {
+  std::error_code unknown;
+  return !fs::exists(folder, unknown) ||
+         (fs::is_directory(folder, unknown) && fs::is_empty(folder, unknown));
+}
+
+// False if the wait was ended from outside.
+bool wait_for_begin(const fs::path& folder, pid_t caller, Progress style) {
+  if (!not_begun(folder)) return true;
+  const std::string text = fmt::format("waiting for {} to begin", printable(folder.string()));
+  LiveLine line(style == Progress::drawn ? style : Progress::none);
+  if (style == Progress::drawn)
+    line.draw(text);
+  else if (style != Progress::none)
+    fmt::print(stderr, "{}\n", text);
+  while (not_begun(folder)) {
+    ::poll(nullptr, 0, 200);
+    if (interrupted() != 0 || ::getppid() != caller) return false;
+  }
+  // The settings are the first thing there; a moment later at most.
+  for (int k = 0; k < 50 && !fs::exists(folder / "run.yaml"); ++k) ::poll(nullptr, 0, 100);
+  return true;
+}
+
+// On a terminal, the body of the best robot whenever it is another one.
+class ChampionShown {
+ public:
+  void show(const RunStatus& run) {
+    const TrainedRobot* best = run.history().champion();
+    if (!output_columns() || best == nullptr || best->robot.id == shown_) return;
+    shown_ = best->robot.id;
+    fmt::print("\n{}{}  {:.3f}\n\n", draw_body(best->robot.body, use_color("auto")), shown_,
+               *best->fitness);
+  }
+
+ private:
+  std::string shown_;
+};
+
 }  // namespace
 
 void watch_run(const fs::path& folder, Progress style) {
@@ -159,7 +215,9 @@ void watch_run(const fs::path& folder, Progress style) {
   constexpr std::size_t curves = 8;        // of trainings under way, at most
   catch_interrupts();
   const pid_t caller = ::getppid();
+  if (!wait_for_begin(folder, caller, style)) return;
   RunStatus run(folder);
+  ChampionShown champion;
   // Its results are lines already.
   LiveLine line(style == Progress::drawn ? style : Progress::none);
   std::set<int> told;
@@ -175,16 +233,20 @@ void watch_run(const fs::path& folder, Progress style) {
     for (const RunHistory::Generation& generation : run.history().generations()) {
       if (!generation.finished || !told.insert(generation.number).second) continue;
       line.erase();
-      fmt::print("{}  {}\n", generation_result(run, generation), standing(run, at_once));
+      std::vector<std::string> parts = standing(run, at_once);
+      parts.insert(parts.begin(), generation_result(run, generation));
+      fmt::print("{}\n", as_line(parts, output_columns()));
+      champion.show(run);
       std::fflush(stdout);
     }
     if (last) return;
     if (line.due()) {
-      std::string text = standing(run, at_once) + at_work(run.work());
+      std::vector<std::string> parts = standing(run, at_once);
+      parts.push_back(at_work(run.work()));
       for (std::size_t k = 0; k < std::min(running.size(), curves); ++k)
         if (const TrainingView view = run.view(running[k]); !view.evaluations.empty())
-          text += "  " + training_curve(view);
-      line.draw(text);
+          parts.push_back(training_curve(view));
+      line.draw(as_line(parts, std::nullopt));
     }
     const double pause = std::clamp(pause_per_look * look.seconds(), shortest_pause, longest_pause);
     ::poll(nullptr, 0, static_cast<int>(1000.0 * pause));  // ends early on a signal

@@ -54,8 +54,9 @@ class RunStatus {
 // "7 on n1, 5 on n2"; of more than eight texts the most frequent, and how many more.
 std::string tally(const std::vector<Count>& counts, const char* join);
 
-// Follows a run: a line on standard output for every generation that ends, and on
-// a terminal a live one with the curves of what is being trained. Returns when the
+// Follows a run: a line on standard output for every generation that ends, and on a
+// terminal the body of a new champion and a live line with the curves of what is being
+// trained. Waits for a run to begin in a folder that is empty or not there. Returns when the
 // run is over, on SIGINT or SIGTERM, or when the calling process has gone.
 void watch_run(const std::filesystem::path& folder, Progress style);
 

@@ -104,6 +104,80 @@ std::size_t terminal_columns() {
   return known ? size.ws_col : usual;
 }
 
+std::optional<std::size_t> output_columns() {
+  winsize size{};
+  if (isatty(STDOUT_FILENO) != 1) return std::nullopt;
+  const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : 80;
+}
+
+std::size_t characters(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
+}
+
+namespace {
+
+// Where the last column of a table begins, in bytes; 0 for text without columns.
+std::size_t last_column(const std::string& line, std::size_t columns) {
+  const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
+  std::size_t found = 0;
+  for (std::size_t k = begin; k + 2 < line.size() && characters(line.substr(0, k)) < columns; ++k)
+    if (line[k] == ' ' && line[k + 1] == ' ' && line[k + 2] != ' ') found = k + 2;
+  return found;
+}
+
+void wrap_line(const std::string& line, std::size_t columns, std::string& text) {
+  if (characters(line) <= columns) {
+    text += line;
+    return;
+  }
+  const std::size_t last = last_column(line, columns);
+  std::size_t indent = characters(std::string_view(line).substr(0, last));
+  std::string rest = line;
+  constexpr std::size_t least = 35;  // a last column that is narrower stands in lines of its own
+  if (last == 0 || indent + least > columns) {
+    indent = std::min(line.find_first_not_of(' '), line.size()) + 4;
+    if (last > 0) {
+      text += line.substr(0, line.find_last_not_of(' ', last - 1) + 1) + '\n';
+      rest = std::string(indent, ' ') + line.substr(last);
+    }
+  }
+  for (;;) {
+    const std::string head = cut_to_width(rest, columns);
+    if (head.size() == rest.size()) break;
+    std::size_t blank = rest[head.size()] == ' ' ? head.size() : head.rfind(' ');
+    // A word as long as a line is not broken.
+    if (blank == std::string::npos || blank <= rest.find_first_not_of(' '))
+      blank = rest.find(' ', head.size());
+    const std::size_t next =
+        blank == std::string::npos ? blank : rest.find_first_not_of(' ', blank);
+    if (next == std::string::npos) break;
+    text += rest.substr(0, rest.find_last_not_of(' ', blank) + 1) + '\n';
+    rest = std::string(indent, ' ') + rest.substr(next);
+  }
+  text += rest;
+}
+
+}  // namespace
+
+std::string wrapped(const std::string& text, std::size_t columns) {
+  std::string result;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t end = std::min(text.find('\n', from), text.size());
+    wrap_line(text.substr(from, end - from), columns, result);
+    if (end < text.size()) result += '\n';
+    from = end + 1;
+  }
+  return result;
+}
+
+void print_wrapped(const std::string& text) {
+  const auto columns = output_columns();
+  fmt::print("{}", columns ? wrapped(text, *columns) : text);
+}
+
 std::string cut_to_width(const std::string& text, std::size_t columns) {
   std::size_t characters = 0;
   for (std::size_t k = 0; k < text.size(); ++k) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,20 @@ std::string duration(double seconds);
 
 // Of standard error, or 80 where it is no terminal.
 std::size_t terminal_columns();
+
+// Of standard output; nothing where it is no terminal.
+std::optional<std::size_t> output_columns();
+
+// Of UTF-8 text whose characters are one column wide.
+std::size_t characters(std::string_view text);
+
+// Lines longer than `columns` broken at blanks; they go on four further in than they began,
+// or below the last column of a table, which begins after two blanks or more. A last
+// column with little room begins a line of its own.
+std::string wrapped(const std::string& text, std::size_t columns);
+
+// To standard output; on a terminal, long lines are wrapped to its width.
+void print_wrapped(const std::string& text);
 
 // The first `columns` characters of UTF-8 text whose characters are one column wide.
 std::string cut_to_width(const std::string& text, std::size_t columns);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "formats/task_drawing.h"
 #include "formats/task_pieces.h"
 #include "libevo/task/env.h"
 
@@ -57,7 +58,21 @@ std::string goals_text(const DrawnGoals& goals, const Physics& physics) {
       goals.low, goals.high, goals.start, goals.distance, length_text(goals.radius, physics));
 }
 
-std::string world_text(const TaskSpec& task) {
+// The drawing, each line moved in.
+std::string world_drawing(const TaskSpec& task, const Body& robot) {
+  constexpr int columns = 76;
+  constexpr int rows = 24;
+  std::string text;
+  const std::string drawing = draw_task(task, robot, columns, rows);
+  for (std::size_t from = 0; from < drawing.size();) {
+    const std::size_t end = drawing.find('\n', from) + 1;
+    text += "  " + drawing.substr(from, end - from);
+    from = end;
+  }
+  return text;
+}
+
+std::string world_text(const TaskSpec& task, const Body& robot) {
   std::string text = "world (cells of the lower-left corner, columns x rows)\n";
   text += fmt::format("  robot at {}, {}\n", task.robot_x, task.robot_y);
   for (const Placement& placement : task.objects) {
@@ -71,7 +86,7 @@ std::string world_text(const TaskSpec& task) {
     text += fmt::format("  {}: drawn from {} .. {} in each episode\n", drawn.name, drawn.low,
                         drawn.high);
   if (task.goals) text += goals_text(*task.goals, task.physics);
-  return text;
+  return text + world_drawing(task, robot);
 }
 
 std::string observation_text(const TaskSpec& task, const Arena& arena) {
@@ -132,8 +147,8 @@ std::string describe_task(const TaskSpec& task, const Body& robot) {
   text += fmt::format("episode: {} steps\naction: {} targets in [{}, {}]\n\n", task.episode_steps,
                       arena.action_length(), number_text(task.physics.min_target),
                       number_text(task.physics.max_target));
-  text += world_text(task) + "\n" + observation_text(task, arena) + "\n" + reward_text(task) +
-          "\n" + ends_text(task);
+  text += world_text(task, robot) + "\n" + observation_text(task, arena) + "\n" +
+          reward_text(task) + "\n" + ends_text(task);
   if (!task.notes.empty()) text += "\nnotes\n";
   for (const std::string& note : task.notes) text += "  - " + note + "\n";
   return text;

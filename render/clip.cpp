@@ -7,8 +7,8 @@
 #include "libevo/base/error.h"
 #include "render/camera.h"
 #include "render/contact.h"
-#include "render/ending.h"
-#include "render/task_yaml.h"
+#include "formats/ending.h"
+#include "formats/task_yaml.h"
 
 namespace evo::render {
 namespace {

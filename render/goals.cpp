@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/task_yaml.h"
+#include "formats/task_yaml.h"
 
 namespace evo::render {
 namespace {

@@ -95,6 +95,7 @@ else ifndef GEN
 
 .PHONY: all generations
 all: $(BEST)
+	$(if $(dry_run)$(silent),,@printf 'made: %s\n' $(BEST) >&2)
 
 # The letters stand in the first word; without any, that is an option with dashes.
 letters := $(filter-out -%,$(firstword $(MAKEFLAGS)))
@@ -143,6 +144,7 @@ $(RUN)/best.rollout.h5: | $(RUN)/best.policy.h5
 	@evo-eval --policy '$(RUN)/best.policy.h5' --rollout '$@' '$(RUN)/best.json' > /dev/null
 
 $(RUN)/best.$(VIDEO): | $(RUN)/best.rollout.h5
+	$(if $(dry_run)$(silent),,@echo 'rendering $@...' >&2)
 	@evo-render '$(RUN)/best.rollout.h5' $(VIDEO_OPTIONS) -o '$@'
 
 $(RUN)/report.html: | $(RUN)/best.$(VIDEO)

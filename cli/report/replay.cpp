@@ -8,7 +8,7 @@
 
 #include "cli/report/markup.h"
 #include "render/clip.h"
-#include "render/ending.h"
+#include "formats/ending.h"
 
 namespace evo::report {
 namespace {
@@ -124,7 +124,7 @@ Json replay_of(const Rollout& rollout) {
           {"body", std::move(body)},
           {"objects", std::move(objects)},
           {"outline", std::move(outline)},
-          {"ending", render::ending(rollout, rollout.episodes.front()).text},
+          {"ending", ending(rollout, rollout.episodes.front()).text},
           {"packed", base64(packer.finish())}};
 }
 

@@ -151,7 +151,33 @@ print(np.abs(a - b).mean())" "$1" "$2"
   evo-sample -n 1 --seed 1 | evo-inspect robot --color always | grep -q $'\x1b\[48;5;'
   episode r.h5
   evo-inspect r.h5 | grep -q 'rollout of Walker-v0'
+  evo-inspect r.h5 | tail -1 | grep -q '  end of the recording$'
+  evo-inspect task UpStepper-v0 | grep -q '^  #####################\.'
+  evo-inspect task Climber-v0 | grep -q '66 more lines above'
   fails_with 2 "Walkr" "Walker-v0" -- evo-inspect task Walkr-v0
+}
+
+@test "inspect: many robots as a histogram of their fitness, and why an episode ended" {
+  for fitness in 1 1.5 2 2 2 2.5 5; do evo-sample -n 1 --seed "${fitness/./}" | jq -c ".fitness = $fitness"; done > many.jsonl
+  evo-inspect many.jsonl > seen
+  # Three parts of the range, six in the lowest, none between, the best on top.
+  diff <(sed -n '3,5s/ *#* *\([0-9]*\)$/ \1/p' seen | sed 's/^ *//; s/  */ /g') - << 'END'
+3.667 .. 5 1
+2.333 .. 3.667 1
+1 .. 2.333 5
+END
+  evo-sample -n 1 --seed 4 | evo-eval --task Lifter-v0 --sine 0.5,20,0.7 --rollout l.h5 > /dev/null
+  evo-inspect l.h5 | tail -1 | grep -q '  time is up$'
+}
+
+@test "inspect: no line is wider than the terminal" {
+  local of
+  for of in tasks 'task Carrier-v0' 'task BidirectionalWalker-v0' training physics; do
+    script -qec "stty cols 80; evo-inspect $of" /dev/null > raw
+    [ "$(tr -d '\r' < raw | LC_ALL=C.UTF-8 wc -L)" -le 80 ]
+    # The same words as in a pipe.
+    diff <(tr -s ' \r\n' '\n' < raw) <(evo-inspect $of | tr -s ' \n' '\n')
+  done
 }
 
 @test "convert: round trips through every form" {

@@ -223,6 +223,36 @@ kill_and_repeat() {
   fails_with 65 "run.yaml" -- evo-inspect --watch "$BATS_TEST_TMPDIR"
 }
 
+# Until a command succeeds; a minute at most.
+wait_until() { local k; for ((k = 0; k < 600; k++)); do ! "$@" || return 0; sleep 0.1; done; return 1; }
+
+@test "watching waits for a run to begin; a terminal of 80 columns shows the champion" {
+  "$EVO_SOURCE/tests/report/make-run.sh" run ga 1 2 4
+  mkdir held
+  mv run/gen-001/scores.jsonl run/best.json held/
+  : > run/gen-000/ranking.tsv
+  timeout 100 evo-inspect --watch seen --progress lines > lines 2> said &
+  timeout 100 script -qec "stty cols 80; evo-inspect --watch seen" /dev/null > raw &
+  wait_until grep -q 'waiting for seen to begin' said
+  wait_until grep -q 'waiting for seen to begin' raw
+  cp -r run seen
+  wait_until grep -q 'robots' raw
+  cp held/scores.jsonl seen/gen-001/scores.jsonl
+  : > seen/gen-001/ranking.tsv
+  wait_until grep -q gen-001 raw
+  cp held/best.json seen/best.json
+  wait
+  # A line in a pipe; and the body of the best on a terminal.
+  [ "$(wc -l < lines)" -eq 1 ]
+  grep -q '^gen-001 .* robots  best ' lines
+  local plain
+  plain=$(tr '\r' '\n' < raw | sed 's/\x1b\[[0-9;]*[mK]//g')
+  jq -r '.id' held/best.json > id
+  grep -q "^$(cat id)  [0-9.]*$" <<< "$plain"
+  grep -q '^[RSHV ][RSHV ]*$' <<< "$plain"
+  [ "$(LC_ALL=C.UTF-8 wc -L <<< "$plain")" -le 80 ]
+}
+
 @test "an installation has every file that the pipelines name" {
   cmake --install "$EVO_BUILD" --prefix "$PWD/there" > /dev/null
   cd there/share/evo/scripts

@@ -8,7 +8,7 @@
 #include "render/plot.h"
 #include "render/quantity.h"
 #include "render/render.h"
-#include "render/task_yaml.h"
+#include "formats/task_yaml.h"
 #include "tests/unit/render/example.h"
 #include "tests/unit/render/expect_error.h"
 

@@ -1,9 +1,9 @@
-#include "render/task_yaml.h"
+#include "formats/task_yaml.h"
 
 #include <algorithm>
 #include <array>
 
-namespace evo::render {
+namespace evo {
 namespace {
 
 bool is_height(const YamlNode& reward) {
@@ -36,4 +36,4 @@ bool rewards_height(const Rollout& rollout) {
   return rewards && rewards->is_sequence() && std::ranges::any_of(rewards->items(), is_height);
 }
 
-}  // namespace evo::render
+}  // namespace evo

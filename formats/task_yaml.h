@@ -7,7 +7,7 @@
 #include "formats/rollout.h"
 #include "formats/yaml.h"
 
-namespace evo::render {
+namespace evo {
 
 // The whole task; nothing in files that do not carry one. Throws Error(data) for text
 // that is no YAML.
@@ -19,4 +19,4 @@ std::optional<YamlNode> value_of(const YamlNode& mapping, const std::string& key
 // Whether the task rewards height at all times: a displacement or an extent along y.
 bool rewards_height(const Rollout& rollout);
 
-}  // namespace evo::render
+}  // namespace evo

@@ -1,11 +1,11 @@
-#include "render/ending.h"
+#include "formats/ending.h"
 
 #include <cmath>
 #include <optional>
 
-#include "render/task_yaml.h"
+#include "formats/task_yaml.h"
 
-namespace evo::render {
+namespace evo {
 namespace {
 
 // The last centre of an object, voxels; nothing for one that is not there.
@@ -107,4 +107,4 @@ Ending ending(const Rollout& rollout, const RolloutEpisode& episode) {
   return {Ending::Kind::rule, "ended by a rule of the task"};
 }
 
-}  // namespace evo::render
+}  // namespace evo

@@ -5,7 +5,7 @@
 
 #include "formats/rollout.h"
 
-namespace evo::render {
+namespace evo {
 
 struct Ending {
   enum class Kind { cut, limit, goal, failure, rule };
@@ -19,4 +19,4 @@ struct Ending {
 // by the mean of their points, as the tasks do (spec: tasks).
 Ending ending(const Rollout& rollout, const RolloutEpisode& episode);
 
-}  // namespace evo::render
+}  // namespace evo

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "formats/ending.h"
+#include "formats/task_yaml.h"
 #include "libevo/base/error.h"
 #include "render/camera.h"
 #include "render/contact.h"
-#include "formats/ending.h"
-#include "formats/task_yaml.h"
 
 namespace evo::render {
 namespace {

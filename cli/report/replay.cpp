@@ -7,8 +7,8 @@
 #include <map>
 
 #include "cli/report/markup.h"
-#include "render/clip.h"
 #include "formats/ending.h"
+#include "render/clip.h"
 
 namespace evo::report {
 namespace {

@@ -4,11 +4,11 @@
 
 #include "formats/files.h"
 #include "formats/physics_profile.h"
+#include "formats/task_yaml.h"
 #include "render/contact.h"
 #include "render/plot.h"
 #include "render/quantity.h"
 #include "render/render.h"
-#include "formats/task_yaml.h"
 #include "tests/unit/render/example.h"
 #include "tests/unit/render/expect_error.h"
 

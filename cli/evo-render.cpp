@@ -1,5 +1,6 @@
 // evo-render: pictures and videos of rollouts and robots, off-screen.
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include "cli/command.h"
@@ -170,13 +171,14 @@ void write_picture(const std::string& output, const std::string& title,
     throw error(Failure::io, "cannot write standard output");
 }
 
-// Robots of several files are generations, named by their folders ("gen-003").
+// Robots of several files are generations, named by their folders ("gen-003"), or by the
+// files where those say nothing of generations.
 std::vector<render::Generation> read_generations(const std::vector<std::string>& files) {
   std::vector<render::Generation> generations;
   for (const std::string& file : files) {
-    std::string name = file;
-    const std::size_t begin = name.rfind("gen-");
-    if (begin != std::string::npos) name = name.substr(begin, name.find('/', begin) - begin);
+    std::string name = std::filesystem::path(file).stem().string();
+    const std::size_t begin = file.rfind("gen-");
+    if (begin != std::string::npos) name = file.substr(begin, file.find('/', begin) - begin);
     std::vector<Robot> robots = cli::read_robots({file});
     std::stable_sort(robots.begin(), robots.end(), [](const Robot& a, const Robot& b) {
       return a.fitness() && (!b.fitness() || *a.fitness() > *b.fitness());

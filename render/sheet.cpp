@@ -55,6 +55,13 @@ struct CardStyle {
   float height() const { return body() + (static_cast<float>(text_lines) * 1.35F + 0.55F) * text; }
 };
 
+// The name a robot was given, such as that of its run, or its id.
+std::string name_of(const Robot& robot) {
+  const auto given = robot.document.find("name");
+  const bool named = given != robot.document.end() && given->is_string();
+  return named ? given->get<std::string>() : robot.id;
+}
+
 void draw_card(const Robot& robot, const Theme& theme, const CardStyle& style, Point at,
                Typesetter& typesetter, Drawing& drawing) {
   drawing.rounded_rectangle({at.x, at.y, style.width, style.height()}, 0.06F * style.width,
@@ -69,7 +76,8 @@ void draw_card(const Robot& robot, const Theme& theme, const CardStyle& style, P
   centred(fitness_text(robot), {x, y}, style.text, theme.text, true, most, typesetter, drawing);
   if (style.text_lines < 2) return;
   y += 1.35F * style.text;
-  centred(robot.id, {x, y}, 0.88F * style.text, theme.text_muted, false, most, typesetter, drawing);
+  centred(name_of(robot), {x, y}, 0.88F * style.text, theme.text_muted, false, most, typesetter,
+          drawing);
 }
 
 // What holds every body of a sheet; never narrower than high by more than a half,

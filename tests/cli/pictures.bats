@@ -64,6 +64,14 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   fails_with 2 "gait" -- evo-render r.h5 --strip 4 --moments walk -o x.svg
 }
 
+@test "robots are called by their names, columns of robots by their files" {
+  evo-sample -n 2 --seed 1 | jq -c '.name = "neat-\(.origin.index)"' > NEAT.jsonl
+  evo-render --grid NEAT.jsonl -o named.svg
+  grep -q '>neat-0<' named.svg && grep -q '>neat-1<' named.svg
+  evo-render --generations 2 NEAT.jsonl -o columns.svg
+  grep -q '>NEAT<' columns.svg
+}
+
 @test "colours, contacts and curves over a picture, each with what it measures" {
   episode r.h5
   evo-render r.h5 --at 30 --tint strain --velocities -o strain.svg

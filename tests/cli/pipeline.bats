@@ -202,7 +202,10 @@ kill_and_repeat() {
   needs_terminal
   run_make ga run -j2 > log 2>&1
   [ "$(grep -c 'robots  best' log)" -eq "$(ls -d run/gen-* | wc -l)" ]
-  tail -1 log | grep -q '^gen-003 .* 9/9 robots  best .*[█▁]  .* core hours, .* idle$'
+  grep '^gen-' log | tail -1 | grep -q '^gen-003 .* 9/9 robots  best .*[█▁]  .* core hours, .* idle$'
+  # What takes long at the end is named, and all that was made.
+  grep -q '^rendering run/best\.' log
+  [ "$(tail -1 log)" = 'made: run/report.html' ]
   if grep -q $'[\r\x1b]' log; then return 1; fi
   # On a terminal of 60 columns nothing is wider, and what was live is wiped.
   command="make -f $EVO_SOURCE/scripts/ga.mk RUN=seen ${settings[*]:0:6} VIDEO_OPTIONS='--size 160x90' -j2"

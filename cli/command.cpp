@@ -481,7 +481,8 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
     spdlog::error("{}", printable(e.what()));
     return static_cast<int>(e.kind());
   } catch (const std::bad_alloc&) {
-    spdlog::error("out of memory");
+    spdlog::error(impl.has_jobs && jobs > 1 ? "out of memory; fewer --jobs need less"
+                                            : "out of memory");
   } catch (const std::filesystem::filesystem_error& e) {
     spdlog::error("{}", printable(e.what()));
     return static_cast<int>(Failure::io);

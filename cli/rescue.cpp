@@ -62,7 +62,11 @@ void Rescue::save_and_end(int signal) {
       // The other ones still count; an older checkpoint may be there.
     }
   }
-  farewell_();
+  try {
+    farewell_();
+  } catch (const std::exception&) {
+    // Without memory for words.
+  }
   ::_exit(128 + signal);
 }
 

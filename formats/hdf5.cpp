@@ -22,8 +22,17 @@ namespace {
 
 // ---- handles and errors -----------------------------------------------------
 
-// The library keeps one error stack a thread and prints it unless told not to.
-void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+// Before the library is used. It keeps one error stack a thread and prints it unless
+// told not to. Its clean-up at exit is not needed, all files being closed by then, and
+// would wait for ever for a lock that it has not given back when it ran out of memory.
+// Short of that it crashes (1.10.8: H5AC_create): better found out before, if only
+// mostly, since other threads may take what is there now.
+void begin_library() {
+  [[maybe_unused]] static const herr_t once = H5dont_atexit();
+  constexpr std::size_t headroom = std::size_t{16} << 20;  // bytes
+  ::operator delete(::operator new(headroom));
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 // The innermost reason on the error stack, as " (inflate() failed)", or "".
 std::string library_reason() {
@@ -147,7 +156,7 @@ struct Writer::File {
   Handle id;
 
   explicit File(const std::filesystem::path& path) : output(path), name(path.string()) {
-    silence();
+    begin_library();
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     constexpr std::size_t growth = std::size_t{1} << 20;
     constexpr hbool_t keep_in_memory = false;
@@ -183,7 +192,7 @@ struct Writer::File {
 
   // `path` and the groups on the way, where they do not exist.
   void make_groups(const std::string& path) const {
-    silence();
+    begin_library();
     for (const std::string& prefix : prefixes(path)) {
       if (H5Lexists(id.get(), prefix.c_str(), H5P_DEFAULT) > 0) continue;
       const Handle group(H5Gcreate2(id.get(), prefix.c_str(), link_properties().get(),
@@ -224,7 +233,7 @@ struct Writer::File {
 
   void attribute(const std::string& object, const std::string& attribute_name, hid_t stored_type,
                  hid_t given_type, const Shape& shape, const void* value) const {
-    silence();
+    begin_library();
     const Handle owner(H5Oopen(id.get(), object.c_str(), H5P_DEFAULT), H5Oclose);
     const Handle space = space_of(shape);
     const Handle attribute(H5Acreate2(owner.get(), attribute_name.c_str(), stored_type, space.get(),
@@ -295,7 +304,7 @@ void Writer::attribute(const std::string& object, const std::string& name,
 }
 
 void Writer::commit(Existing existing) {
-  silence();
+  begin_library();
   const hid_t id = file_->id.get();
   const auto checksum = content_checksum(id, std::numeric_limits<std::size_t>::max());
   if (!checksum) throw file_->failed("/");
@@ -356,7 +365,7 @@ struct Reader::File {
   Handle id;
 
   File(std::string_view bytes, std::string name_) : name(std::move(name_)), size(bytes.size()) {
-    silence();
+    begin_library();
     stay_in_this_file();
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     constexpr std::size_t growth = std::size_t{1} << 16;
@@ -368,7 +377,7 @@ struct Reader::File {
   }
 
   explicit File(const std::filesystem::path& path) : name(path.string()) {
-    silence();
+    begin_library();
     stay_in_this_file();
     // Opening a pipe may wait for ever.
     std::error_code ignored;
@@ -404,7 +413,7 @@ struct Reader::File {
   }
 
   Handle open_dataset(const std::string& path) const {
-    silence();
+    begin_library();
     if (!exists(path)) throw failed(path, "is missing");
     Handle dataset(H5Dopen2(id.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
     if (!dataset.ok()) throw failed(path, "is not a dataset" + library_reason());
@@ -416,7 +425,7 @@ struct Reader::File {
   }
 
   Handle open_attribute(const std::string& object, const std::string& attribute) const {
-    silence();
+    begin_library();
     if (!has_attribute(object, attribute))
       throw failed(attribute_path(object, attribute), "is missing");
     Handle opened(
@@ -427,7 +436,7 @@ struct Reader::File {
   }
 
   bool exists(const std::string& path) const {
-    silence();
+    begin_library();
     for (const std::string& prefix : prefixes(path))
       if (H5Lexists(id.get(), prefix.c_str(), H5P_DEFAULT) <= 0) return false;
     return true;
@@ -519,7 +528,7 @@ void Reader::verify() const {
 bool Reader::exists(const std::string& path) const { return file_->exists(path); }
 
 std::vector<std::string> Reader::children(const std::string& group) const {
-  silence();
+  begin_library();
   if (!exists(group)) throw file_->failed(group, "is missing");
   std::vector<std::string> names;
   const auto keep = [](hid_t, const char* name, const H5L_info_t*, void* into) -> herr_t {
@@ -610,7 +619,7 @@ std::vector<T> Reader::numbers(const std::string& object, const std::string& nam
 }
 
 bool is_hdf5(const std::filesystem::path& path) {
-  silence();
+  begin_library();
   // A pipe can be opened once, and that is for its reader to do.
   std::error_code ignored;
   return std::filesystem::is_regular_file(path, ignored) && H5Fis_hdf5(path.c_str()) > 0;

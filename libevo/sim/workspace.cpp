@@ -1,6 +1,7 @@
 #include "libevo/sim/workspace.h"
 
 #include <algorithm>
+#include <new>
 
 namespace evo {
 namespace {
@@ -57,6 +58,13 @@ std::size_t bytes_of(const std::vector<T>& values) {
   return values.capacity() * sizeof(T);
 }
 
+// Highway answers with nothing when there is no memory.
+hwy::AlignedFreeUniquePtr<std::byte[]> aligned_bytes(std::size_t count) {
+  auto memory = hwy::AllocateAligned<std::byte>(count);
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
+
 }  // namespace
 
 Rows::Rows(const Plan& plan, std::size_t lanes) {
@@ -67,7 +75,7 @@ Rows::Rows(const Plan& plan, std::size_t lanes) {
       layer.take(*array, values);
     if (memory) return;
     bytes_ = layer.bytes();
-    memory_ = hwy::AllocateAligned<std::byte>(bytes_);
+    memory_ = aligned_bytes(bytes_);
     std::fill_n(memory_.get(), bytes_, std::byte{0});
   }
 }
@@ -103,7 +111,8 @@ Arrays<arithmetic> Workspace::prepare(const Plan& plan, const Tables& tables, co
   Arrays<arithmetic> arrays;
   const std::size_t needed = lay_out(arrays, plan, layout, nullptr);
   if (needed > capacity_) {
-    memory_ = hwy::AllocateAligned<std::byte>(needed);
+    capacity_ = 0;  // should there be no memory
+    memory_ = aligned_bytes(needed);
     capacity_ = needed;
   }
   lay_out(arrays, plan, layout, memory_.get());

@@ -87,6 +87,23 @@ setup_file() {
   fails_with 2 "--threads must be from 1 to 1024" -- evo-bench --threads 100000
 }
 
+@test "memory that ends in the middle of a training: status 1, one line, and no half file" {
+  evo-sample -n 40 --shape 3x3 > many.jsonl
+  tiny_profile > tiny.yaml
+  local megabytes
+  for megabytes in 160 240 320 400 480; do  # 64 stacks of 8 MB, and more
+    run --separate-stderr timeout 60 bash -c "ulimit -s 8192 -v ${megabytes}000
+      evo-train -j64 --task Walker-v0 --train tiny.yaml --steps 2 --out-dir out$megabytes many.jsonl"
+    if [ "$status" -eq 0 ]; then
+      [ "${#lines[@]}" -eq 40 ]
+    else
+      [ "$status" -eq 1 ] || { echo "$megabytes MB: $status, $stderr"; return 1; }
+      [[ $stderr == *"memory"* ]]
+    fi
+    [ -z "$(find "out$megabytes" -name '*.tmp*' -o -name '.*' -type f 2> /dev/null)" ]
+  done
+}
+
 @test "control characters and bytes that are no text do not reach the terminal" {
   printf '{"body":["HV"],"task":"\\u001b[31mred\\u0007","policy":"a\\nb"}\n' > red.json
   run evo-inspect red.json

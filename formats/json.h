@@ -28,6 +28,8 @@ Json parse_json(std::string_view text, const std::string& where);
 // On one line, without blanks; what is not UTF-8 is replaced.
 std::string compact(const Json& value);
 
+bool is_utf8(const std::string& text);
+
 // A value, or a letter, as a message shows it: short and on one line.
 std::string shown(const Json& value);
 std::string shown(char letter);

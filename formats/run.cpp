@@ -27,6 +27,11 @@ constexpr const char* settings_name = "run.yaml";
 constexpr std::string_view generation_prefix = "gen-";
 constexpr std::string_view slot_suffix = ".json";
 
+bool is_setting_name(const std::string& name) {
+  return !name.empty() &&
+         name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_0123456789") == std::string::npos;
+}
+
 std::optional<int> whole_number(std::string_view text) {
   int value = 0;
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -134,10 +139,8 @@ RunSettings RunSettings::from_words(const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     const std::size_t equals = word.find('=');
     const std::string name = word.substr(0, equals);
-    const bool is_name =
-        !name.empty() &&
-        name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_0123456789") == std::string::npos;
-    if (equals == std::string::npos || !is_name || name == "format" || name == "version")
+    if (equals == std::string::npos || !is_setting_name(name) || name == "format" ||
+        name == "version")
       throw error(Failure::usage, "'{}' is not a setting KEY=VALUE, such as task=Walker-v0", word);
     if (settings.find(name) != nullptr)
       throw error(Failure::usage, "the setting '{}' is given twice", name);
@@ -161,6 +164,9 @@ RunSettings RunSettings::parse(std::string_view text, const std::string& where) 
   for (const auto& [key, value] : document.entries()) {
     const std::string name = key.string();
     if (name == "format" || name == "version") continue;
+    if (!is_setting_name(name))
+      throw key.error(
+          fmt::format("{} is not the name of a setting, such as task", shown(Json(name))));
     const bool has_text = value.is_scalar() && !value.is_null() && value.found() != "''";
     settings.list_.push_back({name, has_text ? value.string() : ""});
   }

@@ -11,6 +11,8 @@
 #include <sstream>
 #include <utility>
 
+#include "formats/json.h"
+
 namespace evo {
 
 struct YamlNode::Data {
@@ -41,6 +43,11 @@ class YamlBuilder : public YAML::EventHandler {
   void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                 const std::string& value) override {
     auto data = begin(YamlNode::Kind::scalar, mark);
+    if (!is_utf8(value)) {
+      YamlNode node;
+      node.data_ = std::move(data);
+      throw node.error("text that is not UTF-8");
+    }
     data->text = value;
     add(std::move(data), anchor);
   }

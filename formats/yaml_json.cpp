@@ -45,15 +45,6 @@ Json plain_value(const std::string& text) {
   return text;
 }
 
-bool is_utf8(const std::string& text) {
-  try {
-    (void)Json(text).dump();
-    return true;
-  } catch (const Json::exception&) {
-    return false;
-  }
-}
-
 std::size_t count_values(const Json& value) {
   std::size_t n = 1;
   if (value.is_structured())

@@ -141,6 +141,12 @@ TEST_CASE("what is no run, or of a newer program, is refused") {
   write_file(path / "run.yaml", "format: evo/run\nversion: 1\nlayout: spiral\n");
   CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
              Catch::Contains("unknown layout of a run 'spiral'"));
+  for (const char* name : {"Task", "a b", "\"\\0task\""}) {
+    write_file(path / "run.yaml", fmt::format("format: evo/run\nversion: 1\n{}: x\n", name));
+    CHECK_THAT(
+        test::error_of(Failure::data, [&] { RunFolder{path}; }),
+        Catch::Contains("run.yaml:3:1: \"") && Catch::Contains("is not the name of a setting"));
+  }
 }
 
 TEST_CASE("a slot's robot is a line of the population") {

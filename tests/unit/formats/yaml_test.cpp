@@ -101,5 +101,7 @@ TEST_CASE("a document that makes no sense is refused") {
   CHECK(parse_message("a: &x [*x]\n").find("t.yaml:1:8: an alias stands inside") == 0);
   CHECK(parse_message("a: *nowhere\n").find("t.yaml:1:4: not valid YAML") == 0);
   CHECK(parse_message("? [1]\n: 2\n").find("t.yaml:1:3: a key is expected, found a list") == 0);
+  CHECK(parse_message("a: 1\nb: \"\x8a\"\n") == "t.yaml:2:4: text that is not UTF-8");
+  CHECK(parse_message("\xff: 1\n").find("t.yaml:1:") == 0);
   CHECK(parse_message(std::string(100000, '[')).find("t.yaml:") == 0);
 }

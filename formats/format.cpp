@@ -30,17 +30,22 @@ std::optional<std::string> wrong_version(const Format& format, std::int64_t vers
 
 void check_format(const YamlNode& document, const Format& format, Head head) {
   std::optional<std::string> name;
+  bool has_version = false;
   for (const auto& [key, value] : document.entries()) {
     std::optional<std::string> problem;
     if (key.string() == "format") {
       name = value.string();
       problem = wrong_name(format, name);
     } else if (key.string() == "version") {
+      has_version = true;
       problem = wrong_version(format, value.integer());
     }
     if (problem) throw value.error(*problem);
   }
-  if (!name && head == Head::required) throw document.error(*wrong_name(format, name));
+  if (head != Head::required) return;
+  if (!name) throw document.error(*wrong_name(format, name));
+  if (!has_version)
+    throw document.error(fmt::format("there is no version, such as version: {}", format.version));
 }
 
 void check_format(const Json& document, const Format& format) {

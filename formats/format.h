@@ -41,7 +41,7 @@ std::optional<std::string> wrong_version(const Format& format, std::int64_t vers
 
 // Another format, or a version that this program does not know, is refused with
 // its place: Error(data), for JSON a Refusal. What people write by hand need not say
-// either; `required` is for what programs write, which has to say its format.
+// either; `required` is for what programs write, which has to say both.
 enum class Head { required, optional };
 void check_format(const YamlNode& document, const Format& format, Head head = Head::optional);
 void check_format(const Json& document, const Format& format);

@@ -136,6 +136,9 @@ TEST_CASE("what is no run, or of a newer program, is refused") {
   write_file(path / "run.yaml", "task: Walker-v0\n");
   CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
              Catch::Contains("format 'evo/run' is expected, found none"));
+  write_file(path / "run.yaml", "format: evo/run\ntask: Walker-v0\n");
+  CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
+             Catch::Contains("there is no version, such as version: 1"));
   write_file(path / "run.yaml", "format: evo/run\nversion: 2\n");
   CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }), Catch::Contains("newer"));
   write_file(path / "run.yaml", "format: evo/run\nversion: 1\nlayout: spiral\n");

@@ -71,6 +71,19 @@ def resolve(words, folder, identity):
     return [word.replace("@", folder).replace("{id}", identity) for word in words]
 
 
+def is_spare(name, place, whole, outputs):
+    """A folder that is renamed as a whole has a hidden name until then; so has, for an
+    instant, a file that replaces another one, but it is whole."""
+    if name.startswith(".set."):
+        return True
+    for output in outputs:
+        folder, file = os.path.split(output)
+        spare = os.path.join(place, folder, name)
+        if name.startswith(f".{file}.") and name.endswith(".tmp") and os.path.exists(spare):
+            return same(spare, os.path.join(whole, output))
+    return False
+
+
 def kill_tool(words, outputs, kills, folder):
     whole = tempfile.mkdtemp(dir=folder)
     start = time.monotonic()
@@ -93,9 +106,9 @@ def kill_tool(words, outputs, kills, folder):
             path = os.path.join(place, output)
             if os.path.exists(path) and not same(path, os.path.join(whole, output)):
                 fault(words, "kill", number, "left another", output)
-        # A folder that is renamed as a whole has a hidden name until then.
-        if [name for name in hidden(place) if not name.startswith(".set.")]:
-            fault(words, "kill", number, "left", hidden(place))
+        left = [name for name in hidden(place) if not is_spare(name, place, whole, outputs)]
+        if left:
+            fault(words, "kill", number, "left", left)
         if number % 5 == 4:
             shutil.rmtree(place)
             os.makedirs(place)

@@ -3,7 +3,8 @@
 # the watch over interrupts, files. For tools built with the thread sanitizer (preset
 # tsan), which ends one with status 66 where two threads meet unguarded.
 set -euo pipefail
-export PATH=${1:?folder of the tools}:$PATH
+bin=$(realpath "${1:?folder of the tools}")
+export PATH=$bin:$PATH
 cd "$(mktemp -d)"
 trap 'rm -rf "$PWD"' EXIT
 small=(--task Walker-v0 -j4 --progress always --train-set environments=2 --train-set rollout=16

@@ -32,6 +32,12 @@ bool is_setting_name(const std::string& name) {
          name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_0123456789") == std::string::npos;
 }
 
+bool is_line(const std::string& text) {
+  return std::none_of(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) < ' ' && c != '\t') || c == '\x7f';
+  });
+}
+
 std::optional<int> whole_number(std::string_view text) {
   int value = 0;
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -144,8 +150,8 @@ RunSettings RunSettings::from_words(const std::vector<std::string>& words) {
       throw error(Failure::usage, "'{}' is not a setting KEY=VALUE, such as task=Walker-v0", word);
     if (settings.find(name) != nullptr)
       throw error(Failure::usage, "the setting '{}' is given twice", name);
-    if (word.find('\n') != std::string::npos)
-      throw error(Failure::usage, "the setting '{}' has more than one line", name);
+    if (!is_line(word))
+      throw error(Failure::usage, "the setting '{}' has line breaks or control characters", name);
     settings.list_.push_back({name, word.substr(equals + 1)});
   }
   return settings;
@@ -168,7 +174,10 @@ RunSettings RunSettings::parse(std::string_view text, const std::string& where) 
       throw key.error(
           fmt::format("{} is not the name of a setting, such as task", shown(Json(name))));
     const bool has_text = value.is_scalar() && !value.is_null() && value.found() != "''";
-    settings.list_.push_back({name, has_text ? value.string() : ""});
+    const std::string text = has_text ? value.string() : "";
+    if (!is_line(text))
+      throw value.error(fmt::format("{} has line breaks or control characters", name));
+    settings.list_.push_back({name, text});
   }
   return settings;
 }

@@ -106,7 +106,7 @@ TEST_CASE("words that are no settings are refused") {
                             }),
              Catch::Contains("twice"));
   CHECK_THAT(test::error_of(Failure::usage, [] { RunSettings::from_words({"a=1\n2"}); }),
-             Catch::Contains("one line"));
+             Catch::Contains("line breaks"));
 }
 
 TEST_CASE("a run is begun once; other settings are refused with what differs") {
@@ -144,6 +144,11 @@ TEST_CASE("what is no run, or of a newer program, is refused") {
   write_file(path / "run.yaml", "format: evo/run\nversion: 1\nlayout: spiral\n");
   CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
              Catch::Contains("unknown layout of a run 'spiral'"));
+  for (const char* value : {"a\x10", "\"a\\0b\"", "\"a\\nb\"", "|\n  a\n  b"}) {
+    write_file(path / "run.yaml", fmt::format("format: evo/run\nversion: 1\ntask: {}\n", value));
+    CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
+               Catch::Contains("run.yaml:3:7: task has line breaks or control characters"));
+  }
   for (const char* name : {"Task", "a b", "\"\\0task\""}) {
     write_file(path / "run.yaml", fmt::format("format: evo/run\nversion: 1\n{}: x\n", name));
     CHECK_THAT(

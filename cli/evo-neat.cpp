@@ -59,11 +59,10 @@ int main(int argc, char** argv) {
   command.seed_option();
   command.output_option("where the new population goes");
   command.require("--state-out");
-  command.example("evo-neat -n 25 --seed 1 --state-out species.json -o population.jsonl",
+  command.example("evo-neat -n 25 --seed 1 --state-out old.json -o population.jsonl",
                   "a first population and its species");
-  command.example(
-      "evo-neat -n 25 --seed 2 --state-in species.json --state-out next.json scores.jsonl",
-      "the population after the scored one");
+  command.example("evo-neat -n 25 --seed 2 --state-in old.json --state-out new.json scores.jsonl",
+                  "the population after the scored one");
 
   return command.run(argc, argv, [&] {
     cli::check_outputs({{"--output", command.output}, {"--state-out", state_out}});

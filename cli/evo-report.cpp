@@ -18,7 +18,7 @@ constexpr std::size_t fewest_robots = 100;  // of each of them
 
 int main(int argc, char** argv) {
   cli::Command command("evo-report",
-                       "a page about runs: what came out, replays, curves, family tree, settings");
+                       "a page about runs: results, replays, curves, family tree, settings");
   std::vector<std::string> names;
   report::PageOptions options;
   std::optional<int> robots;

@@ -36,7 +36,7 @@ History read_history(const std::vector<std::string>& files) {
 
 int main(int argc, char** argv) {
   cli::Command command("evo-suggest",
-                       "Bayesian optimisation: the next batch of bodies from all scored so far");
+                       "Bayesian optimisation: the next bodies from all scored so far");
   SuggestSettings settings;
   int count = 25;
   std::string shape_text = "5x5";

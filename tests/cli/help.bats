@@ -10,7 +10,7 @@ tools() { (cd "$EVO_BIN" && printf '%s\n' evo-*); }
 @test "help fits a terminal and shows two examples and the exit statuses" {
   for tool in $(tools); do
     "$tool" --help > help
-    run ! grep -E '^.{101}' help
+    run ! grep -E '^.{81}' help
     grep -q '^Exit status:' help
     [ "$(sed -n '/^Examples:/,$p' help | grep -c '^  # ')" -ge 2 ]
   done

@@ -7,9 +7,15 @@ install(DIRECTORY scripts/ DESTINATION ${EVO_DATA_DIR}/scripts COMPONENT tools
         FILES_MATCHING PATTERN "*.mk" PATTERN "*.gnuplot" PATTERN "*.jq" PATTERN "*.awk"
         PATTERN "*-slots" PATTERN "rank" PATTERN "places" PATTERN "ssh-run" PATTERN "carr*"
         PATTERN "slurm/*" PATTERN "completion" EXCLUDE)
-install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)
-install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
+# The links of the documents lead to what is there.
+install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md
+        DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)
+install(DIRECTORY docs examples benchmarks records DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
         USE_SOURCE_PERMISSIONS PATTERN man EXCLUDE)
+install(FILES python/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/python COMPONENT tools)
+install(FILES api/evo/evo.h DESTINATION ${CMAKE_INSTALL_DOCDIR}/api/evo COMPONENT tools)
+install(DIRECTORY tasks DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
+        FILES_MATCHING PATTERN "physics/*" PATTERN "training/*" PATTERN "examples/*" PATTERN "neat.yaml")
 
 # Completion is loaded by the name of a tool (bash), or of the function (zsh).
 foreach(tool ${EVO_TOOLS})

@@ -38,6 +38,18 @@ installed() {
   diff <(cd "$EVO_SOURCE/tasks" && find . -type f | sort) <(cd "$PREFIX/share/evo/tasks" && find . -type f | sort)
 }
 
+@test "links between the installed documents lead somewhere" {
+  documents=$(echo "$PREFIX"/share/doc/evo)
+  [ -s "$documents/README.md" ]
+  find "$documents" -name '*.md' | while read -r page; do
+    grep -oE '\]\([^)#]+' "$page" | sed 's/](//' | grep -v '^https\?:' | while read -r link; do
+      case $link in */tests/*) continue ;; esac  # not installed
+      [ -e "$(dirname "$page")/$link" ] || echo "${page#"$documents/"}: $link"
+    done
+  done > lost
+  [ ! -s lost ] || { cat lost; return 1; }
+}
+
 @test "man finds the pages" {
   command -v man > /dev/null || skip "man is not installed"
   [ -e "$EVO_BIN/../docs/man/evo.7" ] || skip "built without help2man or scdoc"

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <limits>
 #include <new>
@@ -32,6 +33,12 @@ void begin_library() {
   constexpr std::size_t headroom = std::size_t{16} << 20;  // bytes
   ::operator delete(::operator new(headroom));
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+// The library takes two files in memory for one if their names are the same.
+std::string in_memory(const std::string& name) {
+  static std::atomic<std::uint64_t> count = 0;
+  return fmt::format("{}#{}", name, count++);
 }
 
 // The innermost reason on the error stack, as " (inflate() failed)", or "".
@@ -162,7 +169,8 @@ struct Writer::File {
     constexpr hbool_t keep_in_memory = false;
     H5Pset_fapl_core(access.get(), growth, keep_in_memory);
     const Handle creation = group_properties(H5P_FILE_CREATE);
-    id = Handle(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose);
+    id = Handle(H5Fcreate(in_memory(name).c_str(), H5F_ACC_TRUNC, creation.get(), access.get()),
+                H5Fclose);
     if (!id.ok()) throw failed("/");
   }
 
@@ -371,7 +379,7 @@ struct Reader::File {
     constexpr std::size_t growth = std::size_t{1} << 16;
     H5Pset_fapl_core(access.get(), growth, false);
     H5Pset_file_image(access.get(), const_cast<char*>(bytes.data()), bytes.size());  // copies
-    id = Handle(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+    id = Handle(H5Fopen(in_memory(name).c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
     if (!id.ok()) throw damaged(begins_as_hdf5(bytes));
     if (!heaps_are_sound(bytes)) throw unsound();
   }

@@ -152,6 +152,7 @@ n2_returns() {
     "TRAINER=$stand_in" VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 10"
   [ "$(wc -l < run/slurm/runs)" -eq 4 ]
   grep -q '^#SBATCH --array=1-4' run/slurm/job.sh
+  squeue --noheader --format=%F | sort -u | xargs -r scancel
 }
 
 @test "settings that are wrong, or of another run, are refused before anything is queued" {
@@ -166,7 +167,8 @@ n2_returns() {
   evo-run init run method=ga task=Walker-v0 population=1 evaluations=2 steps=1 seed=1
   run -2 "$EVO_SOURCE/scripts/slurm/submit" run -- "${settings[@]}"
   [[ $output == *"steps: 1 there, steps: 4096 asked for"* ]]
-  [ "$(squeue --noheader --states=all --format=%A | sort -n | tail -n 1)" -eq "$held" ]
+  # (%F: elements of an array get numbers of their own, %A, when they begin.)
+  [ "$(squeue --noheader --states=all --format=%F | sort -n | tail -n 1)" -eq "$held" ]
 }
 
 @test "without sbatch it says what to do, and the script is there" {

@@ -82,6 +82,22 @@ TEST_CASE("HDF5: the same content is the same file, also a second later") {
   CHECK(read_file(folder / "a.h5") == read_file(folder / "b.h5"));
 }
 
+TEST_CASE("HDF5: a file may be written twice at once, and read from memory twice") {
+  const ScratchFolder scratch;
+  const auto path = scratch / "twice.h5";
+  hdf5::Writer one(path);
+  hdf5::Writer other(path);
+  one.attribute("/", "number", 1.0);
+  other.attribute("/", "number", 2.0);
+  one.commit();
+  const std::string first = read_file(path);
+  other.commit();
+  CHECK(hdf5::Reader(path).number<double>("/", "number") == 2.0);
+  const hdf5::Reader earlier(first, "memory");
+  CHECK(hdf5::Reader(read_file(path), "memory").number<double>("/", "number") == 2.0);
+  CHECK(earlier.number<double>("/", "number") == 1.0);
+}
+
 TEST_CASE("HDF5: what does not fit is refused with file and path") {
   const ScratchFolder folder;
   write_example(folder / "f.h5");

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/ranges.h>
 #include <hdf5.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -23,15 +24,28 @@ namespace {
 
 // ---- handles and errors -----------------------------------------------------
 
-// Before the library is used. It keeps one error stack a thread and prints it unless
-// told not to. Its clean-up at exit is not needed, all files being closed by then, and
-// would wait for ever for a lock that it has not given back when it ran out of memory.
-// Short of that it crashes (1.10.8: H5AC_create): better found out before, if only
-// mostly, since other threads may take what is there now.
-void begin_library() {
-  [[maybe_unused]] static const herr_t once = H5dont_atexit();
+// Short of memory the library crashes as it begins, makes or opens a file (1.10.8).
+// Mostly found out before: another thread may take what is there now. Asked of the
+// kernel, since so large a piece of the heap would change how it deals with others.
+void need_memory() {
   constexpr std::size_t headroom = std::size_t{16} << 20;  // bytes
-  ::operator delete(::operator new(headroom));
+  void* const room =
+      ::mmap(nullptr, headroom, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (room == MAP_FAILED) throw std::bad_alloc();
+  ::munmap(room, headroom);
+}
+
+// The library's clean-up at exit is not needed, all files being closed by then, and would
+// wait for ever for a lock that it has not given back when it ran out of memory.
+bool begin_library() {
+  need_memory();
+  H5dont_atexit();
+  return true;
+}
+
+// The library keeps one error stack a thread and prints it unless told not to.
+void silence() {
+  [[maybe_unused]] static const bool begun = begin_library();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -163,7 +177,8 @@ struct Writer::File {
   Handle id;
 
   explicit File(const std::filesystem::path& path) : output(path), name(path.string()) {
-    begin_library();
+    need_memory();
+    silence();
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     constexpr std::size_t growth = std::size_t{1} << 20;
     constexpr hbool_t keep_in_memory = false;
@@ -200,7 +215,7 @@ struct Writer::File {
 
   // `path` and the groups on the way, where they do not exist.
   void make_groups(const std::string& path) const {
-    begin_library();
+    silence();
     for (const std::string& prefix : prefixes(path)) {
       if (H5Lexists(id.get(), prefix.c_str(), H5P_DEFAULT) > 0) continue;
       const Handle group(H5Gcreate2(id.get(), prefix.c_str(), link_properties().get(),
@@ -241,7 +256,7 @@ struct Writer::File {
 
   void attribute(const std::string& object, const std::string& attribute_name, hid_t stored_type,
                  hid_t given_type, const Shape& shape, const void* value) const {
-    begin_library();
+    silence();
     const Handle owner(H5Oopen(id.get(), object.c_str(), H5P_DEFAULT), H5Oclose);
     const Handle space = space_of(shape);
     const Handle attribute(H5Acreate2(owner.get(), attribute_name.c_str(), stored_type, space.get(),
@@ -312,7 +327,7 @@ void Writer::attribute(const std::string& object, const std::string& name,
 }
 
 void Writer::commit(Existing existing) {
-  begin_library();
+  silence();
   const hid_t id = file_->id.get();
   const auto checksum = content_checksum(id, std::numeric_limits<std::size_t>::max());
   if (!checksum) throw file_->failed("/");
@@ -373,7 +388,8 @@ struct Reader::File {
   Handle id;
 
   File(std::string_view bytes, std::string name_) : name(std::move(name_)), size(bytes.size()) {
-    begin_library();
+    need_memory();
+    silence();
     stay_in_this_file();
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     constexpr std::size_t growth = std::size_t{1} << 16;
@@ -385,7 +401,8 @@ struct Reader::File {
   }
 
   explicit File(const std::filesystem::path& path) : name(path.string()) {
-    begin_library();
+    need_memory();
+    silence();
     stay_in_this_file();
     // Opening a pipe may wait for ever.
     std::error_code ignored;
@@ -421,7 +438,7 @@ struct Reader::File {
   }
 
   Handle open_dataset(const std::string& path) const {
-    begin_library();
+    silence();
     if (!exists(path)) throw failed(path, "is missing");
     Handle dataset(H5Dopen2(id.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
     if (!dataset.ok()) throw failed(path, "is not a dataset" + library_reason());
@@ -433,7 +450,7 @@ struct Reader::File {
   }
 
   Handle open_attribute(const std::string& object, const std::string& attribute) const {
-    begin_library();
+    silence();
     if (!has_attribute(object, attribute))
       throw failed(attribute_path(object, attribute), "is missing");
     Handle opened(
@@ -444,7 +461,7 @@ struct Reader::File {
   }
 
   bool exists(const std::string& path) const {
-    begin_library();
+    silence();
     for (const std::string& prefix : prefixes(path))
       if (H5Lexists(id.get(), prefix.c_str(), H5P_DEFAULT) <= 0) return false;
     return true;
@@ -536,7 +553,7 @@ void Reader::verify() const {
 bool Reader::exists(const std::string& path) const { return file_->exists(path); }
 
 std::vector<std::string> Reader::children(const std::string& group) const {
-  begin_library();
+  silence();
   if (!exists(group)) throw file_->failed(group, "is missing");
   std::vector<std::string> names;
   const auto keep = [](hid_t, const char* name, const H5L_info_t*, void* into) -> herr_t {
@@ -627,7 +644,7 @@ std::vector<T> Reader::numbers(const std::string& object, const std::string& nam
 }
 
 bool is_hdf5(const std::filesystem::path& path) {
-  begin_library();
+  silence();
   // A pipe can be opened once, and that is for its reader to do.
   std::error_code ignored;
   return std::filesystem::is_regular_file(path, ignored) && H5Fis_hdf5(path.c_str()) > 0;

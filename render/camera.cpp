@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+
+#include "render/bounds.h"
 
 namespace evo::render {
 namespace {
@@ -22,19 +23,6 @@ constexpr double smooth_zoom = 40;
 constexpr int zoom_window = 60;  // half width of the maximum the zoom is drawn from
 
 using Series = std::vector<double>;
-
-struct Box {
-  double x0 = std::numeric_limits<double>::infinity();
-  double x1 = -std::numeric_limits<double>::infinity();
-  double y0 = std::numeric_limits<double>::infinity();
-  double y1 = -std::numeric_limits<double>::infinity();
-  void add(Vec2 p) {
-    x0 = std::min(x0, p.x);
-    x1 = std::max(x1, p.x);
-    y0 = std::min(y0, p.y);
-    y1 = std::max(y1, p.y);
-  }
-};
 
 // A Gaussian mean; the ends are repeated outwards.
 Series smoothed(const Series& values, double sigma) {
@@ -77,18 +65,18 @@ double keep_inside(double centre, double extent, double low, double high, double
 
 // The earth below the floor takes a small share of the picture at most: the
 // window is moved up for that, as far as `box` stays inside.
-double raise(double centre_y, double height, const Box& box) {
+double raise(double centre_y, double height, const Bounds& box) {
   const double lowest = height / 2 - earth_share * height;  // centre for that share
   const double highest = box.y0 - least_margin + height / 2;
   return std::max(centre_y, std::min(lowest, std::max(highest, centre_y)));
 }
 
-std::vector<Box> boxes(const Mesh& mesh, std::span<const Vec2> points,
-                       const std::vector<int>& objects) {
+std::vector<Bounds> boxes(const Mesh& mesh, std::span<const Vec2> points,
+                          const std::vector<int>& objects) {
   std::size_t per_step = 0;
   for (const ModelObject& object : mesh.objects)
     per_step += static_cast<std::size_t>(object.points);
-  std::vector<Box> result(per_step == 0 ? 0 : points.size() / per_step);
+  std::vector<Bounds> result(per_step == 0 ? 0 : points.size() / per_step);
   for (std::size_t t = 0; t < result.size(); ++t)
     for (const int k : objects) {
       const ModelObject& object = mesh.objects[static_cast<std::size_t>(k)];
@@ -100,9 +88,9 @@ std::vector<Box> boxes(const Mesh& mesh, std::span<const Vec2> points,
   return result;
 }
 
-std::vector<ViewRect> follow_path(const std::vector<Box>& boxes, double aspect, double zoom) {
+std::vector<ViewRect> follow_path(const std::vector<Bounds>& boxes, double aspect, double zoom) {
   Series x, y, width;
-  for (const Box& box : boxes) {
+  for (const Bounds& box : boxes) {
     x.push_back((box.x0 + box.x1) / 2);
     y.push_back((box.y0 + box.y1) / 2);
     const double w = extra * (box.x1 - box.x0 + 2 * margin_x / zoom);
@@ -114,7 +102,7 @@ std::vector<ViewRect> follow_path(const std::vector<Box>& boxes, double aspect, 
   width = smoothed(windowed_maximum(width, zoom_window), smooth_zoom);
   std::vector<ViewRect> path;
   for (std::size_t t = 0; t < boxes.size(); ++t) {
-    const Box& box = boxes[t];
+    const Bounds& box = boxes[t];
     ViewRect view{x[t], y[t], width[t], width[t] / aspect};
     view.centre_y = raise(view.centre_y, view.height, box);
     view.centre_x = keep_inside(view.centre_x, view.width, box.x0, box.x1, least_margin);
@@ -124,11 +112,11 @@ std::vector<ViewRect> follow_path(const std::vector<Box>& boxes, double aspect, 
   return path;
 }
 
-ViewRect world_view(const std::vector<Box>& boxes, double aspect) {
+ViewRect world_view(const std::vector<Bounds>& boxes, double aspect) {
   constexpr double margin = 2.0;        // voxels
   constexpr double label_share = 0.10;  // of the height, above everything
-  Box all;
-  for (const Box& box : boxes) {
+  Bounds all;
+  for (const Bounds& box : boxes) {
     all.add({box.x0, box.y0});
     all.add({box.x1, box.y1});
   }
@@ -150,7 +138,7 @@ std::vector<ViewRect> camera_path(const Mesh& mesh, std::span<const Vec2> points
   std::vector<int> everything;
   for (std::size_t k = 0; k < mesh.objects.size(); ++k) everything.push_back(static_cast<int>(k));
   const bool all = camera.mode == CameraMode::world;
-  const std::vector<Box> extents = boxes(mesh, points, all ? everything : follow);
+  const std::vector<Bounds> extents = boxes(mesh, points, all ? everything : follow);
   switch (camera.mode) {
     case CameraMode::follow:
       return follow_path(extents, aspect, camera.zoom);

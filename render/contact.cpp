@@ -4,26 +4,21 @@
 #include <array>
 #include <cmath>
 
+#include "render/bounds.h"
+
 namespace evo::render {
 namespace {
 
 constexpr double reach = 0.06;  // the benchmark's contact margin is 0.05
 
-struct Box {
-  double x0 = 1e30, x1 = -1e30, y0 = 1e30, y1 = -1e30;
-  void add(Vec2 p) {
-    x0 = std::min(x0, p.x);
-    x1 = std::max(x1, p.x);
-    y0 = std::min(y0, p.y);
-    y1 = std::max(y1, p.y);
-  }
-  bool near(Vec2 p) const {
-    return p.x > x0 - reach && p.x < x1 + reach && p.y > y0 - reach && p.y < y1 + reach;
-  }
-  bool near(const Box& o) const {
-    return o.x1 > x0 - reach && o.x0 < x1 + reach && o.y1 > y0 - reach && o.y0 < y1 + reach;
-  }
-};
+bool near(const Bounds& bounds, Vec2 p) {
+  return p.x > bounds.x0 - reach && p.x < bounds.x1 + reach && p.y > bounds.y0 - reach &&
+         p.y < bounds.y1 + reach;
+}
+
+bool near(const Bounds& a, const Bounds& b) {
+  return b.x1 > a.x0 - reach && b.x0 < a.x1 + reach && b.y1 > a.y0 - reach && b.y0 < a.y1 + reach;
+}
 
 double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
   const Vec2 along{b.x - a.x, b.y - a.y};
@@ -50,32 +45,31 @@ class World {
  public:
   World(const Mesh& mesh, std::span<const Vec2> points) : mesh_(mesh), points_(points) {}
 
-  Box box(const ModelObject& object) const {
-    Box box;
+  Bounds box(const ModelObject& object) const {
+    Bounds box;
     for (int k = object.first_point; k < object.first_point + object.points; ++k) box.add(at(k));
     return box;
   }
 
   // Points of `of` that touch a cell of `other`.
   void add(const ModelObject& of, const ModelObject& other, std::vector<Vec2>& found) const {
-    const Box bounds = box(other);
-    if (!bounds.near(box(of))) return;
+    const Bounds own = box(of);
+    if (!near(box(other), own)) return;
     std::vector<std::array<Vec2, 4>> cells;
-    std::vector<Box> boxes;
-    const Box own = box(of);
+    std::vector<Bounds> boxes;
     for (int c = other.first_cell; c < other.first_cell + other.cells; ++c) {
       const auto [tl, tr, bl, br] = mesh_.cells[static_cast<std::size_t>(c)].points;
       const std::array<Vec2, 4> corners{at(tl), at(tr), at(br), at(bl)};
-      Box box;
+      Bounds box;
       for (const Vec2& corner : corners) box.add(corner);
-      if (!box.near(own)) continue;
+      if (!near(box, own)) continue;
       cells.push_back(corners);
       boxes.push_back(box);
     }
     for (int k = of.first_point; k < of.first_point + of.points; ++k) {
       const Vec2 p = at(k);
       for (std::size_t c = 0; c < cells.size(); ++c) {
-        if (!boxes[c].near(p) || !touches(p, cells[c])) continue;
+        if (!near(boxes[c], p) || !touches(p, cells[c])) continue;
         found.push_back(p);
         break;
       }

@@ -5,6 +5,7 @@
 #include "libevo/base/error.h"
 #include "render/label.h"
 #include "render/projection.h"
+#include "render/round_numbers.h"
 
 namespace evo::render {
 namespace {
@@ -30,18 +31,10 @@ Rect plate(const Rect& inside, float size, const Theme& theme, Drawing& drawing)
   return area;
 }
 
-// 0.5, 1, 2, 5, ...: the first whose arrow is long enough to be measured by.
-double round_amount(double pixels_of_one, double least_pixels) {
-  double amount = 0.01;
-  for (int k = 0; amount * pixels_of_one < least_pixels && k < 40; ++k)
-    amount *= k % 3 == 1 ? 2.5 : 2;
-  return amount;
-}
-
 void draw_arrow_key(double pixels_of_one, const char* one, const char* many, Color color,
                     const Theme& theme, Column& column, Typesetter& typesetter, Drawing& drawing) {
   const float size = column.size;
-  const double amount = round_amount(pixels_of_one, 2.5 * static_cast<double>(size));
+  const double amount = round_number_from(2.5 * static_cast<double>(size) / pixels_of_one);
   const auto length = static_cast<float>(amount * pixels_of_one);
   const std::string words = fmt::format("{:.3g} {}", amount, amount == 1 ? one : many);
   const Rect inside =

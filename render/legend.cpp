@@ -1,10 +1,12 @@
 #include "render/legend.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
 
 #include "libevo/task/spec.h"
+#include "render/round_numbers.h"
 #include "render/sheet.h"
 
 namespace evo::render {
@@ -22,10 +24,9 @@ bool has(const Mesh& mesh, bool robot, Voxel type) {
 // Left out where it would reach to the left of `from`.
 void draw_scale_bar(double scale, float from, const Theme& theme, const Rect& area, float size,
                     Typesetter& typesetter, Drawing& drawing) {
-  int voxels = 1;
   constexpr double least = 4.0;  // widths of a letter
-  for (int k = 0; voxels * scale < least * static_cast<double>(size); ++k)
-    voxels = voxels * (k % 3 == 1 ? 5 : 2) / (k % 3 == 1 ? 2 : 1);
+  const double wanted = std::max(1.0, least * static_cast<double>(size) / scale);
+  const int voxels = static_cast<int>(std::lround(round_number_from(wanted)));
   const float right = area.x + area.width;
   const auto length = static_cast<float>(voxels * scale);
   const float y = area.y + area.height / 2;

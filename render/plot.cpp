@@ -6,18 +6,10 @@
 #include "libevo/base/error.h"
 #include "render/label.h"
 #include "render/quantity.h"
+#include "render/round_numbers.h"
 
 namespace evo::render {
 namespace {
-
-// 1, 2 or 5 times a power of ten: a tick every so much gives about `wanted` of them.
-double tick_distance(double span, double wanted) {
-  const double rough = span / wanted;
-  const double power = std::pow(10, std::floor(std::log10(rough)));
-  for (const double digit : {1.0, 2.0, 5.0})
-    if (digit * power >= rough) return digit * power;
-  return 10 * power;
-}
 
 std::string number(double value, double tick) {
   const int digits = std::max(0, static_cast<int>(-std::floor(std::log10(tick) + 1e-9)));
@@ -37,7 +29,7 @@ struct Axes {
     drawing.text({{inside.x, inside.y - 0.75F * size}, size, text, theme.text, Align::left, true});
   }
   void steps_below() const {
-    const double between = tick_distance(steps, 8);
+    const double between = round_number_from(steps / 8);
     for (double t = 0; t <= steps + 1e-9; t += between)
       drawing.text({{x(t), inside.y + inside.height + 1.35F * size},
                     0.9F * size,
@@ -67,7 +59,7 @@ void draw_return(const Clip& clip, double now, const Axes& axes) {
     return area.y + area.height * static_cast<float>((high - value) / (high - low));
   };
   axes.title("return");
-  const double every = tick_distance(high - low, 3);
+  const double every = round_number_from((high - low) / 3);
   for (double y = std::ceil(low / every - 1e-9) * every; y <= high + 1e-9; y += every) {
     drawing.segment({inside.x, y_of(y)}, {inside.x + inside.width, y_of(y)}, 1, theme.grid_major);
     drawing.text({{inside.x - 0.5F * size, y_of(y) + 0.36F * size},

@@ -8,6 +8,7 @@
 
 #include "formats/physics_profile.h"
 #include "libevo/base/error.h"
+#include "render/round_numbers.h"
 
 namespace evo::render {
 namespace {
@@ -147,14 +148,6 @@ class Stress {
   double weight_ = 0;
 };
 
-// The next of 1, 2, 5, 10, ... from `value` on.
-double rounded_up(double value) {
-  const double power = std::pow(10, std::floor(std::log10(value)));
-  for (const double digit : {1.0, 2.0, 5.0})
-    if (digit * power >= value * (1 - 1e-9)) return digit * power;
-  return 10 * power;
-}
-
 // Of most values, the largest; few that stick out must not make all others pale.
 double usual_extreme(const std::vector<float>& values) {
   constexpr double share = 0.98;
@@ -213,7 +206,7 @@ Quantity::Quantity(Tint what, const Rollout& rollout, const RolloutEpisode& epis
     return;
   }
   constexpr double least = 0.01;
-  const double most = rounded_up(std::max(least, usual_extreme(values_)));
+  const double most = round_number_from(std::max(least, usual_extreme(values_)));
   scale_ = {what == Tint::strain ? "strain (area)" : "stress (weights per voxel)", -most, 0, most};
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/objects.h"
+#include "render/round_numbers.h"
 
 namespace evo::render {
 namespace {
@@ -103,9 +104,8 @@ void draw_heights(const Scene& scene, const Theme& theme, const Projection& to_p
   const float size =
       scene.ruler_text > 0 ? scene.ruler_text : std::max(least, label_size(panel) * 0.8F);
   if (panel.height < 20 * size || to_pixels.scale < least_grid_voxel) return;
-  int step = 1;
-  for (int k = 0; to_pixels.scale * step < 2.5 * size; ++k)
-    step = step * (k % 3 == 1 ? 5 : 2) / (k % 3 == 1 ? 2 : 1);
+  const double least_step = std::max(1.0, 2.5 * static_cast<double>(size) / to_pixels.scale);
+  const int step = static_cast<int>(std::lround(round_number_from(least_step)));
   const float top = panel.y + (scene.ruler_text > 0 ? 0.0F : 4.2F * size);
   const float bottom = std::min(panel.y + panel.height, to_pixels({0, 0}).y);
   const float width = 3.1F * size;

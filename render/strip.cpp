@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "libevo/task/spec.h"
+#include "render/bounds.h"
 #include "render/key.h"
 #include "render/label.h"
 #include "render/legend.h"
@@ -14,28 +15,16 @@
 namespace evo::render {
 namespace {
 
-struct Extent {
-  double x0 = 1e30, x1 = -1e30, y0 = 1e30, y1 = -1e30;
-  void add(Vec2 p) {
-    x0 = std::min(x0, p.x);
-    x1 = std::max(x1, p.x);
-    y0 = std::min(y0, p.y);
-    y1 = std::max(y1, p.y);
-  }
-  double width() const { return x1 - x0; }
-  double height() const { return y1 - y0; }
-};
-
-Extent extent_of(const Clip& clip, int step, const ModelObject& object) {
-  Extent extent;
+Bounds extent_of(const Clip& clip, int step, const ModelObject& object) {
+  Bounds extent;
   for (int k = 0; k < object.points; ++k)
     extent.add(clip.points(step)[static_cast<std::size_t>(object.first_point + k)]);
   return extent;
 }
 
 // Of the robot's centre between two steps.
-Extent way(const Clip& clip, int from, int to) {
-  Extent extent;
+Bounds way(const Clip& clip, int from, int to) {
+  Bounds extent;
   for (int t = from; t <= to; ++t) extent.add(clip.centre(t));
   return extent;
 }
@@ -47,9 +36,9 @@ std::vector<bool> travelling(const Clip& clip, const std::vector<int>& moments) 
   constexpr double far = 1.0;  // voxels
   std::vector<bool> result;
   for (const ModelObject& object : clip.mesh().objects) {
-    Extent centres;
+    Bounds centres;
     for (const int step : moments) {
-      const Extent extent = extent_of(clip, step, object);
+      const Bounds extent = extent_of(clip, step, object);
       centres.add({(extent.x0 + extent.x1) / 2, (extent.y0 + extent.y1) / 2});
     }
     const bool moves = std::max(centres.width(), centres.height()) >= far;
@@ -100,12 +89,12 @@ Scene panorama(const Clip& clip, const std::vector<int>& moments) {
 }
 
 // Everything that is shown at every moment, and the way between.
-Extent shown(const Clip& clip, const std::vector<int>& moments, const std::vector<bool>& travels) {
-  Extent extent = way(clip, moments.front(), moments.back());
+Bounds shown(const Clip& clip, const std::vector<int>& moments, const std::vector<bool>& travels) {
+  Bounds extent = way(clip, moments.front(), moments.back());
   for (const int step : moments)
     for (std::size_t k = 0; k < travels.size(); ++k) {
       if (!travels[k]) continue;
-      const Extent object = extent_of(clip, step, clip.mesh().objects[k]);
+      const Bounds object = extent_of(clip, step, clip.mesh().objects[k]);
       extent.add({object.x0, object.y0});
       extent.add({object.x1, object.y1});
     }
@@ -231,7 +220,7 @@ std::string duration(const std::vector<int>& moments) {
   return fmt::format("{} steps, {:.3g} s", steps, steps / steps_per_second);
 }
 
-Drawing lying(const Clip& clip, const std::vector<int>& moments, Scene scene, const Extent& extent,
+Drawing lying(const Clip& clip, const std::vector<int>& moments, Scene scene, const Bounds& extent,
               const Theme& theme, Size most, Typesetter& typesetter) {
   const auto width = static_cast<float>(most.width);
   const float size = std::max(9.0F, 0.0125F * width);
@@ -285,7 +274,7 @@ Drawing lying(const Clip& clip, const std::vector<int>& moments, Scene scene, co
 }
 
 Drawing standing(const Clip& clip, const std::vector<int>& moments, Scene scene,
-                 const Extent& extent, const Theme& theme, Size most, Typesetter& typesetter) {
+                 const Bounds& extent, const Theme& theme, Size most, Typesetter& typesetter) {
   const auto height = static_cast<float>(most.height);
   const float size = std::max(9.0F, 0.022F * height);
   const float earth = 2.4F * size;
@@ -332,16 +321,16 @@ Drawing standing(const Clip& clip, const std::vector<int>& moments, Scene scene,
 
 bool travels(const Clip& clip, int from, int to) {
   constexpr double bodies = 1.5;  // lengths of the robot
-  const Extent body = extent_of(clip, from, clip.mesh().objects.front());
-  const Extent path = way(clip, from, to);
+  const Bounds body = extent_of(clip, from, clip.mesh().objects.front());
+  const Bounds path = way(clip, from, to);
   return path.width() >= bodies * body.width() || path.height() >= bodies * body.height();
 }
 
 Drawing strip(const Clip& clip, const std::vector<int>& moments, const Theme& theme, Size most,
               Typesetter& typesetter) {
   Scene scene = panorama(clip, moments);
-  const Extent extent = shown(clip, moments, scene.travels);
-  const Extent path = way(clip, moments.front(), moments.back());
+  const Bounds extent = shown(clip, moments, scene.travels);
+  const Bounds path = way(clip, moments.front(), moments.back());
   const bool climbs = path.height() > path.width() && path.height() > 4.0;
   return climbs ? standing(clip, moments, std::move(scene), extent, theme, most, typesetter)
                 : lying(clip, moments, std::move(scene), extent, theme, most, typesetter);

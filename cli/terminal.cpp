@@ -22,7 +22,7 @@ struct Paint {
 Paint paint(Voxel voxel) {
   switch (voxel) {
     case Voxel::rigid:
-      return {240, 254};
+      return {241, 254};
     case Voxel::soft:
       return {250, 240};
     case Voxel::horizontal:

@@ -162,7 +162,7 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
     ending_ = end.text;
   const Tint tint = overlays_.tint;
   if (tint == Tint::strain || tint == Tint::stress || tint == Tint::commanded)
-    quantity_.emplace(tint, rollout, data, mesh_, points_);
+    value_scale_ = quantity_.emplace(tint, rollout, data, mesh_, points_).scale();
   if (overlays_.contacts) {
     physics_ = physics_of(rollout);
     for (const ModelObject& object : mesh_.objects) {
@@ -209,7 +209,7 @@ Scene Clip::scene(double step) const {
   scene.tint = overlays_.tint == Tint::actuation;
   scene.heights = heights_;
   scene.values = values(whole + share);
-  if (quantity_) scene.value_scale = quantity_->scale();
+  scene.value_scale = value_scale_;
   if (!goals_.empty()) {
     const auto now = static_cast<std::size_t>(share < 1 ? whole : next);
     scene.goal = {{goals_[now].x, ground(goals_[now].x)}, goals_[now].x - centres_[now].x};
@@ -345,6 +345,12 @@ Caption Clip::caption(double step) const {
                                   away < 0 ? "left" : "right");
   }
   return caption;
+}
+
+void share_value_scale(std::span<Clip* const> clips) {
+  ValueScale shared = clips.front()->value_scale();
+  for (const Clip* clip : clips) shared = widest(shared, clip->value_scale());
+  for (Clip* clip : clips) clip->value_scale(shared);
 }
 
 std::vector<double> timeline(const RenderOptions& options, int steps) {

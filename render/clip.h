@@ -53,6 +53,9 @@ class Clip {
   bool over() const { return !ending_.empty(); }
   // Of cells, as Scene has them; empty unless `tint` asks for them.
   std::vector<float> values(double step) const;
+  // Their colours; those of the episode alone at first.
+  const ValueScale& value_scale() const { return value_scale_; }
+  void value_scale(const ValueScale& scale) { value_scale_ = scale; }
 
   const Mesh& mesh() const { return mesh_; }
   // Of all objects, or of the first one's centre, at a whole step; voxels.
@@ -82,9 +85,13 @@ class Clip {
   bool heights_ = false;           // count in the task
   std::string ending_;             // empty for a recording that was cut
   std::optional<Quantity> quantity_;
+  ValueScale value_scale_;
   std::optional<Physics> physics_;  // for forces, and centres of all objects that move
   std::vector<std::vector<Vec2>> object_centres_;
 };
+
+// One colour is the same value in all of them.
+void share_value_scale(std::span<Clip* const> clips);
 
 // The steps shown by the frames of a video of an episode of `steps` steps; the
 // last step shown is always among them. Throws Error(usage) for an empty range.

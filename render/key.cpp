@@ -55,6 +55,17 @@ std::string number(double value) {
   return (value < 0 ? "\u2212" : "") + text;
 }
 
+void draw_colors(const ValueScale& scale, const Rect& bar, Drawing& drawing) {
+  constexpr int parts = 48;
+  for (int k = 0; k < parts; ++k) {
+    const double share = (k + 0.5) / parts;
+    // Each reaches to the end, under the next ones, so that no seam shows.
+    const float x = bar.x + bar.width * static_cast<float>(k) / parts;
+    drawing.rectangle({x, bar.y, bar.x + bar.width - x, bar.height},
+                      color_of(scale, scale.low + share * (scale.high - scale.low)));
+  }
+}
+
 void draw_value_bar(const ValueScale& scale, const Theme& theme, Column& column,
                     Typesetter& typesetter, Drawing& drawing) {
   const float size = column.size;
@@ -64,14 +75,7 @@ void draw_value_bar(const ValueScale& scale, const Theme& theme, Column& column,
   plate(inside, size, theme, drawing);
   drawing.text({{inside.x, inside.y + cap_height * size}, size, scale.title, theme.text});
   const Rect bar{inside.x, inside.y + 1.2F * size, inside.width, 0.8F * size};
-  constexpr int parts = 48;
-  for (int k = 0; k < parts; ++k) {
-    const double share = (k + 0.5) / parts;
-    // Each reaches to the end, under the next ones, so that no seam shows.
-    const float x = bar.x + bar.width * static_cast<float>(k) / parts;
-    drawing.rectangle({x, bar.y, bar.x + bar.width - x, bar.height},
-                      color_of(scale, scale.low + share * (scale.high - scale.low)));
-  }
+  draw_colors(scale, bar, drawing);
   const float y = bar.y + bar.height + 0.2F * size + cap_height * size;
   const auto place = [&](double value) {
     return bar.x + bar.width * static_cast<float>((value - scale.low) / (scale.high - scale.low));
@@ -88,6 +92,23 @@ void draw_value_bar(const ValueScale& scale, const Theme& theme, Column& column,
 }
 
 }  // namespace
+
+void draw_value_line(const ValueScale& scale, const Theme& theme, Point centre, float size,
+                     Typesetter& typesetter, Drawing& drawing) {
+  const float length = 9 * size;
+  const std::string low = number(scale.low);
+  const std::string high = number(scale.high);
+  const float gap = 0.5F * size;
+  const float title = typesetter.width(scale.title, size);
+  const float before = typesetter.width(low, size);
+  float x = centre.x - (title + before + length + typesetter.width(high, size) + 4 * gap) / 2;
+  const float baseline = centre.y + cap_height * size / 2;
+  drawing.text({{x, baseline}, size, scale.title, theme.text});
+  drawing.text({{x += title + 2 * gap, baseline}, size, low, theme.text_muted});
+  const Rect bar{x += before + gap, centre.y - 0.45F * size, length, 0.9F * size};
+  draw_colors(scale, bar, drawing);
+  drawing.text({{bar.x + length + gap, baseline}, size, high, theme.text_muted});
+}
 
 void draw_key(const Scene& scene, const Theme& theme, const Rect& panel, int captions,
               Typesetter& typesetter, Drawing& drawing) {

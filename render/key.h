@@ -12,4 +12,8 @@ namespace evo::render {
 void draw_key(const Scene& scene, const Theme& theme, const Rect& panel, int captions,
               Typesetter& typesetter, Drawing& drawing);
 
+// The bar of colours alone, in one line of text around `centre`.
+void draw_value_line(const ValueScale& scale, const Theme& theme, Point centre, float size,
+                     Typesetter& typesetter, Drawing& drawing);
+
 }  // namespace evo::render

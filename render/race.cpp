@@ -116,6 +116,7 @@ Drawing Race::frame(double step, Typesetter& typesetter) const {
   const Theme& theme = theme_by_name(options_.theme);
   Drawing drawing(options_.size);
   Scene scene = clip_->scene(step);
+  scene.captions = options_.overlays.labels;
   for (std::size_t k = 0; options_.overlays.labels && k < runners_.size(); ++k) {
     const ModelObject& object = clip_->mesh().objects[k];
     constexpr double above = 1.1;  // voxels
@@ -124,7 +125,7 @@ Drawing Race::frame(double step, Typesetter& typesetter) const {
       top.x += scene.points[static_cast<std::size_t>(p)].x / object.points;
       top.y = std::max(top.y, scene.points[static_cast<std::size_t>(p)].y);
     }
-    scene.notes.push_back({{top.x, top.y + above}, runners_[k].letter, true});
+    scene.tags.push_back({{top.x, top.y + above}, runners_[k].letter});
   }
   draw_scene(scene, theme, drawing.whole(), drawing);
   if (!options_.overlays.labels) return drawing;

@@ -85,6 +85,9 @@ struct Film {
       clips.emplace_back(episodes[k], chosen, aspect_of(areas[k]));
       longest = std::max(longest, clips.back().steps());
     }
+    std::vector<Clip*> all;
+    for (Clip& clip : clips) all.push_back(&clip);
+    share_value_scale(all);
     steps = timeline(chosen, longest);
   }
 
@@ -92,7 +95,8 @@ struct Film {
     Drawing drawing(options->size);
     if (clips.size() > 1) drawing.rectangle(drawing.whole(), theme->paper);
     for (std::size_t k = 0; k < clips.size(); ++k) {
-      const Scene scene = clips[k].scene(step);
+      Scene scene = clips[k].scene(step);
+      scene.captions = options->overlays.labels;
       draw_scene(scene, *theme, areas[k], drawing);
       if (options->overlays.labels) {
         draw_caption(clips[k].caption(step), *theme, areas[k], typesetter, drawing);

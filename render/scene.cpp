@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/notes.h"
 #include "render/objects.h"
 #include "render/round_numbers.h"
 
@@ -73,7 +74,8 @@ void draw_ruler(const Scene& scene, const Theme& theme, const Projection& to_pix
   drawing.line({to_pixels.panel.x, floor}, {to_pixels.panel.x + to_pixels.panel.width, floor},
                to_pixels.pixels(0.08, 1.0), theme.floor_line);
   const float size = scene.ruler_text > 0 ? scene.ruler_text : label_size(to_pixels.panel) * 0.8F;
-  const float strip = to_pixels.panel.y + to_pixels.panel.height - floor;
+  const float pins = scene.pins.upright || scene.pins.places.empty() ? 0 : pin_row(to_pixels.panel);
+  const float strip = to_pixels.panel.y + to_pixels.panel.height - floor - pins;
   if (!scene.grid || size < 7 || strip < 1.8F * size) return;
   if (to_pixels.scale < least_grid_voxel) return;
   int step = 5;
@@ -96,7 +98,8 @@ void draw_ruler(const Scene& scene, const Theme& theme, const Projection& to_pix
   });
 }
 
-// Heights along the left border, from the floor up to where captions begin.
+// Heights along the left border, from the floor up to where captions begin; the numbers
+// on plates of their own, since anything may be behind them.
 void draw_heights(const Scene& scene, const Theme& theme, const Projection& to_pixels,
                   Drawing& drawing) {
   const Rect& panel = to_pixels.panel;
@@ -106,23 +109,20 @@ void draw_heights(const Scene& scene, const Theme& theme, const Projection& to_p
   if (panel.height < 20 * size || to_pixels.scale < least_grid_voxel) return;
   const double least_step = std::max(1.0, 2.5 * static_cast<double>(size) / to_pixels.scale);
   const int step = static_cast<int>(std::lround(round_number_from(least_step)));
-  const float top = panel.y + (scene.ruler_text > 0 ? 0.0F : 4.2F * size);
-  const float bottom = std::min(panel.y + panel.height, to_pixels({0, 0}).y);
-  const float width = 3.1F * size;
-  if (bottom - top < 4 * size) return;
-  drawing.rounded_rectangle({panel.x, top, width, bottom - top}, 0, theme.label);
+  const float top = panel.y + (scene.captions ? 5.0F : 0.8F) * size;
+  const float bottom = panel.y + panel.height - 0.8F * size;
   each_line(std::max(0.0, to_pixels.low()), to_pixels.top, step, [&](long y) {
     const float at = to_pixels({0, static_cast<double>(y)}).y;
-    if (at < top + 0.7F * size || at > bottom + 0.5F) return;
-    drawing.segment({panel.x + width - 0.6F * size, at}, {panel.x + width, at},
-                    to_pixels.pixels(0.05, 1.0), theme.text_muted);
-    if (at > panel.y + panel.height - 0.7F * size) return;
-    drawing.text({{panel.x + width - 0.9F * size, at + 0.36F * size},
-                  size,
-                  std::to_string(y),
-                  theme.text,
-                  Align::right,
-                  false});
+    if (at < top || at > bottom) return;
+    const std::string digits = std::to_string(y);
+    const float width = (0.64F * static_cast<float>(digits.size()) + 0.5F) * size;
+    const float x = panel.x + 0.9F * size;
+    drawing.segment({panel.x, at}, {x - 0.2F * size, at}, to_pixels.pixels(0.05, 1.0),
+                    theme.text_muted);
+    drawing.rounded_rectangle({x, at - 0.65F * size, width, 1.3F * size}, 0.35F * size,
+                              theme.label);
+    drawing.text(
+        {{x + width / 2, at + 0.36F * size}, size, digits, theme.text, Align::centre, false});
   });
 }
 
@@ -230,24 +230,6 @@ void draw_frame(const std::array<Vec2, 4>& place, const Theme& theme, const Proj
   drawing.stroke(corners, true, to_pixels.pixels(0.2, 2.0), theme.trail);
 }
 
-void draw_note(const Note& note, const Theme& theme, const Projection& to_pixels,
-               Drawing& drawing) {
-  const Rect& panel = to_pixels.panel;
-  const float size = std::max(8.0F, 0.85F * label_size(panel));
-  const float width = (0.7F * static_cast<float>(note.text.size()) + 0.6F) * size;
-  const float height = 1.4F * size;
-  Point at = to_pixels(note.at);
-  const bool seen = at.x > panel.x + width && at.x < panel.x + panel.width - width &&
-                    at.y > panel.y + height && at.y < panel.y + panel.height - height;
-  if (!seen && !note.fixed) return;
-  at.x = std::clamp(at.x, panel.x + width, panel.x + panel.width - width);
-  at.y = std::clamp(at.y, panel.y + height, panel.y + panel.height - height);
-  drawing.rounded_rectangle({at.x - width / 2, at.y - height / 2, width, height}, 0.4F * size,
-                            theme.trail);
-  drawing.text(
-      {{at.x, at.y + 0.36F * size}, size, note.text, ink_on(theme.trail), Align::centre, true});
-}
-
 // The robot comes first in world order and is seen in front of everything; what
 // travels, as it was before, stands in front of what does not.
 void draw_objects(const Scene& scene, const Theme& theme, const Projection& to_pixels,
@@ -286,8 +268,10 @@ void draw_scene(const Scene& scene, const Theme& theme, const Rect& panel, Drawi
   draw_touches(scene, theme, to_pixels, drawing);
   for (const Arrow& arrow : scene.arrows) draw_arrow(arrow, theme, to_pixels, drawing);
   for (const auto& place : scene.framed) draw_frame(place, theme, to_pixels, drawing);
-  for (const Note& note : scene.notes) draw_note(note, theme, to_pixels, drawing);
-  if (scene.heights && scene.grid) draw_heights(scene, theme, to_pixels, drawing);
+  const bool heights = scene.heights && scene.grid;
+  if (heights) draw_heights(scene, theme, to_pixels, drawing);
+  draw_pins(scene.pins, heights, theme, to_pixels, drawing);
+  draw_tags(scene.tags, theme, to_pixels, drawing);
 }
 
 ViewRect fit(ViewRect view, double aspect) {

@@ -28,11 +28,16 @@ struct Ghost {
   double pale = 0.5;          // share of the background in every colour
 };
 
-// A word in the world, on a plate; `fixed`: kept inside of the picture.
+// A word in the world, on a plate.
 struct Note {
   Vec2 at;
   std::string text;
-  bool fixed = false;
+};
+
+// Words at a border of the picture: where on its axis something was; the latest last.
+struct Pins {
+  bool upright = false;  // heights, along the left border, else along the lower one
+  std::vector<Note> places;
 };
 
 // A place on the ground the robot is sent to.
@@ -54,6 +59,7 @@ struct Scene {
   bool floor = true;          // the world's floor at y = 0
   float ruler_text = 0;       // size of the distances along the floor; 0: from the panel's
   bool heights = false;       // a ruler along the left border
+  bool captions = false;      // will lie over the upper corners
   bool tint = true;           // actuators by how long they are
   std::vector<float> values;  // of cells, for the colours of `value_scale`; NaN: none
   ValueScale value_scale;
@@ -63,7 +69,8 @@ struct Scene {
   double velocity_length = 0;  // of an arrow, voxels for one voxel per second; 0: none shown
   double force_length = 0;     // the same for the robot's weight
   std::vector<std::array<Vec2, 4>> framed;  // places with a border to catch the eye
-  std::vector<Note> notes;
+  std::vector<Note> tags;  // above what they name (notes.h)
+  Pins pins;
   std::vector<Vec2> touches;  // where the robot touches something
   std::optional<Goal> goal;
 };

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "libevo/base/error.h"
+#include "render/key.h"
 #include "render/label.h"
+#include "render/legend.h"
 #include "render/painter.h"
 
 namespace evo::render {
@@ -329,6 +331,25 @@ std::size_t moment_columns(std::size_t moments) {
   return static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(moments) * 1.5)));
 }
 
+// Windows that differ little in height become one, so that the ground is on one line and a
+// robot that hops is higher in one panel than in the next.
+void align_windows(std::vector<Scene>& scenes) {
+  constexpr double most = 1.5;  // of the largest window
+  double low = 1e30;
+  double top = -1e30;
+  double largest = 0;
+  for (const Scene& scene : scenes) {
+    low = std::min(low, scene.view.centre_y - scene.view.height / 2);
+    top = std::max(top, scene.view.centre_y + scene.view.height / 2);
+    largest = std::max(largest, scene.view.height);
+  }
+  if (top - low > most * largest) return;
+  for (Scene& scene : scenes) {
+    const double aspect = scene.view.width / scene.view.height;
+    scene.view = {scene.view.centre_x, (low + top) / 2, aspect * (top - low), top - low};
+  }
+}
+
 }  // namespace
 
 double moment_aspect(std::size_t moments) { return moments <= 2 ? 1.5 : moments <= 4 ? 1.2 : 0.95; }
@@ -345,7 +366,13 @@ Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const
   const float text = std::max(8.0F, 0.07F * panel);
   const float strip = 3.6F * text;
   const float heading = 2.6F * text + gap;
-  const float height = heading + static_cast<float>(rows) * (high + strip);
+  std::vector<Scene> scenes;
+  for (const double moment : moments) scenes.push_back(clip.scene(moment));
+  align_windows(scenes);
+  const bool colors = !scenes.front().values.empty();
+  const float key = colors || theme.signs ? 2.4F * text : 0.0F;
+  const float panels = heading + static_cast<float>(rows) * (high + strip);
+  const float height = panels + key;
   Drawing drawing = blank({width, static_cast<int>(std::lround(height))}, theme);
   const Caption who = clip.caption(0);
   drawing.text({{gap, gap + 1.5F * text}, 1.1F * text, who.title, theme.text, Align::left, true});
@@ -360,10 +387,9 @@ Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const
     const std::size_t row = k / columns;
     const float x = gap + static_cast<float>(column) * (panel + gap);
     const float y = heading + static_cast<float>(row) * (high + strip);
-    Scene scene = clip.scene(moments[k]);
     // Whole pixels, so that all panels are cut alike.
-    draw_scene(scene, theme, {std::round(x), std::round(y), std::round(panel), std::round(high)},
-               drawing);
+    draw_scene(scenes[k], theme,
+               {std::round(x), std::round(y), std::round(panel), std::round(high)}, drawing);
     drawing.clip(drawing.whole());
     const int step = static_cast<int>(std::lround(moments[k]));
     const float middle = x + panel / 2;
@@ -372,6 +398,13 @@ Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const
     centred("return " + signed_score(clip.score(moments[k])), {middle, y + high + 2.6F * text},
             0.9F * text, theme.text_muted, false, panel, typesetter, drawing);
   }
+  const Rect below{gap, panels, static_cast<float>(width) - 2 * gap, 1.6F * text};
+  if (colors)
+    draw_value_line(scenes.front().value_scale, theme,
+                    {below.x + below.width / 2, below.y + below.height / 2}, text, typesetter,
+                    drawing);
+  else if (key > 0)
+    draw_legend(clip.mesh(), 0, theme, below, text, typesetter, drawing);
   return drawing;
 }
 

@@ -14,7 +14,7 @@ constexpr Color rgb(unsigned hex, unsigned alpha = 255) {
 
 // The same in every theme, so that a robot looks alike wherever it is seen.
 void voxels(Theme& t) {
-  t.rigid = rgb(0x434a56);
+  t.rigid = rgb(0x5c6573);
   t.soft = rgb(0xdde1e6);
   t.horizontal = rgb(0xfa9a45);
   t.vertical = rgb(0x3f8ccb);

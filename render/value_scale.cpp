@@ -23,4 +23,8 @@ Color color_of(const ValueScale& scale, double value) {
   return mix(ramp[k], ramp[k + 1], at - static_cast<double>(k));
 }
 
+ValueScale widest(const ValueScale& a, const ValueScale& b) {
+  return {a.title, std::min(a.low, b.low), a.middle, std::max(a.high, b.high)};
+}
+
 }  // namespace evo::render

@@ -19,4 +19,7 @@ struct ValueScale {
 // Values beyond the ends have the colours of the ends.
 Color color_of(const ValueScale& scale, double value);
 
+// The least that reaches as far as both, which have one middle.
+ValueScale widest(const ValueScale& a, const ValueScale& b);
+
 }  // namespace evo::render

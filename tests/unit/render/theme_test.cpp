@@ -32,9 +32,10 @@ TEST_CASE("kinds of voxels differ in lightness, and are the same in every theme"
       for (const Voxel b : kinds)
         if (a != b) CHECK(contrast(color_of(theme, a), color_of(theme, b)) > 1.5);
     }
-    // Rigid voxels do not vanish before the sky.
-    CHECK(contrast(theme.rigid, theme.sky_top) > 1.9);
-    CHECK(contrast(theme.rigid, theme.sky_bottom) > 1.5);
+    // Rigid voxels do not vanish before the sky, nor on a card.
+    CHECK(contrast(theme.rigid, theme.sky_top) > 2.4);
+    CHECK(contrast(theme.rigid, theme.sky_bottom) > 2.4);
+    CHECK(contrast(theme.rigid, theme.card) > 2.1);
   }
 }
 

@@ -55,8 +55,6 @@ EvolutionFilm::EvolutionFilm(const std::vector<Champion>& champions, const Rende
   const auto frames = [&](double seconds) {
     return static_cast<std::size_t>(std::lround(seconds * options.fps / options.speed));
   };
-  double across = 0;  // farthest ways, voxels
-  double up = 0;
   for (const Champion& champion : champions) {
     Part part{champion, Clip(champion.episode, options, aspect), frames_, 0, 0, 0, {}};
     const auto& robot = champion.episode.rollout->robot;
@@ -67,13 +65,8 @@ EvolutionFilm::EvolutionFilm(const std::vector<Champion>& champions, const Rende
         1, frames(std::min(longest_run, part.clip.steps() / steps_per_second)));
     part.ended = frames(ended_time);
     frames_ += part.standing + part.running + part.ended;
-    const Vec2 from = part.clip.centre(0);
-    const Vec2 to = part.clip.centre(part.clip.steps());
-    across = std::max(across, std::abs(to.x - from.x));
-    up = std::max(up, std::abs(to.y - from.y));
     parts_.push_back(std::move(part));
   }
-  upright_ = up > across;
   std::vector<Clip*> clips;
   for (Part& part : parts_) clips.push_back(&part.clip);
   share_value_scale(clips);
@@ -96,10 +89,9 @@ Drawing EvolutionFilm::frame(std::size_t k, Typesetter& typesetter) const {
   const double flash = flashes * static_cast<double>(at) / options_.fps * options_.speed;
   if (stands && flash - std::floor(flash) < 0.6) scene.framed = part.changed;
   scene.captions = options_.overlays.labels;
-  scene.pins.upright = upright_;
   for (auto earlier = parts_.begin(); options_.overlays.labels && &*earlier != &part; ++earlier)
-    scene.pins.places.push_back({earlier->clip.centre(earlier->clip.steps()),
-                                 fmt::format("gen {}", earlier->champion.first)});
+    scene.pins.push_back({earlier->clip.centre(earlier->clip.steps()),
+                          fmt::format("gen {}", earlier->champion.first)});
   draw_scene(scene, theme, drawing.whole(), drawing);
   if (!options_.overlays.labels) return drawing;
   Caption caption = part.clip.caption(step);

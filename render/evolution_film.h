@@ -44,7 +44,6 @@ class EvolutionFilm {
   RenderOptions options_;
   std::vector<Part> parts_;
   std::size_t frames_ = 0;
-  bool upright_ = false;  // robots of the task go up rather than on
 };
 
 }  // namespace evo::render

@@ -84,38 +84,37 @@ void draw_tags(const std::vector<Note>& tags, const Theme& theme, const Projecti
 
 float pin_row(const Rect& panel) { return 2.1F * text_size(panel); }
 
-void draw_pins(const Pins& pins, bool heights, const Theme& theme, const Projection& to_pixels,
-               Drawing& drawing) {
+void draw_pins(const std::vector<Note>& pins, bool heights, const Theme& theme,
+               const Projection& to_pixels, Drawing& drawing) {
   const Rect& panel = to_pixels.panel;
   const float size = text_size(panel);
   const float height = plate_height(size);
   const float mark = 0.45F * size;
   // Beside the ruler, and below the captions.
-  const float left = panel.x + (heights ? 3.6F : 0.3F) * size;
-  const float top = pins.upright ? panel.y + 6.5F * size : panel.y;
+  const float left = panel.x + 3.6F * size;
+  const float top = heights ? panel.y + 6.5F * size : panel.y;
   const Rect free{panel.x, top, panel.width, panel.y + panel.height - top};
   std::vector<Rect> plates;
-  for (auto pin = pins.places.rbegin(); pin != pins.places.rend(); ++pin) {
+  for (auto pin = pins.rbegin(); pin != pins.rend(); ++pin) {
     const float width = plate_width(pin->text, size);
     const Point at = to_pixels(pin->at);
-    const Rect plate =
-        pins.upright
-            ? Rect{left, at.y - height / 2, width, height}
-            : Rect{at.x - width / 2, panel.y + panel.height - height - 0.2F * size, width, height};
-    const bool seen = pins.upright ? at.y > free.y + mark && at.y < free.y + free.height - mark
-                                   : at.x > free.x + mark && at.x < free.x + free.width - mark;
+    const Rect plate = heights ? Rect{left, at.y - height / 2, width, height}
+                               : Rect{at.x - width / 2,
+                                      panel.y + panel.height - height - 0.2F * size, width, height};
+    const bool seen = heights ? at.y > free.y + mark && at.y < free.y + free.height - mark
+                              : at.x > free.x + mark && at.x < free.x + free.width - mark;
     if (!seen) continue;
     const bool named = inside(plate, free) && std::ranges::none_of(plates, [&](const Rect& other) {
                          return touch(plate, other, 0.3F * size);
                        });
     // The tip of its mark, a triangle on a plate or a line without one.
-    const Point tip = pins.upright ? Point{left + width + mark, at.y} : Point{at.x, plate.y - mark};
+    const Point tip = heights ? Point{left + width + mark, at.y} : Point{at.x, plate.y - mark};
     const float half = named ? 0.6F * mark : 0.12F * mark;
     const Color color = named ? theme.trail : mix(theme.trail, theme.paper, 0.4);
     const Point one =
-        pins.upright ? Point{tip.x - mark, tip.y - half} : Point{tip.x - half, tip.y + mark};
+        heights ? Point{tip.x - mark, tip.y - half} : Point{tip.x - half, tip.y + mark};
     const Point two =
-        pins.upright ? Point{tip.x - mark, tip.y + half} : Point{tip.x + half, tip.y + mark};
+        heights ? Point{tip.x - mark, tip.y + half} : Point{tip.x + half, tip.y + mark};
     if (named)
       drawing.triangle({tip, one, two}, color);
     else

@@ -74,7 +74,7 @@ void draw_ruler(const Scene& scene, const Theme& theme, const Projection& to_pix
   drawing.line({to_pixels.panel.x, floor}, {to_pixels.panel.x + to_pixels.panel.width, floor},
                to_pixels.pixels(0.08, 1.0), theme.floor_line);
   const float size = scene.ruler_text > 0 ? scene.ruler_text : label_size(to_pixels.panel) * 0.8F;
-  const float pins = scene.pins.upright || scene.pins.places.empty() ? 0 : pin_row(to_pixels.panel);
+  const float pins = scene.heights || scene.pins.empty() ? 0 : pin_row(to_pixels.panel);
   const float strip = to_pixels.panel.y + to_pixels.panel.height - floor - pins;
   if (!scene.grid || size < 7 || strip < 1.8F * size) return;
   if (to_pixels.scale < least_grid_voxel) return;
@@ -268,9 +268,8 @@ void draw_scene(const Scene& scene, const Theme& theme, const Rect& panel, Drawi
   draw_touches(scene, theme, to_pixels, drawing);
   for (const Arrow& arrow : scene.arrows) draw_arrow(arrow, theme, to_pixels, drawing);
   for (const auto& place : scene.framed) draw_frame(place, theme, to_pixels, drawing);
-  const bool heights = scene.heights && scene.grid;
-  if (heights) draw_heights(scene, theme, to_pixels, drawing);
-  draw_pins(scene.pins, heights, theme, to_pixels, drawing);
+  if (scene.heights && scene.grid) draw_heights(scene, theme, to_pixels, drawing);
+  draw_pins(scene.pins, scene.heights, theme, to_pixels, drawing);
   draw_tags(scene.tags, theme, to_pixels, drawing);
 }
 

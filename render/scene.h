@@ -34,12 +34,6 @@ struct Note {
   std::string text;
 };
 
-// Words at a border of the picture: where on its axis something was; the latest last.
-struct Pins {
-  bool upright = false;  // heights, along the left border, else along the lower one
-  std::vector<Note> places;
-};
-
 // A place on the ground the robot is sent to.
 struct Goal {
   Vec2 at;
@@ -58,7 +52,7 @@ struct Scene {
   bool fine_grid = true;      // a line every voxel where there is room, not every ten
   bool floor = true;          // the world's floor at y = 0
   float ruler_text = 0;       // size of the distances along the floor; 0: from the panel's
-  bool heights = false;       // a ruler along the left border
+  bool heights = false;       // count: a ruler along the left border
   bool captions = false;      // will lie over the upper corners
   bool tint = true;           // actuators by how long they are
   std::vector<float> values;  // of cells, for the colours of `value_scale`; NaN: none
@@ -70,7 +64,7 @@ struct Scene {
   double force_length = 0;     // the same for the robot's weight
   std::vector<std::array<Vec2, 4>> framed;  // places with a border to catch the eye
   std::vector<Note> tags;  // above what they name (notes.h)
-  Pins pins;
+  std::vector<Note> pins;  // at the border: where something was, the latest last
   std::vector<Vec2> touches;  // where the robot touches something
   std::optional<Goal> goal;
 };

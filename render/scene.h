@@ -63,9 +63,9 @@ struct Scene {
   double velocity_length = 0;  // of an arrow, voxels for one voxel per second; 0: none shown
   double force_length = 0;     // the same for the robot's weight
   std::vector<std::array<Vec2, 4>> framed;  // places with a border to catch the eye
-  std::vector<Note> tags;  // above what they name (notes.h)
-  std::vector<Note> pins;  // at the border: where something was, the latest last
-  std::vector<Vec2> touches;  // where the robot touches something
+  std::vector<Note> tags;                   // above what they name (notes.h)
+  std::vector<Note> pins;                   // at the border: where something was, the latest last
+  std::vector<Vec2> touches;                // where the robot touches something
   std::optional<Goal> goal;
 };
 

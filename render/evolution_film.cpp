@@ -88,7 +88,7 @@ Drawing EvolutionFilm::frame(std::size_t k, Typesetter& typesetter) const {
   Scene scene = part.clip.scene(step);
   const double flash = flashes * static_cast<double>(at) / options_.fps * options_.speed;
   if (stands && flash - std::floor(flash) < 0.6) scene.framed = part.changed;
-  scene.captions = options_.overlays.labels;
+  if (options_.overlays.labels) scene.captions = caption_height(drawing.whole(), 1);
   for (auto earlier = parts_.begin(); options_.overlays.labels && &*earlier != &part; ++earlier)
     scene.pins.push_back({earlier->clip.centre(earlier->clip.steps()),
                           fmt::format("gen {}", earlier->champion.first)});

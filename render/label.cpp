@@ -54,6 +54,10 @@ float key_size(const Rect& panel) {
   return std::max(least, label_size(panel));
 }
 
+float caption_height(const Rect& panel, int rows) {
+  return (0.8F + row_of_labels * static_cast<float>(rows)) * key_size(panel);
+}
+
 void draw_caption(const Caption& caption, const Theme& theme, const Rect& panel,
                   Typesetter& typesetter, Drawing& drawing) {
   const float size = key_size(panel);

@@ -13,13 +13,14 @@ float plate_width(const std::string& text, float size) {
 }
 float plate_height(float size) { return 1.4F * size; }
 
-void draw_plate(const Rect& plate, const std::string& text, float size, const Theme& theme,
+void draw_plate(const Rect& plate, const Note& note, float size, const Theme& theme,
                 Drawing& drawing) {
-  drawing.rounded_rectangle(plate, 0.4F * size, theme.trail);
+  const Color color = note.color.value_or(theme.trail);
+  drawing.rounded_rectangle(plate, 0.4F * size, color);
   drawing.text({{plate.x + plate.width / 2, plate.y + plate.height / 2 + 0.36F * size},
                 size,
-                text,
-                ink_on(theme.trail),
+                note.text,
+                ink_on(color),
                 Align::centre,
                 true});
 }
@@ -74,28 +75,29 @@ void draw_tags(const std::vector<Note>& tags, const Theme& theme, const Projecti
     const float y = plates[k].y + plates[k].height / 2;
     const Point named = to_pixels(tags[k].at);
     if (std::hypot(named.x - x, named.y - y) > plates[k].height)
-      drawing.line({x, y}, named, 0.12F * size, theme.trail);
+      drawing.line({x, y}, named, 0.12F * size, tags[k].color.value_or(theme.trail));
   }
   for (std::size_t k = 0; k < tags.size(); ++k)
-    draw_plate(plates[k], tags[k].text, size, theme, drawing);
+    draw_plate(plates[k], tags[k], size, theme, drawing);
 }
 
 // ---- pins ----------------------------------------------------------------------------
 
 float pin_row(const Rect& panel) { return 2.1F * text_size(panel); }
 
-void draw_pins(const std::vector<Note>& pins, bool heights, const Theme& theme,
-               const Projection& to_pixels, Drawing& drawing) {
+void draw_pins(const Scene& scene, const Theme& theme, const Projection& to_pixels,
+               Drawing& drawing) {
   const Rect& panel = to_pixels.panel;
   const float size = text_size(panel);
   const float height = plate_height(size);
   const float mark = 0.45F * size;
+  const bool heights = scene.heights;
   // Beside the ruler, and below the captions.
   const float left = panel.x + 3.6F * size;
-  const float top = heights ? panel.y + 6.5F * size : panel.y;
+  const float top = panel.y + (heights ? scene.captions + 0.5F * size : 0);
   const Rect free{panel.x, top, panel.width, panel.y + panel.height - top};
   std::vector<Rect> plates;
-  for (auto pin = pins.rbegin(); pin != pins.rend(); ++pin) {
+  for (auto pin = scene.pins.rbegin(); pin != scene.pins.rend(); ++pin) {
     const float width = plate_width(pin->text, size);
     const Point at = to_pixels(pin->at);
     const Rect plate = heights ? Rect{left, at.y - height / 2, width, height}
@@ -120,7 +122,7 @@ void draw_pins(const std::vector<Note>& pins, bool heights, const Theme& theme,
     else
       drawing.line({(one.x + two.x) / 2, (one.y + two.y) / 2}, tip, 2 * half, color);
     if (!named) continue;
-    draw_plate(plate, pin->text, size, theme, drawing);
+    draw_plate(plate, *pin, size, theme, drawing);
     plates.push_back(plate);
   }
 }

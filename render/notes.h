@@ -15,10 +15,10 @@ std::vector<Rect> tag_plates(const std::vector<Note>& tags, const Projection& to
 void draw_tags(const std::vector<Note>& tags, const Theme& theme, const Projection& to_pixels,
                Drawing& drawing);
 
-// Along the lower border, or the left one where heights count, each with a mark where it
-// is; of those whose words would lie over each other, the latest has its word.
-void draw_pins(const std::vector<Note>& pins, bool heights, const Theme& theme,
-               const Projection& to_pixels, Drawing& drawing);
+// The scene's, along the lower border, or the left one where heights count, each with a
+// mark where it is; of those whose words would lie over each other, the latest has its word.
+void draw_pins(const Scene& scene, const Theme& theme, const Projection& to_pixels,
+               Drawing& drawing);
 // Height of the row that pins take from the lower border of a panel, pixels.
 float pin_row(const Rect& panel);
 

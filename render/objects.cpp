@@ -70,7 +70,9 @@ void ObjectPainter::draw(std::size_t object) {
   for (int k = cells.first_cell; k < cells.first_cell + cells.cells; ++k) fill(k, robot);
   for (std::size_t k = mesh_.first_edge[object]; k < mesh_.first_edge[object + 1]; ++k)
     if (mesh_.edges[k].other >= 0) seam(mesh_.edges[k]);
-  for (const Mesh::Outline& line : mesh_.outlines[object]) outline(line);
+  const Color color = object < style_.outlines.size() ? style_.outlines[object] : theme_.outline;
+  for (const Mesh::Outline& line : mesh_.outlines[object])
+    outline(line, line.fixed ? theme_.fixed_outline : color);
 }
 
 void ObjectPainter::fill(int k, bool robot) {
@@ -128,13 +130,12 @@ void ObjectPainter::seam(const Mesh::Edge& edge) {
                    mix(below, pale(with_alpha(line, 1.0)), strength));
 }
 
-void ObjectPainter::outline(const Mesh::Outline& line) {
+void ObjectPainter::outline(const Mesh::Outline& line, Color color) {
   std::vector<Point> points;
   points.reserve(line.points.size());
   for (const int k : line.points) points.push_back(pixel(k));
   const double width = line.fixed ? terrain_outline_width : outline_width;
-  drawing_.stroke(points, line.closed, to_pixels_.pixels(width, least_line),
-                  pale(line.fixed ? theme_.fixed_outline : theme_.outline));
+  drawing_.stroke(points, line.closed, to_pixels_.pixels(width, least_line), pale(color));
 }
 
 }  // namespace evo::render

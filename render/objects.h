@@ -15,6 +15,7 @@ struct ObjectStyle {
   double pale = 0.0;                // share of the background in every colour, for ghosts
   std::span<const float> values{};  // of cells, for colours in place of their kinds'
   const ValueScale* scale = nullptr;
+  std::span<const Color> outlines{};  // of objects that move, for the theme's
 };
 
 // Objects of a mesh whose points are at `points`, voxels.
@@ -37,7 +38,7 @@ class ObjectPainter {
   void fill(int k, bool robot);
   void sign(int k);
   void seam(const Mesh::Edge& edge);
-  void outline(const Mesh::Outline& line);
+  void outline(const Mesh::Outline& line, Color color);
 
   const Mesh& mesh_;
   std::span<const Vec2> points_;

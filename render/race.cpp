@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "formats/task_yaml.h"
 #include "libevo/base/error.h"
 #include "render/key.h"
 #include "render/label.h"
@@ -102,10 +103,16 @@ Race::Race(const std::vector<Episode>& episodes, const RenderOptions& options) :
       static_cast<double>(options.size.width) / static_cast<double>(options.size.height);
   for (const Episode& episode : episodes) {
     const Clip whole(episode, options, aspect);  // says what is wrong with a file
-    Runner runner{std::string(1, static_cast<char>('A' + runners_.size())), episode.label, {}};
+    Runner runner{std::string(1, static_cast<char>('A' + runners_.size())),
+                  runner_color(runners_.size()),
+                  episode.label,
+                  {}};
     for (int step = 0; step <= whole.steps(); ++step) runner.returns.push_back(whole.score(step));
     runners_.push_back(std::move(runner));
   }
+  for (const Part& part : parts(episodes))
+    outlines_.push_back(runner_color(static_cast<std::size_t>(part.episode - episodes.data())));
+  heights_ = rewards_height(*episodes.front().rollout);
   merged_ = std::make_unique<Rollout>(merge(episodes));
   if (options_.camera.objects.empty())
     options_.camera.objects = {merged_->world.objects.front().name};
@@ -116,7 +123,10 @@ Drawing Race::frame(double step, Typesetter& typesetter) const {
   const Theme& theme = theme_by_name(options_.theme);
   Drawing drawing(options_.size);
   Scene scene = clip_->scene(step);
-  scene.captions = options_.overlays.labels;
+  scene.outlines = outlines_;
+  scene.heights = heights_;
+  const Rect ranking = ranking_plate(typesetter);
+  if (options_.overlays.labels) scene.captions = ranking.y + ranking.height;
   for (std::size_t k = 0; options_.overlays.labels && k < runners_.size(); ++k) {
     const ModelObject& object = clip_->mesh().objects[k];
     constexpr double above = 1.1;  // voxels
@@ -125,7 +135,7 @@ Drawing Race::frame(double step, Typesetter& typesetter) const {
       top.x += scene.points[static_cast<std::size_t>(p)].x / object.points;
       top.y = std::max(top.y, scene.points[static_cast<std::size_t>(p)].y);
     }
-    scene.tags.push_back({{top.x, top.y + above}, runners_[k].letter});
+    scene.tags.push_back({{top.x, top.y + above}, runners_[k].letter, runners_[k].color});
   }
   draw_scene(scene, theme, drawing.whole(), drawing);
   if (!options_.overlays.labels) return drawing;
@@ -134,37 +144,61 @@ Drawing Race::frame(double step, Typesetter& typesetter) const {
   caption.title.clear();
   caption.brief.clear();
   draw_caption(caption, theme, drawing.whole(), typesetter, drawing);
-  draw_ranking(step, typesetter, drawing);
+  draw_ranking(step, ranking, drawing);
   draw_key(scene, theme, drawing.whole(), 1, typesetter, drawing);
   return drawing;
 }
 
-void Race::draw_ranking(double step, Typesetter& typesetter, Drawing& drawing) const {
+namespace {
+
+// Of the ranking, shares of the size of its text.
+constexpr float ranking_margin = 0.75F;
+constexpr float ranking_line = 1.5F;
+constexpr float ranking_names = 2.2F;  // from letters to names
+
+float ranking_size(const Rect& whole) { return std::max(8.0F, label_size(whole)); }
+
+}  // namespace
+
+// As wide as its widest moment, so that it stands still.
+Rect Race::ranking_plate(Typesetter& typesetter) const {
+  const float size = ranking_size(Drawing(options_.size).whole());
+  float names = typesetter.width(merged_->task, size, true);
+  float scores = 0;
+  for (const Runner& runner : runners_) {
+    names = std::max(names, ranking_names * size + typesetter.width(runner.name, size, false));
+    for (const double so_far :
+         {*std::ranges::min_element(runner.returns), *std::ranges::max_element(runner.returns)})
+      scores = std::max(scores, typesetter.width(signed_score(so_far), size, true));
+  }
+  return {0.8F * size, 0.8F * size, 2 * ranking_margin * size + names + 1.5F * size + scores,
+          ranking_line * size * static_cast<float>(runners_.size() + 1) + 0.8F * size};
+}
+
+void Race::draw_ranking(double step, const Rect& plate, Drawing& drawing) const {
   const Theme& theme = theme_by_name(options_.theme);
   std::vector<const Runner*> order;
   for (const Runner& runner : runners_) order.push_back(&runner);
   std::stable_sort(order.begin(), order.end(), [&](const Runner* a, const Runner* b) {
     return a->so_far(step) > b->so_far(step);
   });
-  const float size = std::max(8.0F, label_size(drawing.whole()));
-  const float line = 1.5F * size;
-  float names = typesetter.width(merged_->task, size, true);
-  float scores = 0;
-  for (const Runner& runner : runners_) {
-    names = std::max(names, 2.2F * size + typesetter.width(runner.name, size, false));
-    scores = std::max(scores, typesetter.width(signed_score(runner.so_far(step)), size, true));
-  }
-  const float pad = 0.75F * size;
-  const Rect plate{0.8F * size, 0.8F * size, 2 * pad + names + 1.5F * size + scores,
-                   line * static_cast<float>(order.size() + 1) + 0.8F * size};
+  const float size = ranking_size(drawing.whole());
   drawing.rounded_rectangle(plate, 0.5F * size, theme.label);
-  float y = plate.y + 0.25F * size + line * 0.85F;
-  drawing.text({{plate.x + pad, y}, size, merged_->task, theme.text, Align::left, true});
+  const float left = plate.x + ranking_margin * size;
+  float y = plate.y + 0.25F * size + ranking_line * size * 0.85F;
+  drawing.text({{left, y}, size, merged_->task, theme.text, Align::left, true});
   for (const Runner* runner : order) {
-    y += line;
-    drawing.text({{plate.x + pad, y}, size, runner->letter, theme.text, Align::left, true});
-    drawing.text({{plate.x + pad + 2.2F * size, y}, size, runner->name, theme.text_muted});
-    drawing.text({{plate.x + plate.width - pad, y},
+    y += ranking_line * size;
+    const Rect badge{left - 0.2F * size, y - 1.02F * size, 1.3F * size, 1.3F * size};
+    drawing.rounded_rectangle(badge, 0.35F * size, runner->color);
+    drawing.text({{badge.x + badge.width / 2, y},
+                  0.9F * size,
+                  runner->letter,
+                  ink_on(runner->color),
+                  Align::centre,
+                  true});
+    drawing.text({{left + ranking_names * size, y}, size, runner->name, theme.text_muted});
+    drawing.text({{plate.x + plate.width - ranking_margin * size, y},
                   size,
                   signed_score(runner->so_far(step)),
                   theme.text,

@@ -1,5 +1,5 @@
-// Several episodes of one task in one world: robots with letters, one camera for
-// all of them, and who leads.
+// Several episodes of one task in one world: robots with letters and outlines of one
+// colour each, one camera for all of them, and who leads.
 #pragma once
 
 #include <memory>
@@ -24,14 +24,18 @@ class Race {
  private:
   struct Runner {
     std::string letter;
+    Color color;
     std::string name;
     std::vector<double> returns;  // so far, by step
     double so_far(double step) const;
   };
-  void draw_ranking(double step, Typesetter& typesetter, Drawing& drawing) const;
+  Rect ranking_plate(Typesetter& typesetter) const;
+  void draw_ranking(double step, const Rect& plate, Drawing& drawing) const;
 
   RenderOptions options_;
   std::vector<Runner> runners_;
+  std::vector<Color> outlines_;  // of the objects of the world
+  bool heights_ = false;         // count in the task
   std::unique_ptr<Rollout> merged_;
   std::unique_ptr<Clip> clip_;  // of `merged_`
 };

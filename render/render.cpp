@@ -96,7 +96,7 @@ struct Film {
     if (clips.size() > 1) drawing.rectangle(drawing.whole(), theme->paper);
     for (std::size_t k = 0; k < clips.size(); ++k) {
       Scene scene = clips[k].scene(step);
-      scene.captions = options->overlays.labels;
+      if (options->overlays.labels) scene.captions = caption_height(areas[k], scene.goal ? 2 : 1);
       draw_scene(scene, *theme, areas[k], drawing);
       if (options->overlays.labels) {
         draw_caption(clips[k].caption(step), *theme, areas[k], typesetter, drawing);

@@ -109,7 +109,7 @@ void draw_heights(const Scene& scene, const Theme& theme, const Projection& to_p
   if (panel.height < 20 * size || to_pixels.scale < least_grid_voxel) return;
   const double least_step = std::max(1.0, 2.5 * static_cast<double>(size) / to_pixels.scale);
   const int step = static_cast<int>(std::lround(round_number_from(least_step)));
-  const float top = panel.y + (scene.captions ? 5.0F : 0.8F) * size;
+  const float top = panel.y + scene.captions + 0.8F * size;
   const float bottom = panel.y + panel.height - 0.8F * size;
   each_line(std::max(0.0, to_pixels.low()), to_pixels.top, step, [&](long y) {
     const float at = to_pixels({0, static_cast<double>(y)}).y;
@@ -236,14 +236,15 @@ void draw_objects(const Scene& scene, const Theme& theme, const Projection& to_p
                   Drawing& drawing) {
   const std::size_t count = scene.mesh->objects.size();
   const auto is_ghost = [&](std::size_t k) { return k < scene.travels.size() && scene.travels[k]; };
-  ObjectPainter now(*scene.mesh, scene.points, {scene.tint, 0.0, scene.values, &scene.value_scale},
-                    theme, to_pixels, drawing);
+  ObjectPainter now(*scene.mesh, scene.points,
+                    {scene.tint, 0.0, scene.values, &scene.value_scale, scene.outlines}, theme,
+                    to_pixels, drawing);
   for (std::size_t k = count; k-- > 0;)
     if (!is_ghost(k)) now.draw(k);
   for (const Ghost& ghost : scene.ghosts) {
     ObjectPainter before(*scene.mesh, ghost.points,
-                         {scene.tint, ghost.pale, ghost.values, &scene.value_scale}, theme,
-                         to_pixels, drawing);
+                         {scene.tint, ghost.pale, ghost.values, &scene.value_scale, scene.outlines},
+                         theme, to_pixels, drawing);
     for (std::size_t k = count; k-- > 0;)
       if (is_ghost(k)) before.draw(k);
   }
@@ -269,7 +270,7 @@ void draw_scene(const Scene& scene, const Theme& theme, const Rect& panel, Drawi
   for (const Arrow& arrow : scene.arrows) draw_arrow(arrow, theme, to_pixels, drawing);
   for (const auto& place : scene.framed) draw_frame(place, theme, to_pixels, drawing);
   if (scene.heights && scene.grid) draw_heights(scene, theme, to_pixels, drawing);
-  draw_pins(scene.pins, scene.heights, theme, to_pixels, drawing);
+  draw_pins(scene, theme, to_pixels, drawing);
   draw_tags(scene.tags, theme, to_pixels, drawing);
 }
 

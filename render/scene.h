@@ -28,10 +28,11 @@ struct Ghost {
   double pale = 0.5;          // share of the background in every colour
 };
 
-// A word in the world, on a plate.
+// A word in the world, on a plate of the trail's colour or its own.
 struct Note {
   Vec2 at;
   std::string text;
+  std::optional<Color> color = {};
 };
 
 // A place on the ground the robot is sent to.
@@ -44,8 +45,9 @@ struct Goal {
 struct Scene {
   const Mesh* mesh = nullptr;
   std::vector<Vec2> points;
-  std::vector<Ghost> ghosts;  // oldest first
-  std::vector<bool> travels;  // of each object: drawn as a ghost, too; empty: none
+  std::vector<Ghost> ghosts;    // oldest first
+  std::vector<bool> travels;    // of each object: drawn as a ghost, too; empty: none
+  std::vector<Color> outlines;  // of each object that moves; empty: the theme's
   ViewRect view;
   bool sky = true;  // a background of its own; else what was drawn before
   bool grid = true;
@@ -53,7 +55,7 @@ struct Scene {
   bool floor = true;          // the world's floor at y = 0
   float ruler_text = 0;       // size of the distances along the floor; 0: from the panel's
   bool heights = false;       // count: a ruler along the left border
-  bool captions = false;      // will lie over the upper corners
+  float captions = 0;         // pixels that captions will take at the top left
   bool tint = true;           // actuators by how long they are
   std::vector<float> values;  // of cells, for the colours of `value_scale`; NaN: none
   ValueScale value_scale;

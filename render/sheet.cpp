@@ -48,6 +48,7 @@ struct CardStyle {
   float width;
   Span span;
   int text_lines;
+  bool names = true;
   float text = 0.105F * width;
   float inset = 0.1F * width;
   float body() const {  // height of the space for the body
@@ -75,9 +76,10 @@ void draw_card(const Robot& robot, const Theme& theme, const CardStyle& style, P
   const float most = style.width - style.inset;
   const float x = at.x + style.width / 2;
   float y = at.y + style.body() + style.text;
-  centred(fitness_text(robot), {x, y}, style.text, theme.text, true, most, typesetter, drawing);
-  if (style.text_lines < 2) return;
-  y += 1.35F * style.text;
+  const std::string fitness = fitness_text(robot);
+  centred(fitness, {x, y}, style.text, theme.text, true, most, typesetter, drawing);
+  if (!style.names) return;
+  if (style.text_lines > 1) y += 1.35F * style.text;
   centred(name_of(robot), {x, y}, 0.88F * style.text, theme.text_muted, false, most, typesetter,
           drawing);
 }
@@ -117,6 +119,12 @@ int tidy_columns(int count, double wished) {
   return best;
 }
 
+// Fitness and names, or names alone where no robot has been evaluated.
+int lines_below(const std::vector<Robot>& robots) {
+  const auto scored = [](const Robot& robot) { return !fitness_text(robot).empty(); };
+  return std::ranges::any_of(robots, scored) ? 2 : 1;
+}
+
 GridLayout lay_out(const std::vector<Robot>& robots, int width) {
   constexpr float smallest_card = 104;  // pixels, for ids that can be read
   constexpr float largest_card = 260;   // few robots make a small sheet, not huge letters
@@ -136,7 +144,8 @@ GridLayout lay_out(const std::vector<Robot>& robots, int width) {
     layout.card = std::min(largest_card, across / units);
     layout.gap = gap_share * layout.card;
     const float height =
-        static_cast<float>(layout.rows) * (CardStyle{layout.card, span, 2}.height() + layout.gap) +
+        static_cast<float>(layout.rows) *
+            (CardStyle{layout.card, span, lines_below(robots)}.height() + layout.gap) +
         layout.gap;
     if (height > static_cast<float>(largest_side) && columns < count) continue;
     layout.size = {static_cast<int>(std::lround(layout.card * units)),
@@ -214,7 +223,7 @@ Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int wid
   check_size({width, 1});
   const GridLayout layout = lay_out(robots, width);
   Drawing drawing = blank(layout.size, theme);
-  const CardStyle style{layout.card, largest(robots), 2};
+  const CardStyle style{layout.card, largest(robots), lines_below(robots)};
   for (std::size_t k = 0; k < robots.size(); ++k) {
     const std::size_t column = k % static_cast<std::size_t>(layout.columns);
     const std::size_t row = k / static_cast<std::size_t>(layout.columns);
@@ -268,7 +277,7 @@ GenerationLayout lay_out_generations(std::size_t generations, int rows, const Sp
     const auto columns = static_cast<float>(std::max(layout.per_band, fewest_columns));
     layout.card = static_cast<float>(width) / (columns * (1 + gap_share) + gap_share);
     layout.gap = gap_share * layout.card;
-    const CardStyle style{layout.card, span, 1};
+    const CardStyle style{layout.card, span, 1, false};
     layout.heading = 2.2F * style.text;
     layout.band = layout.heading + static_cast<float>(rows) * (style.height() + layout.gap);
     return static_cast<float>(layout.bands) * layout.band + 3 * layout.heading;
@@ -294,7 +303,7 @@ Drawing generation_sheet(const std::vector<Generation>& generations, int rows, c
   rows = std::min(rows, static_cast<int>(most));
   const GenerationLayout layout = lay_out_generations(generations.size(), rows, span, width);
   const auto chosen = chosen_generations(generations.size(), layout.shown);
-  const CardStyle style{layout.card, span, 1};
+  const CardStyle style{layout.card, span, 1, false};
   const bool some = chosen.size() < generations.size();
   const float note = some ? layout.heading : 0;
   const float height = static_cast<float>(layout.bands) * layout.band + layout.gap + note;

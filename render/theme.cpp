@@ -1,5 +1,6 @@
 #include "render/theme.h"
 
+#include <array>
 #include <cmath>
 
 #include "libevo/base/error.h"
@@ -134,6 +135,12 @@ Color color_of_object(const Theme& theme, Voxel voxel) {
   if (voxel == Voxel::rigid) return theme.object_rigid;
   if (voxel == Voxel::soft) return theme.object_soft;
   return color_of(theme, voxel);
+}
+
+Color runner_color(std::size_t k) {
+  static constexpr std::array colors{rgb(0xd6336c), rgb(0x1c7ed6), rgb(0x2b9a3e), rgb(0x845ef7),
+                                     rgb(0xd9480f), rgb(0x0c8599), rgb(0xa87900), rgb(0x7b8794)};
+  return colors[k % colors.size()];
 }
 
 double luminance(Color color) {

@@ -44,6 +44,9 @@ const Theme& theme_by_name(const std::string& name);
 Color color_of(const Theme& theme, Voxel voxel);         // of a robot
 Color color_of_object(const Theme& theme, Voxel voxel);  // of everything else
 
+// Of the robot k in a race, the same in every theme, seen on each; they come again.
+Color runner_color(std::size_t k);
+
 // Relative luminance (WCAG 2), 0 to 1.
 double luminance(Color color);
 // Black or white, whichever is read more easily on `background`.

@@ -29,12 +29,12 @@ bool apart(const std::vector<Rect>& plates) {
   return true;
 }
 
-// Words on plates of the picture, which are in the trail's colour.
-std::vector<Rect> plates_of(const Drawing& drawing, const Theme& theme) {
+// Plates of one colour.
+std::vector<Rect> plates_of(const Drawing& drawing, Color color) {
   std::vector<Rect> plates;
   for (const Drawing::Item& item : drawing.items())
     if (const auto* plate = std::get_if<RoundedRectangle>(&item.shape);
-        plate && plate->color == theme.trail)
+        plate && plate->color == color)
       plates.push_back(plate->area);
   return plates;
 }
@@ -74,8 +74,11 @@ TEST_CASE("letters of a race from one start can all be read") {
   const Race race(std::vector<Episode>(5, Episode{&rollout, 0, "walker"}), options);
   Typesetter typesetter;
   for (const double step : {0.0, 10.5, 20.0}) {
-    const auto plates = plates_of(race.frame(step, typesetter), theme_by_name("light"));
-    CHECK(plates.size() == 5);
+    const Drawing drawing = race.frame(step, typesetter);
+    std::vector<Rect> plates;  // over robots, and in the ranking
+    for (std::size_t k = 0; k < 5; ++k)
+      for (const Rect& plate : plates_of(drawing, runner_color(k))) plates.push_back(plate);
+    CHECK(plates.size() == 10);
     CHECK(apart(plates));
   }
 }
@@ -99,9 +102,9 @@ TEST_CASE("a film marks where earlier generations came to, their words apart") {
   const EvolutionFilm film(five.champions, options);
   Typesetter typesetter;
   const Drawing first = film.frame(0, typesetter);
-  CHECK(plates_of(first, theme_by_name("light")).empty());
+  CHECK(plates_of(first, theme_by_name("light").trail).empty());
   const Drawing last = film.frame(film.frames() - 1, typesetter);
-  const auto plates = plates_of(last, theme_by_name("light"));
+  const auto plates = plates_of(last, theme_by_name("light").trail);
   CHECK(plates.size() >= 1);
   CHECK(apart(plates));
   // The latest of them has its word.

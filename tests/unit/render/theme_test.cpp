@@ -46,6 +46,18 @@ TEST_CASE("what is no robot has no robot's colours") {
   CHECK(color_of_object(theme, Voxel::fixed) == color_of(theme, Voxel::fixed));
 }
 
+TEST_CASE("robots of a race are seen in every theme, and differ") {
+  for (std::size_t k = 0; k < 8; ++k) {
+    for (const char* name : {"light", "dark", "paper"}) {
+      CHECK(contrast(runner_color(k), theme_by_name(name).sky_top) > 2.9);
+      CHECK(contrast(runner_color(k), theme_by_name(name).sky_bottom) > 2.9);
+    }
+    CHECK(contrast(runner_color(k), ink_on(runner_color(k))) > 3);
+    for (std::size_t j = 0; j < k; ++j) CHECK(runner_color(j) != runner_color(k));
+  }
+  CHECK(runner_color(8) == runner_color(0));
+}
+
 TEST_CASE("signs are written in the ink that shows") {
   CHECK(ink_on({255, 255, 255, 255}).r < 128);
   CHECK(ink_on({20, 20, 20, 255}).r > 128);

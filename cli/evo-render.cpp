@@ -337,8 +337,10 @@ int main(int argc, char** argv) {
                  "the best robot of one generation after another, changed voxels flashing");
   command.section("Still pictures");
   command.option("--at", settings.at, "STEP", "one moment of an episode");
-  command.option("--strip", settings.strip, "N",
-                 "N moments of an episode on one axis of the world, with the way between");
+  command.option(
+      "--strip", settings.strip, "N",
+      "N moments of an episode on one axis of the world, with the way between; of a robot "
+      "that hops on the spot, side by side");
   command.option("--sheet", settings.sheet, "N",
                  "N moments of an episode: a strip for robots that travel, else side by side");
   command.flag("--panels", settings.panels, "with --sheet: side by side in any case");

@@ -29,6 +29,11 @@ Bounds way(const Clip& clip, int from, int to) {
   return extent;
 }
 
+bool climbs(const Bounds& way) {
+  constexpr double far = 4.0;  // voxels
+  return way.height() > way.width() && way.height() > far;
+}
+
 // ---- what to draw -----------------------------------------------------------------------
 
 // Objects that are shown at every moment: the robot, and what goes far.
@@ -319,6 +324,10 @@ Drawing standing(const Clip& clip, const std::vector<int>& moments, Scene scene,
 
 }  // namespace
 
+bool hops(const Clip& clip, int from, int to) {
+  return climbs(way(clip, from, to)) && !travels(clip, from, to);
+}
+
 bool travels(const Clip& clip, int from, int to) {
   constexpr double bodies = 1.5;  // lengths of the robot
   const Bounds body = extent_of(clip, from, clip.mesh().objects.front());
@@ -331,9 +340,8 @@ Drawing strip(const Clip& clip, const std::vector<int>& moments, const Theme& th
   Scene scene = panorama(clip, moments);
   const Bounds extent = shown(clip, moments, scene.travels);
   const Bounds path = way(clip, moments.front(), moments.back());
-  const bool climbs = path.height() > path.width() && path.height() > 4.0;
-  return climbs ? standing(clip, moments, std::move(scene), extent, theme, most, typesetter)
-                : lying(clip, moments, std::move(scene), extent, theme, most, typesetter);
+  return climbs(path) ? standing(clip, moments, std::move(scene), extent, theme, most, typesetter)
+                      : lying(clip, moments, std::move(scene), extent, theme, most, typesetter);
 }
 
 }  // namespace evo::render

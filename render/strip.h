@@ -13,6 +13,10 @@ namespace evo::render {
 // tells more than pictures side by side.
 bool travels(const Clip& clip, int from, int to);
 
+// Whether it goes up rather than on, but no farther than its own height or so: one picture
+// would show it lying over itself.
+bool hops(const Clip& clip, int from, int to);
+
 // The moments, not decreasing, on one axis of the world with a ruler and the way of
 // the robot's centre; step and return at each. As wide as `most`, and as high as it
 // takes; a robot that climbs more than it walks gets a picture as high as `most`,

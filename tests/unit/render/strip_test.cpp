@@ -57,6 +57,18 @@ TEST_CASE("the period of a gait is that of the robot's shape") {
   CHECK_FALSE(gait_period(clip, 60, 63));  // too short to tell
 }
 
+TEST_CASE("what goes up as far as its own height hops, and is no panorama") {
+  const Rollout start = example::simulate("Walker-v0", example::walker, 60);
+  const auto clip = [](const Rollout& rollout) { return Clip({&rollout, 0, ""}, {}, 1.5); };
+  const Rollout hop = carried(start, {0, 0.01});  // raw lengths: 0.1 voxels
+  const Rollout climb = carried(start, {0, 0.05});
+  const Rollout walk = carried(start, {0.05, 0});
+  CHECK(hops(clip(hop), 0, 60));
+  CHECK_FALSE(hops(clip(climb), 0, 60));
+  CHECK_FALSE(hops(clip(walk), 0, 60));
+  CHECK(travels(clip(climb), 0, 60));
+}
+
 TEST_CASE("moments are spread over the episode, and over the cycle if it is asked for") {
   const Rollout rollout = swinging(example::simulate("Walker-v0", example::walker, 200), 20);
   const Clip clip({&rollout, 0, ""}, {}, 1.5);

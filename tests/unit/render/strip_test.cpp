@@ -59,7 +59,7 @@ TEST_CASE("the period of a gait is that of the robot's shape") {
 
 TEST_CASE("what goes up as far as its own height hops, and is no panorama") {
   const Rollout start =
-      example::simulate("Walker-v0", {"SSSSS", "SSSSS", "SSSSS", "SSSSS", "SSSSS"}, 60);
+      example::simulate("Walker-v0", {"SSSSS", "SSHSS", "SSSSS", "SSSSS", "SSSSS"}, 60);
   const auto clip = [](const Rollout& rollout) { return Clip({&rollout, 0, ""}, {}, 1.5); };
   const Rollout hop = carried(start, {0, 0.01});  // 6 voxels in all
   const Rollout climb = carried(start, {0, 0.05});

@@ -113,7 +113,7 @@ void print_robots(const std::vector<Robot>& robots, const std::string& name, boo
     const auto [low, high] = std::minmax_element(scores.begin(), scores.end());
     double sum = 0.0;
     for (const double score : scores) sum += score;
-    fmt::print("fitness of {}: best {}, mean {:.4g}, worst {}\n", scores.size(), *high,
+    fmt::print("fitness of {}: best {:.4g}, mean {:.4g}, worst {:.4g}\n", scores.size(), *high,
                sum / static_cast<double>(scores.size()), *low);
     print_histogram(scores);
   }

@@ -67,8 +67,8 @@ using Arguments = std::vector<std::string>;
 
 Arguments encoder_arguments(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
-  // Even colours that nothing fades in want no weighted prediction and no trellis: without
-  // them a file is 3 % smaller and takes 9 % fewer instructions.
+  // Even colours that nothing fades in gain little by weighted prediction, trellis and a
+  // wide search: files are as large without (1 % more to 3 % less) for 9 % fewer instructions.
   if (extension == ".mp4")
     return {"-c:v",     "libx264", "-preset",      "medium",
             "-crf",     "20",      "-x264-params", "weightp=0:me=dia:trellis=0",

@@ -6,6 +6,7 @@
 #include <regex>
 
 #include "formats/files.h"
+#include "render/race.h"
 #include "render/render.h"
 #include "tests/unit/render/example.h"
 #include "tests/unit/render/expect_error.h"
@@ -71,6 +72,24 @@ TEST_CASE("golden: vector pictures") {
   compare("robots-light", draw_robots({Robot(Body::from_rows(example::walker)),
                                        Robot(Body::from_rows(example::small_box))},
                                       options));
+}
+
+TEST_CASE("golden: a moment of a race, the end of a film, a sheet with colours") {
+  const Rollout slow = example::simulate("Climber-v0", example::small_box, 60);
+  const Rollout quick = example::simulate("Climber-v0", example::walker, 60);
+  RenderOptions options;
+  options.size = {480, 270};
+  Typesetter typesetter;
+  const Race race({{&slow, 0, "box"}, {&quick, 0, "walker"}, {&slow, 0, "box again"}}, options);
+  compare("race", race.frame(40, typesetter));
+  options.theme = "dark";
+  const EvolutionFilm film(
+      {{{&slow, 0, ""}, 0, 0, 0.5}, {{&quick, 0, ""}, 1, 2, 0.7}, {{&slow, 0, ""}, 3, 3, 0.9}},
+      options);
+  compare("film", film.frame(film.frames() - 1, typesetter));
+  options.theme = "light";
+  options.overlays.tint = Tint::strain;
+  compare("sheet-strain", draw_moments({&quick, 0, ""}, {3, Layout::panels}, options));
 }
 
 TEST_CASE("a PDF is one page of the drawing's size, the same every time") {

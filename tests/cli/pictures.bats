@@ -179,6 +179,7 @@ END
 }
 
 @test "inspect: no line is wider than the terminal" {
+  needs_terminal
   local of
   for of in tasks 'task Carrier-v0' 'task BidirectionalWalker-v0' training physics; do
     script -qec "stty cols 80; evo-inspect $of" /dev/null > raw

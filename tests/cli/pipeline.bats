@@ -230,6 +230,7 @@ kill_and_repeat() {
 wait_until() { local k; for ((k = 0; k < 600; k++)); do ! "$@" || return 0; sleep 0.1; done; return 1; }
 
 @test "watching waits for a run to begin; a terminal of 80 columns shows the champion" {
+  needs_terminal
   "$EVO_SOURCE/tests/report/make-run.sh" run ga 1 2 4
   mkdir held
   mv run/gen-001/scores.jsonl run/best.json held/

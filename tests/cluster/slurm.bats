@@ -5,6 +5,8 @@ setup_file() {
   if ! command -v sbatch > /dev/null || ! PATH=$PATH:/usr/sbin command -v slurmctld munged > /dev/null; then
     skip "Slurm is not here (apt-get install slurm-wlm munge)"
   fi
+  # As in a bare chroot; slurmd counts processors there and makes its control groups.
+  mountpoint -q /sys/fs/cgroup || skip "slurmd needs /sys/fs/cgroup"
   CPUS=2 MEMORY=4000 "$EVO_SOURCE/scripts/slurm/one-node" "$BATS_FILE_TMPDIR/slurm" 2 > "$BATS_FILE_TMPDIR/conf"
   SLURM_CONF=$BATS_FILE_TMPDIR/slurm/slurm.conf
   export SLURM_CONF

@@ -307,6 +307,8 @@ int Policy::observation_length() const {
 int Policy::action_length() const {
   const evo::TrainedController& controller = impl_->file.controller;
   if (const auto* network = std::get_if<evo::Policy>(&controller)) return network->action_length();
+  if (const auto* sequence = std::get_if<evo::ReplayController>(&controller))
+    return sequence->actuators;
   return static_cast<int>(std::get<evo::SineController>(controller).amplitude.size());
 }
 
@@ -324,6 +326,9 @@ void Policy::act(std::span<const double> observations, std::span<const int> step
     const evo::TrainedController& controller = impl_->file.controller;
     if (const auto* network = std::get_if<evo::Policy>(&controller)) {
       evo::act(*network, observations, steps, actions);
+    } else if (const auto* sequence = std::get_if<evo::ReplayController>(&controller)) {
+      for (std::size_t i = 0; i < steps.size(); ++i)
+        evo::act(*sequence, steps[i], actions.subspan(i * targets, targets));
     } else {
       for (std::size_t i = 0; i < steps.size(); ++i)
         evo::act(std::get<evo::SineController>(controller), steps[i],

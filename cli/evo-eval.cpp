@@ -85,7 +85,7 @@ Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, 
       if (sequence.actuators != arena.action_length())
         throw error(Failure::data, "{}: {} actions per step, but robot {} has {} actuators", name,
                     sequence.actuators, id, arena.action_length());
-      return ReplayController{sequence.values};
+      return ReplayController{sequence.values, sequence.actuators};
     };
   } else if (settings.sine) {
     const std::vector<double> wave = cli::parse_numbers(*settings.sine, "--sine");

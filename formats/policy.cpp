@@ -77,6 +77,13 @@ struct Stored<SineController> {
   static SineController read(const hdf5::Reader& file);
 };
 
+template <>
+struct Stored<ReplayController> {
+  static constexpr const char* kind = "sequence";
+  static void write(hdf5::Writer& file, const ReplayController& sequence);
+  static ReplayController read(const hdf5::Reader& file);
+};
+
 // Shifts are written where there are any: waves without are as ever.
 void write_sine(hdf5::Writer& file, const std::string& group, const SineController& sine) {
   file.vector(group + "/amplitude", sine.amplitude);
@@ -154,6 +161,19 @@ void Stored<SineController>::write(hdf5::Writer& file, const SineController& sin
 
 SineController Stored<SineController>::read(const hdf5::Reader& file) {
   return read_sine(file, "/sine");
+}
+
+void Stored<ReplayController>::write(hdf5::Writer& file, const ReplayController& sequence) {
+  file.array(
+      "/actions",
+      {static_cast<std::size_t>(sequence.steps()), static_cast<std::size_t>(sequence.actuators)},
+      sequence.actions);
+}
+
+ReplayController Stored<ReplayController>::read(const hdf5::Reader& file) {
+  auto actions = file.array<double>("/actions", {hdf5::any, hdf5::any});
+  if (actions.shape[1] == 0) throw bad(file, "/actions", "it has no actuators");
+  return {std::move(actions.values), static_cast<int>(actions.shape[1])};
 }
 
 void write_controller(hdf5::Writer& file, const TrainedController& controller) {

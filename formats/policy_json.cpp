@@ -1,6 +1,7 @@
 #include "formats/policy_json.h"
 
 #include <cmath>
+#include <span>
 #include <variant>
 
 #include "formats/format.h"
@@ -65,6 +66,15 @@ void add_controller(Json& document, const Policy& policy) {
 void add_controller(Json& document, const SineController& sine) {
   document["kind"] = "sine";
   document["sine"] = sine_to_json(sine);
+}
+
+void add_controller(Json& document, const ReplayController& sequence) {
+  document["kind"] = "sequence";
+  Json& rows = document["actions"] = Json::array();
+  const auto width = static_cast<std::size_t>(sequence.actuators);
+  const std::span<const double> actions = sequence.actions;
+  for (std::size_t row = 0; row + width <= actions.size(); row += width)
+    rows.push_back(numbers(actions.subspan(row, width)));
 }
 
 Json curve_to_json(const std::vector<CurvePoint>& curve) {

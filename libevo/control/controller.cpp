@@ -1,9 +1,17 @@
 #include "libevo/control/controller.h"
 
+#include <algorithm>
+
 namespace evo {
 
+void act(const ReplayController& controller, int t, std::span<double> targets) {
+  const auto row = static_cast<std::ptrdiff_t>(std::clamp(t, 0, controller.steps() - 1)) *
+                   static_cast<std::ptrdiff_t>(targets.size());
+  std::copy_n(controller.actions.begin() + row, targets.size(), targets.begin());
+}
+
 Controller to_controller(const TrainedController& controller) {
-  return std::visit([](const auto& c) { return Controller(c); }, controller);
+  return std::visit([](const auto& c) -> Controller { return c; }, controller);
 }
 
 }  // namespace evo

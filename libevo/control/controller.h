@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -21,13 +22,18 @@ struct RandomController {
 // Recorded targets; the episode ends with them.
 struct ReplayController {
   std::vector<double> actions;  // [T x A], row-major
+  int actuators = 0;            // A
+  int steps() const { return actuators > 0 ? static_cast<int>(actions.size()) / actuators : 0; }
   bool operator==(const ReplayController&) const = default;
 };
+
+// Targets of step t, [A]; after the last step those of the last.
+void act(const ReplayController& controller, int t, std::span<double> targets);
 
 using Controller = std::variant<Policy, SineController, RandomController, ReplayController>;
 
 // Those that a training can find, and a policy file can hold.
-using TrainedController = std::variant<Policy, SineController>;
+using TrainedController = std::variant<Policy, SineController, ReplayController>;
 Controller to_controller(const TrainedController& controller);
 
 }  // namespace evo

@@ -49,6 +49,7 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
   Evaluation result;
   result.returns.assign(static_cast<std::size_t>(work.jobs), 0.0);
   result.lengths.assign(static_cast<std::size_t>(work.jobs), 0);
+  result.peaks.assign(static_cast<std::size_t>(work.jobs), 0.0);
   if (work.jobs == 0) return result;
 
   const auto count = static_cast<std::size_t>(std::clamp(settings.lanes, 1, work.jobs));
@@ -86,6 +87,8 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
       require_finite(env.observations().subspan(l * length, length), "an observation", lane);
       require_finite(env.rewards().subspan(l, 1), "a reward", lane);
       result.returns[job] += env.rewards()[l];
+      if (lane.steps == 1 || result.returns[job] > result.peaks[job])
+        result.peaks[job] = result.returns[job];
       result.lengths[job] = lane.steps;
       const bool over = env.terminated()[l] != 0 || env.truncated()[l] != 0 ||
                         lane.steps >= work.limit ||
@@ -108,6 +111,13 @@ void require_length(const char* what, std::size_t has, std::size_t needs) {
   if (has != needs)
     throw error(Failure::data, "the controller has {} {}, robot and task need {}", has, what,
                 needs);
+}
+
+void require_sequence(const ReplayController& replay, std::size_t actions) {
+  if (replay.actions.empty() || static_cast<std::size_t>(replay.actuators) != actions ||
+      replay.actions.size() % actions != 0)
+    throw error(Failure::data, "{} recorded actions for {} actuators do not fit {} actuators",
+                replay.actions.size(), replay.actuators, actions);
 }
 
 template <typename PerLane>
@@ -154,15 +164,11 @@ struct Prepare {
   }
 
   void operator()(const ReplayController& replay) const {
-    if (replay.actions.empty() || replay.actions.size() % actions() != 0)
-      throw error(Failure::data, "{} recorded actions do not make rows of {} actuators",
-                  replay.actions.size(), actions());
-    work.limit = static_cast<int>(replay.actions.size() / actions());
+    require_sequence(replay, actions());
+    work.limit = replay.steps();
     work.choose =
         lane_by_lane(actions(), [&replay](const Running& lane, std::span<double> targets) {
-          const auto row =
-              static_cast<std::ptrdiff_t>(lane.steps) * static_cast<std::ptrdiff_t>(targets.size());
-          std::copy_n(replay.actions.begin() + row, targets.size(), targets.begin());
+          act(replay, lane.steps, targets);
         });
   }
 };
@@ -196,24 +202,59 @@ Evaluation evaluate(const Arena& arena, const Controller& controller,
   return run(arena, settings, work, observer);
 }
 
-SineEvaluation evaluate_each(const Arena& arena, std::span<const SineController> controllers,
-                             const EvaluationSettings& settings) {
+namespace {
+
+// `act` gives the targets of one of `controllers` controllers at a step.
+using ActOpenLoop = std::function<void(std::size_t, int, std::span<double>)>;
+
+OpenLoopEvaluation evaluate_open_loop(const Arena& arena, std::size_t controllers, int limit,
+                                      const EvaluationSettings& settings,
+                                      const ActOpenLoop& act_open_loop) {
   const int episodes = settings.episodes;
-  const auto actions = static_cast<std::size_t>(arena.action_length());
   Work work;
-  work.jobs = episodes * static_cast<int>(controllers.size());
+  work.jobs = episodes * static_cast<int>(controllers);
+  work.limit = limit;
   work.episode = [episodes](int job) { return job % episodes; };
-  work.choose = lane_by_lane(actions, [=](const Running& lane, std::span<double> targets) {
-    act(controllers[static_cast<std::size_t>(lane.job / episodes)], lane.steps, targets);
-  });
+  work.choose = lane_by_lane(static_cast<std::size_t>(arena.action_length()),
+                             [&](const Running& lane, std::span<double> targets) {
+                               act_open_loop(static_cast<std::size_t>(lane.job / episodes),
+                                             lane.steps, targets);
+                             });
   const Evaluation all = run(arena, settings, work, {});
-  SineEvaluation result;
+  OpenLoopEvaluation result;
   result.steps = all.steps();
-  for (std::size_t c = 0; c < controllers.size(); ++c) {
-    const auto first = all.returns.begin() + static_cast<std::ptrdiff_t>(c) * episodes;
-    result.means.push_back(std::accumulate(first, first + episodes, 0.0) / episodes);
+  const auto mean_of = [episodes](const std::vector<double>& values, std::size_t c) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(c) * episodes;
+    return std::accumulate(first, first + episodes, 0.0) / episodes;
+  };
+  for (std::size_t c = 0; c < controllers; ++c) {
+    result.means.push_back(mean_of(all.returns, c));
+    result.peaks.push_back(mean_of(all.peaks, c));
   }
   return result;
+}
+
+}  // namespace
+
+OpenLoopEvaluation evaluate_each(const Arena& arena, std::span<const SineController> controllers,
+                                 const EvaluationSettings& settings) {
+  return evaluate_open_loop(arena, controllers.size(), std::numeric_limits<int>::max(), settings,
+                            [controllers](std::size_t c, int step, std::span<double> targets) {
+                              act(controllers[c], step, targets);
+                            });
+}
+
+OpenLoopEvaluation evaluate_each(const Arena& arena, std::span<const ReplayController> controllers,
+                                 const EvaluationSettings& settings) {
+  int limit = std::numeric_limits<int>::max();
+  for (const ReplayController& replay : controllers) {
+    require_sequence(replay, static_cast<std::size_t>(arena.action_length()));
+    limit = std::min(limit, replay.steps());
+  }
+  return evaluate_open_loop(arena, controllers.size(), limit, settings,
+                            [controllers](std::size_t c, int step, std::span<double> targets) {
+                              act(controllers[c], step, targets);
+                            });
 }
 
 }  // namespace evo

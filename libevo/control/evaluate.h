@@ -25,8 +25,9 @@ struct EvaluationSettings {
 };
 
 struct Evaluation {
-  std::vector<double> returns;  // [episodes], in order
-  std::vector<int> lengths;     // control steps
+  std::vector<double> returns;     // [episodes], in order
+  std::vector<int> lengths;        // control steps
+  std::vector<double> peaks = {};  // the highest that the return was after a step
 
   double mean() const;
   double standard_error() const;  // of the mean; 0 for one episode
@@ -51,12 +52,16 @@ using EpisodeObserver = std::function<void(const EpisodeMoment&)>;
 Evaluation evaluate(const Arena& arena, const Controller& controller,
                     const EvaluationSettings& settings, const EpisodeObserver& observer = {});
 
-// Many open-loop controllers over the same episodes: the mean return of each.
-struct SineEvaluation {
-  std::vector<double> means;  // [controllers]
+// Many open-loop controllers over the same episodes.
+struct OpenLoopEvaluation {
+  std::vector<double> means;  // [controllers] of the returns
+  std::vector<double> peaks;  // [controllers] of the highest that the return ever was
   std::int64_t steps = 0;     // of all episodes of all of them
 };
-SineEvaluation evaluate_each(const Arena& arena, std::span<const SineController> controllers,
-                             const EvaluationSettings& settings);
+OpenLoopEvaluation evaluate_each(const Arena& arena, std::span<const SineController> controllers,
+                                 const EvaluationSettings& settings);
+// Sequences end with the shortest of them.
+OpenLoopEvaluation evaluate_each(const Arena& arena, std::span<const ReplayController> controllers,
+                                 const EvaluationSettings& settings);
 
 }  // namespace evo

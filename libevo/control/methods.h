@@ -8,6 +8,7 @@
 #include "libevo/control/gait_training.h"
 #include "libevo/control/portfolio.h"
 #include "libevo/control/ppo_training.h"
+#include "libevo/control/sequence_training.h"
 #include "libevo/control/wave_search.h"
 
 namespace evo {
@@ -16,6 +17,7 @@ using Method = std::variant<PpoTraining,       // ppo
                             SineTraining,      // sine
                             RandomTraining,    // random
                             GaitTraining,      // gait
+                            SequenceTraining,  // sequence
                             PortfolioTraining  // portfolio
                             >;
 

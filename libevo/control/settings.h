@@ -17,6 +17,8 @@ namespace evo {
 //   sine    open-loop sine waves, by an evolution strategy
 //   random  the best of random open-loop sine waves
 //   gait    as sine, but from the best of the waves that travel over the body
+//   sequence  open loop, every actuator's target at every step: exploration from the best
+//           moments reached so far
 //   portfolio  a gait, a network, and a network that adds to the gait, each for a part
 //              of the steps; the better network goes on
 class Algorithm {

@@ -55,6 +55,17 @@ struct Best<SineController> {
   }
 };
 
+template <>
+struct Best<ReplayController> {
+  static void save(Checkpoint& checkpoint, const ReplayController& sequence) {
+    checkpoint.put("best/sequence", sequence.actions);
+  }
+  static bool in(const Checkpoint& checkpoint) { return checkpoint.has("best/sequence"); }
+  static ReplayController load(const Checkpoint& checkpoint, const TrainingJob& job) {
+    return {checkpoint.get<double>("best/sequence"), job.arena.action_length()};
+  }
+};
+
 TrainedController load_best(const Checkpoint& checkpoint, const TrainingJob& job) {
   std::optional<TrainedController> best;
   for_each_alternative<TrainedController>([&]<typename T>(std::type_identity<T>) {
@@ -129,8 +140,9 @@ struct Trainer::Impl {
     check(job.settings);
     const std::string& name = job.settings.algorithm.name();
     if (job.inheritance && (name == SineTraining::name || name == RandomTraining::name))
-      throw error(Failure::usage, "training: {}, {} and {} can start from a policy, {} cannot",
-                  PpoTraining::name, GaitTraining::name, PortfolioTraining::name, name);
+      throw error(Failure::usage, "training: {}, {}, {} and {} can start from a policy, {} cannot",
+                  PpoTraining::name, GaitTraining::name, SequenceTraining::name,
+                  PortfolioTraining::name, name);
     return make_method(job);
   }
 

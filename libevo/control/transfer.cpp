@@ -155,6 +155,19 @@ SineController transferred(const SineController& old_gait, const Anatomy& from, 
   return gait;
 }
 
+ReplayController transferred(const ReplayController& old_sequence, const Anatomy& from,
+                             const Anatomy& to) {
+  std::vector<std::size_t> column;
+  for (const Place& actuator : to.actuators)
+    column.push_back(static_cast<std::size_t>(nearest(from.actuators, actuator)));
+  ReplayController sequence;
+  sequence.actuators = static_cast<int>(to.actuators.size());
+  const auto width = static_cast<std::size_t>(old_sequence.actuators);
+  for (std::size_t row = 0; row + width <= old_sequence.actions.size(); row += width)
+    for (const std::size_t i : column) sequence.actions.push_back(old_sequence.actions.at(row + i));
+  return sequence;
+}
+
 Policy transferred(const Policy& old_policy, const Anatomy& from, const Policy& fresh,
                    const Anatomy& to, double memory) {
   if (!same_shape(old_policy.actor, fresh.actor, false) ||

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "libevo/body/body.h"
-#include "libevo/control/policy.h"
+#include "libevo/control/controller.h"
 #include "libevo/task/env.h"
 
 namespace evo {
@@ -37,6 +37,10 @@ Anatomy anatomy(const Body& robot, std::vector<ObservationSlice> layout);
 
 // A gait: every actuator does what the nearest one of the old body did.
 SineController transferred(const SineController& old_gait, const Anatomy& from, const Anatomy& to);
+
+// A sequence of actions, likewise.
+ReplayController transferred(const ReplayController& old_sequence, const Anatomy& from,
+                             const Anatomy& to);
 
 // The old policy on the new body. `fresh` is an untrained policy for it: it gives
 // what has no counterpart, and the deviation of actions. No more than `memory`

@@ -42,7 +42,7 @@ bool spent(const TrainingJob& job, const Findings& findings) {
 
 std::vector<double> try_out(const TrainingJob& job, const std::vector<SineController>& candidates,
                             Findings& findings, Metrics& metrics) {
-  const SineEvaluation result = evaluate_each(job.arena, candidates, job.evaluation());
+  const OpenLoopEvaluation result = evaluate_each(job.arena, candidates, job.evaluation());
   findings.steps += result.steps;
   const auto best = std::max_element(result.means.begin(), result.means.end());
   findings.evaluated(*best, candidates[static_cast<std::size_t>(best - result.means.begin())]);

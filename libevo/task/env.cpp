@@ -421,27 +421,47 @@ void for_each_shape_array(Shape& shape, Visit visit) {
   visit(shape.radius);
 }
 
+// What is not in arrays of all environments.
+template <typename Environments>
+void save_environment(const Environments& all, std::size_t index, ByteWriter& out) {
+  const auto& e = all.environments[index];
+  const State state = all.batch.state(index);
+  save_episode(out, e.episode);
+  for_each_array(state, e, [&](const auto& values) { out.values(values); });
+  for (const InitialShape& shape : e.initial_shapes) {
+    for_each_shape_array(shape, [&](const auto& values) { out.values(values); });
+    out.value(shape.radius_sum);
+  }
+}
+
+template <typename Environments>
+void load_environment(ByteReader& in, std::size_t index, Environments& all) {
+  auto& e = all.environments[index];
+  const Arena::Compiled& arena = e.arena->compiled();
+  e.episode = load_episode(in);
+  // Never reset: no draws yet.
+  const bool begun = !e.episode.draws.integers.empty() || !moves_objects(arena.task);
+  if (begun) all.place(index, episode_world_for(arena, e.episode.draws));
+  State state = all.batch.state(index);
+  for_each_array(state, e, [&](auto& values) { in.fill(values); });
+  all.batch.set_state(index, state);
+  for (InitialShape& shape : e.initial_shapes) {
+    for_each_shape_array(shape, [&](auto& values) { in.fill(values); });
+    in.value(shape.radius_sum);
+  }
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> VecEnv::save() const {
   const Impl& impl = *impl_;
   ByteWriter out;
-  const auto write = [&](const auto& values) { out.values(values); };
   out.value(static_cast<std::uint64_t>(impl.environments.size()));
-  for (std::size_t i = 0; i < impl.environments.size(); ++i) {
-    const Environment& e = impl.environments[i];
-    const State state = impl.batch.state(i);
-    save_episode(out, e.episode);
-    for_each_array(state, e, write);
-    for (const InitialShape& shape : e.initial_shapes) {
-      for_each_shape_array(shape, write);
-      out.value(shape.radius_sum);
-    }
-  }
-  write(impl.observations);
-  write(impl.rewards);
-  write(impl.terminated);
-  write(impl.truncated);
+  for (std::size_t i = 0; i < impl.environments.size(); ++i) save_environment(impl, i, out);
+  out.values(impl.observations);
+  out.values(impl.rewards);
+  out.values(impl.terminated);
+  out.values(impl.truncated);
   return out.take();
 }
 
@@ -450,31 +470,46 @@ void VecEnv::load(std::span<const std::uint8_t> bytes) {
   for (const Environment& e : impl_->environments) arenas.push_back(e.arena);
   auto loaded = std::make_unique<Impl>(arenas);
   ByteReader in(bytes);
-  const auto read = [&](auto& values) { in.fill(values); };
   std::uint64_t count = 0;
   in.value(count);
   if (count != loaded->environments.size()) ByteReader::refuse();
-  for (std::size_t i = 0; i < loaded->environments.size(); ++i) {
-    Environment& e = loaded->environments[i];
-    const Arena::Compiled& arena = e.arena->compiled();
-    e.episode = load_episode(in);
-    // Never reset: no draws yet.
-    const bool begun = !e.episode.draws.integers.empty() || !moves_objects(arena.task);
-    if (begun) loaded->place(i, episode_world_for(arena, e.episode.draws));
-    State state = loaded->batch.state(i);
-    for_each_array(state, e, read);
-    loaded->batch.set_state(i, state);
-    for (InitialShape& shape : e.initial_shapes) {
-      for_each_shape_array(shape, read);
-      in.value(shape.radius_sum);
-    }
-  }
-  read(loaded->observations);
-  read(loaded->rewards);
-  read(loaded->terminated);
-  read(loaded->truncated);
+  for (std::size_t i = 0; i < loaded->environments.size(); ++i) load_environment(in, i, *loaded);
+  in.fill(loaded->observations);
+  in.fill(loaded->rewards);
+  in.fill(loaded->terminated);
+  in.fill(loaded->truncated);
   in.finish();
   impl_ = std::move(loaded);
+}
+
+std::vector<std::uint8_t> VecEnv::save(int environment) const {
+  const Impl& impl = *impl_;
+  const auto index = static_cast<std::size_t>(environment);
+  const Environment& e = environment_of(impl, environment);
+  const auto first = impl.observations.begin() + static_cast<std::ptrdiff_t>(e.observation_offset);
+  ByteWriter out;
+  save_environment(impl, index, out);
+  out.values(std::vector<double>(first, first + e.arena->observation_length()));
+  out.value(impl.rewards[index]);
+  out.value(impl.terminated[index]);
+  out.value(impl.truncated[index]);
+  return out.take();
+}
+
+void VecEnv::load(int environment, std::span<const std::uint8_t> bytes) {
+  Impl& impl = *impl_;
+  const auto index = static_cast<std::size_t>(environment);
+  const Environment& e = environment_of(impl, environment);
+  ByteReader in(bytes);
+  load_environment(in, index, impl);
+  std::vector<double> observation(static_cast<std::size_t>(e.arena->observation_length()));
+  in.fill(observation);
+  in.value(impl.rewards[index]);
+  in.value(impl.terminated[index]);
+  in.value(impl.truncated[index]);
+  in.finish();
+  std::copy(observation.begin(), observation.end(),
+            impl.observations.begin() + static_cast<std::ptrdiff_t>(e.observation_offset));
 }
 
 // ---- the pure part of a step -------------------------------------------------------

@@ -112,6 +112,11 @@ class VecEnv {
   // same arenas. load() throws Error(data) for bytes that do not fit.
   std::vector<std::uint8_t> save() const;
   void load(std::span<const std::uint8_t> bytes);
+  // Of one environment, to be put into any of the same arena: an episode goes on from
+  // there as often as it is asked to, each time to the same bits. After an Error(data)
+  // the environment has to be reset.
+  std::vector<std::uint8_t> save(int environment) const;
+  void load(int environment, std::span<const std::uint8_t> bytes);
 
  private:
   struct Impl;

@@ -52,3 +52,18 @@ evolve() {
   run -1 "$EVO_SOURCE/scripts/verify-records" Walker-v0
   fails_with 66 "no run folder" -- "$EVO_SOURCE/scripts/add-record" nothing
 }
+
+@test "a sequence of actions is a record beside the others, not in their place" {
+  evolve waves 1
+  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=actions TASK=Walker-v0 POP=4 EVALS=8 TRAIN=sequence STEPS=4000 SEED=1 \
+    INHERIT=yes TRAIN_OPTIONS="--train-set population=4" -s actions/history.jsonl
+  "$EVO_SOURCE/scripts/add-record" waves
+  "$EVO_SOURCE/scripts/add-record" actions
+  jq -e '.controller == "sine" and .task == "Walker-v0"' records/Walker-v0/record.json
+  jq -e '.controller == "sequence" and .task == "Walker-v0"' records/Walker-v0-sequence/record.json
+  grep -q '^| \[Walker-v0\](#walker-v0) | .* | \[.*\](#walker-v0-sequence) ([0-9]* thousand) | ' records/README.md
+  "$EVO_SOURCE/scripts/verify-records"
+  mv records/Walker-v0-sequence records/Carrier-v0-sequence
+  run -1 "$EVO_SOURCE/scripts/verify-records" Carrier-v0-sequence
+  [[ $output == *"is of Walker-v0"* ]]
+}

@@ -54,7 +54,7 @@ TEST_CASE("episodes do not depend on those beside them, for any controller") {
 
 TEST_CASE("recorded actions give the episode again, and end it") {
   const Arena arena(test::walker(20), test::small_body());
-  ReplayController replay;
+  ReplayController replay{{}, arena.action_length()};
   double sum = 0.0;
   int moments = 0;
   int last = 0;
@@ -96,10 +96,53 @@ TEST_CASE("many open-loop controllers at once are each as if alone") {
   EvaluationSettings settings;
   settings.episodes = 2;
   settings.jitter = 1e-3;
-  const SineEvaluation all = evaluate_each(arena, controllers, settings);
+  const OpenLoopEvaluation all = evaluate_each(arena, controllers, settings);
   CHECK(all.steps == 5 * 2 * 10);
   for (std::size_t i = 0; i < controllers.size(); ++i)
     CHECK(all.means[i] == evaluate(arena, controllers[i], settings).mean());
+}
+
+TEST_CASE("many sequences at once are each as if alone, and end with the shortest") {
+  const Arena arena(test::walker(10), test::small_body());
+  const auto sequence = [](int steps, double amplitude) {
+    ReplayController replay{std::vector<double>(static_cast<std::size_t>(5 * steps)), 5};
+    for (int t = 0; t < steps; ++t)
+      act(travelling_wave(5, amplitude, 9.0, 0.9), t,
+          std::span(replay.actions).subspan(static_cast<std::size_t>(5 * t), 5));
+    return replay;
+  };
+  EvaluationSettings settings;
+  settings.episodes = 2;
+  settings.jitter = 1e-3;
+  const std::vector<ReplayController> whole{sequence(10, 0.1), sequence(10, 0.4)};
+  const OpenLoopEvaluation all = evaluate_each(arena, whole, settings);
+  CHECK(all.steps == 2 * 2 * 10);
+  for (std::size_t i = 0; i < whole.size(); ++i)
+    CHECK(all.means[i] == evaluate(arena, whole[i], settings).mean());
+  const std::vector<ReplayController> cut{sequence(10, 0.1), sequence(7, 0.4)};
+  CHECK(evaluate_each(arena, cut, settings).steps == 2 * 2 * 7);
+}
+
+TEST_CASE("an episode's peak is its highest return") {
+  const Arena arena(test::walker(30), test::small_body());
+  EvaluationSettings settings;
+  std::vector<double> sums;
+  const Evaluation result =
+      evaluate(arena, travelling_wave(5, 0.5, 12.0, 1.3), settings, [&](const EpisodeMoment& m) {
+        if (m.targets.empty()) return;
+        sums.push_back((sums.empty() ? 0.0 : sums.back()) + m.env.rewards()[0]);
+      });
+  CHECK(result.peaks[0] == *std::max_element(sums.begin(), sums.end()));
+  CHECK(result.peaks[0] > result.returns[0]);  // it sways
+}
+
+TEST_CASE("a sequence holds its last targets when it is over") {
+  const ReplayController replay{{1.0, 0.7, 1.5, 0.6}, 2};
+  std::vector<double> targets(2);
+  act(replay, 0, targets);
+  CHECK(targets == std::vector<double>{1.0, 0.7});
+  act(replay, 9, targets);
+  CHECK(targets == std::vector<double>{1.5, 0.6});
 }
 
 TEST_CASE("means and standard errors") {
@@ -117,8 +160,10 @@ TEST_CASE("controllers that do not fit robot and task are refused") {
   CHECK_THROWS_WITH(evaluate(arena, policy_for(other), once), Catch::Contains("inputs"));
   CHECK_THROWS_WITH(evaluate(arena, travelling_wave(4, 0.1, 9.0, 1.0), once),
                     Catch::Contains("4 amplitudes"));
-  CHECK_THROWS_WITH(evaluate(arena, ReplayController{{1.0, 1.0, 1.0}}, once),
-                    Catch::Contains("5 actuators"));
+  CHECK_THROWS_WITH(evaluate(arena, ReplayController{{1.0, 1.0, 1.0}, 3}, once),
+                    Catch::Contains("fit 5 actuators"));
+  CHECK_THROWS_WITH(evaluate(arena, ReplayController{{1.0, 1.0, 1.0}, 5}, once),
+                    Catch::Contains("3 recorded actions"));
   SineController broken = travelling_wave(5, 0.1, 9.0, 1.0);
   broken.phase[2] = std::nan("");
   CHECK_THROWS_WITH(evaluate(arena, broken, once), Catch::Contains("not a finite number"));

@@ -46,10 +46,21 @@ TrainingSettings brief_portfolio() {
   return s;
 }
 
+// Three stretches of exploration.
+TrainingSettings brief_sequence() {
+  TrainingSettings s = brief_search(Algorithm("sequence"));
+  s.environments = 2;
+  s.rollout = 16;
+  s.evaluation_interval = 3;
+  s.steps = 2 * 10 + 3 * (96 + 20);
+  return s;
+}
+
 // Of any algorithm: a new one that is no network is taken for a search.
 TrainingSettings brief(const std::string& algorithm) {
   if (algorithm == "ppo") return brief();
   if (algorithm == "portfolio") return brief_portfolio();
+  if (algorithm == "sequence") return brief_sequence();
   return brief_search(Algorithm(algorithm));
 }
 
@@ -167,7 +178,8 @@ TEST_CASE("trainings side by side are each as alone", "[threads]") {
   const Arena arena(test::walker(10), test::small_body());
   const Arena other(test::walker(10), test::body_a());
   const std::vector<TrainingSettings> settings{brief(), brief_search(Algorithm("sine")),
-                                               brief_search(Algorithm("gait")), brief_portfolio()};
+                                               brief_search(Algorithm("gait")), brief_portfolio(),
+                                               brief_sequence()};
   const auto run = [&](std::size_t i) {
     Trainer trainer(i % 2 == 0 ? arena : other, settings[i % settings.size()], 1,
                     std::to_string(i));
@@ -337,7 +349,7 @@ TEST_CASE("an algorithm is one of the list") {
   for (const std::string& name : algorithm_names()) CHECK(Algorithm(name).name() == name);
   CHECK_THROWS_WITH(Algorithm("sin"),
                     Catch::StartsWith("unknown algorithm 'sin' (did you mean 'sine'?); there are "
-                                      "ppo, sine, random, gait, portfolio"));
+                                      "ppo, sine, random, gait, sequence, portfolio"));
 }
 
 TEST_CASE("a checkpoint of another training is refused") {
@@ -445,9 +457,62 @@ TEST_CASE("a search for a gait starts from another robot's, and that counts as i
   }
 }
 
+TEST_CASE("a search for a sequence stays within its budget, and is what it claims") {
+  const Arena arena(test::walker(10), test::small_body());
+  Trainer trainer(arena, brief_sequence(), 1, "robot");
+  const TrainResult result = train(trainer);
+  CHECK(result.complete);
+  CHECK(result.steps <= brief_sequence().steps);
+  CHECK(result.steps > brief_sequence().steps - 2 * 20);
+  CHECK(result.curve.size() >= 3);
+  REQUIRE(result.controller);
+  CHECK(std::holds_alternative<ReplayController>(*result.controller));
+  EvaluationSettings evaluation;
+  evaluation.seed = 1;
+  CHECK(evaluate(arena, to_controller(*result.controller), evaluation).mean() == *result.fitness);
+
+  TrainingSettings few = brief_sequence();
+  few.steps = 2 * 10 + 2 * 10 - 1;
+  CHECK_THROWS_WITH(Trainer(arena, few, 1, "robot"), Catch::Contains("give at least 40"));
+}
+
+TEST_CASE("a search for a sequence starts from what another robot has learned") {
+  const Arena old_arena(test::walker(10), test::small_body());
+  const TrainingSettings settings = brief_sequence();
+  const auto inherit_from = [&](const TrainingSettings& old_settings) {
+    Trainer old_trainer(old_arena, old_settings, 1, "old");
+    const TrainResult old_result = train(old_trainer);
+    return std::pair{
+        Inheritance{*old_result.controller, anatomy(old_arena.robot(), old_arena.layout())},
+        *old_result.fitness};
+  };
+
+  SECTION("a sequence, a gait or a network: the first candidate does the same") {
+    const auto [inheritance, fitness] = inherit_from(
+        GENERATE(brief_sequence(), brief_search(Algorithm("gait")), brief(), brief_portfolio()));
+    TrainingSettings same_networks = settings;
+    same_networks.hidden = {16, 16};
+    Trainer trainer(old_arena, same_networks, 1, "new", inheritance);
+    CHECK(train(trainer).curve.front().evaluation >= fitness);
+  }
+  SECTION("on another body it resumes to the same bytes") {
+    const Inheritance inheritance = inherit_from(settings).first;
+    const Arena arena(test::walker(12), Body::from_rows({"HHV", "VSV"}));
+    TrainingSettings longer = settings;
+    longer.steps += 200;
+    Trainer whole(arena, longer, 1, "new", inheritance);
+    whole.advance();
+    Trainer resumed(arena, longer, 1, "new", inheritance);
+    resumed.restore(whole.checkpoint());
+    check_equal(train(resumed), train(whole));
+    CHECK(resumed.checkpoint() == whole.checkpoint());
+  }
+}
+
 TEST_CASE("a finished training goes on with more steps") {
   const Arena arena(test::walker(10), test::small_body());
-  TrainingSettings settings = GENERATE(brief(), brief_search(Algorithm("gait")), brief_portfolio());
+  TrainingSettings settings =
+      GENERATE(brief(), brief_search(Algorithm("gait")), brief_sequence(), brief_portfolio());
   Trainer first(arena, settings, 4, "robot");
   const TrainResult part = train(first);
   settings.steps += 10 * 64;

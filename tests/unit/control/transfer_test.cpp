@@ -92,6 +92,16 @@ TEST_CASE("a gait is carried over to the nearest actuators") {
   CHECK(carried.phase == std::vector<double>{0.0, 0.5, 1.0, 1.5, 0.5, 2.0});
 }
 
+TEST_CASE("a sequence is carried over to the nearest actuators, step by step") {
+  const Anatomy from = anatomy(test::small_body(), {});
+  const Anatomy to = anatomy(Body::from_rows({"HHH", "VHV"}), {});
+  const ReplayController sequence{{1.0, 1.1, 1.2, 1.3, 1.4, 0.6, 0.7, 0.8, 0.9, 1.0}, 5};
+  const ReplayController carried = transferred(sequence, from, to);
+  CHECK(carried.actuators == 6);
+  CHECK(carried.actions ==
+        std::vector<double>{1.0, 1.1, 1.2, 1.3, 1.1, 1.4, 0.6, 0.7, 0.8, 0.9, 0.7, 1.0});
+}
+
 TEST_CASE("networks of another shape are refused") {
   const Arena arena(test::walker(10), test::small_body());
   const Policy old_policy = fresh_policy(arena, 1);

@@ -311,6 +311,45 @@ TEST_CASE("saved environments go on to the same bits") {
   }
 }
 
+TEST_CASE("an episode goes on from any of its moments, in any environment, to the same bits") {
+  const Arena arena(drawing(), walker());
+  VecEnv env(arena, 3);
+  reset_all(arena, env);
+  std::vector<std::uint8_t> moment;
+  std::vector<double> rewards;
+  const auto length = static_cast<std::size_t>(arena.observation_length());
+  std::vector<double> seen;
+  for (int step = 0; step < 9; ++step) {
+    if (step == 4) moment = env.save(1);
+    env.step(actions(arena, 3, step));
+    if (step >= 4) rewards.push_back(env.rewards()[1]);
+  }
+  const auto last = env.observations().subspan(length, length);
+  seen.assign(last.begin(), last.end());
+  for (const int to : {2, 1}) {
+    const auto others = env.save(0);
+    env.load(to, moment);
+    CHECK(env.save(to) == moment);
+    CHECK(env.save(0) == others);
+    std::vector<double> again;
+    for (int step = 4; step < 9; ++step) {
+      // What environment 1 was told.
+      std::vector<double> targets = actions(arena, 3, step);
+      const auto width = static_cast<std::ptrdiff_t>(arena.action_length());
+      std::copy_n(targets.begin() + width, width, targets.begin() + to * width);
+      env.step(targets);
+      again.push_back(env.rewards()[static_cast<std::size_t>(to)]);
+    }
+    CHECK(again == rewards);
+    CHECK(copy(env.observations().subspan(static_cast<std::size_t>(to) * length, length)) == seen);
+  }
+  const Arena other(walking(), Body::from_rows({"HH"}));
+  VecEnv smaller(other, 1);
+  CHECK_THROWS_AS(smaller.load(0, moment), Error);
+  moment.pop_back();
+  CHECK_THROWS_AS(env.load(0, moment), Error);
+}
+
 TEST_CASE("bytes that belong elsewhere are refused") {
   const Arena arena(walking(), walker());
   VecEnv env(arena, 2);

@@ -1,0 +1,381 @@
+#include "libevo/control/sequence_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "libevo/base/elementary.h"
+#include "libevo/base/error.h"
+
+namespace evo {
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr double resolution = 1024.0;   // targets are multiples of 1/1024: small files
+constexpr double levels_at_first = 20;  // between nothing and what first episodes reach
+constexpr std::size_t most_levels = 200;
+constexpr double depth = 6.0;         // levels below the highest where the choice still falls
+constexpr double anywhere = 0.01;     // weight of all others
+constexpr int shortest_attempt = 20;  // control steps
+constexpr int longest_attempt = 100;
+constexpr int steps_gained = 3;  // by every new level
+
+}  // namespace
+
+SequenceSearch::SequenceSearch(const Arena& arena, const SequenceSearchSettings& settings,
+                               const EvaluationSettings& evaluation, Stream random,
+                               std::optional<ReplayController> start)
+    : arena_(&arena),
+      settings_(settings),
+      episode_{evaluation.draws ? *evaluation.draws : arena.draw(evaluation.seed, 0)},
+      episode_steps_(arena.task().episode_steps),
+      low_(arena.task().physics.min_target),
+      high_(arena.task().physics.max_target),
+      random_(random),
+      start_(std::move(start)),
+      env_(arena, settings.environments),
+      start_is_due_(start_.has_value()) {
+  const Body& robot = arena.robot();
+  for (int row = 0; row < robot.rows; ++row)
+    for (int col = 0; col < robot.cols; ++col)
+      if (is_actuator(robot.at(row, col)))
+        places_.push_back({static_cast<double>(col), static_cast<double>(-row)});
+}
+
+double SequenceSearch::target(double value) const {
+  const double low = std::ceil(low_ * resolution);
+  const double high = std::floor(high_ * resolution);
+  return std::clamp(std::round(value * resolution), low, high) / resolution;
+}
+
+int SequenceSearch::steps_of(const Moment& moment) const {
+  return static_cast<int>(moment.actions.size() / places_.size());
+}
+
+std::int64_t SequenceSearch::level_of(double earned) const {
+  return static_cast<std::int64_t>(std::floor(earned / level_height_));
+}
+
+double SequenceSearch::highest() const {
+  return archive_.empty() ? 0.0 : archive_.rbegin()->second.earned;
+}
+
+// ---- what is tried -------------------------------------------------------------------
+
+// Waves that travel over the body, each actuator for itself, or two groups against
+// each other.
+SequenceSearch::Gait SequenceSearch::new_gait() {
+  enum Kind { travelling, independent, opposed };
+  const int kind = random_.integer(travelling, opposed);
+  const double half = 0.5 * (high_ - low_);
+  const double amplitude = half * uniform(0.5, 2.5);  // beyond 1 it is cut off
+  const double across = uniform(-1.5, 1.5);
+  const double up = uniform(-1.5, 1.5);
+  Gait gait;
+  gait.period = settings_.shortest_period *
+                math::exp(math::log(settings_.longest_period / settings_.shortest_period) *
+                          random_.uniform());
+  for (const Place& place : places_) {
+    const double phase = kind == travelling    ? across * place.x + up * place.y
+                         : kind == independent ? two_pi * random_.uniform()
+                                               : std::numbers::pi * random_.integer(0, 1);
+    gait.phase.push_back(phase);
+    gait.amplitude.push_back(amplitude * uniform(0.5, 1.0));
+    gait.middle.push_back(low_ + half + 0.3 * half * random_.gaussian());
+  }
+  return gait;
+}
+
+SequenceSearch::Gait SequenceSearch::changed(Gait gait) {
+  constexpr double share = 0.3;  // of the numbers that change
+  for (std::size_t i = 0; i < gait.phase.size(); ++i) {
+    if (random_.uniform() < share) gait.phase[i] += 0.5 * random_.gaussian();
+    if (random_.uniform() < share) gait.amplitude[i] *= math::exp(0.3 * random_.gaussian());
+    if (random_.uniform() < share) gait.middle[i] += 0.1 * (high_ - low_) * random_.gaussian();
+  }
+  gait.period = std::clamp(gait.period * math::exp(0.15 * random_.gaussian()),
+                           settings_.shortest_period, 1.5 * settings_.longest_period);
+  return gait;
+}
+
+// The level to go on from: weights fall off below the highest, and with every visit.
+std::optional<std::int64_t> SequenceSearch::choose() {
+  std::vector<std::int64_t> levels;
+  std::vector<double> weights;
+  double rank = 0.0;
+  for (auto it = archive_.rbegin(); it != archive_.rend(); ++it, rank += 1.0) {
+    if (steps_of(it->second) >= episode_steps_ - 1) continue;
+    levels.push_back(it->first);
+    weights.push_back((math::exp(-rank / depth) + anywhere) / math::sqrt(it->second.visits + 1.0));
+  }
+  if (levels.empty()) return std::nullopt;
+  return levels[random_.discrete(weights)];
+}
+
+SequenceSearch::Attempt SequenceSearch::attempt() {
+  Attempt attempt;
+  if (start_is_due_) {
+    start_is_due_ = false;
+    attempt.at = archive_.at(level_of(0.0));
+    attempt.steps_left = episode_steps_;
+    attempt.replays = true;
+    return attempt;
+  }
+  const auto level = choose();
+  if (!level) return attempt;
+  Moment& from = archive_.at(*level);
+  ++from.visits;
+  attempt.at = from;
+  attempt.steps_left = random_.integer(shortest_attempt, longest_attempt);
+  Gait& gait = attempt.at.gait;
+  enum Kind { goes_on, begins, changes, pushes };
+  const int kind = random_.integer(goes_on, pushes);
+  if (gait.phase.empty() || kind == begins) gait = new_gait();
+  if (kind == changes) gait = changed(std::move(gait));
+  if (kind == pushes) {
+    attempt.pushes_left = random_.integer(4, 24);
+    attempt.held = random_.integer(2, 8);
+    attempt.values.resize(static_cast<std::size_t>(random_.integer(1, 3)));
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      attempt.group.push_back(random_.below(static_cast<std::uint32_t>(attempt.values.size())));
+  }
+  return attempt;
+}
+
+void SequenceSearch::choose_targets(Attempt& attempt, std::span<double> targets) {
+  const int t = steps_of(attempt.at);
+  if (attempt.replays) {
+    act(*start_, t, targets);
+    return;
+  }
+  if (attempt.pushes_left > 0) {
+    if (attempt.pushes_left-- % attempt.held == 0 || attempt.values.front() == 0.0)
+      for (double& value : attempt.values) {
+        const bool extreme = random_.uniform() < 0.6;
+        const double any = random_.uniform();
+        value = target(low_ + (high_ - low_) * (extreme ? std::round(any) : any));
+      }
+    for (std::size_t i = 0; i < targets.size(); ++i) targets[i] = attempt.values[attempt.group[i]];
+    return;
+  }
+  const Gait& gait = attempt.at.gait;
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    targets[i] = target(gait.middle[i] +
+                        gait.amplitude[i] * math::sin(two_pi * t / gait.period + gait.phase[i]));
+}
+
+// ---- exploration ---------------------------------------------------------------------
+
+// Whole episodes, of random gaits or of what is inherited, say how high a level is.
+std::int64_t SequenceSearch::measure_level_height(std::int64_t budget) {
+  std::vector<ReplayController> episodes;
+  const int count = start_ ? 1 : settings_.environments;
+  if (budget < std::int64_t{count} * episode_steps_) return 0;
+  for (int e = 0; e < count; ++e) {
+    if (start_) {
+      episodes.push_back(*start_);
+      continue;
+    }
+    Attempt gait;
+    gait.at.gait = new_gait();
+    std::vector<double> targets(places_.size());
+    for (int t = 0; t < episode_steps_; ++t) {
+      choose_targets(gait, targets);
+      gait.at.actions.insert(gait.at.actions.end(), targets.begin(), targets.end());
+    }
+    episodes.push_back(whole(gait.at.actions));
+  }
+  EvaluationSettings first;
+  first.draws = episode_.draws;
+  const OpenLoopEvaluation result = evaluate_each(*arena_, episodes, first);
+  const double peak = *std::max_element(result.peaks.begin(), result.peaks.end());
+  const double least = *std::min_element(result.means.begin(), result.means.end());
+  const double range = peak > 0.0 ? peak : peak - least;
+  level_height_ = std::max(range / levels_at_first, 1e-6);
+  return result.steps;
+}
+
+void SequenceSearch::begin() {
+  env_.reset(0, episode_);
+  Moment first;
+  first.state = env_.save(0);
+  archive_[level_of(0.0)] = std::move(first);
+}
+
+// The state that an attempt has come to, if it is the soonest of its level.
+void SequenceSearch::enter(Attempt& attempt, int lane) {
+  const auto [place, is_new] = archive_.try_emplace(level_of(attempt.at.earned));
+  Moment& there = place->second;
+  if (!is_new && steps_of(there) <= steps_of(attempt.at)) return;
+  const int visits = is_new ? 0 : there.visits / 2;
+  there = attempt.at;
+  there.state = env_.save(lane);
+  there.visits = visits;
+  attempt.steps_left += steps_gained;
+  if (archive_.size() > most_levels) coarsen();
+}
+
+// Levels twice as high; of two that become one, the sooner stays.
+void SequenceSearch::coarsen() {
+  level_height_ *= 2.0;
+  std::map<std::int64_t, Moment> fine = std::exchange(archive_, {});
+  for (auto& [level, moment] : fine) {
+    const auto [place, is_new] = archive_.try_emplace(level_of(moment.earned), std::move(moment));
+    if (!is_new && steps_of(moment) < steps_of(place->second)) place->second = std::move(moment);
+  }
+}
+
+std::int64_t SequenceSearch::explore(std::int64_t budget) {
+  std::int64_t taken = 0;
+  if (archive_.empty()) {
+    taken += measure_level_height(budget);
+    if (level_height_ == 0.0) return 0;
+    begin();
+  }
+  const auto lanes = static_cast<std::size_t>(settings_.environments);
+  std::vector<Attempt> attempts(lanes);
+  std::vector<std::uint8_t> active(lanes, 0);
+  std::vector<double> targets(lanes * places_.size(), 1.0);
+  const auto start = [&](std::size_t lane) {
+    attempts[lane] = attempt();
+    active[lane] = attempts[lane].steps_left > 0 ? 1 : 0;
+    if (active[lane] != 0) env_.load(static_cast<int>(lane), attempts[lane].at.state);
+  };
+  for (std::size_t lane = 0; lane < lanes; ++lane) start(lane);
+  while (true) {
+    const std::int64_t running = std::count(active.begin(), active.end(), std::uint8_t{1});
+    if (running == 0 || taken + running > budget) return taken;
+    for (std::size_t lane = 0; lane < lanes; ++lane)
+      if (active[lane] != 0)
+        choose_targets(attempts[lane],
+                       std::span(targets).subspan(lane * places_.size(), places_.size()));
+    env_.step(targets, active);
+    taken += running;
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      if (active[lane] == 0) continue;
+      Attempt& now = attempts[lane];
+      const auto row = std::span(targets).subspan(lane * places_.size(), places_.size());
+      now.at.actions.insert(now.at.actions.end(), row.begin(), row.end());
+      now.at.earned += env_.rewards()[lane];
+      --now.steps_left;
+      if (env_.status(static_cast<int>(lane)) == LaneStatus::unstable ||
+          !std::isfinite(now.at.earned)) {
+        start(lane);
+      } else if (env_.terminated()[lane] != 0 || env_.truncated()[lane] != 0) {
+        if (ended_.empty() || now.at.earned > ended_return_) {
+          ended_ = now.at.actions;
+          ended_return_ = now.at.earned;
+          ended_is_new_ = true;
+        }
+        start(lane);
+      } else {
+        enter(now, static_cast<int>(lane));
+        if (now.steps_left <= 0) start(lane);
+      }
+    }
+  }
+}
+
+ReplayController SequenceSearch::whole(const std::vector<double>& actions) const {
+  const std::size_t width = places_.size();
+  ReplayController sequence{actions, static_cast<int>(width)};
+  if (actions.empty()) sequence.actions.assign(width, target(1.0));
+  const std::size_t length = static_cast<std::size_t>(episode_steps_) * width;
+  sequence.actions.reserve(length);
+  while (sequence.actions.size() < length)
+    sequence.actions.push_back(sequence.actions[sequence.actions.size() - width]);
+  return sequence;
+}
+
+std::vector<ReplayController> SequenceSearch::news() {
+  std::vector<ReplayController> sequences;
+  if (ended_is_new_) sequences.push_back(whole(ended_));
+  ended_is_new_ = false;
+  if (archive_.empty()) return sequences;
+  const Moment& top = archive_.rbegin()->second;
+  const bool further = ended_.empty() || top.earned > ended_return_;
+  if (further && top.earned > shown_) {
+    shown_ = top.earned;
+    sequences.push_back(whole(top.actions));
+  }
+  return sequences;
+}
+
+// ---- checkpoints ---------------------------------------------------------------------
+
+void SequenceSearch::save(Checkpoint& checkpoint) const {
+  checkpoint.put("search/random", random_);
+  checkpoint.put<double>("search/numbers", {level_height_, ended_return_, shown_});
+  checkpoint.put<std::uint8_t>(
+      "search/flags", {std::uint8_t(start_is_due_ ? 1 : 0), std::uint8_t(ended_is_new_ ? 1 : 0)});
+  checkpoint.put("search/ended", ended_);
+  std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, visits
+  std::vector<std::uint8_t> states;
+  std::vector<double> actions;
+  std::vector<double> earned;
+  std::vector<double> gaits;
+  for (const auto& [level, moment] : archive_) {
+    const Gait& gait = moment.gait;
+    counts.insert(counts.end(), {moment.state.size(), moment.actions.size(), gait.phase.size(),
+                                 static_cast<std::uint64_t>(moment.visits)});
+    states.insert(states.end(), moment.state.begin(), moment.state.end());
+    actions.insert(actions.end(), moment.actions.begin(), moment.actions.end());
+    earned.push_back(moment.earned);
+    gaits.push_back(gait.period);
+    for (const std::vector<double>* part : {&gait.phase, &gait.amplitude, &gait.middle})
+      gaits.insert(gaits.end(), part->begin(), part->end());
+  }
+  checkpoint.put("search/counts", std::move(counts));
+  checkpoint.put("search/states", std::move(states));
+  checkpoint.put("search/actions", std::move(actions));
+  checkpoint.put("search/earned", std::move(earned));
+  checkpoint.put("search/gaits", std::move(gaits));
+}
+
+namespace {
+
+// Takes `count` values off the front.
+template <typename T>
+std::vector<T> take(std::span<const T>& rest, std::size_t count) {
+  if (count > rest.size()) throw Error(Failure::data, "checkpoint: its archive is cut short");
+  const auto front = rest.first(count);
+  rest = rest.subspan(count);
+  return {front.begin(), front.end()};
+}
+
+}  // namespace
+
+void SequenceSearch::load(const Checkpoint& checkpoint) {
+  checkpoint.get("search/random", random_);
+  const auto& numbers = checkpoint.get<double>("search/numbers", 3);
+  level_height_ = numbers[0];
+  ended_return_ = numbers[1];
+  shown_ = numbers[2];
+  const auto& flags = checkpoint.get<std::uint8_t>("search/flags", 2);
+  start_is_due_ = flags[0] != 0;
+  ended_is_new_ = flags[1] != 0;
+  ended_ = checkpoint.get<double>("search/ended");
+  const auto& earned = checkpoint.get<double>("search/earned");
+  const auto& counts = checkpoint.get<std::uint64_t>("search/counts", 4 * earned.size());
+  std::span<const std::uint8_t> states = checkpoint.get<std::uint8_t>("search/states");
+  std::span<const double> actions = checkpoint.get<double>("search/actions");
+  std::span<const double> gaits = checkpoint.get<double>("search/gaits");
+  archive_.clear();
+  for (std::size_t i = 0; i < earned.size(); ++i) {
+    Moment moment;
+    moment.earned = earned[i];
+    moment.state = take(states, counts[4 * i]);
+    moment.actions = take(actions, counts[4 * i + 1]);
+    const std::size_t waves = counts[4 * i + 2];
+    moment.visits = static_cast<int>(counts[4 * i + 3]);
+    moment.gait.period = take(gaits, 1)[0];
+    moment.gait.phase = take(gaits, waves);
+    moment.gait.amplitude = take(gaits, waves);
+    moment.gait.middle = take(gaits, waves);
+    archive_[level_of(moment.earned)] = std::move(moment);
+  }
+}
+
+}  // namespace evo

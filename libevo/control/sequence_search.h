@@ -1,0 +1,120 @@
+// Search for a sequence of actions, one target for every actuator at every step of an
+// episode: "first return, then explore" (Ecoffet, Huizinga, Lehman, Stanley, Clune:
+// Nature 590, 2021). An archive keeps a moment of the simulation for every level of
+// return that was ever reached, the one that was reached soonest. Again and again a
+// moment is chosen, rather a high and little visited one; the simulation goes on from
+// there with something new for a while, and new levels, or sooner ones, enter the
+// archive. A step in front of a stair costs one step, not an episode, and what a fall
+// would cost keeps nobody from trying.
+//
+// A search that starts from a sequence, as a child from its parent's, enters all that
+// this reaches first.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "libevo/base/random.h"
+#include "libevo/control/checkpoint.h"
+#include "libevo/control/controller.h"
+#include "libevo/control/evaluate.h"
+#include "libevo/task/env.h"
+
+namespace evo {
+
+struct SequenceSearchSettings {
+  int environments = 8;        // explored in side by side
+  double shortest_period = 6;  // control steps, of gaits
+  double longest_period = 40;
+};
+
+class SequenceSearch {
+ public:
+  // In the first episode that `evaluation` means. `arena` must outlive this.
+  SequenceSearch(const Arena& arena, const SequenceSearchSettings& settings,
+                 const EvaluationSettings& evaluation, Stream random,
+                 std::optional<ReplayController> start = {});
+
+  // Explores for no more than `budget` control steps, and says how many it took.
+  std::int64_t explore(std::int64_t budget);
+
+  // The sequences that may earn the most, [T x A]: of the episodes that came to their
+  // end, the best; and the one that leads to the highest level of return, where it
+  // leads further, which holds its last targets from then on. Neither twice.
+  std::vector<ReplayController> news();
+
+  std::size_t levels() const { return archive_.size(); }  // in the archive
+  double highest() const;                                 // return among them
+
+  void save(Checkpoint& checkpoint) const;
+  void load(const Checkpoint& checkpoint);
+
+ private:
+  // Sine waves of one period. Empty: none.
+  struct Gait {
+    double period = 0.0;
+    std::vector<double> phase, amplitude, middle;  // [A]
+  };
+  struct Moment {
+    std::vector<std::uint8_t> state;  // VecEnv::save
+    std::vector<double> actions;      // that lead there, [t x A]
+    double earned = 0.0;              // return until then
+    Gait gait;                        // that was going on
+    int visits = 0;
+  };
+  // An attempt from a moment on: some steps of targets held by groups of actuators,
+  // then a gait.
+  struct Attempt {
+    Moment at;
+    int steps_left = 0;
+    int pushes_left = 0;
+    int held = 1;
+    std::vector<std::size_t> group;  // of each actuator
+    std::vector<double> values;      // of each group
+    bool replays = false;            // `start_`, instead of all this
+  };
+
+  double uniform(double low, double high) { return low + (high - low) * random_.uniform(); }
+  double target(double value) const;
+  int steps_of(const Moment& moment) const;
+  std::int64_t level_of(double earned) const;
+
+  void begin();
+  std::int64_t measure_level_height(std::int64_t budget);
+  std::optional<std::int64_t> choose();
+  Attempt attempt();
+  Gait new_gait();
+  Gait changed(Gait gait);
+  void choose_targets(Attempt& attempt, std::span<double> targets);
+  void enter(Attempt& attempt, int lane);
+  void coarsen();
+  ReplayController whole(const std::vector<double>& actions) const;
+
+  const Arena* arena_;
+  SequenceSearchSettings settings_;
+  EpisodeStart episode_;
+  int episode_steps_;
+  double low_, high_;
+  struct Place {
+    double x = 0.0, y = 0.0;  // cell
+  };
+  std::vector<Place> places_;  // of the actuators
+  Stream random_;
+  std::optional<ReplayController> start_;
+  VecEnv env_;
+
+  double level_height_ = 0.0;  // 0 until it is known
+  bool start_is_due_;
+  std::map<std::int64_t, Moment> archive_;
+  std::vector<double> ended_;  // actions of the best episode that came to its end
+  double ended_return_ = 0.0;
+  bool ended_is_new_ = false;
+  double shown_ =
+      -std::numeric_limits<double>::infinity();  // the highest level that news() has spoken of
+};
+
+}  // namespace evo

@@ -1,0 +1,121 @@
+#include "libevo/control/sequence_search.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tests/unit/control/arena.h"
+
+using namespace evo;
+
+namespace {
+
+// Flat ground with a step of two voxels ahead of the robot, which walks no further
+// without a trick.
+TaskSpec stair(int steps) {
+  TaskSpec task = test::walker(steps);
+  const Body block(2, 20, std::vector<Voxel>(40, Voxel::fixed));
+  task.objects.push_back({Object{"stair", block, 6, 1}, "", ""});
+  return task;
+}
+
+SequenceSearchSettings brief() { return {.environments = 4}; }
+EvaluationSettings once() { return {}; }
+Stream stream(std::uint64_t seed) { return {seed, "test"}; }
+
+double best_of(const Arena& arena, const std::vector<ReplayController>& sequences) {
+  double best = -1e9;
+  for (const ReplayController& sequence : sequences)
+    best = std::max(best, evaluate(arena, sequence, once()).mean());
+  return best;
+}
+
+}  // namespace
+
+TEST_CASE("exploration takes the steps it may, and goes further with more") {
+  const Arena arena(test::walker(60), test::body_a());
+  SequenceSearch search(arena, brief(), once(), stream(1));
+  CHECK(search.explore(4 * 60 - 1) == 0);  // too few for the first episodes
+  CHECK(search.levels() == 0);
+  const std::int64_t taken = search.explore(1000);
+  CHECK(taken <= 1000);
+  CHECK(taken > 1000 - 4);
+  const double first = search.highest();
+  CHECK(search.levels() > 2);
+  std::int64_t more = 0;
+  for (int k = 0; k < 10; ++k) more += search.explore(1000);
+  CHECK(more > 9960);
+  CHECK(search.highest() > first);
+}
+
+TEST_CASE("a sequence that is news earns what its level says, from the beginning") {
+  const Arena arena(stair(80), test::body_a());
+  SequenceSearch search(arena, brief(), once(), stream(2));
+  double highest = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    search.explore(2000);
+    const auto news = search.news();
+    REQUIRE(news.size() <= 2);
+    for (const ReplayController& sequence : news) {
+      REQUIRE(sequence.steps() == 80);
+      REQUIRE(sequence.actuators == arena.action_length());
+      for (const double target : sequence.actions) {
+        REQUIRE(target >= 0.6);
+        REQUIRE(target <= 1.6);
+        REQUIRE(target * 1024 == std::round(target * 1024));
+      }
+      const Evaluation episode = evaluate(arena, sequence, once());
+      highest = std::max(highest, episode.peaks[0]);
+    }
+    CHECK(search.news().empty());  // not twice
+  }
+  // To the last bit: states that were put back went on as if nothing had happened.
+  CHECK(highest >= search.highest());
+}
+
+TEST_CASE("a search that starts from a sequence has at once what that reaches") {
+  const Arena arena(test::walker(60), test::body_a());
+  SequenceSearch old_search(arena, brief(), once(), stream(3));
+  old_search.explore(6000);
+  const auto old_news = old_search.news();
+  REQUIRE(!old_news.empty());
+  const ReplayController& start = old_news.front();
+  const Evaluation episode = evaluate(arena, start, once());
+  SequenceSearch search(arena, brief(), once(), stream(4), start);
+  search.explore(60 + 4 * 60);
+  CHECK(search.highest() >= 0.9 * episode.peaks[0]);
+  CHECK(best_of(arena, search.news()) >= episode.returns[0]);
+}
+
+TEST_CASE("levels stay so many that they fit in memory") {
+  const Arena arena(test::walker(400), test::body_a());
+  // A start that earns nothing asks for very low levels.
+  ReplayController rest{std::vector<double>(400 * 11, 1.0), arena.action_length()};
+  rest.actions.assign(static_cast<std::size_t>(400 * arena.action_length()), 1.0);
+  SequenceSearch search(arena, brief(), once(), stream(5), rest);
+  search.explore(12000);
+  CHECK(search.levels() > 20);
+  CHECK(search.levels() <= 200);
+}
+
+TEST_CASE("a search for a sequence resumes to the same bytes") {
+  const Arena arena(stair(60), test::body_a());
+  SequenceSearch whole(arena, brief(), once(), stream(6));
+  whole.explore(3000);
+  (void)whole.news();
+  Checkpoint checkpoint;
+  whole.save(checkpoint);
+  SequenceSearch resumed(arena, brief(), once(), stream(6));
+  resumed.load(checkpoint);
+  CHECK(resumed.explore(2000) == whole.explore(2000));
+  CHECK(resumed.news() == whole.news());
+  Checkpoint a;
+  Checkpoint b;
+  whole.save(a);
+  resumed.save(b);
+  CHECK(a == b);
+  std::vector<double> cut = a.get<double>("search/actions");
+  cut.pop_back();
+  a.put("search/actions", cut);
+  CHECK_THROWS_WITH(resumed.load(a), Catch::Contains("cut short"));
+}

@@ -172,7 +172,7 @@ void Stored<ReplayController>::write(hdf5::Writer& file, const ReplayController&
 
 ReplayController Stored<ReplayController>::read(const hdf5::Reader& file) {
   auto actions = file.array<double>("/actions", {hdf5::any, hdf5::any});
-  if (actions.shape[1] == 0) throw bad(file, "/actions", "it has no actuators");
+  if (actions.values.empty()) throw bad(file, "/actions", "it is empty");
   return {std::move(actions.values), static_cast<int>(actions.shape[1])};
 }
 

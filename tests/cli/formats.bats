@@ -10,6 +10,7 @@ setup_file() {
   evo-train small.txt --task Walker-v0 --steps 640 --out-dir squash "${small[@]}" --train-set action_map=squash -o squash.json
   evo-train small.txt --task Walker-v0 --steps 64 --out-dir timed "${small[@]}" --train-set 'clock=[20]'
   evo-train small.txt --task Walker-v0 --steps 8000 --algo sine --out-dir sine -o sine.json
+  evo-train small.txt --task Walker-v0 --steps 16000 --algo sequence --out-dir sequence -o sequence.json
 }
 schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
 
@@ -32,7 +33,7 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
   evo-convert small.txt --to evogym | schema design-tool
   evo-convert --task Carrier-v0 --to evogym | schema design-tool
   local policy
-  for policy in {net,squash,timed,sine}/*.policy.h5; do
+  for policy in {net,squash,timed,sine,sequence}/*.policy.h5; do
     evo-convert "$policy" --to json | tee policy.json | schema policy
     jq -r .task_yaml policy.json | schema task
     jq -r .physics_yaml policy.json | schema physics

@@ -81,11 +81,25 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
 
 @test "training: open-loop algorithms and a curve" {
   robots | head -1 > robot
-  for algo in sine gait random; do
+  for algo in sine gait random sequence; do
     evo-train --task Walker-v0 --algo $algo --steps 16000 --out-dir $algo --curve $algo.tsv robot > $algo.json
     [ "$(head -1 $algo.tsv)" = "$(printf 'step\treturn\tbest')" ]
     evo-eval $algo.json | jq -e ".fitness == $(jq .fitness $algo.json)"
   done
+}
+
+@test "training: a sequence, interrupted and resumed, ends with the same bytes; children go on from it" {
+  robots | head -1 > robot
+  options="--task Walker-v0 --train sequence"
+  evo-train $options --steps 65536 --out-dir calm robot > calm.json
+  for _ in 1 2 3; do timeout -s TERM 0.7 evo-train $options --steps 65536 --out-dir stormy --resume robot > /dev/null && break; done
+  evo-train $options --steps 65536 --out-dir stormy --resume robot > /dev/null
+  cmp calm/*.policy.h5 stormy/*.policy.h5
+  evo-eval calm.json | jq -e ".fitness == $(jq .fitness calm.json)"
+  evo-mutate -n 1 --seed 1 calm.json > child
+  evo-train $options --steps 9000 --out-dir heir --init calm child > heir.json
+  evo-convert heir/*.policy.h5 --to json | jq -e '.kind == "sequence" and (.actions | length) == 500'
+  fails_with 2 "give at least 5000" -- evo-train $options --steps 4999 --out-dir few robot
 }
 
 @test "training: a portfolio, interrupted and resumed, ends with the same bytes" {

@@ -55,8 +55,8 @@ evolve() {
 
 @test "a sequence of actions is a record beside the others, not in their place" {
   evolve waves 1
-  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=actions TASK=Walker-v0 POP=4 EVALS=8 TRAIN=sequence STEPS=4000 SEED=1 \
-    INHERIT=yes TRAIN_OPTIONS="--train-set population=4" -s actions/history.jsonl
+  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=actions TASK=Walker-v0 POP=4 EVALS=8 TRAIN=sequence STEPS=9000 SEED=1 \
+    INHERIT=yes -s actions/history.jsonl
   "$EVO_SOURCE/scripts/add-record" waves
   "$EVO_SOURCE/scripts/add-record" actions
   jq -e '.controller == "sine" and .task == "Walker-v0"' records/Walker-v0/record.json

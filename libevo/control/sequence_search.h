@@ -113,8 +113,8 @@ class SequenceSearch {
   std::vector<double> ended_;  // actions of the best episode that came to its end
   double ended_return_ = 0.0;
   bool ended_is_new_ = false;
-  double shown_ =
-      -std::numeric_limits<double>::infinity();  // the highest level that news() has spoken of
+  // The highest level that news() has spoken of.
+  double shown_ = -std::numeric_limits<double>::infinity();
 };
 
 }  // namespace evo

@@ -30,6 +30,10 @@ struct ReplayController {
 // Targets of step t, [A]; after the last step those of the last.
 void act(const ReplayController& controller, int t, std::span<double> targets);
 
+// As long as an episode of so many steps: cut, or going on with its last targets.
+// There is at least one step.
+void fit(ReplayController& controller, int steps);
+
 using Controller = std::variant<Policy, SineController, RandomController, ReplayController>;
 
 // Those that a training can find, and a policy file can hold.

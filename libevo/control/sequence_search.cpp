@@ -30,24 +30,16 @@ SequenceSearch::SequenceSearch(const Arena& arena, const SequenceSearchSettings&
     : arena_(&arena),
       settings_(settings),
       episode_{evaluation.draws ? *evaluation.draws : arena.draw(evaluation.seed, 0)},
-      episode_steps_(arena.task().episode_steps),
-      low_(arena.task().physics.min_target),
-      high_(arena.task().physics.max_target),
+      places_(anatomy(arena.robot(), {}).actuators),
       random_(random),
       start_(std::move(start)),
       env_(arena, settings.environments),
-      start_is_due_(start_.has_value()) {
-  const Body& robot = arena.robot();
-  for (int row = 0; row < robot.rows; ++row)
-    for (int col = 0; col < robot.cols; ++col)
-      if (is_actuator(robot.at(row, col)))
-        places_.push_back({static_cast<double>(col), static_cast<double>(-row)});
-}
+      start_is_due_(start_.has_value()) {}
 
 double SequenceSearch::target(double value) const {
-  const double low = std::ceil(low_ * resolution);
-  const double high = std::floor(high_ * resolution);
-  return std::clamp(std::round(value * resolution), low, high) / resolution;
+  const double least = std::ceil(low() * resolution);
+  const double most = std::floor(high() * resolution);
+  return std::clamp(std::round(value * resolution), least, most) / resolution;
 }
 
 int SequenceSearch::steps_of(const Moment& moment) const {
@@ -66,34 +58,35 @@ double SequenceSearch::highest() const {
 
 // Waves that travel over the body, each actuator for itself, or two groups against
 // each other.
-SequenceSearch::Gait SequenceSearch::new_gait() {
+SineController SequenceSearch::new_gait() {
   enum Kind { travelling, independent, opposed };
   const int kind = random_.integer(travelling, opposed);
-  const double half = 0.5 * (high_ - low_);
+  const double half = 0.5 * (high() - low());
   const double amplitude = half * uniform(0.5, 2.5);  // beyond 1 it is cut off
   const double across = uniform(-1.5, 1.5);
   const double up = uniform(-1.5, 1.5);
-  Gait gait;
+  SineController gait;
+  gait.middle = 0.0;
   gait.period = settings_.shortest_period *
                 math::exp(math::log(settings_.longest_period / settings_.shortest_period) *
                           random_.uniform());
-  for (const Place& place : places_) {
-    const double phase = kind == travelling    ? across * place.x + up * place.y
+  for (const Anatomy::Place& place : places_) {
+    const double phase = kind == travelling    ? across * place.col - up * place.row
                          : kind == independent ? two_pi * random_.uniform()
                                                : std::numbers::pi * random_.integer(0, 1);
     gait.phase.push_back(phase);
     gait.amplitude.push_back(amplitude * uniform(0.5, 1.0));
-    gait.middle.push_back(low_ + half + 0.3 * half * random_.gaussian());
+    gait.shift.push_back(low() + half + 0.3 * half * random_.gaussian());
   }
   return gait;
 }
 
-SequenceSearch::Gait SequenceSearch::changed(Gait gait) {
+SineController SequenceSearch::changed(SineController gait) {
   constexpr double share = 0.3;  // of the numbers that change
   for (std::size_t i = 0; i < gait.phase.size(); ++i) {
     if (random_.uniform() < share) gait.phase[i] += 0.5 * random_.gaussian();
     if (random_.uniform() < share) gait.amplitude[i] *= math::exp(0.3 * random_.gaussian());
-    if (random_.uniform() < share) gait.middle[i] += 0.1 * (high_ - low_) * random_.gaussian();
+    if (random_.uniform() < share) gait.shift[i] += 0.1 * (high() - low()) * random_.gaussian();
   }
   gait.period = std::clamp(gait.period * math::exp(0.15 * random_.gaussian()),
                            settings_.shortest_period, 1.5 * settings_.longest_period);
@@ -106,7 +99,7 @@ std::optional<std::int64_t> SequenceSearch::choose() {
   std::vector<double> weights;
   double rank = 0.0;
   for (auto it = archive_.rbegin(); it != archive_.rend(); ++it, rank += 1.0) {
-    if (steps_of(it->second) >= episode_steps_ - 1) continue;
+    if (steps_of(it->second) >= episode_steps() - 1) continue;
     levels.push_back(it->first);
     weights.push_back((math::exp(-rank / depth) + anywhere) / math::sqrt(it->second.visits + 1.0));
   }
@@ -119,7 +112,7 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
   if (start_is_due_) {
     start_is_due_ = false;
     attempt.at = archive_.at(level_of(0.0));
-    attempt.steps_left = episode_steps_;
+    attempt.steps_left = episode_steps();
     attempt.replays = true;
     return attempt;
   }
@@ -129,7 +122,7 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
   ++from.visits;
   attempt.at = from;
   attempt.steps_left = random_.integer(shortest_attempt, longest_attempt);
-  Gait& gait = attempt.at.gait;
+  SineController& gait = attempt.at.gait;
   enum Kind { goes_on, begins, changes, pushes };
   const int kind = random_.integer(goes_on, pushes);
   if (gait.phase.empty() || kind == begins) gait = new_gait();
@@ -155,15 +148,13 @@ void SequenceSearch::choose_targets(Attempt& attempt, std::span<double> targets)
       for (double& value : attempt.values) {
         const bool extreme = random_.uniform() < 0.6;
         const double any = random_.uniform();
-        value = target(low_ + (high_ - low_) * (extreme ? std::round(any) : any));
+        value = target(low() + (high() - low()) * (extreme ? std::round(any) : any));
       }
     for (std::size_t i = 0; i < targets.size(); ++i) targets[i] = attempt.values[attempt.group[i]];
     return;
   }
-  const Gait& gait = attempt.at.gait;
-  for (std::size_t i = 0; i < targets.size(); ++i)
-    targets[i] = target(gait.middle[i] +
-                        gait.amplitude[i] * math::sin(two_pi * t / gait.period + gait.phase[i]));
+  act(attempt.at.gait, t, targets);
+  for (double& value : targets) value = target(value);
 }
 
 // ---- exploration ---------------------------------------------------------------------
@@ -172,7 +163,7 @@ void SequenceSearch::choose_targets(Attempt& attempt, std::span<double> targets)
 std::int64_t SequenceSearch::measure_level_height(std::int64_t budget) {
   std::vector<ReplayController> episodes;
   const int count = start_ ? 1 : settings_.environments;
-  if (budget < std::int64_t{count} * episode_steps_) return 0;
+  if (budget < std::int64_t{count} * episode_steps()) return 0;
   for (int e = 0; e < count; ++e) {
     if (start_) {
       episodes.push_back(*start_);
@@ -181,7 +172,7 @@ std::int64_t SequenceSearch::measure_level_height(std::int64_t budget) {
     Attempt gait;
     gait.at.gait = new_gait();
     std::vector<double> targets(places_.size());
-    for (int t = 0; t < episode_steps_; ++t) {
+    for (int t = 0; t < episode_steps(); ++t) {
       choose_targets(gait, targets);
       gait.at.actions.insert(gait.at.actions.end(), targets.begin(), targets.end());
     }
@@ -241,7 +232,8 @@ std::int64_t SequenceSearch::explore(std::int64_t budget) {
   const auto start = [&](std::size_t lane) {
     attempts[lane] = attempt();
     active[lane] = attempts[lane].steps_left > 0 ? 1 : 0;
-    if (active[lane] != 0) env_.load(static_cast<int>(lane), attempts[lane].at.state);
+    if (active[lane] != 0)
+      env_.load(static_cast<int>(lane), std::exchange(attempts[lane].at.state, {}));
   };
   for (std::size_t lane = 0; lane < lanes; ++lane) start(lane);
   while (true) {
@@ -279,13 +271,9 @@ std::int64_t SequenceSearch::explore(std::int64_t budget) {
 }
 
 ReplayController SequenceSearch::whole(const std::vector<double>& actions) const {
-  const std::size_t width = places_.size();
-  ReplayController sequence{actions, static_cast<int>(width)};
-  if (actions.empty()) sequence.actions.assign(width, target(1.0));
-  const std::size_t length = static_cast<std::size_t>(episode_steps_) * width;
-  sequence.actions.reserve(length);
-  while (sequence.actions.size() < length)
-    sequence.actions.push_back(sequence.actions[sequence.actions.size() - width]);
+  ReplayController sequence{actions, static_cast<int>(places_.size())};
+  if (actions.empty()) sequence.actions.assign(places_.size(), target(1.0));
+  fit(sequence, episode_steps());
   return sequence;
 }
 
@@ -317,14 +305,14 @@ void SequenceSearch::save(Checkpoint& checkpoint) const {
   std::vector<double> earned;
   std::vector<double> gaits;
   for (const auto& [level, moment] : archive_) {
-    const Gait& gait = moment.gait;
+    const SineController& gait = moment.gait;
     counts.insert(counts.end(), {moment.state.size(), moment.actions.size(), gait.phase.size(),
                                  static_cast<std::uint64_t>(moment.visits)});
     states.insert(states.end(), moment.state.begin(), moment.state.end());
     actions.insert(actions.end(), moment.actions.begin(), moment.actions.end());
     earned.push_back(moment.earned);
     gaits.push_back(gait.period);
-    for (const std::vector<double>* part : {&gait.phase, &gait.amplitude, &gait.middle})
+    for (const std::vector<double>* part : {&gait.phase, &gait.amplitude, &gait.shift})
       gaits.insert(gaits.end(), part->begin(), part->end());
   }
   checkpoint.put("search/counts", std::move(counts));
@@ -373,7 +361,8 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
     moment.gait.period = take(gaits, 1)[0];
     moment.gait.phase = take(gaits, waves);
     moment.gait.amplitude = take(gaits, waves);
-    moment.gait.middle = take(gaits, waves);
+    moment.gait.shift = take(gaits, waves);
+    moment.gait.middle = 0.0;
     archive_[level_of(moment.earned)] = std::move(moment);
   }
 }

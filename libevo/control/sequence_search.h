@@ -22,6 +22,7 @@
 #include "libevo/control/checkpoint.h"
 #include "libevo/control/controller.h"
 #include "libevo/control/evaluate.h"
+#include "libevo/control/transfer.h"
 #include "libevo/task/env.h"
 
 namespace evo {
@@ -39,7 +40,9 @@ class SequenceSearch {
                  const EvaluationSettings& evaluation, Stream random,
                  std::optional<ReplayController> start = {});
 
-  // Explores for no more than `budget` control steps, and says how many it took.
+  // Explores for no more than `budget` control steps, and says how many it took: none
+  // where they are fewer than the whole episodes that a search begins with (one of what
+  // it starts from, else one in each environment).
   std::int64_t explore(std::int64_t budget);
 
   // The sequences that may earn the most, [T x A]: of the episodes that came to their
@@ -50,20 +53,16 @@ class SequenceSearch {
   std::size_t levels() const { return archive_.size(); }  // in the archive
   double highest() const;                                 // return among them
 
+  // load() throws Error(data) for a checkpoint of another search.
   void save(Checkpoint& checkpoint) const;
   void load(const Checkpoint& checkpoint);
 
  private:
-  // Sine waves of one period. Empty: none.
-  struct Gait {
-    double period = 0.0;
-    std::vector<double> phase, amplitude, middle;  // [A]
-  };
   struct Moment {
     std::vector<std::uint8_t> state;  // VecEnv::save
     std::vector<double> actions;      // that lead there, [t x A]
     double earned = 0.0;              // return until then
-    Gait gait;                        // that was going on
+    SineController gait;              // that was going on; without phases: none
     int visits = 0;
   };
   // An attempt from a moment on: some steps of targets held by groups of actuators,
@@ -79,6 +78,9 @@ class SequenceSearch {
   };
 
   double uniform(double low, double high) { return low + (high - low) * random_.uniform(); }
+  int episode_steps() const { return arena_->task().episode_steps; }
+  double low() const { return arena_->task().physics.min_target; }
+  double high() const { return arena_->task().physics.max_target; }
   double target(double value) const;
   int steps_of(const Moment& moment) const;
   std::int64_t level_of(double earned) const;
@@ -87,8 +89,8 @@ class SequenceSearch {
   std::int64_t measure_level_height(std::int64_t budget);
   std::optional<std::int64_t> choose();
   Attempt attempt();
-  Gait new_gait();
-  Gait changed(Gait gait);
+  SineController new_gait();
+  SineController changed(SineController gait);
   void choose_targets(Attempt& attempt, std::span<double> targets);
   void enter(Attempt& attempt, int lane);
   void coarsen();
@@ -97,12 +99,7 @@ class SequenceSearch {
   const Arena* arena_;
   SequenceSearchSettings settings_;
   EpisodeStart episode_;
-  int episode_steps_;
-  double low_, high_;
-  struct Place {
-    double x = 0.0, y = 0.0;  // cell
-  };
-  std::vector<Place> places_;  // of the actuators
+  std::vector<Anatomy::Place> places_;  // cells of the actuators
   Stream random_;
   std::optional<ReplayController> start_;
   VecEnv env_;

@@ -22,16 +22,11 @@ std::int64_t first_cost(const TrainingJob& job) {
          job.arena.task().episode_steps;
 }
 
-// As long as an episode: cut, or going on with its last targets.
+// As long as an episode, and within what the physics allows.
 ReplayController fitted(ReplayController sequence, const TrainingJob& job) {
-  const auto width = static_cast<std::size_t>(job.arena.action_length());
-  const std::size_t length = static_cast<std::size_t>(job.arena.task().episode_steps) * width;
+  fit(sequence, job.arena.task().episode_steps);
   const Physics& physics = job.arena.task().physics;
-  std::vector<double>& actions = sequence.actions;
-  actions.reserve(length);
-  while (actions.size() < length) actions.push_back(actions[actions.size() - width]);
-  actions.resize(length);
-  for (double& target : actions)
+  for (double& target : sequence.actions)
     target = std::clamp(target, physics.min_target, physics.max_target);
   return sequence;
 }

@@ -27,7 +27,7 @@ struct EvaluationSettings {
 struct Evaluation {
   std::vector<double> returns;     // [episodes], in order
   std::vector<int> lengths;        // control steps
-  std::vector<double> peaks = {};  // the highest that the return was after a step
+  std::vector<double> peaks = {};  // [episodes], the highest that the return was after a step
 
   double mean() const;
   double standard_error() const;  // of the mean; 0 for one episode

@@ -20,7 +20,8 @@ constexpr double depth = 6.0;         // levels below the highest where the choi
 constexpr double anywhere = 0.01;     // weight of all others
 constexpr int shortest_attempt = 20;  // control steps
 constexpr int longest_attempt = 100;
-constexpr int steps_gained = 3;  // by every new level
+constexpr int slot = 10;         // control steps between moments of highest return
+constexpr int steps_gained = 3;  // by every moment that enters the archive
 
 }  // namespace
 
@@ -51,7 +52,7 @@ std::int64_t SequenceSearch::level_of(double earned) const {
 }
 
 double SequenceSearch::highest() const {
-  return archive_.empty() ? 0.0 : archive_.rbegin()->second.earned;
+  return soonest_.empty() ? 0.0 : soonest_.rbegin()->second.earned;
 }
 
 // ---- what is tried -------------------------------------------------------------------
@@ -93,43 +94,55 @@ SineController SequenceSearch::changed(SineController gait) {
   return gait;
 }
 
-// The level to go on from: weights fall off below the highest, and with every visit.
-std::optional<std::int64_t> SequenceSearch::choose() {
-  std::vector<std::int64_t> levels;
+// The moment of a level to go on from: weights fall off below the highest, and with
+// every visit. None where all have come to the end of the episode.
+SequenceSearch::Moment* SequenceSearch::choose_level() {
+  std::vector<Moment*> moments;
   std::vector<double> weights;
   double rank = 0.0;
-  for (auto it = archive_.rbegin(); it != archive_.rend(); ++it, rank += 1.0) {
+  for (auto it = soonest_.rbegin(); it != soonest_.rend(); ++it, rank += 1.0) {
     if (steps_of(it->second) >= episode_steps() - 1) continue;
-    levels.push_back(it->first);
+    moments.push_back(&it->second);
     weights.push_back((math::exp(-rank / depth) + anywhere) / math::sqrt(it->second.visits + 1.0));
   }
-  if (levels.empty()) return std::nullopt;
-  return levels[random_.discrete(weights)];
+  return moments.empty() ? nullptr : moments[random_.discrete(weights)];
+}
+
+// Of a time: any, little visited ones rather. None where there is none yet.
+SequenceSearch::Moment* SequenceSearch::choose_time() {
+  std::vector<Moment*> moments;
+  std::vector<double> weights;
+  for (auto& [time, moment] : highest_) {
+    if (steps_of(moment) >= episode_steps() - 1) continue;
+    moments.push_back(&moment);
+    weights.push_back(1.0 / math::sqrt(moment.visits + 1.0));
+  }
+  return moments.empty() ? nullptr : moments[random_.discrete(weights)];
 }
 
 SequenceSearch::Attempt SequenceSearch::attempt() {
   Attempt attempt;
   if (start_is_due_) {
     start_is_due_ = false;
-    attempt.at = archive_.at(level_of(0.0));
+    attempt.at = soonest_.at(level_of(0.0));
     attempt.steps_left = episode_steps();
     attempt.replays = true;
     return attempt;
   }
-  const auto level = choose();
-  if (!level) return attempt;
-  Moment& from = archive_.at(*level);
-  ++from.visits;
-  attempt.at = from;
+  Moment* from = random_.integer(0, 1) == 0 ? choose_time() : nullptr;
+  if (from == nullptr) from = choose_level();
+  if (from == nullptr) return attempt;
+  ++from->visits;
+  attempt.at = *from;
   attempt.steps_left = random_.integer(shortest_attempt, longest_attempt);
   SineController& gait = attempt.at.gait;
-  enum Kind { goes_on, begins, changes, pushes };
-  const int kind = random_.integer(goes_on, pushes);
+  enum Kind { goes_on, begins, changes, pushes, holds };
+  const int kind = random_.integer(goes_on, holds);
   if (gait.phase.empty() || kind == begins) gait = new_gait();
   if (kind == changes) gait = changed(std::move(gait));
-  if (kind == pushes) {
-    attempt.pushes_left = random_.integer(4, 24);
-    attempt.held = random_.integer(2, 8);
+  if (kind == pushes || kind == holds) {
+    attempt.pushes_left = kind == pushes ? random_.integer(4, 24) : episode_steps();
+    attempt.held = kind == pushes ? random_.integer(2, 8) : episode_steps();
     attempt.values.resize(static_cast<std::size_t>(random_.integer(1, 3)));
     for (std::size_t i = 0; i < places_.size(); ++i)
       attempt.group.push_back(random_.below(static_cast<std::uint32_t>(attempt.values.size())));
@@ -192,35 +205,47 @@ void SequenceSearch::begin() {
   env_.reset(0, episode_);
   Moment first;
   first.state = env_.save(0);
-  archive_[level_of(0.0)] = std::move(first);
+  soonest_[level_of(0.0)] = std::move(first);
 }
 
-// The state that an attempt has come to, if it is the soonest of its level.
-void SequenceSearch::enter(Attempt& attempt, int lane) {
-  const auto [place, is_new] = archive_.try_emplace(level_of(attempt.at.earned));
-  Moment& there = place->second;
-  if (!is_new && steps_of(there) <= steps_of(attempt.at)) return;
-  const int visits = is_new ? 0 : there.visits / 2;
-  there = attempt.at;
-  there.state = env_.save(lane);
-  there.visits = visits;
+// The state that an attempt has come to, at its place among the moments.
+void SequenceSearch::enter(Moments& moments, std::int64_t place, Attempt& attempt, int lane) {
+  const auto [there, is_new] = moments.try_emplace(place);
+  const int visits = is_new ? 0 : there->second.visits / 2;
+  there->second = attempt.at;
+  there->second.state = env_.save(lane);
+  there->second.visits = visits;
   attempt.steps_left += steps_gained;
-  if (archive_.size() > most_levels) coarsen();
+}
+
+void SequenceSearch::enter(Attempt& attempt, int lane) {
+  const Moment& at = attempt.at;
+  const std::int64_t level = level_of(at.earned);
+  const auto old_level = soonest_.find(level);
+  if (old_level == soonest_.end() || steps_of(at) < steps_of(old_level->second))
+    enter(soonest_, level, attempt, lane);
+  if (steps_of(at) % slot == 0) {
+    const std::int64_t time = steps_of(at) / slot;
+    const auto old_time = highest_.find(time);
+    if (old_time == highest_.end() || at.earned > old_time->second.earned)
+      enter(highest_, time, attempt, lane);
+  }
+  if (soonest_.size() > most_levels) coarsen();
 }
 
 // Levels twice as high; of two that become one, the sooner stays.
 void SequenceSearch::coarsen() {
   level_height_ *= 2.0;
-  std::map<std::int64_t, Moment> fine = std::exchange(archive_, {});
+  Moments fine = std::exchange(soonest_, {});
   for (auto& [level, moment] : fine) {
-    const auto [place, is_new] = archive_.try_emplace(level_of(moment.earned), std::move(moment));
+    const auto [place, is_new] = soonest_.try_emplace(level_of(moment.earned), std::move(moment));
     if (!is_new && steps_of(moment) < steps_of(place->second)) place->second = std::move(moment);
   }
 }
 
 std::int64_t SequenceSearch::explore(std::int64_t budget) {
   std::int64_t taken = 0;
-  if (archive_.empty()) {
+  if (soonest_.empty()) {
     taken += measure_level_height(budget);
     if (level_height_ == 0.0) return 0;
     begin();
@@ -281,8 +306,8 @@ std::vector<ReplayController> SequenceSearch::news() {
   std::vector<ReplayController> sequences;
   if (ended_is_new_) sequences.push_back(whole(ended_));
   ended_is_new_ = false;
-  if (archive_.empty()) return sequences;
-  const Moment& top = archive_.rbegin()->second;
+  if (soonest_.empty()) return sequences;
+  const Moment& top = soonest_.rbegin()->second;
   const bool further = ended_.empty() || top.earned > ended_return_;
   if (further && top.earned > shown_) {
     shown_ = top.earned;
@@ -299,12 +324,18 @@ void SequenceSearch::save(Checkpoint& checkpoint) const {
   checkpoint.put<std::uint8_t>(
       "search/flags", {std::uint8_t(start_is_due_ ? 1 : 0), std::uint8_t(ended_is_new_ ? 1 : 0)});
   checkpoint.put("search/ended", ended_);
+  save_moments(checkpoint, "search/soonest", soonest_);
+  save_moments(checkpoint, "search/highest", highest_);
+}
+
+void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& name,
+                                  const Moments& moments) {
   std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, visits
   std::vector<std::uint8_t> states;
   std::vector<double> actions;
   std::vector<double> earned;
   std::vector<double> gaits;
-  for (const auto& [level, moment] : archive_) {
+  for (const auto& [place, moment] : moments) {
     const SineController& gait = moment.gait;
     counts.insert(counts.end(), {moment.state.size(), moment.actions.size(), gait.phase.size(),
                                  static_cast<std::uint64_t>(moment.visits)});
@@ -315,11 +346,11 @@ void SequenceSearch::save(Checkpoint& checkpoint) const {
     for (const std::vector<double>* part : {&gait.phase, &gait.amplitude, &gait.shift})
       gaits.insert(gaits.end(), part->begin(), part->end());
   }
-  checkpoint.put("search/counts", std::move(counts));
-  checkpoint.put("search/states", std::move(states));
-  checkpoint.put("search/actions", std::move(actions));
-  checkpoint.put("search/earned", std::move(earned));
-  checkpoint.put("search/gaits", std::move(gaits));
+  checkpoint.put(name + "/counts", std::move(counts));
+  checkpoint.put(name + "/states", std::move(states));
+  checkpoint.put(name + "/actions", std::move(actions));
+  checkpoint.put(name + "/earned", std::move(earned));
+  checkpoint.put(name + "/gaits", std::move(gaits));
 }
 
 namespace {
@@ -345,12 +376,22 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
   start_is_due_ = flags[0] != 0;
   ended_is_new_ = flags[1] != 0;
   ended_ = checkpoint.get<double>("search/ended");
-  const auto& earned = checkpoint.get<double>("search/earned");
-  const auto& counts = checkpoint.get<std::uint64_t>("search/counts", 4 * earned.size());
-  std::span<const std::uint8_t> states = checkpoint.get<std::uint8_t>("search/states");
-  std::span<const double> actions = checkpoint.get<double>("search/actions");
-  std::span<const double> gaits = checkpoint.get<double>("search/gaits");
-  archive_.clear();
+  soonest_.clear();
+  for (Moment& moment : load_moments(checkpoint, "search/soonest"))
+    soonest_[level_of(moment.earned)] = std::move(moment);
+  highest_.clear();
+  for (Moment& moment : load_moments(checkpoint, "search/highest"))
+    highest_[steps_of(moment) / slot] = std::move(moment);
+}
+
+std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoint& checkpoint,
+                                                                 const std::string& name) {
+  const auto& earned = checkpoint.get<double>(name + "/earned");
+  const auto& counts = checkpoint.get<std::uint64_t>(name + "/counts", 4 * earned.size());
+  std::span<const std::uint8_t> states = checkpoint.get<std::uint8_t>(name + "/states");
+  std::span<const double> actions = checkpoint.get<double>(name + "/actions");
+  std::span<const double> gaits = checkpoint.get<double>(name + "/gaits");
+  std::vector<Moment> moments;
   for (std::size_t i = 0; i < earned.size(); ++i) {
     Moment moment;
     moment.earned = earned[i];
@@ -363,8 +404,9 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
     moment.gait.amplitude = take(gaits, waves);
     moment.gait.shift = take(gaits, waves);
     moment.gait.middle = 0.0;
-    archive_[level_of(moment.earned)] = std::move(moment);
+    moments.push_back(std::move(moment));
   }
+  return moments;
 }
 
 }  // namespace evo

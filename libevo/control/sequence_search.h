@@ -1,11 +1,13 @@
 // Search for a sequence of actions, one target for every actuator at every step of an
 // episode: "first return, then explore" (Ecoffet, Huizinga, Lehman, Stanley, Clune:
-// Nature 590, 2021). An archive keeps a moment of the simulation for every level of
-// return that was ever reached, the one that was reached soonest. Again and again a
-// moment is chosen, rather a high and little visited one; the simulation goes on from
-// there with something new for a while, and new levels, or sooner ones, enter the
-// archive. A step in front of a stair costs one step, not an episode, and what a fall
-// would cost keeps nobody from trying.
+// Nature 590, 2021). An archive keeps moments of the simulation: for every level of
+// return that was ever reached the one that was reached soonest, and for every tenth
+// step of the episode the one that has earned the most until then. The first is what
+// travelling needs, the second what only counts at the end, as to be high up then.
+// Again and again a moment is chosen, a little visited one rather, and of levels a high
+// one; the simulation goes on from there with something new for a while, and what is
+// better than the archive's enters it. A step in front of a stair costs one step, not
+// an episode, and what a fall would cost keeps nobody from trying.
 //
 // A search that starts from a sequence, as a child from its parent's, enters all that
 // this reaches first.
@@ -16,6 +18,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "libevo/base/random.h"
@@ -50,7 +53,7 @@ class SequenceSearch {
   // leads further, which holds its last targets from then on. Neither twice.
   std::vector<ReplayController> news();
 
-  std::size_t levels() const { return archive_.size(); }  // in the archive
+  std::size_t levels() const { return soonest_.size(); }  // in the archive
   double highest() const;                                 // return among them
 
   // load() throws Error(data) for a checkpoint of another search.
@@ -65,6 +68,7 @@ class SequenceSearch {
     SineController gait;              // that was going on; without phases: none
     int visits = 0;
   };
+  using Moments = std::map<std::int64_t, Moment>;
   // An attempt from a moment on: some steps of targets held by groups of actuators,
   // then a gait.
   struct Attempt {
@@ -87,13 +91,17 @@ class SequenceSearch {
 
   void begin();
   std::int64_t measure_level_height(std::int64_t budget);
-  std::optional<std::int64_t> choose();
+  Moment* choose_level();
+  Moment* choose_time();
   Attempt attempt();
   SineController new_gait();
   SineController changed(SineController gait);
   void choose_targets(Attempt& attempt, std::span<double> targets);
   void enter(Attempt& attempt, int lane);
+  void enter(Moments& moments, std::int64_t place, Attempt& attempt, int lane);
   void coarsen();
+  static void save_moments(Checkpoint& checkpoint, const std::string& name, const Moments& moments);
+  static std::vector<Moment> load_moments(const Checkpoint& checkpoint, const std::string& name);
   ReplayController whole(const std::vector<double>& actions) const;
 
   const Arena* arena_;
@@ -106,7 +114,8 @@ class SequenceSearch {
 
   double level_height_ = 0.0;  // 0 until it is known
   bool start_is_due_;
-  std::map<std::int64_t, Moment> archive_;
+  Moments soonest_;            // by level of return
+  Moments highest_;            // by steps / slot
   std::vector<double> ended_;  // actions of the best episode that came to its end
   double ended_return_ = 0.0;
   bool ended_is_new_ = false;

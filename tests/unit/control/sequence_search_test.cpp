@@ -114,8 +114,8 @@ TEST_CASE("a search for a sequence resumes to the same bytes") {
   whole.save(a);
   resumed.save(b);
   CHECK(a == b);
-  std::vector<double> cut = a.get<double>("search/actions");
+  std::vector<double> cut = a.get<double>("search/highest/actions");
   cut.pop_back();
-  a.put("search/actions", cut);
+  a.put("search/highest/actions", cut);
   CHECK_THROWS_WITH(resumed.load(a), Catch::Contains("cut short"));
 }

@@ -27,6 +27,7 @@ std::vector<Variable> variables_of(bool steady, const std::string& profile) {
                                      {"TRAIN", "train", "default"},
                                      {"PHYSICS", "physics", "task"},
                                      {"TRAIN_OPTIONS", "train_options"},
+                                     {"FOUNDERS", "founders"},
                                      {"SAMPLE_OPTIONS", "sample_options"},
                                      {"MUTATE", "mutate"},
                                      {"MUTATE_OPTIONS", "mutate_options"},

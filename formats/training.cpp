@@ -186,8 +186,8 @@ const std::vector<Setting>& all_settings() {
        true},
       {"actuator_sigma", &T::actuator_sigma, "0.15",
        "step size of each actuator's own search (gait)", true},
-      {"gait_share", &T::gait_share, "0.2", "of the steps: the search for a gait (portfolio)",
-       true},
+      {"gait_share", &T::gait_share, "0.2",
+       "of the steps: the search for a gait (portfolio, sequence)", true},
       {"trial_share", &T::trial_share, "0.2", "of the steps: each network's trial (portfolio)",
        true},
   };

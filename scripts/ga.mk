@@ -10,9 +10,13 @@ METHOD := ga
 # Of evo-sample, such as --encoding cppn, and of evo-mutate.
 SAMPLE_OPTIONS ?=
 MUTATE_OPTIONS ?=
+# The first generation: the POP best robots of another run (its folder, or a file of scored
+# robots), trained anew, instead of sampled ones.
+FOUNDERS ?=
 # Any program that takes the options of evo-mutate used below can make the children.
 MUTATE ?= evo-mutate
-METHOD_SETTINGS = $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') mutate_options='$(MUTATE_OPTIONS)' $(if $(filter evo-mutate,$(MUTATE)),,mutate='$(MUTATE)')
+METHOD_SETTINGS = $(if $(FOUNDERS),founders='$(FOUNDERS)') \
+  $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') mutate_options='$(MUTATE_OPTIONS)' $(if $(filter evo-mutate,$(MUTATE)),,mutate='$(MUTATE)')
 
 # A row per generation: generation,robots,created,survivors,children
 PLAN = $(call tool_lines,evo-select --schedule paper --population $(POP) --of $(EVALS) --plan)
@@ -32,7 +36,14 @@ ifdef GEN
 ifeq ($(GEN),0)
 $(POPULATION):
 	@mkdir -p '$(@D)'
+ifneq ($(FOUNDERS),)
+	@evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)' | evo-select --keep $(POP) | \
+	  jq -c '{format, version, id, body}' > '$@.tmp'
+	@[ "$$(wc -l < '$@.tmp')" -eq $(POP) ] || { echo "$(FOUNDERS): has $$(wc -l < '$@.tmp') different robots, not POP=$(POP)" >&2; exit 65; }
+	@mv '$@.tmp' '$@'
+else
 	@evo-sample -n $(POP) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,$(GEN)) -o '$@'
+endif
 else
 # Survivors keep their fitness and policy; their children are new to the run.
 $(POPULATION):

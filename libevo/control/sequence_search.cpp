@@ -27,7 +27,7 @@ constexpr int steps_gained = 3;  // by every moment that enters the archive
 
 SequenceSearch::SequenceSearch(const Arena& arena, const SequenceSearchSettings& settings,
                                const EvaluationSettings& evaluation, Stream random,
-                               std::optional<ReplayController> start)
+                               std::optional<Start> start)
     : arena_(&arena),
       settings_(settings),
       episode_{evaluation.draws ? *evaluation.draws : arena.draw(evaluation.seed, 0)},
@@ -35,7 +35,10 @@ SequenceSearch::SequenceSearch(const Arena& arena, const SequenceSearchSettings&
       random_(random),
       start_(std::move(start)),
       env_(arena, settings.environments),
-      start_is_due_(start_.has_value()) {}
+      start_is_due_(start_.has_value()) {
+  auto* gait = start_ ? std::get_if<SineController>(&*start_) : nullptr;
+  if (gait != nullptr) gait->shift.resize(places_.size());
+}
 
 double SequenceSearch::target(double value) const {
   const double least = std::ceil(low() * resolution);
@@ -127,6 +130,7 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
     attempt.at = soonest_.at(level_of(0.0));
     attempt.steps_left = episode_steps();
     attempt.replays = true;
+    if (const auto* gait = std::get_if<SineController>(&*start_)) attempt.at.gait = *gait;
     return attempt;
   }
   Moment* from = random_.integer(0, 1) == 0 ? choose_time() : nullptr;
@@ -153,7 +157,8 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
 void SequenceSearch::choose_targets(Attempt& attempt, std::span<double> targets) {
   const int t = steps_of(attempt.at);
   if (attempt.replays) {
-    act(*start_, t, targets);
+    std::visit([&](const auto& start) { act(start, t, targets); }, *start_);
+    for (double& value : targets) value = std::clamp(value, low(), high());
     return;
   }
   if (attempt.pushes_left > 0) {
@@ -178,18 +183,15 @@ std::int64_t SequenceSearch::measure_level_height(std::int64_t budget) {
   const int count = start_ ? 1 : settings_.environments;
   if (budget < std::int64_t{count} * episode_steps()) return 0;
   for (int e = 0; e < count; ++e) {
-    if (start_) {
-      episodes.push_back(*start_);
-      continue;
-    }
-    Attempt gait;
-    gait.at.gait = new_gait();
+    Attempt episode;
+    episode.replays = start_.has_value();
+    if (!start_) episode.at.gait = new_gait();
     std::vector<double> targets(places_.size());
     for (int t = 0; t < episode_steps(); ++t) {
-      choose_targets(gait, targets);
-      gait.at.actions.insert(gait.at.actions.end(), targets.begin(), targets.end());
+      choose_targets(episode, targets);
+      episode.at.actions.insert(episode.at.actions.end(), targets.begin(), targets.end());
     }
-    episodes.push_back(whole(gait.at.actions));
+    episodes.push_back(whole(episode.at.actions));
   }
   EvaluationSettings first;
   first.draws = episode_.draws;
@@ -342,7 +344,7 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
     states.insert(states.end(), moment.state.begin(), moment.state.end());
     actions.insert(actions.end(), moment.actions.begin(), moment.actions.end());
     earned.push_back(moment.earned);
-    gaits.push_back(gait.period);
+    gaits.insert(gaits.end(), {gait.period, gait.middle});
     for (const std::vector<double>* part : {&gait.phase, &gait.amplitude, &gait.shift})
       gaits.insert(gaits.end(), part->begin(), part->end());
   }
@@ -400,10 +402,10 @@ std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoin
     const std::size_t waves = counts[4 * i + 2];
     moment.visits = static_cast<int>(counts[4 * i + 3]);
     moment.gait.period = take(gaits, 1)[0];
+    moment.gait.middle = take(gaits, 1)[0];
     moment.gait.phase = take(gaits, waves);
     moment.gait.amplitude = take(gaits, waves);
     moment.gait.shift = take(gaits, waves);
-    moment.gait.middle = 0.0;
     moments.push_back(std::move(moment));
   }
   return moments;

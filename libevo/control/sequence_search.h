@@ -9,8 +9,8 @@
 // better than the archive's enters it. A step in front of a stair costs one step, not
 // an episode, and what a fall would cost keeps nobody from trying.
 //
-// A search that starts from a sequence, as a child from its parent's, enters all that
-// this reaches first.
+// A search that starts from a sequence, as a child from its parent's, or from a gait
+// enters all that this reaches first.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +19,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "libevo/base/random.h"
@@ -38,10 +39,12 @@ struct SequenceSearchSettings {
 
 class SequenceSearch {
  public:
+  using Start = std::variant<ReplayController, SineController>;
+
   // In the first episode that `evaluation` means. `arena` must outlive this.
   SequenceSearch(const Arena& arena, const SequenceSearchSettings& settings,
                  const EvaluationSettings& evaluation, Stream random,
-                 std::optional<ReplayController> start = {});
+                 std::optional<Start> start = {});
 
   // Explores for no more than `budget` control steps, and says how many it took: none
   // where they are fewer than the whole episodes that a search begins with (one of what
@@ -109,7 +112,7 @@ class SequenceSearch {
   EpisodeStart episode_;
   std::vector<Anatomy::Place> places_;  // cells of the actuators
   Stream random_;
-  std::optional<ReplayController> start_;
+  std::optional<Start> start_;
   VecEnv env_;
 
   double level_height_ = 0.0;  // 0 until it is known

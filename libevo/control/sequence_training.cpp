@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "libevo/control/sine.h"
 #include "libevo/control/wave_search.h"
 
 namespace evo {
@@ -12,16 +13,10 @@ SequenceSearchSettings search_settings(const TrainingSettings& s) {
   return {s.environments, s.shortest_period, s.longest_period};
 }
 
-// At most, in environment steps: of the episodes after a stretch, and of those that a
-// search begins with.
+// Of the episodes after a stretch, at most, in environment steps.
 std::int64_t evaluation_cost(const TrainingJob& job) {
   return std::int64_t{2} * job.settings.evaluation_episodes * job.arena.task().episode_steps;
 }
-std::int64_t first_cost(const TrainingJob& job) {
-  return std::int64_t{job.inheritance ? 1 : job.settings.environments} *
-         job.arena.task().episode_steps;
-}
-
 // As long as an episode, and within what the physics allows.
 ReplayController fitted(ReplayController sequence, const TrainingJob& job) {
   fit(sequence, job.arena.task().episode_steps);
@@ -42,7 +37,7 @@ ReplayController recorded(const Controller& controller, const TrainingJob& job) 
   return sequence;
 }
 
-std::optional<ReplayController> inherited_sequence(const TrainingJob& job) {
+std::optional<SequenceSearch::Start> inherited_start(const TrainingJob& job) {
   if (!job.inheritance) return std::nullopt;
   const Inheritance& old = *job.inheritance;
   const Anatomy to = anatomy(job.arena.robot(), job.arena.layout());
@@ -52,14 +47,23 @@ std::optional<ReplayController> inherited_sequence(const TrainingJob& job) {
     const Policy fresh = initial_policy(job, inherited_gait(job));
     return fitted(recorded(transferred(*policy, old.anatomy, fresh, to), job), job);
   }
-  return fitted(recorded(inherited_gait(job).value(), job), job);
+  return inherited_gait(job).value();
+}
+
+TrainingJob gait_part(TrainingJob job) {
+  job.settings.steps =
+      static_cast<std::int64_t>(job.settings.gait_share * static_cast<double>(job.settings.steps));
+  return job;
 }
 
 }  // namespace
 
 SequenceTraining::SequenceTraining(const TrainingJob& job)
-    : search_(job.arena, search_settings(job.settings), job.evaluation(),
-              Stream(job.seed, "train/search", job.robot_id), inherited_sequence(job)) {
+    : gait_job_(std::make_unique<TrainingJob>(gait_part(job))) {
+  if (!job.inheritance && gait_job_->settings.steps >= generation_cost(*gait_job_))
+    gait_.emplace(*gait_job_);
+  else
+    explore_from(inherited_start(job));
   const std::int64_t least = first_cost(job) + evaluation_cost(job);
   if (job.settings.steps < least)
     throw error(Failure::usage,
@@ -67,19 +71,41 @@ SequenceTraining::SequenceTraining(const TrainingJob& job)
                 job.settings.steps, least);
 }
 
+void SequenceTraining::explore_from(std::optional<SequenceSearch::Start> start) {
+  const TrainingJob& job = *gait_job_;
+  start_ = std::move(start);
+  search_.emplace(job.arena, search_settings(job.settings), job.evaluation(),
+                  Stream(job.seed, "train/explore", job.robot_id), start_);
+}
+
+// Of the episodes that a search begins with, at most, in environment steps.
+std::int64_t SequenceTraining::first_cost(const TrainingJob& job) const {
+  const bool begins_with_one = gait_ || start_;
+  return std::int64_t{begins_with_one ? 1 : job.settings.environments} *
+         job.arena.task().episode_steps;
+}
+
 bool SequenceTraining::done(const TrainingJob& job, const Findings& findings) const {
-  const std::int64_t first = findings.curve.empty() ? first_cost(job) : job.settings.environments;
+  if (gait_) return false;
+  const std::int64_t first = search_->levels() == 0 ? first_cost(job) : job.settings.environments;
   return findings.steps + first + evaluation_cost(job) > job.settings.steps;
 }
 
 void SequenceTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
+  if (gait_) {
+    gait_->advance(*gait_job_, findings, metrics);
+    if (!gait_->done(*gait_job_, findings)) return;
+    gait_.reset();
+    explore_from(std::get<SineController>(*findings.best));
+    return;
+  }
   const std::int64_t left = job.settings.steps - evaluation_cost(job) - findings.steps;
   const std::int64_t stretch = job.settings.evaluation_interval * job.settings.batch();
-  const std::int64_t first = findings.curve.empty() ? first_cost(job) : 0;
-  findings.steps += search_.explore(std::min(left, first + stretch));
+  const std::int64_t first = search_->levels() == 0 ? first_cost(job) : 0;
+  findings.steps += search_->explore(std::min(left, first + stretch));
 
   // The episode from its beginning, whatever the archive says of it.
-  const std::vector<ReplayController> news = search_.news();
+  const std::vector<ReplayController> news = search_->news();
   std::vector<double> means;
   if (!news.empty()) {
     const OpenLoopEvaluation result = evaluate_each(job.arena, news, job.evaluation());
@@ -92,9 +118,34 @@ void SequenceTraining::advance(const TrainingJob& job, Findings& findings, Metri
   } else {
     findings.evaluated(findings.fitness.value(), *findings.best);  // nothing new
   }
-  metrics.push_back({"charts/levels", static_cast<double>(search_.levels())});
-  metrics.push_back({"charts/highest_level", search_.highest()});
+  metrics.push_back({"charts/levels", static_cast<double>(search_->levels())});
+  metrics.push_back({"charts/highest_level", search_->highest()});
   report_evaluation(findings, metrics);
+}
+
+void SequenceTraining::save(Checkpoint& checkpoint) const {
+  if (gait_) {
+    gait_->save(checkpoint);
+    return;
+  }
+  search_->save(checkpoint);
+  const auto* gait = start_ ? std::get_if<SineController>(&*start_) : nullptr;
+  if (gait != nullptr) save_sine(checkpoint, "search/start", *gait);
+}
+
+void SequenceTraining::load(const Checkpoint& checkpoint) {
+  if (gait_ && !checkpoint.has("search/soonest/earned")) {
+    gait_->load(checkpoint);
+    return;
+  }
+  if (gait_) {  // found when this was saved, or not looked for, with fewer steps
+    gait_.reset();
+    if (checkpoint.has("search/start/period"))
+      explore_from(load_sine(checkpoint, "search/start"));
+    else
+      explore_from(std::nullopt);
+  }
+  search_->load(checkpoint);
 }
 
 }  // namespace evo

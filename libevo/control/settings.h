@@ -132,7 +132,7 @@ struct TrainingSettings {
   double wave_share = 0.33;      // of the generations: waves over the whole body (gait)
   double actuator_sigma = 0.15;  // step size once each actuator is for itself (gait)
 
-  // Portfolio
+  // Portfolio, and what explores for sequences
   double gait_share = 0.2;   // of the steps: the search for a gait
   double trial_share = 0.2;  // of the steps: the trial of each network
 

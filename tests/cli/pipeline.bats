@@ -99,6 +99,28 @@ kill_and_repeat() {
   [ "$(jq -s 'map(.steps) | unique | length' steady/history.jsonl)" -eq 2 ]
 }
 
+@test "founders are the best robots of another run, trained anew" {
+  run_make ga scout TRAIN=sequence STEPS=9000 INHERIT=yes -s -j2 scout/history.jsonl
+  run_make ga next FOUNDERS=scout FOUNDER_STEPS=8192 INHERIT=yes -s -j2 next/history.jsonl
+  ids() { jq -r .id "$@" | sort; }
+  diff <(evo-select --keep 4 scout/history.jsonl | ids) <(ids next/gen-000/population.jsonl)
+  jq -e -s 'all(.[]; .steps == if .parents | length > 0 then 4096 else 8192 end)' next/history.jsonl
+  [[ $(evo-run command next) == *" FOUNDERS=scout "* ]]
+  cp scout/history.jsonl robots.jsonl
+  run_make ga from-file FOUNDERS=robots.jsonl FOUNDER_STEPS=8192 INHERIT=yes -s from-file/history.jsonl
+  diff next/history.jsonl from-file/history.jsonl
+  head -n 3 robots.jsonl > few.jsonl
+  run -2 --separate-stderr run_make ga too-few FOUNDERS=few.jsonl -s
+  [[ $stderr == *"few.jsonl: has 3 different robots, not POP=4"* ]]
+  [ ! -e too-few/gen-000/population.jsonl ]
+  run -2 --separate-stderr run_make ga nothing FOUNDERS=none -s
+  [[ $stderr == *"none"* ]]
+  for pipeline in steady neat; do
+    run -2 --separate-stderr run_make $pipeline $pipeline FOUNDERS=scout
+    [[ $stderr == *"FOUNDERS is a setting of ga.mk"* ]]
+  done
+}
+
 @test "neat and bo: exactly as asked, no body twice, twice the same bytes" {
   for method in neat bo; do
     run_make $method $method-one -j2

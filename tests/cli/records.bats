@@ -67,3 +67,16 @@ evolve() {
   run -1 "$EVO_SOURCE/scripts/verify-records" Carrier-v0-sequence
   [[ $output == *"is of Walker-v0"* ]]
 }
+
+@test "a record whose founders came from another run says so, and counts what that took" {
+  evolve scout 1
+  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=next TASK=Walker-v0 POP=4 EVALS=6 ALGO=gait STEPS=4000 SEED=2 \
+    TRAIN_OPTIONS="--train-set population=4" FOUNDERS=scout -s next/history.jsonl
+  "$EVO_SOURCE/scripts/add-record" next
+  record=records/Walker-v0/record.json
+  [[ $(jq -r .command $record) == "make -f scripts/ga.mk RUN=runs/scout "*" && make -f scripts/ga.mk RUN=runs/record "*" FOUNDERS=runs/scout "* ]]
+  [ "$(jq .robots $record)" -eq $((8 + 6)) ]
+  [ "$(jq .steps $record)" -eq "$(cat scout/history.jsonl next/history.jsonl | jq -s 'map(.steps) | add')" ]
+  mv scout elsewhere
+  fails_with 2 "no one command" -- "$EVO_SOURCE/scripts/add-record" next
+}

@@ -87,6 +87,25 @@ TEST_CASE("a search that starts from a sequence has at once what that reaches") 
   CHECK(best_of(arena, search.news()) >= episode.returns[0]);
 }
 
+TEST_CASE("a search that starts from a gait does all that this does") {
+  const Arena arena(test::walker(60), test::body_a());
+  SineController gait;
+  gait.period = 20;
+  const auto actuators = static_cast<std::size_t>(arena.action_length());
+  gait.amplitude.assign(actuators, 0.8);  // beyond the range of targets: cut off
+  for (std::size_t i = 0; i < actuators; ++i) gait.phase.push_back(0.7 * static_cast<double>(i));
+  const double earns = evaluate(arena, gait, once()).mean();
+  SequenceSearch search(arena, brief(), once(), stream(7), gait);
+  search.explore(60 + 4 * 60);
+  CHECK(best_of(arena, search.news()) >= earns);
+  Checkpoint checkpoint;
+  search.save(checkpoint);
+  SequenceSearch resumed(arena, brief(), once(), stream(7), gait);
+  resumed.load(checkpoint);
+  CHECK(resumed.explore(500) == search.explore(500));
+  CHECK(resumed.news() == search.news());
+}
+
 TEST_CASE("levels stay so many that they fit in memory") {
   const Arena arena(test::walker(400), test::body_a());
   // A start that earns nothing asks for very low levels.

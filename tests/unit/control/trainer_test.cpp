@@ -476,6 +476,40 @@ TEST_CASE("a search for a sequence stays within its budget, and is what it claim
   CHECK_THROWS_WITH(Trainer(arena, few, 1, "robot"), Catch::Contains("give at least 40"));
 }
 
+TEST_CASE("a search for a sequence begins with one for a gait") {
+  const Arena arena(test::walker(10), test::small_body());
+  TrainingSettings without = brief_sequence();
+  without.gait_share = 0.08;  // less than a generation
+  without.steps += 320;
+  TrainingSettings settings = without;
+  settings.gait_share = 0.5;
+  Trainer trainer(arena, settings, 1, "robot");
+  trainer.advance();
+  // A generation of the search, not a stretch of exploration.
+  CHECK(trainer.checkpoint().arrays.count("search/soonest/earned") == 0);
+  double of_gaits = -1e9;
+  Checkpoint found;
+  while (found.arrays.count("search/soonest/earned") == 0) {
+    of_gaits = trainer.result().fitness.value();
+    trainer.advance();
+    found = trainer.checkpoint();
+  }
+  CHECK(trainer.result().steps <= settings.steps);
+  const TrainResult result = train(trainer);
+  CHECK(*result.fitness >= of_gaits);
+  Trainer resumed(arena, settings, 1, "robot");
+  resumed.restore(found);
+  check_equal(train(resumed), result);
+  // More steps bring no search for a gait to a training that had none.
+  Trainer plain(arena, without, 1, "robot");
+  train(plain);
+  settings = without;
+  settings.steps += 640;
+  Trainer longer(arena, settings, 1, "robot");
+  longer.restore(plain.checkpoint());
+  CHECK(train(longer).steps > without.steps);
+}
+
 TEST_CASE("a search for a sequence starts from what another robot has learned") {
   const Arena old_arena(test::walker(10), test::small_body());
   const TrainingSettings settings = brief_sequence();

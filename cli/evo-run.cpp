@@ -36,9 +36,57 @@ struct Options {
 
 // ---- init -------------------------------------------------------------------------
 
-int init(const std::string& folder, std::vector<std::string> settings) {
-  RunFolder::create(folder, RunSettings::from_words(settings));
-  return 0;
+// The options of evo-train that a run's settings stand for; `file` is where they are.
+std::vector<std::string> training_words(const RunSettings& settings, const std::string& file) {
+  std::vector<std::string> words{"evo-train"};
+  const auto give = [&](const char* option, const std::string& value) {
+    words.emplace_back(option);
+    words.push_back(value);
+  };
+  give("--task", settings.text("task"));
+  give("--steps", settings.text("steps"));
+  if (settings.find("founder_steps") != nullptr)
+    give("--founder-steps", settings.text("founder_steps"));
+  if (settings.text("algo") != "profile") give("--algo", settings.text("algo"));
+  give("--train", settings.text("train"));
+  if (settings.text("physics") != "task") give("--physics", settings.text("physics"));
+  give("--seed", settings.text("seed"));
+  give("--failures", "skip");
+  if (const std::string* more = settings.find("train_options"))
+    for (std::string& word : cli::shell_words(*more, file + "train_options"))
+      words.push_back(std::move(word));
+  return words;
+}
+
+int with_training(const cli::Command& asked, std::vector<std::string> words,
+                  const std::function<int(cli::Command&, cli::TrainingOptions&)>& work) {
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  cli::Command command(asked.name(), "");
+  cli::TrainingOptions options;
+  options.add_to(command);
+  return command.run(static_cast<int>(arguments.size()), arguments.data(),
+                     [&] { return work(command, options); });
+}
+
+// Whether these settings could train anything: a run that is begun keeps them.
+int check_training(const cli::Command& asked, const RunSettings& settings) {
+  if (const std::string* other = settings.find("evaluate"); other && !other->empty()) return 0;
+  for (const char* needed : {"task", "steps", "algo", "train", "physics", "seed"})
+    if (settings.find(needed) == nullptr) return 0;
+  return with_training(asked, training_words(settings, ""),
+                       [](cli::Command&, const cli::TrainingOptions& options) {
+                         (void)options.task.load();
+                         (void)options.founder_settings();
+                         return 0;
+                       });
+}
+
+int init(const cli::Command& asked, const std::string& folder, std::vector<std::string> words) {
+  const RunSettings settings = RunSettings::from_words(words);
+  const int status = check_training(asked, settings);
+  if (status == 0) RunFolder::create(folder, settings);
+  return status;
 }
 
 // ---- train ------------------------------------------------------------------------
@@ -64,32 +112,15 @@ std::vector<int> slot_numbers(const std::vector<std::string>& words) {
   return numbers;
 }
 
-// The command line of evo-train that a run's settings stand for.
+// The command line of evo-train for this run.
 std::vector<std::string> training_words(const RunFolder& run) {
   const RunSettings& settings = run.settings();
-  std::vector<std::string> words{"evo-train"};
-  const auto give = [&](const char* option, const std::string& value) {
-    words.emplace_back(option);
-    words.push_back(value);
-  };
-  give("--task", settings.text("task"));
-  give("--steps", settings.text("steps"));
-  if (settings.find("founder_steps") != nullptr)
-    give("--founder-steps", settings.text("founder_steps"));
-  if (settings.text("algo") != "profile") give("--algo", settings.text("algo"));
-  give("--train", settings.text("train"));
-  if (settings.text("physics") != "task") give("--physics", settings.text("physics"));
-  give("--seed", settings.text("seed"));
-  give("--failures", "skip");
-  give("--out-dir", run.policies().string());
-  give("--log-dir", run.logs().string());
-  words.emplace_back("--resume");
+  std::vector<std::string> words =
+      training_words(settings, (run.path() / "run.yaml").string() + ": ");
+  words.insert(words.begin() + 1, {"--out-dir", run.policies().string(), "--log-dir",
+                                   run.logs().string(), "--resume"});
   if (const std::string* inherit = settings.find("inherit"); inherit && *inherit == "yes")
-    give("--init", run.policies().string());
-  if (const std::string* more = settings.find("train_options"))
-    for (std::string& word :
-         cli::shell_words(*more, (run.path() / "run.yaml").string() + ": train_options"))
-      words.push_back(std::move(word));
+    words.insert(words.begin() + 1, {"--init", run.policies().string()});
   return words;
 }
 
@@ -120,13 +151,7 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
   }
   if (robots.empty()) return 0;
 
-  std::vector<std::string> words = training_words(run);
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  cli::Command command(asked.name(), "");
-  cli::TrainingOptions options;
-  options.add_to(command);
-  return command.run(static_cast<int>(arguments.size()), arguments.data(), [&] {
+  const auto work = [&](cli::Command& command, cli::TrainingOptions& options) {
     options.sharded = run.layout() == Layout::steady;
     command.jobs = asked.jobs;
     command.progress = asked.progress;
@@ -145,7 +170,8 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
         });
     if (status != 0) asked.warn("interrupted; give the same command again to go on");
     return status;
-  });
+  };
+  return with_training(asked, training_words(run), work);
 }
 
 // Seconds for a process that is coming to its end to let go.
@@ -344,7 +370,7 @@ int main(int argc, char** argv) {
                   did_you_mean(words[0], verbs));
     if (words.size() < 2) throw error(Failure::usage, "{}: name a run folder", words[0]);
     const std::string folder = words[1];
-    if (words[0] == "init") return init(folder, {words.begin() + 2, words.end()});
+    if (words[0] == "init") return init(command, folder, {words.begin() + 2, words.end()});
     if (words[0] == "command") return print_command(folder, {words.begin() + 2, words.end()});
     if (words.size() > 2) throw error(Failure::usage, "{}: name one run folder", words[0]);
     if (options.isa) select_isa(*options.isa);

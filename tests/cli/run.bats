@@ -15,7 +15,14 @@ populate() { mkdir -p run/gen-000 && evo-sample -n 3 --shape 3x3 --seed 1 -o run
     evo-run init run "${settings[@]/seed=1/seed=2}" train_options=
   cmp before run/run.yaml
   fails_with 2 "Seed" -- evo-run init other Seed=1
+  # What could train nothing is refused before anything is there to stand in the way.
+  fails_with 2 "unknown training profile 'nope'" -- evo-run init other "${settings[@]/train=default/train=nope}"
+  fails_with 2 "unknown task" -- evo-run init other "${settings[@]/Walker-v0/Walker-v9}"
+  fails_with 2 "founder-steps" "'0'" -- evo-run init other "${settings[@]}" founder_steps=0
+  fails_with 2 "nothing" -- evo-run init other "${settings[@]}" train_options="--train-set nothing=1"
+  fails_with 65 "train_options" -- evo-run init other "${settings[@]}" train_options="--train-set 'hidden=8"
   [ ! -e other ]
+  evo-run init other "${settings[@]/Walker-v0/my-own-task}" evaluate=./score
 }
 
 @test "train: a slot, then those that are left, as evo-train does" {
@@ -79,12 +86,12 @@ populate() { mkdir -p run/gen-000 && evo-sample -n 3 --shape 3x3 --seed 1 -o run
 }
 
 @test "train: options that a shell could not split are refused, and nothing is run" {
-  begin train_options="--train-set 'hidden=8"
+  begin train_options=
   populate
+  sed -i "s/^train_options:.*/train_options: --train-set 'hidden=8/" run/run.yaml
   fails_with 65 "run.yaml" "train_options" -- evo-run train run --slot 0
-  evo-run init two "${settings[@]}" train_options='$(touch here)'
-  cp -r run/gen-000 two/
-  fails_with 65 "train_options" -- evo-run train two --slot 0
+  sed -i 's/^train_options:.*/train_options: $(touch here)/' run/run.yaml
+  fails_with 65 "train_options" -- evo-run train run --slot 0
   [ ! -e here ]
 }
 

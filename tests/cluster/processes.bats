@@ -47,9 +47,12 @@ idle() { ! busy "$1"; }
 }
 
 @test "what refuses its input is not tried again" {
-  run evolve steady run "${small[@]}" TASK=Walker-v9 TRAINER="evo-run train"
+  cp "$EVO_SOURCE/tasks/training/default.yaml" mine.yaml
+  printf '#!/bin/bash\nrm -f mine.yaml\nexec "$@"\n' > vanish
+  chmod +x vanish
+  run evolve steady run "${small[@]}" TRAIN=mine.yaml LAUNCH="$PWD/vanish" TRAINER="evo-run train"
   [ "$status" -ne 0 ]
-  [ "$(grep -c "unknown task 'Walker-v9'" <<< "$output")" -eq 1 ]
+  [ "$(grep -c "mine.yaml" <<< "$output")" -eq 1 ]
   [[ $output != *train-slots* ]]
 }
 

@@ -122,12 +122,30 @@ void print_robots(const std::vector<Robot>& robots, const std::string& name, boo
 
 // ---- HDF5 files ---------------------------------------------------------------
 
+std::string describe(const Policy& policy) {
+  std::string text = "a network";
+  const char* before = " ";
+  for (const Layer& layer : policy.actor.layers) {
+    text += fmt::format("{}{}", before, layer.weight.cols());
+    before = "-";
+  }
+  text += fmt::format("-{}", policy.action_length());
+  if (policy.gait) text += fmt::format(" on waves of period {:.3g}", policy.gait->period);
+  return text;
+}
+std::string describe(const SineController& gait) {
+  return fmt::format("waves of period {:.3g}, open loop", gait.period);
+}
+std::string describe(const ReplayController& sequence) {
+  return fmt::format("a sequence of actions, {} steps, open loop", sequence.steps());
+}
+
 void print_policy(const std::string& path, bool color) {
   const PolicyFile file = read_policy(path);
   fmt::print("{}: policy\n", cli::printable(path));
   print_robot(file.robot, color);
-  fmt::print("trained   on {}, {} steps, seed {}, best evaluation at step {}\n",
-             cli::printable(file.task), file.steps, file.seed, file.best_step);
+  fmt::print("trained   on {}, {} steps, seed {}, best evaluation {:.6g} at step {}\n",
+             cli::printable(file.task), file.steps, file.seed, file.fitness, file.best_step);
   if (file.final_score)
     fmt::print("final     {:.6g} +- {:.2g} over {} episodes from shifted starts\n",
                file.final_score->mean, file.final_score->standard_error,
@@ -137,6 +155,9 @@ void print_policy(const std::string& path, bool color) {
   fmt::print("curve     {}\n", cli::sparkline(evaluations, 60));
   fmt::print("made by   {}, settings {}\n", cli::printable(file.created_by),
              cli::printable(file.settings_hash.substr(0, 12)));
+  fmt::print("control   {}\n",
+             std::visit([](const auto& any) { return describe(any); }, file.controller));
+  if (!std::holds_alternative<Policy>(file.controller)) return;  // sees nothing
   std::string observes = "observes ";
   for (const ObservationSlice& slice : file.layout)
     observes += fmt::format(" {} [{}..{}]", cli::printable(slice.name), slice.offset,

@@ -85,6 +85,10 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
     evo-train --task Walker-v0 --algo $algo --steps 16000 --out-dir $algo --curve $algo.tsv robot > $algo.json
     [ "$(head -1 $algo.tsv)" = "$(printf 'step\treturn\tbest')" ]
     evo-eval $algo.json | jq -e ".fitness == $(jq .fitness $algo.json)"
+    evo-inspect $algo/*.policy.h5 > said
+    grep -q "^control .*open loop" said
+    ! grep -q "^observes" said
+    grep -q "best evaluation $(jq -r '.fitness * 100 | floor / 100' $algo.json)" said
   done
 }
 

@@ -36,7 +36,7 @@ struct Options {
 
 // ---- init -------------------------------------------------------------------------
 
-// The options of evo-train that a run's settings stand for; `file` is where they are.
+// The options of evo-train that a run's settings stand for; errors begin with `file`.
 std::vector<std::string> training_words(const RunSettings& settings, const std::string& file) {
   std::vector<std::string> words{"evo-train"};
   const auto give = [&](const char* option, const std::string& value) {
@@ -58,6 +58,7 @@ std::vector<std::string> training_words(const RunSettings& settings, const std::
   return words;
 }
 
+// Does the work with what these words mean to evo-train; errors are told in our name.
 int with_training(const cli::Command& asked, std::vector<std::string> words,
                   const std::function<int(cli::Command&, cli::TrainingOptions&)>& work) {
   std::vector<char*> arguments;

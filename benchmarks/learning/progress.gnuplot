@@ -1,10 +1,10 @@
 # Best so far against environment steps: runs of the suite beside the benchmark paper's
 # GA, one panel per task. Wants: table (of `progress`), paper (paper-curves.tsv), picture.
 
-rows_of(task, series, seed) = sprintf("< awk -F'\\t' -v OFS='\\t' '$1 == \"%s\" && $2 == \"%s\" && $3 == %s { if (n++) print $4, best; print $4, best = $5 }' '%s'", task, series, seed, table)
+rows_of(run) = sprintf("< awk -F'\\t' -v OFS='\\t' '$3 == \"%s\" { if (n++) print $4, best; print $4, best = $5 }' '%s'", run, table)
 paper_of(task) = sprintf("< awk -F'\\t' -v OFS='\\t' '$1 == \"%s\" { if (n++) print $2 * 512000, best; print $2 * 512000, best = $3 }' '%s'", task, paper)
 tasks = system(sprintf("awk -F'\\t' 'NR > 1 && !seen[$1]++ { print $1 }' '%s'", table))
-seeds(task, series) = system(sprintf("awk -F'\\t' '$1 == \"%s\" && $2 == \"%s\" && !seen[$3]++ { print $3 }' '%s'", task, series, table))
+runs(task, series) = system(sprintf("awk -F'\\t' '$1 == \"%s\" && $2 == \"%s\" && !seen[$3]++ { print $3 }' '%s'", task, series, table))
 all_series = system(sprintf("awk -F'\\t' 'NR > 1 && !seen[$2]++ { print $2 }' '%s'", table))
 panels = words(tasks)
 columns = 4
@@ -25,7 +25,7 @@ set xrange [1e5:5e8]
 set xtics ('10^5' 1e5, '10^6' 1e6, '10^7' 1e7, '10^8' 1e8)
 unset key
 set offsets 0, 0, graph 0.05, graph 0.05
-set multiplot layout rows, columns margins char 9, char 2, char 3.5, char 4.5 spacing char 7, char 5
+set multiplot layout rows, columns margins char 11, char 2, char 3.5, char 4.5 spacing char 7, char 5
 # The legend, above all panels.
 set label 1 "the paper's GA" at screen 0.98, screen 1 offset char 0, char -1.2 right textcolor rgb '#666666'
 do for [i = 1:words(all_series)] {
@@ -38,7 +38,7 @@ do for [task in tasks] {
   set xlabel (panel > panels - columns ? 'environment steps' : '')
   set ylabel (panel % columns == 1 ? 'best so far' : '')
   plot paper_of(task) using 1:2 with lines lw 2 dt 2 lc rgb '#666666', \
-       for [s in all_series] for [n in seeds(task, s)] rows_of(task, s, n) using 1:2 with lines lw 2.2 \
+       for [s in all_series] for [r in runs(task, s)] rows_of(r) using 1:2 with lines lw 2.2 \
          lc rgb color(s)
   unset label
 }

@@ -78,7 +78,7 @@ SETTINGS := method=$(METHOD) task=$(TASK) population=$(POP) evaluations=$(EVALS)
   $(if $(FOUNDER_STEPS),founder_steps=$(FOUNDER_STEPS)) \
   seed=$(SEED) shape=$(SHAPE) algo=$(ALGO) train=$(TRAIN) physics=$(if $(PHYSICS),$(PHYSICS),task) \
   $(if $(filter-out no,$(INHERIT)),inherit=$(INHERIT)) $(METHOD_SETTINGS)
-$(if $(and $(FOUNDERS),$(filter-out ga,$(METHOD))$(filter layout=steady,$(METHOD_SETTINGS))),$(error FOUNDERS is a setting of ga.mk))
+$(if $(FOUNDERS),$(if $(findstring founders=,$(METHOD_SETTINGS)),,$(error FOUNDERS is a setting of ga.mk)))
 $(if $(filter yes no,$(INHERIT)),,$(error INHERIT is yes or no, not '$(INHERIT)'))
 # Given as they are, quotes and all.
 export EVO_TRAIN_OPTIONS := $(TRAIN_OPTIONS)

@@ -56,6 +56,7 @@ class SequenceSearch {
   // leads further, which holds its last targets from then on. Neither twice.
   std::vector<ReplayController> news();
 
+  const std::optional<Start>& start() const { return start_; }
   std::size_t levels() const { return soonest_.size(); }  // in the archive
   double highest() const;                                 // return among them
 

@@ -73,14 +73,13 @@ SequenceTraining::SequenceTraining(const TrainingJob& job)
 
 void SequenceTraining::explore_from(std::optional<SequenceSearch::Start> start) {
   const TrainingJob& job = *gait_job_;
-  start_ = std::move(start);
   search_.emplace(job.arena, search_settings(job.settings), job.evaluation(),
-                  Stream(job.seed, "train/explore", job.robot_id), start_);
+                  Stream(job.seed, "train/explore", job.robot_id), std::move(start));
 }
 
 // Of the episodes that a search begins with, at most, in environment steps.
 std::int64_t SequenceTraining::first_cost(const TrainingJob& job) const {
-  const bool begins_with_one = gait_ || start_;
+  const bool begins_with_one = gait_ || search_->start();
   return std::int64_t{begins_with_one ? 1 : job.settings.environments} *
          job.arena.task().episode_steps;
 }
@@ -129,7 +128,8 @@ void SequenceTraining::save(Checkpoint& checkpoint) const {
     return;
   }
   search_->save(checkpoint);
-  const auto* gait = start_ ? std::get_if<SineController>(&*start_) : nullptr;
+  const auto& start = search_->start();
+  const auto* gait = start ? std::get_if<SineController>(&*start) : nullptr;
   if (gait != nullptr) save_sine(checkpoint, "search/start", *gait);
 }
 

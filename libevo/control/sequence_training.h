@@ -35,7 +35,6 @@ class SequenceTraining {
 
   std::unique_ptr<TrainingJob> gait_job_;  // the job, but for the gait's share of the steps
   std::optional<GaitTraining> gait_;       // until it is found
-  std::optional<SequenceSearch::Start> start_;
   std::optional<SequenceSearch> search_;
 };
 

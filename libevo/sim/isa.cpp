@@ -61,4 +61,9 @@ void select_isa(const std::string& isa) {
               isa, list, did_you_mean(isa, available));
 }
 
+bool has_quick_divider() {
+  __builtin_cpu_init();
+  return __builtin_cpu_is("amd") != 0;
+}
+
 }  // namespace evo

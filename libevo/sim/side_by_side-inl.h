@@ -32,14 +32,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // multipliers two of three.
 enum class Divider { alone, helped };
 
-// The divider of processors with AVX-512 takes about 40 cycles for the root and
-// the quotient of a vector of eight: there, of three springs one goes to it and two
-// through the multipliers. With four lanes (measured on Zen 3) it is quicker alone.
-inline constexpr Divider quickest_divider =
-    HWY_NATIVE_FMA && hn::MaxLanes(hn::ScalableTag<double>()) >= 8 ? Divider::helped
-                                                                   : Divider::alone;
-
-template <Arithmetic arithmetic_, std::size_t most_lanes, Divider divider = quickest_divider>
+template <Arithmetic arithmetic_, std::size_t most_lanes, Divider divider = Divider::alone>
 class SideBySide {
  public:
   static constexpr Arithmetic arithmetic = arithmetic_;

@@ -40,6 +40,7 @@ std::size_t NearCells::Axis::of(double x) const {
 void NearCells::start(const std::vector<Box>& boxes, double gap, double pitch) {
   boxes_ = &boxes;
   gap_ = gap;
+  if (boxes.size() <= few) return;
   widest_ = {};
   Vector low{HUGE_VAL, HUGE_VAL};
   Vector high{-HUGE_VAL, -HUGE_VAL};
@@ -64,6 +65,11 @@ const std::vector<std::uint32_t>& NearCells::before(std::uint32_t i) {
   const Box& box = (*boxes_)[i];
   const double gap = gap_ + reach_slack;
   found_.clear();
+  if (boxes_->size() <= few) {
+    for (std::uint32_t k = i; k-- > 0;)
+      if (within(box, (*boxes_)[k], gap_)) found_.push_back(k);
+    return found_;
+  }
   const std::size_t x_last = x_.of(box.high.x + gap);
   const std::size_t y_last = y_.of(box.high.y + gap);
   for (std::size_t y = y_.of(box.low.y - gap - widest_.y); y <= y_last; ++y) {

@@ -11,8 +11,8 @@
 
 namespace evo {
 
-// Which of an object's boxes are near each other. Boxes are dealt to tiles by their
-// lower left corners, so that each is compared with few others.
+// Which of an object's boxes are near each other. Where there are many, they are dealt
+// to tiles by their lower left corners, so that each is compared with few others.
 class NearCells {
  public:
   // Of boxes that outlive the search: near is what `gap` or less lies between.
@@ -24,6 +24,8 @@ class NearCells {
   std::size_t bytes() const;
 
  private:
+  static constexpr std::size_t few = 40;  // boxes that are compared faster than dealt
+
   struct Axis {
     Axis() = default;
     Axis(double low, double high, double pitch);

@@ -77,6 +77,14 @@ evolve() {
   [[ $(jq -r .command $record) == "make -f scripts/ga.mk RUN=runs/scout "*" && make -f scripts/ga.mk RUN=runs/record "*" FOUNDERS=runs/scout "* ]]
   [ "$(jq .robots $record)" -eq $((8 + 6)) ]
   [ "$(jq .steps $record)" -eq "$(cat scout/history.jsonl next/history.jsonl | jq -s 'map(.steps) | add')" ]
+  # As far back as it goes.
+  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=last TASK=Walker-v0 POP=4 EVALS=5 ALGO=gait STEPS=4000 SEED=3 \
+    TRAIN_OPTIONS="--train-set population=4" FOUNDERS=next -s last/history.jsonl
+  rm -r records/Walker-v0
+  "$EVO_SOURCE/scripts/add-record" last
+  [ "$(jq -r .command $record | grep -o 'RUN=[^ ]*\|FOUNDERS=[^ ]*' | xargs)" = \
+    "RUN=runs/scout-2 RUN=runs/scout FOUNDERS=runs/scout-2 RUN=runs/record FOUNDERS=runs/scout" ]
+  [ "$(jq .robots $record)" -eq $((8 + 6 + 5)) ]
   mv scout elsewhere
-  fails_with 2 "no one command" -- "$EVO_SOURCE/scripts/add-record" next
+  fails_with 2 "no one command" -- "$EVO_SOURCE/scripts/add-record" last
 }

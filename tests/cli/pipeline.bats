@@ -121,6 +121,50 @@ kill_and_repeat() {
   done
 }
 
+@test "rounds: each begins with the best of the one before, killed or not" {
+  rounds() {
+    make -f "$EVO_SOURCE/scripts/rounds.mk" RUN="$1" TASK=Walker-v0 SEED=1 VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 10" \
+      ALGO=gait TRAIN_OPTIONS="--train-set population=4" STEPS=4000 ROUND_1='POP=4 EVALS=7' ROUND_2='POP=3 EVALS=5' \
+      ROUND_3='POP=2 EVALS=2 FOUNDER_STEPS=8000' "${@:2}"
+  }
+  rounds calm -s -j2
+  ids() { jq -r .id "$@" | sort; }
+  diff <(evo-select --keep 3 calm/1/history.jsonl | ids) <(ids calm/2/gen-000/population.jsonl)
+  diff <(evo-select --keep 2 calm/2/history.jsonl | ids) <(ids calm/3/history.jsonl)
+  [ "$(jq -s 'map(.steps) | unique | length' calm/3/history.jsonl)" -eq 1 ]
+  [ "$(cat calm/*/run.yaml | grep -c '^seed: [123]$')" -eq 3 ]
+  [ -s calm/3/report.html ] && [ ! -e calm/1/report.html ]
+
+  for _ in 1 2 3 4; do
+    setsid bash -c "$(declare -f rounds); rounds stormy -j2" > /dev/null 2>&1 3>&- &
+    sleep "0.$((RANDOM % 9 + 1))"
+    kill -KILL -- "-$!" 2> /dev/null || true
+    wait "$!" 2> /dev/null || true
+  done
+  rounds stormy -s -j2
+  for round in 1 2 3; do diff <(sort calm/$round/history.jsonl) <(sort stormy/$round/history.jsonl); done
+  diff calm/3/best.json stormy/3/best.json
+
+  run -2 --separate-stderr rounds calm SEED=2
+  [[ $stderr == *"calm/1 belongs to a run with other settings (seed: 1 there, seed: 2 asked for)"* ]]
+}
+
+@test "rounds: what cannot be meant is refused before anything is made" {
+  refused() {
+    run -2 --separate-stderr make -f "$EVO_SOURCE/scripts/rounds.mk" RUN=run "${@:2}"
+    [[ $stderr == *"$1"* ]]
+    [ ! -e run ]
+  }
+  refused "there is no RECIPE 'nets'; choose network, sequence or shape" RECIPE=nets
+  refused "ROUND_1 is missing" ROUND_2=POP=3
+  refused "EVALS is decided round by round" EVALS=7
+  refused "STEPS is decided round by round" STEPS=7 ROUND_1=STEPS=4000
+  for recipe in network sequence shape; do
+    make -f "$EVO_SOURCE/scripts/rounds.mk" RUN=run RECIPE=$recipe -n > plan
+    grep -q "evo-run init 'run/1' method=ga" plan
+  done
+}
+
 @test "neat and bo: exactly as asked, no body twice, twice the same bytes" {
   for method in neat bo; do
     run_make $method $method-one -j2

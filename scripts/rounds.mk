@@ -1,0 +1,71 @@
+# Evolution in rounds: the best robots of each are the first generation of the next.
+#
+#   make -f scripts/rounds.mk RUN=runs/carrier TASK=Carrier-v0 RECIPE=network SEED=1 -j8
+#   make -f scripts/rounds.mk RUN=runs/two ROUND_1='POP=16 EVALS=64 STEPS=65536' ROUND_2='POP=4 EVALS=4 STEPS=524288' -j8
+#
+# Every round is a run of ga.mk of its own, RUN/1, RUN/2, .., that trains its founders
+# anew: longer, where many short trainings choose whom few long ones are spent on, or
+# again as long, where selection has narrowed a population and begins with a wide one.
+# Robots are compared within a round only, with as many steps each. The report is that of
+# the last round.
+#
+# RECIPE names settings for two rounds, as measured in benchmarks/learning/README.md:
+#
+#   network   36 robots of 65 536 steps, then the eight best with 524 288 and 16 of their
+#             children with 262 144: 11 million steps, for walking, pushing and carrying
+#   sequence  sequences of actions, 100 robots of 131 072 steps, then 90: 25 million, for
+#             leaps, stairs and gaps
+#   shape     3100 robots of 8 192 steps: 25 million, where a posture decides
+#
+# ROUND_1, ROUND_2, .. ROUND_9 are settings of ga.mk for one round, instead of the recipe's;
+# all others hold for every round. Round n has the seed SEED + n - 1. Killed and given
+# again it goes on; other settings need another RUN.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.SUFFIXES:
+MAKEFLAGS += --no-builtin-rules --no-print-directory
+
+SCRIPTS := $(dir $(lastword $(MAKEFILE_LIST)))
+RUN     ?= $(error give RUN=folder, such as RUN=runs/rounds)
+include $(SCRIPTS)run-name.mk
+SEED    ?= 0
+RECIPE  ?= network
+
+few_changes := MUTATE_OPTIONS='--attempts 1'
+lines := TRAIN=lineage INHERIT=yes $(few_changes)
+actions := STEPS=131072 TRAIN=sequence INHERIT=yes $(few_changes)
+postures := STEPS=8192 TRAIN=sequence INHERIT=yes
+network_1 := POP=12 EVALS=36 STEPS=65536 FOUNDER_STEPS=131072 SAMPLE_OPTIONS='--encoding cppn' $(lines)
+network_2 := POP=8 EVALS=24 STEPS=262144 FOUNDER_STEPS=524288 $(lines)
+sequence_1 := POP=24 EVALS=100 SAMPLE_OPTIONS='--weights 0.2,0.02,0.03,0.25,0.5' $(actions)
+sequence_2 := POP=16 EVALS=90 $(actions)
+shape_1 := POP=50 EVALS=2000 $(postures)
+shape_2 := POP=25 EVALS=1100 $(postures)
+
+own := $(strip $(foreach n,1 2 3 4 5 6 7 8 9,$(if $(ROUND_$n),$n)))
+ifeq ($(own),)
+$(if $($(RECIPE)_1),,$(error there is no RECIPE '$(RECIPE)'; choose network, sequence or shape, or give ROUND_1, ROUND_2, ..))
+ROUND_1 := $($(RECIPE)_1)
+ROUND_2 := $($(RECIPE)_2)
+own := 1 2
+endif
+rounds := $(wordlist 1,$(words $(own)),1 2 3 4 5 6 7 8 9)
+$(if $(filter-out $(own),$(rounds)),$(error ROUND_$(firstword $(filter-out $(own),$(rounds))) is missing: rounds are numbered from 1 on))
+last := $(lastword $(rounds))
+# What a round decides, nobody else does.
+decided := $(foreach setting,POP EVALS STEPS FOUNDER_STEPS TRAIN INHERIT SAMPLE_OPTIONS MUTATE_OPTIONS,\
+  $(if $(and $(filter command,$(origin $(setting))),$(filter $(setting)=%,$(foreach n,$(rounds),$(ROUND_$n)))),$(setting)))
+$(if $(strip $(decided)),$(error $(firstword $(decided)) is decided round by round; give it in ROUND_1, ROUND_2, ..))
+
+.PHONY: all $(rounds:%=round-%)
+all: round-$(last)
+
+# One after the other: round n wants round n - 1.
+before_1 :=
+$(foreach n,$(filter-out 1,$(rounds)),$(eval before_$n := $(word $(words $(wordlist 2,$n,$(rounds))),$(rounds))))
+$(foreach n,$(filter-out 1,$(rounds)),$(eval round-$n: round-$(before_$n)))
+
+$(rounds:%=round-%): round-%:
+	+@$(MAKE) -f '$(SCRIPTS)ga.mk' RUN='$(RUN)/$*' SEED=$$(( $(SEED) + $* - 1 )) $(ROUND_$*) \
+	  $(if $(before_$*),FOUNDERS='$(RUN)/$(before_$*)') $(if $(filter $(last),$*),,'$(RUN)/$*/history.jsonl')

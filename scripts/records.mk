@@ -5,6 +5,7 @@
 #   nice make -f scripts/records.mk RUN=runs/records TASKS="Thrower-v0 Lifter-v0" EVALS=3000 SEED=2 -j8
 #   nice make -f scripts/records.mk RUN=runs/lines TRAIN=lineage POP=16 EVALS=84 STEPS=65536 \
 #     FOUNDER_STEPS=131072 SAMPLE_OPTIONS='--encoding cppn' MUTATE_OPTIONS='--attempts 1' -j8
+#   nice make -f scripts/records.mk RUN=runs/leaps PIPELINE=rounds RECIPE=sequence TASKS=Jumper-v0 -j8
 #
 # The recipe is PIPELINE [ga] with any of its settings; without others, bodies and
 # open-loop gaits evolve together, 8 million steps per task. Killed and given again it
@@ -26,11 +27,20 @@ TRAIN    ?= gait
 INHERIT  ?= yes
 export POP EVALS STEPS TRAIN INHERIT
 
+# The last of several rounds has the best robot.
+ifeq ($(PIPELINE),rounds)
+goal :=
+over = "$$(printf '%s\n' '$(RUN)/$@'/[1-9] | tail -n 1)"
+else
+goal = '$(RUN)/$@/history.jsonl'
+over = '$(RUN)/$@'
+endif
+
 .PHONY: all $(TASKS)
 all: $(TASKS)
 
 # Status 73: the record is better.
 $(TASKS):
-	+@$(MAKE) -s -f '$(SCRIPTS)$(PIPELINE).mk' RUN='$(RUN)/$@' TASK='$@' '$(RUN)/$@/history.jsonl'
-	@status=0; flock '$(SCRIPTS)../records' '$(SCRIPTS)add-record' '$(RUN)/$@' || status=$$?; \
+	+@$(MAKE) -s -f '$(SCRIPTS)$(PIPELINE).mk' RUN='$(RUN)/$@' TASK='$@' $(goal)
+	@status=0; flock '$(SCRIPTS)../records' '$(SCRIPTS)add-record' $(over) || status=$$?; \
 	  [ $$status -eq 0 ] || [ $$status -eq 73 ]

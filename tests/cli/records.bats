@@ -88,3 +88,17 @@ evolve() {
   mv scout elsewhere
   fails_with 2 "no one command" -- "$EVO_SOURCE/scripts/add-record" last
 }
+
+@test "records.mk makes records of many tasks, in rounds if asked to" {
+  round="STEPS=4000 ALGO=gait TRAIN=default TRAIN_OPTIONS='--train-set population=4'"
+  search() {
+    make -f "$EVO_SOURCE/scripts/records.mk" RUN=runs TASKS="Walker-v0 Jumper-v0" PIPELINE=rounds \
+      VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 50" ROUND_1="POP=4 EVALS=5 $round" ROUND_2="POP=2 EVALS=2 $round" -j2
+  }
+  search
+  for task in Walker-v0 Jumper-v0; do
+    [ "$(jq .robots records/$task/record.json)" -eq 7 ]
+    cmp records/$task/policy.h5 "runs/$task/2/policies/$(jq -r .robot records/$task/record.json).policy.h5"
+  done
+  search  # once more: the records are as good, and that is no error
+}

@@ -5,9 +5,8 @@
 #
 # Every round is a run of ga.mk of its own, RUN/1, RUN/2, .., that trains its founders
 # anew: longer, where many short trainings choose whom few long ones are spent on, or
-# again as long, where selection has narrowed a population and begins with a wide one.
-# Robots are compared within a round only, with as many steps each. The report is that of
-# the last round.
+# again as long, where selection has become strict and begins anew.
+# Robots are compared within a round only. The report is that of the last round.
 #
 # RECIPE names settings for two rounds, as measured in benchmarks/learning/README.md:
 #
@@ -63,7 +62,7 @@ all: round-$(last)
 
 # One after the other: round n wants round n - 1.
 before_1 :=
-$(foreach n,$(filter-out 1,$(rounds)),$(eval before_$n := $(word $(words $(wordlist 2,$n,$(rounds))),$(rounds))))
+$(foreach n,$(filter-out 1,$(rounds)),$(eval before_$n := $(words $(wordlist 2,$n,$(rounds)))))
 $(foreach n,$(filter-out 1,$(rounds)),$(eval round-$n: round-$(before_$n)))
 
 $(rounds:%=round-%): round-%:

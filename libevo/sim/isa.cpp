@@ -62,8 +62,11 @@ void select_isa(const std::string& isa) {
 }
 
 bool has_quick_divider() {
-  __builtin_cpu_init();
-  return __builtin_cpu_is("amd") != 0;
+  static const bool quick = [] {
+    __builtin_cpu_init();
+    return __builtin_cpu_is("amd") != 0;
+  }();
+  return quick;
 }
 
 }  // namespace evo

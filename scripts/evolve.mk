@@ -142,7 +142,7 @@ $(RUN)/best.policy.h5: | $(RUN)/best.json
 	@cp '$(RUN)/'"$$(jq -r .policy '$(RUN)/best.json')" '$@.tmp' && mv '$@.tmp' '$@'
 
 $(RUN)/best.rollout.h5: | $(RUN)/best.policy.h5
-	@evo-eval --policy '$(RUN)/best.policy.h5' --rollout '$@' '$(RUN)/best.json' > /dev/null
+	@evo-eval --policy '$(RUN)/best.policy.h5' --seed $(SEED) --rollout '$@' '$(RUN)/best.json' > /dev/null
 
 $(RUN)/best.$(VIDEO): | $(RUN)/best.rollout.h5
 	$(if $(dry_run)$(silent),,@echo 'rendering $@...' >&2)

@@ -102,3 +102,13 @@ evolve() {
   done
   search  # once more: the records are as good, and that is no error
 }
+
+@test "a record of a task with draws is replayed with those that it was trained on" {
+  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=run TASK=Catcher-v0 POP=4 EVALS=4 ALGO=gait STEPS=4000 SEED=5 VIDEO=gif \
+    VIDEO_OPTIONS="--size 160x90 --every 50" TRAIN_OPTIONS="--train-set population=4" -s
+  "$EVO_SOURCE/scripts/add-record" run
+  jq -e '.seed == 5' records/Catcher-v0/record.json
+  "$EVO_SOURCE/scripts/verify-records"
+  # So is the champion of a run.
+  jq -en "$(evo-inspect run/best.rollout.h5 | tail -n 1 | awk '{ print $3 }') == $(jq .fitness run/best.json)"
+}

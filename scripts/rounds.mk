@@ -10,8 +10,8 @@
 #
 # RECIPE names settings for two rounds, as measured in benchmarks/learning/README.md:
 #
-#   network   36 robots of 65 536 steps, then the eight best with 524 288 and 16 of their
-#             children with 262 144: 11 million steps, for walking, pushing and carrying
+#   network   36 robots of 65 536 steps (the first twelve 131 072), then the eight best with
+#             524 288 and 16 of their children with 262 144: 11 million steps, for walking, pushing and carrying
 #   sequence  sequences of actions, 100 robots of 131 072 steps, then 90: 25 million, for
 #             leaps, stairs and gaps
 #   shape     3100 robots of 8 192 steps: 25 million, where a posture decides

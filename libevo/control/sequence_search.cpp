@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -20,6 +21,7 @@ constexpr double depth = 6.0;         // levels below the highest where the choi
 constexpr double anywhere = 0.01;     // weight of all others
 constexpr int shortest_attempt = 20;  // control steps
 constexpr int longest_attempt = 100;
+constexpr int rhythm_lasts = 3;  // times as long as other attempts
 constexpr int slot = 10;         // control steps between moments of highest return
 constexpr int steps_gained = 3;  // by every moment that enters the archive
 
@@ -97,6 +99,13 @@ SineController SequenceSearch::changed(SineController gait) {
   return gait;
 }
 
+// What was going on at any moment of the archive, if anything was.
+SineController SequenceSearch::any_gait() {
+  const Moments& moments = highest_.empty() || random_.integer(0, 1) == 0 ? soonest_ : highest_;
+  const auto place = random_.below(static_cast<std::uint32_t>(moments.size()));
+  return std::next(moments.begin(), place)->second.gait;
+}
+
 // The moment of a level to go on from: weights fall off below the highest, and with
 // every visit. None where all have come to the end of the episode.
 SequenceSearch::Moment* SequenceSearch::choose_level() {
@@ -140,8 +149,15 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
   attempt.at = *from;
   attempt.steps_left = random_.integer(shortest_attempt, longest_attempt);
   SineController& gait = attempt.at.gait;
-  enum Kind { goes_on, begins, changes, pushes, holds };
+  enum Kind { goes_on, begins, changes, borrows, repeats, pushes, holds };
   const int kind = random_.integer(goes_on, holds);
+  if (kind != goes_on && kind != pushes) attempt.at.period = 0;
+  if (kind == borrows) gait = any_gait();
+  const int longest = std::min(steps_of(attempt.at), static_cast<int>(settings_.longest_period));
+  const int shortest = static_cast<int>(settings_.shortest_period);
+  if (kind == repeats && longest >= shortest)
+    attempt.at.period = random_.integer(shortest, longest);
+  if (kind == borrows || kind == repeats) attempt.steps_left *= rhythm_lasts;
   if (gait.phase.empty() || kind == begins) gait = new_gait();
   if (kind == changes) gait = changed(std::move(gait));
   if (kind == pushes || kind == holds) {
@@ -169,6 +185,12 @@ void SequenceSearch::choose_targets(Attempt& attempt, std::span<double> targets)
         value = target(low() + (high() - low()) * (extreme ? std::round(any) : any));
       }
     for (std::size_t i = 0; i < targets.size(); ++i) targets[i] = attempt.values[attempt.group[i]];
+    return;
+  }
+  if (attempt.at.period > 0) {
+    const auto ago = static_cast<std::size_t>(attempt.at.period) * targets.size();
+    std::copy_n(attempt.at.actions.end() - static_cast<std::ptrdiff_t>(ago), targets.size(),
+                targets.begin());
     return;
   }
   act(attempt.at.gait, t, targets);
@@ -332,7 +354,7 @@ void SequenceSearch::save(Checkpoint& checkpoint) const {
 
 void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& name,
                                   const Moments& moments) {
-  std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, visits
+  std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, period, visits
   std::vector<std::uint8_t> states;
   std::vector<double> actions;
   std::vector<double> earned;
@@ -340,6 +362,7 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
   for (const auto& [place, moment] : moments) {
     const SineController& gait = moment.gait;
     counts.insert(counts.end(), {moment.state.size(), moment.actions.size(), gait.phase.size(),
+                                 static_cast<std::uint64_t>(moment.period),
                                  static_cast<std::uint64_t>(moment.visits)});
     states.insert(states.end(), moment.state.begin(), moment.state.end());
     actions.insert(actions.end(), moment.actions.begin(), moment.actions.end());
@@ -387,9 +410,9 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
 }
 
 std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoint& checkpoint,
-                                                                 const std::string& name) {
+                                                                 const std::string& name) const {
   const auto& earned = checkpoint.get<double>(name + "/earned");
-  const auto& counts = checkpoint.get<std::uint64_t>(name + "/counts", 4 * earned.size());
+  const auto& counts = checkpoint.get<std::uint64_t>(name + "/counts", 5 * earned.size());
   std::span<const std::uint8_t> states = checkpoint.get<std::uint8_t>(name + "/states");
   std::span<const double> actions = checkpoint.get<double>(name + "/actions");
   std::span<const double> gaits = checkpoint.get<double>(name + "/gaits");
@@ -397,10 +420,13 @@ std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoin
   for (std::size_t i = 0; i < earned.size(); ++i) {
     Moment moment;
     moment.earned = earned[i];
-    moment.state = take(states, counts[4 * i]);
-    moment.actions = take(actions, counts[4 * i + 1]);
-    const std::size_t waves = counts[4 * i + 2];
-    moment.visits = static_cast<int>(counts[4 * i + 3]);
+    moment.state = take(states, counts[5 * i]);
+    moment.actions = take(actions, counts[5 * i + 1]);
+    const std::size_t waves = counts[5 * i + 2];
+    moment.period = static_cast<int>(counts[5 * i + 3]);
+    moment.visits = static_cast<int>(counts[5 * i + 4]);
+    if (moment.period < 0 || moment.period > steps_of(moment))
+      throw Error(Failure::data, "checkpoint: its archive repeats what it does not have");
     moment.gait.period = take(gaits, 1)[0];
     moment.gait.middle = take(gaits, 1)[0];
     moment.gait.phase = take(gaits, waves);

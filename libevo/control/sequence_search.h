@@ -6,8 +6,9 @@
 // travelling needs, the second what only counts at the end, as to be high up then.
 // Again and again a moment is chosen, a little visited one rather, and of levels a high
 // one; the simulation goes on from there with something new for a while, and what is
-// better than the archive's enters it. A step in front of a stair costs one step, not
-// an episode, and what a fall would cost keeps nobody from trying.
+// better than the archive's enters it. New is a gait, changed or of another moment, or
+// the last actions again and again, or targets held by groups of actuators. A step in front of a
+// stair costs one step, not an episode, and what a fall would cost keeps nobody from trying.
 //
 // A search that starts from a sequence, as a child from its parent's, or from a gait
 // enters all that this reaches first.
@@ -70,11 +71,12 @@ class SequenceSearch {
     std::vector<double> actions;      // that lead there, [t x A]
     double earned = 0.0;              // return until then
     SineController gait;              // that was going on; without phases: none
+    int period = 0;                   // of actions repeated instead of a gait; 0: none are
     int visits = 0;
   };
   using Moments = std::map<std::int64_t, Moment>;
   // An attempt from a moment on: some steps of targets held by groups of actuators,
-  // then a gait.
+  // then a gait, or the last actions again and again.
   struct Attempt {
     Moment at;
     int steps_left = 0;
@@ -99,13 +101,14 @@ class SequenceSearch {
   Moment* choose_time();
   Attempt attempt();
   SineController new_gait();
+  SineController any_gait();
   SineController changed(SineController gait);
   void choose_targets(Attempt& attempt, std::span<double> targets);
   void enter(Attempt& attempt, int lane);
   void enter(Moments& moments, std::int64_t place, Attempt& attempt, int lane);
   void coarsen();
   static void save_moments(Checkpoint& checkpoint, const std::string& name, const Moments& moments);
-  static std::vector<Moment> load_moments(const Checkpoint& checkpoint, const std::string& name);
+  std::vector<Moment> load_moments(const Checkpoint& checkpoint, const std::string& name) const;
   ReplayController whole(const std::vector<double>& actions) const;
 
   const Arena* arena_;

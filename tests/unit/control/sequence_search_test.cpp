@@ -138,3 +138,29 @@ TEST_CASE("a search for a sequence resumes to the same bytes") {
   a.put("search/highest/actions", cut);
   CHECK_THROWS_WITH(resumed.load(a), Catch::Contains("cut short"));
 }
+
+TEST_CASE("a search repeats its last actions, and goes on doing so") {
+  const Arena arena(test::walker(60), test::body_a());
+  SequenceSearch search(arena, brief(), once(), stream(8));
+  search.explore(12000);
+  Checkpoint checkpoint;
+  search.save(checkpoint);
+  const auto actuators = static_cast<std::size_t>(arena.action_length());
+  auto counts = checkpoint.get<std::uint64_t>("search/highest/counts");
+  const auto& actions = checkpoint.get<double>("search/highest/actions");
+  std::size_t repeating = 0;
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < counts.size(); i += 5) {  // a row for each moment
+    end += counts[i + 1];
+    const std::size_t period = counts[i + 3];
+    if (period == 0) continue;
+    REQUIRE(period * actuators <= counts[i + 1]);
+    const auto* last = actions.data() + end - actuators;
+    if (std::equal(last, last + actuators, last - period * actuators)) ++repeating;
+  }
+  CHECK(repeating > 0);
+
+  counts[3] = 1000;
+  checkpoint.put("search/highest/counts", counts);
+  CHECK_THROWS_WITH(search.load(checkpoint), Catch::Contains("repeats what it does not have"));
+}

@@ -63,6 +63,22 @@ void Recorder::record(const EpisodeMoment& moment) {
   }
 }
 
+void BehaviourGauge::record(const EpisodeMoment& moment) {
+  const auto index = static_cast<std::size_t>(moment.episode);
+  if (episodes_.size() <= index) episodes_.resize(index + 1);
+  episodes_[index].add(moment.env.model(moment.lane), moment.env.positions(moment.lane));
+}
+
+Json BehaviourGauge::mean() const {
+  Json json = Json::object();
+  for (const BehaviourFeature& feature : behaviour_features) {
+    double sum = 0.0;
+    for (const BehaviourMeter& episode : episodes_) sum += episode.behaviour().*feature.value;
+    json[feature.name] = sum / static_cast<double>(episodes_.size());
+  }
+  return json;
+}
+
 Rollout play(const PolicyFile& policy, const std::string& tool) {
   const Arena arena(parse_task(policy.task_yaml, "task of robot " + policy.robot.id),
                     policy.robot.body);

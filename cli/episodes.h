@@ -2,10 +2,12 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "formats/policy.h"
 #include "formats/rollout.h"
 #include "libevo/control/evaluate.h"
+#include "libevo/task/behaviour.h"
 #include "libevo/task/env.h"
 
 namespace evo::cli {
@@ -25,6 +27,22 @@ class Recorder {
   bool velocities_;
   Rollout rollout_;
 };
+
+// How a robot behaves in the episodes of an evaluation: a mean, as its fitness is.
+class BehaviourGauge {
+ public:
+  // For evaluate(): call with every moment, in any order of episodes.
+  void record(const EpisodeMoment& moment);
+
+  Json mean() const;  // {"distance": 7.1, ..}
+
+ private:
+  std::vector<BehaviourMeter> episodes_;
+};
+
+// What --behaviour of the tools does.
+inline constexpr const char* behaviour_help =
+    "write how the robot behaved, too: distance, rise, aloft, width (evo-archive)";
 
 // A policy at its task once more: the episode that was its evaluation. `tool` goes
 // into the rollout.

@@ -35,6 +35,7 @@ struct Settings {
   std::optional<std::string> rollout;
   std::optional<std::string> rollout_dir;
   bool velocities = false;
+  bool behaviour = false;
   std::string failures = "stop";
 };
 
@@ -166,17 +167,19 @@ Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, con
   if (settings.draws) evaluation.draws = cli::parse_draws(*settings.draws, arena.task());
 
   std::optional<cli::Recorder> recorder;
-  EpisodeObserver observer;
-  if (rollout_path) {
-    recorder.emplace(arena, robot, seed, settings.velocities, "evo-eval");
-    observer = [&](const EpisodeMoment& moment) { recorder->record(moment); };
-  }
-  const Evaluation result = evaluate(arena, trial.controller(arena), evaluation, observer);
+  if (rollout_path) recorder.emplace(arena, robot, seed, settings.velocities, "evo-eval");
+  cli::BehaviourGauge gauge;
+  const Evaluation result =
+      evaluate(arena, trial.controller(arena), evaluation, [&](const EpisodeMoment& moment) {
+        if (recorder) recorder->record(moment);
+        if (settings.behaviour) gauge.record(moment);
+      });
   if (recorder) write_rollout(*rollout_path, recorder->rollout());
 
   Robot measured = robot;
   measured.set_fitness(result.mean());
   measured.document["task"] = arena.task().name;
+  if (settings.behaviour) measured.document["behaviour"] = gauge.mean();
   measured.document["returns"] = result.returns;
   measured.document["lengths"] = result.lengths;
   return measured;
@@ -217,6 +220,7 @@ int main(int argc, char** argv) {
   command.seed_option();
   command.section("Output");
   command.output_option("where the robots go, with fitness, returns and lengths");
+  command.flag("--behaviour", settings.behaviour, cli::behaviour_help);
   command.option("--rollout", settings.rollout, "FILE.h5", "record the episodes of one robot");
   command.option("--rollout-dir", settings.rollout_dir, "DIR", "record into DIR/<id>.h5");
   command.flag("--rollout-velocities", settings.velocities, "record velocities, too");

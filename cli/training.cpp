@@ -9,6 +9,7 @@
 #include <set>
 
 #include "cli/data.h"
+#include "cli/episodes.h"
 #include "cli/outputs.h"
 #include "cli/progress.h"
 #include "cli/rescue.h"
@@ -19,6 +20,7 @@
 #include "formats/training.h"
 #include "formats/training_log.h"
 #include "libevo/base/parallel.h"
+#include "libevo/control/method.h"
 #include "libevo/control/trainer.h"
 
 namespace evo::cli {
@@ -61,7 +63,17 @@ double seconds_since_1970() {
   return static_cast<double>(duration_cast<milliseconds>(now).count()) / 1000.0;
 }
 
-Robot scored(const Robot& robot, const PolicyFile& file, const fs::path& policy) {
+// The best evaluation once more, to look at: it has the same bits.
+Json behaviour_of(const PolicyFile& file, const Job& job, const Arena& arena) {
+  BehaviourGauge gauge;
+  evaluate(arena, to_controller(file.controller),
+           TrainingJob{arena, job.training, job.seed, file.robot.id}.evaluation(),
+           [&](const EpisodeMoment& moment) { gauge.record(moment); });
+  return gauge.mean();
+}
+
+Robot scored(const Robot& robot, const fs::path& policy, const Job& job, const Arena& arena) {
+  const PolicyFile file = read_policy(policy);
   Robot result = robot;
   result.set_fitness(file.fitness);
   result.document["task"] = file.task;
@@ -71,6 +83,7 @@ Robot scored(const Robot& robot, const PolicyFile& file, const fs::path& policy)
     result.document["final"] = {{"episodes", score->episodes},
                                 {"mean", score->mean},
                                 {"standard_error", score->standard_error}};
+  if (job.options.behaviour) result.document["behaviour"] = behaviour_of(file, job, arena);
   return result;
 }
 
@@ -176,15 +189,14 @@ bool is_part(const std::string& there, const Start& start) {
 
 // The robot as it was trained before with exactly these settings (with --resume:
 // perhaps in parts), or nothing.
-std::optional<Robot> trained_before(const Robot& robot, const Job& job, const Paths& paths,
-                                    const Start& start) {
+std::optional<Robot> trained_before(const Robot& robot, const Job& job, const Arena& arena,
+                                    const Paths& paths, const Start& start) {
   if (!fs::exists(paths.policy)) return std::nullopt;
   try {
     const std::string there = read_policy_identity(paths.policy);
     const auto span = span_of_same(there, start.identity.lines);
     const bool in_parts = job.options.resume && span && span->steps == job.training.steps;
-    if (there == start.identity.lines || in_parts)
-      return scored(robot, read_policy(paths.policy), paths.policy);
+    if (there == start.identity.lines || in_parts) return scored(robot, paths.policy, job, arena);
     if (!job.options.force && !is_part(there, start))
       throw trained_otherwise(paths.policy, difference(there, start.identity.lines));
   } catch (const Error& e) {  // damaged, or no policy at all
@@ -221,7 +233,7 @@ Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
   const Arena arena(job.task, robot.body);
   const Start start = find_start(robot, job, arena, paths);
   Trained trained;
-  trained.robot = trained_before(robot, job, paths, start);
+  trained.robot = trained_before(robot, job, arena, paths, start);
   trained.known = trained.robot.has_value();
   if (trained.known) return trained;
 
@@ -283,7 +295,7 @@ Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
     fs::remove(paths.checkpoint, ignored);
   if (job.options.curve) write_curve(*job.options.curve, result.curve);
   trained.robot = result.failure ? failed(robot, job, *result.failure)
-                                 : scored(robot, read_policy(paths.policy), paths.policy);
+                                 : scored(robot, paths.policy, job, arena);
   trained.seconds = clock.seconds();
   return trained;
 }
@@ -351,6 +363,7 @@ void TrainingOptions::add_to(Command& command) {
   command.option("--log-dir", log_dir, "DIR", "where <id>.log goes [--out-dir]");
   command.option("--curve", curve, "FILE.tsv", "learning curve of one robot as a table");
   command.output_option("where the robots go, with fitness, steps and policy");
+  command.flag("--behaviour", behaviour, behaviour_help);
   command.option("--checkpoint-every", checkpoint_every, "N",
                  "save a checkpoint after this many steps; 0: on interruption only");
   command.flag("--keep-checkpoint", keep_checkpoint,

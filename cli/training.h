@@ -32,6 +32,7 @@ struct TrainingOptions {
   bool keep_checkpoint = false;
   bool resume = false;
   bool force = false;
+  bool behaviour = false;
   std::string failures = "stop";
   bool sharded = false;  // into folders by the first two digits of ids; no option
 

@@ -456,10 +456,12 @@ std::optional<RobotFailure> Robot::failure() const {
 
 void Robot::set_fitness(double fitness) {
   document.erase("failure");
+  document.erase("behaviour");
   document["fitness"] = fitness;
 }
 
 void Robot::set_failure(const RobotFailure& failure) {
+  document.erase("behaviour");
   document["fitness"] = nullptr;
   Json& written = document["failure"] = {{"why", failure.why}};
   if (failure.step) written["step"] = *failure.step;

@@ -36,7 +36,8 @@ struct Robot {
   std::optional<std::int64_t> steps() const;
   std::vector<std::string> parents() const;  // ids
 
-  // How the robot was last measured, in place of the time before.
+  // How the robot was last measured, in place of the time before; how it behaved then
+  // goes, too.
   void set_fitness(double fitness);
   void set_failure(const RobotFailure& failure);  // fitness is null
 };

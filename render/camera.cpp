@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "render/bounds.h"
+#include "libevo/task/bounds.h"
 
 namespace evo::render {
 namespace {

@@ -7,8 +7,9 @@
 #include "formats/ending.h"
 #include "formats/task_yaml.h"
 #include "libevo/base/error.h"
+#include "libevo/task/contacts.h"
 #include "render/camera.h"
-#include "render/contact.h"
+#include "render/force.h"
 
 namespace evo::render {
 namespace {
@@ -273,7 +274,7 @@ std::span<const double> Clip::commands(int step) const {
 void Clip::add_contacts(double step, Scene& scene) const {
   const auto [whole, share] = split(step, steps_);
   scene.force_length = force_length;
-  Contacts contacts = contacts_of(mesh_, scene.points);
+  Contacts contacts = contacts_of(mesh_.objects, mesh_.cells, scene.points);
   if (!contacts.ground.empty()) {
     Vec2 foot;
     for (const Vec2& p : contacts.ground) {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "libevo/task/bounds.h"
 #include "libevo/task/spec.h"
-#include "render/bounds.h"
 #include "render/key.h"
 #include "render/label.h"
 #include "render/legend.h"

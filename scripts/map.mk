@@ -4,8 +4,9 @@
 #
 #   make -f scripts/map.mk RUN=runs/stairs TASK=UpStepper-v0 POP=25 EVALS=500 STEPS=8000 TRAIN=gait INHERIT=yes SEED=1 -j8
 #
-# FEATURES are the archive's axes ('evo-archive --help'). The run ends with the usual
-# files and archive.jsonl, the elites by cells; archive.tsv is their map.
+# FEATURES are the archive's axes ('evo-archive --help'), of bodies or of how robots
+# behave: FEATURES=behaviour.distance:8:0:40,behaviour.aloft:5:0:1. The run ends with the
+# usual files and archive.jsonl, the elites by cells; archive.tsv is their map.
 
 METHOD := map
 FEATURES ?= filled:5,actuated:5
@@ -14,6 +15,13 @@ MUTATE_OPTIONS ?=
 METHOD_SETTINGS = $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') features='$(FEATURES)' mutate_options='$(MUTATE_OPTIONS)'
 GENERATIONS = $(call counting,$(call batches,$(EVALS),$(POP)))
 slots = $(call counting,$(call batch_size,$(GEN)))
+
+# Trainings measure the behaviours that are asked for.
+ifneq ($(findstring behaviour.,$(FEATURES)),)
+ifeq ($(EVALUATE)$(filter --behaviour,$(TRAIN_OPTIONS)),)
+override TRAIN_OPTIONS += --behaviour
+endif
+endif
 
 all:
 

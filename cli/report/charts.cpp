@@ -8,7 +8,9 @@
 #include <limits>
 #include <numeric>
 
+#include "cli/archive.h"
 #include "cli/report/lineage.h"
+#include "libevo/base/error.h"
 
 namespace evo::report {
 namespace {
@@ -371,6 +373,71 @@ Json coverage_chart(const Run& run) {
       cells.push_back(entry == nullptr ? Json() : Json(*entry->fitness));
       robots.push_back(entry == nullptr || !run.shows(there->second) ? Json()
                                                                      : Json(entry->robot.id));
+    }
+    chart["cells"].push_back(std::move(cells));
+    chart["robots"].push_back(std::move(robots));
+  }
+  return chart;
+}
+
+namespace {
+
+GridArchive archive_of(const Run& run, const std::string& features) {
+  try {
+    return cli::parse_archive(features, "features");
+  } catch (const Error& e) {
+    throw error(Failure::data, "{}/run.yaml: {}", run.label, e.what());
+  }
+}
+
+std::string range(const FeatureAxis& axis, int bin) {
+  const auto end = [&](int k) { return axis.low + (axis.high - axis.low) * k / axis.bins; };
+  return fmt::format("{:.4g} to {:.4g}", end(bin), end(bin + 1));
+}
+
+}  // namespace
+
+Json archive_chart(const Run& run) {
+  constexpr int finest = 60;  // bins of an axis
+  const std::string features = run.setting("features");
+  if (features.empty()) return nullptr;
+  const GridArchive grid = archive_of(run, features);
+  const FeatureAxis across = grid.axes()[0];
+  const FeatureAxis up = grid.axes().size() > 1 ? grid.axes()[1] : FeatureAxis{"", 1, 0.0, 1.0};
+  if (std::max(across.bins, up.bins) > finest) return nullptr;
+  GridArchive shown(grid.axes().size() > 1 ? std::vector{across, up} : std::vector{across});
+  for (std::size_t k = 0; k < run.robots.size(); ++k) {
+    const Entry& entry = run.robots[k];
+    std::vector<double> values;
+    for (const FeatureAxis& axis : shown.axes())
+      values.push_back(cli::feature_of(entry.robot, axis.name));
+    shown.add(k, values, entry.fitness.value_or(nothing));
+  }
+  Json chart{{"kind", "heat"},
+             {"x", cli::feature_title(across.name)},
+             {"y", up.name.empty() ? "" : cli::feature_title(up.name)},
+             {"value", "best fitness"},
+             {"diverging", false},
+             {"ranges", true},
+             {"columns", Json::array()},
+             {"lines", Json::array()},
+             {"cells", Json::array()},
+             {"robots", Json::array()}};
+  for (int column = 0; column < across.bins; ++column)
+    chart["columns"].push_back(range(across, column));
+  for (int line = up.bins - 1; line >= 0; --line) {
+    chart["lines"].push_back(up.name.empty() ? "" : range(up, line));
+    Json cells = Json::array();
+    Json robots = Json::array();
+    for (int column = 0; column < across.bins; ++column) {
+      GridArchive::Cell cell{column};
+      if (!up.name.empty()) cell.push_back(line);
+      const auto there = shown.elites().find(cell);
+      const bool taken = there != shown.elites().end();
+      cells.push_back(taken ? Json(there->second.fitness) : Json());
+      robots.push_back(taken && run.shows(there->second.individual)
+                           ? Json(run.robots[there->second.individual].robot.id)
+                           : Json());
     }
     chart["cells"].push_back(std::move(cells));
     chart["robots"].push_back(std::move(robots));

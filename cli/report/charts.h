@@ -6,7 +6,8 @@
 // where a missing value is [null,null,null], or a table of colours
 //   {"kind": "heat", "x", "y": titles, "columns", "lines": their names, from the top,
 //    "cells": [[value or null]..], "robots": [[id or null]..], "value": what it is,
-//    "diverging": about zero}
+//    "diverging": about zero, "ranges": the names are "low to high" of neighbouring ranges,
+//    whose ends are written between the cells}
 #pragma once
 
 #include <string>
@@ -38,6 +39,11 @@ Json tree_chart(const Run& run);
 
 // The best fitness of all robots with so many voxels and so many actuators.
 Json coverage_chart(const Run& run);
+
+// The archive of a run that keeps one: the best fitness in every cell of its first two
+// axes, over all bins of others. Null for other runs, and for grids too fine to be seen.
+// Throws Error(data) for axes that are none.
+Json archive_chart(const Run& run);
 
 // Fitness against one number of the body: voxels, actuators, share of a kind.
 struct FeatureChart {

@@ -126,7 +126,8 @@ const Charts = (() => {
 
   // ---- tables of colours --------------------------------------------------------------
   // {"kind": "heat", "x", "y": titles, "columns", "lines": their names, "cells": [[value or
-  // null]..] from the top, "robots": [[id or null]..], "diverging", "value": what it is}
+  // null]..] from the top, "robots": [[id or null]..], "diverging", "value": what it is,
+  // "ranges": names are "low to high"}
 
   const heatColor = (share, diverging) => {
     const ramp = diverging
@@ -139,7 +140,8 @@ const Charts = (() => {
 
   const heat = (chart, width, look) => {
     const lines = chart.lines.length, columns = chart.columns.length;
-    const left = 44, top = 6, right = 58, bottom = 38;
+    // Titles of features are longer than a map of few bins is high.
+    const left = 44, top = chart.ranges ? 26 : 6, right = 58, bottom = 38;
     const side = Math.min(44, (width - left - right) / columns);
     const tall = Math.min(side, 30);
     const height = top + bottom + tall * lines;
@@ -154,16 +156,24 @@ const Charts = (() => {
     chart.cells.forEach((row, r) => row.forEach((value, c) => {
       const box = svg('rect', { x: left + c * side, y: top + r * tall, width: side - 1.5, height: tall - 1.5, rx: 2,
         fill: value === null ? look.grid : heatColor(share(value), chart.diverging), 'fill-opacity': value === null ? 0.4 : 1 });
-      const said = `${chart.columns[c]} ${chart.x}, ${chart.lines[r]} ${chart.y}: ${value === null ? 'no robot' : number(value)}`;
+      const place = chart.ranges
+        ? [[chart.x, chart.columns[c]], [chart.y, chart.lines[r]]].filter(([title]) => title).map(([title, range]) => `${title}: ${range}`).join('; ')
+        : `${chart.columns[c]} ${chart.x}, ${chart.lines[r]} ${chart.y}`;
+      const said = `${place}: ${value === null ? 'no robot' : number(value)}`;
       box.append(svg('title', {}, said));
       cells.push({ box, id: chart.robots?.[r]?.[c], said });
       picture.append(box);
     }));
-    const every = Math.ceil(22 / side);
-    chart.columns.forEach((name, c) => { if (c % every === 0) picture.append(svg('text', { x: left + (c + 0.5) * side, y: height - bottom + 15, 'text-anchor': 'middle', fill: look.text }, name)); });
-    chart.lines.forEach((name, r) => picture.append(svg('text', { x: left - 6, y: top + (r + 0.5) * tall + 4, 'text-anchor': 'end', fill: look.text }, name)));
+    // Names stand in the middle of a cell, the ends of ranges at its borders.
+    const ends = (names) => [...names.map((name) => name.split(' to ')[0]), names.at(-1).split(' to ')[1]];
+    const [across, down, middle] = !chart.ranges ? [chart.columns, chart.lines, 0.5]
+      : [ends(chart.columns), chart.y ? ends([...chart.lines].reverse()).reverse() : [], 0];
+    const every = Math.ceil((chart.ranges ? 36 : 22) / side);
+    across.forEach((name, c) => { if (c % every === 0) picture.append(svg('text', { x: left + (c + middle) * side, y: height - bottom + 15, 'text-anchor': 'middle', fill: look.text }, name)); });
+    down.forEach((name, r) => { if (r % Math.ceil(12 / tall) === 0) picture.append(svg('text', { x: left - 6, y: top + (r + middle) * tall + 4, 'text-anchor': 'end', fill: look.text }, name)); });
     picture.append(svg('text', { x: left + side * columns / 2, y: height - 4, 'text-anchor': 'middle', fill: look.text }, chart.x));
-    picture.append(svg('text', { transform: `translate(11 ${top + tall * lines / 2}) rotate(-90)`, 'text-anchor': 'middle', fill: look.text }, chart.y));
+    const aside = { transform: `translate(11 ${top + tall * lines / 2}) rotate(-90)`, 'text-anchor': 'middle', fill: look.text };
+    picture.append(svg('text', chart.ranges ? { x: 4, y: 12, fill: look.text } : aside, chart.y));
     const bar = { x: left + side * columns + 10, height: tall * lines - 2 };
     for (let k = 0; k < 24; ++k)
       picture.append(svg('rect', { x: bar.x, y: top + bar.height * (1 - (k + 1) / 24), width: 9, height: bar.height / 24 + 0.6, fill: heatColor((k + 0.5) / 24, chart.diverging) }));

@@ -74,7 +74,14 @@ std::string maps_card(const Run& run, const std::string& anchor, Page& page) {
     positions += "<div><h4>" + map.name + "</h4>" +
                  page.chart(std::move(map.chart), anchor, "positions-" + map.name, "small") +
                  "</div>\n";
-  return "<section class=\"card long\">\n" +
+  std::string archive;
+  if (Json chart = archive_chart(run); !chart.is_null())
+    archive = heading(anchor + "-archive", "The archive",
+                      "The fittest robot of every kind: the best fitness by the archive's first "
+                      "axes; what lies beyond an end counts to the cell there. A click opens the "
+                      "robot.") +
+              page.chart(std::move(chart), anchor, "archive", "small");
+  return "<section class=\"card long\">\n" + archive +
          heading(anchor + "-maps", "Where evolution looked",
                  "The best fitness of all robots with so many voxels and actuators. A click opens "
                  "the robot.") +

@@ -25,6 +25,7 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
   schema neat-state < next.json
   evo-eval --task Walker-v0 --random --max-steps 3 sampled | tee scored | schema robot
   evo-select --keep 3 scored | schema robot
+  evo-eval --task Walker-v0 --random --max-steps 3 --behaviour sampled | schema robot
   schema robot < net.json
   schema robot < sine.json
   evo-train small.txt --task Walker-v0 --steps 64 --out-dir bad --failures skip --train-set learning_rate=1e300 --train-set environments=2 --train-set rollout=8 | schema robot

@@ -190,6 +190,23 @@ kill_and_repeat() {
   [ "$(jq -s 'map(.fitness) | max' calm/archive.jsonl)" = "$(jq .fitness calm/best.json)" ]
 }
 
+@test "map: behaviours as axes are measured, kept and drawn" {
+  run_make map run -j2 FEATURES=behaviour.distance:4:-2:2,behaviour.aloft:2:0:1
+  grep -q "^train_options: '--behaviour'" run/run.yaml
+  jq -se 'length == 9 and all(.behaviour | keys == ["aloft", "distance", "rise", "width"])' run/history.jsonl
+  head -n 1 run/archive.tsv | grep -q "^behaviour.distance$(printf '\t')behaviour.aloft"
+  grep -q 'behaviour.distance, voxels' run/report.html
+  # It is that of the episode that the fitness is from, for the best in Walker: 0.1 a voxel.
+  jq -e '(.behaviour.distance * 0.1 - .fitness | fabs) < 1e-9' run/best.json
+  evo-eval --behaviour run/best.json | jq -c .behaviour | diff - <(jq -c .behaviour run/best.json)
+  # A fitness of another evaluation takes it away, and children have none.
+  evo-eval run/best.json | jq -e 'has("behaviour") | not'
+  evo-mutate run/best.json | jq -e 'has("behaviour") | not'
+  # The same command again, and the one that the run says, find everything done.
+  run_make map run -s FEATURES=behaviour.distance:4:-2:2,behaviour.aloft:2:0:1
+  (cd "$EVO_SOURCE" && eval "$(evo-run command "$BATS_TEST_TMPDIR/run") -s")
+}
+
 @test "neat and bo: killed, they end with the same result" {
   for method in neat bo; do
     run_make $method $method-calm -j2

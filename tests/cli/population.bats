@@ -103,6 +103,12 @@ J
   evo-archive -q --features final.mean:2:0:10 scored | jq -c .cell | diff - <(printf '[0]\n[1]\n')
   [ "$(evo-archive -q < /dev/null)" = "" ]
   evo-archive scored 2>&1 > /dev/null | grep -q '3 of 25 cells'
+  printf '%s\n' '{"body":["H"],"fitness":1,"behaviour":{"distance":-3,"aloft":0.9}}' \
+    '{"body":["V"],"fitness":2,"behaviour":{"distance":7,"aloft":0.1}}' '{"body":["HV"],"fitness":null}' > behaved
+  evo-archive -q --features behaviour.distance:5:0:10,behaviour.aloft:2:0:1 behaved | jq -c .cell | diff - <(printf '[0,1]\n[3,0]\n')
+  fails_with 65 "has no 'behaviour.aloft'" "--behaviour" -- evo-archive --features behaviour.aloft:2:0:1 behaved scored
+  fails_with 2 "a behaviour needs its range" -- evo-archive --features behaviour.aloft:2 behaved
+  fails_with 2 "'behaviour.hight' is no behaviour" "behaviour.rise" -- evo-archive --features behaviour.hight:2:0:1 behaved
   fails_with 2 "'hight' is no feature of bodies" "height" -- evo-archive --features hight:5 scored
   fails_with 2 "NAME:BINS" -- evo-archive --features height scored
   fails_with 2 "nothing lies between" -- evo-archive --features x:5:1:1 scored

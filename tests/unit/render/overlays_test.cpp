@@ -5,7 +5,8 @@
 #include "formats/files.h"
 #include "formats/physics_profile.h"
 #include "formats/task_yaml.h"
-#include "render/contact.h"
+#include "libevo/task/contacts.h"
+#include "render/force.h"
 #include "render/plot.h"
 #include "render/quantity.h"
 #include "render/render.h"
@@ -187,7 +188,8 @@ TEST_CASE("a package on a robot touches it and is held") {
   const Clip clip({&rollout, 0, ""}, options, 1.5);
   std::size_t held = 0;
   for (int step = 30; step <= 60; ++step) {
-    const Contacts contacts = contacts_of(clip.mesh(), clip.points(step));
+    const Contacts contacts =
+        contacts_of(clip.mesh().objects, clip.mesh().cells, clip.points(step));
     held += contacts.held.size();
     CHECK(contacts.points.size() >= contacts.ground.size());
   }

@@ -6,7 +6,7 @@
 
 #include "libevo/sim/model.h"
 
-namespace evo::render {
+namespace evo {
 
 // Lengths in the unit of the points; without any, x0 > x1.
 struct Bounds {
@@ -24,4 +24,4 @@ struct Bounds {
   double height() const { return y1 - y0; }
 };
 
-}  // namespace evo::render
+}  // namespace evo

@@ -1,12 +1,11 @@
-#include "render/contact.h"
+#include "libevo/task/contacts.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
-#include "render/bounds.h"
+#include "libevo/task/bounds.h"
 
-namespace evo::render {
+namespace evo {
 namespace {
 
 constexpr double reach = 0.06;  // the benchmark's contact margin is 0.05
@@ -20,13 +19,15 @@ bool near(const Bounds& a, const Bounds& b) {
   return b.x1 > a.x0 - reach && b.x0 < a.x1 + reach && b.y1 > a.y0 - reach && b.y0 < a.y1 + reach;
 }
 
-double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
+// Squared, so that the result needs no function of the C library.
+double squared_distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
   const Vec2 along{b.x - a.x, b.y - a.y};
   const double length = along.x * along.x + along.y * along.y;
   const double share =
       length > 0 ? std::clamp(((p.x - a.x) * along.x + (p.y - a.y) * along.y) / length, 0.0, 1.0)
                  : 0.0;
-  return std::hypot(p.x - a.x - share * along.x, p.y - a.y - share * along.y);
+  const Vec2 apart{p.x - a.x - share * along.x, p.y - a.y - share * along.y};
+  return apart.x * apart.x + apart.y * apart.y;
 }
 
 bool touches(Vec2 p, const std::array<Vec2, 4>& corners) {
@@ -34,16 +35,17 @@ bool touches(Vec2 p, const std::array<Vec2, 4>& corners) {
   for (std::size_t k = 0, last = 3; k < 4; last = k++) {
     const Vec2 a = corners[k];
     const Vec2 b = corners[last];
-    if (distance_to_segment(p, a, b) <= reach) return true;
+    if (squared_distance_to_segment(p, a, b) <= reach * reach) return true;
     if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x)
       inside = !inside;
   }
   return inside;
 }
 
-class World {
+class Touch {
  public:
-  World(const Mesh& mesh, std::span<const Vec2> points) : mesh_(mesh), points_(points) {}
+  Touch(std::span<const ModelCell> cells, std::span<const Vec2> points)
+      : cells_(cells), points_(points) {}
 
   Bounds box(const ModelObject& object) const {
     Bounds box;
@@ -58,7 +60,7 @@ class World {
     std::vector<std::array<Vec2, 4>> cells;
     std::vector<Bounds> boxes;
     for (int c = other.first_cell; c < other.first_cell + other.cells; ++c) {
-      const auto [tl, tr, bl, br] = mesh_.cells[static_cast<std::size_t>(c)].points;
+      const auto [tl, tr, bl, br] = cells_[static_cast<std::size_t>(c)].points;
       const std::array<Vec2, 4> corners{at(tl), at(tr), at(br), at(bl)};
       Bounds box;
       for (const Vec2& corner : corners) box.add(corner);
@@ -78,58 +80,39 @@ class World {
 
  private:
   Vec2 at(int k) const { return points_[static_cast<std::size_t>(k)]; }
-  const Mesh& mesh_;
+  std::span<const ModelCell> cells_;
   std::span<const Vec2> points_;
 };
 
 }  // namespace
 
-Contacts contacts_of(const Mesh& mesh, std::span<const Vec2> points) {
-  const World world(mesh, points);
-  const ModelObject& robot = mesh.objects.front();
+Contacts contacts_of(std::span<const ModelObject> objects, std::span<const ModelCell> cells,
+                     std::span<const Vec2> points) {
+  const Touch touch(cells, points);
+  const ModelObject& robot = objects.front();
   Contacts found;
-  for (std::size_t k = 1; k < mesh.objects.size(); ++k) {
-    if (mesh.objects[k].is_static) continue;
+  for (std::size_t k = 1; k < objects.size(); ++k) {
+    if (objects[k].is_static) continue;
     const std::size_t before = found.points.size();
-    world.add(robot, mesh.objects[k], found.points);
-    world.add(mesh.objects[k], robot, found.points);
+    touch.add(robot, objects[k], found.points);
+    touch.add(objects[k], robot, found.points);
     if (found.points.size() > before) found.held.push_back(k);
   }
   std::vector<std::size_t> standing = found.held;
   standing.push_back(0);
   for (const std::size_t k : standing) {
-    const ModelObject& object = mesh.objects[k];
+    const ModelObject& object = objects[k];
     for (int p = object.first_point; p < object.first_point + object.points; ++p)
       if (points[static_cast<std::size_t>(p)].y <= reach)
         found.ground.push_back(points[static_cast<std::size_t>(p)]);
-    for (const ModelObject& terrain : mesh.objects) {
+    for (const ModelObject& terrain : objects) {
       if (!terrain.is_static) continue;
-      world.add(object, terrain, found.ground);
-      world.add(terrain, object, found.ground);
+      touch.add(object, terrain, found.ground);
+      touch.add(terrain, object, found.ground);
     }
   }
   found.points.insert(found.points.end(), found.ground.begin(), found.ground.end());
   return found;
 }
 
-Vec2 outside_force(std::span<const Vec2> centres, int step, const Physics& physics) {
-  constexpr int around = 2;  // steps before and after; single ones tremble
-  const int last = static_cast<int>(centres.size()) - 1;
-  const int from = std::max(1, step - around);
-  const int to = std::min(last - 1, step + around);
-  if (to < from || physics.gravity <= 0) return {};
-  const auto at = [&](int t) { return centres[static_cast<std::size_t>(t)]; };
-  const double seconds = physics.substep * physics.substeps;  // raw time of a step
-  const double count = to - from + 1;
-  // The means of the accelerations and of the velocities from `from` to `to`.
-  const auto mean = [&](auto of) {
-    const double first = of(at(from)) - of(at(from - 1));
-    const double end = of(at(to + 1)) - of(at(to));
-    const double acceleration = (end - first) / count / (seconds * seconds);
-    const double velocity = (of(at(to + 1)) - of(at(from - 1))) / (count + 1) / seconds;
-    return physics.voxel_length * (acceleration + physics.drag * velocity) / physics.gravity;
-  };
-  return {mean([](Vec2 p) { return p.x; }), 1 + mean([](Vec2 p) { return p.y; })};
-}
-
-}  // namespace evo::render
+}  // namespace evo

@@ -1,0 +1,23 @@
+// Where a robot touches something, from the positions of one moment alone.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "libevo/sim/model.h"
+
+namespace evo {
+
+// Points no farther from a cell of another object than the contact model reaches, 0.06
+// voxels; the world's floor counts as terrain.
+struct Contacts {
+  std::vector<Vec2> points;       // of the robot and what it touches, on either side
+  std::vector<Vec2> ground;       // those of them where the robot or what it holds meets terrain
+  std::vector<std::size_t> held;  // objects that move and touch the robot
+};
+// Of the first object. `points` are all of the world, voxels.
+Contacts contacts_of(std::span<const ModelObject> objects, std::span<const ModelCell> cells,
+                     std::span<const Vec2> points);
+
+}  // namespace evo

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <variant>
 
+#include "api/created_by.h"
 #include "api/session.h"
 #include "formats/physics_profile.h"
 #include "formats/policy.h"
@@ -359,8 +360,8 @@ Policy train(const Task& task, const Robot& robot, const TrainingOptions& option
     if (!result.complete)
       throw evo::error(evo::Failure::work, "robot {}: the training was ended after {} steps",
                        subject.id, result.steps);
-    return Access::make<Policy>(evo::make_policy_file(subject, arena, settings, options.seed,
-                                                      result, "libevo " EVO_LIBRARY_VERSION));
+    return Access::make<Policy>(
+        evo::make_policy_file(subject, arena, settings, options.seed, result, evo::created_by()));
   });
 }
 

@@ -453,7 +453,7 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
     if (impl.help) {
       impl.print_help();
     } else if (impl.version) {
-      fmt::print("{} {} ({}) {}\n", impl.name, EVO_VERSION, EVO_COMMIT, best_isa());
+      fmt::print("{} {}\n", created_by(impl.name), best_isa());
     } else {
       try {
         impl.app.parse(argc, argv);
@@ -496,7 +496,9 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
 }
 
 std::string version() { return EVO_VERSION; }
-std::string created_by(const std::string& tool) { return tool + " " + EVO_VERSION; }
+std::string created_by(const std::string& tool) {
+  return fmt::format("{} {} ({})", tool, EVO_VERSION, EVO_COMMIT);
+}
 
 void catch_interrupts() {
   struct sigaction action = {};

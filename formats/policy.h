@@ -26,7 +26,7 @@ struct PolicyFile {
   std::vector<ObservationSlice> layout;
   std::uint64_t seed = 0;
   std::string isa = "any";    // instruction set the bits belong to; "any": to all of them
-  std::string created_by;     // tool and version
+  std::string created_by;     // tool, version, commit
   std::string identity;       // formats/identity.h; of older files, worked out from their texts
   std::string settings_hash;  // of it, or as older programs had it
 

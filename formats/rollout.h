@@ -40,7 +40,7 @@ struct Rollout {
   std::string physics_yaml;  // the whole profile in force
   std::optional<Robot> robot;
   std::uint64_t seed = 0;
-  std::string created_by;  // tool and version
+  std::string created_by;  // tool, version, commit
   int observation_length = 0;
   int action_length = 0;
   int points = 0;

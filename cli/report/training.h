@@ -21,7 +21,7 @@ struct Training {
   std::optional<FinalScore> final_score;
   std::int64_t best_step = 0;
   std::int64_t steps = 0;
-  std::string created_by;  // tool and version
+  std::string created_by;  // tool, version, commit
   std::vector<LogSeries> log;
   double seconds = 0.0;  // of training, by the speed it logged; 0: unknown
 };

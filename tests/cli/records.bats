@@ -20,6 +20,8 @@ evolve() {
   "$EVO_SOURCE/scripts/add-record" $worse
   jq -e ".fitness == $(best $worse) and .robots == 8 and .shifted.episodes == 32" records/Walker-v0/record.json
   [ "$(jq .steps records/Walker-v0/record.json)" -eq "$(jq -s 'map(.steps) | add' $worse/history.jsonl)" ]
+  # What trained it, from its policy: tool, version and commit, without the processor.
+  [ "$(jq -r .tools records/Walker-v0/record.json)" = "$(evo-train --version | sed 's/ [^ ]*$//')" ]
   "$EVO_SOURCE/scripts/verify-records"
   fails_with 73 "the record is" -- "$EVO_SOURCE/scripts/add-record" $worse
   "$EVO_SOURCE/scripts/add-record" $better
@@ -76,6 +78,7 @@ evolve() {
   record=records/Walker-v0/record.json
   [[ $(jq -r .command $record) == "make -f scripts/ga.mk RUN=runs/scout "*" && make -f scripts/ga.mk RUN=runs/record "*" FOUNDERS=runs/scout "* ]]
   [ "$(jq .robots $record)" -eq $((8 + 6)) ]
+  [ "$(jq -r .tools $record)" = "$(evo-train --version | sed 's/ [^ ]*$//')" ]  # one build made both
   [ "$(jq .steps $record)" -eq "$(cat scout/history.jsonl next/history.jsonl | jq -s 'map(.steps) | add')" ]
   # As far back as it goes.
   make -f "$EVO_SOURCE/scripts/ga.mk" RUN=last TASK=Walker-v0 POP=4 EVALS=5 ALGO=gait STEPS=4000 SEED=3 \

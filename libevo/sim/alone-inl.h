@@ -1,4 +1,4 @@
-// The kernel for one environment, its springs in the lanes of vectors (see
+// The kernel for one environment, its springs and points in the lanes of vectors (see
 // kernels.cpp). Included once per instruction set (see Highway's "-inl.h" files).
 
 #if defined(LIBEVO_SIM_ALONE_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -28,23 +28,25 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET != HWY_SCALAR
 
-// Springs in the lanes of a vector; points are vectors of two.
-template <Arithmetic arithmetic_>
+// Springs in the lanes of a vector; of points, x and y of neighbours side by side.
+template <Arithmetic arithmetic_, std::size_t most_lanes>
 class Alone {
  public:
   static constexpr Arithmetic arithmetic = arithmetic_;
   using Math = SpringMath<arithmetic>;
   using Real = StageReal<arithmetic>;
-  using D = hn::CappedTag<Real, 4>;  // springs in a stage
-  using P = hn::FixedTag<Real, 2>;   // a point in a stage: x, y
+  using D = hn::CappedTag<Real, most_lanes>;  // springs or points in a stage
+  using P = hn::FixedTag<Real, 2>;            // one point: x, y
   using V = hn::Vec<D>;
   using XY = hn::Vec<P>;
   static constexpr std::size_t width = 1;
-  // Two registers of springs, then two points, where roots and quotients take long:
-  // more of them are under way at a time.
-  static constexpr std::size_t registers = arithmetic == Arithmetic::exact ? 2 : 1;
-  static constexpr std::size_t springs_at_once = registers * hn::MaxLanes(D());
-  static constexpr std::size_t points_at_once = registers;
+  static constexpr std::size_t dealt_springs = hn::MaxLanes(D());
+  static constexpr std::size_t record_points = hn::MaxLanes(D()) / 2;
+  // Two registers where roots and quotients take long, so that more of them are under
+  // way at a time; but no more springs than Plan pads to.
+  static constexpr std::size_t springs_at_once =
+      std::min<std::size_t>(2 * hn::MaxLanes(D()), Plan::spring_padding);
+  static constexpr std::size_t points_at_once = record_points;
 
   Alone(const Plan& plan, const Physics& physics, const Arrays<arithmetic>& arrays, bool near_floor)
       : plan_(plan),
@@ -77,13 +79,14 @@ class Alone {
            w_.start + offset(site));
   }
 
-  HWY_INLINE void store_motion(std::int32_t site) const {
+  HWY_INLINE void store_motion(std::size_t i) const {
     const LP p;
-    const double* motion = w_.motion_of(offset(site));
-    float* stage_motion = w_.stage_motion_of(offset(site));
-    demote(hn::Load(p, motion + Motion::velocity), stage_motion + StageMotion::velocity_of(1));
-    demote(hn::Sub(hn::Load(p, motion + Motion::contact), hn::LoadU(p, gravity_)),
-           stage_motion + StageMotion::load);
+    const double* motion = w_.motion + record(i, Motion::pairs(arithmetic));
+    float* stage_motion = w_.stage_motion + record(i, StageMotion::pairs);
+    demote(hn::Load(p, motion + Motion::velocity * record_points),
+           stage_motion + StageMotion::velocity_of(1) * record_points);
+    demote(hn::Sub(hn::Load(p, w_.contact + w_.point_offsets[i]), hn::Load(p, gravity_)),
+           stage_motion + StageMotion::load * record_points);
   }
 
   HWY_INLINE bool is_near_floor(std::size_t o) const {
@@ -93,49 +96,37 @@ class Alone {
   // Forces of springs s, s+1, ..; there may be fewer, the arrays are padded.
   template <bool first_stage>
   HWY_INLINE void springs(const Real* HWY_RESTRICT at, std::size_t s) const {
-    for (std::size_t r = 0; r < registers; ++r)
-      springs_in_register<first_stage>(at, s + r * hn::MaxLanes(D()));
+    for (std::size_t i = 0; i < springs_at_once; i += in_register)
+      springs_in_register<first_stage>(at, s + i);
   }
 
   template <bool first_stage>
   void last_springs(const Real* HWY_RESTRICT at, std::size_t s, std::size_t end) const {
-    s = s / springs_at_once * springs_at_once;  // a few may be done again
-    for (; s < end; s += springs_at_once) springs<first_stage>(at, s);
+    for (; s < end; s += in_register) springs_in_register<first_stage>(at, s);
   }
 
   template <int stage, class Next>
-  HWY_INLINE void point(std::size_t o, const std::uint32_t* HWY_RESTRICT end, int a_ends,
+  HWY_INLINE void point(std::size_t i, const std::uint32_t* HWY_RESTRICT end, int a_ends,
                         int b_ends, const Real* HWY_RESTRICT at, Next* HWY_RESTRICT next) const {
     const P p;
-    XY f = SumForces<arithmetic>(p, w_.force, end, a_ends, b_ends);
-    double* HWY_RESTRICT motion = w_.motion_of(o);
-    const XY drag = hn::Set(p, constants_.drag);
-    const double dt = constants_.substep;
-    if constexpr (arithmetic == Arithmetic::exact) {
-      const XY v = hn::Load(p, motion + (stage == 1 ? Motion::velocity : Motion::stage_velocity));
-      f = hn::Sub(hn::Sub(f, hn::Mul(drag, v)), hn::LoadU(p, gravity_));
-      f = hn::Add(f, hn::Load(p, motion + Motion::contact));
-      if (HWY_UNLIKELY(at[o + 1] < 0.0)) f = with_floor(at[o + 1], v, f);
-      AdvanceExactly<stage, width>(p, v, f, dt, w_.position + o, next + o, motion);
-    } else {
-      float* HWY_RESTRICT record = w_.stage_motion_of(o);
-      const XY v = hn::Load(p, record + StageMotion::velocity_of(stage));
-      f = hn::NegMulAdd(drag, v, hn::Add(f, hn::Load(p, record + StageMotion::load)));
-      if (HWY_UNLIKELY(near_floor_)) {
-        const double y = at[o + 1] + height_of_origin(o);
-        if (y < 0.0) f = with_floor(y, v, f);
-      }
-      if constexpr (stage < 4) {
-        AdvanceFast<stage, width>(p, v, f, dt, w_.start + o, next + o, record);
-      } else {
-        const LP l;
-        const Rise<XY> rise = RiseOf<width>(p, v, f, dt, record);
-        double* velocity = motion + Motion::velocity;
-        hn::Store(hn::Add(hn::Load(l, w_.position + o), hn::PromoteTo(l, rise.position)), l,
-                  next + o);
-        hn::Store(hn::Add(hn::Load(l, velocity), hn::PromoteTo(l, rise.velocity)), l, velocity);
-      }
+    advance<stage>(p, i, SumForces<arithmetic>(p, w_.force, end, a_ends, b_ends), at, next);
+  }
+
+  // Points of a record are neighbours, but where points between them are not integrated.
+  template <int stage, class Next>
+  HWY_INLINE void points(std::size_t i, const std::uint32_t* HWY_RESTRICT end,
+                         const Real* HWY_RESTRICT at, Next* HWY_RESTRICT next) const {
+    constexpr int few = Plan::regular_ends;
+    constexpr std::size_t last = record_points - 1;
+    if (HWY_UNLIKELY(w_.point_offsets[i + last] - w_.point_offsets[i] != 2 * last)) {
+      for (std::size_t k = 0; k <= last; ++k)
+        point<stage>(i + k, end + ends_a_point * k, few, few, at, next);
+      return;
     }
+    XY forces[record_points];
+    for (std::size_t k = 0; k <= last; ++k)
+      forces[k] = SumForces<arithmetic>(P(), w_.force, end + ends_a_point * k, few, few);
+    advance<stage>(D(), i, joined(D(), forces), at, next);
   }
 
   void limit_strain(double* HWY_RESTRICT at) const {
@@ -166,7 +157,8 @@ class Alone {
       for (std::size_t i = 0; i < limits_at_once && s + i < live; ++i) {
         const StrainLimit& limit = strain.limits[s + i];
         if (!(squares[i] > limit.longest_square || squares[i] < limit.shortest_square)) continue;
-        hn::Store(hn::Load(p, pairs + 2 * i), p, w_.correction + 2 * count);
+        hn::Store(hn::Load(p, pairs + 2 * place_of_force(i, limits_at_once)), p,
+                  w_.correction + 2 * count);
         w_.corrected[count++] = static_cast<std::int32_t>(s + i);
       }
     }
@@ -254,14 +246,19 @@ class Alone {
 
  private:
   // Between the stages everything is double.
-  using L = hn::CappedTag<double, 4>;
+  using L = hn::CappedTag<double, most_lanes>;
   using LP = hn::FixedTag<double, 2>;
   using LV = hn::Vec<L>;
   using LXY = hn::Vec<LP>;
   using Limits = SpringMath<Arithmetic::exact>;
   static constexpr std::size_t limits_at_once = hn::MaxLanes(L());
+  static constexpr std::size_t in_register = hn::MaxLanes(D());
+  static constexpr std::size_t ends_a_point = 2UL * Plan::regular_ends;
 
   static std::size_t offset(std::int32_t site) { return pair_offset(site, width); }
+  static std::size_t record(std::size_t point, std::size_t pairs) {
+    return record_offset<width, record_points>(point, pairs);
+  }
 
   static HWY_INLINE void demote(LXY v, float* to) {
     const hn::FixedTag<float, 2> single;
@@ -285,70 +282,118 @@ class Alone {
     return w_.origin[2 * block + 1];
   }
 
+  // A register of pairs.
+  template <class D_, class Pair>
+  static HWY_INLINE hn::Vec<D_> joined(D_ d, const Pair* pairs) {
+    if constexpr (hn::MaxLanes(D_()) == 2) {
+      return pairs[0];
+    } else {
+      const hn::Half<D_> half;
+      return hn::Combine(d, joined(half, pairs + hn::MaxLanes(half) / 2), joined(half, pairs));
+    }
+  }
+
+  // The even lanes of two registers in turn, and the odd ones: pairs of even and of odd
+  // springs to x and y of all, and back.
+  template <class D_, class V_ = hn::Vec<D_>>
+  static HWY_INLINE void exchange(D_ d, V_& even, V_& odd) {
+    V_ first, second;
+    if constexpr (sizeof(hn::TFromD<D_>) == sizeof(double)) {
+      first = hn::InterleaveLower(d, even, odd);
+      second = hn::InterleaveUpper(d, even, odd);
+    } else {
+      first = hn::OddEven(hn::DupEven(odd), even);
+      second = hn::OddEven(odd, hn::DupOdd(even));
+    }
+    even = first;
+    odd = second;
+  }
+
   // Positions of the ends a of as many springs as d has lanes minus those of b, by
   // coordinate.
-  template <class T>
-  static HWY_INLINE void load_differences(hn::Simd<T, 4, 0> d, const T* HWY_RESTRICT at,
-                                          const SpringEnds* ends, hn::Vec<hn::Simd<T, 4, 0>>& qx,
-                                          hn::Vec<hn::Simd<T, 4, 0>>& qy) {
+  template <class D_, class T = hn::TFromD<D_>>
+  static HWY_INLINE void load_differences(D_ d, const T* HWY_RESTRICT at, const SpringEnds* ends,
+                                          hn::Vec<D_>& qx, hn::Vec<D_>& qy) {
     const hn::FixedTag<T, 2> p;
-    const auto two = [&](std::size_t i, std::size_t j) {
-      return hn::Sub(hn::Combine(d, hn::Load(p, at + ends[j].a), hn::Load(p, at + ends[i].a)),
-                     hn::Combine(d, hn::Load(p, at + ends[j].b), hn::Load(p, at + ends[i].b)));
-    };
-    if constexpr (sizeof(T) == sizeof(double)) {  // whose vectors have halves of their own
-      const auto even = two(0, 2);
-      const auto odd = two(1, 3);
-      qx = hn::InterleaveLower(d, even, odd);
-      qy = hn::InterleaveUpper(d, even, odd);
-    } else {
-      const auto low = two(0, 1);
-      const auto high = two(2, 3);
-      qx = hn::ConcatEven(d, high, low);
-      qy = hn::ConcatOdd(d, high, low);
+    constexpr std::size_t half = hn::MaxLanes(D_()) / 2;
+    hn::Vec<decltype(p)> even_a[half], even_b[half], odd_a[half], odd_b[half];
+    for (std::size_t i = 0; i < half; ++i) {
+      even_a[i] = hn::Load(p, at + ends[2 * i].a);
+      even_b[i] = hn::Load(p, at + ends[2 * i].b);
+      odd_a[i] = hn::Load(p, at + ends[2 * i + 1].a);
+      odd_b[i] = hn::Load(p, at + ends[2 * i + 1].b);
     }
-  }
-  static HWY_INLINE void load_differences(hn::FixedTag<double, 2> d, const double* HWY_RESTRICT at,
-                                          const SpringEnds* ends, LXY& qx, LXY& qy) {
-    const LXY even = hn::Sub(hn::Load(d, at + ends[0].a), hn::Load(d, at + ends[0].b));
-    const LXY odd = hn::Sub(hn::Load(d, at + ends[1].a), hn::Load(d, at + ends[1].b));
-    qx = hn::InterleaveLower(d, even, odd);
-    qy = hn::InterleaveUpper(d, even, odd);
+    qx = hn::Sub(joined(d, even_a), joined(d, even_b));
+    qy = hn::Sub(joined(d, odd_a), joined(d, odd_b));
+    exchange(d, qx, qy);
   }
 
-  // The inverse: x and y of each spring side by side.
+  // The inverse, in the order of place_of_force.
   template <class D_, class T = hn::TFromD<D_>>
   static HWY_INLINE void store_pairs(D_ d, hn::Vec<D_> x, hn::Vec<D_> y, T* HWY_RESTRICT to) {
-    const auto even = hn::InterleaveLower(d, x, y);
-    const auto odd = hn::InterleaveUpper(d, x, y);
-    if constexpr (hn::MaxLanes(D_()) * sizeof(T) > 16) {
-      const hn::Half<D_> p;
-      hn::Store(hn::LowerHalf(p, even), p, to);
-      hn::Store(hn::LowerHalf(p, odd), p, to + 2);
-      hn::Store(hn::UpperHalf(p, even), p, to + 4);
-      hn::Store(hn::UpperHalf(p, odd), p, to + 6);
+    exchange(d, x, y);
+    hn::Store(x, d, to);
+    hn::Store(y, d, to + hn::MaxLanes(D_()));
+  }
+
+  // Takes the i-th point, or as many from there on as D_ has pairs of lanes, through a
+  // stage. The force on them is that of their springs.
+  template <int stage, class D_, class Next>
+  HWY_INLINE void advance(D_ d, std::size_t i, hn::Vec<D_> f, const Real* HWY_RESTRICT at,
+                          Next* HWY_RESTRICT next) const {
+    const std::size_t o = w_.point_offsets[i];
+    const auto drag = hn::Set(d, constants_.drag);
+    const double dt = constants_.substep;
+    double* HWY_RESTRICT motion = w_.motion + record(i, Motion::pairs(arithmetic));
+    if constexpr (arithmetic == Arithmetic::exact) {
+      const auto v = hn::Load(
+          d, motion + (stage == 1 ? Motion::velocity : Motion::stage_velocity) * record_points);
+      f = hn::Sub(hn::Sub(f, hn::Mul(drag, v)), hn::LoadDup128(d, gravity_));
+      f = hn::Add(f, hn::LoadU(d, w_.contact + o));
+      const auto y = hn::OddEven(hn::LoadU(d, at + o), hn::Zero(d));
+      if (HWY_UNLIKELY(!hn::AllFalse(d, hn::Lt(y, hn::Zero(d)))))
+        f = with_floor(d, physics_, at + o, 0.0, v, f);
+      AdvanceExactly<stage, record_points>(d, v, f, dt, w_.position + o, next + o, motion);
     } else {
-      hn::Store(even, d, to);
-      hn::Store(odd, d, to + hn::MaxLanes(D_()));
+      float* HWY_RESTRICT stages = w_.stage_motion + record(i, StageMotion::pairs);
+      const auto v = hn::Load(d, stages + StageMotion::velocity_of(stage) * record_points);
+      const auto load = hn::Load(d, stages + StageMotion::load * record_points);
+      f = hn::NegMulAdd(drag, v, hn::Add(f, load));
+      if (HWY_UNLIKELY(near_floor_)) f = with_floor(d, physics_, at + o, height_of_origin(o), v, f);
+      if constexpr (stage < 4)
+        AdvanceFast<stage, record_points>(d, v, f, dt, w_.start + o, next + o, stages);
+      else
+        AddRise(d, RiseOf<record_points>(d, v, f, dt, stages), w_.position + o,
+                motion + Motion::velocity * record_points, next + o);
     }
   }
 
-  HWY_NOINLINE XY with_floor(double y, XY v, XY f) const {
-    const P p;
-    HWY_ALIGN Real stored[2];
-    hn::Store(f, p, stored);
-    double force[2] = {stored[0], stored[1]};
-    AddFloor(physics_, y, hn::GetLane(v), force[0], force[1]);
-    stored[0] = static_cast<Real>(force[0]);
-    stored[1] = static_cast<Real>(force[1]);
-    return hn::Load(p, stored);
+  // Adds the force of the floor to points that are below it. Static, so that a kernel's
+  // address is never taken and its members can be registers.
+  template <class D_>
+  static HWY_NOINLINE hn::Vec<D_> with_floor(D_ d, const Physics& physics, const Real* at,
+                                             double origin, hn::Vec<D_> v, hn::Vec<D_> f) {
+    HWY_ALIGN Real vs[hn::MaxLanes(D_())];
+    HWY_ALIGN Real fs[hn::MaxLanes(D_())];
+    hn::Store(v, d, vs);
+    hn::Store(f, d, fs);
+    for (std::size_t k = 0; k < hn::MaxLanes(D_()); k += 2) {
+      const double y = at[k + 1] + origin;
+      if (!(y < 0.0)) continue;
+      double x_force = fs[k];
+      double y_force = fs[k + 1];
+      AddFloor(physics, y, vs[k], x_force, y_force);
+      fs[k] = static_cast<Real>(x_force);
+      fs[k + 1] = static_cast<Real>(y_force);
+    }
+    return hn::Load(d, fs);
   }
 
   const Plan& plan_;
   const Physics& physics_;
   Constants<Real> constants_;
   Arrays<arithmetic> w_;
-  double gravity_[2];
+  HWY_ALIGN double gravity_[2];
   bool near_floor_;
 };
 

@@ -27,17 +27,15 @@ inline constexpr double pair_move_limit = 0.0199;  // of any point, for pairs of
 inline constexpr double self_move_limit = 0.0398;  // of two points of one object, relative
 
 // One environment's points in the kernels' arrays: site s has its x at
-// [2*s*stride] and its y at [2*s*stride + stride]; forces are `force_spacing`
-// times as far apart. Block b has travelled [b*stride] in this control step: the
-// sum over substeps of the longest way of any of its points. After the blocks
-// comes the travel of what never moves, 0, then the sum of the fastest block's.
+// [2*s*stride] and its y at [2*s*stride + stride]. Block b has travelled [b*stride] in this control
+// step: the sum over substeps of the longest way of any of its points. After the blocks comes the
+// travel of what never moves, 0, then the sum of the fastest block's.
 struct PointView {
   const double* position = nullptr;
   const double* previous = nullptr;  // one substep ago
   double* force = nullptr;           // contact forces are added here
   const double* travel = nullptr;    // of each block of the plan, see below
   std::size_t stride = 1;
-  std::size_t force_spacing = 1;
 };
 
 // Sizes the lists for the model; they start empty and invalid.

@@ -72,7 +72,7 @@ class Points {
   }
   void add_force(std::int32_t site, Vector f) const {
     if (!moves(site)) return;
-    double* force = view_.force + offset(site) * view_.force_spacing;
+    double* force = view_.force + offset(site);
     force[0] += f.x;
     force[view_.stride] += f.y;
   }

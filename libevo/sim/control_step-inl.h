@@ -36,7 +36,7 @@ class ControlStep {
  public:
   static constexpr std::size_t width = Kernel::width;
   static constexpr Arithmetic arithmetic = Kernel::arithmetic;
-  static constexpr std::size_t motion_pairs = Motion::pairs(arithmetic);
+  static constexpr std::size_t spacing = Kernel::record_points * width;
   using Real = StageReal<arithmetic>;
 
   ControlStep(Group& group, Workspace& workspace)
@@ -101,10 +101,10 @@ class ControlStep {
       const PlanBlock& sites = plan_.blocks[block];
       for (int site = sites.first; site < sites.first + sites.integrated; ++site) {
         kernel.store_start(site, block);
-        kernel.store_motion(site);
         near_floor |= kernel.is_near_floor(pair_offset(site, width));
       }
     }
+    for (std::size_t i = 0; i < plan_.points.size(); ++i) kernel.store_motion(i);
     near_floor_ = near_floor;
   }
 
@@ -116,7 +116,6 @@ class ControlStep {
     const std::size_t regular = n < 3 ? plan_.regular : plan_.free_regular;
     constexpr int few = Plan::regular_ends;
     constexpr std::size_t ends_a_point = 2UL * few;
-    const std::uint32_t* points = w_.point_offsets;
     const std::uint32_t* ends = w_.ends;
     const Kernel kernel = this->kernel();
     std::size_t s = 0;
@@ -126,32 +125,37 @@ class ControlStep {
     for (; i + Kernel::points_at_once <= regular && s + Kernel::springs_at_once <= springs;
          s += Kernel::springs_at_once) {
       kernel.template springs<n == 1>(at, s);
-      for (std::size_t k = 0; k < Kernel::points_at_once; ++k, ++i, ends += ends_a_point)
-        kernel.template point<n>(points[i], ends, few, few, at, next);
+      kernel.template points<n>(i, ends + ends_a_point * i, at, next);
+      i += Kernel::points_at_once;
     }
     kernel.template last_springs<n == 1>(at, s, springs);
-    for (; i < regular; ++i, ends += ends_a_point)
-      kernel.template point<n>(points[i], ends, few, few, at, next);
-    for (; i < plan_.regular; ++i) anchored_point<n>(w_.point_offsets[i], next);
+    for (; i + Kernel::points_at_once <= regular; i += Kernel::points_at_once)
+      kernel.template points<n>(i, ends + ends_a_point * i, at, next);
+    for (; i < regular; ++i)
+      kernel.template point<n>(i, ends + ends_a_point * i, few, few, at, next);
+    for (; i < plan_.regular; ++i) anchored_point<n>(i, next);
     for (; i < plan_.free_irregular; ++i) irregular_point<n>(i, at, next);
     for (; i < plan_.points.size(); ++i) {
       if constexpr (n < 3)
         irregular_point<n>(i, at, next);
       else
-        anchored_point<n>(w_.point_offsets[i], next);
+        anchored_point<n>(i, next);
     }
   }
 
   // What others feel of an anchored point is where stages 3 and 4 see it, which
   // the forces of stages 1 and 2 decide; it ends the substep where it began.
   template <int n, class Next>
-  HWY_INLINE void anchored_point(std::size_t o, Next* next) {
+  HWY_INLINE void anchored_point(std::size_t i, Next* next) {
+    const std::size_t o = w_.point_offsets[i];
     if constexpr (n == 3) {
       const Real* velocity = nullptr;
       if constexpr (arithmetic == Arithmetic::exact)
-        velocity = w_.motion_of(o) + Motion::stage_velocity * width;
+        velocity = motion(i) + Motion::stage_velocity * spacing;
       else
-        velocity = w_.stage_motion_of(o) + StageMotion::velocity_of(3) * width;
+        velocity = w_.stage_motion +
+                   record_offset<width, Kernel::record_points>(i, StageMotion::pairs) +
+                   StageMotion::velocity_of(3) * spacing;
       const Real* start = w_.stage_start();
       for (std::size_t k = 0; k < 2 * width; ++k)
         next[o + k] = start[o + k] + velocity[k] * static_cast<Real>(physics_.substep);
@@ -163,8 +167,7 @@ class ControlStep {
   template <int n, class Next>
   HWY_NOINLINE void irregular_point(std::size_t i, const Real* at, Next* next) {
     const PlanPoint& point = plan_.points[i];
-    kernel().template point<n>(w_.point_offsets[i], w_.ends + point.first_end, point.a_ends,
-                               point.b_ends, at, next);
+    kernel().template point<n>(i, w_.ends + point.first_end, point.a_ends, point.b_ends, at, next);
   }
 
   // How many springs the points stay behind: enough for every one of them, and
@@ -184,17 +187,19 @@ class ControlStep {
   // Made where it is used, so that its pointers are locals there.
   Kernel kernel() const { return {plan_, physics_, w_, near_floor_}; }
 
+  // The record of a point, and its velocity in there.
+  double* motion(std::size_t i) const {
+    return w_.motion + record_offset<width, Kernel::record_points>(i, Motion::pairs(arithmetic));
+  }
+  double* velocity(std::size_t i) const { return motion(i) + Motion::velocity * spacing; }
+
   const Model::Compiled& world(std::size_t i) const { return lanes_[i]->model->compiled(); }
   bool runs(std::size_t i) const { return lanes_[i]->status == LaneStatus::done; }
   PointView view(std::size_t i) const {
-    return {w_.position + i, w_.previous + i, w_.motion + Motion::contact * width + i,
-            w_.travel + i,   width,           motion_pairs};
+    return {w_.position + i, w_.previous + i, w_.contact + i, w_.travel + i, width};
   }
 
-  void clear_contacts() {
-    for (std::int32_t site = 0; site < plan_.sites; ++site)
-      std::fill_n(w_.motion_of(pair_offset(site, width)) + Motion::contact * width, 2 * width, 0.0);
-  }
+  void clear_contacts() { std::fill_n(w_.contact, pair_offset(plan_.sites, width), 0.0); }
 
   void contacts() {
     renew_lists();
@@ -261,10 +266,8 @@ class ControlStep {
 
   void begin() {
     for (std::size_t i = lanes_.size(); i < width; ++i) copy_lane(lanes_.size() - 1, i);
-    for (std::int32_t site = 0; site < plan_.sites; ++site) {
-      const std::size_t o = pair_offset(site, width);
-      std::copy_n(rows_.velocity + o, 2 * width, w_.motion_of(o) + Motion::velocity * width);
-    }
+    for (std::size_t i = 0; i < plan_.points.size(); ++i)
+      std::copy_n(rows_.velocity + w_.point_offsets[i], 2 * width, velocity(i));
     for (const PlanBlock& block : plan_.blocks) {
       const std::size_t held = pair_offset(block.first + block.integrated, width);
       const std::size_t end = pair_offset(block.first + block.count, width);
@@ -314,34 +317,31 @@ class ControlStep {
 
   bool flies_apart(std::size_t lane) const {
     const double limit = physics_.voxel_length / physics_.substep;  // a cell per substep
-    for (std::int32_t site = 0; site < plan_.sites; ++site) {
-      const double* velocity = w_.motion_of(pair_offset(site, width)) + Motion::velocity * width;
+    for (std::size_t i = 0; i < plan_.points.size(); ++i)
       for (const std::size_t k : {lane, lane + width})
-        if (!(std::abs(velocity[k]) <= limit)) return true;
-    }
+        if (!(std::abs(velocity(i)[k]) <= limit)) return true;
     return false;
   }
 
   // Position, previous position and velocity of a lane, wherever they are at present.
   template <class Visit>
   void for_each_value(std::size_t lane, Visit visit) const {
-    for (std::int32_t site = 0; site < plan_.sites; ++site) {
-      const std::size_t o = pair_offset(site, width);
-      double* velocity = w_.motion_of(o) + Motion::velocity * width;
-      for (double* pair : {w_.position + o, w_.previous + o, velocity})
+    for (std::size_t i = 0; i < plan_.points.size(); ++i) {
+      const std::size_t o = w_.point_offsets[i];
+      for (double* pair : {w_.position + o, w_.previous + o, velocity(i)})
         for (const std::size_t k : {lane, lane + width}) visit(pair[k]);
     }
   }
 
   void set_aside(std::size_t lane) const {
-    const std::size_t values = 6 * static_cast<std::size_t>(plan_.sites);
+    const std::size_t values = 6 * plan_.points.size();
     workspace_.folded.resize(std::max(workspace_.folded.size(), values * width));
     auto aside = workspace_.folded.begin() + static_cast<std::ptrdiff_t>(values * lane);
     for_each_value(lane, [&](double value) { *aside++ = value; });
   }
 
   void put_back(std::size_t lane) const {
-    const std::size_t values = 6 * static_cast<std::size_t>(plan_.sites);
+    const std::size_t values = 6 * plan_.points.size();
     auto aside = workspace_.folded.begin() + static_cast<std::ptrdiff_t>(values * lane);
     for_each_value(lane, [&](double& value) { value = *aside++; });
   }
@@ -351,15 +351,12 @@ class ControlStep {
       if (set_aside_[i]) put_back(i);
     rows_.position = w_.position;
     rows_.previous = w_.previous;
+    for (std::size_t i = 0; i < plan_.points.size(); ++i)
+      std::copy_n(velocity(i), 2 * width, rows_.velocity + w_.point_offsets[i]);
     HWY_ALIGN double nothing[2 * width] = {};  // 0 times every value: 0 where all are finite
-    for (std::int32_t site = 0; site < plan_.sites; ++site) {
-      const std::size_t o = pair_offset(site, width);
-      const double* velocity = w_.motion_of(o) + Motion::velocity * width;
-      for (std::size_t k = 0; k < 2 * width; ++k) {
-        rows_.velocity[o + k] = velocity[k];
-        nothing[k] += 0.0 * velocity[k] + 0.0 * w_.position[o + k];
-      }
-    }
+    for (std::size_t o = 0; o < pair_offset(plan_.sites, width); o += 2 * width)
+      for (std::size_t k = 0; k < 2 * width; ++k)
+        nothing[k] += 0.0 * rows_.velocity[o + k] + 0.0 * w_.position[o + k];
     for (std::size_t i = 0; i < lanes_.size(); ++i)
       if (!(nothing[i] + nothing[i + width] == 0.0)) lanes_[i]->status = LaneStatus::unstable;
   }

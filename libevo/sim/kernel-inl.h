@@ -28,28 +28,39 @@ template <class K>
 concept KernelShape = requires {
   { K::arithmetic } -> std::convertible_to<Arithmetic>;
   { K::width } -> std::convertible_to<std::size_t>;  // lanes of the rows
+  { K::record_points } -> std::convertible_to<std::size_t>;
   { K::force_record } -> std::convertible_to<std::size_t>;
   { K::force_offset } -> std::convertible_to<std::size_t>;
+  { K::dealt_springs } -> std::convertible_to<std::size_t>;
   { K::springs_at_once } -> std::convertible_to<std::size_t>;
   { K::points_at_once } -> std::convertible_to<std::size_t>;
   requires std::same_as<typename K::Real, StageReal<K::arithmetic>>;
 };
 
+template <KernelShape K>
+Layout LayoutOf() {
+  return {K::width, K::record_points, K::force_record, K::force_offset, K::dealt_springs};
+}
+
 // `at` and `next` are positions of a stage, `rows` positions between stages; `o` is a
-// pair_offset, `s` a spring, `n` springs or lanes.
+// pair_offset, `s` a spring, `i` a point, `n` springs or lanes.
 template <class K>
 concept StepKernel = KernelShape<K> && std::constructible_from < K,
         const Plan&, const Physics&, const Arrays<K::arithmetic>
 &, bool > &&requires(const K& kernel, const typename K::Real* at, typename K::Real* next,
-                     double* rows, std::size_t o, std::size_t s, std::size_t n, std::int32_t site,
-                     std::size_t block, const PlanBlock& sites, const std::uint32_t* ends) {
+                     double* rows, std::size_t o, std::size_t s, std::size_t i, std::size_t n,
+                     std::int32_t site, std::size_t block, const PlanBlock& sites,
+                     const std::uint32_t* ends) {
   // Forces of springs_at_once springs from s on; of all from s to n.
   kernel.template springs<true>(at, s);
   kernel.template springs<false>(at, s);
   kernel.template last_springs<true>(at, s, n);
-  // Gathers the forces of one point and takes it through stage 1, .. 4.
-  kernel.template point<1>(o, ends, Plan::regular_ends, Plan::regular_ends, at, next);
-  kernel.template point<4>(o, ends, Plan::regular_ends, Plan::regular_ends, at, rows);
+  // Gathers the forces of one point, or of points_at_once regular ones from i on, and
+  // takes it through stage 1, .. 4.
+  kernel.template point<1>(i, ends, Plan::regular_ends, Plan::regular_ends, at, next);
+  kernel.template point<4>(i, ends, Plan::regular_ends, Plan::regular_ends, at, rows);
+  kernel.template points<1>(i, ends, at, next);
+  kernel.template points<4>(i, ends, at, rows);
   // After the stages.
   kernel.limit_strain(rows);
   kernel.limit_rigid_strain(rows);
@@ -61,7 +72,7 @@ concept StepKernel = KernelShape<K> && std::constructible_from < K,
   // Fast arithmetic: positions and loads of a substep in single precision.
   kernel.choose_origin(block);
   kernel.store_start(site, block);
-  kernel.store_motion(site);
+  kernel.store_motion(i);
   { kernel.is_near_floor(o) } -> std::same_as<bool>;
 };
 

@@ -7,7 +7,7 @@
 //   SideBySide  environments with equal springs share registers: lane i of
 //               every vector belongs to environment i. No lane ever looks at
 //               another one.
-//   Alone       one environment: vectors of springs, then points as (x, y).
+//   Alone       one environment: vectors of springs, then of points as (x, y).
 //
 // Both do, value for value, the operations of the specification in its order,
 // each rounded once (no fused multiply-add, IEEE sqrt and divide), so the bits
@@ -45,6 +45,7 @@
 #include "libevo/sim/alone-inl.h"
 #include "libevo/sim/control_step-inl.h"
 #include "libevo/sim/isa.h"
+#include "libevo/sim/kernel-inl.h"
 #include "libevo/sim/kernels.h"
 #include "libevo/sim/side_by_side-inl.h"
 
@@ -67,17 +68,15 @@ using FastSideBySide = SideBySide<Arithmetic::fast, most_single_lanes>;
 using FewFastSideBySide = SideBySide<Arithmetic::fast, most_single_lanes / 2>;
 
 #if HWY_TARGET != HWY_SCALAR
-using ExactAlone = Alone<Arithmetic::exact>;
-using FastAlone = Alone<Arithmetic::fast>;
+// A slow divider keeps the rest waiting, and is kept busier by shorter registers.
+using ExactAlone = Alone<Arithmetic::exact, 8>;
+using NarrowAlone = Alone<Arithmetic::exact, 4>;
+using FastAlone = Alone<Arithmetic::fast, 8>;
 #else
 using ExactAlone = SideBySide<Arithmetic::exact, 1>;
+using NarrowAlone = ExactAlone;
 using FastAlone = SideBySide<Arithmetic::fast, 1>;
 #endif
-
-template <class Kernel>
-Layout LayoutOf() {
-  return {Kernel::width, Kernel::force_record, Kernel::force_offset};
-}
 
 std::size_t MostLanes(Arithmetic arithmetic) {
   return arithmetic == Arithmetic::exact ? ExactSideBySide::width : FastSideBySide::width;
@@ -85,21 +84,29 @@ std::size_t MostLanes(Arithmetic arithmetic) {
 
 Layout LayoutFor(Arithmetic arithmetic, std::size_t lanes) {
   const bool exact = arithmetic == Arithmetic::exact;
-  if (lanes == 1) return exact ? LayoutOf<ExactAlone>() : LayoutOf<FastAlone>();
+  if (lanes == 1 && exact)
+    return has_quick_divider() ? LayoutOf<ExactAlone>() : LayoutOf<NarrowAlone>();
+  if (lanes == 1) return LayoutOf<FastAlone>();
   if (exact) return LayoutOf<ExactSideBySide>();
   return lanes > FewFastSideBySide::width ? LayoutOf<FastSideBySide>()
                                           : LayoutOf<FewFastSideBySide>();
 }
 
+template <class One, class Several>
+void StepExactly(Group& group, Workspace& workspace) {
+  if (group.lanes.size() == 1)
+    ControlStep<One>(group, workspace).run();
+  else
+    ControlStep<Several>(group, workspace).run();
+}
+
 void StepGroup(Group& group, Workspace& workspace) {
   const std::size_t lanes = group.lanes.size();
   if (group.kind->physics().arithmetic == Arithmetic::exact) {
-    if (lanes == 1)
-      ControlStep<ExactAlone>(group, workspace).run();
-    else if (has_quick_divider())
-      ControlStep<ExactSideBySide>(group, workspace).run();
+    if (has_quick_divider())
+      StepExactly<ExactAlone, ExactSideBySide>(group, workspace);
     else
-      ControlStep<HelpedSideBySide>(group, workspace).run();
+      StepExactly<NarrowAlone, HelpedSideBySide>(group, workspace);
   } else {
     if (lanes == 1)
       ControlStep<FastAlone>(group, workspace).run();

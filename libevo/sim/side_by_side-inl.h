@@ -53,6 +53,8 @@ class SideBySide {
   // How many springs `springs` computes, and how many points then follow.
   static constexpr std::size_t springs_at_once = 3;
   static constexpr std::size_t points_at_once = 1;
+  static constexpr std::size_t record_points = 1;
+  static constexpr std::size_t dealt_springs = 1;
 
   // Fast arithmetic: before the substeps of a control step, the origin of a block.
   void choose_origin(std::size_t block) const {
@@ -73,14 +75,14 @@ class SideBySide {
   }
 
   // Fast arithmetic: velocity and load that a point starts a substep with.
-  HWY_INLINE void store_motion(std::int32_t site) const {
+  HWY_INLINE void store_motion(std::size_t i) const {
     const L l;
-    const std::size_t o = offset(site);
-    const double* motion = w_.motion_of(o);
-    float* stage_motion = w_.stage_motion_of(o);
+    const std::size_t o = w_.point_offsets[i];
+    const double* motion = w_.motion + record(i, Motion::pairs(arithmetic));
+    float* stage_motion = w_.stage_motion + record(i, StageMotion::pairs);
     for (std::size_t k = 0; k < 2 * width; k += part) {
       const LV gravity = hn::Set(l, k < width ? 0.0 : constants_.gravity);
-      const LV contact = hn::Load(l, motion + Motion::contact * width + k);
+      const LV contact = hn::Load(l, w_.contact + o + k);
       demote(hn::Load(l, motion + Motion::velocity * width + k),
              stage_motion + StageMotion::velocity_of(1) * width + k);
       demote(hn::Sub(contact, gravity), stage_motion + StageMotion::load * width + k);
@@ -116,16 +118,17 @@ class SideBySide {
     for (; s < end; ++s) spring<first_stage>(at, s);
   }
 
-  // Gathers the forces of a point, positions being `at`, and does its part of a
-  // Runge-Kutta stage; `next` is where the next stage, or substep, evaluates.
-  // `o` is the point's offset in arrays of positions, `end` its list of forces.
+  // Gathers the forces of the i-th point, positions being `at`, and does its part of a
+  // Runge-Kutta stage; `next` is where the next stage, or substep, evaluates; `end` is
+  // the list of its forces.
   template <int stage, class Next>
-  HWY_INLINE void point(std::size_t o, const std::uint32_t* HWY_RESTRICT end, int a_ends,
+  HWY_INLINE void point(std::size_t i, const std::uint32_t* HWY_RESTRICT end, int a_ends,
                         int b_ends, const Real* HWY_RESTRICT at, Next* HWY_RESTRICT next) const {
     const D d;
     V fx = SumForces<arithmetic>(d, w_.force, end, a_ends, b_ends);
     V fy = SumForces<arithmetic>(d, w_.force + width, end, a_ends, b_ends);
-    double* HWY_RESTRICT motion = w_.motion_of(o);
+    const std::size_t o = w_.point_offsets[i];
+    double* HWY_RESTRICT motion = w_.motion + record(i, Motion::pairs(arithmetic));
     const double dt = constants_.substep;
     const V drag = hn::Set(d, constants_.drag);
     if constexpr (arithmetic == Arithmetic::exact) {
@@ -133,7 +136,7 @@ class SideBySide {
           motion + (stage == 1 ? Motion::velocity : Motion::stage_velocity) * width;
       const V vx = hn::Load(d, velocity);
       const V vy = hn::Load(d, velocity + width);
-      const double* contact = motion + Motion::contact * width;
+      const double* contact = w_.contact + o;
       fx = hn::Add(hn::Sub(fx, hn::Mul(drag, vx)), hn::Load(d, contact));
       fy = hn::Sub(hn::Sub(fy, hn::Mul(drag, vy)), hn::Set(d, constants_.gravity));
       fy = hn::Add(fy, hn::Load(d, contact + width));
@@ -143,25 +146,33 @@ class SideBySide {
       AdvanceExactly<stage, width>(d, vy, fy, dt, w_.position + o + width, next + o + width,
                                    motion + width);
     } else {
-      float* HWY_RESTRICT record = w_.stage_motion_of(o);
-      const float* velocity = record + StageMotion::velocity_of(stage) * width;
+      float* HWY_RESTRICT stages = w_.stage_motion + record(i, StageMotion::pairs);
+      const float* velocity = stages + StageMotion::velocity_of(stage) * width;
       const V vx = hn::Load(d, velocity);
       const V vy = hn::Load(d, velocity + width);
-      const float* load = record + StageMotion::load * width;
+      const float* load = stages + StageMotion::load * width;
       fx = hn::NegMulAdd(drag, vx, hn::Add(fx, hn::Load(d, load)));
       fy = hn::NegMulAdd(drag, vy, hn::Add(fy, hn::Load(d, load + width)));
       if (HWY_UNLIKELY(near_floor_) && is_near_floor(o)) add_floor(o, at, vx, fx, fy);
       if constexpr (stage < 4) {
-        AdvanceFast<stage, width>(d, vx, fx, dt, w_.start + o, next + o, record);
+        AdvanceFast<stage, width>(d, vx, fx, dt, w_.start + o, next + o, stages);
         AdvanceFast<stage, width>(d, vy, fy, dt, w_.start + o + width, next + o + width,
-                                  record + width);
+                                  stages + width);
       } else {
-        const Rise<V> x = RiseOf<width>(d, vx, fx, dt, record);
-        const Rise<V> y = RiseOf<width>(d, vy, fy, dt, record + width);
-        add_rise(x, o, motion + Motion::velocity * width, next);
-        add_rise(y, o + width, motion + (Motion::velocity + 1) * width, next);
+        const Rise<V> x = RiseOf<width>(d, vx, fx, dt, stages);
+        const Rise<V> y = RiseOf<width>(d, vy, fy, dt, stages + width);
+        double* velocity = motion + Motion::velocity * width;
+        AddRise(d, x, w_.position + o, velocity, next + o);
+        AddRise(d, y, w_.position + o + width, velocity + width, next + o + width);
       }
     }
+  }
+
+  // The same for points_at_once regular points.
+  template <int stage, class Next>
+  HWY_INLINE void points(std::size_t i, const std::uint32_t* HWY_RESTRICT end,
+                         const Real* HWY_RESTRICT at, Next* HWY_RESTRICT next) const {
+    point<stage>(i, end, Plan::regular_ends, Plan::regular_ends, at, next);
   }
 
   void limit_strain(double* HWY_RESTRICT at) const {
@@ -235,6 +246,9 @@ class SideBySide {
   static constexpr std::size_t part = hn::MaxLanes(L());
 
   static std::size_t offset(std::int32_t site) { return pair_offset(site, width); }
+  static std::size_t record(std::size_t point, std::size_t pairs) {
+    return record_offset<width, record_points>(point, pairs);
+  }
 
   // How far a coordinate has come since it was at `from`.
   HWY_INLINE LV way(std::size_t o, const double* from) const {
@@ -265,19 +279,6 @@ class SideBySide {
   static HWY_INLINE void demote(LV v, float* to) {
     const hn::Rebind<float, L> single;
     hn::Store(hn::DemoteTo(single, v), single, to);
-  }
-
-  // Ends the substep of one coordinate of a point.
-  HWY_INLINE void add_rise(const Rise<V>& rise, std::size_t o, double* HWY_RESTRICT velocity,
-                           double* HWY_RESTRICT next) const {
-    const D d;
-    const L l;
-    for (std::size_t h = 0; h < width; h += part) {
-      const LV dp = PromotePart(l, d, rise.position, h);
-      const LV dv = PromotePart(l, d, rise.velocity, h);
-      hn::Store(hn::Add(hn::Load(l, w_.position + o + h), dp), l, next + o + h);
-      hn::Store(hn::Add(hn::Load(l, velocity + h), dv), l, velocity + h);
-    }
   }
 
   HWY_INLINE void load_difference(const Real* HWY_RESTRICT at, const SpringEnds& ends, V& qx,

@@ -35,10 +35,13 @@ std::size_t lay_out(Arrays<arithmetic>& arrays, const Plan& plan, const Layout& 
   constexpr std::size_t most_kept = 2;
   const std::size_t springs = plan.a.size();
   const std::size_t positions = pairs(static_cast<std::size_t>(plan.sites), layout);
+  const std::size_t r = layout.record_points;
+  const std::size_t points = pairs((plan.points.size() + r - 1) / r * r, layout);
   Layer layer(memory);
   layer.take(arrays.stage_position[0], positions);
   layer.take(arrays.stage_position[1], positions);
-  layer.take(arrays.motion, Motion::pairs(arithmetic) * positions);
+  layer.take(arrays.contact, positions);
+  layer.take(arrays.motion, Motion::pairs(arithmetic) * points);
   layer.take(arrays.travel, (plan.blocks.size() + 2) * layout.lanes);
   layer.take(arrays.goal, springs * layout.lanes);
   layer.take(arrays.kept, most_kept * springs * layout.lanes);
@@ -48,7 +51,7 @@ std::size_t lay_out(Arrays<arithmetic>& arrays, const Plan& plan, const Layout& 
   if constexpr (arithmetic == Arithmetic::fast) {
     layer.take(arrays.origin, pairs(plan.blocks.size(), layout));
     layer.take(arrays.start, positions);
-    layer.take(arrays.stage_motion, StageMotion::pairs * positions);
+    layer.take(arrays.stage_motion, StageMotion::pairs * points);
   }
   return layer.bytes();
 }
@@ -94,8 +97,9 @@ Tables::Tables(const Plan& plan, const Layout& laid_out, Arithmetic arithmetic) 
   for (const PlanPoint& point : plan.points) point_offsets.push_back(at(point.site));
   ends.reserve(plan.ends.size());
   for (const std::int32_t end : plan.ends)
-    ends.push_back(static_cast<std::uint32_t>(static_cast<std::size_t>(end) * layout.force_record +
-                                              layout.force_offset));
+    ends.push_back(static_cast<std::uint32_t>(
+        place_of_force(static_cast<std::size_t>(end), layout.dealt_springs) * layout.force_record +
+        layout.force_offset));
   if (arithmetic == Arithmetic::exact) return;  // reads the plan's
   for (const double k : plan.stiffness) stiffness.push_back(static_cast<float>(k));
 }

@@ -3,9 +3,9 @@
 // (Tables, shared by groups), and what a control step needs for itself (Workspace,
 // of a thread). Kernels see all three as Arrays.
 //
-// Shapes below are of W lanes, N sites (Plan::sites), S springs (Plan::springs with
-// their padding) and B blocks (Plan::blocks). Every pair (x, y) is W values of x,
-// then W values of y.
+// Shapes below are of W lanes, N sites (Plan::sites), P points (Plan::points, R to a
+// record), S springs (Plan::springs with their padding) and B blocks (Plan::blocks).
+// Every pair (x, y) is W values of x, then W values of y.
 #pragma once
 
 #include <hwy/aligned_allocator.h>
@@ -28,24 +28,23 @@ using StageReal = std::conditional_t<arithmetic == Arithmetic::exact, double, fl
 
 // ---- addresses ------------------------------------------------------------------------
 
-// Where the pair of a site begins in arrays of one pair per site. All other
-// addresses of a site are multiples of it (Arrays::motion_of).
+// Where the pair of a site begins in arrays of one pair per site.
 constexpr std::size_t pair_offset(std::int32_t site, std::size_t lanes) {
   return 2 * static_cast<std::size_t>(site) * lanes;
 }
 
-// The record of a site in Arrays::motion: so many pairs. The x of a pair is at
-// [n*W], n being its number here, its y at [n*W + W].
+// A record of Arrays::motion: what is known of R successive points of the plan, R being
+// Layout::record_points. Every quantity is R pairs side by side, the first at [n*W*R], n
+// being its number here: neighbours share a register.
 struct Motion {
   static constexpr std::size_t velocity = 0;  // length/time, at the start of the substep
-  static constexpr std::size_t contact = 2;   // force, constant in a substep
   // Exact arithmetic only:
-  static constexpr std::size_t stage_velocity = 4;  // of the stage that comes next
-  static constexpr std::size_t position_sum = 6;    // k1 + 2 k2 + 2 k3 + k4
-  static constexpr std::size_t velocity_sum = 8;
+  static constexpr std::size_t stage_velocity = 2;  // of the stage that comes next
+  static constexpr std::size_t position_sum = 4;    // k1 + 2 k2 + 2 k3 + k4
+  static constexpr std::size_t velocity_sum = 6;
 
   static constexpr std::size_t pairs(Arithmetic arithmetic) {
-    return arithmetic == Arithmetic::exact ? 5 : 2;
+    return arithmetic == Arithmetic::exact ? 4 : 1;
   }
 };
 
@@ -66,11 +65,28 @@ struct SpringEnds {
 
 // How a kernel lays out its arrays.
 struct Layout {
-  std::size_t lanes = 1;         // W
-  std::size_t force_record = 2;  // values per spring in Arrays::force
-  std::size_t force_offset = 0;  // of the force in that record
+  std::size_t lanes = 1;          // W
+  std::size_t record_points = 1;  // R, points per record of Motion and StageMotion
+  std::size_t force_record = 2;   // values per spring in Arrays::force
+  std::size_t force_offset = 0;   // of the force in that record
+  std::size_t dealt_springs = 1;  // how many records are dealt together (place_of_force)
   bool operator==(const Layout&) const = default;
 };
+
+// Which record of Arrays::force is a spring's. A register of x and one of y are stored
+// with the fewest shuffles as the pairs of its even springs, then those of its odd ones.
+constexpr std::size_t place_of_force(std::size_t spring, std::size_t dealt_springs) {
+  const std::size_t s = spring % dealt_springs;
+  return spring - s + s % 2 * (dealt_springs / 2) + s / 2;
+}
+
+// Where the first quantity of a point is in Arrays::motion, or stage_motion, records of
+// `pairs` quantities.
+template <std::size_t lanes, std::size_t record_points>
+constexpr std::size_t record_offset(std::size_t point, std::size_t pairs) {
+  const std::size_t within = point % record_points;
+  return 2 * lanes * (pairs * (point - within) + within);
+}
 
 // ---- what lasts -------------------------------------------------------------------------
 
@@ -125,7 +141,8 @@ struct Arrays {
   double* pair_listing = nullptr;
 
   // From substep to substep.
-  double* motion = nullptr;           // [N records of Motion] by contacts and stages 1 to 4
+  double* contact = nullptr;          // [N pairs] force, constant in a substep, by contacts
+  double* motion = nullptr;           // [P records of Motion] by stages 1 to 4
   double* travel = nullptr;           // [B + 2] x W, raw length, by add_travel (contact.h)
   double* correction = nullptr;       // [S pairs] raw length, by limit_strain: of springs
   std::int32_t* corrected = nullptr;  // [S] beyond their limit, in turn, and which they are
@@ -139,7 +156,7 @@ struct Arrays {
   // Fast arithmetic only:
   double* origin = nullptr;      // [B pairs] raw length, at the start of a control step
   Real* start = nullptr;         // [N pairs] `position`, at the start of a substep
-  Real* stage_motion = nullptr;  // [N records of StageMotion] by start_stages and stages
+  Real* stage_motion = nullptr;  // [P records of StageMotion] by start_stages and stages
 
   // Tables, and the plan's stiffness: [S] force per length.
   const Real* stiffness = nullptr;
@@ -147,10 +164,6 @@ struct Arrays {
   const SpringEnds* strain_ends = nullptr;
   const std::uint32_t* point_offsets = nullptr;
   const std::uint32_t* ends = nullptr;
-
-  // The records of the site whose pair_offset is `o`.
-  double* motion_of(std::size_t o) const { return motion + Motion::pairs(arithmetic) * o; }
-  Real* stage_motion_of(std::size_t o) const { return stage_motion + StageMotion::pairs * o; }
 
   // Where stage 1 evaluates.
   const Real* stage_start() const {

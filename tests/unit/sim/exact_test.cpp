@@ -12,9 +12,18 @@
 #include <cstddef>
 #include <memory>
 
+#include "libevo/sim/alone-inl.h"
 #include "libevo/sim/control_step-inl.h"
 #include "libevo/sim/exact-inl.h"
 #include "libevo/sim/side_by_side-inl.h"
+
+#ifndef EVO_CHOICE
+#define EVO_CHOICE
+namespace evo {
+// Kernels of which each processor is given one or two (kernels.cpp).
+enum class Choice { helped, narrow, wide };
+}  // namespace evo
+#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace evo {
@@ -131,8 +140,26 @@ using Helped =
 using Helped =
     SideBySide<Arithmetic::exact, hn::MaxLanes(hn::ScalableTag<double>()), Divider::alone>;
 #endif
-Layout HelpedLayout() { return {Helped::width, Helped::force_record, Helped::force_offset}; }
-void StepHelped(Group& group, Workspace& workspace) { ControlStep<Helped>(group, workspace).run(); }
+#if HWY_TARGET != HWY_SCALAR
+using Narrow = Alone<Arithmetic::exact, 4>;
+using Wide = Alone<Arithmetic::exact, 8>;
+#else
+using Narrow = SideBySide<Arithmetic::exact, 1>;
+using Wide = Narrow;
+#endif
+
+Layout ChosenLayout(Choice choice) {
+  if (choice == Choice::helped) return LayoutOf<Helped>();
+  return choice == Choice::narrow ? LayoutOf<Narrow>() : LayoutOf<Wide>();
+}
+void StepChosen(Choice choice, Group& group, Workspace& workspace) {
+  if (choice == Choice::helped)
+    ControlStep<Helped>(group, workspace).run();
+  else if (choice == Choice::narrow)
+    ControlStep<Narrow>(group, workspace).run();
+  else
+    ControlStep<Wide>(group, workspace).run();
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace evo
@@ -153,8 +180,8 @@ HWY_EXPORT(count_wrong);
 HWY_EXPORT(count_wrong_quotients);
 HWY_EXPORT(count_wrong_roots);
 HWY_EXPORT(HasFma);
-HWY_EXPORT(HelpedLayout);
-HWY_EXPORT(StepHelped);
+HWY_EXPORT(ChosenLayout);
+HWY_EXPORT(StepChosen);
 
 // Numbers whose roots come nearest to the middle between two doubles. With
 // root = m + 1/2, m an integer of 53 bits, and s = n * 2^k an integer of 105 or
@@ -316,47 +343,56 @@ TEST_CASE("quotients without the divider are IEEE's: a billion of them", "[.slow
   check_hard_quotients(40'000);
 }
 
-TEST_CASE("stepping with a helped divider has the same bits") {
-  const IsaGuard guard;
+namespace {
+
+void check_same_bits(Choice choice) {
   const Model model(
       {{fixed_ground(40),
         {"robot", Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"}), 2, 1}}},
       Physics{});
+  Batch plain(1);
+  plain.place(0, model);
+  // The same start in a group of one lane, as wide as a register.
+  Lane lane;
+  lane.model = std::shared_ptr<const Model>(std::shared_ptr<const Model>(), &model);
+  lane.kind = std::make_shared<Kind>(lane.model);
+  prepare_lists(model.compiled(), lane.contacts);
+  Group group(lane.kind, HWY_DYNAMIC_DISPATCH(ChosenLayout)(choice));
+  group.lanes = {&lane};
+  const Plan& plan = lane.kind->plan();
+  const State start = plain.state(0);
+  for (std::size_t p = 0; p < start.x.size(); ++p) {
+    const std::size_t o = pair_offset(plan.site_of[p], group.width());
+    group.rows.position[o] = group.rows.previous[o] = start.x[p];
+    group.rows.position[o + group.width()] = group.rows.previous[o + group.width()] = start.y[p];
+  }
+  Workspace workspace;
+  Stream random(1, "targets");
+  for (int t = 0; t < 50; ++t) {
+    draw_targets(plain.targets(0), random);
+    lane.targets.assign(plain.targets(0).begin(), plain.targets(0).end());
+    plain.step();
+    HWY_DYNAMIC_DISPATCH(StepChosen)(choice, group, workspace);
+  }
+  const State end = plain.state(0);
+  for (std::size_t p = 0; p < end.x.size(); ++p) {
+    const std::size_t o = pair_offset(plan.site_of[p], group.width());
+    CHECK(group.rows.position[o] == end.x[p]);
+    CHECK(group.rows.position[o + group.width()] == end.y[p]);
+    CHECK(group.rows.velocity[o] == end.vx[p]);
+    CHECK(group.rows.velocity[o + group.width()] == end.vy[p]);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("every kernel has the same bits") {
+  const IsaGuard guard;
   for (const std::string& isa : available_isas()) {
     select_isa(isa);
-    Batch plain(1);
-    plain.place(0, model);
-    // The same start in a group of one lane, as wide as a register.
-    Lane lane;
-    lane.model = std::shared_ptr<const Model>(std::shared_ptr<const Model>(), &model);
-    lane.kind = std::make_shared<Kind>(lane.model);
-    prepare_lists(model.compiled(), lane.contacts);
-    Group helped(lane.kind, HWY_DYNAMIC_DISPATCH(HelpedLayout)());
-    helped.lanes = {&lane};
-    const Plan& plan = lane.kind->plan();
-    const State start = plain.state(0);
-    for (std::size_t p = 0; p < start.x.size(); ++p) {
-      const std::size_t o = pair_offset(plan.site_of[p], helped.width());
-      helped.rows.position[o] = helped.rows.previous[o] = start.x[p];
-      helped.rows.position[o + helped.width()] = helped.rows.previous[o + helped.width()] =
-          start.y[p];
-    }
-    Workspace workspace;
-    Stream random(1, "targets");
-    for (int t = 0; t < 50; ++t) {
-      draw_targets(plain.targets(0), random);
-      lane.targets.assign(plain.targets(0).begin(), plain.targets(0).end());
-      plain.step();
-      HWY_DYNAMIC_DISPATCH(StepHelped)(helped, workspace);
-    }
-    INFO(isa);
-    const State end = plain.state(0);
-    for (std::size_t p = 0; p < end.x.size(); ++p) {
-      const std::size_t o = pair_offset(plan.site_of[p], helped.width());
-      CHECK(helped.rows.position[o] == end.x[p]);
-      CHECK(helped.rows.position[o + helped.width()] == end.y[p]);
-      CHECK(helped.rows.velocity[o] == end.vx[p]);
-      CHECK(helped.rows.velocity[o + helped.width()] == end.vy[p]);
+    for (const Choice choice : {Choice::helped, Choice::narrow, Choice::wide}) {
+      INFO(isa << ", kernel " << static_cast<int>(choice));
+      check_same_bits(choice);
     }
   }
 }

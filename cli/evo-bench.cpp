@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <deque>
 #include <numeric>
 #include <span>
 
@@ -37,6 +38,7 @@ struct Settings {
   std::string envs = "1,8";
   std::string isa = "best";
   bool tasks = false;
+  bool mixed = false;
   bool model = false;
   bool json = false;
   int bodies = 1;
@@ -51,6 +53,7 @@ struct Measurement {
   Body body;
   std::uint64_t seed = 0;
   int envs = 0;
+  int voxels = 0;             // of a body, on average
   std::vector<double> rates;  // sorted
   double median() const { return rates[rates.size() / 2]; }
 };
@@ -70,7 +73,8 @@ Body random_body(int rows, int cols, std::uint64_t seed) {
   return sample_body(rows, cols, body_weights, random);
 }
 
-// A body in a task, as often as --tasks, --sizes and --bodies say.
+// A body in a task, as often as --tasks, --sizes and --bodies say; with --mixed, the
+// first of the bodies that are stepped together.
 struct Subject {
   TaskSpec task;
   Body body;
@@ -96,12 +100,13 @@ std::vector<Subject> subjects(const Settings& settings, std::uint64_t seed) {
 // Episodes under random actions, begun again as they end.
 class Runner {
  public:
-  Runner(const Arena& arena, int envs, std::uint64_t seed)
-      : arena_(arena), seed_(seed), envs_(arena, envs) {
+  Runner(std::span<const Arena* const> arenas, std::uint64_t seed) : seed_(seed), envs_(arenas) {
     Stream random(seed, "bench/actions");
-    const auto length =
-        static_cast<std::size_t>(envs) * static_cast<std::size_t>(arena.action_length());
-    const Physics& physics = arena.task().physics;
+    const int envs = envs_.environments();
+    const Arena& last = envs_.arena(envs - 1);
+    const std::size_t length =
+        envs_.action_offset(envs - 1) + static_cast<std::size_t>(last.action_length());
+    const Physics& physics = last.task().physics;
     const double range = physics.max_target - physics.min_target;
     for (auto& set : actions_) {
       for (std::size_t i = 0; i < length; ++i)
@@ -121,10 +126,9 @@ class Runner {
 
  private:
   void reset(int environment) {
-    envs_.reset(environment, {arena_.draw(seed_, episodes_++), 0.0, 0});
+    envs_.reset(environment, {envs_.arena(environment).draw(seed_, episodes_++), 0.0, 0});
   }
 
-  const Arena& arena_;
   std::uint64_t seed_;
   std::uint64_t episodes_ = 0;
   VecEnv envs_;
@@ -149,17 +153,34 @@ double rate_of(Runner& runner, int envs, double seconds, double (*clock)()) {
   return static_cast<double>(steps) * envs / used;
 }
 
+// What `envs` environments are of: one body, or each another one of its shape.
+std::deque<Arena> arenas_of(const Subject& subject, int envs, bool mixed) {
+  const auto& [task, body, seed] = subject;
+  std::deque<Arena> arenas;
+  arenas.emplace_back(task, body);
+  for (int i = 1; mixed && i < envs; ++i)
+    arenas.emplace_back(task,
+                        random_body(body.rows, body.cols, seed + static_cast<std::uint64_t>(i)));
+  return arenas;
+}
+
 // One thread is measured in its processor time, several in the time that passes:
 // what they take from one another is to count.
 Measurement measure(const Subject& subject, int envs, const Settings& settings) {
   const auto& [task, body, seed] = subject;
-  const Arena arena(task, body);
+  const std::deque<Arena> arenas = arenas_of(subject, envs, settings.mixed);
+  std::vector<const Arena*> lanes;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(envs); ++i)
+    lanes.push_back(&arenas[i % arenas.size()]);
   const auto clock = settings.threads == 1 ? seconds_used : wall_clock;
   std::vector<Runner> runners;
   runners.reserve(static_cast<std::size_t>(settings.threads));
   for (int i = 0; i < settings.threads; ++i)
-    runners.emplace_back(arena, envs, seed + static_cast<std::uint64_t>(i));
-  Measurement result{task.name, cli::profile_name(task.physics), body, seed, envs, {}};
+    runners.emplace_back(lanes, seed + static_cast<std::uint64_t>(i));
+  int voxels = 0;
+  for (const Arena* arena : lanes) voxels += count_voxels(arena->robot());
+  Measurement result{task.name, cli::profile_name(task.physics), body, seed, envs, voxels / envs,
+                     {}};
   ThreadPool pool(settings.threads);
   if (pool.threads() < settings.threads)
     throw error(Failure::work, "--threads: only {} of {} could be started", pool.threads(),
@@ -179,23 +200,24 @@ Measurement measure(const Subject& subject, int envs, const Settings& settings) 
 
 class Report {
  public:
-  explicit Report(const Settings& settings) : json_(settings.json), threads_(settings.threads) {
+  explicit Report(const Settings& settings)
+      : json_(settings.json), mixed_(settings.mixed), threads_(settings.threads) {
     if (!json_)
       fmt::print("{:<24} {:>7} {:>6} {:>5} {:>10} {:>7} {:>12} {:>14}\n", "task", "shape", "voxels",
                  "envs", "isa", "profile", "steps/s", "steps*voxels/s");
   }
 
   void add(const Measurement& m, const std::string& isa) const {
-    const int voxels = count_voxels(m.body);
     if (json_) {
       const Json line{{"task", m.task},
                       {"shape", {m.body.rows, m.body.cols}},
-                      {"voxels", voxels},
+                      {"voxels", m.voxels},
                       {"body", m.body.to_rows()},
                       {"seed", m.seed},
                       {"width", m.envs},
                       {"isa", isa},
                       {"profile", m.profile},
+                      {"mixed", mixed_},
                       {"threads", threads_},
                       {"steps_per_second", m.median()},
                       {"steps_per_second_min", m.rates.front()},
@@ -203,7 +225,8 @@ class Report {
       fmt::print("{}\n", line.dump());
     } else {
       fmt::print("{:<24} {:>7} {:>6} {:>5} {:>10} {:>7} {:>12.0f} {:>14.0f}\n", m.task,
-                 shape(m.body), voxels, m.envs, isa, m.profile, m.median(), m.median() * voxels);
+                 shape(m.body), m.voxels, m.envs, isa, m.profile, m.median(),
+                 m.median() * m.voxels);
     }
     std::fflush(stdout);
   }
@@ -212,6 +235,7 @@ class Report {
 
  private:
   bool json_;
+  bool mixed_;
   int threads_;
 };
 
@@ -281,6 +305,9 @@ int bench(const Settings& settings, std::uint64_t seed) {
     throw error(Failure::usage, "--bodies must be at least 1, got {}", settings.bodies);
   if (settings.bodies > 1 && settings.tasks)
     throw error(Failure::usage, "--bodies: --tasks has one body for all; leave one of them out");
+  if (settings.mixed && (settings.tasks || settings.model))
+    throw error(Failure::usage, "--mixed: {} is about one body; leave one of them out",
+                settings.tasks ? "--tasks" : "--model");
   if (settings.model) return describe_models(settings, seed);
   const std::vector<int> envs = cli::parse_wholes(settings.envs, "--envs", 1, most_counted);
   const std::vector<Subject> measured = subjects(settings, seed);
@@ -309,6 +336,9 @@ int main(int argc, char** argv) {
   command.flag("--tasks", settings.tasks,
                "all tasks, with one 5x5 body, instead of --task and --sizes");
   command.option("--envs", settings.envs, "N,N,..", "environments stepped together");
+  command.flag("--mixed", settings.mixed,
+               "each of these another random body, those of --seed and of the numbers after it, "
+               "instead of one body in all");
   command.option("--threads", settings.threads, "N",
                  "batches of environments at a time, one per thread");
   command.option("--isa", settings.isa, "NAME",
@@ -322,6 +352,7 @@ int main(int argc, char** argv) {
   command.flag("--json", settings.json, "one JSON object a line instead of a table");
   command.seed_option();
   command.example("evo-bench --sizes 5 --envs 8", "a batch of eight 5x5 robots on flat ground");
+  command.example("evo-bench --sizes 5 --envs 16 --mixed", "sixteen robots, no two of them alike");
   command.example("evo-bench --tasks --envs 8 --fast --json > tasks.jsonl",
                   "every task in fast arithmetic, for a program");
   return command.run(argc, argv, [&] { return bench(settings, command.seed); });

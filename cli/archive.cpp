@@ -20,6 +20,7 @@ const std::string behaviour = "behaviour.";
 
 std::vector<std::string> behaviours() {
   std::vector<std::string> names;
+  names.reserve(behaviour_features.size());
   for (const BehaviourFeature& feature : behaviour_features)
     names.push_back(behaviour + feature.name);
   return names;

@@ -3,7 +3,7 @@
 
 namespace evo {
 
-// "libevo 0.1.0 (fc22586)", with the commit of the build.
+// "libevo 0.1.0 (105ad79)", with the commit of the build.
 const char* created_by();
 
 }  // namespace evo

@@ -102,7 +102,7 @@ class Workers {
 // As Command::detail, from parts of a tool that know no Command.
 void say_detail(const std::string& text);
 
-// "evo 0.1.0 (fc22586)", with the commit of the build; goes into the files the tools write.
+// "evo 0.1.0 (105ad79)", with the commit of the build; goes into the files the tools write.
 std::string created_by(const std::string& tool);
 std::string version();
 

@@ -29,8 +29,6 @@ SMALLER = [  # what costs hours of a core
     (r'METHODS="([^" ]+ [^" ]+) [^"]*"', r'METHODS="\1"'),
     (r"(submit .* )-- (.*)", r"\1-- VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' \2"),
 ]
-
-
 COMMIT = (r"(\d+\.\d+\.\d+) \(([0-9a-f]{7,40}|no commit)\)", r"\1 (commit)")  # of the build that wrote a text
 
 

@@ -106,6 +106,13 @@ SineController SequenceSearch::any_gait() {
   return std::next(moments.begin(), place)->second.gait;
 }
 
+// As many steps as a gait's period may have; 0 where there are too few to choose from.
+int SequenceSearch::some_of(int steps) {
+  const int shortest = static_cast<int>(settings_.shortest_period);
+  const int longest = std::min(steps, static_cast<int>(settings_.longest_period));
+  return longest < shortest ? 0 : random_.integer(shortest, longest);
+}
+
 // The moment of a level to go on from: weights fall off below the highest, and with
 // every visit. None where all have come to the end of the episode.
 SequenceSearch::Moment* SequenceSearch::choose_level() {
@@ -151,12 +158,9 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
   SineController& gait = attempt.at.gait;
   enum Kind { goes_on, begins, changes, borrows, repeats, pushes, holds };
   const int kind = random_.integer(goes_on, holds);
-  if (kind != goes_on && kind != pushes) attempt.at.period = 0;
+  if (kind != goes_on && kind != pushes) attempt.at.repeated = 0;
   if (kind == borrows) gait = any_gait();
-  const int longest = std::min(steps_of(attempt.at), static_cast<int>(settings_.longest_period));
-  const int shortest = static_cast<int>(settings_.shortest_period);
-  if (kind == repeats && longest >= shortest)
-    attempt.at.period = random_.integer(shortest, longest);
+  if (kind == repeats) attempt.at.repeated = some_of(steps_of(attempt.at));
   if (kind == borrows || kind == repeats) attempt.steps_left *= rhythm_lasts;
   if (gait.phase.empty() || kind == begins) gait = new_gait();
   if (kind == changes) gait = changed(std::move(gait));
@@ -187,8 +191,8 @@ void SequenceSearch::choose_targets(Attempt& attempt, std::span<double> targets)
     for (std::size_t i = 0; i < targets.size(); ++i) targets[i] = attempt.values[attempt.group[i]];
     return;
   }
-  if (attempt.at.period > 0) {
-    const auto ago = static_cast<std::size_t>(attempt.at.period) * targets.size();
+  if (attempt.at.repeated > 0) {
+    const auto ago = static_cast<std::size_t>(attempt.at.repeated) * targets.size();
     std::copy_n(attempt.at.actions.end() - static_cast<std::ptrdiff_t>(ago), targets.size(),
                 targets.begin());
     return;
@@ -354,7 +358,7 @@ void SequenceSearch::save(Checkpoint& checkpoint) const {
 
 void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& name,
                                   const Moments& moments) {
-  std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, period, visits
+  std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, repeated, visits
   std::vector<std::uint8_t> states;
   std::vector<double> actions;
   std::vector<double> earned;
@@ -362,7 +366,7 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
   for (const auto& [place, moment] : moments) {
     const SineController& gait = moment.gait;
     counts.insert(counts.end(), {moment.state.size(), moment.actions.size(), gait.phase.size(),
-                                 static_cast<std::uint64_t>(moment.period),
+                                 static_cast<std::uint64_t>(moment.repeated),
                                  static_cast<std::uint64_t>(moment.visits)});
     states.insert(states.end(), moment.state.begin(), moment.state.end());
     actions.insert(actions.end(), moment.actions.begin(), moment.actions.end());
@@ -423,9 +427,9 @@ std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoin
     moment.state = take(states, counts[5 * i]);
     moment.actions = take(actions, counts[5 * i + 1]);
     const std::size_t waves = counts[5 * i + 2];
-    moment.period = static_cast<int>(counts[5 * i + 3]);
+    moment.repeated = static_cast<int>(counts[5 * i + 3]);
     moment.visits = static_cast<int>(counts[5 * i + 4]);
-    if (moment.period < 0 || moment.period > steps_of(moment))
+    if (moment.repeated < 0 || moment.repeated > steps_of(moment))
       throw Error(Failure::data, "checkpoint: its archive repeats what it does not have");
     moment.gait.period = take(gaits, 1)[0];
     moment.gait.middle = take(gaits, 1)[0];

@@ -71,7 +71,7 @@ class SequenceSearch {
     std::vector<double> actions;      // that lead there, [t x A]
     double earned = 0.0;              // return until then
     SineController gait;              // that was going on; without phases: none
-    int period = 0;                   // of actions repeated instead of a gait; 0: none are
+    int repeated = 0;                 // the last steps that are, instead of a gait
     int visits = 0;
   };
   using Moments = std::map<std::int64_t, Moment>;
@@ -102,6 +102,7 @@ class SequenceSearch {
   Attempt attempt();
   SineController new_gait();
   SineController any_gait();
+  int some_of(int steps);
   SineController changed(SineController gait);
   void choose_targets(Attempt& attempt, std::span<double> targets);
   void enter(Attempt& attempt, int lane);

@@ -148,17 +148,20 @@ TEST_CASE("a search repeats its last actions, and goes on doing so") {
   const auto actuators = static_cast<std::size_t>(arena.action_length());
   auto counts = checkpoint.get<std::uint64_t>("search/highest/counts");
   const auto& actions = checkpoint.get<double>("search/highest/actions");
+  std::size_t meant = 0;
   std::size_t repeating = 0;
   std::size_t end = 0;
   for (std::size_t i = 0; i < counts.size(); i += 5) {  // a row for each moment
     end += counts[i + 1];
-    const std::size_t period = counts[i + 3];
-    if (period == 0) continue;
-    REQUIRE(period * actuators <= counts[i + 1]);
+    const std::size_t repeated = counts[i + 3];
+    if (repeated == 0) continue;
+    ++meant;
+    REQUIRE(repeated * actuators <= counts[i + 1]);
     const auto* last = actions.data() + end - actuators;
-    if (std::equal(last, last + actuators, last - period * actuators)) ++repeating;
+    if (std::equal(last, last + actuators, last - repeated * actuators)) ++repeating;
   }
-  CHECK(repeating > 0);
+  REQUIRE(meant > 0);  // some of them are pushed first
+  CHECK(2 * repeating >= meant);
 
   counts[3] = 1000;
   checkpoint.put("search/highest/counts", counts);

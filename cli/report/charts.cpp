@@ -390,9 +390,12 @@ GridArchive archive_of(const Run& run, const std::string& features) {
   }
 }
 
-std::string range(const FeatureAxis& axis, int bin) {
-  const auto end = [&](int k) { return axis.low + (axis.high - axis.low) * k / axis.bins; };
-  return fmt::format("{:.4g} to {:.4g}", end(bin), end(bin + 1));
+// Around and between its bins.
+std::vector<double> ends(const FeatureAxis& axis) {
+  std::vector<double> ends;
+  for (int k = 0; k <= axis.bins; ++k)
+    ends.push_back(axis.low + (axis.high - axis.low) * k / axis.bins);
+  return ends;
 }
 
 }  // namespace
@@ -418,15 +421,15 @@ Json archive_chart(const Run& run) {
              {"y", up.name.empty() ? "" : cli::feature_title(up.name)},
              {"value", "best fitness"},
              {"diverging", false},
-             {"ranges", true},
-             {"columns", Json::array()},
-             {"lines", Json::array()},
+             {"ends", {ends(across), Json::array()}},
              {"cells", Json::array()},
              {"robots", Json::array()}};
-  for (int column = 0; column < across.bins; ++column)
-    chart["columns"].push_back(range(across, column));
+  if (!up.name.empty()) {
+    std::vector<double> from_the_top = ends(up);
+    std::reverse(from_the_top.begin(), from_the_top.end());
+    chart["ends"][1] = from_the_top;
+  }
   for (int line = up.bins - 1; line >= 0; --line) {
-    chart["lines"].push_back(up.name.empty() ? "" : range(up, line));
     Json cells = Json::array();
     Json robots = Json::array();
     for (int column = 0; column < across.bins; ++column) {

@@ -4,10 +4,10 @@
 //    first}..], "whole": x has no fractions, "robots": [id of each row],
 //    "edges": [[row, row, the champion's?]..] lines between rows}
 // where a missing value is [null,null,null], or a table of colours
-//   {"kind": "heat", "x", "y": titles, "columns", "lines": their names, from the top,
+//   {"kind": "heat", "x", "y": titles, "columns", "lines": their names, from the top, or
+//    "ends": [numbers between and around the columns, the same of the lines, or none],
 //    "cells": [[value or null]..], "robots": [[id or null]..], "value": what it is,
-//    "diverging": about zero, "ranges": the names are "low to high" of neighbouring ranges,
-//    whose ends are written between the cells}
+//    "diverging": about zero}
 #pragma once
 
 #include <string>

@@ -125,9 +125,9 @@ const Charts = (() => {
   };
 
   // ---- tables of colours --------------------------------------------------------------
-  // {"kind": "heat", "x", "y": titles, "columns", "lines": their names, "cells": [[value or
-  // null]..] from the top, "robots": [[id or null]..], "diverging", "value": what it is,
-  // "ranges": names are "low to high"}
+  // {"kind": "heat", "x", "y": titles, "columns", "lines": their names, from the top, or
+  // "ends": [those of the columns, those of the lines], "cells": [[value or null]..],
+  // "robots": [[id or null]..], "diverging", "value": what it is}
 
   const heatColor = (share, diverging) => {
     const ramp = diverging
@@ -139,9 +139,9 @@ const Charts = (() => {
   };
 
   const heat = (chart, width, look) => {
-    const lines = chart.lines.length, columns = chart.columns.length;
+    const lines = chart.cells.length, columns = chart.cells[0].length;
     // Titles of features are longer than a map of few bins is high.
-    const left = 44, top = chart.ranges ? 26 : 6, right = 58, bottom = 38;
+    const left = 44, top = chart.ends ? 26 : 6, right = 58, bottom = 38;
     const side = Math.min(44, (width - left - right) / columns);
     const tall = Math.min(side, 30);
     const height = top + bottom + tall * lines;
@@ -153,11 +153,13 @@ const Charts = (() => {
     const picture = svg('svg', { xmlns: NS, viewBox: `0 0 ${width} ${height}`, width, height, 'font-size': look.font,
       'font-family': 'system-ui, "DejaVu Sans", Verdana, sans-serif', role: 'img', 'aria-label': `${chart.value} by ${chart.x} and ${chart.y}` });
     const cells = [];
+    const ends = chart.ends?.map((axis) => axis.map((end) => Number(end.toPrecision(4))));
+    const range = (axis, k) => `${Math.min(axis[k], axis[k + 1])} to ${Math.max(axis[k], axis[k + 1])}`;
     chart.cells.forEach((row, r) => row.forEach((value, c) => {
       const box = svg('rect', { x: left + c * side, y: top + r * tall, width: side - 1.5, height: tall - 1.5, rx: 2,
         fill: value === null ? look.grid : heatColor(share(value), chart.diverging), 'fill-opacity': value === null ? 0.4 : 1 });
-      const place = chart.ranges
-        ? [[chart.x, chart.columns[c]], [chart.y, chart.lines[r]]].filter(([title]) => title).map(([title, range]) => `${title}: ${range}`).join('; ')
+      const place = ends
+        ? [[chart.x, c], [chart.y, r]].filter(([title]) => title).map(([title, k], axis) => `${title}: ${range(ends[axis], k)}`).join('; ')
         : `${chart.columns[c]} ${chart.x}, ${chart.lines[r]} ${chart.y}`;
       const said = `${place}: ${value === null ? 'no robot' : number(value)}`;
       box.append(svg('title', {}, said));
@@ -165,15 +167,13 @@ const Charts = (() => {
       picture.append(box);
     }));
     // Names stand in the middle of a cell, the ends of ranges at its borders.
-    const ends = (names) => [...names.map((name) => name.split(' to ')[0]), names.at(-1).split(' to ')[1]];
-    const [across, down, middle] = !chart.ranges ? [chart.columns, chart.lines, 0.5]
-      : [ends(chart.columns), chart.y ? ends([...chart.lines].reverse()).reverse() : [], 0];
-    const every = Math.ceil((chart.ranges ? 36 : 22) / side);
+    const [across, down, middle] = ends ? [...ends, 0] : [chart.columns, chart.lines, 0.5];
+    const every = Math.ceil((ends ? 36 : 22) / side);
     across.forEach((name, c) => { if (c % every === 0) picture.append(svg('text', { x: left + (c + middle) * side, y: height - bottom + 15, 'text-anchor': 'middle', fill: look.text }, name)); });
     down.forEach((name, r) => { if (r % Math.ceil(12 / tall) === 0) picture.append(svg('text', { x: left - 6, y: top + (r + middle) * tall + 4, 'text-anchor': 'end', fill: look.text }, name)); });
     picture.append(svg('text', { x: left + side * columns / 2, y: height - 4, 'text-anchor': 'middle', fill: look.text }, chart.x));
     const aside = { transform: `translate(11 ${top + tall * lines / 2}) rotate(-90)`, 'text-anchor': 'middle', fill: look.text };
-    picture.append(svg('text', chart.ranges ? { x: 4, y: 12, fill: look.text } : aside, chart.y));
+    picture.append(svg('text', ends ? { x: 4, y: 12, fill: look.text } : aside, chart.y));
     const bar = { x: left + side * columns + 10, height: tall * lines - 2 };
     for (let k = 0; k < 24; ++k)
       picture.append(svg('rect', { x: bar.x, y: top + bar.height * (1 - (k + 1) / 24), width: 9, height: bar.height / 24 + 0.6, fill: heatColor((k + 0.5) / 24, chart.diverging) }));

@@ -22,6 +22,8 @@ constexpr double anywhere = 0.01;     // weight of all others
 constexpr int shortest_attempt = 20;  // control steps
 constexpr int longest_attempt = 100;
 constexpr int rhythm_lasts = 3;  // times as long as other attempts
+constexpr int rivals = 3;        // moments, the fastest of which lends its gait
+constexpr int pace_steps = 40;   // control steps over which they are compared
 constexpr int slot = 10;         // control steps between moments of highest return
 constexpr int steps_gained = 3;  // by every moment that enters the archive
 
@@ -52,12 +54,20 @@ int SequenceSearch::steps_of(const Moment& moment) const {
   return static_cast<int>(moment.actions.size() / places_.size());
 }
 
+// What it earned in its last steps; less than anything where it has not so many.
+double SequenceSearch::pace(const Moment& moment) const {
+  const int before = steps_of(moment) - pace_steps;
+  if (before < 0) return -std::numeric_limits<double>::infinity();
+  return moment.earned() -
+         (before == 0 ? 0.0 : moment.earnings[static_cast<std::size_t>(before - 1)]);
+}
+
 std::int64_t SequenceSearch::level_of(double earned) const {
   return static_cast<std::int64_t>(std::floor(earned / level_height_));
 }
 
 double SequenceSearch::highest() const {
-  return soonest_.empty() ? 0.0 : soonest_.rbegin()->second.earned;
+  return soonest_.empty() ? 0.0 : soonest_.rbegin()->second.earned();
 }
 
 // ---- what is tried -------------------------------------------------------------------
@@ -99,11 +109,16 @@ SineController SequenceSearch::changed(SineController gait) {
   return gait;
 }
 
-// What was going on at any moment of the archive, if anything was.
-SineController SequenceSearch::any_gait() {
+// The gait, if it had one, of that of a few moments which was earning the most.
+SineController SequenceSearch::fast_gait() {
   const Moments& moments = highest_.empty() || random_.integer(0, 1) == 0 ? soonest_ : highest_;
-  const auto place = random_.below(static_cast<std::uint32_t>(moments.size()));
-  return std::next(moments.begin(), place)->second.gait;
+  const Moment* fastest = nullptr;
+  for (int rival = 0; rival < rivals; ++rival) {
+    const auto place = random_.below(static_cast<std::uint32_t>(moments.size()));
+    const Moment& moment = std::next(moments.begin(), place)->second;
+    if (fastest == nullptr || pace(moment) > pace(*fastest)) fastest = &moment;
+  }
+  return fastest->gait;
 }
 
 // As many steps as a gait's period may have; 0 where there are too few to choose from.
@@ -159,11 +174,14 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
   enum Kind { goes_on, begins, changes, borrows, repeats, pushes, holds };
   const int kind = random_.integer(goes_on, holds);
   if (kind != goes_on && kind != pushes) attempt.at.repeated = 0;
-  if (kind == borrows) gait = any_gait();
+  if (kind == borrows) gait = fast_gait();
   if (kind == repeats) attempt.at.repeated = some_of(steps_of(attempt.at));
   if (kind == borrows || kind == repeats) attempt.steps_left *= rhythm_lasts;
   if (gait.phase.empty() || kind == begins) gait = new_gait();
-  if (kind == changes) gait = changed(std::move(gait));
+  if (kind == changes) {
+    if (random_.integer(0, 1) == 0) gait = fast_gait();
+    gait = changed(gait.phase.empty() ? new_gait() : std::move(gait));
+  }
   if (kind == pushes || kind == holds) {
     attempt.pushes_left = kind == pushes ? random_.integer(4, 24) : episode_steps();
     attempt.held = kind == pushes ? random_.integer(2, 8) : episode_steps();
@@ -248,14 +266,14 @@ void SequenceSearch::enter(Moments& moments, std::int64_t place, Attempt& attemp
 
 void SequenceSearch::enter(Attempt& attempt, int lane) {
   const Moment& at = attempt.at;
-  const std::int64_t level = level_of(at.earned);
+  const std::int64_t level = level_of(at.earned());
   const auto old_level = soonest_.find(level);
   if (old_level == soonest_.end() || steps_of(at) < steps_of(old_level->second))
     enter(soonest_, level, attempt, lane);
   if (steps_of(at) % slot == 0) {
     const std::int64_t time = steps_of(at) / slot;
     const auto old_time = highest_.find(time);
-    if (old_time == highest_.end() || at.earned > old_time->second.earned)
+    if (old_time == highest_.end() || at.earned() > old_time->second.earned())
       enter(highest_, time, attempt, lane);
   }
   if (soonest_.size() > most_levels) coarsen();
@@ -266,7 +284,7 @@ void SequenceSearch::coarsen() {
   level_height_ *= 2.0;
   Moments fine = std::exchange(soonest_, {});
   for (auto& [level, moment] : fine) {
-    const auto [place, is_new] = soonest_.try_emplace(level_of(moment.earned), std::move(moment));
+    const auto [place, is_new] = soonest_.try_emplace(level_of(moment.earned()), std::move(moment));
     if (!is_new && steps_of(moment) < steps_of(place->second)) place->second = std::move(moment);
   }
 }
@@ -303,15 +321,15 @@ std::int64_t SequenceSearch::explore(std::int64_t budget) {
       Attempt& now = attempts[lane];
       const auto row = std::span(targets).subspan(lane * places_.size(), places_.size());
       now.at.actions.insert(now.at.actions.end(), row.begin(), row.end());
-      now.at.earned += env_.rewards()[lane];
+      now.at.earnings.push_back(now.at.earned() + env_.rewards()[lane]);
       --now.steps_left;
       if (env_.status(static_cast<int>(lane)) == LaneStatus::unstable ||
-          !std::isfinite(now.at.earned)) {
+          !std::isfinite(now.at.earned())) {
         start(lane);
       } else if (env_.terminated()[lane] != 0 || env_.truncated()[lane] != 0) {
-        if (ended_.empty() || now.at.earned > ended_return_) {
+        if (ended_.empty() || now.at.earned() > ended_return_) {
           ended_ = now.at.actions;
-          ended_return_ = now.at.earned;
+          ended_return_ = now.at.earned();
           ended_is_new_ = true;
         }
         start(lane);
@@ -336,9 +354,9 @@ std::vector<ReplayController> SequenceSearch::news() {
   ended_is_new_ = false;
   if (soonest_.empty()) return sequences;
   const Moment& top = soonest_.rbegin()->second;
-  const bool further = ended_.empty() || top.earned > ended_return_;
-  if (further && top.earned > shown_) {
-    shown_ = top.earned;
+  const bool further = ended_.empty() || top.earned() > ended_return_;
+  if (further && top.earned() > shown_) {
+    shown_ = top.earned();
     sequences.push_back(whole(top.actions));
   }
   return sequences;
@@ -361,7 +379,7 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
   std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, repeated, visits
   std::vector<std::uint8_t> states;
   std::vector<double> actions;
-  std::vector<double> earned;
+  std::vector<double> earnings;
   std::vector<double> gaits;
   for (const auto& [place, moment] : moments) {
     const SineController& gait = moment.gait;
@@ -370,7 +388,7 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
                                  static_cast<std::uint64_t>(moment.visits)});
     states.insert(states.end(), moment.state.begin(), moment.state.end());
     actions.insert(actions.end(), moment.actions.begin(), moment.actions.end());
-    earned.push_back(moment.earned);
+    earnings.insert(earnings.end(), moment.earnings.begin(), moment.earnings.end());
     gaits.insert(gaits.end(), {gait.period, gait.middle});
     for (const std::vector<double>* part : {&gait.phase, &gait.amplitude, &gait.shift})
       gaits.insert(gaits.end(), part->begin(), part->end());
@@ -378,7 +396,7 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
   checkpoint.put(name + "/counts", std::move(counts));
   checkpoint.put(name + "/states", std::move(states));
   checkpoint.put(name + "/actions", std::move(actions));
-  checkpoint.put(name + "/earned", std::move(earned));
+  checkpoint.put(name + "/earnings", std::move(earnings));
   checkpoint.put(name + "/gaits", std::move(gaits));
 }
 
@@ -407,7 +425,7 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
   ended_ = checkpoint.get<double>("search/ended");
   soonest_.clear();
   for (Moment& moment : load_moments(checkpoint, "search/soonest"))
-    soonest_[level_of(moment.earned)] = std::move(moment);
+    soonest_[level_of(moment.earned())] = std::move(moment);
   highest_.clear();
   for (Moment& moment : load_moments(checkpoint, "search/highest"))
     highest_[steps_of(moment) / slot] = std::move(moment);
@@ -415,17 +433,18 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
 
 std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoint& checkpoint,
                                                                  const std::string& name) const {
-  const auto& earned = checkpoint.get<double>(name + "/earned");
-  const auto& counts = checkpoint.get<std::uint64_t>(name + "/counts", 5 * earned.size());
+  const auto& counts = checkpoint.get<std::uint64_t>(name + "/counts");
+  if (counts.size() % 5 != 0) throw Error(Failure::data, "checkpoint: its archive is cut short");
   std::span<const std::uint8_t> states = checkpoint.get<std::uint8_t>(name + "/states");
   std::span<const double> actions = checkpoint.get<double>(name + "/actions");
+  std::span<const double> earnings = checkpoint.get<double>(name + "/earnings");
   std::span<const double> gaits = checkpoint.get<double>(name + "/gaits");
   std::vector<Moment> moments;
-  for (std::size_t i = 0; i < earned.size(); ++i) {
+  for (std::size_t i = 0; i < counts.size() / 5; ++i) {
     Moment moment;
-    moment.earned = earned[i];
     moment.state = take(states, counts[5 * i]);
     moment.actions = take(actions, counts[5 * i + 1]);
+    moment.earnings = take(earnings, static_cast<std::size_t>(steps_of(moment)));
     const std::size_t waves = counts[5 * i + 2];
     moment.repeated = static_cast<int>(counts[5 * i + 3]);
     moment.visits = static_cast<int>(counts[5 * i + 4]);

@@ -6,9 +6,10 @@
 // travelling needs, the second what only counts at the end, as to be high up then.
 // Again and again a moment is chosen, a little visited one rather, and of levels a high
 // one; the simulation goes on from there with something new for a while, and what is
-// better than the archive's enters it. New is a gait, changed or of another moment, or
-// the last actions again and again, or targets held by groups of actuators. A step in front of a
-// stair costs one step, not an episode, and what a fall would cost keeps nobody from trying.
+// better than the archive's enters it. New is a gait, changed or of a moment that was
+// earning much, or the last actions again and again, or targets held by groups of
+// actuators. A step in front of a stair costs one step, not an episode, and what a fall
+// would cost keeps nobody from trying.
 //
 // A search that starts from a sequence, as a child from its parent's, or from a gait
 // enters all that this reaches first.
@@ -69,10 +70,12 @@ class SequenceSearch {
   struct Moment {
     std::vector<std::uint8_t> state;  // VecEnv::save
     std::vector<double> actions;      // that lead there, [t x A]
-    double earned = 0.0;              // return until then
+    std::vector<double> earnings;     // return after each of them, [t]
     SineController gait;              // that was going on; without phases: none
     int repeated = 0;                 // the last steps that are, instead of a gait
     int visits = 0;
+
+    double earned() const { return earnings.empty() ? 0.0 : earnings.back(); }
   };
   using Moments = std::map<std::int64_t, Moment>;
   // An attempt from a moment on: some steps of targets held by groups of actuators,
@@ -93,6 +96,7 @@ class SequenceSearch {
   double high() const { return arena_->task().physics.max_target; }
   double target(double value) const;
   int steps_of(const Moment& moment) const;
+  double pace(const Moment& moment) const;
   std::int64_t level_of(double earned) const;
 
   void begin();
@@ -101,7 +105,7 @@ class SequenceSearch {
   Moment* choose_time();
   Attempt attempt();
   SineController new_gait();
-  SineController any_gait();
+  SineController fast_gait();
   int some_of(int steps);
   SineController changed(SineController gait);
   void choose_targets(Attempt& attempt, std::span<double> targets);

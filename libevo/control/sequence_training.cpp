@@ -134,7 +134,7 @@ void SequenceTraining::save(Checkpoint& checkpoint) const {
 }
 
 void SequenceTraining::load(const Checkpoint& checkpoint) {
-  if (gait_ && !checkpoint.has("search/soonest/earned")) {
+  if (gait_ && !checkpoint.has("search/soonest/counts")) {
     gait_->load(checkpoint);
     return;
   }

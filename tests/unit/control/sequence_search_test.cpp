@@ -133,36 +133,42 @@ TEST_CASE("a search for a sequence resumes to the same bytes") {
   whole.save(a);
   resumed.save(b);
   CHECK(a == b);
-  std::vector<double> cut = a.get<double>("search/highest/actions");
-  cut.pop_back();
-  a.put("search/highest/actions", cut);
-  CHECK_THROWS_WITH(resumed.load(a), Catch::Contains("cut short"));
+  for (const std::string part : {"search/highest/actions", "search/soonest/earnings"}) {
+    Checkpoint damaged = a;
+    std::vector<double> cut = a.get<double>(part);
+    cut.pop_back();
+    damaged.put(part, cut);
+    CHECK_THROWS_WITH(resumed.load(damaged), Catch::Contains("cut short"));
+  }
 }
 
 TEST_CASE("a search repeats its last actions, and goes on doing so") {
-  const Arena arena(test::walker(60), test::body_a());
+  const Arena arena(test::walker(120), test::body_a());
   SequenceSearch search(arena, brief(), once(), stream(8));
   search.explore(12000);
   Checkpoint checkpoint;
   search.save(checkpoint);
   const auto actuators = static_cast<std::size_t>(arena.action_length());
-  auto counts = checkpoint.get<std::uint64_t>("search/highest/counts");
-  const auto& actions = checkpoint.get<double>("search/highest/actions");
   std::size_t meant = 0;
   std::size_t repeating = 0;
-  std::size_t end = 0;
-  for (std::size_t i = 0; i < counts.size(); i += 5) {  // a row for each moment
-    end += counts[i + 1];
-    const std::size_t repeated = counts[i + 3];
-    if (repeated == 0) continue;
-    ++meant;
-    REQUIRE(repeated * actuators <= counts[i + 1]);
-    const auto* last = actions.data() + end - actuators;
-    if (std::equal(last, last + actuators, last - repeated * actuators)) ++repeating;
+  for (const std::string moments : {"search/soonest", "search/highest"}) {
+    const auto& counts = checkpoint.get<std::uint64_t>(moments + "/counts");
+    const auto& actions = checkpoint.get<double>(moments + "/actions");
+    std::size_t end = 0;
+    for (std::size_t i = 0; i < counts.size(); i += 5) {  // a row for each moment
+      end += counts[i + 1];
+      const std::size_t repeated = counts[i + 3];
+      if (repeated == 0) continue;
+      ++meant;
+      REQUIRE(repeated * actuators <= counts[i + 1]);
+      const auto* last = actions.data() + end - actuators;
+      if (std::equal(last, last + actuators, last - repeated * actuators)) ++repeating;
+    }
   }
   REQUIRE(meant > 0);  // some of them are pushed first
   CHECK(2 * repeating >= meant);
 
+  auto counts = checkpoint.get<std::uint64_t>("search/highest/counts");
   counts[3] = 1000;
   checkpoint.put("search/highest/counts", counts);
   CHECK_THROWS_WITH(search.load(checkpoint), Catch::Contains("repeats what it does not have"));

@@ -486,10 +486,10 @@ TEST_CASE("a search for a sequence begins with one for a gait") {
   Trainer trainer(arena, settings, 1, "robot");
   trainer.advance();
   // A generation of the search, not a stretch of exploration.
-  CHECK(trainer.checkpoint().arrays.count("search/soonest/earned") == 0);
+  CHECK(trainer.checkpoint().arrays.count("search/soonest/counts") == 0);
   double of_gaits = -1e9;
   Checkpoint found;
-  while (found.arrays.count("search/soonest/earned") == 0) {
+  while (found.arrays.count("search/soonest/counts") == 0) {
     of_gaits = trainer.result().fitness.value();
     trainer.advance();
     found = trainer.checkpoint();

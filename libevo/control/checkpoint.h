@@ -60,7 +60,8 @@ struct Checkpoint {
   // Another checkpoint as a part of this one, "<name>/...", and back.
   void put(const std::string& name, const Checkpoint& part) {
     const std::string prefix = name + "/";
-    for (const auto& [inner, array] : part.arrays) arrays[std::string(prefix).append(inner)] = array;
+    for (const auto& [inner, array] : part.arrays)
+      arrays[std::string(prefix).append(inner)] = array;
   }
   Checkpoint part(const std::string& name) const {
     const std::string prefix = name + "/";

@@ -142,6 +142,17 @@ TrainingIdentity identify(const Robot& robot, const Job& job, std::int64_t steps
   return evo::identify(robot.body, job.task, settings, job.seed, origin);
 }
 
+void restore(Trainer& trainer, const Checkpoint& checkpoint, const fs::path& path) {
+  try {
+    trainer.restore(checkpoint);
+  } catch (const Error& e) {
+    throw error(
+        e.kind(),
+        "{}: {}; perhaps it is from another version of evo-train: remove it to start afresh",
+        path.string(), e.what());
+  }
+}
+
 // The checkpoint is of this training, or the end of one with fewer steps.
 void go_on(const Robot& robot, const Job& job, const Arena& arena, const fs::path& path,
            Start& start) {
@@ -156,7 +167,7 @@ void go_on(const Robot& robot, const Job& job, const Arena& arena, const fs::pat
     TrainingSettings settings = job.training;
     settings.steps = span->steps;
     Trainer shorter(arena, settings, job.seed, robot.id, start.inheritance);
-    shorter.restore(*start.checkpoint);
+    restore(shorter, *start.checkpoint, path);
     if (!shorter.done())
       throw error(Failure::cannot_create,
                   "{}: belongs to a training of {} steps that has not ended; finish it first, or "
@@ -244,7 +255,7 @@ Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
   Trainer trainer(arena, job.training, job.seed, robot.id, start.inheritance);
   const bool resumed = start.checkpoint.has_value();
   if (resumed) {
-    trainer.restore(*start.checkpoint);
+    restore(trainer, *start.checkpoint, paths.checkpoint);
     job.command.note(fmt::format("robot {}: goes on from {}", robot.id, paths.checkpoint.string()));
   } else if (fs::exists(paths.checkpoint)) {
     job.command.note(fmt::format("robot {}: begins anew; --resume would go on from {}", robot.id,

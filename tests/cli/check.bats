@@ -69,6 +69,23 @@ with h5py.File(sys.argv[1], 'r+') as f: del f.attrs['checksum']" "$policy"
   cmp "$policy" "$made/$policy"
 }
 
+@test "a checkpoint that an older version left is refused by name, with what to do" {
+  printf 'HV\nHV\n' > small.txt
+  local train=(evo-train small.txt --task Walker-v0 --train sequence --out-dir . --keep-checkpoint -o trained.json)
+  "${train[@]}" --steps 8000
+  local checkpoint; checkpoint=$(ls ./*.checkpoint.h5)
+  /usr/bin/python3 -c "
+import h5py, sys
+with h5py.File(sys.argv[1], 'r+') as f:
+    index = f['index']
+    others = [name for name in index if b'soonest/earnings' not in name]
+    assert len(others) == len(index) - 1
+    kind = index.dtype
+    del f['index'], f.attrs['checksum']
+    f.create_dataset('index', data=others, dtype=kind)" "$checkpoint"
+  fails_with 65 "remove it to start afresh" -- "${train[@]}" --steps 16000 --resume
+}
+
 @test "evo-inspect knows every format, and says what is no robot" {
   cp "$made"/* .
   evo-convert small.txt -o s.npz

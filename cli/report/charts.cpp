@@ -392,10 +392,10 @@ GridArchive archive_of(const Run& run, const std::string& features) {
 
 // Around and between its bins.
 std::vector<double> ends(const FeatureAxis& axis) {
-  std::vector<double> ends;
+  std::vector<double> values;
   for (int k = 0; k <= axis.bins; ++k)
-    ends.push_back(axis.low + (axis.high - axis.low) * k / axis.bins);
-  return ends;
+    values.push_back(axis.low + (axis.high - axis.low) * k / axis.bins);
+  return values;
 }
 
 }  // namespace

@@ -18,6 +18,10 @@ std::size_t bytes_of(const std::vector<T>& values) {
   return values.capacity() * sizeof(T);
 }
 
+std::size_t bytes_of(const ContactCandidates& candidates) {
+  return bytes_of(candidates.all) + bytes_of(candidates.due);
+}
+
 std::size_t bytes_of(const ContactLists& lists) {
   std::size_t bytes = bytes_of(lists.self) + bytes_of(lists.pairs) + bytes_of(lists.groups) +
                       bytes_of(lists.first_group);

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
+#include <span>
 
 #include "libevo/base/elementary.h"
 #include "libevo/sim/contact_geometry.h"
@@ -13,57 +15,7 @@ namespace {
 
 using contact::cell_of;
 using contact::Points;
-using contact::Quad;
-using contact::reach_slack;
 using contact::Vector;
-
-// ---- inside a cell, or how far from it ----------------------------------------------
-
-// One value for either triangle of a cell: the upper one, which has its top right
-// corner, and the lower one, which has its bottom left. (Of GCC and Clang.)
-using Two [[gnu::vector_size(2 * sizeof(double))]] = double;
-Two smaller(Two a, Two b) { return a < b ? a : b; }
-Two larger(Two a, Two b) { return a > b ? a : b; }
-
-// How far the points may move relative to each other before the sign of the cross
-// product of u and v can change, but for roundings: x = |u x v| changes by at most
-// r (|u| + |v| + r) when both change by r, and r <= x / (|u| + |v|). `size` is that
-// sum, or more.
-Two reach(Two product, Two size) {
-  const Two x = larger(product, -product);
-  return x * size / (size * size + x);
-}
-
-// Whether p is inside: in one of the two triangles of the cell, borders included.
-// The benchmark's test, which only looks at signs. If not, by how much the points
-// may move relative to each other, by any path, before it can become true.
-struct Clearance {
-  bool inside = false;
-  double distance = 0.0;
-};
-// Both triangles at once: which one comes to matter is more than a branch can guess.
-Clearance clearance(Vector p, const Quad& q) {
-  const auto size = [](Vector v) { return std::abs(v.x) + std::abs(v.y); };
-  const Vector tl = q.top_left - p;
-  const Vector tr = q.top_right - p;
-  const Vector bl = q.bottom_left - p;
-  const Vector br = q.bottom_right - p;
-  const Two side_x{tr.x, bl.x};
-  const Two side_y{tr.y, bl.y};
-  const Two first = tl.x * side_y - tl.y * side_x;
-  const Two second = side_x * br.y - side_y * br.x;
-  const double c = cross(br, tl);
-  const auto first_alike = c * first >= 0.0;
-  const auto second_alike = c * second >= 0.0;
-  const auto inside = first_alike & second_alike;
-  if ((inside[0] | inside[1]) != 0) return {true, 0.0};
-  const Two none{};
-  const Two side_size{size(tr), size(bl)};
-  const Two beside = larger(first_alike ? none : reach(first, size(tl) + side_size),
-                            second_alike ? none : reach(second, size(br) + side_size));
-  const Two all = smaller(beside, reach(none + c, none + (size(tl) + size(br))));
-  return {false, std::min(all[0], all[1]) - reach_slack};
-}
 
 // ---- pushing -------------------------------------------------------------------------
 
@@ -74,22 +26,28 @@ constexpr double far_away = 1000.0;            // distance to an edge that is sh
 
 class Pusher {
  public:
+  using Candidates = std::span<const ContactCandidate* const>;
+
   Pusher(const Model::Compiled& world, const PointView& view)
       : world_(world),
         physics_(world.physics),
         points_(world, view),
         parallel_determinant_(parallel_determinant * world.length_scale * world.length_scale) {}
 
-  // Of the candidates of a group, those that are inside.
-  bool push(ContactGroup& group, std::vector<ContactCandidate>& candidates) const {
-    const double travel = points_.travel(group.blocks[0]) + points_.travel(group.blocks[1]);
-    if (travel < group.due) return false;
+  // Whether any of them pushed.
+  bool push(Candidates inside) const {
     bool any = false;
-    group.due = HUGE_VAL;
-    for (std::uint32_t i = group.first; i < group.last; ++i) {
-      ContactCandidate& candidate = candidates[i];
-      if (!(travel < candidate.due)) any |= push(candidate, travel);
-      group.due = std::min(group.due, candidate.due);
+    while (!inside.empty()) {
+      const ContactCandidate& candidate = *inside.front();
+      std::size_t count = 1;
+      if (is_within_object(candidate)) {
+        count = of_first_cells(inside);
+        any |= push_twice(inside.first(count));
+      } else if (const std::optional<Push> push = push_of(candidate)) {
+        apply(*push);
+        any = true;
+      }
+      inside = inside.subspan(count);
     }
     return any;
   }
@@ -97,16 +55,52 @@ class Pusher {
  private:
   using Edge = std::array<std::int32_t, 2>;
 
-  bool push(ContactCandidate& candidate, double travel) const {
+  // Forces of a contact: on a point, and, the other way, on the ends of the edge it crossed.
+  struct Push {
+    std::int32_t point = 0;
+    Edge edge{};
+    Vector on_point;
+    std::array<Vector, 2> on_edge;
+    Vector friction;  // on the point; half of it on either end
+  };
+
+  bool is_within_object(const ContactCandidate& candidate) const {
+    return world_.surface[candidate.corner / 4].object == world_.surface[candidate.cell].object;
+  }
+
+  // How many of the first belong to one pair of cells.
+  static std::size_t of_first_cells(Candidates inside) {
+    const auto cells = [](const ContactCandidate& candidate) {
+      return std::minmax({candidate.corner / 4, candidate.cell});
+    };
+    std::size_t count = 1;
+    while (count < inside.size() && cells(*inside[count]) == cells(*inside.front())) ++count;
+    return count;
+  }
+
+  // Within an object a pair of cells pushes as (later, earlier) cell, then as (earlier, later);
+  // `inside` are its corners, those of the later cell first.
+  bool push_twice(Candidates inside) const {
+    std::array<Push, 8> pushes;  // as many corners as two cells have
+    std::size_t later = 0;       // of them, those of corners of the later cell
+    std::size_t count = 0;
+    for (const ContactCandidate* candidate : inside)
+      if (const std::optional<Push> push = push_of(*candidate)) {
+        pushes[count++] = *push;
+        if (candidate->corner / 4 > candidate->cell) later = count;
+      }
+    for (std::size_t i = 0; i < count; ++i) apply(pushes[i]);
+    for (std::size_t i = later; i < count; ++i) apply(pushes[i]);
+    for (std::size_t i = 0; i < later; ++i) apply(pushes[i]);
+    return count > 0;
+  }
+
+  std::optional<Push> push_of(const ContactCandidate& candidate) const {
     const ContactCell& cell = cell_of(world_, candidate.cell);
     const ContactCell& owner = cell_of(world_, candidate.corner / 4);
     const std::uint32_t corner = candidate.corner % 4;
     const std::int32_t point = owner.corners[corner];
     const Vector p = points_(point);
-    const Clearance clear = clearance(p, points_.quad(cell));
-    candidate.due = travel + clear.distance;
-    if (!clear.inside) return false;
-
     static constexpr std::array<std::array<Side, 2>, 4> probes{
         {{top, left}, {top, right}, {bottom, left}, {bottom, right}}};
     const Edge& probe1 = owner.edges[probes[corner][0]];
@@ -123,9 +117,8 @@ class Pusher {
         depth = distance;
       }
     }
-    if (nearest == nullptr) return false;
-    apply(point, *nearest, depth);
-    return true;
+    if (nearest == nullptr) return std::nullopt;
+    return push_of(point, *nearest, depth);
   }
 
   bool cross_each_other(const Edge& probe, const Edge& edge) const {
@@ -155,16 +148,13 @@ class Pusher {
   }
 
   // Roundings as in the specification: every product in this order.
-  void apply(std::int32_t point, const Edge& edge, double depth) const {
+  Push push_of(std::int32_t point, const Edge& edge, double depth) const {
     const auto [a, b] = edge;
     const Vector along = points_(b) - points_(a);
     const Vector n = Vector{-along.y, along.x} / norm(along);
     const Vector force = n * physics_.contact_stiffness * (depth + physics_.contact_margin);
     const Vector velocity = true_velocity(point);
     const auto damping = [&](Vector v) { return n * dot(n, v) * physics_.contact_damping; };
-    points_.add_force(point, force - damping(velocity));
-    push_back(a, force / 2.0 + damping(true_velocity(a)) / 2.0);
-    push_back(b, force / 2.0 + damping(true_velocity(b)) / 2.0);
 
     Vector t{-n.y, n.x};
     t = t / norm(t);
@@ -175,11 +165,22 @@ class Pusher {
     }
     const double pressure = norm(force);
     const double grip = math::tanh(slip / (physics_.friction_coefficient * pressure));
-    const Vector friction =
-        t * -1.0 * physics_.friction_multiplier * physics_.friction_coefficient * pressure * grip;
-    points_.add_force(point, friction);
-    push_back(a, friction / 2.0);
-    push_back(b, friction / 2.0);
+    return {
+        point,
+        edge,
+        force - damping(velocity),
+        {force / 2.0 + damping(true_velocity(a)) / 2.0,
+         force / 2.0 + damping(true_velocity(b)) / 2.0},
+        t * -1.0 * physics_.friction_multiplier * physics_.friction_coefficient * pressure * grip};
+  }
+
+  void apply(const Push& push) const {
+    points_.add_force(push.point, push.on_point);
+    push_back(push.edge[0], push.on_edge[0]);
+    push_back(push.edge[1], push.on_edge[1]);
+    points_.add_force(push.point, push.friction);
+    push_back(push.edge[0], push.friction / 2.0);
+    push_back(push.edge[1], push.friction / 2.0);
   }
 
   void push_back(std::int32_t site, Vector f) const { points_.add_force(site, f * -1.0); }
@@ -205,18 +206,9 @@ void prepare_lists(const Model::Compiled& world, ContactLists& lists) {
   lists.invalidate();
 }
 
-bool push_contacts(const Model::Compiled& world, ContactLists& lists, const PointView& view) {
-  const Pusher pusher(world, view);
-  bool any = false;
-  for (std::size_t i = 0; i < world.objects.size(); ++i) {
-    if (world.block[i] >= 0) {
-      ContactLists::Self& self = lists.self[static_cast<std::size_t>(world.block[i])];
-      any |= pusher.push(self.group, self.candidates);
-    }
-    for (std::uint32_t g = lists.first_group[i]; g < lists.first_group[i + 1]; ++g)
-      any |= pusher.push(lists.groups[g], lists.pairs);
-  }
-  return any;
+bool push_contacts(const Model::Compiled& world, std::span<const ContactCandidate* const> inside,
+                   const PointView& view) {
+  return Pusher(world, view).push(inside);
 }
 
 }  // namespace evo

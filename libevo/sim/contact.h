@@ -6,11 +6,14 @@
 // kept in ContactLists until something has moved by half a skin. Pushing: of those
 // candidates, the ones inside a cell, with their forces. A candidate that is
 // outside is not looked at again before something has moved far enough to bring
-// it inside. Forces are summed in a fixed order of objects, cells and corners, so
-// the result does not depend on when that was; see `order` in contact_search.cpp.
+// it inside. Candidates are looked at side by side, a register of them at a time; forces
+// are scalar code: contacts are few. Forces are summed in a fixed order of objects, cells and
+// corners, so the result does not depend on when that was; see `order` in contact_search.cpp.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
 #include "libevo/sim/compiled.h"
 #include "libevo/sim/contact_lists.h"
@@ -22,9 +25,9 @@ namespace evo {
 // of 0.1; Model::Compiled::length_scale times as long for others.
 inline constexpr double terrain_skin = 0.02;       // raw length: cell against static cell
 inline constexpr double moving_skin = 0.04;        // cells of two moving objects
-inline constexpr double self_skin = 0.04;          // cells of one object
+inline constexpr double self_skin = 0.06;          // cells of one object
 inline constexpr double pair_move_limit = 0.0199;  // of any point, for pairs of objects
-inline constexpr double self_move_limit = 0.0398;  // of two points of one object, relative
+inline constexpr double self_move_limit = 0.0598;  // of two points of one object, relative
 
 // One environment's points in the kernels' arrays: site s has its x at
 // [2*s*stride] and its y at [2*s*stride + stride]. Block b has travelled [b*stride] in this control
@@ -41,7 +44,9 @@ struct PointView {
 // Sizes the lists for the model; they start empty and invalid.
 void prepare_lists(const Model::Compiled& world, ContactLists& lists);
 
-// Adds all contact forces; true if there were any.
-bool push_contacts(const Model::Compiled& world, ContactLists& lists, const PointView& points);
+// Adds the forces of the candidates that are inside (contact_look-inl.h finds them), of one
+// environment, in their order; true if there were any.
+bool push_contacts(const Model::Compiled& world, std::span<const ContactCandidate* const> inside,
+                   const PointView& points);
 
 }  // namespace evo

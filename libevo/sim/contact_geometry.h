@@ -48,10 +48,6 @@ inline bool within(Vector p, const Box& b, double gap) {
          p.y <= b.high.y + gap;
 }
 
-struct Quad {
-  Vector top_left, top_right, bottom_left, bottom_right;
-};
-
 // ---- points of the world -----------------------------------------------------------
 
 class Points {
@@ -77,16 +73,13 @@ class Points {
     force[view_.stride] += f.y;
   }
   double travel(std::uint32_t block) const { return view_.travel[block * view_.stride]; }
-  Quad quad(const ContactCell& c) const {
-    return {(*this)(c.corners[top_left]), (*this)(c.corners[top_right]),
-            (*this)(c.corners[bottom_left]), (*this)(c.corners[bottom_right])};
-  }
   Box box(const ContactCell& c) const {
-    const Quad q = quad(c);
-    const auto [x0, x1] =
-        std::minmax({q.top_left.x, q.top_right.x, q.bottom_left.x, q.bottom_right.x});
-    const auto [y0, y1] =
-        std::minmax({q.top_left.y, q.top_right.y, q.bottom_left.y, q.bottom_right.y});
+    const Vector tl = (*this)(c.corners[top_left]);
+    const Vector tr = (*this)(c.corners[top_right]);
+    const Vector bl = (*this)(c.corners[bottom_left]);
+    const Vector br = (*this)(c.corners[bottom_right]);
+    const auto [x0, x1] = std::minmax({tl.x, tr.x, bl.x, br.x});
+    const auto [y0, y1] = std::minmax({tl.y, tr.y, bl.y, br.y});
     return {{x0, y0}, {x1, y1}};
   }
 

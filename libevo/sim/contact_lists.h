@@ -2,18 +2,34 @@
 // far (a neighbour list with a skin, as molecular dynamics uses them).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
 namespace evo {
 
-// A corner of one surface cell against another surface cell. The corner is
-// outside as long as the travel (contact.h) of its group is below `due`.
+// A corner of one surface cell against another surface cell.
 struct ContactCandidate {
   std::uint32_t corner = 0;  // 4 * surface cell + Corner
   std::uint32_t cell = 0;
-  double due = 0.0;
+};
+
+// In the order in which they push. The corner of candidate i is outside as long as the
+// travel (contact.h) of its group is below due[i].
+struct ContactCandidates {
+  std::vector<ContactCandidate> all;
+  std::vector<double> due;
+
+  void clear() {
+    all.clear();
+    due.clear();
+  }
+  void add(ContactCandidate candidate) {
+    all.push_back(candidate);
+    due.push_back(0.0);
+  }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(all.size()); }
 };
 
 // Candidates [first, last) between two objects, or of one with itself.
@@ -21,14 +37,14 @@ struct ContactGroup {
   std::uint32_t first = 0;
   std::uint32_t last = 0;
   std::array<std::uint32_t, 2> blocks{};  // of the plan; their number for static objects
-  double due = 0.0;                       // the earliest of the candidates
 };
 
 // Of one environment. The positions that lists were found at are in its group's Rows.
 struct ContactLists {
-  // Within one moving object.
+  // Within one moving object. Candidates of a pair of cells are next to each other, those
+  // of corners of the later cell first.
   struct Self {
-    std::vector<ContactCandidate> candidates;
+    ContactCandidates candidates;
     ContactGroup group;  // all of them
     // Pairs of surface cells that count for self-folding and whose boxes may
     // overlap; empty when there are too few of them to fold the object.
@@ -39,7 +55,7 @@ struct ContactLists {
   };
   std::vector<Self> self;  // one per block of the plan
   // Between objects: groups in world order of pairs (i, j>i).
-  std::vector<ContactCandidate> pairs;
+  ContactCandidates pairs;
   std::vector<ContactGroup> groups;
   std::vector<std::uint32_t> first_group;  // of each object i; objects + 1 entries
   bool pairs_valid = false;
@@ -52,11 +68,10 @@ struct ContactLists {
   // Travel is counted from 0 again: everything is due.
   void rewind() {
     pairs_due = 0.0;
-    for (ContactCandidate& c : pairs) c.due = 0.0;
-    for (ContactGroup& g : groups) g.due = 0.0;
+    std::fill(pairs.due.begin(), pairs.due.end(), 0.0);
     for (Self& s : self) {
-      s.due = s.group.due = s.folding_due = 0.0;
-      for (ContactCandidate& c : s.candidates) c.due = 0.0;
+      s.due = s.folding_due = 0.0;
+      std::fill(s.candidates.due.begin(), s.candidates.due.end(), 0.0);
     }
   }
 };

@@ -93,14 +93,13 @@ namespace {
 
 // Corners of cell a that are near cell b, whose box is given, and no corner of it.
 void list_corners(const Model::Compiled& world, const Points& points, std::uint32_t a,
-                  std::uint32_t b, const Box& box, double skin,
-                  std::vector<ContactCandidate>& found) {
+                  std::uint32_t b, const Box& box, double skin, ContactCandidates& found) {
   const ContactCell& cell = cell_of(world, b);
   for (std::uint32_t k = 0; k < 4; ++k) {
     const std::int32_t corner = cell_of(world, a).corners[k];
     if (!within(points(corner), box, skin)) continue;
     if (std::find(cell.corners.begin(), cell.corners.end(), corner) != cell.corners.end()) continue;
-    found.push_back({4 * a + k, b, 0.0});
+    found.add({4 * a + k, b});
   }
 }
 
@@ -168,8 +167,8 @@ void ContactSearch::find_self(const Model::Compiled& world, std::size_t block,
   for (int c = range.first; c < range.first + range.count; ++c)
     boxes_.push_back(points.box(world.contact_cells[static_cast<std::size_t>(c)]));
 
-  // Pairs of cells from the last to the first, each pair twice, as (a, b) and
-  // as (b, a), corners of either in the other.
+  // Pairs of cells from the last to the first, corners of either in the other. Each
+  // pair pushes twice (contact.cpp).
   list.candidates.clear();
   list.folding.clear();
   near_.start(boxes_, skin, 1.5 * world.physics.voxel_length);
@@ -178,13 +177,8 @@ void ContactSearch::find_self(const Model::Compiled& world, std::size_t block,
     for (const std::uint32_t j : near_.before(i)) {
       const std::uint32_t a = first + i;
       const std::uint32_t b = first + j;
-      const std::size_t start = list.candidates.size();
       list_corners(world, points, a, b, boxes_[j], skin, list.candidates);
-      const std::size_t middle = list.candidates.size();
       list_corners(world, points, b, a, boxes_[i], skin, list.candidates);
-      const std::size_t end = list.candidates.size();
-      for (std::size_t k = middle; k < end; ++k) list.candidates.push_back(list.candidates[k]);
-      for (std::size_t k = start; k < middle; ++k) list.candidates.push_back(list.candidates[k]);
       const SurfaceCell& one = world.surface[a];
       const SurfaceCell& other = world.surface[b];
       const bool adjacent =
@@ -197,7 +191,7 @@ void ContactSearch::find_self(const Model::Compiled& world, std::size_t block,
   if (!can_fold) list.folding.clear();
   list.folding_due = 0.0;
   const auto both = static_cast<std::uint32_t>(block);
-  list.group = {0, static_cast<std::uint32_t>(list.candidates.size()), {both, both}, 0.0};
+  list.group = {0, list.candidates.count(), {both, both}};
   list.valid = true;
 }
 
@@ -280,8 +274,8 @@ void ContactSearch::list_pairs(const Model::Compiled& world, ContactLists& lists
       for (; object <= static_cast<std::size_t>(i); ++object)
         lists.first_group[object] = static_cast<std::uint32_t>(lists.groups.size());
       partner = j;
-      const auto first = static_cast<std::uint32_t>(lists.pairs.size());
-      lists.groups.push_back({first, first, {travel_block(world, i), travel_block(world, j)}, 0.0});
+      const std::uint32_t first = lists.pairs.count();
+      lists.groups.push_back({first, first, {travel_block(world, i), travel_block(world, j)}});
     }
     const bool terrain = cell_of(world, a).is_static || cell_of(world, b).is_static;
     const double skin = (terrain ? terrain_skin : moving_skin) * world.length_scale;
@@ -290,7 +284,7 @@ void ContactSearch::list_pairs(const Model::Compiled& world, ContactLists& lists
     };
     list_corners(world, points, a, b, box(b), skin, lists.pairs);
     list_corners(world, points, b, a, box(a), skin, lists.pairs);
-    lists.groups.back().last = static_cast<std::uint32_t>(lists.pairs.size());
+    lists.groups.back().last = lists.pairs.count();
   }
   for (; object < lists.first_group.size(); ++object)
     lists.first_group[object] = static_cast<std::uint32_t>(lists.groups.size());

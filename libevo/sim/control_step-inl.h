@@ -21,6 +21,7 @@
 
 #include "libevo/sim/compiled.h"
 #include "libevo/sim/contact.h"
+#include "libevo/sim/contact_look-inl.h"
 #include "libevo/sim/group.h"
 #include "libevo/sim/kernel-inl.h"
 #include "libevo/sim/workspace.h"
@@ -204,11 +205,17 @@ class ControlStep {
   void contacts() {
     renew_lists();
     if (std::exchange(touching_, false)) clear_contacts();
+    ContactLook<width> look(workspace_.inside);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (!runs(i)) continue;
-      ContactLists& lists = lanes_[i]->contacts;
-      touching_ |= push_contacts(world(i), lists, view(i));
-      folding_[i] = workspace_.search.is_folding(world(i), lists, view(i));
+      look.add(world(i), lanes_[i]->contacts, view(i), i);
+      folding_[i] = workspace_.search.is_folding(world(i), lanes_[i]->contacts, view(i));
+    }
+    const std::array<std::size_t, width>& counts = look.finish();
+    const ContactCandidate* const* inside = workspace_.inside.data();
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      if (counts[i] > 0) touching_ |= push_contacts(world(i), {inside, counts[i]}, view(i));
+      inside += counts[i];
     }
   }
 

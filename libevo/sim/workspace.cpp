@@ -139,7 +139,9 @@ Arrays<arithmetic> Workspace::prepare(const Plan& plan, const Tables& tables, co
   return arrays;
 }
 
-std::size_t Workspace::bytes() const { return capacity_ + search.bytes() + bytes_of(folded); }
+std::size_t Workspace::bytes() const {
+  return capacity_ + search.bytes() + bytes_of(inside) + bytes_of(folded);
+}
 
 template Arrays<Arithmetic::exact> Workspace::prepare<Arithmetic::exact>(const Plan&, const Tables&,
                                                                          const Rows&);

@@ -182,7 +182,8 @@ class Workspace {
   Arrays<arithmetic> prepare(const Plan& plan, const Tables& tables, const Rows& rows);
 
   ContactSearch search;
-  std::vector<double> folded;  // states of lanes that stopped before the others
+  std::vector<const ContactCandidate*> inside;  // of all lanes, in turn
+  std::vector<double> folded;                   // states of lanes that stopped before the others
 
   std::size_t bytes() const;  // held at present
 

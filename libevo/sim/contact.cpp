@@ -196,11 +196,11 @@ class Pusher {
 void prepare_lists(const Model::Compiled& world, ContactLists& lists) {
   lists.self.resize(world.plan.blocks.size());
   for (ContactLists::Self& self : lists.self) {
-    self.candidates.clear();
+    self.candidates.all.clear();
     self.folding.clear();
     self.group = {};
   }
-  lists.pairs.clear();
+  lists.pairs.all.clear();
   lists.groups.clear();
   lists.first_group.assign(world.objects.size() + 1, 0);
   lists.invalidate();

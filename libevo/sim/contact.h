@@ -25,9 +25,9 @@ namespace evo {
 // of 0.1; Model::Compiled::length_scale times as long for others.
 inline constexpr double terrain_skin = 0.02;       // raw length: cell against static cell
 inline constexpr double moving_skin = 0.04;        // cells of two moving objects
-inline constexpr double self_skin = 0.06;          // cells of one object
+inline constexpr double self_skin = 0.05;          // cells of one object
 inline constexpr double pair_move_limit = 0.0199;  // of any point, for pairs of objects
-inline constexpr double self_move_limit = 0.0598;  // of two points of one object, relative
+inline constexpr double self_move_limit = 0.0498;  // of two points of one object, relative
 
 // One environment's points in the kernels' arrays: site s has its x at
 // [2*s*stride] and its y at [2*s*stride + stride]. Block b has travelled [b*stride] in this control

@@ -2,8 +2,8 @@
 // far (a neighbour list with a skin, as molecular dynamics uses them).
 #pragma once
 
-#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -18,18 +18,13 @@ struct ContactCandidate {
 // In the order in which they push. The corner of candidate i is outside as long as the
 // travel (contact.h) of its group is below due[i].
 struct ContactCandidates {
-  std::vector<ContactCandidate> all;
-  std::vector<double> due;
+  static constexpr std::size_t padding = 7;  // so that any 8 from one on can be read
 
-  void clear() {
-    all.clear();
-    due.clear();
-  }
-  void add(ContactCandidate candidate) {
-    all.push_back(candidate);
-    due.push_back(0.0);
-  }
+  std::vector<ContactCandidate> all;
+  std::vector<double> due;  // and padding
+
   std::uint32_t count() const { return static_cast<std::uint32_t>(all.size()); }
+  void all_are_due() { due.assign(all.size() + padding, 0.0); }
 };
 
 // Candidates [first, last) between two objects, or of one with itself.
@@ -37,6 +32,7 @@ struct ContactGroup {
   std::uint32_t first = 0;
   std::uint32_t last = 0;
   std::array<std::uint32_t, 2> blocks{};  // of the plan; their number for static objects
+  double due = 0.0;                       // none of the candidates is before
 };
 
 // Of one environment. The positions that lists were found at are in its group's Rows.
@@ -68,10 +64,11 @@ struct ContactLists {
   // Travel is counted from 0 again: everything is due.
   void rewind() {
     pairs_due = 0.0;
-    std::fill(pairs.due.begin(), pairs.due.end(), 0.0);
+    pairs.all_are_due();
+    for (ContactGroup& g : groups) g.due = 0.0;
     for (Self& s : self) {
-      s.due = s.folding_due = 0.0;
-      std::fill(s.candidates.due.begin(), s.candidates.due.end(), 0.0);
+      s.due = s.group.due = s.folding_due = 0.0;
+      s.candidates.all_are_due();
     }
   }
 };

@@ -11,9 +11,9 @@
 
 #include <hwy/highway.h>
 
-#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -59,6 +59,7 @@ class ContactLook {
   using V = hn::Vec<decltype(d_)>;
   using M = hn::Mask<decltype(d_)>;
   static constexpr std::size_t lanes = hn::MaxLanes(d_);
+  static_assert(lanes <= ContactCandidates::padding + 1);
   static constexpr std::size_t capacity = 64;
   static constexpr std::size_t own = 4;  // the corner, behind those of the cell
 
@@ -79,29 +80,34 @@ class ContactLook {
     return hn::Div(hn::Mul(x, size), hn::Add(hn::Mul(size, size), x));
   }
 
-  void add(const Model::Compiled& world, const PointView& view, const ContactGroup& group,
+  void add(const Model::Compiled& world, const PointView& view, ContactGroup& group,
            ContactCandidates& candidates, std::size_t lane) {
     const double travel =
         view.travel[group.blocks[0] * width] + view.travel[group.blocks[1] * width];
-    for (std::uint32_t first = group.first; first < group.last; first += capacity) {
-      const std::uint32_t last = std::min<std::uint32_t>(group.last, first + capacity);
-      std::uint32_t due[capacity];
-      std::size_t count = 0;
-      for (std::uint32_t i = first; i < last; ++i) {  // without branches: nobody can guess them
-        due[count] = i;
-        count += travel < candidates.due[i] ? 0 : 1;
-      }
-      for (std::size_t k = 0; k < count; ++k) {
-        const ContactCandidate& candidate = candidates.all[due[k]];
-        put_corner(world, view, candidate.corner);
-        put_cell(world, view, contact::cell_of(world, candidate.cell));
-        candidate_[count_] = &candidate;
+    if (travel < group.due) return;
+    const V now = hn::Set(d_, travel);
+    const V never = hn::Set(d_, HUGE_VAL);
+    V next = never;
+    bool any = false;
+    for (std::uint32_t first = group.first; first < group.last; first += lanes) {
+      const M in_group = hn::FirstN(d_, group.last - first);
+      const V due = hn::IfThenElse(in_group, hn::LoadU(d_, &candidates.due[first]), never);
+      const M is_due = hn::And(in_group, hn::Not(hn::Lt(now, due)));
+      next = hn::Min(next, due);
+      unsigned bits = bits_of(is_due);
+      any |= bits != 0;
+      for (; bits != 0; bits &= bits - 1) {
+        const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
+        put_corner(world, view, candidates.all[i].corner);
+        put_cell(world, view, contact::cell_of(world, candidates.all[i].cell));
+        candidate_[count_] = &candidates.all[i];
         lane_[count_] = lane;
         now_[count_] = travel;
-        due_[count_] = &candidates.due[due[k]];
+        due_[count_] = &candidates.due[i];
         if (++count_ == capacity) look();
       }
     }
+    group.due = any ? travel : hn::GetLane(hn::MinOfLanes(d_, next));
   }
 
   void put_corner(const Model::Compiled& world, const PointView& view, std::uint32_t corner) {
@@ -190,8 +196,12 @@ class ContactLook {
         hn::Set(d_, contact::reach_slack));
     const V now = hn::Load(d_, now_ + k);
     hn::Store(hn::IfThenElse(is_inside, now, hn::Add(now, distance)), d_, due_again_ + k);
+    return bits_of(is_inside);
+  }
+
+  static HWY_INLINE unsigned bits_of(M mask) {
     std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d_, is_inside, bits);
+    hn::StoreMaskBits(d_, mask, bits);
     return bits[0];
   }
 

@@ -99,7 +99,7 @@ void list_corners(const Model::Compiled& world, const Points& points, std::uint3
     const std::int32_t corner = cell_of(world, a).corners[k];
     if (!within(points(corner), box, skin)) continue;
     if (std::find(cell.corners.begin(), cell.corners.end(), corner) != cell.corners.end()) continue;
-    found.add({4 * a + k, b});
+    found.all.push_back({4 * a + k, b});
   }
 }
 
@@ -169,7 +169,7 @@ void ContactSearch::find_self(const Model::Compiled& world, std::size_t block,
 
   // Pairs of cells from the last to the first, corners of either in the other. Each
   // pair pushes twice (contact.cpp).
-  list.candidates.clear();
+  list.candidates.all.clear();
   list.folding.clear();
   near_.start(boxes_, skin, 1.5 * world.physics.voxel_length);
   const auto first = static_cast<std::uint32_t>(range.first);
@@ -186,12 +186,13 @@ void ContactSearch::find_self(const Model::Compiled& world, std::size_t block,
       if (!adjacent) list.folding.push_back({a, b});
     }
   }
+  list.candidates.all_are_due();
   const bool can_fold = world.is_robot[object] != 0 &&
                         2 * list.folding.size() > static_cast<std::size_t>(range.count);
   if (!can_fold) list.folding.clear();
   list.folding_due = 0.0;
   const auto both = static_cast<std::uint32_t>(block);
-  list.group = {0, list.candidates.count(), {both, both}};
+  list.group = {0, list.candidates.count(), {both, both}, 0.0};
   list.valid = true;
 }
 
@@ -263,7 +264,7 @@ void ContactSearch::find_pairs(const Model::Compiled& world, const PointView& vi
 // From pairs of cells to corners and cells, grouped by pairs of objects.
 void ContactSearch::list_pairs(const Model::Compiled& world, ContactLists& lists) {
   const Points points(world, {.position = positions_.data()});
-  lists.pairs.clear();
+  lists.pairs.all.clear();
   lists.groups.clear();
   std::size_t object = 0;
   int partner = -1;
@@ -275,7 +276,7 @@ void ContactSearch::list_pairs(const Model::Compiled& world, ContactLists& lists
         lists.first_group[object] = static_cast<std::uint32_t>(lists.groups.size());
       partner = j;
       const std::uint32_t first = lists.pairs.count();
-      lists.groups.push_back({first, first, {travel_block(world, i), travel_block(world, j)}});
+      lists.groups.push_back({first, first, {travel_block(world, i), travel_block(world, j)}, 0.0});
     }
     const bool terrain = cell_of(world, a).is_static || cell_of(world, b).is_static;
     const double skin = (terrain ? terrain_skin : moving_skin) * world.length_scale;
@@ -286,6 +287,7 @@ void ContactSearch::list_pairs(const Model::Compiled& world, ContactLists& lists
     list_corners(world, points, b, a, box(a), skin, lists.pairs);
     lists.groups.back().last = lists.pairs.count();
   }
+  lists.pairs.all_are_due();
   for (; object < lists.first_group.size(); ++object)
     lists.first_group[object] = static_cast<std::uint32_t>(lists.groups.size());
   lists.pairs_valid = true;

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
-#include <set>
+#include <map>
 
 #include "cli/command.h"
 #include "cli/data.h"
@@ -58,9 +58,18 @@ std::vector<Robot> read_any(const std::vector<std::string>& files) {
   return robots;
 }
 
-void keep_first_of_each(std::vector<Robot>& robots) {
-  std::set<std::string> seen;
-  std::erase_if(robots, [&](const Robot& robot) { return !seen.insert(robot.id).second; });
+// Where it first came, as it was in the end.
+void keep_one_of_each(std::vector<Robot>& robots) {
+  std::map<std::string, std::size_t> seen;
+  std::vector<Robot> kept;
+  for (Robot& robot : robots) {
+    const auto [place, is_new] = seen.emplace(robot.id, kept.size());
+    if (is_new)
+      kept.push_back(std::move(robot));
+    else if (has_gone_on(kept[place->second], robot))
+      kept[place->second] = std::move(robot);
+  }
+  robots = std::move(kept);
 }
 
 std::string letters(const Body& body) {
@@ -262,7 +271,7 @@ int main(int argc, char** argv) {
     if (write_policy_document(files, to, command.output)) return 0;
     if (target.write == nullptr) throw error(Failure::usage, "--to {} is not for robots", to);
     std::vector<Robot> robots = read_any(files);
-    if (unique) keep_first_of_each(robots);
+    if (unique) keep_one_of_each(robots);
     target.write(robots, command.output);
     return 0;
   });

@@ -36,17 +36,24 @@ struct Options {
 
 // ---- init -------------------------------------------------------------------------
 
-// The options of evo-train that a run's settings stand for; errors begin with `file`.
-std::vector<std::string> training_words(const RunSettings& settings, const std::string& file) {
+// The options of evo-train that a run's settings stand for in a generation; errors begin
+// with `file`.
+std::vector<std::string> training_words(const RunSettings& settings, int generation,
+                                        const std::string& file) {
   std::vector<std::string> words{"evo-train"};
   const auto give = [&](const char* option, const std::string& value) {
     words.emplace_back(option);
     words.push_back(value);
   };
   give("--task", settings.text("task"));
-  give("--steps", settings.text("steps"));
-  if (settings.find("founder_steps") != nullptr)
-    give("--founder-steps", settings.text("founder_steps"));
+  if (settings.find("rungs") != nullptr) {
+    give("--steps", fmt::format("{}", settings.steps(generation)));
+    if (settings.goes_on(generation)) words.emplace_back("--keep-checkpoint");
+  } else {
+    give("--steps", settings.text("steps"));
+    if (settings.find("founder_steps") != nullptr)
+      give("--founder-steps", settings.text("founder_steps"));
+  }
   if (settings.text("algo") != "profile") give("--algo", settings.text("algo"));
   give("--train", settings.text("train"));
   if (settings.text("physics") != "task") give("--physics", settings.text("physics"));
@@ -75,7 +82,7 @@ int check_training(const cli::Command& asked, const RunSettings& settings) {
   if (const std::string* other = settings.find("evaluate"); other && !other->empty()) return 0;
   for (const char* needed : {"task", "steps", "algo", "train", "physics", "seed"})
     if (settings.find(needed) == nullptr) return 0;
-  return with_training(asked, training_words(settings, ""),
+  return with_training(asked, training_words(settings, 0, ""),
                        [](cli::Command&, const cli::TrainingOptions& options) {
                          (void)options.task.load();
                          (void)options.founder_settings();
@@ -114,10 +121,10 @@ std::vector<int> slot_numbers(const std::vector<std::string>& words) {
 }
 
 // The command line of evo-train for this run.
-std::vector<std::string> training_words(const RunFolder& run) {
+std::vector<std::string> training_words(const RunFolder& run, int generation) {
   const RunSettings& settings = run.settings();
   std::vector<std::string> words =
-      training_words(settings, (run.path() / "run.yaml").string() + ": ");
+      training_words(settings, generation, (run.path() / "run.yaml").string() + ": ");
   words.insert(words.begin() + 1, {"--out-dir", run.policies().string(), "--log-dir",
                                    run.logs().string(), "--resume"});
   if (const std::string* inherit = settings.find("inherit"); inherit && *inherit == "yes")
@@ -154,6 +161,7 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
 
   const auto work = [&](cli::Command& command, cli::TrainingOptions& options) {
     options.sharded = run.layout() == Layout::steady;
+    options.in_rungs = run.settings().find("rungs") != nullptr;
     command.jobs = asked.jobs;
     command.progress = asked.progress;
     command.quiet |= asked.quiet;
@@ -172,7 +180,7 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
     if (status != 0) asked.warn("interrupted; give the same command again to go on");
     return status;
   };
-  return with_training(asked, training_words(run), work);
+  return with_training(asked, training_words(run, generation), work);
 }
 
 // Seconds for a process that is coming to its end to let go.

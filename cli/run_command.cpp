@@ -21,6 +21,8 @@ std::vector<Variable> variables_of(bool steady, const std::string& profile) {
                                      {"EVALS", "evaluations"},
                                      {"STEPS", "steps"},
                                      {"FOUNDER_STEPS", "founder_steps"},
+                                     {"RUNGS", "rungs", "3"},
+                                     {"PARENTS", "parents"},
                                      {"SEED", "seed"},
                                      {"SHAPE", "shape"},
                                      {"ALGO", "algo", ours ? "ppo" : "profile"},  // evolve.mk

@@ -256,7 +256,9 @@ Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
   const bool resumed = start.checkpoint.has_value();
   if (resumed) {
     restore(trainer, *start.checkpoint, paths.checkpoint);
-    job.command.note(fmt::format("robot {}: goes on from {}", robot.id, paths.checkpoint.string()));
+    if (!job.options.in_rungs)
+      job.command.note(
+          fmt::format("robot {}: goes on from {}", robot.id, paths.checkpoint.string()));
   } else if (fs::exists(paths.checkpoint)) {
     job.command.note(fmt::format("robot {}: begins anew; --resume would go on from {}", robot.id,
                                  paths.checkpoint.string()));
@@ -293,6 +295,9 @@ Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
   }
   const TrainResult result = trainer.result();
   log.end(clock.seconds());
+  // Before the policy, which says that the training has ended.
+  const bool keeps = job.options.keep_checkpoint && !result.failure;
+  if (keeps) save();
   if (!result.failure)
     save_policy(paths.policy,
                 make_policy_file(robot, arena, job.training, job.seed, result,
@@ -300,10 +305,7 @@ Trained train_robot(const Robot& robot, std::size_t index, const Job& job,
                 job.options.force || replaces_part);
   job.rescue.forget(index);
   std::error_code ignored;
-  if (job.options.keep_checkpoint && !result.failure)
-    save();
-  else
-    fs::remove(paths.checkpoint, ignored);
+  if (!keeps) fs::remove(paths.checkpoint, ignored);
   if (job.options.curve) write_curve(*job.options.curve, result.curve);
   trained.robot = result.failure ? failed(robot, job, *result.failure)
                                  : scored(robot, paths.policy, job, arena);

@@ -34,7 +34,8 @@ struct TrainingOptions {
   bool force = false;
   bool behaviour = false;
   std::string failures = "stop";
-  bool sharded = false;  // into folders by the first two digits of ids; no option
+  bool sharded = false;   // into folders by the first two digits of ids; no option
+  bool in_rungs = false;  // trainings go on as a rule, which is not worth a note; no option
 
   // All of them, --seed, --output, --jobs and --progress included.
   void add_to(Command& command);

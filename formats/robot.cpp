@@ -468,6 +468,10 @@ void Robot::set_failure(const RobotFailure& failure) {
   if (failure.seed) written["seed"] = *failure.seed;
 }
 
+bool has_gone_on(const Robot& before, const Robot& later) {
+  return later.fitness() && later.steps().value_or(0) > before.steps().value_or(0);
+}
+
 Robot make_child(Body body, const std::vector<std::string>& parents, const std::string& tool,
                  std::uint64_t seed, std::uint64_t index) {
   Robot child(std::move(body));

@@ -42,6 +42,10 @@ struct Robot {
   void set_failure(const RobotFailure& failure);  // fitness is null
 };
 
+// Whether `later` is a robot that was scored `before`, after more steps of its training. One
+// whose training failed when it went on has its fitness from before.
+bool has_gone_on(const Robot& before, const Robot& later);
+
 // A child of an operator: `body`, the ids of its parents, and where it came from.
 // `index` counts the outputs of `tool` under `seed`.
 Robot make_child(Body body, const std::vector<std::string>& parents, const std::string& tool,

@@ -200,9 +200,19 @@ int RunSettings::number(const std::string& name) const {
   return *value;
 }
 
-int RunSettings::steps(int generation) const {
-  return number(generation == 0 && find("founder_steps") != nullptr ? "founder_steps" : "steps");
+int RunSettings::rungs_left(int generation) const {
+  constexpr int most = 30;  // halvings of a number of steps
+  if (find("rungs") == nullptr) return 0;
+  const int rungs = std::clamp(number("rungs"), 1, most);
+  return rungs - 1 - generation % rungs;
 }
+
+int RunSettings::steps(int generation) const {
+  const bool founders = generation == 0 && find("founder_steps") != nullptr;
+  return std::max(1, number(founders ? "founder_steps" : "steps") >> rungs_left(generation));
+}
+
+bool RunSettings::goes_on(int generation) const { return rungs_left(generation) > 0; }
 
 std::string RunSettings::to_yaml() const {
   std::string text =
@@ -370,17 +380,23 @@ void RunHistory::read_generation(Generation& generation) {
   }
 }
 
+// A robot is scored once, unless its training goes on in a later generation.
 void RunHistory::add(Generation& generation, std::size_t slot, Robot robot) {
   if (slot >= generation.slots.size()) generation.slots.resize(slot + 1);
   const auto [known, is_new] = by_id_.emplace(robot.id, robots_.size());
-  generation.slots[slot] = known->second;
-  if (!is_new) return;
-  TrainedRobot trained{std::move(robot), generation.number, std::nullopt, {}};
+  const std::size_t index = known->second;
+  generation.slots[slot] = index;
+  if (is_new)
+    robots_.push_back({std::move(robot), generation.number, std::nullopt, {}});
+  else if (has_gone_on(robots_[index].robot, robot))
+    robots_[index].robot = std::move(robot);
+  else
+    return;
+  TrainedRobot& trained = robots_[index];
   trained.fitness = trained.robot.fitness();
-  if (!trained.fitness) trained.failure = why_failed(trained.robot);
+  trained.failure = trained.fitness ? "" : why_failed(trained.robot);
   if (trained.fitness && (!champion_ || *trained.fitness > *robots_[*champion_].fitness))
-    champion_ = robots_.size();
-  robots_.push_back(std::move(trained));
+    champion_ = index;
 }
 
 // Whole lines after what was read before; a line being written waits for its end.

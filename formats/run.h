@@ -62,12 +62,18 @@ class RunSettings {
   // Throws Error(data) for a setting that is missing, or is not a number from 0.
   const std::string& text(const std::string& name) const;
   int number(const std::string& name) const;
-  // Of each training of a generation: founders, in the first, may be given more.
+  // Of each training of a generation, from its beginning: founders, in the first, may be
+  // given more; in a race (scripts/race.mk) those of each rung have half of the next one's.
   int steps(int generation) const;
+  // Whether the best trainings of a generation go on in the next one: all rungs of a race but
+  // the last.
+  bool goes_on(int generation) const;
 
   std::string to_yaml() const;
 
  private:
+  int rungs_left(int generation) const;  // of its race, after this one; 0 without races
+
   std::vector<RunSetting> list_;
   std::string file_ = "run.yaml";  // for messages
 };
@@ -189,7 +195,7 @@ class RunFolder {
 // ---- what has been done -------------------------------------------------------------
 
 struct TrainedRobot {
-  Robot robot;
+  Robot robot;                    // scored last, if its training went on
   int generation = 0;             // where it was scored first
   std::optional<double> fitness;  // nothing: its training failed
   std::string failure;            // why, if it did

@@ -177,7 +177,7 @@ $(TRAINED): | $(POPULATION)
 	@$(train_slots) $(GEN) $(basename $(@F))
 
 $(GENERATION)/scores.jsonl: | $(TRAINED)
-	@cat $(SLOTS) > '$@.tmp' && mv '$@.tmp' '$@'
+	@cat $(SLOTS) /dev/null > '$@.tmp' && mv '$@.tmp' '$@'
 
 $(GENERATION)/ranking.tsv: | $(GENERATION)/scores.jsonl
 	@$(rank_generation) $(GEN)

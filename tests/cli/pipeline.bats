@@ -207,6 +207,59 @@ kill_and_repeat() {
   (cd "$EVO_SOURCE" && eval "$(evo-run command "$BATS_TEST_TMPDIR/run") -s")
 }
 
+# Of the robot of a line of JSON: how long it was trained, and what it earned.
+steps_and_fitness() { jq -c 'select(.id == "'"$2"'") | [.steps, .fitness]' "$1"; }
+
+@test "race: half of the robots go on to twice the steps, in one training each" {
+  run_make race run POP=5 EVALS=8 RUNGS=3 STEPS=8192 INHERIT=yes -j2
+  [ "$(wc -l run/gen-*/population.jsonl | awk '{ printf "%s ", $1 }')" = "5 3 2 3 2 1 16 " ]
+  [ "$(jq -r .steps run/gen-*/scores.jsonl | paste -s -d ' ')" = \
+    "2048 2048 2048 2048 2048 4096 4096 4096 8192 8192 2048 2048 2048 4096 4096 8192" ]
+  # Those that go on are the best, and nothing is left of the others' trainings.
+  for rung in 1 2 4 5; do
+    before=run/gen-00$((rung - 1))
+    diff <(jq -r .id "run/gen-00$rung/population.jsonl") \
+      <(head -n "$(wc -l < "run/gen-00$rung/population.jsonl")" "$before/ranking.tsv" | cut -f1)
+  done
+  [ -z "$(find run/policies -name '*.checkpoint.h5')" ]
+  # Every robot once, as it was in the end.
+  [ "$(wc -l < run/history.jsonl)" -eq 8 ]
+  champion=$(jq -r .id run/best.json)
+  [ "$(jq .steps run/best.json)" -eq 8192 ]
+  [ "$(steps_and_fitness run/history.jsonl "$champion")" = "[8192,$(jq .fitness run/best.json)]" ]
+  evo-eval --policy run/best.policy.h5 run/best.json | jq -e ".fitness == $(jq .fitness run/best.json)"
+  evo-inspect run | grep -q '8 of 8 trained, 0 left'
+  # Parents have run to the end.
+  for parent in $(jq -r '.parents[]' run/gen-003/population.jsonl); do
+    grep -q "^$parent" run/gen-002/ranking.tsv
+  done
+  # The same as by hand.
+  robot=$(head -n1 run/gen-002/ranking.tsv | cut -f1)
+  jq -c "select(.id == \"$robot\")" run/gen-000/population.jsonl > robot.json
+  for steps in 2048 4096 8192; do
+    evo-train -q robot.json --task Walker-v0 --algo ppo --steps $steps --seed 1 --resume --keep-checkpoint --out-dir byhand -o byhand.json
+  done
+  [ "$(steps_and_fitness byhand.json "$robot")" = "$(steps_and_fitness run/gen-002/scores.jsonl "$robot")" ]
+}
+
+@test "race: the same bytes, killed or not" {
+  settings+=(RUNGS=2 INHERIT=yes)
+  kill_and_repeat race killed 12
+  run_make race whole
+  diff <(essence killed) <(essence whole)
+}
+
+@test "race: what cannot be meant is refused before anything is made" {
+  run --separate-stderr run_make race run RUNGS=0
+  [ "$status" -eq 2 ]
+  [[ "$stderr" == *"RUNGS is a number from 1 to 30, not '0'"* ]]
+  run --separate-stderr run_make race run FOUNDER_STEPS=8192
+  [[ "$stderr" == *"FOUNDER_STEPS is no setting of race.mk"* ]]
+  run --separate-stderr run_make race run EVALUATE=true
+  [[ "$stderr" == *"EVALUATE is no setting of race.mk"* ]]
+  [ ! -e run ]
+}
+
 @test "neat and bo: killed, they end with the same result" {
   for method in neat bo; do
     run_make $method $method-calm -j2

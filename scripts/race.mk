@@ -1,0 +1,62 @@
+# Races between trainings, as a pipeline: steps go where they pay.
+#
+#   make -f scripts/race.mk RUN=runs/race TASK=UpStepper-v0 POP=32 RUNGS=3 EVALS=96 STEPS=262144 INHERIT=yes SEED=1 -j8
+#
+# POP robots start. The better half of them goes on to twice the steps, the better half of
+# those again, until RUNGS rungs are done and the last few have had STEPS; successive
+# halving (Jamieson and Talwalkar 2016). Then POP children of the PARENTS best robots that any
+# race took to the end start the next race, until EVALS robots have. So only robots of
+# equal maturity are compared, and a child has a race of its own before it meets its elders.
+#
+# A rung is a generation of the run. A training that goes on is one training: what an
+# interruption and --resume do, with the policy of the shorter one beside it meanwhile.
+
+METHOD := race
+RUNGS   ?= 3
+PARENTS ?= $(shell echo $$(( ($(POP) + 7) / 8 )))
+# Of evo-sample, such as --encoding cppn, and of evo-mutate.
+SAMPLE_OPTIONS ?=
+MUTATE_OPTIONS ?=
+METHOD_SETTINGS = rungs=$(RUNGS) parents=$(PARENTS) \
+  $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') mutate_options='$(MUTATE_OPTIONS)'
+GENERATIONS = $(call counting,$(shell echo $$(( $(call batches,$(EVALS),$(POP)) * $(RUNGS) ))))
+# As many as the population has: of trainings that failed none goes on.
+slots = $(call counting,$(call lines_or,$(POPULATION),0))
+
+all:
+
+include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
+
+$(if $(shell [ '$(RUNGS)' -ge 1 ] 2> /dev/null && [ '$(RUNGS)' -le 30 ] && echo yes),,\
+  $(error RUNGS is a number from 1 to 30, not '$(RUNGS)'))
+$(if $(FOUNDER_STEPS),$(error FOUNDER_STEPS is no setting of race.mk: every race has the same rungs))
+$(if $(EVALUATE),$(error EVALUATE is no setting of race.mk: what is not trained cannot go on))
+
+ifdef GEN
+race := $(shell echo $$(( $(GEN) / $(RUNGS) )))
+rung := $(shell echo $$(( $(GEN) % $(RUNGS) )))
+entrants = $(call batch_size,$(race))
+# The last rungs of the races before.
+ENDED = $(foreach generation,$(shell seq $$(( $(RUNGS) - 1 )) $(RUNGS) $$(( $(GEN) - 1 ))),$(shell printf '$(RUN)/gen-%03d' $(generation)))
+scored = jq -c 'select(.fitness != null)'
+
+$(POPULATION):
+	@mkdir -p '$(@D)'
+ifneq ($(rung),0)
+	@half=$$(( ($$(wc -l < '$(PREVIOUS)/population.jsonl') + 1) / 2 )); \
+	  $(scored) '$(PREVIOUS)/scores.jsonl' | evo-select --keep $$half | \
+	  jq -c 'del(.fitness, .task, .steps, .policy, .final, .behaviour)' > '$@.tmp'
+	@for id in $$(jq -r .id '$(PREVIOUS)/population.jsonl'); do \
+	  grep -q "\"id\":\"$$id\"" '$@.tmp' || rm -f "$(RUN)/policies/$$id.checkpoint.h5"; done
+	@mv '$@.tmp' '$@'
+else ifeq ($(race),0)
+	@evo-sample -n $(entrants) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,$(GEN)) -o '$@'
+else
+	@$(scored) $(ENDED:%='%/scores.jsonl') > '$@.parents.tmp'
+	@[ -s '$@.parents.tmp' ] || $(scored) $(ALL_BEFORE:%='%/scores.jsonl') > '$@.parents.tmp'
+	@evo-select --keep $(PARENTS) '$@.parents.tmp' | \
+	  evo-mutate -n $(entrants) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \
+	    $(ALL_BEFORE:%=--avoid '%/population.jsonl') -o '$@'
+	@rm '$@.parents.tmp'
+endif
+endif

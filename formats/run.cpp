@@ -16,6 +16,7 @@
 
 #include "formats/files.h"
 #include "formats/format.h"
+#include "formats/training_log.h"
 #include "formats/yaml.h"
 
 namespace evo {
@@ -471,8 +472,14 @@ std::vector<SlotStatus> RunHistory::slots(const Generation& generation) const {
       status.why = trained.failure;
     } else if (k < generation.population.size()) {
       status.robot = generation.population[k];
-      // A survivor has a log of its first generation, and waits to be copied.
-      const bool begun = !by_id_.contains(status.robot) && fs::exists(folder_.log(status.robot));
+      // A survivor has a log of its first generation, and waits to be copied, or to go on.
+      const auto known = by_id_.find(status.robot);
+      const fs::path log = folder_.log(status.robot);
+      const bool begun =
+          fs::exists(log) &&
+          (known == by_id_.end() ||
+           read_training_log(log).step >
+               static_cast<double>(robots_[known->second].robot.steps().value_or(0)));
       status.state = begun ? SlotState::training : SlotState::waiting;
     }
     list.push_back(std::move(status));

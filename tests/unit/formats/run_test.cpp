@@ -231,6 +231,49 @@ TEST_CASE("a history follows a run while it grows") {
   CHECK(again.seconds() == 4.0);
 }
 
+TEST_CASE(
+    "in a race, a generation is a rung, and robots that go on count with their last fitness") {
+  const test::ScratchFolder scratch;
+  const RunSettings settings = RunSettings::from_words({"steps=1000", "rungs=3"});
+  const RunFolder run = RunFolder::create(scratch.path() / "run", settings);
+  for (const int race : {0, 1}) {
+    CHECK(settings.steps(3 * race) == 250);
+    CHECK(settings.steps(3 * race + 1) == 500);
+    CHECK(settings.steps(3 * race + 2) == 1000);
+    CHECK(settings.goes_on(3 * race + 1));
+    CHECK_FALSE(settings.goes_on(3 * race + 2));
+  }
+  const auto after = [](Robot robot, int steps) {
+    robot.document["steps"] = steps;
+    return robot;
+  };
+  const std::vector<std::string> one{"HV"}, two{"VH"}, three{"VV"};
+  write_robots(run.scores(0), {after(scored(one, 1.0), 250), after(scored(two, 2.0), 250),
+                               after(scored(three, 0.0), 250)});
+  write_file(run.ranking(0), "");
+  write_robots(run.population(1), {robot(two), robot(one)});
+  TrainingLog log(run.log(robot(one).id));
+  log.begin("evo-train", "Walker-v0", false);
+  RunHistory history(run);
+  CHECK(history.champion()->robot.id == robot(two).id);
+  CHECK(history.slots(history.generations()[1])[1].state == SlotState::waiting);
+  TrainingReport report;
+  report.step = 300;
+  report.metrics = {{"eval/return", 1.5}};
+  log.line(report, 1.0);
+  CHECK(history.slots(history.generations()[1])[1].state == SlotState::training);
+
+  write_robots(run.slot({1, 0}), {after(failed(two), 400)});  // has what it had before
+  write_robots(run.slot({1, 1}), {after(scored(one, 3.0), 500)});
+  history.update();
+  REQUIRE(history.robots().size() == 3);
+  CHECK(history.champion()->robot.id == robot(one).id);
+  CHECK(history.champion()->fitness == 3.0);
+  CHECK(history.champion()->robot.steps() == 500);
+  CHECK(history.champion()->generation == 0);
+  CHECK(history.robots()[history.by_id().at(robot(two).id)].fitness == 2.0);
+}
+
 TEST_CASE("how busy the cores of a run were: pauses of all of them do not count") {
   const test::ScratchFolder scratch;
   const RunFolder run = RunFolder::create(scratch / "run", RunSettings::from_words(words));

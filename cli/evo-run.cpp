@@ -69,6 +69,7 @@ std::vector<std::string> training_words(const RunSettings& settings, int generat
 int with_training(const cli::Command& asked, std::vector<std::string> words,
                   const std::function<int(cli::Command&, cli::TrainingOptions&)>& work) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size());
   for (std::string& word : words) arguments.push_back(word.data());
   cli::Command command(asked.name(), "");
   cli::TrainingOptions options;
@@ -90,7 +91,8 @@ int check_training(const cli::Command& asked, const RunSettings& settings) {
                        });
 }
 
-int init(const cli::Command& asked, const std::string& folder, std::vector<std::string> words) {
+int init(const cli::Command& asked, const std::string& folder,
+         const std::vector<std::string>& words) {
   const RunSettings settings = RunSettings::from_words(words);
   const int status = check_training(asked, settings);
   if (status == 0) RunFolder::create(folder, settings);

@@ -1,5 +1,5 @@
 // The geometry that contact is about: points and cells of one environment. Private
-// to contact.cpp and contact_search.cpp.
+// to contact.cpp, contact_look-inl.h and contact_search.cpp.
 #pragma once
 
 #include <algorithm>

@@ -32,7 +32,7 @@ struct ContactGroup {
   std::uint32_t first = 0;
   std::uint32_t last = 0;
   std::array<std::uint32_t, 2> blocks{};  // of the plan; their number for static objects
-  double due = 0.0;                       // none of the candidates is before
+  double due = 0.0;                       // no candidate is due before
 };
 
 // Of one environment. The positions that lists were found at are in its group's Rows.

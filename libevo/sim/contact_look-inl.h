@@ -1,6 +1,5 @@
-// Which contact candidates are corners inside cells, a register of them at a time. Included once
-// per instruction set (see Highway's
-// "-inl.h" files).
+// Which contact candidates are corners inside cells, a register of them at a time.
+// Included once per instruction set (see Highway's "-inl.h" files).
 
 #if defined(LIBEVO_SIM_CONTACT_LOOK_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LIBEVO_SIM_CONTACT_LOOK_INL_H_

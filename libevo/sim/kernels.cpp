@@ -23,7 +23,7 @@
 // have a result of their own.
 //
 // A substep is
-//   contacts      scalar, environment by environment (contact.h)
+//   contacts      candidates side by side, forces one by one (contact.h)
 //   4 x { springs: length, force
 //         points: gather, integrate }   following the springs at a distance
 //   strain limits, first all springs at once, then rigid cells one by one

@@ -241,7 +241,8 @@ int main(int argc, char** argv) {
       "folder of rollouts) [by the ending of -o, else jsonl]");
   command.option("--dataset-id", dataset_id, "ID",
                  "of the Minari dataset [evo/<task>/rollouts-v0]");
-  command.flag("--unique", unique, "each body once, where it first came");
+  command.flag("--unique", unique,
+               "each body once, where it first came, with the fitness of its longest training");
   command.option("--task", task.task, "TASK",
                  "instead of robots, the world of a task as design-tool JSON");
   command.output_option("where it goes");

@@ -202,15 +202,16 @@ int RunSettings::number(const std::string& name) const {
 }
 
 int RunSettings::rungs_left(int generation) const {
-  constexpr int most = 30;  // halvings of a number of steps
   if (find("rungs") == nullptr) return 0;
-  const int rungs = std::clamp(number("rungs"), 1, most);
+  const int rungs = std::max(1, number("rungs"));
   return rungs - 1 - generation % rungs;
 }
 
 int RunSettings::steps(int generation) const {
+  constexpr int most = 30;  // halvings that leave anything
   const bool founders = generation == 0 && find("founder_steps") != nullptr;
-  return std::max(1, number(founders ? "founder_steps" : "steps") >> rungs_left(generation));
+  return std::max(
+      1, number(founders ? "founder_steps" : "steps") >> std::min(rungs_left(generation), most));
 }
 
 bool RunSettings::goes_on(int generation) const { return rungs_left(generation) > 0; }

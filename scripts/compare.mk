@@ -4,6 +4,7 @@
 #   make -f scripts/compare.mk RUN=runs/compare TASKS="Walker-v0 Carrier-v0" METHODS="ga neat bo" SEEDS="1 2 3" \
 #     POP=25 EVALS=250 STEPS=65536 -j8
 #
+# Compared are robots: those of a race have fewer steps each, but for its last rungs.
 # Runs are $(RUN)/task/method-seed; other settings (TRAIN, PHYSICS, ..) go to all
 # of them. Killed and given again it goes on; more SEEDS or METHODS later add to
 # what is there. Ends with compare.tsv, compare.svg and compare.html in $(RUN).
@@ -28,9 +29,9 @@ SEEDS   ?= 1 2 3
 # svg, png or pdf
 PLOT    ?= svg
 
-known := ga neat bo map steady-ga steady-neat steady-bo
+known := ga neat bo map race steady-ga steady-neat steady-bo
 unknown := $(filter-out $(known),$(METHODS))
-$(if $(unknown),$(error METHODS may be ga, neat, bo and map, with generations, and steady-ga, steady-neat and steady-bo, without; there is no '$(unknown)'))
+$(if $(unknown),$(error METHODS may be ga, neat, bo, map and race, with generations, and steady-ga, steady-neat and steady-bo, without; there is no '$(unknown)'))
 # The pipeline of a method.
 pipeline = $(if $(filter steady-%,$(1)),'$(SCRIPTS)steady.mk' METHOD=$(patsubst steady-%,%,$(1)),'$(SCRIPTS)$(1).mk')
 

@@ -45,6 +45,9 @@ STEPS  ?= 512000
 # Steps of the robots of the first generation, which have no parents [STEPS].
 FOUNDER_STEPS ?=
 SEED   ?= 0
+# Refuses a variable whose value is not a number from 1.
+must_count = $(if $(shell [ '$($(1))' -ge 1 ] 2> /dev/null && echo yes),,$(error $(1) is a number from 1, not '$($(1))'))
+$(call must_count,POP)$(call must_count,EVALS)
 SHAPE  ?= $(if $(filter Lifter-v0,$(TASK)),5x7,5x5)
 TRAIN  ?= default
 # What trains: a name of evo-train --algo, or the profile's own.

@@ -27,8 +27,7 @@ all:
 
 include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
 
-$(if $(shell [ '$(RUNGS)' -ge 1 ] 2> /dev/null && [ '$(RUNGS)' -le 30 ] && echo yes),,\
-  $(error RUNGS is a number from 1 to 30, not '$(RUNGS)'))
+$(call must_count,RUNGS)$(call must_count,PARENTS)
 $(if $(FOUNDER_STEPS),$(error FOUNDER_STEPS is no setting of race.mk: every race has the same rungs))
 $(if $(EVALUATE),$(error EVALUATE is no setting of race.mk: what is not trained cannot go on))
 

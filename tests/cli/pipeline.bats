@@ -242,6 +242,22 @@ steps_and_fitness() { jq -c 'select(.id == "'"$2"'") | [.steps, .fitness]' "$1";
   [ "$(steps_and_fitness byhand.json "$robot")" = "$(steps_and_fitness run/gen-002/scores.jsonl "$robot")" ]
 }
 
+@test "race: one that fails as a whole ends nothing, and the next has its parents from before" {
+  settings+=(EVALS=12 RUNGS=2 INHERIT=yes)
+  run_make race run EVALS=4 -j2 # a race alone, to have its first generations
+  mkdir again && cp -r run/gen-000 run/gen-001 run/policies run/logs run/timings again
+  sed 's/^evaluations: .*/evaluations: 12/' run/run.yaml > again/run.yaml
+  run_make race again GEN=2 again/gen-002/population.jsonl
+  evo-run fail again --generation 2 --slot 0-3 --why "its machine was taken away"
+  run_make race again -j2
+  [ ! -s again/gen-003/population.jsonl ]
+  [ "$(wc -l < again/gen-004/population.jsonl)" -eq 4 ]
+  [ "$(wc -l < again/history.jsonl)" -eq 12 ]
+  for parent in $(jq -r '.parents[]' again/gen-004/population.jsonl); do
+    grep -q "^$parent" again/gen-001/ranking.tsv
+  done
+}
+
 @test "race: the same bytes, killed or not" {
   settings+=(RUNGS=2 INHERIT=yes)
   kill_and_repeat race killed 12
@@ -252,7 +268,14 @@ steps_and_fitness() { jq -c 'select(.id == "'"$2"'") | [.steps, .fitness]' "$1";
 @test "race: what cannot be meant is refused before anything is made" {
   run --separate-stderr run_make race run RUNGS=0
   [ "$status" -eq 2 ]
-  [[ "$stderr" == *"RUNGS is a number from 1 to 30, not '0'"* ]]
+  [[ "$stderr" == *"RUNGS is a number from 1, not '0'"* ]]
+  run --separate-stderr run_make race run PARENTS=none
+  [[ "$stderr" == *"PARENTS is a number from 1, not 'none'"* ]]
+  for method in race map neat ga; do
+    run --separate-stderr run_make $method run POP=0
+    [ "$status" -eq 2 ]
+    [[ "$stderr" == *"POP is a number from 1, not '0'"* ]]
+  done
   run --separate-stderr run_make race run FOUNDER_STEPS=8192
   [[ "$stderr" == *"FOUNDER_STEPS is no setting of race.mk"* ]]
   run --separate-stderr run_make race run EVALUATE=true

@@ -24,6 +24,7 @@ constexpr int longest_attempt = 100;
 constexpr int rhythm_lasts = 3;  // times as long as other attempts
 constexpr int rivals = 3;        // moments, the fastest of which lends its gait
 constexpr int pace_steps = 40;   // control steps over which they are compared
+constexpr double delays = 0.03;  // share of attempts that do again later what came too early
 constexpr int slot = 10;         // control steps between moments of highest return
 constexpr int steps_gained = 3;  // by every moment that enters the archive
 
@@ -154,16 +155,43 @@ SequenceSearch::Moment* SequenceSearch::choose_time() {
   return moments.empty() ? nullptr : moments[random_.discrete(weights)];
 }
 
-SequenceSearch::Attempt SequenceSearch::attempt() {
-  Attempt attempt;
-  if (start_is_due_) {
-    start_is_due_ = false;
-    attempt.at = soonest_.at(level_of(0.0));
-    attempt.steps_left = episode_steps();
-    attempt.replays = true;
-    if (const auto* gait = std::get_if<SineController>(&*start_)) attempt.at.gait = *gait;
-    return attempt;
+// The highest level that no episode has had at its end, of those not yet delayed.
+SequenceSearch::Moment* SequenceSearch::choose_early() {
+  if (ended_.empty()) return nullptr;
+  for (auto it = soonest_.rbegin(); it != soonest_.rend(); ++it) {
+    if (it->second.earned() < ended_return_ + level_height_) return nullptr;
+    if (!it->second.delayed) return &it->second;
   }
+  return nullptr;
+}
+
+// The end of the episode becomes the moment.
+ReplayController SequenceSearch::after_a_rest(const Moment& moment) const {
+  const auto rest = static_cast<std::size_t>(episode_steps() - steps_of(moment));
+  ReplayController sequence{std::vector<double>(rest * places_.size(), target(1.0)),
+                            static_cast<int>(places_.size())};
+  sequence.actions.insert(sequence.actions.end(), moment.actions.begin(), moment.actions.end());
+  return sequence;
+}
+
+SequenceSearch::Attempt SequenceSearch::whole_episode(Start replayed) {
+  Attempt attempt;
+  attempt.at = soonest_.at(level_of(0.0));
+  attempt.steps_left = episode_steps();
+  if (const auto* gait = std::get_if<SineController>(&replayed)) attempt.at.gait = *gait;
+  attempt.replayed = std::move(replayed);
+  return attempt;
+}
+
+SequenceSearch::Attempt SequenceSearch::attempt() {
+  if (std::exchange(start_is_due_, false)) return whole_episode(*start_);
+  if (random_.uniform() < delays) {
+    if (Moment* early = choose_early()) {
+      early->delayed = true;
+      return whole_episode(after_a_rest(*early));
+    }
+  }
+  Attempt attempt;
   Moment* from = random_.integer(0, 1) == 0 ? choose_time() : nullptr;
   if (from == nullptr) from = choose_level();
   if (from == nullptr) return attempt;
@@ -194,8 +222,8 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
 
 void SequenceSearch::choose_targets(Attempt& attempt, std::span<double> targets) {
   const int t = steps_of(attempt.at);
-  if (attempt.replays) {
-    std::visit([&](const auto& start) { act(start, t, targets); }, *start_);
+  if (attempt.replayed) {
+    std::visit([&](const auto& controller) { act(controller, t, targets); }, *attempt.replayed);
     for (double& value : targets) value = std::clamp(value, low(), high());
     return;
   }
@@ -228,7 +256,7 @@ std::int64_t SequenceSearch::measure_level_height(std::int64_t budget) {
   if (budget < std::int64_t{count} * episode_steps()) return 0;
   for (int e = 0; e < count; ++e) {
     Attempt episode;
-    episode.replays = start_.has_value();
+    episode.replayed = start_;
     if (!start_) episode.at.gait = new_gait();
     std::vector<double> targets(places_.size());
     for (int t = 0; t < episode_steps(); ++t) {
@@ -261,6 +289,7 @@ void SequenceSearch::enter(Moments& moments, std::int64_t place, Attempt& attemp
   there->second = attempt.at;
   there->second.state = env_.save(lane);
   there->second.visits = visits;
+  there->second.delayed = false;
   attempt.steps_left += steps_gained;
 }
 
@@ -381,11 +410,13 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
   std::vector<double> actions;
   std::vector<double> earnings;
   std::vector<double> gaits;
+  std::vector<std::uint8_t> delayed;
   for (const auto& [place, moment] : moments) {
     const SineController& gait = moment.gait;
     counts.insert(counts.end(), {moment.state.size(), moment.actions.size(), gait.phase.size(),
                                  static_cast<std::uint64_t>(moment.repeated),
                                  static_cast<std::uint64_t>(moment.visits)});
+    delayed.push_back(moment.delayed ? 1 : 0);
     states.insert(states.end(), moment.state.begin(), moment.state.end());
     actions.insert(actions.end(), moment.actions.begin(), moment.actions.end());
     earnings.insert(earnings.end(), moment.earnings.begin(), moment.earnings.end());
@@ -398,6 +429,7 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
   checkpoint.put(name + "/actions", std::move(actions));
   checkpoint.put(name + "/earnings", std::move(earnings));
   checkpoint.put(name + "/gaits", std::move(gaits));
+  checkpoint.put(name + "/delayed", std::move(delayed));
 }
 
 namespace {
@@ -434,13 +466,15 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
 std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoint& checkpoint,
                                                                  const std::string& name) const {
   const auto& counts = checkpoint.get<std::uint64_t>(name + "/counts");
-  if (counts.size() % 5 != 0) throw Error(Failure::data, "checkpoint: its archive is cut short");
+  const auto& delayed = checkpoint.get<std::uint8_t>(name + "/delayed");
+  if (counts.size() != 5 * delayed.size())
+    throw Error(Failure::data, "checkpoint: its archive is cut short");
   std::span<const std::uint8_t> states = checkpoint.get<std::uint8_t>(name + "/states");
   std::span<const double> actions = checkpoint.get<double>(name + "/actions");
   std::span<const double> earnings = checkpoint.get<double>(name + "/earnings");
   std::span<const double> gaits = checkpoint.get<double>(name + "/gaits");
   std::vector<Moment> moments;
-  for (std::size_t i = 0; i < counts.size() / 5; ++i) {
+  for (std::size_t i = 0; i < delayed.size(); ++i) {
     Moment moment;
     moment.state = take(states, counts[5 * i]);
     moment.actions = take(actions, counts[5 * i + 1]);
@@ -448,6 +482,7 @@ std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoin
     const std::size_t waves = counts[5 * i + 2];
     moment.repeated = static_cast<int>(counts[5 * i + 3]);
     moment.visits = static_cast<int>(counts[5 * i + 4]);
+    moment.delayed = delayed[i] != 0;
     if (moment.repeated < 0 || moment.repeated > steps_of(moment))
       throw Error(Failure::data, "checkpoint: its archive repeats what it does not have");
     moment.gait.period = take(gaits, 1)[0];

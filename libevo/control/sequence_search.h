@@ -9,7 +9,8 @@
 // better than the archive's enters it. New is a gait, changed or of a moment that was
 // earning much, or the last actions again and again, or targets held by groups of
 // actuators. A step in front of a stair costs one step, not an episode, and what a fall
-// would cost keeps nobody from trying.
+// would cost keeps nobody from trying. What earned the most too early, as a jump that is
+// over before the episode is, is done once more after a rest, so as to end with it.
 //
 // A search that starts from a sequence, as a child from its parent's, or from a gait
 // enters all that this reaches first.
@@ -74,6 +75,7 @@ class SequenceSearch {
     SineController gait;              // that was going on; without phases: none
     int repeated = 0;                 // the last steps that are, instead of a gait
     int visits = 0;
+    bool delayed = false;  // all of it was done once more, after a rest
 
     double earned() const { return earnings.empty() ? 0.0 : earnings.back(); }
   };
@@ -87,7 +89,7 @@ class SequenceSearch {
     int held = 1;
     std::vector<std::size_t> group;  // of each actuator
     std::vector<double> values;      // of each group
-    bool replays = false;            // `start_`, instead of all this
+    std::optional<Start> replayed;   // instead of all this
   };
 
   double uniform(double low, double high) { return low + (high - low) * random_.uniform(); }
@@ -103,7 +105,10 @@ class SequenceSearch {
   std::int64_t measure_level_height(std::int64_t budget);
   Moment* choose_level();
   Moment* choose_time();
+  Moment* choose_early();
   Attempt attempt();
+  Attempt whole_episode(Start replayed);
+  ReplayController after_a_rest(const Moment& moment) const;
   SineController new_gait();
   SineController fast_gait();
   int some_of(int steps);

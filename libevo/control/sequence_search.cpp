@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <ranges>
 #include <utility>
 
 #include "libevo/base/elementary.h"
@@ -158,9 +159,9 @@ SequenceSearch::Moment* SequenceSearch::choose_time() {
 // The highest level that no episode has had at its end, of those not yet delayed.
 SequenceSearch::Moment* SequenceSearch::choose_early() {
   if (ended_.empty()) return nullptr;
-  for (auto it = soonest_.rbegin(); it != soonest_.rend(); ++it) {
-    if (it->second.earned() < ended_return_ + level_height_) return nullptr;
-    if (!it->second.delayed) return &it->second;
+  for (auto& [level, moment] : std::views::reverse(soonest_)) {
+    if (moment.earned() < ended_return_ + level_height_) return nullptr;
+    if (!moment.delayed) return &moment;
   }
   return nullptr;
 }

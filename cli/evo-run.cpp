@@ -122,6 +122,17 @@ std::vector<int> slot_numbers(const std::vector<std::string>& words) {
   return numbers;
 }
 
+// Who goes on from the controllers of others, or of another run.
+enum class Heirs { none, children, founders_too };
+
+Heirs heirs(const RunSettings& settings) {
+  const std::string* inherit = settings.find("inherit");
+  if (inherit == nullptr) return Heirs::none;
+  return *inherit == "all"   ? Heirs::founders_too
+         : *inherit == "yes" ? Heirs::children
+                             : Heirs::none;
+}
+
 // The command line of evo-train for this run.
 std::vector<std::string> training_words(const RunFolder& run, int generation) {
   const RunSettings& settings = run.settings();
@@ -129,7 +140,7 @@ std::vector<std::string> training_words(const RunFolder& run, int generation) {
       training_words(settings, generation, (run.path() / "run.yaml").string() + ": ");
   words.insert(words.begin() + 1, {"--out-dir", run.policies().string(), "--log-dir",
                                    run.logs().string(), "--resume"});
-  if (const std::string* inherit = settings.find("inherit"); inherit && *inherit == "yes")
+  if (heirs(settings) != Heirs::none)
     words.insert(words.begin() + 1, {"--init", run.policies().string()});
   return words;
 }
@@ -162,6 +173,8 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
   if (robots.empty()) return 0;
 
   const auto work = [&](cli::Command& command, cli::TrainingOptions& options) {
+    if (heirs(run.settings()) == Heirs::founders_too)
+      options.founders_from = (fs::path(run.settings().text("founders")) / "policies").string();
     options.sharded = run.layout() == Layout::steady;
     options.in_rungs = run.settings().find("rungs") != nullptr;
     command.jobs = asked.jobs;

@@ -111,20 +111,29 @@ const Json* parents_of(const Robot& robot) {
                                                                                      : nullptr;
 }
 
-// The policy that --init means for a robot: the one given, or in a folder that of
-// the first parent which has one there. Nothing: from scratch.
+// A robot's policy in the folder, or in its part of a folder of many.
+std::optional<fs::path> policy_in(const fs::path& folder, const std::string& id) {
+  for (const fs::path& part : {folder, folder / run_shard(id)})
+    if (const fs::path path = part / (id + ".policy.h5"); fs::exists(path)) return path;
+  return std::nullopt;
+}
+
+// The policy that a robot starts from: where founders go on, a founder's own; else what
+// --init means, the one given, or in a folder that of the first parent which has one
+// there. Nothing: from scratch.
 std::optional<fs::path> inherited_policy(const Robot& robot, const TrainingOptions& options) {
+  const Json* parents = parents_of(robot);
+  if (parents == nullptr && options.founders_from) {
+    if (auto own = policy_in(*options.founders_from, robot.id)) return own;
+    throw error(Failure::no_input, "{}: has no policy of robot {} to go on from",
+                *options.founders_from, robot.id);
+  }
   if (!options.init) return std::nullopt;
   if (!fs::is_directory(*options.init)) return fs::path(*options.init);
-  const Json* parents = parents_of(robot);
   if (parents == nullptr) return std::nullopt;
-  for (const Json& parent : *parents) {
-    if (!parent.is_string()) continue;
-    const std::string id = parent.get<std::string>();
-    for (const fs::path& folder :
-         {fs::path(*options.init), *options.init / fs::path(run_shard(id))})
-      if (const fs::path path = folder / (id + ".policy.h5"); fs::exists(path)) return path;
-  }
+  for (const Json& parent : *parents)
+    if (parent.is_string())
+      if (auto path = policy_in(*options.init, parent.get<std::string>())) return path;
   return std::nullopt;
 }
 

@@ -34,6 +34,8 @@ struct TrainingOptions {
   bool force = false;
   bool behaviour = false;
   std::string failures = "stop";
+  // Where robots without parents have policies that they start from; no option.
+  std::optional<std::string> founders_from;
   bool sharded = false;   // into folders by the first two digits of ids; no option
   bool in_rungs = false;  // trainings go on as a rule, which is not worth a note; no option
 

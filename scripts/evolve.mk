@@ -55,7 +55,8 @@ ALGO   ?= $(if $(filter default paper release2,$(TRAIN)),ppo,profile)
 PHYSICS ?=
 TRAIN_OPTIONS ?=
 # yes: a child's training starts from its parent's controller, carried over to its
-# body. Short trainings then add up along a line of descent.
+# body. Short trainings then add up along a line of descent. all: and that of a founder
+# from the controller it has in FOUNDERS.
 INHERIT ?= no
 # Format of the champion's video, and options of evo-render for it.
 VIDEO  ?= mp4
@@ -82,7 +83,8 @@ SETTINGS := method=$(METHOD) task=$(TASK) population=$(POP) evaluations=$(EVALS)
   seed=$(SEED) shape=$(SHAPE) algo=$(ALGO) train=$(TRAIN) physics=$(if $(PHYSICS),$(PHYSICS),task) \
   $(if $(filter-out no,$(INHERIT)),inherit=$(INHERIT)) $(METHOD_SETTINGS)
 $(if $(FOUNDERS),$(if $(findstring founders=,$(METHOD_SETTINGS)),,$(error FOUNDERS is a setting of ga.mk)))
-$(if $(filter yes no,$(INHERIT)),,$(error INHERIT is yes or no, not '$(INHERIT)'))
+$(if $(filter yes no all,$(INHERIT)),,$(error INHERIT is yes, no or all, not '$(INHERIT)'))
+$(if $(filter all,$(INHERIT)),$(if $(FOUNDERS),,$(error INHERIT=all is for FOUNDERS that have controllers)))
 # Given as they are, quotes and all.
 export EVO_TRAIN_OPTIONS := $(TRAIN_OPTIONS)
 export EVO_EVALUATE := $(EVALUATE)

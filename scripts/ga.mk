@@ -11,7 +11,7 @@ METHOD := ga
 SAMPLE_OPTIONS ?=
 MUTATE_OPTIONS ?=
 # The first generation: the POP best robots of another run (its folder, or a file of scored
-# robots), trained anew, instead of sampled ones.
+# robots), trained anew (INHERIT=all: further), instead of sampled ones.
 FOUNDERS ?=
 # Any program that takes the options of evo-mutate used below can make the children.
 MUTATE ?= evo-mutate

@@ -83,7 +83,7 @@ kill_and_repeat() {
   done
   [[ $(h5dump -a identity "calm/policies/$(head -n 1 calm/history.jsonl | jq -r .id).policy.h5") != *inherited=* ]]
   run -2 run_make ga third INHERIT=maybe
-  [[ $output == *"yes or no, not 'maybe'"* ]]
+  [[ $output == *"yes, no or all, not 'maybe'"* ]]
 }
 
 @test "founders have their own steps and sampling, and survive with what they had" {
@@ -109,6 +109,19 @@ kill_and_repeat() {
   cp scout/history.jsonl robots.jsonl
   run_make ga from-file FOUNDERS=robots.jsonl FOUNDER_STEPS=8192 INHERIT=yes -s from-file/history.jsonl
   diff next/history.jsonl from-file/history.jsonl
+  # From their controllers: a search for sequences begins with what they earn already.
+  run_make ga further FOUNDERS=scout FOUNDER_STEPS=8192 TRAIN=sequence INHERIT=all -s -j2 further/history.jsonl
+  fitness() { jq -r '[.id, .fitness] | @tsv' "$@" | sort; }
+  join <(fitness scout/history.jsonl) <(fitness further/gen-000/scores.jsonl) |
+    awk '$3 < $2 { worse = 1 } END { exit worse || NR != 4 }'
+  id=$(jq -r .id further/gen-000/00.json)
+  hash=$(h5dump -a settings_hash scout/policies/$id.policy.h5 | grep -o '[0-9a-f]\{64\}')
+  [[ $(h5dump -a identity further/policies/$id.policy.h5) == *"inherited=$hash"* ]]
+  [[ $(evo-run command further) == *" INHERIT=all "* ]]
+  run ! run_make ga file FOUNDERS=robots.jsonl TRAIN=sequence INHERIT=all -s file/history.jsonl
+  [[ $output == *"robots.jsonl/policies: has no policy of robot"* ]]
+  run ! run_make ga alone INHERIT=all -s
+  [[ $output == *"INHERIT=all is for FOUNDERS that have controllers"* ]]
   head -n 3 robots.jsonl > few.jsonl
   run -2 --separate-stderr run_make ga too-few FOUNDERS=few.jsonl -s
   [[ $stderr == *"few.jsonl: has 3 different robots, not POP=4"* ]]

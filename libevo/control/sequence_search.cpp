@@ -5,7 +5,6 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
-#include <ranges>
 #include <utility>
 
 #include "libevo/base/elementary.h"
@@ -143,12 +142,11 @@ SequenceSearch::Moment* SequenceSearch::choose_level(Moments& moments) {
   std::vector<Moment*> candidates;
   std::vector<double> weights;
   double rank = 0.0;
-  for (auto& [level, moment] : std::views::reverse(moments)) {
-    if (steps_of(moment) < episode_steps() - 1) {
-      candidates.push_back(&moment);
-      weights.push_back((math::exp(-rank / depth) + anywhere) / math::sqrt(moment.visits + 1.0));
-    }
-    rank += 1.0;
+  for (auto it = moments.rbegin(); it != moments.rend(); ++it, rank += 1.0) {
+    Moment& moment = it->second;
+    if (steps_of(moment) >= episode_steps() - 1) continue;
+    candidates.push_back(&moment);
+    weights.push_back((math::exp(-rank / depth) + anywhere) / math::sqrt(moment.visits + 1.0));
   }
   return candidates.empty() ? nullptr : candidates[random_.discrete(weights)];
 }
@@ -168,11 +166,11 @@ SequenceSearch::Moment* SequenceSearch::choose_time() {
 // The highest level that no episode has had at its end, of those not yet delayed.
 SequenceSearch::Moment* SequenceSearch::choose_early() {
   if (ended_.empty()) return nullptr;
-  for (auto& [level, moment] : std::views::reverse(soonest_)) {
-    if (moment.earned() < ended_return_ + level_height_) return nullptr;
-    if (!moment.delayed) return &moment;
-  }
-  return nullptr;
+  const auto early = std::find_if(soonest_.rbegin(), soonest_.rend(),
+                                  [](const auto& place) { return !place.second.delayed; });
+  if (early == soonest_.rend() || early->second.earned() < ended_return_ + level_height_)
+    return nullptr;
+  return &early->second;
 }
 
 // The end of the episode becomes the moment.

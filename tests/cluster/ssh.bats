@@ -59,7 +59,8 @@ nothing_left() {
 @test "carried: two machines end with the bytes of make here, inherited policies and chunks as well" {
   mkdir own
   cp "$EVO_SOURCE/tasks/Walker-v0.yaml" own/task.yaml
-  for pipeline in "steady CHUNK=2" "ga INHERIT=yes TASK=own/task.yaml"; do
+  run_make ga scout "${small[@]}" -s -j2 scout/history.jsonl
+  for pipeline in "steady CHUNK=2" "ga INHERIT=yes TASK=own/task.yaml" "ga INHERIT=all FOUNDERS=scout"; do
     read -ra words <<< "$pipeline"
     run_make "${words[0]}" calm "${small[@]}" -s -j2 "${words[@]:1}" calm/history.jsonl
     carried 2/one,1/nowhere,1/two run -f "$EVO_SOURCE/scripts/${words[0]}.mk" "${words[@]:1}" 2> messages

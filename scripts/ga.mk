@@ -37,6 +37,7 @@ ifeq ($(GEN),0)
 $(POPULATION):
 	@mkdir -p '$(@D)'
 ifneq ($(FOUNDERS),)
+	@[ '$(INHERIT)' != all ] || [ -d '$(FOUNDERS)/policies' ] || { echo "$(FOUNDERS): has no policies to go on from; INHERIT=yes trains founders anew" >&2; exit 66; }
 	@evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)' | evo-select --keep $(POP) | \
 	  jq -c '{format, version, id, body}' > '$@.tmp'
 	@[ "$$(wc -l < '$@.tmp')" -eq $(POP) ] || { echo "$(FOUNDERS): has $$(wc -l < '$@.tmp') different robots, not POP=$(POP)" >&2; exit 65; }

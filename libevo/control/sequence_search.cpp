@@ -19,17 +19,14 @@ constexpr double levels_at_first = 20;  // between nothing and what first episod
 constexpr std::size_t most_levels = 200;
 constexpr double depth = 6.0;         // levels below the highest where the choice still falls
 constexpr double anywhere = 0.01;     // weight of all others
-constexpr int shortest_attempt = 20;  // control steps, of every second attempt
+constexpr int shortest_attempt = 20;  // control steps
 constexpr int longest_attempt = 100;
-constexpr int steps_gained = 3;           // by every moment of it that enters the archive
-constexpr int rhythm_lasts = 3;           // times as long as others
-constexpr double shortest_patience = 10;  // control steps that gain nothing, of the others
-constexpr double longest_patience = 100;
+constexpr int rhythm_lasts = 3;  // times as long as other attempts
 constexpr int rivals = 3;        // moments, the fastest of which lends its gait
 constexpr int pace_steps = 40;   // control steps over which they are compared
-constexpr int run_up = 10;       // control steps over which moments of a level are
 constexpr double delays = 0.03;  // share of attempts that do again later what came too early
 constexpr int slot = 10;         // control steps between moments of highest return
+constexpr int steps_gained = 3;  // by every moment that enters the archive
 
 }  // namespace
 
@@ -48,11 +45,6 @@ SequenceSearch::SequenceSearch(const Arena& arena, const SequenceSearchSettings&
   if (gait != nullptr) gait->shift.resize(places_.size());
 }
 
-// As often between 10 and 20 as between 20 and 40.
-double SequenceSearch::spread(double shortest, double longest) {
-  return shortest * math::exp(math::log(longest / shortest) * random_.uniform());
-}
-
 double SequenceSearch::target(double value) const {
   const double least = std::ceil(low() * resolution);
   const double most = std::floor(high() * resolution);
@@ -64,8 +56,8 @@ int SequenceSearch::steps_of(const Moment& moment) const {
 }
 
 // What it earned in its last steps; less than anything where it has not so many.
-double SequenceSearch::pace(const Moment& moment, int steps) const {
-  const int before = steps_of(moment) - steps;
+double SequenceSearch::pace(const Moment& moment) const {
+  const int before = steps_of(moment) - pace_steps;
   if (before < 0) return -std::numeric_limits<double>::infinity();
   return moment.earned() -
          (before == 0 ? 0.0 : moment.earnings[static_cast<std::size_t>(before - 1)]);
@@ -92,7 +84,9 @@ SineController SequenceSearch::new_gait() {
   const double up = uniform(-1.5, 1.5);
   SineController gait;
   gait.middle = 0.0;
-  gait.period = spread(settings_.shortest_period, settings_.longest_period);
+  gait.period = settings_.shortest_period *
+                math::exp(math::log(settings_.longest_period / settings_.shortest_period) *
+                          random_.uniform());
   for (const Anatomy::Place& place : places_) {
     const double phase = kind == travelling    ? across * place.col - up * place.row
                          : kind == independent ? two_pi * random_.uniform()
@@ -123,8 +117,7 @@ SineController SequenceSearch::fast_gait() {
   for (int rival = 0; rival < rivals; ++rival) {
     const auto place = random_.below(static_cast<std::uint32_t>(moments.size()));
     const Moment& moment = std::next(moments.begin(), place)->second;
-    if (fastest == nullptr || pace(moment, pace_steps) > pace(*fastest, pace_steps))
-      fastest = &moment;
+    if (fastest == nullptr || pace(moment) > pace(*fastest)) fastest = &moment;
   }
   return fastest->gait;
 }
@@ -137,18 +130,17 @@ int SequenceSearch::some_of(int steps) {
 }
 
 // The moment of a level to go on from: weights fall off below the highest, and with
-// every visit. None where all have come to the end of the episode, or there is none.
-SequenceSearch::Moment* SequenceSearch::choose_level(Moments& moments) {
-  std::vector<Moment*> candidates;
+// every visit. None where all have come to the end of the episode.
+SequenceSearch::Moment* SequenceSearch::choose_level() {
+  std::vector<Moment*> moments;
   std::vector<double> weights;
   double rank = 0.0;
-  for (auto it = moments.rbegin(); it != moments.rend(); ++it, rank += 1.0) {
-    Moment& moment = it->second;
-    if (steps_of(moment) >= episode_steps() - 1) continue;
-    candidates.push_back(&moment);
-    weights.push_back((math::exp(-rank / depth) + anywhere) / math::sqrt(moment.visits + 1.0));
+  for (auto it = soonest_.rbegin(); it != soonest_.rend(); ++it, rank += 1.0) {
+    if (steps_of(it->second) >= episode_steps() - 1) continue;
+    moments.push_back(&it->second);
+    weights.push_back((math::exp(-rank / depth) + anywhere) / math::sqrt(it->second.visits + 1.0));
   }
-  return candidates.empty() ? nullptr : candidates[random_.discrete(weights)];
+  return moments.empty() ? nullptr : moments[random_.discrete(weights)];
 }
 
 // Of a time: any, little visited ones rather. None where there is none yet.
@@ -200,12 +192,8 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
     }
   }
   Attempt attempt;
-  enum From { the_soonest, the_quickest, the_highest };
-  const int archive = random_.integer(the_soonest, the_highest);
-  Moment* from = nullptr;
-  if (archive == the_quickest) from = choose_level(quickest_);
-  if (archive == the_highest) from = choose_time();
-  if (from == nullptr) from = choose_level(soonest_);
+  Moment* from = random_.integer(0, 1) == 0 ? choose_time() : nullptr;
+  if (from == nullptr) from = choose_level();
   if (from == nullptr) return attempt;
   ++from->visits;
   attempt.at = *from;
@@ -228,11 +216,6 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
     attempt.values.resize(static_cast<std::size_t>(random_.integer(1, 3)));
     for (std::size_t i = 0; i < places_.size(); ++i)
       attempt.group.push_back(random_.below(static_cast<std::uint32_t>(attempt.values.size())));
-  }
-  if (random_.integer(0, 1) == 0) {
-    attempt.patience = static_cast<int>(spread(shortest_patience, longest_patience)) +
-                       (kind == pushes ? attempt.pushes_left : 0);
-    attempt.steps_left = attempt.patience;
   }
   return attempt;
 }
@@ -307,7 +290,7 @@ void SequenceSearch::enter(Moments& moments, std::int64_t place, Attempt& attemp
   there->second.state = env_.save(lane);
   there->second.visits = visits;
   there->second.delayed = false;
-  attempt.steps_left = attempt.patience > 0 ? attempt.patience : attempt.steps_left + steps_gained;
+  attempt.steps_left += steps_gained;
 }
 
 void SequenceSearch::enter(Attempt& attempt, int lane) {
@@ -316,11 +299,6 @@ void SequenceSearch::enter(Attempt& attempt, int lane) {
   const auto old_level = soonest_.find(level);
   if (old_level == soonest_.end() || steps_of(at) < steps_of(old_level->second))
     enter(soonest_, level, attempt, lane);
-  if (steps_of(at) >= run_up) {
-    const auto old_run = quickest_.find(level);
-    if (old_run == quickest_.end() || pace(at, run_up) > pace(old_run->second, run_up))
-      enter(quickest_, level, attempt, lane);
-  }
   if (steps_of(at) % slot == 0) {
     const std::int64_t time = steps_of(at) / slot;
     const auto old_time = highest_.find(time);
@@ -330,20 +308,13 @@ void SequenceSearch::enter(Attempt& attempt, int lane) {
   if (soonest_.size() > most_levels) coarsen();
 }
 
-// Levels twice as high; of two that become one, the better stays.
+// Levels twice as high; of two that become one, the sooner stays.
 void SequenceSearch::coarsen() {
   level_height_ *= 2.0;
-  coarsen(soonest_, [this](const Moment& a, const Moment& b) { return steps_of(a) < steps_of(b); });
-  coarsen(quickest_,
-          [this](const Moment& a, const Moment& b) { return pace(a, run_up) > pace(b, run_up); });
-}
-
-template <typename Better>
-void SequenceSearch::coarsen(Moments& moments, Better better) const {
-  Moments fine = std::exchange(moments, {});
+  Moments fine = std::exchange(soonest_, {});
   for (auto& [level, moment] : fine) {
-    const auto [place, is_new] = moments.try_emplace(level_of(moment.earned()), std::move(moment));
-    if (!is_new && better(moment, place->second)) place->second = std::move(moment);
+    const auto [place, is_new] = soonest_.try_emplace(level_of(moment.earned()), std::move(moment));
+    if (!is_new && steps_of(moment) < steps_of(place->second)) place->second = std::move(moment);
   }
 }
 
@@ -429,7 +400,6 @@ void SequenceSearch::save(Checkpoint& checkpoint) const {
       "search/flags", {std::uint8_t(start_is_due_ ? 1 : 0), std::uint8_t(ended_is_new_ ? 1 : 0)});
   checkpoint.put("search/ended", ended_);
   save_moments(checkpoint, "search/soonest", soonest_);
-  save_moments(checkpoint, "search/quickest", quickest_);
   save_moments(checkpoint, "search/highest", highest_);
 }
 
@@ -488,9 +458,6 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
   soonest_.clear();
   for (Moment& moment : load_moments(checkpoint, "search/soonest"))
     soonest_[level_of(moment.earned())] = std::move(moment);
-  quickest_.clear();
-  for (Moment& moment : load_moments(checkpoint, "search/quickest"))
-    quickest_[level_of(moment.earned())] = std::move(moment);
   highest_.clear();
   for (Moment& moment : load_moments(checkpoint, "search/highest"))
     highest_[steps_of(moment) / slot] = std::move(moment);

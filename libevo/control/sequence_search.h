@@ -1,18 +1,16 @@
 // Search for a sequence of actions, one target for every actuator at every step of an
 // episode: "first return, then explore" (Ecoffet, Huizinga, Lehman, Stanley, Clune:
 // Nature 590, 2021). An archive keeps moments of the simulation: for every level of
-// return that was ever reached the one that was reached soonest, which is what travelling
-// needs, and the one that was earning the most just then, as a leap needs a run-up; and for
-// every tenth step of the episode the one that has earned the most until then, where only
-// the end counts, as to be high up. Again and again a moment is chosen, a little visited
-// one rather, and of levels a high one; the simulation goes on from there with something
-// new for a while, and what is better than the archive's enters it. New is a gait, changed
-// or of a moment that was earning much, or the last actions again and again, or targets
-// held by groups of actuators. Half of these attempts last long enough for what pays later;
-// the others end soon where they gain nothing, and go on for as long as they do. A step in
-// front of a stair costs one step, not an episode, and what a fall would cost keeps nobody
-// from trying. What earned the most too early, as a jump that is over before the episode
-// is, is done once more after a rest, so as to end with it.
+// return that was ever reached the one that was reached soonest, and for every tenth
+// step of the episode the one that has earned the most until then. The first is what
+// travelling needs, the second what only counts at the end, as to be high up then.
+// Again and again a moment is chosen, a little visited one rather, and of levels a high
+// one; the simulation goes on from there with something new for a while, and what is
+// better than the archive's enters it. New is a gait, changed or of a moment that was
+// earning much, or the last actions again and again, or targets held by groups of
+// actuators. A step in front of a stair costs one step, not an episode, and what a fall
+// would cost keeps nobody from trying. What earned the most too early, as a jump that is
+// over before the episode is, is done once more after a rest, so as to end with it.
 //
 // A search that starts from a sequence, as a child from its parent's, or from a gait
 // enters all that this reaches first.
@@ -87,7 +85,6 @@ class SequenceSearch {
   struct Attempt {
     Moment at;
     int steps_left = 0;
-    int patience = 0;  // steps it goes on after every moment that it gains; 0: a few more
     int pushes_left = 0;
     int held = 1;
     std::vector<std::size_t> group;  // of each actuator
@@ -99,15 +96,14 @@ class SequenceSearch {
   int episode_steps() const { return arena_->task().episode_steps; }
   double low() const { return arena_->task().physics.min_target; }
   double high() const { return arena_->task().physics.max_target; }
-  double spread(double shortest, double longest);
   double target(double value) const;
   int steps_of(const Moment& moment) const;
-  double pace(const Moment& moment, int steps) const;
+  double pace(const Moment& moment) const;
   std::int64_t level_of(double earned) const;
 
   void begin();
   std::int64_t measure_level_height(std::int64_t budget);
-  Moment* choose_level(Moments& moments);
+  Moment* choose_level();
   Moment* choose_time();
   Moment* choose_early();
   Attempt attempt();
@@ -121,8 +117,6 @@ class SequenceSearch {
   void enter(Attempt& attempt, int lane);
   void enter(Moments& moments, std::int64_t place, Attempt& attempt, int lane);
   void coarsen();
-  template <typename Better>
-  void coarsen(Moments& moments, Better better) const;
   static void save_moments(Checkpoint& checkpoint, const std::string& name, const Moments& moments);
   std::vector<Moment> load_moments(const Checkpoint& checkpoint, const std::string& name) const;
   ReplayController whole(const std::vector<double>& actions) const;
@@ -138,7 +132,6 @@ class SequenceSearch {
   double level_height_ = 0.0;  // 0 until it is known
   bool start_is_due_;
   Moments soonest_;            // by level of return
-  Moments quickest_;           // by level of return
   Moments highest_;            // by steps / slot
   std::vector<double> ended_;  // actions of the best episode that came to its end
   double ended_return_ = 0.0;

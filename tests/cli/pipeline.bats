@@ -119,7 +119,11 @@ kill_and_repeat() {
   [[ $(h5dump -a identity further/policies/$id.policy.h5) == *"inherited=$hash"* ]]
   [[ $(evo-run command further) == *" INHERIT=all "* ]]
   run ! run_make ga file FOUNDERS=robots.jsonl TRAIN=sequence INHERIT=all -s file/history.jsonl
-  [[ $output == *"robots.jsonl/policies: has no policy of robot"* ]]
+  [[ $output == *"robots.jsonl: has no policies to go on from; INHERIT=yes trains founders anew"* ]]
+  cp -r scout damaged
+  rm damaged/policies/$id.policy.h5
+  run ! run_make ga lacking FOUNDERS=damaged TRAIN=sequence INHERIT=all -s lacking/history.jsonl
+  [[ $output == *"damaged/policies: has no policy of robot $id to go on from"* ]]
   run ! run_make ga alone INHERIT=all -s
   [[ $output == *"INHERIT=all is for FOUNDERS that have controllers"* ]]
   head -n 3 robots.jsonl > few.jsonl

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstddef>
-#include <map>
-#include <string>
 
 #include "tests/unit/control/arena.h"
 
@@ -154,7 +151,7 @@ TEST_CASE("a search repeats its last actions, and goes on doing so") {
   const auto actuators = static_cast<std::size_t>(arena.action_length());
   std::size_t meant = 0;
   std::size_t repeating = 0;
-  for (const std::string moments : {"search/soonest", "search/quickest", "search/highest"}) {
+  for (const std::string moments : {"search/soonest", "search/highest"}) {
     const auto& counts = checkpoint.get<std::uint64_t>(moments + "/counts");
     const auto& actions = checkpoint.get<double>(moments + "/actions");
     std::size_t end = 0;
@@ -175,51 +172,6 @@ TEST_CASE("a search repeats its last actions, and goes on doing so") {
   counts[3] = 1000;
   checkpoint.put("search/highest/counts", counts);
   CHECK_THROWS_WITH(search.load(checkpoint), Catch::Contains("repeats what it does not have"));
-}
-
-struct Reached {
-  std::size_t steps = 0;
-  double at_once = 0.0;  // earned in the last ten of them
-};
-
-// The moments of one of an archive's kinds, by level of return.
-std::map<double, Reached> by_level(const Checkpoint& archive, const std::string& kind,
-                                   std::size_t actuators) {
-  const double level_height = archive.get<double>("search/numbers")[0];
-  const auto& counts = archive.get<std::uint64_t>(kind + "/counts");
-  const double* earnings = archive.get<double>(kind + "/earnings").data();
-  std::map<double, Reached> moments;
-  for (std::size_t i = 0; i < counts.size(); i += 5) {
-    Reached moment{counts[i + 1] / actuators};
-    if (moment.steps > 10) {
-      const double earned = earnings[moment.steps - 1];
-      moment.at_once = earned - earnings[moment.steps - 11];
-      moments[std::floor(earned / level_height)] = moment;
-    }
-    earnings += moment.steps;
-  }
-  return moments;
-}
-
-TEST_CASE("levels keep the moment that came soonest, and the one that came with a run-up") {
-  const Arena arena(test::walker(120), test::body_a());
-  SequenceSearch search(arena, brief(), once(), stream(11));
-  search.explore(12000);
-  Checkpoint archive;
-  search.save(archive);
-  const auto actuators = static_cast<std::size_t>(arena.action_length());
-  const auto soonest = by_level(archive, "search/soonest", actuators);
-  const auto quickest = by_level(archive, "search/quickest", actuators);
-  std::size_t differ = 0;
-  for (const auto& [level, soon] : soonest) {
-    INFO("level " << level);
-    REQUIRE(quickest.contains(level));
-    const Reached& quick = quickest.at(level);
-    CHECK(soon.steps <= quick.steps);
-    CHECK(soon.at_once <= quick.at_once);
-    if (soon.steps < quick.steps) ++differ;
-  }
-  CHECK(2 * differ > soonest.size());
 }
 
 // Of an archive of two moments that have earned as much, `fast` steadily until now and the
@@ -255,8 +207,7 @@ int borrowers(const Arena& arena, std::size_t fast, std::size_t lender) {
   const auto all = archive.get<std::uint8_t>("search/highest/states");
   const auto from = all.begin() + static_cast<std::ptrdiff_t>(skipped);
   const std::vector<std::uint8_t> states(from, from + static_cast<std::ptrdiff_t>(kept));
-  archive.put("search/ended", std::vector<double>{});  // nothing came too early
-  for (const std::string moments : {"search/soonest", "search/quickest", "search/highest"}) {
+  for (const std::string moments : {"search/soonest", "search/highest"}) {
     archive.put(moments + "/counts", kept_counts);
     archive.put(moments + "/states", states);
     archive.put(moments + "/actions", actions);

@@ -63,6 +63,8 @@ std::string expectation() {
     return "a number";
   } else if constexpr (std::is_integral_v<Value>) {
     return "a whole number";
+  } else if constexpr (IsWord<typename Value::value_type>) {
+    return fmt::format("a list of {}", fmt::join(Words<typename Value::value_type>::all(), ", "));
   } else {
     return "a list of whole numbers, as in [64, 64],";
   }
@@ -103,15 +105,18 @@ std::string to_text(const Value& value) {
   } else if constexpr (std::is_arithmetic_v<Value>) {
     return fmt::format("{}", value);
   } else {
-    return fmt::format("[{}]", fmt::join(value, ", "));
+    std::vector<std::string> items;
+    items.reserve(value.size());
+    for (const auto& item : value) items.push_back(to_text(item));
+    return fmt::format("[{}]", fmt::join(items, ", "));
   }
 }
 
 // ---- the settings, by name --------------------------------------------------------
 
-using Member =
-    std::variant<double T::*, int T::*, std::int64_t T::*, bool T::*, std::vector<int> T::*,
-                 Algorithm T::*, Schedule T::*, TimeLimit T::*, Standardize T::*, ActionMap T::*>;
+using Member = std::variant<double T::*, int T::*, std::int64_t T::*, bool T::*,
+                            std::vector<int> T::*, std::vector<AttemptKind> T::*, Algorithm T::*,
+                            Schedule T::*, TimeLimit T::*, Standardize T::*, ActionMap T::*>;
 
 struct Setting {
   const char* key;
@@ -190,6 +195,12 @@ const std::vector<Setting>& all_settings() {
        "of the steps: the search for a gait (portfolio, sequence)", true},
       {"trial_share", &T::trial_share, "0.2", "of the steps: each network's trial (portfolio)",
        true},
+      {"attempts", &T::attempts, "[go_on, begin, change, borrow, repeat, push, hold]",
+       "what exploration tries, drawn alike (sequence)", true},
+      {"time_share", &T::time_share, "0.5", "of attempts: from the best of a time (sequence)",
+       true},
+      {"rest_share", &T::rest_share, "0.03", "of attempts: once more after a rest (sequence)",
+       true},
   };
   return list;
 }
@@ -241,7 +252,7 @@ std::string kind_of(const Setting& setting) {
 // A scalar as written, a list as "1,2,3".
 std::string flat_text(const Setting& setting, const YamlNode& node) {
   if (node.is_scalar()) return node.string();
-  if (!node.is_sequence() || !std::holds_alternative<std::vector<int> T::*>(setting.member))
+  if (!node.is_sequence() || kind_of(setting) != "list")
     throw node.error(
         fmt::format("a value is expected for '{}', found {}", setting.key, node.found()));
   std::vector<std::string> items;

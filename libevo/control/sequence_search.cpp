@@ -24,7 +24,6 @@ constexpr int longest_attempt = 100;
 constexpr int rhythm_lasts = 3;  // times as long as other attempts
 constexpr int rivals = 3;        // moments, the fastest of which lends its gait
 constexpr int pace_steps = 40;   // control steps over which they are compared
-constexpr double delays = 0.03;  // share of attempts that do again later what came too early
 constexpr int slot = 10;         // control steps between moments of highest return
 constexpr int steps_gained = 3;  // by every moment that enters the archive
 
@@ -185,34 +184,36 @@ SequenceSearch::Attempt SequenceSearch::whole_episode(Start replayed) {
 
 SequenceSearch::Attempt SequenceSearch::attempt() {
   if (std::exchange(start_is_due_, false)) return whole_episode(*start_);
-  if (random_.uniform() < delays) {
+  if (random_.uniform() < settings_.rest_share) {
     if (Moment* early = choose_early()) {
       early->delayed = true;
       return whole_episode(after_a_rest(*early));
     }
   }
   Attempt attempt;
-  Moment* from = random_.integer(0, 1) == 0 ? choose_time() : nullptr;
+  const double place = random_.bits() * 0x1p-32;
+  Moment* from = place < settings_.time_share ? choose_time() : nullptr;
   if (from == nullptr) from = choose_level();
   if (from == nullptr) return attempt;
   ++from->visits;
   attempt.at = *from;
   attempt.steps_left = random_.integer(shortest_attempt, longest_attempt);
   SineController& gait = attempt.at.gait;
-  enum Kind { goes_on, begins, changes, borrows, repeats, pushes, holds };
-  const int kind = random_.integer(goes_on, holds);
-  if (kind != goes_on && kind != pushes) attempt.at.repeated = 0;
-  if (kind == borrows) gait = fast_gait();
-  if (kind == repeats) attempt.at.repeated = some_of(steps_of(attempt.at));
-  if (kind == borrows || kind == repeats) attempt.steps_left *= rhythm_lasts;
-  if (gait.phase.empty() || kind == begins) gait = new_gait();
-  if (kind == changes) {
+  using enum AttemptKind;
+  const AttemptKind kind =
+      settings_.attempts[random_.below(static_cast<std::uint32_t>(settings_.attempts.size()))];
+  if (kind != go_on && kind != push) attempt.at.repeated = 0;
+  if (kind == borrow) gait = fast_gait();
+  if (kind == repeat) attempt.at.repeated = some_of(steps_of(attempt.at));
+  if (kind == borrow || kind == repeat) attempt.steps_left *= rhythm_lasts;
+  if (gait.phase.empty() || kind == begin) gait = new_gait();
+  if (kind == change) {
     if (random_.integer(0, 1) == 0) gait = fast_gait();
     gait = changed(gait.phase.empty() ? new_gait() : std::move(gait));
   }
-  if (kind == pushes || kind == holds) {
-    attempt.pushes_left = kind == pushes ? random_.integer(4, 24) : episode_steps();
-    attempt.held = kind == pushes ? random_.integer(2, 8) : episode_steps();
+  if (kind == push || kind == hold) {
+    attempt.pushes_left = kind == push ? random_.integer(4, 24) : episode_steps();
+    attempt.held = kind == push ? random_.integer(2, 8) : episode_steps();
     attempt.values.resize(static_cast<std::size_t>(random_.integer(1, 3)));
     for (std::size_t i = 0; i < places_.size(); ++i)
       attempt.group.push_back(random_.below(static_cast<std::uint32_t>(attempt.values.size())));

@@ -29,6 +29,7 @@
 #include "libevo/control/checkpoint.h"
 #include "libevo/control/controller.h"
 #include "libevo/control/evaluate.h"
+#include "libevo/control/settings.h"
 #include "libevo/control/transfer.h"
 #include "libevo/task/env.h"
 
@@ -38,6 +39,9 @@ struct SequenceSearchSettings {
   int environments = 8;        // explored in side by side
   double shortest_period = 6;  // control steps, of gaits
   double longest_period = 40;
+  std::vector<AttemptKind> attempts = every_attempt_kind();  // and the others as in settings.h
+  double time_share = 0.5;
+  double rest_share = 0.03;
 };
 
 class SequenceSearch {

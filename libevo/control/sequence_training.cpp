@@ -10,7 +10,8 @@ namespace evo {
 namespace {
 
 SequenceSearchSettings search_settings(const TrainingSettings& s) {
-  return {s.environments, s.shortest_period, s.longest_period};
+  return {s.environments, s.shortest_period, s.longest_period,
+          s.attempts,     s.time_share,      s.rest_share};
 }
 
 // Of the episodes after a stretch, at most, in environment steps.

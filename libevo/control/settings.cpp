@@ -27,6 +27,11 @@ void share(const char* key, double value) {
 
 }  // namespace
 
+std::vector<AttemptKind> every_attempt_kind() {
+  using enum AttemptKind;
+  return {go_on, begin, change, borrow, repeat, push, hold};
+}
+
 void check(const TrainingSettings& s) {
   at_least("steps", static_cast<double>(s.steps), 1);
   at_least("environments", s.environments, 1);
@@ -65,6 +70,10 @@ void check(const TrainingSettings& s) {
   positive("actuator_sigma", s.actuator_sigma);
   share("gait_share", s.gait_share);
   share("trial_share", s.trial_share);
+  if (s.attempts.empty())
+    throw Error(Failure::usage, "training: attempts is []; name one kind at least");
+  share("time_share", s.time_share);
+  share("rest_share", s.rest_share);
   check_method(s);
 }
 

@@ -70,6 +70,37 @@ constexpr const char* word(Standardize value) {
   return nullptr;
 }
 
+// What the search for a sequence tries from a moment on (sequence_search.h).
+enum class AttemptKind {
+  go_on,   // with what was going on
+  begin,   // a new gait
+  change,  // the gait, or that of a moment that was earning much, changed
+  borrow,  // the gait of a moment that was earning much
+  repeat,  // the last actions, again and again
+  push,    // a few targets held by groups of actuators, then the gait
+  hold     // one target for each group
+};
+constexpr const char* word(AttemptKind value) {
+  switch (value) {
+    case AttemptKind::go_on:
+      return "go_on";
+    case AttemptKind::begin:
+      return "begin";
+    case AttemptKind::change:
+      return "change";
+    case AttemptKind::borrow:
+      return "borrow";
+    case AttemptKind::repeat:
+      return "repeat";
+    case AttemptKind::push:
+      return "push";
+    case AttemptKind::hold:
+      return "hold";
+  }
+  return nullptr;
+}
+std::vector<AttemptKind> every_attempt_kind();
+
 struct TrainingSettings {
   Algorithm algorithm;
   std::int64_t steps = 512000;  // environment steps in all; a budget, never exceeded
@@ -135,6 +166,11 @@ struct TrainingSettings {
   // Portfolio, and what explores for sequences
   double gait_share = 0.2;   // of the steps: the search for a gait
   double trial_share = 0.2;  // of the steps: the trial of each network
+
+  // Exploration for sequences
+  std::vector<AttemptKind> attempts = every_attempt_kind();  // drawn alike; twice if named twice
+  double time_share = 0.5;   // of attempts: from the best moment of a time, not of a level
+  double rest_share = 0.03;  // of attempts: what came too early once more, after a rest
 
   bool operator==(const TrainingSettings&) const = default;
 

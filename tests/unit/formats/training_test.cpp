@@ -87,6 +87,8 @@ TEST_CASE("a training profile gives what differs from its base") {
   expected = {};
   expected.hidden = {};
   CHECK(read("hidden: []") == expected);
+  expected.attempts = {AttemptKind::push, AttemptKind::push, AttemptKind::go_on};
+  CHECK(read("hidden: []\nattempts: [push, push, go_on]") == expected);
   CHECK(read(training_to_yaml(expected)) == expected);
 }
 
@@ -107,6 +109,10 @@ TEST_CASE("mistakes in a training profile are named with place and remedy") {
   CHECK_THAT(message("algorithm: dqn"), Catch::Contains("one of ppo, sine, random"));
   CHECK_THAT(message("clip: [1, 2]"), Catch::Contains("a value is expected for 'clip'"));
   CHECK_THAT(message("hidden: [64, x]"), Catch::Contains("a list of whole numbers"));
+  CHECK_THAT(message("attempts: [push, leap]"),
+             Catch::Contains("a list of go_on, begin,") && Catch::Contains("found 'push,leap'"));
+  CHECK_THAT(message("attempts: []"), Catch::Contains("name one kind at least"));
+  CHECK_THAT(message("time_share: 1.5"), Catch::Contains("time_share is 1.5"));
   CHECK_THAT(message("gamma: 1.5"), Catch::Contains("gamma is 1.5") && Catch::Contains("[0, 1]"));
   CHECK_THAT(message("minibatches: 1000"), Catch::Contains("fewer samples"));
   CHECK_THAT(message("steps: 100"), Catch::Contains("less than one rollout"));

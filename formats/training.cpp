@@ -192,7 +192,7 @@ const std::vector<Setting>& all_settings() {
       {"actuator_sigma", &T::actuator_sigma, "0.15",
        "step size of each actuator's own search (gait)", true},
       {"gait_share", &T::gait_share, "0.2",
-       "of the steps: the search for a gait (portfolio, sequence)", true},
+       "of the steps: the search for a gait (portfolio; sequence: at first)", true},
       {"trial_share", &T::trial_share, "0.2", "of the steps: each network's trial (portfolio)",
        true},
       {"attempts", &T::attempts, "[go_on, begin, change, borrow, repeat, push, hold]",

@@ -10,11 +10,11 @@ namespace {
 
 GaitSearchSettings search_settings(const TrainingJob& job) {
   const TrainingSettings& s = job.settings;
-  const auto generations = static_cast<double>(s.steps / generation_cost(job));
+  const std::int64_t generations = s.steps / generation_cost(job);
   GaitSearchSettings settings;
   settings.population = s.population;
-  settings.wave_generations =
-      std::max<std::int64_t>(1, static_cast<std::int64_t>(s.wave_share * generations));
+  settings.wave_generations = std::max<std::int64_t>(
+      1, static_cast<std::int64_t>(s.wave_share * static_cast<double>(generations)));
   settings.actuator_sigma = s.actuator_sigma;
   settings.shortest_period = s.shortest_period;
   settings.longest_period = s.longest_period;
@@ -38,10 +38,15 @@ bool GaitTraining::done(const TrainingJob& job, const Findings& findings) const 
   return spent(job, findings);
 }
 
-void GaitTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
-  search_.tell(try_out(job, search_.ask(), findings, metrics));
+GaitTraining::Generation GaitTraining::advance(const TrainingJob& job, Findings& findings,
+                                               Metrics& metrics) {
+  const std::vector<SineController> gaits = search_.ask();
+  const std::vector<double> returns = try_out(job, gaits, findings, metrics);
+  search_.tell(returns);
   metrics.push_back({"charts/sigma", search_.sigma()});
   report_evaluation(findings, metrics);
+  const auto best = std::max_element(returns.begin(), returns.end());
+  return {*best, gaits[static_cast<std::size_t>(best - returns.begin())]};
 }
 
 }  // namespace evo

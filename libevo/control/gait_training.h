@@ -17,8 +17,11 @@ class GaitTraining {
 
   // Another generation might exceed the budget.
   bool done(const TrainingJob& job, const Findings& findings) const;
-  // One generation.
-  void advance(const TrainingJob& job, Findings& findings, Metrics& metrics);
+  struct Generation {
+    double best = 0.0;
+    SineController gait;  // that earned it
+  };
+  Generation advance(const TrainingJob& job, Findings& findings, Metrics& metrics);
   void save(Checkpoint& checkpoint) const { search_.save(checkpoint); }
   void load(const Checkpoint& checkpoint) { search_.load(checkpoint); }
 

@@ -44,6 +44,12 @@ SequenceSearch::SequenceSearch(const Arena& arena, const SequenceSearchSettings&
   if (gait != nullptr) gait->shift.resize(places_.size());
 }
 
+void SequenceSearch::offer(SineController gait) {
+  gait.shift.resize(places_.size());
+  start_ = std::move(gait);
+  start_is_due_ = true;
+}
+
 double SequenceSearch::target(double value) const {
   const double least = std::ceil(low() * resolution);
   const double most = std::floor(high() * resolution);

@@ -63,6 +63,9 @@ class SequenceSearch {
   // leads further, which holds its last targets from then on. Neither twice.
   std::vector<ReplayController> news();
 
+  // Enters all that this gait reaches, next, as of what the search starts from.
+  void offer(SineController gait);
+
   const std::optional<Start>& start() const { return start_; }
   std::size_t levels() const { return soonest_.size(); }  // in the archive
   double highest() const;                                 // return among them

@@ -9,6 +9,11 @@
 namespace evo {
 namespace {
 
+constexpr double memory = 0.8;          // of a search's pace, from one of its turns to the next
+constexpr double horizon = 32768;       // steps after which the two are compared
+constexpr std::int64_t exception = 12;  // of so many turns, the last goes to the other
+constexpr std::int64_t known = 3;       // turns until the pace of exploration is
+
 SequenceSearchSettings search_settings(const TrainingSettings& s) {
   return {s.environments, s.shortest_period, s.longest_period,
           s.attempts,     s.time_share,      s.rest_share};
@@ -80,25 +85,50 @@ void SequenceTraining::explore_from(std::optional<SequenceSearch::Start> start) 
 
 // Of the episodes that a search begins with, at most, in environment steps.
 std::int64_t SequenceTraining::first_cost(const TrainingJob& job) const {
-  const bool begins_with_one = gait_ || search_->start();
+  const bool begins_with_one = !search_ || search_->start();
   return std::int64_t{begins_with_one ? 1 : job.settings.environments} *
          job.arena.task().episode_steps;
 }
 
 bool SequenceTraining::done(const TrainingJob& job, const Findings& findings) const {
-  if (gait_) return false;
+  if (!search_) return false;
   const std::int64_t first = search_->levels() == 0 ? first_cost(job) : job.settings.environments;
   return findings.steps + first + evaluation_cost(job) > job.settings.steps;
 }
 
+bool SequenceTraining::gait_is_next(const TrainingJob& job, const Findings& findings) {
+  if (!gait_) return false;
+  if (!search_) return true;
+  if (findings.steps + generation_cost(job) + evaluation_cost(job) > job.settings.steps)
+    return false;
+  const bool ahead = explored_ >= known && best_gait_->best + gait_pace_ * horizon >
+                                               *findings.fitness + explored_pace_ * horizon;
+  return (++turns_ % exception == 0) != ahead;
+}
+
 void SequenceTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
-  if (gait_) {
-    gait_->advance(*gait_job_, findings, metrics);
-    if (!gait_->done(*gait_job_, findings)) return;
-    gait_.reset();
-    explore_from(std::get<SineController>(*findings.best));
-    return;
+  if (gait_is_next(job, findings))
+    search_gait(job, findings, metrics);
+  else
+    explore(job, findings, metrics);
+}
+
+void SequenceTraining::search_gait(const TrainingJob& job, Findings& findings, Metrics& metrics) {
+  const std::int64_t before = findings.steps;
+  GaitTraining::Generation found = gait_->advance(job, findings, metrics);
+  const double gained = best_gait_ ? std::max(0.0, found.best - best_gait_->best) : 0.0;
+  const double pace = gained / static_cast<double>(findings.steps - before);
+  gait_pace_ = memory * gait_pace_ + (1.0 - memory) * pace;
+  if (!best_gait_ || gained > 0.0) {
+    best_gait_ = std::move(found);
+    if (search_) search_->offer(best_gait_->gait);
   }
+  if (!search_ && gait_->done(*gait_job_, findings)) explore_from(best_gait_->gait);
+}
+
+void SequenceTraining::explore(const TrainingJob& job, Findings& findings, Metrics& metrics) {
+  const std::int64_t before = findings.steps;
+  const double old_fitness = findings.fitness.value_or(0.0);  // there, if there is a gait
   const std::int64_t left = job.settings.steps - evaluation_cost(job) - findings.steps;
   const std::int64_t stretch = job.settings.evaluation_interval * job.settings.batch();
   const std::int64_t first = search_->levels() == 0 ? first_cost(job) : 0;
@@ -118,6 +148,12 @@ void SequenceTraining::advance(const TrainingJob& job, Findings& findings, Metri
   } else {
     findings.evaluated(findings.fitness.value(), *findings.best);  // nothing new
   }
+  if (gait_) {
+    const double pace =
+        (*findings.fitness - old_fitness) / static_cast<double>(findings.steps - before);
+    explored_pace_ = memory * explored_pace_ + (1.0 - memory) * pace;
+    ++explored_;
+  }
   metrics.push_back({"charts/levels", static_cast<double>(search_->levels())});
   metrics.push_back({"charts/highest_level", search_->highest()});
   report_evaluation(findings, metrics);
@@ -125,9 +161,17 @@ void SequenceTraining::advance(const TrainingJob& job, Findings& findings, Metri
 
 void SequenceTraining::save(Checkpoint& checkpoint) const {
   if (gait_) {
-    gait_->save(checkpoint);
-    return;
+    Checkpoint part;
+    gait_->save(part);
+    if (best_gait_) {
+      save_sine(part, "best", best_gait_->gait);
+      part.put<double>("turns/paces", {best_gait_->best, gait_pace_, explored_pace_});
+      part.put<std::uint64_t>("turns/counts", {static_cast<std::uint64_t>(explored_),
+                                               static_cast<std::uint64_t>(turns_)});
+    }
+    checkpoint.put("gait", part);
   }
+  if (!search_) return;
   search_->save(checkpoint);
   const auto& start = search_->start();
   const auto* gait = start ? std::get_if<SineController>(&*start) : nullptr;
@@ -135,17 +179,25 @@ void SequenceTraining::save(Checkpoint& checkpoint) const {
 }
 
 void SequenceTraining::load(const Checkpoint& checkpoint) {
-  if (gait_ && !checkpoint.has("search/soonest/counts")) {
-    gait_->load(checkpoint);
-    return;
+  const Checkpoint part = checkpoint.part("gait");
+  if (part.arrays.empty()) gait_.reset();  // not looked for, with fewer steps
+  if (gait_) {
+    gait_->load(part);
+    if (part.has("turns/paces")) {
+      const auto& paces = part.get<double>("turns/paces", 3);
+      best_gait_ = GaitTraining::Generation{paces[0], load_sine(part, "best")};
+      gait_pace_ = paces[1];
+      explored_pace_ = paces[2];
+      const auto& counts = part.get<std::uint64_t>("turns/counts", 2);
+      explored_ = static_cast<std::int64_t>(counts[0]);
+      turns_ = static_cast<std::int64_t>(counts[1]);
+    }
   }
-  if (gait_) {  // found when this was saved, or not looked for, with fewer steps
-    gait_.reset();
-    if (checkpoint.has("search/start/period"))
-      explore_from(load_sine(checkpoint, "search/start"));
-    else
-      explore_from(std::nullopt);
-  }
+  if (gait_ && !checkpoint.has("search/soonest/counts")) return;
+  if (!search_ && checkpoint.has("search/start/period"))
+    explore_from(load_sine(checkpoint, "search/start"));
+  else if (!search_)
+    explore_from(std::nullopt);
   search_->load(checkpoint);
 }
 

@@ -1,9 +1,15 @@
-// Training a sequence of actions (sequence_search.h): first a share of the steps for a
-// gait (gait_training.h), then from this stretches of exploration, each followed by the
-// episodes of what they found. What a robot inherits, it begins with instead: a sequence
-// or a gait as it is, of a network what it does in an episode on the new body.
+// Training a sequence of actions (sequence_search.h) beside a gait (gait_training.h). A share
+// of the steps goes to the gait first. From what it finds, stretches of exploration go on,
+// each followed by the episodes of what they found; and from then on the two searches take
+// turns. The one is next that would be ahead a while later, had it all steps until then:
+// where a rhythm is all it takes, the gait; at a stair, exploration. Now and then it is the
+// other, since searches that rest may wake up. A better gait enters the archive.
+//
+// What a robot inherits, it begins with instead: a sequence or a gait as it is, of a network
+// what it does in an episode on the new body.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -32,10 +38,19 @@ class SequenceTraining {
  private:
   std::int64_t first_cost(const TrainingJob& job) const;
   void explore_from(std::optional<SequenceSearch::Start> start);
+  bool gait_is_next(const TrainingJob& job, const Findings& findings);
+  void search_gait(const TrainingJob& job, Findings& findings, Metrics& metrics);
+  void explore(const TrainingJob& job, Findings& findings, Metrics& metrics);
 
-  std::unique_ptr<TrainingJob> gait_job_;  // the job, but for the gait's share of the steps
-  std::optional<GaitTraining> gait_;       // until it is found
-  std::optional<SequenceSearch> search_;
+  std::unique_ptr<TrainingJob> gait_job_;  // the job, but for the gait's first share of the steps
+  std::optional<GaitTraining> gait_;       // none where it was not looked for
+  std::optional<SequenceSearch> search_;   // once there is something to start from
+
+  std::optional<GaitTraining::Generation> best_gait_;
+  double gait_pace_ = 0.0;  // return gained per step, lately
+  double explored_pace_ = 0.0;
+  std::int64_t explored_ = 0;  // turns
+  std::int64_t turns_ = 0;     // of either, since both have them
 };
 
 }  // namespace evo

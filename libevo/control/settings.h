@@ -164,7 +164,7 @@ struct TrainingSettings {
   double actuator_sigma = 0.15;  // step size once each actuator is for itself (gait)
 
   // Portfolio, and what explores for sequences
-  double gait_share = 0.2;   // of the steps: the search for a gait
+  double gait_share = 0.2;   // of the steps: the search for a gait; of a sequence's: at first
   double trial_share = 0.2;  // of the steps: the trial of each network
 
   // Exploration for sequences

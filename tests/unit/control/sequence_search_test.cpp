@@ -99,6 +99,11 @@ TEST_CASE("a search that starts from a gait does all that this does") {
   SequenceSearch search(arena, brief(), once(), stream(7), gait);
   search.explore(60 + 4 * 60);
   CHECK(best_of(arena, search.news()) >= earns);
+  SequenceSearch offered(arena, brief(), once(), stream(7));
+  offered.explore(4 * 60 + 8);
+  offered.offer(gait);
+  offered.explore(60 + 4 * 60);
+  CHECK(best_of(arena, offered.news()) >= earns);
   Checkpoint checkpoint;
   search.save(checkpoint);
   SequenceSearch resumed(arena, brief(), once(), stream(7), gait);

@@ -510,6 +510,58 @@ TEST_CASE("a search for a sequence begins with one for a gait") {
   CHECK(train(longer).steps > without.steps);
 }
 
+// What a search for a sequence did, turn by turn: g is a generation of gaits, s a stretch
+// of exploration. Checkpoints are those before each turn.
+std::string turns_of(Trainer& trainer, std::vector<Checkpoint>* checkpoints = nullptr) {
+  std::string turns;
+  while (!trainer.done()) {
+    if (checkpoints != nullptr) checkpoints->push_back(trainer.checkpoint());
+    for (const Metric& metric : trainer.advance().metrics) {
+      if (metric.name == "charts/sigma") turns += 'g';
+      if (metric.name == "charts/levels") turns += 's';
+    }
+  }
+  return turns;
+}
+
+TEST_CASE("searches for a gait and for a sequence take turns, and each step of them is resumed") {
+  const Arena arena(test::walker(20), test::small_body());
+  TrainingSettings settings = brief_sequence();
+  settings.steps = 6000;
+  settings.gait_share = 0.1;
+  Trainer trainer(arena, settings, 1, "robot");
+  std::vector<Checkpoint> checkpoints;
+  const std::string turns = turns_of(trainer, &checkpoints);
+  INFO(turns);
+  REQUIRE(turns.size() == checkpoints.size());
+  CHECK(turns.find("gs") != std::string::npos);
+  CHECK(turns.find("sg") != std::string::npos);
+  CHECK(turns.find("ssss") != std::string::npos);  // not by turns whatever they bring
+  const TrainResult result = trainer.result();
+  CHECK(result.steps <= settings.steps);
+  for (std::size_t i = 0; i < checkpoints.size(); i += 3) {
+    Trainer resumed(arena, settings, 1, "robot");
+    resumed.restore(checkpoints[i]);
+    check_equal(train(resumed), result);
+  }
+}
+
+TEST_CASE("a search for a sequence goes on with the gait where waves gain more") {
+  const Arena arena(test::walker(60), test::body_a());  // flat ground
+  TrainingSettings settings = brief_sequence();
+  settings.population = 8;
+  settings.rollout = 64;
+  settings.steps = 24000;
+  settings.gait_share = 0.1;
+  std::string turns;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Trainer trainer(arena, settings, seed, "robot");
+    turns += turns_of(trainer) + ' ';
+  }
+  INFO(turns);  // 36 g, 12 s with the third seed
+  CHECK(std::count(turns.begin(), turns.end(), 'g') > std::count(turns.begin(), turns.end(), 's'));
+}
+
 TEST_CASE("a search for a sequence starts from what another robot has learned") {
   const Arena old_arena(test::walker(10), test::small_body());
   const TrainingSettings settings = brief_sequence();

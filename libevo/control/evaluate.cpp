@@ -139,11 +139,12 @@ struct Prepare {
                    static_cast<std::size_t>(arena.observation_length()));
     require_length("outputs", static_cast<std::size_t>(policy.action_length()), actions());
     if (policy.gait) (*this)(*policy.gait);
-    work.choose = [&policy](const VecEnv& env, std::span<Running> lanes,
-                            std::span<double> targets) {
-      std::vector<int> steps;
+    work.choose = [&policy, steps = std::vector<int>{}, scratch = ActorScratch{}](
+                      const VecEnv& env, std::span<Running> lanes,
+                      std::span<double> targets) mutable {
+      steps.clear();
       for (const Running& lane : lanes) steps.push_back(lane.steps);
-      act(policy, env.observations(), steps, targets);
+      act(policy, env.observations(), steps, targets, scratch);
     };
   }
 

@@ -45,22 +45,6 @@ Network zeros_like(const Network& network) {
   return zeros;
 }
 
-template <typename Float, typename Parameters>
-std::vector<std::span<Float>> blocks_of(Parameters& parameters) {
-  std::vector<std::span<Float>> blocks;
-  const auto add = [&](auto& x) {
-    blocks.emplace_back(x.data(), static_cast<std::size_t>(x.size()));
-  };
-  for (auto* network : {&parameters.actor, &parameters.critic}) {
-    for (auto& layer : network->layers) {
-      add(layer.weight);
-      add(layer.bias);
-    }
-  }
-  add(parameters.log_std);
-  return blocks;
-}
-
 // Eigen's own comparison takes equal sizes for granted.
 template <typename Dense>
 bool same(const Dense& a, const Dense& b) {
@@ -117,64 +101,79 @@ void forward(const Network& network, const Matrix& x, Activations& activations) 
 }
 
 void backward(const Network& network, const Matrix& x, const Activations& activations,
-              const Matrix& output_gradient, Network& gradient) {
-  Matrix delta = output_gradient;  // dL/d(pre-activation) of layer l
+              std::vector<Matrix>& slopes, Network& gradient) {
   for (std::size_t l = network.layers.size(); l-- > 0;) {
+    const Matrix& slope = slopes[l];  // dL/d(pre-activation)
     const Matrix& input = l == 0 ? x : activations[l - 1];
-    add_product_transposed_left(delta, input, gradient.layers[l].weight);
-    for (Eigen::Index b = 0; b < delta.rows(); ++b)
-      gradient.layers[l].bias += delta.row(b).transpose();
+    add_product_transposed_left(slope, input, gradient.layers[l].weight);
+    for (Eigen::Index b = 0; b < slope.rows(); ++b)
+      gradient.layers[l].bias += slope.row(b).transpose();
     if (l == 0) break;
-    Matrix below = Matrix::Zero(delta.rows(), input.cols());
-    add_product(delta, network.layers[l].weight, below);
+    Matrix& below = slopes[l - 1];
+    below.setZero(slope.rows(), input.cols());
+    add_product(slope, network.layers[l].weight, below);
     below.array() *= 1.0F - input.array().square();  // tanh' = 1 - tanh^2
-    delta.swap(below);
   }
 }
 
+// Number by number, since Eigen's expressions would need room for what lies between.
 void update(Normalizer& normalizer, std::span<const double> observations) {
-  const Eigen::Index d = normalizer.mean.size();
-  const Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>> batch(
-      observations.data(), static_cast<Eigen::Index>(observations.size()) / d, d);
-  const auto n = static_cast<double>(batch.rows());
-  Eigen::ArrayXd mean = Eigen::ArrayXd::Zero(d);
-  for (Eigen::Index b = 0; b < batch.rows(); ++b) mean += batch.row(b).transpose().array();
-  mean /= n;
-  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(d);
-  for (Eigen::Index b = 0; b < batch.rows(); ++b)
-    squares += (batch.row(b).transpose().array() - mean).square();
-
+  const auto d = static_cast<std::size_t>(normalizer.mean.size());
+  const std::size_t rows = observations.size() / d;
+  const auto n = static_cast<double>(rows);
   const double total = normalizer.count + n;
-  const Eigen::ArrayXd delta = mean - normalizer.mean.array();
-  normalizer.variance = (normalizer.variance.array() * normalizer.count + squares +
-                         delta.square() * (normalizer.count * n / total)) /
-                        total;
-  normalizer.mean.array() += delta * (n / total);
+  for (std::size_t i = 0; i < d; ++i) {
+    double mean = 0.0;
+    for (std::size_t b = 0; b < rows; ++b) mean += observations[b * d + i];
+    mean /= n;
+    double squares = 0.0;
+    for (std::size_t b = 0; b < rows; ++b) {
+      const double difference = observations[b * d + i] - mean;
+      squares += difference * difference;
+    }
+    double& old_mean = normalizer.mean[static_cast<Eigen::Index>(i)];
+    double& variance = normalizer.variance[static_cast<Eigen::Index>(i)];
+    const double delta = mean - old_mean;
+    variance =
+        (variance * normalizer.count + squares + delta * delta * (normalizer.count * n / total)) /
+        total;
+    old_mean += delta * (n / total);
+  }
   normalizer.count = total;
 }
 
-void normalize(const Normalizer& normalizer, std::span<const double> observations, Matrix& out) {
-  const Eigen::Index d = normalizer.mean.size();
-  const Eigen::Map<const Eigen::Array<double, -1, -1, Eigen::RowMajor>> batch(
-      observations.data(), static_cast<Eigen::Index>(observations.size()) / d, d);
-  out.resize(batch.rows(), d);
+namespace {
+
+// Into the first columns of `out`.
+void fill_normalized(const Normalizer& normalizer, std::span<const double> observations,
+                     Matrix& out) {
+  const auto d = static_cast<std::size_t>(normalizer.mean.size());
   const bool identity = normalizer.count == 0.0;
-  const Eigen::ArrayXd deviation = (normalizer.variance.array() + normalizer.epsilon).sqrt();
-  for (Eigen::Index b = 0; b < batch.rows(); ++b) {
-    for (Eigen::Index i = 0; i < d; ++i) {
-      const double z = identity ? batch(b, i) : (batch(b, i) - normalizer.mean[i]) / deviation[i];
-      out(b, i) = static_cast<float>(std::clamp(z, -normalizer.clip, normalizer.clip));
+  for (std::size_t i = 0; i < d; ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    const double deviation = std::sqrt(normalizer.variance[column] + normalizer.epsilon);
+    for (Eigen::Index b = 0; b < out.rows(); ++b) {
+      const double x = observations[static_cast<std::size_t>(b) * d + i];
+      const double z = identity ? x : (x - normalizer.mean[column]) / deviation;
+      out(b, column) = static_cast<float>(std::clamp(z, -normalizer.clip, normalizer.clip));
     }
   }
 }
 
+}  // namespace
+
+void normalize(const Normalizer& normalizer, std::span<const double> observations, Matrix& out) {
+  const Eigen::Index d = normalizer.mean.size();
+  out.resize(static_cast<Eigen::Index>(observations.size()) / d, d);
+  fill_normalized(normalizer, observations, out);
+}
+
 void network_inputs(const Policy& policy, std::span<const double> observations,
                     std::span<const int> steps, Matrix& inputs) {
-  normalize(policy.normalizer, observations, inputs);
-  if (policy.clock.empty()) return;
-  const Eigen::Index seen = inputs.cols();
-  inputs.conservativeResize(Eigen::NoChange,
-                            seen + 2 * static_cast<Eigen::Index>(policy.clock.size()));
+  const Eigen::Index seen = policy.normalizer.mean.size();
+  inputs.resize(static_cast<Eigen::Index>(observations.size()) / seen,
+                seen + 2 * static_cast<Eigen::Index>(policy.clock.size()));
+  fill_normalized(policy.normalizer, observations, inputs);
   for (std::size_t e = 0; e < steps.size(); ++e) {
     const auto row = static_cast<Eigen::Index>(e);
     Eigen::Index next = seen;
@@ -202,12 +201,10 @@ double target_of(const Policy& policy, double rest, double output) {
 }
 
 void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,
-         std::span<double> targets) {
-  Matrix x;
-  Activations activations;
-  network_inputs(policy, observations, steps, x);
-  forward(policy.actor, x, activations);
-  const Matrix& mean = activations.back();
+         std::span<double> targets, ActorScratch& scratch) {
+  network_inputs(policy, observations, steps, scratch.inputs);
+  forward(policy.actor, scratch.inputs, scratch.activations);
+  const Matrix& mean = scratch.activations.back();
   const auto actions = static_cast<std::size_t>(mean.cols());
   for (std::size_t e = 0; e < steps.size(); ++e)
     rest_targets(policy, steps[e], targets.subspan(e * actions, actions));
@@ -215,19 +212,16 @@ void act(const Policy& policy, std::span<const double> observations, std::span<c
     targets[i] = target_of(policy, targets[i], static_cast<double>(mean.data()[i]));
 }
 
-std::vector<std::span<float>> parameter_blocks(Policy& policy) { return blocks_of<float>(policy); }
-
-std::vector<std::span<const float>> parameter_blocks(const Policy& policy) {
-  return blocks_of<const float>(policy);
-}
-
-std::vector<std::span<float>> parameter_blocks(Gradients& gradients) {
-  return blocks_of<float>(gradients);
+void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,
+         std::span<double> targets) {
+  ActorScratch scratch;
+  act(policy, observations, steps, targets, scratch);
 }
 
 std::size_t parameter_count(const Policy& policy) {
+  const ParameterBlocks blocks(policy);
   std::size_t count = 0;
-  for (const auto block : parameter_blocks(policy)) count += block.size();
+  for (std::size_t b = 0; b < blocks.size(); ++b) count += blocks[b].size();
   return count;
 }
 

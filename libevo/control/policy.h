@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "libevo/base/random.h"
@@ -90,10 +91,11 @@ Network orthogonal_network(int inputs, const std::vector<int>& hidden, int outpu
 // Y = network(X), X [B x D]; the result is activations.back().
 void forward(const Network& network, const Matrix& x, Activations& activations);
 
-// Adds to `gradient` what dL/dY [B x outputs] of the last layer means for the
-// network's parameters. `activations` come from forward() with the same X.
+// Adds to `gradient` what dL/dY [B x outputs], which is slopes.back(), means for the
+// network's parameters. `activations` come from forward() with the same X. `slopes` has a
+// matrix for every layer; the others are left with dL/d(what the layer's tanh gets).
 void backward(const Network& network, const Matrix& x, const Activations& activations,
-              const Matrix& output_gradient, Network& gradient);
+              std::vector<Matrix>& slopes, Network& gradient);
 
 // Takes a batch [B x D] into the running moments (Chan, Golub, LeVeque 1979).
 void update(Normalizer& normalizer, std::span<const double> observations);
@@ -109,16 +111,46 @@ void rest_targets(const Policy& policy, int t, std::span<double> targets);
 // Actuator target of one network output, `rest` being what it is added to.
 double target_of(const Policy& policy, double rest, double output);
 
+// What a policy's networks see and put out, kept from call to call.
+struct ActorScratch {
+  Matrix inputs;
+  Activations activations;
+};
 // The deterministic controller: observations [E x D] at steps [E] of their episodes
 // in, targets [E x A] out.
+void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,
+         std::span<double> targets, ActorScratch& scratch);
 void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,
          std::span<double> targets);
 
 // All parameters as runs of floats, in one fixed order: actor, critic (weight,
 // bias of every layer), log_std. The same for gradients, run by run.
-std::vector<std::span<float>> parameter_blocks(Policy& policy);
-std::vector<std::span<const float>> parameter_blocks(const Policy& policy);
-std::vector<std::span<float>> parameter_blocks(Gradients& gradients);
+template <typename Parameters>
+class ParameterBlocks {
+ public:
+  using Block = std::span<std::conditional_t<std::is_const_v<Parameters>, const float, float>>;
+
+  explicit ParameterBlocks(Parameters& parameters) : parameters_(&parameters) {}
+
+  std::size_t size() const { return of_actor() + 2 * parameters_->critic.layers.size() + 1; }
+  Block operator[](std::size_t i) const {
+    if (i + 1 == size()) return block(parameters_->log_std);
+    const bool actor = i < of_actor();
+    auto& network = actor ? parameters_->actor : parameters_->critic;
+    const std::size_t k = actor ? i : i - of_actor();
+    auto& layer = network.layers[k / 2];
+    return k % 2 == 0 ? block(layer.weight) : block(layer.bias);
+  }
+
+ private:
+  std::size_t of_actor() const { return 2 * parameters_->actor.layers.size(); }
+  template <typename Values>
+  static Block block(Values& values) {
+    return {values.data(), static_cast<std::size_t>(values.size())};
+  }
+
+  Parameters* parameters_;
+};
 std::size_t parameter_count(const Policy& policy);
 
 // Gradients of the policy's shape, all zero.

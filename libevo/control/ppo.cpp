@@ -20,7 +20,9 @@ constexpr double initial_moment_count = 1e-4;  // weight of the prior mean 0, va
 
 float exp32(float x) { return static_cast<float>(math::exp(static_cast<double>(x))); }
 
-Vector deviations(const Policy& policy) { return policy.log_std.unaryExpr(&exp32); }
+void set_deviations(const Policy& policy, Vector& deviation) {
+  deviation = policy.log_std.unaryExpr(&exp32);
+}
 
 // log pi(a|s) of a diagonal Gaussian, without the constant `log_scale` below.
 // `z` receives (a - mu) / sigma.
@@ -71,26 +73,33 @@ void standardize(Vector& advantages) {
 // ---- the objective ------------------------------------------------------------
 
 Losses differentiate(const Policy& policy, const Samples& batch, const Objective& objective,
-                     Gradients& gradients) {
+                     Gradients& gradients, LossScratch& scratch) {
   const Eigen::Index samples = batch.states.rows();
   const Eigen::Index actions = batch.actions.cols();
   const float share = 1.0F / static_cast<float>(samples);
   const auto clip = static_cast<float>(objective.clip);
   const auto value_share = static_cast<float>(objective.value_coefficient) * share;
 
-  Activations actor;
-  Activations critic;
-  forward(policy.actor, batch.states, actor);
-  forward(policy.critic, batch.states, critic);
-  const Matrix& mean = actor.back();    // mu(s) [M x A]
-  const Matrix& value = critic.back();  // V(s) [M x 1]
+  forward(policy.actor, batch.states, scratch.actor);
+  forward(policy.critic, batch.states, scratch.critic);
+  const Matrix& mean = scratch.actor.back();    // mu(s) [M x A]
+  const Matrix& value = scratch.critic.back();  // V(s) [M x 1]
 
-  const Vector deviation = deviations(policy);
+  set_deviations(policy, scratch.deviation);
+  const Vector& deviation = scratch.deviation;
   const float scale = log_scale(policy);
-  Matrix mean_gradient(samples, actions);  // dL/dmu
-  Matrix value_gradient(samples, 1);       // dL/dV
-  Vector log_std_gradient = Vector::Zero(actions);
-  Vector z(actions);
+  scratch.actor_slopes.resize(policy.actor.layers.size());
+  scratch.critic_slopes.resize(policy.critic.layers.size());
+  Matrix& mean_gradient = scratch.actor_slopes.back();    // dL/dmu
+  Matrix& value_gradient = scratch.critic_slopes.back();  // dL/dV
+  mean_gradient.resize(samples, actions);
+  value_gradient.resize(samples, 1);
+  Vector& z = scratch.z;
+  z.resize(actions);
+  const ParameterBlocks blocks(gradients);
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    std::fill(blocks[b].begin(), blocks[b].end(), 0.0F);
+  Vector& log_std_gradient = gradients.log_std;
   Losses losses;
 
   for (Eigen::Index i = 0; i < samples; ++i) {
@@ -131,11 +140,8 @@ Losses differentiate(const Policy& policy, const Samples& batch, const Objective
   losses.entropy = 0.5 * static_cast<double>(actions) + static_cast<double>(scale);
   log_std_gradient.array() -= static_cast<float>(objective.entropy_coefficient);
 
-  for (const std::span<float> block : parameter_blocks(gradients))
-    std::fill(block.begin(), block.end(), 0.0F);
-  backward(policy.actor, batch.states, actor, mean_gradient, gradients.actor);
-  backward(policy.critic, batch.states, critic, value_gradient, gradients.critic);
-  gradients.log_std = log_std_gradient;
+  backward(policy.actor, batch.states, scratch.actor, scratch.actor_slopes, gradients.actor);
+  backward(policy.critic, batch.states, scratch.critic, scratch.critic_slopes, gradients.critic);
   return losses;
 }
 
@@ -171,8 +177,9 @@ double clip_norm(Gradients& gradients, double limit) {
   // Eight interleaved sums: a fixed order that still fills vector registers.
   constexpr std::size_t lanes = 8;
   double sums[lanes] = {};
-  const auto blocks = parameter_blocks(gradients);
-  for (const std::span<float> block : blocks)
+  const ParameterBlocks blocks(gradients);
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    const std::span<float> block = blocks[k];
     for (std::size_t i = 0; i < block.size(); i += lanes) {
       const std::size_t n = std::min(lanes, block.size() - i);
       if (n == lanes) {  // of a length that the compiler knows
@@ -181,11 +188,12 @@ double clip_norm(Gradients& gradients, double limit) {
         for (std::size_t j = 0; j < n; ++j) sums[j] += square(block[i + j]);
       }
     }
+  }
   const double norm = std::sqrt(std::accumulate(sums, sums + lanes, 0.0));
   if (limit > 0.0 && norm > limit) {
     const auto factor = static_cast<float>(limit / norm);
-    for (const std::span<float> block : blocks)
-      for (float& g : block) g *= factor;
+    for (std::size_t k = 0; k < blocks.size(); ++k)
+      for (float& g : blocks[k]) g *= factor;
   }
   return norm;
 }
@@ -198,20 +206,21 @@ void Adam::step(Policy& policy, Gradients& gradients, double learning_rate, doub
   const auto rate = static_cast<float>(learning_rate / (1.0 - first_power));
   const auto correction = static_cast<float>(1.0 / std::sqrt(1.0 - second_power));
   const auto eps = static_cast<float>(epsilon);
-  const auto parameters = parameter_blocks(policy);
-  const auto slopes = parameter_blocks(gradients);
+  const ParameterBlocks parameters(policy);
+  const ParameterBlocks slopes(gradients);
   std::size_t offset = 0;
   for (std::size_t b = 0; b < parameters.size(); ++b) {
-    float* p = parameters[b].data();
+    const std::span<float> values = parameters[b];
+    float* p = values.data();
     const float* g = slopes[b].data();
     float* m = first.data() + offset;
     float* v = second.data() + offset;
-    for (std::size_t i = 0; i < parameters[b].size(); ++i) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
       m[i] = beta1 * m[i] + (1.0F - beta1) * g[i];
       v[i] = beta2 * v[i] + (1.0F - beta2) * (g[i] * g[i]);
       p[i] -= rate * m[i] / (std::sqrt(v[i]) * correction + eps);
     }
-    offset += parameters[b].size();
+    offset += values.size();
   }
 }
 
@@ -252,8 +261,8 @@ std::span<const float> view(const Vector& x) {
   return {x.data(), static_cast<std::size_t>(x.size())};
 }
 
-double explained_variance(const Samples& rollout) {
-  const Vector residual = rollout.returns - rollout.values;
+double explained_variance(const Samples& rollout, Vector& residual) {
+  residual = rollout.returns - rollout.values;
   const double total = moments(view(rollout.returns)).variance;
   return total > 0.0 ? 1.0 - moments(view(residual)).variance / total : 0.0;
 }
@@ -325,11 +334,12 @@ std::span<const double> Ppo::act() {
   forward(policy_.actor, state_, actor_out_);
   forward(policy_.critic, state_, critic_out_);
   const Matrix& mean = actor_out_.back();
-  const Vector deviation = deviations(policy_);
+  set_deviations(policy_, deviation_);
+  const Vector& deviation = deviation_;
   const float scale = log_scale(policy_);
   const double kept = settings_.noise_correlation;
   const double fresh = std::sqrt(1.0 - kept * kept);
-  Vector z(deviation.size());
+  z_.resize(deviation.size());
   for (Eigen::Index e = 0; e < state_.rows(); ++e) {
     const auto first = static_cast<std::size_t>(e * deviation.size());
     const std::span<double> targets{targets_.data() + first,
@@ -345,7 +355,7 @@ std::span<const double> Ppo::act() {
       targets[k] = target_of(policy_, targets[k], static_cast<double>(a));
     }
     rollout_.log_probs[row] =
-        log_density(rollout_.actions.row(row), mean.row(e), deviation, z) - scale;
+        log_density(rollout_.actions.row(row), mean.row(e), deviation, z_) - scale;
     rollout_.values[row] = critic_out_.back()(e, 0);
   }
   if (!all_finite(targets_)) divergence_ = "an action is not a finite number";
@@ -388,13 +398,13 @@ void Ppo::bootstrap_truncated(std::span<const std::uint8_t> terminated,
                               std::span<const std::uint8_t> truncated,
                               std::span<const double> reached, std::span<const int> steps) {
   const std::size_t length = reached.size() / truncated.size();
-  Matrix state;
   for (std::size_t e = 0; e < truncated.size(); ++e) {
     if (truncated[e] == 0 || terminated[e] != 0) continue;
-    network_inputs(policy_, reached.subspan(e * length, length), steps.subspan(e, 1), state);
-    forward(policy_.critic, state, critic_out_);
+    network_inputs(policy_, reached.subspan(e * length, length), steps.subspan(e, 1),
+                   bootstrapped_.inputs);
+    forward(policy_.critic, bootstrapped_.inputs, bootstrapped_.activations);
     rewards_[static_cast<std::size_t>(t_) * truncated.size() + e] +=
-        settings_.gamma * static_cast<double>(critic_out_.back()(0, 0));
+        settings_.gamma * static_cast<double>(bootstrapped_.activations.back()(0, 0));
   }
 }
 
@@ -418,18 +428,18 @@ UpdateReport Ppo::learn() {
   const Objective objective{settings_.clip, settings_.clip_value_loss, settings_.value_coefficient,
                             scheduled(settings_.entropy_coefficient, settings_.entropy_schedule,
                                       updates_, settings_.updates())};
-  report.explained_variance = explained_variance(rollout_);
+  report.explained_variance = explained_variance(rollout_, residual_);
 
   // [6] Epochs of minibatches, shuffled by Fisher and Yates.
-  std::vector<std::uint32_t> order(static_cast<std::size_t>(settings_.batch()));
-  std::iota(order.begin(), order.end(), 0U);
+  order_.resize(static_cast<std::size_t>(settings_.batch()));
+  std::iota(order_.begin(), order_.end(), 0U);
   const auto size = static_cast<std::size_t>(minibatch_.states.rows());
   for (int epoch = 0; epoch < settings_.epochs; ++epoch) {
-    for (std::size_t i = order.size() - 1; i > 0; --i)
-      std::swap(order[i], order[shuffle_.below(static_cast<std::uint32_t>(i) + 1)]);
+    for (std::size_t i = order_.size() - 1; i > 0; --i)
+      std::swap(order_[i], order_[shuffle_.below(static_cast<std::uint32_t>(i) + 1)]);
     for (int m = 0; m < settings_.minibatches; ++m) {
       const std::span<const std::uint32_t> samples{
-          order.data() + static_cast<std::size_t>(m) * size, size};
+          order_.data() + static_cast<std::size_t>(m) * size, size};
       if (!learn_minibatch(samples, report.learning_rate, objective, report.losses)) return report;
     }
   }
@@ -446,7 +456,7 @@ bool Ppo::learn_minibatch(std::span<const std::uint32_t> samples, double learnin
   gather(rollout_, samples, minibatch_);
   if (settings_.standardize_advantages == Standardize::minibatch)
     standardize(minibatch_.advantages);
-  const Losses losses = differentiate(policy_, minibatch_, objective, gradients_);
+  const Losses losses = differentiate(policy_, minibatch_, objective, gradients_, loss_scratch_);
   const double norm = clip_norm(gradients_, settings_.max_gradient_norm);  // [11]
   if (!std::isfinite(norm) || !std::isfinite(losses.policy + losses.value + losses.entropy)) {
     divergence_ = "the loss or its gradient is not a finite number";
@@ -486,8 +496,9 @@ void load_moments(const Checkpoint& checkpoint, const std::string& name, Normali
 
 void save_policy(Checkpoint& checkpoint, const std::string& name, const Policy& policy) {
   std::vector<float> parameters;
-  for (const auto block : parameter_blocks(policy))
-    parameters.insert(parameters.end(), block.begin(), block.end());
+  const ParameterBlocks blocks(policy);
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    parameters.insert(parameters.end(), blocks[b].begin(), blocks[b].end());
   checkpoint.put(name + "/parameters", std::move(parameters));
   save_moments(checkpoint, name + "/normalizer", policy.normalizer);
 }
@@ -495,7 +506,9 @@ void save_policy(Checkpoint& checkpoint, const std::string& name, const Policy& 
 void load_policy(const Checkpoint& checkpoint, const std::string& name, Policy& policy) {
   const auto& parameters = checkpoint.get<float>(name + "/parameters", parameter_count(policy));
   auto next = parameters.begin();
-  for (const auto block : parameter_blocks(policy)) {
+  const ParameterBlocks blocks(policy);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const std::span<float> block = blocks[b];
     std::copy_n(next, block.size(), block.begin());
     next += static_cast<std::ptrdiff_t>(block.size());
   }

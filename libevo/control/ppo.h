@@ -43,9 +43,19 @@ struct Objective {
   double entropy_coefficient = 0.01;  // c_2
 };
 
+// What lies between a batch and its gradients, kept from call to call.
+struct LossScratch {
+  Activations actor;
+  Activations critic;
+  std::vector<Matrix> actor_slopes;
+  std::vector<Matrix> critic_slopes;
+  Vector deviation;  // [A]
+  Vector z;          // [A]
+};
+
 // The parts of L over a batch, and dL/d(parameters), which replaces `gradients`.
 Losses differentiate(const Policy& policy, const Samples& batch, const Objective& objective,
-                     Gradients& gradients);
+                     Gradients& gradients, LossScratch& scratch);
 
 // Generalised advantage estimation (Schulman et al. 2016) over T steps of E
 // environments, arrays [T*E] in the order t*E + e:
@@ -58,7 +68,7 @@ void estimate_advantages(std::span<const double> rewards, std::span<const std::u
 
 // Adam (Kingma and Ba 2015), beta 0.9 and 0.999.
 struct Adam {
-  std::vector<float> first;   // m, in the order of parameter_blocks
+  std::vector<float> first;   // m, in the order of ParameterBlocks
   std::vector<float> second;  // v
   double first_power = 1.0;   // beta_1^t
   double second_power = 1.0;  // beta_2^t
@@ -146,11 +156,17 @@ class Ppo {
   std::vector<std::uint8_t> ended_;  // [T*E]
   std::vector<double> targets_;      // [E x A]
 
-  // Kept between calls to save their allocation.
+  // Kept between calls, so that nothing is allocated once all have their sizes.
   Activations actor_out_;
   Activations critic_out_;
+  Vector deviation_;           // [A]
+  Vector z_;                   // [A]
+  ActorScratch bootstrapped_;  // of the critic
   Samples minibatch_;
+  std::vector<std::uint32_t> order_;  // of the samples, in an epoch
+  Vector residual_;                   // [T*E]
   Gradients gradients_;
+  LossScratch loss_scratch_;
 };
 
 }  // namespace evo

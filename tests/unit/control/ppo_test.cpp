@@ -1,8 +1,24 @@
 #include "libevo/control/ppo.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
+
+// Blocks asked of the allocator so far, by whatever way: Eigen does not ask operator new.
+// Sanitizers have an allocator of their own; there it stays 0.
+static std::atomic<long> allocations{0};
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool counts_allocations = false;
+#else
+constexpr bool counts_allocations = true;
+extern "C" void* __libc_malloc(std::size_t size);  // NOLINT(bugprone-reserved-identifier)
+extern "C" void* malloc(std::size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+#endif
 
 using namespace evo;
 
@@ -22,12 +38,13 @@ Policy small_policy(int inputs, int actions, Stream& stream) {
 
 // ---- the loss again, in double precision, straight from the formulas ---------------
 
-using Parameters = std::vector<double>;  // in the order of parameter_blocks
+using Parameters = std::vector<double>;  // in the order of ParameterBlocks
 
 Parameters to_double(const Policy& policy) {
   Parameters all;
-  for (const auto block : parameter_blocks(policy))
-    all.insert(all.end(), block.begin(), block.end());
+  const ParameterBlocks blocks(policy);
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    all.insert(all.end(), blocks[b].begin(), blocks[b].end());
   return all;
 }
 
@@ -124,7 +141,8 @@ TEST_CASE("gradients agree with finite differences of the loss in double precisi
   Objective objective{0.1, true, 0.5, 0.01};
   objective.clip_value_loss = GENERATE(true, false);
   Gradients gradients = zero_gradients(policy);
-  const Losses losses = differentiate(policy, batch, objective, gradients);
+  LossScratch scratch;
+  const Losses losses = differentiate(policy, batch, objective, gradients, scratch);
 
   Parameters p = to_double(policy);
   CHECK(losses.policy + 0.5 * losses.value - 0.01 * losses.entropy ==
@@ -133,8 +151,9 @@ TEST_CASE("gradients agree with finite differences of the loss in double precisi
   CHECK(losses.clipfrac < 0.9);
 
   std::vector<float> analytic;
-  for (const auto block : parameter_blocks(gradients))
-    analytic.insert(analytic.end(), block.begin(), block.end());
+  const ParameterBlocks blocks(gradients);
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    analytic.insert(analytic.end(), blocks[b].begin(), blocks[b].end());
   REQUIRE(analytic.size() == p.size());
   constexpr double h = 1e-5;
   double worst = 0.0;
@@ -329,6 +348,36 @@ TEST_CASE("the learner is reproducible, and resumes to the same parameters") {
     Ppo other = fresh(static_cast<std::uint64_t>(seed), robot);
     CHECK_FALSE(other.policy() == fresh(1, "a").policy());
   }
+}
+
+TEST_CASE("once everything has its size, learning allocates nothing") {
+  TrainingSettings settings = point_settings();
+  settings.time_limit = TimeLimit::bootstrap;
+  settings.clock = {20, 7};
+  Ppo ppo = fresh_learner(settings, 1, 12, "robot");
+  PointMasses points(settings.environments, 12);
+  ppo.observe(points.x, points.age);
+  learn_points(settings, ppo, points, 2);
+  long during = 0;
+  const auto counted = [&](const auto& call) {
+    const long before = allocations;
+    call();
+    during += allocations - before;
+  };
+  std::span<const double> targets;
+  for (int t = 0; t < settings.rollout; ++t) {
+    counted([&] { targets = ppo.act(); });
+    points.step(targets);
+    counted([&] {
+      ppo.reward(points.rewards, points.terminated, points.truncated, points.x, points.age);
+    });
+    for (std::size_t e = 0; e < points.x.size(); ++e)
+      if (points.truncated[e] != 0) points.reset(e);
+    counted([&] { ppo.observe(points.x, points.age); });
+  }
+  counted([&] { ppo.learn(); });
+  CHECK(during == 0);
+  CHECK((allocations > 0) == counts_allocations);
 }
 
 TEST_CASE("divergence is noticed and named") {

@@ -139,7 +139,7 @@ struct Prepare {
                    static_cast<std::size_t>(arena.observation_length()));
     require_length("outputs", static_cast<std::size_t>(policy.action_length()), actions());
     if (policy.gait) (*this)(*policy.gait);
-    work.choose = [&policy, steps = std::vector<int>{}, scratch = ActorScratch{}](
+    work.choose = [&policy, steps = std::vector<int>{}, scratch = NetworkScratch{}](
                       const VecEnv& env, std::span<Running> lanes,
                       std::span<double> targets) mutable {
       steps.clear();

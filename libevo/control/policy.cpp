@@ -201,7 +201,7 @@ double target_of(const Policy& policy, double rest, double output) {
 }
 
 void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,
-         std::span<double> targets, ActorScratch& scratch) {
+         std::span<double> targets, NetworkScratch& scratch) {
   network_inputs(policy, observations, steps, scratch.inputs);
   forward(policy.actor, scratch.inputs, scratch.activations);
   const Matrix& mean = scratch.activations.back();
@@ -214,7 +214,7 @@ void act(const Policy& policy, std::span<const double> observations, std::span<c
 
 void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,
          std::span<double> targets) {
-  ActorScratch scratch;
+  NetworkScratch scratch;
   act(policy, observations, steps, targets, scratch);
 }
 

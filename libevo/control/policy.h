@@ -111,15 +111,15 @@ void rest_targets(const Policy& policy, int t, std::span<double> targets);
 // Actuator target of one network output, `rest` being what it is added to.
 double target_of(const Policy& policy, double rest, double output);
 
-// What a policy's networks see and put out, kept from call to call.
-struct ActorScratch {
+// What a network sees and puts out, kept from call to call.
+struct NetworkScratch {
   Matrix inputs;
   Activations activations;
 };
 // The deterministic controller: observations [E x D] at steps [E] of their episodes
 // in, targets [E x A] out.
 void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,
-         std::span<double> targets, ActorScratch& scratch);
+         std::span<double> targets, NetworkScratch& scratch);
 void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,
          std::span<double> targets);
 

@@ -159,9 +159,9 @@ class Ppo {
   // Kept between calls, so that nothing is allocated once all have their sizes.
   Activations actor_out_;
   Activations critic_out_;
-  Vector deviation_;           // [A]
-  Vector z_;                   // [A]
-  ActorScratch bootstrapped_;  // of the critic
+  Vector deviation_;             // [A]
+  Vector z_;                     // [A]
+  NetworkScratch bootstrapped_;  // of the critic
   Samples minibatch_;
   std::vector<std::uint32_t> order_;  // of the samples, in an epoch
   Vector residual_;                   // [T*E]

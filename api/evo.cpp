@@ -130,6 +130,7 @@ namespace {
 
 std::vector<Robot> robots_of(std::vector<evo::Robot> read) {
   std::vector<Robot> robots;
+  robots.reserve(read.size());
   for (evo::Robot& robot : read) robots.push_back(Access::make<Robot>(std::move(robot)));
   return robots;
 }
@@ -183,8 +184,10 @@ VectorEnv::VectorEnv(const Task& task, const std::vector<Robot>& robots, int per
           throw evo::error(evo::Failure::usage, "environments need 1 thread or more, not {}",
                            threads);
         std::vector<evo::Robot> own;
+        own.reserve(robots.size());
         for (const Robot& robot : robots) own.push_back(Access::robot(robot));
-        return std::unique_ptr<Impl>(
+        // A session does not move, and make_unique knows no braces.
+        return std::unique_ptr<Impl>(  // NOLINT(modernize-make-unique)
             new Impl{{Access::spec(task), std::move(own), per_robot, 0, threads}, {}, {}, {}});
       })) {
   const auto count = static_cast<std::size_t>(num_envs());

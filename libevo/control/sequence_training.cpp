@@ -10,6 +10,7 @@ namespace evo {
 namespace {
 
 constexpr double memory = 0.8;          // of a search's pace, from one of its turns to the next
+constexpr double at_rest = 0.1;         // of a gait's pace on the whole: less is none
 constexpr double horizon = 32768;       // steps after which the two are compared
 constexpr std::int64_t exception = 12;  // of so many turns, the last goes to the other
 constexpr std::int64_t known = 3;       // turns until the pace of exploration is
@@ -101,8 +102,10 @@ bool SequenceTraining::gait_is_next(const TrainingJob& job, const Findings& find
   if (!search_) return true;
   if (findings.steps + generation_cost(job) + evaluation_cost(job) > job.settings.steps)
     return false;
-  const bool ahead = explored_ >= known && best_gait_->best + gait_pace_ * horizon >
-                                               *findings.fitness + explored_pace_ * horizon;
+  const bool rests = gait_pace_ < at_rest * gait_gained_ / static_cast<double>(gait_steps_);
+  const bool ahead =
+      !rests && explored_ >= known &&
+      best_gait_->best + gait_pace_ * horizon > *findings.fitness + explored_pace_ * horizon;
   return (++turns_ % exception == 0) != ahead;
 }
 
@@ -117,6 +120,8 @@ void SequenceTraining::search_gait(const TrainingJob& job, Findings& findings, M
   const std::int64_t before = findings.steps;
   GaitTraining::Generation found = gait_->advance(job, findings, metrics);
   const double gained = best_gait_ ? std::max(0.0, found.best - best_gait_->best) : 0.0;
+  gait_gained_ += gained;
+  gait_steps_ += findings.steps - before;
   const double pace = gained / static_cast<double>(findings.steps - before);
   gait_pace_ = memory * gait_pace_ + (1.0 - memory) * pace;
   if (!best_gait_ || gained > 0.0) {
@@ -165,8 +170,9 @@ void SequenceTraining::save(Checkpoint& checkpoint) const {
     gait_->save(part);
     if (best_gait_) {
       save_sine(part, "best", best_gait_->gait);
-      part.put<double>("turns/paces", {best_gait_->best, gait_pace_, explored_pace_});
-      part.put<std::uint64_t>("turns/counts", {static_cast<std::uint64_t>(explored_),
+      part.put<double>("turns/paces", {best_gait_->best, gait_gained_, gait_pace_, explored_pace_});
+      part.put<std::uint64_t>("turns/counts", {static_cast<std::uint64_t>(gait_steps_),
+                                               static_cast<std::uint64_t>(explored_),
                                                static_cast<std::uint64_t>(turns_)});
     }
     checkpoint.put("gait", part);
@@ -184,13 +190,15 @@ void SequenceTraining::load(const Checkpoint& checkpoint) {
   if (gait_) {
     gait_->load(part);
     if (part.has("turns/paces")) {
-      const auto& paces = part.get<double>("turns/paces", 3);
+      const auto& paces = part.get<double>("turns/paces", 4);
       best_gait_ = GaitTraining::Generation{paces[0], load_sine(part, "best")};
-      gait_pace_ = paces[1];
-      explored_pace_ = paces[2];
-      const auto& counts = part.get<std::uint64_t>("turns/counts", 2);
-      explored_ = static_cast<std::int64_t>(counts[0]);
-      turns_ = static_cast<std::int64_t>(counts[1]);
+      gait_gained_ = paces[1];
+      gait_pace_ = paces[2];
+      explored_pace_ = paces[3];
+      const auto& counts = part.get<std::uint64_t>("turns/counts", 3);
+      gait_steps_ = static_cast<std::int64_t>(counts[0]);
+      explored_ = static_cast<std::int64_t>(counts[1]);
+      turns_ = static_cast<std::int64_t>(counts[2]);
     }
   }
   if (gait_ && !checkpoint.has("search/soonest/counts")) return;

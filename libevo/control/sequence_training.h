@@ -2,8 +2,9 @@
 // of the steps goes to the gait first. From what it finds, stretches of exploration go on,
 // each followed by the episodes of what they found; and from then on the two searches take
 // turns. The one is next that would be ahead a while later, had it all steps until then:
-// where a rhythm is all it takes, the gait; at a stair, exploration. Now and then it is the
-// other, since searches that rest may wake up. A better gait enters the archive.
+// where a rhythm is all it takes, the gait; at a stair, where a gait comes to rest,
+// exploration. Now and then it is the other, since searches that rest may wake up. A better gait
+// enters the archive.
 //
 // What a robot inherits, it begins with instead: a sequence or a gait as it is, of a network
 // what it does in an episode on the new body.
@@ -47,6 +48,8 @@ class SequenceTraining {
   std::optional<SequenceSearch> search_;   // once there is something to start from
 
   std::optional<GaitTraining::Generation> best_gait_;
+  double gait_gained_ = 0.0;  // on the whole
+  std::int64_t gait_steps_ = 0;
   double gait_pace_ = 0.0;  // return gained per step, lately
   double explored_pace_ = 0.0;
   std::int64_t explored_ = 0;  // turns

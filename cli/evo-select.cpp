@@ -34,13 +34,14 @@ void print_plan(const Settings& settings) {
   const int maximum = *settings.maximum;
   if (population > maximum)
     throw error(Failure::usage, "--population {} is larger than --of {}", population, maximum);
-  fmt::print("generation\trobots\tcreated\tsurvivors\tchildren\n");
+  std::string plan = "generation\trobots\tcreated\tsurvivors\tchildren\n";
   int created = population;
   for (int generation = 0, robots = population;; ++generation) {
     const bool last = created == maximum;
     const int kept = last ? 0 : paper_survivors(population, created, maximum);
     const int children = std::min(population - kept, maximum - created);
-    fmt::print("{}\t{}\t{}\t{}\t{}\n", generation, robots, created, kept, last ? 0 : children);
+    plan +=
+        fmt::format("{}\t{}\t{}\t{}\t{}\n", generation, robots, created, kept, last ? 0 : children);
     if (last) break;
     if (children <= 0)
       throw error(Failure::usage,
@@ -50,6 +51,7 @@ void print_plan(const Settings& settings) {
     created += children;
     robots = kept + children;
   }
+  fmt::print("{}", plan);
 }
 
 // How many survive of a population of this size.

@@ -20,6 +20,27 @@ tools() { (cd "$EVO_BIN" && printf '%s\n' evo-*); }
   for tool in $(tools); do "$tool" --version | grep -Eqx "$tool [0-9.]+ \(.+\) [a-z0-9-]+"; done
 }
 
+# What a build is made from, as cmake --build looks it up.
+commit_of() {
+  cmake -D SOURCE="$1" -D VERSION=1.2.3 -D TO="$PWD/version.h" -P "$EVO_SOURCE/cli/version.cmake" >&2
+  sed -n 's/^#define EVO_COMMIT "\(.*\)"$/\1/p' version.h
+}
+
+@test "version: the commit a build is from, marked where its files were changed since" {
+  mkdir checkout
+  [ "$(commit_of checkout)" = "no commit" ]
+  git init -q checkout
+  echo 1 > checkout/source
+  git -C checkout add source
+  git -C checkout -c user.name=n -c user.email=e commit -qm one
+  commit=$(git -C checkout rev-parse --short HEAD)
+  [ "$(commit_of checkout)" = "$commit" ]
+  touch checkout/left-behind
+  [ "$(commit_of checkout)" = "$commit" ]
+  echo 2 > checkout/source
+  [ "$(commit_of checkout)" = "$commit+" ]
+}
+
 @test "wrong usage: status 2 and one line that names the nearest option" {
   for tool in $(tools); do fails_with 2 "$tool" "--verbsoe" "--verbose" -- "$tool" --verbsoe; done
   fails_with 2 "--seed" -- evo-sample --seed seven

@@ -20,7 +20,7 @@ SMALLER = [  # what costs hours of a core
     (r'SEEDS="[^"]*"', 'SEEDS="1 2"'), (r"-j8", "-j2"),
     (r"(make [^|]*) RUN=", r"\1 VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' RUN="),
     (r"--episodes \d+", "--episodes 2"), (r"-o walk\.mp4", "-o walk.gif --size 160x90"),
-    (r"RECIPE=\w+", "ROUND_1='POP=3 EVALS=4 STEPS=2048' ROUND_2='POP=2 EVALS=3 STEPS=2048'"),
+    (r"RECIPE=\w+", "ROUND_1='POP=3 EVALS=4 STEPS=2048' ROUND_2='POP=3 EVALS=4 STEPS=2048'"),
     (r"num_envs=16", "num_envs=4"),
     # of a cluster
     (r"--ntasks=\d+", "--ntasks=2"), (r"--cpus-per-task=\d+", "--cpus-per-task=1"),
@@ -29,7 +29,7 @@ SMALLER = [  # what costs hours of a core
     (r'METHODS="([^" ]+ [^" ]+) [^"]*"', r'METHODS="\1"'),
     (r"(submit .* )-- (.*)", r"\1-- VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' \2"),
 ]
-COMMIT = (r"(\d+\.\d+\.\d+) \(([0-9a-f]{7,40}|no commit)\)", r"\1 (commit)")  # of the build that wrote a text
+COMMIT = (r"(\d+\.\d+\.\d+) \(([0-9a-f]{7,40}[+]?|no commit)\)", r"\1 (commit)")  # of the build that wrote a text
 
 
 def smaller(command):

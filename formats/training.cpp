@@ -230,6 +230,15 @@ std::string value_text(const T& settings, const Setting& setting) {
   return std::visit([&](auto member) { return to_text(settings.*member); }, setting.member);
 }
 
+bool is_list(const Setting& setting) {
+  return std::visit(
+      [](auto member) {
+        using Value = std::remove_reference_t<decltype(std::declval<T&>().*member)>;
+        return !IsWord<Value> && !std::is_arithmetic_v<Value>;
+      },
+      setting.member);
+}
+
 // What a value looks like, in a table.
 std::string kind_of(const Setting& setting) {
   return std::visit(
@@ -252,7 +261,7 @@ std::string kind_of(const Setting& setting) {
 // A scalar as written, a list as "1,2,3".
 std::string flat_text(const Setting& setting, const YamlNode& node) {
   if (node.is_scalar()) return node.string();
-  if (!node.is_sequence() || kind_of(setting) != "list")
+  if (!node.is_sequence() || !is_list(setting))
     throw node.error(
         fmt::format("a value is expected for '{}', found {}", setting.key, node.found()));
   std::vector<std::string> items;

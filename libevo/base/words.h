@@ -26,19 +26,26 @@ concept Worded = std::is_enum_v<E> && requires(E value) {
   word(value);
 };
 
-// In the order of the enumeration.
+// All of them, in the order of the enumeration.
+template <Worded E>
+std::vector<E> values_of() {
+  std::vector<E> values;
+  for (int i = 0; word(static_cast<E>(i)) != nullptr; ++i) values.push_back(static_cast<E>(i));
+  return values;
+}
+
 template <Worded E>
 std::vector<std::string> words_of() {
   std::vector<std::string> words;
-  for (int i = 0; const char* found = word(static_cast<E>(i)); ++i) words.emplace_back(found);
+  for (const E value : values_of<E>()) words.emplace_back(word(value));
   return words;
 }
 
 // Nothing for a word that no value has.
 template <Worded E>
 std::optional<E> from_word(std::string_view text) {
-  for (int i = 0; const char* found = word(static_cast<E>(i)); ++i)
-    if (text == found) return static_cast<E>(i);
+  for (const E value : values_of<E>())
+    if (text == word(value)) return value;
   return std::nullopt;
 }
 

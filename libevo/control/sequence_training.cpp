@@ -10,7 +10,6 @@ namespace evo {
 namespace {
 
 constexpr double memory = 0.8;          // of a search's pace, from one of its turns to the next
-constexpr double at_rest = 0.1;         // of a gait's pace on the whole: less is none
 constexpr double horizon = 32768;       // steps after which the two are compared
 constexpr std::int64_t exception = 12;  // of so many turns, the last goes to the other
 constexpr std::int64_t known = 3;       // turns until the pace of exploration is
@@ -97,16 +96,21 @@ bool SequenceTraining::done(const TrainingJob& job, const Findings& findings) co
   return findings.steps + first + evaluation_cost(job) > job.settings.steps;
 }
 
-bool SequenceTraining::gait_is_next(const TrainingJob& job, const Findings& findings) {
+void SequenceTraining::Pace::turn(double gained, std::int64_t steps) {
+  per_step = memory * per_step + (1.0 - memory) * (gained / static_cast<double>(steps));
+  ++turns;
+}
+
+bool SequenceTraining::gait_is_next(const TrainingJob& job, const Findings& findings) const {
   if (!gait_) return false;
   if (!search_) return true;
   if (findings.steps + generation_cost(job) + evaluation_cost(job) > job.settings.steps)
     return false;
-  const bool rests = gait_pace_ < at_rest * gait_gained_ / static_cast<double>(gait_steps_);
-  const bool ahead =
-      !rests && explored_ >= known &&
-      best_gait_->best + gait_pace_ * horizon > *findings.fitness + explored_pace_ * horizon;
-  return (++turns_ % exception == 0) != ahead;
+  const bool ahead = exploration_pace_.turns >= known &&
+                     best_gait_->best + gait_pace_.per_step * horizon >
+                         *findings.fitness + exploration_pace_.per_step * horizon;
+  const std::int64_t turn = gait_pace_.turns + exploration_pace_.turns + 1;
+  return (turn % exception == 0) != ahead;
 }
 
 void SequenceTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
@@ -120,15 +124,15 @@ void SequenceTraining::search_gait(const TrainingJob& job, Findings& findings, M
   const std::int64_t before = findings.steps;
   GaitTraining::Generation found = gait_->advance(job, findings, metrics);
   const double gained = best_gait_ ? std::max(0.0, found.best - best_gait_->best) : 0.0;
-  gait_gained_ += gained;
-  gait_steps_ += findings.steps - before;
-  const double pace = gained / static_cast<double>(findings.steps - before);
-  gait_pace_ = memory * gait_pace_ + (1.0 - memory) * pace;
+  gait_pace_.turn(gained, findings.steps - before);
   if (!best_gait_ || gained > 0.0) {
     best_gait_ = std::move(found);
     if (search_) search_->offer(best_gait_->gait);
   }
-  if (!search_ && gait_->done(*gait_job_, findings)) explore_from(best_gait_->gait);
+  if (!search_ && gait_->done(*gait_job_, findings)) {
+    explore_from(best_gait_->gait);
+    gait_pace_.turns = 0;  // with exploration, from now on
+  }
 }
 
 void SequenceTraining::explore(const TrainingJob& job, Findings& findings, Metrics& metrics) {
@@ -153,12 +157,7 @@ void SequenceTraining::explore(const TrainingJob& job, Findings& findings, Metri
   } else {
     findings.evaluated(findings.fitness.value(), *findings.best);  // nothing new
   }
-  if (gait_) {
-    const double pace =
-        (*findings.fitness - old_fitness) / static_cast<double>(findings.steps - before);
-    explored_pace_ = memory * explored_pace_ + (1.0 - memory) * pace;
-    ++explored_;
-  }
+  exploration_pace_.turn(*findings.fitness - old_fitness, findings.steps - before);
   metrics.push_back({"charts/levels", static_cast<double>(search_->levels())});
   metrics.push_back({"charts/highest_level", search_->highest()});
   report_evaluation(findings, metrics);
@@ -170,10 +169,11 @@ void SequenceTraining::save(Checkpoint& checkpoint) const {
     gait_->save(part);
     if (best_gait_) {
       save_sine(part, "best", best_gait_->gait);
-      part.put<double>("turns/paces", {best_gait_->best, gait_gained_, gait_pace_, explored_pace_});
-      part.put<std::uint64_t>("turns/counts", {static_cast<std::uint64_t>(gait_steps_),
-                                               static_cast<std::uint64_t>(explored_),
-                                               static_cast<std::uint64_t>(turns_)});
+      part.put<double>("turns/paces",
+                       {best_gait_->best, gait_pace_.per_step, exploration_pace_.per_step});
+      part.put<std::uint64_t>("turns/counts",
+                              {static_cast<std::uint64_t>(gait_pace_.turns),
+                               static_cast<std::uint64_t>(exploration_pace_.turns)});
     }
     checkpoint.put("gait", part);
   }
@@ -190,15 +190,11 @@ void SequenceTraining::load(const Checkpoint& checkpoint) {
   if (gait_) {
     gait_->load(part);
     if (part.has("turns/paces")) {
-      const auto& paces = part.get<double>("turns/paces", 4);
+      const auto& paces = part.get<double>("turns/paces", 3);
       best_gait_ = GaitTraining::Generation{paces[0], load_sine(part, "best")};
-      gait_gained_ = paces[1];
-      gait_pace_ = paces[2];
-      explored_pace_ = paces[3];
-      const auto& counts = part.get<std::uint64_t>("turns/counts", 3);
-      gait_steps_ = static_cast<std::int64_t>(counts[0]);
-      explored_ = static_cast<std::int64_t>(counts[1]);
-      turns_ = static_cast<std::int64_t>(counts[2]);
+      const auto& counts = part.get<std::uint64_t>("turns/counts", 2);
+      gait_pace_ = {paces[1], static_cast<std::int64_t>(counts[0])};
+      exploration_pace_ = {paces[2], static_cast<std::int64_t>(counts[1])};
     }
   }
   if (gait_ && !checkpoint.has("search/soonest/counts")) return;

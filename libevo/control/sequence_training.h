@@ -2,9 +2,8 @@
 // of the steps goes to the gait first. From what it finds, stretches of exploration go on,
 // each followed by the episodes of what they found; and from then on the two searches take
 // turns. The one is next that would be ahead a while later, had it all steps until then:
-// where a rhythm is all it takes, the gait; at a stair, where a gait comes to rest,
-// exploration. Now and then it is the other, since searches that rest may wake up. A better gait
-// enters the archive.
+// where a rhythm is all it takes, the gait; at a stair, exploration. Now and then it is the
+// other, since searches that rest may wake up. A better gait enters the archive.
 //
 // What a robot inherits, it begins with instead: a sequence or a gait as it is, of a network
 // what it does in an episode on the new body.
@@ -37,9 +36,16 @@ class SequenceTraining {
   void load(const Checkpoint& checkpoint);
 
  private:
+  // How fast a search gains, lately.
+  struct Pace {
+    double per_step = 0.0;   // return
+    std::int64_t turns = 0;  // taken with the other search
+    void turn(double gained, std::int64_t steps);
+  };
+
   std::int64_t first_cost(const TrainingJob& job) const;
   void explore_from(std::optional<SequenceSearch::Start> start);
-  bool gait_is_next(const TrainingJob& job, const Findings& findings);
+  bool gait_is_next(const TrainingJob& job, const Findings& findings) const;
   void search_gait(const TrainingJob& job, Findings& findings, Metrics& metrics);
   void explore(const TrainingJob& job, Findings& findings, Metrics& metrics);
 
@@ -48,12 +54,8 @@ class SequenceTraining {
   std::optional<SequenceSearch> search_;   // once there is something to start from
 
   std::optional<GaitTraining::Generation> best_gait_;
-  double gait_gained_ = 0.0;  // on the whole
-  std::int64_t gait_steps_ = 0;
-  double gait_pace_ = 0.0;  // return gained per step, lately
-  double explored_pace_ = 0.0;
-  std::int64_t explored_ = 0;  // turns
-  std::int64_t turns_ = 0;     // of either, since both have them
+  Pace gait_pace_;
+  Pace exploration_pace_;
 };
 
 }  // namespace evo

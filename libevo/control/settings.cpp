@@ -27,11 +27,6 @@ void share(const char* key, double value) {
 
 }  // namespace
 
-std::vector<AttemptKind> every_attempt_kind() {
-  using enum AttemptKind;
-  return {go_on, begin, change, borrow, repeat, push, hold};
-}
-
 void check(const TrainingSettings& s) {
   at_least("steps", static_cast<double>(s.steps), 1);
   at_least("environments", s.environments, 1);

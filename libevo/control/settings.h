@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "libevo/base/words.h"
 #include "libevo/control/policy.h"
 
 namespace evo {
@@ -99,7 +100,6 @@ constexpr const char* word(AttemptKind value) {
   }
   return nullptr;
 }
-std::vector<AttemptKind> every_attempt_kind();
 
 struct TrainingSettings {
   Algorithm algorithm;
@@ -168,7 +168,7 @@ struct TrainingSettings {
   double trial_share = 0.2;  // of the steps: the trial of each network
 
   // Exploration for sequences
-  std::vector<AttemptKind> attempts = every_attempt_kind();  // drawn alike; twice if named twice
+  std::vector<AttemptKind> attempts = values_of<AttemptKind>();  // drawn alike, as often as named
   double time_share = 0.5;   // of attempts: from the best moment of a time, not of a level
   double rest_share = 0.03;  // of attempts: what came too early once more, after a rest
 

@@ -73,9 +73,12 @@ def resolve(words, folder, identity):
 
 def is_spare(name, place, whole, outputs):
     """A folder that is renamed as a whole has a hidden name until then; so has, for an
-    instant, a file that replaces another one, but it is whole."""
+    instant, a file that replaces another one, but it is whole. So is a checkpoint, of
+    which none is left to compare it with."""
     if name.startswith(".set."):
         return True
+    if ".checkpoint.h5." in name and name.endswith(".tmp"):
+        return run(["h5dump", "-n", os.path.join("p", name)], place).returncode == 0
     for output in outputs:
         folder, file = os.path.split(output)
         spare = os.path.join(place, folder, name)

@@ -23,6 +23,7 @@ constexpr const char* word(Fruit fruit) {
 }  // namespace
 
 TEST_CASE("words and values lead to each other") {
+  CHECK(values_of<Fruit>() == std::vector<Fruit>{Fruit::apple, Fruit::pear, Fruit::quince});
   CHECK(words_of<Fruit>() == std::vector<std::string>{"apple", "pear", "quince"});
   CHECK(from_word<Fruit>("pear") == Fruit::pear);
   CHECK_FALSE(from_word<Fruit>("plum"));

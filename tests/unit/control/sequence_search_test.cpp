@@ -274,16 +274,15 @@ TEST_CASE("a search does what came too early once more, so as to end with it") {
   CHECK(late > 0.8 * early);
 }
 
-// How many different targets an actuator has had on the way to a moment of `moments`, at most.
-std::size_t most_targets(const SequenceSearch& search, const std::string& moments,
-                         std::size_t actuators) {
+// How many different targets the first actuator has had on the way to a moment, at most.
+std::size_t most_targets(const SequenceSearch& search, std::size_t actuators) {
   Checkpoint checkpoint;
   search.save(checkpoint);
-  const auto& counts = checkpoint.get<std::uint64_t>(moments + "/counts");
-  const double* action = checkpoint.get<double>(moments + "/actions").data();
+  const auto& counts = checkpoint.get<std::uint64_t>("search/highest/counts");
+  const double* action = checkpoint.get<double>("search/highest/actions").data();
   std::size_t most = 0;
   for (std::size_t i = 0; i < counts.size(); i += 5) {
-    std::set<double> targets;  // of the first actuator
+    std::set<double> targets;
     for (std::size_t k = 0; k < counts[i + 1]; k += actuators) targets.insert(action[k]);
     action += counts[i + 1];
     most = std::max(most, targets.size());
@@ -294,18 +293,17 @@ std::size_t most_targets(const SequenceSearch& search, const std::string& moment
 TEST_CASE("a search tries only what it is told to, from where it is told to") {
   const Arena arena(test::walker(60), test::body_a());
   const auto actuators = static_cast<std::size_t>(arena.action_length());
-  const auto targets = [&](std::vector<AttemptKind> attempts, double time_share) {
+  const auto targets = [&](std::vector<AttemptKind> attempts) {
     SequenceSearchSettings settings = brief();
     settings.attempts = std::move(attempts);
-    settings.time_share = time_share;
     SequenceSearch search(arena, settings, once(), stream(10));
     search.explore(6000);
-    return most_targets(search, "search/highest", actuators);
+    return most_targets(search, actuators);
   };
   // An attempt lasts at least as long as a third of the episode.
-  CHECK(targets({AttemptKind::hold}, 0.5) <= 10);
-  CHECK(targets({AttemptKind::begin}, 0.5) > 20);
-  CHECK(targets({AttemptKind::hold, AttemptKind::begin}, 0.5) > 10);
+  CHECK(targets({AttemptKind::hold}) <= 10);
+  CHECK(targets({AttemptKind::begin}) > 20);
+  CHECK(targets({AttemptKind::hold, AttemptKind::begin}) > 10);
 
   const auto visits_of_levels = [&](double time_share) {
     SequenceSearchSettings settings = brief();

@@ -27,10 +27,11 @@ VoxelWeights parse_weights(const std::string& text) {
 void sample_cppn(const cli::Shape& shape, int count, std::uint64_t seed,
                  std::set<std::string>& seen, cli::RobotWriter& out) {
   NeatSettings settings;
-  settings.pop_size = count;
+  settings.pop_size = std::max(count, 2);  // NEAT's least
   NeatState state;
   int index = 0;
   for (const CppnRobot& made : first_robots(settings, shape.rows, shape.cols, seen, state, seed)) {
+    if (index == count) break;
     Robot robot =
         make_child(made.body, {}, "evo-sample", seed, static_cast<std::uint64_t>(index++));
     robot.document["genome"] = genome_to_json(made.genome);

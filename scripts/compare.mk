@@ -22,7 +22,7 @@ tools_here := $(firstword $(wildcard $(SCRIPTS)../build/release/bin/evo-train $(
 export PATH := $(if $(tools_here),$(abspath $(dir $(tools_here))):)$(PATH)
 
 RUN     ?= $(error give RUN=folder, such as RUN=runs/compare)
-include $(SCRIPTS)run-name.mk
+include $(SCRIPTS)command-line.mk
 TASKS   ?= Walker-v0
 METHODS ?= ga neat bo
 SEEDS   ?= 1 2 3

@@ -37,7 +37,7 @@ batch_size = $(shell left=$$(( $(EVALS) - $(1) * $(POP) )); echo $$(( left < $(P
 lines_or = $(if $(wildcard $(1)),$(shell wc -l < '$(1)'),$(2))
 
 RUN    ?= $(error give RUN=folder, such as RUN=runs/first)
-include $(SCRIPTS)run-name.mk
+include $(SCRIPTS)command-line.mk
 TASK   ?= Walker-v0
 POP    ?= 25
 EVALS  ?= 250
@@ -130,8 +130,11 @@ all_generations ?= for gen in $(GENERATIONS); do \
 generations: | $(RUN)/run.yaml
 	+@$(if $(dry_run),,$(alone)) { $(if $(dry_run)$(silent),,$(watch)) $(all_generations); } 200>&-
 
-# Every setting of the run. A changed one is refused, never mixed in.
+# Every setting of the run. A changed one is refused, never mixed in. Options that a tool
+# is given only later, generations later perhaps, are tried before the run keeps them:
+# TRIAL is what the method does for that, without making a robot.
 $(RUN)/run.yaml: FORCE
+	@[ -e '$@' ] || { evo-sample -n 0 --shape '$(SHAPE)'; $(TRIAL) } < /dev/null > /dev/null
 	@evo-run init '$(RUN)' $(SETTINGS) "train_options=$$EVO_TRAIN_OPTIONS" \
 	  $(if $(EVALUATE),"evaluate=$$EVO_EVALUATE")
 FORCE:

@@ -18,6 +18,14 @@ MUTATE ?= evo-mutate
 METHOD_SETTINGS = $(if $(FOUNDERS),founders='$(FOUNDERS)') \
   $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') mutate_options='$(MUTATE_OPTIONS)' $(if $(filter evo-mutate,$(MUTATE)),,mutate='$(MUTATE)')
 
+TRIAL = $(if $(FOUNDERS),$(try_founders),evo-sample -n 0 $(SAMPLE_OPTIONS)); \
+  $(if $(filter evo-mutate,$(MUTATE)),evo-mutate -n 0 $(MUTATE_OPTIONS);)
+founders = evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)' | evo-select --keep $(POP)
+try_founders = [ '$(INHERIT)' != all ] || [ -d '$(FOUNDERS)/policies' ] || \
+    { echo '$(FOUNDERS): has no policies to go on from; INHERIT=yes trains founders anew' >&2; exit 66; }; \
+  found=$$($(founders) | wc -l); \
+  [ $$found -eq $(POP) ] || { echo "$(FOUNDERS): has $$found different robots, not POP=$(POP)" >&2; exit 65; }
+
 # A row per generation: generation,robots,created,survivors,children
 PLAN = $(call tool_lines,evo-select --schedule paper --population $(POP) --of $(EVALS) --plan)
 GENERATIONS = $(call counting,$(words $(or $(PLAN),$(error no plan for POP=$(POP) EVALS=$(EVALS)))))
@@ -37,10 +45,7 @@ ifeq ($(GEN),0)
 $(POPULATION):
 	@mkdir -p '$(@D)'
 ifneq ($(FOUNDERS),)
-	@[ '$(INHERIT)' != all ] || [ -d '$(FOUNDERS)/policies' ] || { echo "$(FOUNDERS): has no policies to go on from; INHERIT=yes trains founders anew" >&2; exit 66; }
-	@evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)' | evo-select --keep $(POP) | \
-	  jq -c '{format, version, id, body}' > '$@.tmp'
-	@[ "$$(wc -l < '$@.tmp')" -eq $(POP) ] || { echo "$(FOUNDERS): has $$(wc -l < '$@.tmp') different robots, not POP=$(POP)" >&2; exit 65; }
+	@$(founders) | jq -c '{format, version, id, body}' > '$@.tmp'
 	@mv '$@.tmp' '$@'
 else
 	@evo-sample -n $(POP) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,$(GEN)) -o '$@'

@@ -6,6 +6,7 @@
 METHOD := neat
 NEAT ?=
 METHOD_SETTINGS = neat=$(if $(NEAT),$(NEAT),default)
+TRIAL = evo-neat -n $(POP) $(if $(NEAT),--neat '$(NEAT)') --state-out /dev/null;
 GENERATIONS = $(call counting,$(call batches,$(EVALS),$(POP)))
 # Whole populations: EVALS is rounded up to a multiple of POP, as in the benchmark.
 # Reproduction may yield a few robots more, all of which are kept.

@@ -19,6 +19,7 @@ SAMPLE_OPTIONS ?=
 MUTATE_OPTIONS ?=
 METHOD_SETTINGS = rungs=$(RUNGS) parents=$(PARENTS) \
   $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') mutate_options='$(MUTATE_OPTIONS)'
+TRIAL = evo-sample -n 0 $(SAMPLE_OPTIONS); evo-mutate -n 0 $(MUTATE_OPTIONS);
 GENERATIONS = $(call counting,$(shell echo $$(( $(call batches,$(EVALS),$(POP)) * $(RUNGS) ))))
 # As many as the population has: of trainings that failed none goes on.
 slots = $(call counting,$(call lines_or,$(POPULATION),0))

@@ -27,7 +27,7 @@ MAKEFLAGS += --no-builtin-rules --no-print-directory
 
 SCRIPTS := $(dir $(lastword $(MAKEFILE_LIST)))
 RUN     ?= $(error give RUN=folder, such as RUN=runs/rounds)
-include $(SCRIPTS)run-name.mk
+include $(SCRIPTS)command-line.mk
 SEED    ?= 0
 RECIPE  ?= network
 

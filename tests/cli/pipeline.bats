@@ -86,6 +86,13 @@ kill_and_repeat() {
   [[ $output == *"yes, no or all, not 'maybe'"* ]]
 }
 
+@test "ga: a population without room for children is refused, once and before any training" {
+  run -2 --separate-stderr run_make ga run POP=2 EVALS=42
+  [ "$(grep -c 'no room for children' <<< "$stderr")" -eq 1 ]
+  [[ $stderr == *"no plan for POP=2 EVALS=42"* ]]
+  [ ! -e run/gen-000 ]
+}
+
 @test "founders have their own steps and sampling, and survive with what they had" {
   local options=(FOUNDER_STEPS=8192 SAMPLE_OPTIONS="--encoding cppn" MUTATE_OPTIONS="--attempts 1" INHERIT=yes -s)
   run_make ga calm "${options[@]}" -j2
@@ -134,7 +141,7 @@ kill_and_repeat() {
   [[ $stderr == *"none"* ]]
   for pipeline in steady neat; do
     run -2 --separate-stderr run_make $pipeline $pipeline FOUNDERS=scout
-    [[ $stderr == *"FOUNDERS is a setting of ga.mk"* ]]
+    [[ $stderr == *"no setting FOUNDERS, which is one of ga.mk"* ]]
   done
 }
 
@@ -342,6 +349,44 @@ steps_and_fitness() { jq -c 'select(.id == "'"$2"'") | [.steps, .fitness]' "$1";
   make -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${settings[@]}" run/run.yaml
 }
 
+# Refused with these words before anything is made: pipeline, what is wrong with it, words.
+refused_at_once() {
+  run --separate-stderr run_make "$1" run "$2"
+  [ "$status" -eq 2 ]
+  [[ "${stderr_lines[0]}" == *"$3"* ]]
+  [ ! -e run/run.yaml ]
+}
+
+@test "a name that a pipeline does not have is refused, with those that it has" {
+  refused_at_once ga EVAL=8 "ga.mk has no setting EVAL; it has EVALS EVALUATE"
+  refused_at_once ga POPULATION=8 "ga.mk has no setting POPULATION; it has POP"
+  refused_at_once ga evals=8 "ga.mk has no setting evals; it has ALGO CHUNK"
+  refused_at_once steady FOUNDERS=lost "steady.mk has no setting FOUNDERS, which is one of ga.mk; it has ALGO"
+  refused_at_once neat SEEDS=1 "neat.mk has no setting SEEDS; it has SEED."
+  for pipeline in compare rounds records; do
+    run -2 make -f "$EVO_SOURCE/scripts/$pipeline.mk" RUN=run STEP=8
+    [[ $output == *"$pipeline.mk has no setting STEP; it has FOUNDER_STEPS STEPS."* ]]
+    [ ! -e run ]
+  done
+  # A makefile of one's own may have settings of its own.
+  printf 'all:\n\t+@$(MAKE) -s -n -f "$(EVO_SOURCE)/scripts/ga.mk" RUN=run\n' > Makefile
+  make EVAL=8 > plan
+  grep -q evaluations=250 plan
+}
+
+@test "what a tool is asked for only later is refused at the beginning" {
+  for method in ga map neat bo race steady; do refused_at_once $method SHAPE=5 "--shape: '5'"; done
+  for method in ga map race; do
+    refused_at_once $method SAMPLE_OPTIONS='--weights 1' "evo-sample: --weights: expected 5"
+  done
+  for method in ga map race steady; do
+    refused_at_once $method MUTATE_OPTIONS='--rate 5' "evo-mutate: --rate must be"
+  done
+  refused_at_once map FEATURES=height "evo-archive: --features: 'height'"
+  refused_at_once neat NEAT=lost.yaml "evo-neat: lost.yaml: cannot be opened"
+  refused_at_once ga FOUNDERS=lost "lost: cannot be opened"
+}
+
 @test "one make at a time works on a run; one that was killed lets go" {
   local long=("${settings[@]/STEPS=4096/STEPS=51200000}") pid
   setsid make -s -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${long[@]}" > /dev/null 2>&1 3>&- &
@@ -449,7 +494,7 @@ wait_until() { local k; for ((k = 0; k < 600; k++)); do ! "$@" || return 0; slee
   eval "tools=($(sed -n 's/^cmake --build .* --target //p' "$EVO_SOURCE/scripts/quickstart"))"
   for tool in "${tools[@]}"; do cp "$EVO_BIN/$tool" tree/build/release/bin; done
   # None of the others is to be found.
-  PATH=/usr/bin:/bin make -s -f tree/scripts/ga.mk RUN=run TASK=Walker-v0 POP=2 EVALS=3 STEPS=2048 SEED=1 \
+  PATH=/usr/bin:/bin make -s -f tree/scripts/ga.mk RUN=run TASK=Walker-v0 POP=3 EVALS=4 STEPS=2048 SEED=1 \
     VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 50"
   [ -s run/report.html ] && [ -s run/best.gif ]
   PATH=/usr/bin:/bin tree/build/release/bin/evo-inspect run/best.json > /dev/null

@@ -2,13 +2,17 @@
 load helpers
 
 @test "sampling: the same seed gives the same bytes, a longer list begins like a shorter one" {
-  evo-sample -n 30 --seed 5 > a
-  evo-sample -n 30 --seed 5 -o b
-  cmp a b
-  evo-sample -n 10 --seed 5 | cmp - <(head -10 a)
-  evo-sample -n 30 --seed 6 > c
-  run ! cmp -s a c
-  [ "$(jq -r .id a | sort -u | wc -l)" -eq 30 ]
+  for encoding in voxel cppn; do
+    evo-sample -n 30 --encoding $encoding --seed 5 > a
+    evo-sample -n 30 --encoding $encoding --seed 5 -o b
+    cmp a b
+    for count in 0 1 10; do
+      evo-sample -n $count --encoding $encoding --seed 5 | cmp - <(head -n $count a)
+    done
+    evo-sample -n 30 --encoding $encoding --seed 6 > c
+    run ! cmp -s a c
+    [ "$(jq -r .id a | sort -u | wc -l)" -eq 30 ]
+  done
 }
 
 @test "sampling: shape, weights, avoidance" {
@@ -64,6 +68,8 @@ J
 
 @test "selection: the schedule of the paper" {
   evo-select --schedule paper --population 25 --of 250 --plan | golden plan-25-250.tsv
+  fails_with 2 "no room for children" "at least 3" -- \
+    evo-select --schedule paper --population 2 --of 42 --plan
   evo-sample -n 25 | jq -c '.fitness = 1' > scored
   evo-select --schedule paper --evaluated 25 --of 250 scored | wc -l | grep -qx 14
   evo-select --schedule paper --evaluated 235 --of 250 scored | wc -l | grep -qx 2

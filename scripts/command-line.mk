@@ -25,7 +25,7 @@ unknown := $(firstword $(filter-out $(settings) $(parts),$(given)))
 alike = $(findstring $(1),$(2))$(findstring $(2),$(1))
 near := $(strip $(foreach name,$(settings),$(if $(call alike,$(name),$(unknown)),$(name))))
 owners := $(strip $(foreach name,ga map race neat steady,$(if $(filter $(unknown),$(settings_$(name))),$(name).mk)))
-$(if $(unknown),$(error $(pipeline).mk has no setting $(unknown)$(if $(owners),, which is one of $(owners)); it has $(sort $(or $(near),$(settings)))))
+$(if $(unknown),$(error $(pipeline).mk has no setting $(unknown)$(if $(owners), (a setting of $(owners))); it has $(sort $(or $(near),$(settings)))))
 endif
 endif
 

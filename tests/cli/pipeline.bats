@@ -141,7 +141,7 @@ kill_and_repeat() {
   [[ $stderr == *"none"* ]]
   for pipeline in steady neat; do
     run -2 --separate-stderr run_make $pipeline $pipeline FOUNDERS=scout
-    [[ $stderr == *"no setting FOUNDERS, which is one of ga.mk"* ]]
+    [[ $stderr == *"no setting FOUNDERS (a setting of ga.mk)"* ]]
   done
 }
 
@@ -361,7 +361,7 @@ refused_at_once() {
   refused_at_once ga EVAL=8 "ga.mk has no setting EVAL; it has EVALS EVALUATE"
   refused_at_once ga POPULATION=8 "ga.mk has no setting POPULATION; it has POP"
   refused_at_once ga evals=8 "ga.mk has no setting evals; it has ALGO CHUNK"
-  refused_at_once steady FOUNDERS=lost "steady.mk has no setting FOUNDERS, which is one of ga.mk; it has ALGO"
+  refused_at_once steady FOUNDERS=lost "steady.mk has no setting FOUNDERS (a setting of ga.mk); it has ALGO"
   refused_at_once neat SEEDS=1 "neat.mk has no setting SEEDS; it has SEED."
   for pipeline in compare rounds records; do
     run -2 make -f "$EVO_SOURCE/scripts/$pipeline.mk" RUN=run STEP=8

@@ -47,6 +47,7 @@ class Alone {
   static constexpr std::size_t springs_at_once =
       std::min<std::size_t>(2 * hn::MaxLanes(D()), Plan::spring_padding);
   static constexpr std::size_t points_at_once = record_points;
+  static constexpr bool points_follow = false;  // neighbours fill registers as it is
 
   Alone(const Plan& plan, const Physics& physics, const Arrays<arithmetic>& arrays, bool near_floor)
       : plan_(plan),

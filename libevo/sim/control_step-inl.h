@@ -38,6 +38,7 @@ class ControlStep {
   static constexpr std::size_t width = Kernel::width;
   static constexpr Arithmetic arithmetic = Kernel::arithmetic;
   static constexpr std::size_t spacing = Kernel::record_points * width;
+  static constexpr std::size_t springs_of_part = 360;
   using Real = StageReal<arithmetic>;
 
   ControlStep(Group& group, Workspace& workspace)
@@ -46,8 +47,7 @@ class ControlStep {
         physics_(group.kind->physics()),
         rows_(group.rows),
         workspace_(workspace),
-        w_(workspace.prepare<arithmetic>(plan_, *group.tables, rows_)),
-        lead_(lead_of(plan_)) {}
+        w_(workspace.prepare<arithmetic>(plan_, *group.tables, rows_)) {}
 
   void run() {
     begin();
@@ -69,10 +69,7 @@ class ControlStep {
   void substep() {
     contacts();
     if constexpr (arithmetic == Arithmetic::fast) start_stages();
-    stage<1>(w_.stage_start(), w_.stage_position[0]);
-    stage<2>(w_.stage_position[0], w_.stage_position[1]);
-    stage<3>(w_.stage_position[1], w_.stage_position[0]);
-    stage<4>(w_.stage_position[0], w_.previous);
+    stages();
     kernel().limit_strain(w_.previous);
     kernel().limit_rigid_strain(w_.previous);
     std::swap(w_.position, w_.previous);
@@ -109,26 +106,72 @@ class ControlStep {
     near_floor_ = near_floor;
   }
 
-  // One stage of Runge-Kutta. Points follow the springs at a distance: while
-  // the divider works on springs, the rest of the processor integrates points.
+  // How far a stage has come.
+  struct Progress {
+    std::size_t springs = 0;
+    std::size_t points = 0;  // regular ones
+    bool over = false;
+  };
+
+  // The four stages of Runge-Kutta. Of a body that is too large for the cache, every
+  // stage follows the one before as closely as it can: a part of the body goes through
+  // all of them while the cache has it.
+  void stages() {
+    const std::size_t part = is_large() ? springs_of_part : springs_in_all();
+    std::array<Progress, 4> done;
+    while (!done[3].over) {
+      stage<1>(w_.stage_start(), w_.stage_position[0], done[0], done[0].springs + part);
+      stage<2>(w_.stage_position[0], w_.stage_position[1], done[1], springs_after(done[0]));
+      stage<3>(w_.stage_position[1], w_.stage_position[0], done[2], springs_after(done[1]));
+      stage<4>(w_.stage_position[0], w_.previous, done[3], springs_after(done[2]));
+    }
+  }
+
+  // Whether what the stages read and write is more than a second-level cache holds: per
+  // spring its force and what belongs to it, and a third of a point.
+  bool is_large() const {
+    constexpr std::size_t bytes_per_spring = 9 * width * sizeof(Real);
+    constexpr std::size_t cache = 1U << 19U;
+    return Kernel::points_follow && springs_in_all() * bytes_per_spring > cache;
+  }
+
+  std::size_t springs_in_all() const { return static_cast<std::size_t>(plan_.live_springs); }
+
+  // How many springs the next stage may compute. It overwrites nothing that this one
+  // still needs: the points at both ends of a spring have gathered all their forces.
+  std::size_t springs_after(const Progress& done) const {
+    if (done.over) return springs_in_all();
+    const std::vector<std::int32_t>& before = plan_.points_before;
+    const auto points = static_cast<std::int32_t>(done.points);
+    return static_cast<std::size_t>(std::upper_bound(before.begin(), before.end(), points) -
+                                    before.begin());
+  }
+
+  // One stage, from where it is to spring `end`. Points follow the springs: while the
+  // divider works on springs, the rest of the processor integrates points.
   template <int n, class Next>
-  void stage(const Real* HWY_RESTRICT at, Next* HWY_RESTRICT next) {
-    const auto springs = static_cast<std::size_t>(plan_.live_springs);
+  void stage(const Real* HWY_RESTRICT at, Next* HWY_RESTRICT next, Progress& done,
+             std::size_t end) {
+    if (done.over) return;
+    const std::size_t springs = std::min(end, springs_in_all());
     const std::size_t regular = n < 3 ? plan_.regular : plan_.free_regular;
     constexpr int few = Plan::regular_ends;
     constexpr std::size_t ends_a_point = 2UL * few;
     const std::uint32_t* ends = w_.ends;
     const Kernel kernel = this->kernel();
-    std::size_t s = 0;
-    std::size_t i = 0;
-    for (; s < lead_ && s + Kernel::springs_at_once <= springs; s += Kernel::springs_at_once)
+    std::size_t s = done.springs;
+    std::size_t i = done.points;
+    std::size_t ahead = springs_ahead(i, regular);
+    while (s + Kernel::springs_at_once <= springs) {
       kernel.template springs<n == 1>(at, s);
-    for (; i + Kernel::points_at_once <= regular && s + Kernel::springs_at_once <= springs;
-         s += Kernel::springs_at_once) {
-      kernel.template springs<n == 1>(at, s);
+      s += Kernel::springs_at_once;
+      if (s < ahead) continue;
       kernel.template points<n>(i, ends + ends_a_point * i, at, next);
       i += Kernel::points_at_once;
+      ahead = springs_ahead(i, regular);
     }
+    done = {s, i, springs == springs_in_all()};
+    if (!done.over) return;
     kernel.template last_springs<n == 1>(at, s, springs);
     for (; i + Kernel::points_at_once <= regular; i += Kernel::points_at_once)
       kernel.template points<n>(i, ends + ends_a_point * i, at, next);
@@ -171,18 +214,13 @@ class ControlStep {
     kernel().template point<n>(i, w_.ends + point.first_end, point.a_ends, point.b_ends, at, next);
   }
 
-  // How many springs the points stay behind: enough for every one of them, and
-  // for the roots and quotients under way.
-  static std::size_t lead_of(const Plan& plan) {
-    constexpr std::size_t under_way = 2;
-    std::size_t rounds = 0;
-    for (std::size_t i = 0; i < plan.regular; ++i) {
-      const auto needed = static_cast<std::size_t>(plan.springs_before[i]);
-      const std::size_t done = (needed + Kernel::springs_at_once - 1) / Kernel::springs_at_once;
-      const std::size_t round = i / Kernel::points_at_once + 1;
-      if (done > round) rounds = std::max(rounds, done - round);
-    }
-    return (rounds + under_way) * Kernel::springs_at_once;
+  // How many springs are computed before points from the i-th on are integrated: all of
+  // theirs, and those whose roots and quotients are under way.
+  HWY_INLINE std::size_t springs_ahead(std::size_t i, std::size_t points) const {
+    constexpr std::size_t under_way = 3 * Kernel::springs_at_once;
+    if (!Kernel::points_follow || i + Kernel::points_at_once > points) return SIZE_MAX;
+    return static_cast<std::size_t>(plan_.springs_before[i + Kernel::points_at_once - 1]) +
+           under_way;
   }
 
   // Made where it is used, so that its pointers are locals there.
@@ -374,7 +412,6 @@ class ControlStep {
   Rows& rows_;
   Workspace& workspace_;
   Arrays<arithmetic> w_;
-  std::size_t lead_;
   std::array<bool, width> folding_{};
   std::array<bool, width> set_aside_{};
   bool touching_ = false;

@@ -22,8 +22,9 @@ HWY_BEFORE_NAMESPACE();
 namespace evo {
 namespace HWY_NAMESPACE {
 
-// The shape of a kernel: how it lays out its arrays, and how many springs and points
-// one call of its loops' bodies does.
+// The shape of a kernel: how it lays out its arrays, how many springs and points one
+// call of its loops' bodies does, and whether points take turns with springs in a stage
+// or come after all of them.
 template <class K>
 concept KernelShape = requires {
   { K::arithmetic } -> std::convertible_to<Arithmetic>;
@@ -32,6 +33,7 @@ concept KernelShape = requires {
   { K::force_record } -> std::convertible_to<std::size_t>;
   { K::force_offset } -> std::convertible_to<std::size_t>;
   { K::dealt_springs } -> std::convertible_to<std::size_t>;
+  { K::points_follow } -> std::convertible_to<bool>;
   { K::springs_at_once } -> std::convertible_to<std::size_t>;
   { K::points_at_once } -> std::convertible_to<std::size_t>;
   requires std::same_as<typename K::Real, StageReal<K::arithmetic>>;

@@ -25,7 +25,7 @@
 // A substep is
 //   contacts      candidates side by side, forces one by one (contact.h)
 //   4 x { springs: length, force
-//         points: gather, integrate }   following the springs at a distance
+//         points: gather, integrate }   in turns, where environments fill the lanes
 //   strain limits, first all springs at once, then rigid cells one by one
 //
 // Forces are stored by spring and gathered by point, in the order in which the

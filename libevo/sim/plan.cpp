@@ -206,6 +206,7 @@ class Planner {
     plan_.springs = plan_.first_frozen + static_cast<int>(frozen.size());
     plan_.null_spring = static_cast<int>(plan_.a.size());
     list_springs_before(live);
+    list_points_before(live);
   }
 
   void list_springs(const std::vector<int>& springs) {
@@ -229,6 +230,15 @@ class Planner {
     for (std::size_t k = 0; k < plan_.regular; ++k) {
       while (springs < live.size() && first_rank(live[springs]) <= static_cast<int>(k)) ++springs;
       plan_.springs_before.push_back(static_cast<std::int32_t>(springs));
+    }
+  }
+
+  void list_points_before(const std::vector<int>& live) {
+    int points = 0;
+    for (const int s : live) {
+      for (const int end : {spring(s).a, spring(s).b})
+        if (roles_[at(end)] != Role::held) points = std::max(points, rank_[at(end)] + 1);
+      plan_.points_before.push_back(points);
     }
   }
 

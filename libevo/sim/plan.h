@@ -69,6 +69,8 @@ struct Plan {
   // Points in the order they are integrated: regular ones, free then anchored;
   // irregular ones, free then anchored. `springs_before` of the i-th regular
   // point: how many springs must have been computed before it; it never falls.
+  // `points_before` of a live spring: how many points must have been through the
+  // stage before; it never falls, either.
   //
   // A regular point has exactly regular_ends springs of either kind, so that
   // loops over points have no branches: lists are filled up with null_spring, and
@@ -80,6 +82,7 @@ struct Plan {
   std::size_t regular = 0;
   std::size_t free_irregular = 0;
   std::vector<std::int32_t> springs_before;
+  std::vector<std::int32_t> points_before;
   std::vector<std::int32_t> ends;  // springs
 
   // Live springs once more, in the order of Dynamics: that of corrections.

@@ -53,6 +53,7 @@ class SideBySide {
   // How many springs `springs` computes, and how many points then follow.
   static constexpr std::size_t springs_at_once = 3;
   static constexpr std::size_t points_at_once = 1;
+  static constexpr bool points_follow = true;
   static constexpr std::size_t record_points = 1;
   static constexpr std::size_t dealt_springs = 1;
 

@@ -137,6 +137,30 @@ TEST_CASE("bits do not depend on width, neighbours or instruction set") {
   }
 }
 
+// Among others that fixed cells hold in part, which come first or last.
+TEST_CASE("large bodies take the stages part by part and keep their bits") {
+  const IsaGuard guard;
+  Stream random(7, "bodies");
+  const Body large = sample_body(34, 34, {0.05, 0.1, 0.25, 0.3, 0.3}, random);
+  std::vector<std::string> slab(6, "#" + std::string(120, 'S') + "#");
+  const auto with = [&](Object before, Object after) {
+    return World{{std::move(before), {"robot", large, 2, 8}, std::move(after)}};
+  };
+  const Object soft = block("slab", slab, 0, 1);
+  const Object peg = block("peg", {"#"}, 60, 60);
+  for (const Arithmetic arithmetic : {Arithmetic::exact, Arithmetic::fast}) {
+    Physics physics;
+    physics.arithmetic = arithmetic;
+    for (const World& world : {flat_world(large), with(soft, peg), with(peg, soft)}) {
+      const Model model(world, physics);
+      for (const std::string& isa : available_isas()) {
+        select_isa(isa);
+        CHECK(hash_after(model, 2, 8) == hash_after(model, 2, 1));
+      }
+    }
+  }
+}
+
 TEST_CASE("lanes of equal objects in different places share registers and keep their bits") {
   const IsaGuard guard;
   std::vector<std::shared_ptr<const Model>> models;

@@ -161,14 +161,15 @@ class ControlStep {
     const Kernel kernel = this->kernel();
     std::size_t s = done.springs;
     std::size_t i = done.points;
-    std::size_t ahead = springs_ahead(i, regular);
+    const std::int32_t* const before = plan_.springs_before.data();
+    std::size_t ahead = springs_ahead(before, i, regular);
     while (s + Kernel::springs_at_once <= springs) {
       kernel.template springs<n == 1>(at, s);
       s += Kernel::springs_at_once;
-      if (s < ahead) continue;
+      if (HWY_UNLIKELY(s < ahead)) continue;
       kernel.template points<n>(i, ends + ends_a_point * i, at, next);
       i += Kernel::points_at_once;
-      ahead = springs_ahead(i, regular);
+      ahead = springs_ahead(before, i, regular);
     }
     done = {s, i, springs == springs_in_all()};
     if (!done.over) return;
@@ -215,12 +216,14 @@ class ControlStep {
   }
 
   // How many springs are computed before points from the i-th on are integrated: all of
-  // theirs, and those whose roots and quotients are under way.
-  HWY_INLINE std::size_t springs_ahead(std::size_t i, std::size_t points) const {
+  // theirs, and those whose roots and quotients are under way. `before` is
+  // Plan::springs_before, `points` how many there are.
+  static HWY_INLINE std::size_t springs_ahead(const std::int32_t* before, std::size_t i,
+                                              std::size_t points) {
+    constexpr std::size_t at_once = Kernel::points_at_once;
     constexpr std::size_t under_way = 3 * Kernel::springs_at_once;
-    if (!Kernel::points_follow || i + Kernel::points_at_once > points) return SIZE_MAX;
-    return static_cast<std::size_t>(plan_.springs_before[i + Kernel::points_at_once - 1]) +
-           under_way;
+    if (!Kernel::points_follow || i + at_once > points) return SIZE_MAX;
+    return static_cast<std::size_t>(before[i + at_once - 1]) + under_way;
   }
 
   // Made where it is used, so that its pointers are locals there.

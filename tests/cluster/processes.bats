@@ -64,7 +64,7 @@ echo x >> starts
 exec "$@"
 END
   chmod +x not-today
-  evolve steady run "${small[@]}" LAUNCH="$PWD/not-today" SECONDS_EACH=0 2> messages
+  SECONDS_EACH=0 evolve steady run "${small[@]}" LAUNCH="$PWD/not-today" 2> messages
   [ "$(jq -s 'map(select(.fitness == null)) | length' run/history.jsonl)" -eq 0 ]
   grep -q "started again" messages
 }
@@ -116,7 +116,7 @@ END
 }
 
 @test "a generation that cannot be proposed ends the run" {
-  run -2 evolve ga run "${small[@]}" SECONDS_EACH=0 MUTATE=false
+  SECONDS_EACH=0 run -2 evolve ga run "${small[@]}" MUTATE=false
   [ -e run/gen-000/ranking.tsv ]
   [ "$(cd run && echo gen-*)" = "gen-000 gen-001" ]
 }

@@ -8,7 +8,7 @@ small=(POP=5 EVALS=22 WINDOW=7 SHAPE=4x4)
 # changed it is the same robot.
 @test "ga, neat and bo: 1, 2 and 7 workers, any chunks, killed or not, end the same" {
   for method in ga neat bo; do
-    evolve steady one METHOD=$method "${small[@]}" SECONDS_EACH=0
+    SECONDS_EACH=0 evolve steady one METHOD=$method "${small[@]}"
     [ "$(wc -l < one/history.jsonl)" -eq 22 ]
     [ "$(jq -r .id one/history.jsonl | sort -u | wc -l)" -eq 22 ]
     SECONDS_EACH=0.01 evolve steady two METHOD=$method "${small[@]}" -j2
@@ -18,7 +18,7 @@ small=(POP=5 EVALS=22 WINDOW=7 SHAPE=4x4)
       sleep "0.$((RANDOM % 9 + 1))"
       kill_make
     done
-    evolve steady stormy METHOD=$method "${small[@]}" -j3 CHUNK=3 SECONDS_EACH=0
+    SECONDS_EACH=0 evolve steady stormy METHOD=$method "${small[@]}" -j3 CHUNK=3
     for other in two seven stormy; do diff <(essence one) <(essence $other); done
     rm -r one two seven stormy
   done
@@ -26,7 +26,7 @@ small=(POP=5 EVALS=22 WINDOW=7 SHAPE=4x4)
 
 @test "nothing that is not needed is waited for, nothing is trained twice" {
   # The first robot takes long; the others of its window go on meanwhile.
-  evolve steady run "${small[@]}" -j4 SECONDS_EACH=0.05
+  SECONDS_EACH=0.05 evolve steady run "${small[@]}" -j4
   [ "$(grep -c ^end run/stand-in.log)" -eq 22 ]
   [ "$(grep -c ^start run/stand-in.log)" -eq 22 ]
   # A finished generation is four files, whatever its robots were.
@@ -37,12 +37,12 @@ small=(POP=5 EVALS=22 WINDOW=7 SHAPE=4x4)
 
 @test "the state may be lost: the same robots are proposed again" {
   for method in ga neat bo; do
-    evolve steady calm METHOD=$method "${small[@]}" SECONDS_EACH=0
+    SECONDS_EACH=0 evolve steady calm METHOD=$method "${small[@]}"
     SECONDS_EACH=0.05 evolve_behind steady lost METHOD=$method "${small[@]}" -j2
     sleep 2
     kill_make
     rm -f lost/steady.json
-    evolve steady lost METHOD=$method "${small[@]}" SECONDS_EACH=0
+    SECONDS_EACH=0 evolve steady lost METHOD=$method "${small[@]}"
     diff <(essence calm) <(essence lost)
     rm -r calm lost
   done

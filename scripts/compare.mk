@@ -16,10 +16,7 @@ SHELL := /bin/bash
 MAKEFLAGS += --no-builtin-rules --no-print-directory
 
 SCRIPTS := $(dir $(lastword $(MAKEFILE_LIST)))
-# The tools of this checkout, if it was built; those installed with this file
-# (PREFIX/share/evo/scripts); else those in PATH.
-tools_here := $(firstword $(wildcard $(SCRIPTS)../build/release/bin/evo-train $(SCRIPTS)../../../bin/evo-train))
-export PATH := $(if $(tools_here),$(abspath $(dir $(tools_here))):)$(PATH)
+include $(SCRIPTS)tools.mk
 
 RUN     ?= $(error give RUN=folder, such as RUN=runs/compare)
 include $(SCRIPTS)command-line.mk

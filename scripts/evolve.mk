@@ -21,10 +21,7 @@ endif
 MAKEFLAGS += --no-builtin-rules --no-print-directory
 
 SCRIPTS := $(dir $(lastword $(MAKEFILE_LIST)))
-# The tools of this checkout, if it was built; those installed with this file
-# (PREFIX/share/evo/scripts); else those in PATH.
-tools_here := $(firstword $(wildcard $(SCRIPTS)../build/release/bin/evo-train $(SCRIPTS)../../../bin/evo-train))
-export PATH := $(if $(tools_here),$(abspath $(dir $(tools_here))):)$(PATH)
+include $(SCRIPTS)tools.mk
 
 # Lines of a tool's table without its heading, tabs as commas.
 tool_lines = $(shell PATH='$(PATH)' $(1) | tail -n +2 | tr '\t' ,)

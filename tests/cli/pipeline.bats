@@ -494,7 +494,7 @@ wait_until() { local k; for ((k = 0; k < 600; k++)); do ! "$@" || return 0; slee
   eval "tools=($(sed -n 's/^cmake --build .* --target //p' "$EVO_SOURCE/scripts/quickstart"))"
   for tool in "${tools[@]}"; do cp "$EVO_BIN/$tool" tree/build/release/bin; done
   # None of the others is to be found.
-  PATH=/usr/bin:/bin make -s -f tree/scripts/ga.mk RUN=run TASK=Walker-v0 POP=3 EVALS=4 STEPS=2048 SEED=1 \
+  env -u EVO_BIN PATH=/usr/bin:/bin make -s -f tree/scripts/ga.mk RUN=run TASK=Walker-v0 POP=3 EVALS=4 STEPS=2048 SEED=1 \
     VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 50"
   [ -s run/report.html ] && [ -s run/best.gif ]
   PATH=/usr/bin:/bin tree/build/release/bin/evo-inspect run/best.json > /dev/null

@@ -78,7 +78,7 @@ with h5py.File(sys.argv[1], 'r+') as f: del f.attrs['checksum']" "$policy"
 import h5py, sys
 with h5py.File(sys.argv[1], 'r+') as f:
     index = f['index']
-    others = [name for name in index if b'search/soonest/earnings' not in name]
+    others = [name for name in index if b'soonest/earnings' not in name]
     assert len(others) == len(index) - 1
     kind = index.dtype
     del f['index'], f.attrs['checksum']

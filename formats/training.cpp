@@ -199,8 +199,6 @@ const std::vector<Setting>& all_settings() {
        "what exploration tries, drawn alike (sequence)", true},
       {"time_share", &T::time_share, "0.5", "of attempts: from the best of a time (sequence)",
        true},
-      {"proven_share", &T::proven_share, "0.5", "of attempts: judged by what came of it (sequence)",
-       true},
       {"rest_share", &T::rest_share, "0.03", "of attempts: once more after a rest (sequence)",
        true},
   };

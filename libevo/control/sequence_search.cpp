@@ -25,10 +25,7 @@ constexpr int rhythm_lasts = 3;  // times as long as other attempts
 constexpr int rivals = 3;        // moments, the fastest of which lends its gait
 constexpr int pace_steps = 40;   // control steps over which they are compared
 constexpr int slot = 10;         // control steps between moments of highest return
-constexpr int steps_gained = 3;  // by every moment that enters an archive
-constexpr int mark_every = 5;    // control steps between moments that may be proven
-constexpr int proof = 60;        // control steps after which it is known what came of a moment
-constexpr int held = 20;         // of these, the last, over which the least return counts
+constexpr int steps_gained = 3;  // by every moment that enters the archive
 
 }  // namespace
 
@@ -76,7 +73,7 @@ std::int64_t SequenceSearch::level_of(double earned) const {
 }
 
 double SequenceSearch::highest() const {
-  return reached_.soonest.empty() ? 0.0 : reached_.soonest.rbegin()->second.earned();
+  return soonest_.empty() ? 0.0 : soonest_.rbegin()->second.earned();
 }
 
 // ---- what is tried -------------------------------------------------------------------
@@ -120,8 +117,7 @@ SineController SequenceSearch::changed(SineController gait) {
 
 // The gait, if it had one, of that of a few moments which was earning the most.
 SineController SequenceSearch::fast_gait() {
-  const bool of_levels = reached_.highest.empty() || random_.integer(0, 1) == 0;
-  const Moments& moments = of_levels ? reached_.soonest : reached_.highest;
+  const Moments& moments = highest_.empty() || random_.integer(0, 1) == 0 ? soonest_ : highest_;
   const Moment* fastest = nullptr;
   for (int rival = 0; rival < rivals; ++rival) {
     const auto place = random_.below(static_cast<std::uint32_t>(moments.size()));
@@ -140,11 +136,11 @@ int SequenceSearch::some_of(int steps) {
 
 // The moment of a level to go on from: weights fall off below the highest, and with
 // every visit. None where all have come to the end of the episode.
-SequenceSearch::Moment* SequenceSearch::choose_level(Moments& soonest) {
+SequenceSearch::Moment* SequenceSearch::choose_level() {
   std::vector<Moment*> moments;
   std::vector<double> weights;
   double rank = 0.0;
-  for (auto it = soonest.rbegin(); it != soonest.rend(); ++it, rank += 1.0) {
+  for (auto it = soonest_.rbegin(); it != soonest_.rend(); ++it, rank += 1.0) {
     if (steps_of(it->second) >= episode_steps() - 1) continue;
     moments.push_back(&it->second);
     weights.push_back((math::exp(-rank / depth) + anywhere) / math::sqrt(it->second.visits + 1.0));
@@ -153,10 +149,10 @@ SequenceSearch::Moment* SequenceSearch::choose_level(Moments& soonest) {
 }
 
 // Of a time: any, little visited ones rather. None where there is none yet.
-SequenceSearch::Moment* SequenceSearch::choose_time(Moments& highest) {
+SequenceSearch::Moment* SequenceSearch::choose_time() {
   std::vector<Moment*> moments;
   std::vector<double> weights;
-  for (auto& [time, moment] : highest) {
+  for (auto& [time, moment] : highest_) {
     if (steps_of(moment) >= episode_steps() - 1) continue;
     moments.push_back(&moment);
     weights.push_back(1.0 / math::sqrt(moment.visits + 1.0));
@@ -167,10 +163,9 @@ SequenceSearch::Moment* SequenceSearch::choose_time(Moments& highest) {
 // The highest level that no episode has had at its end, of those not yet delayed.
 SequenceSearch::Moment* SequenceSearch::choose_early() {
   if (ended_.empty()) return nullptr;
-  Moments& soonest = reached_.soonest;
-  const auto early = std::find_if(soonest.rbegin(), soonest.rend(),
+  const auto early = std::find_if(soonest_.rbegin(), soonest_.rend(),
                                   [](const auto& place) { return !place.second.delayed; });
-  if (early == soonest.rend() || early->second.earned() < ended_return_ + level_height_)
+  if (early == soonest_.rend() || early->second.earned() < ended_return_ + level_height_)
     return nullptr;
   return &early->second;
 }
@@ -186,7 +181,7 @@ ReplayController SequenceSearch::after_a_rest(const Moment& moment) const {
 
 SequenceSearch::Attempt SequenceSearch::whole_episode(Start replayed) {
   Attempt attempt;
-  attempt.at = reached_.soonest.at(level_of(0.0));
+  attempt.at = soonest_.at(level_of(0.0));
   attempt.steps_left = episode_steps();
   if (const auto* gait = std::get_if<SineController>(&replayed)) attempt.at.gait = *gait;
   attempt.replayed = std::move(replayed);
@@ -202,12 +197,9 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
     }
   }
   Attempt attempt;
-  const bool of_a_time = random_.bits() * 0x1p-32 < settings_.time_share;
-  const bool proven = settings_.proven_share > 0.0 && random_.uniform() < settings_.proven_share;
-  Moment* from = nullptr;
-  if (proven) from = of_a_time ? choose_time(proven_.highest) : choose_level(proven_.soonest);
-  if (from == nullptr && of_a_time) from = choose_time(reached_.highest);
-  if (from == nullptr) from = choose_level(reached_.soonest);
+  const double place = random_.bits() * 0x1p-32;
+  Moment* from = place < settings_.time_share ? choose_time() : nullptr;
+  if (from == nullptr) from = choose_level();
   if (from == nullptr) return attempt;
   ++from->visits;
   attempt.at = *from;
@@ -294,81 +286,48 @@ void SequenceSearch::begin() {
   env_.reset(0, episode_);
   Moment first;
   first.state = env_.save(0);
-  reached_.soonest[level_of(0.0)] = std::move(first);
+  soonest_[level_of(0.0)] = std::move(first);
 }
 
-// A moment after so many steps, which `make` makes, at the places of an archive where it is
-// better than what is there.
-template <typename Make>
-void SequenceSearch::enter(Archive& archive, int steps, double worth, Attempt& attempt, Make make) {
-  const auto put = [&](Moments& moments, std::int64_t place) {
-    const auto [there, is_new] = moments.try_emplace(place);
-    const int visits = is_new ? 0 : there->second.visits / 2;
-    there->second = make();
-    there->second.worth = worth;
-    there->second.visits = visits;
-    there->second.delayed = false;
-    attempt.steps_left += steps_gained;
-  };
-  const std::int64_t level = level_of(worth);
-  const auto old_level = archive.soonest.find(level);
-  if (old_level == archive.soonest.end() || steps < steps_of(old_level->second))
-    put(archive.soonest, level);
-  if (steps % slot == 0) {
-    const std::int64_t time = steps / slot;
-    const auto old_time = archive.highest.find(time);
-    if (old_time == archive.highest.end() || worth > old_time->second.worth)
-      put(archive.highest, time);
-  }
-  if (archive.soonest.size() > most_levels) coarsen();
+// The state that an attempt has come to, at its place among the moments.
+void SequenceSearch::enter(Moments& moments, std::int64_t place, Attempt& attempt, int lane) {
+  const auto [there, is_new] = moments.try_emplace(place);
+  const int visits = is_new ? 0 : there->second.visits / 2;
+  there->second = attempt.at;
+  there->second.state = env_.save(lane);
+  there->second.visits = visits;
+  there->second.delayed = false;
+  attempt.steps_left += steps_gained;
 }
 
-// The state that an attempt has come to.
 void SequenceSearch::enter(Attempt& attempt, int lane) {
-  enter(reached_, steps_of(attempt.at), attempt.at.earned(), attempt, [&] {
-    Moment moment = attempt.at;
-    moment.state = env_.save(lane);
-    return moment;
-  });
-}
-
-// The state that it had come to a while ago, for what came of it.
-void SequenceSearch::enter_proven(Attempt& attempt, int lane) {
-  const int now = steps_of(attempt.at);
-  std::deque<Mark>& marks = attempt.marks;
-  if (!marks.empty() && now - marks.front().steps == proof) {
-    const Mark mark = std::move(marks.front());
-    marks.pop_front();
-    const std::vector<double>& earnings = attempt.at.earnings;
-    const double worth = *std::min_element(earnings.end() - held, earnings.end());
-    enter(proven_, mark.steps, worth, attempt, [&] {
-      Moment moment = attempt.at;
-      moment.state = mark.state;
-      moment.actions.resize(static_cast<std::size_t>(mark.steps) * places_.size());
-      moment.earnings.resize(static_cast<std::size_t>(mark.steps));
-      if (moment.repeated > mark.steps) moment.repeated = 0;
-      return moment;
-    });
+  const Moment& at = attempt.at;
+  const std::int64_t level = level_of(at.earned());
+  const auto old_level = soonest_.find(level);
+  if (old_level == soonest_.end() || steps_of(at) < steps_of(old_level->second))
+    enter(soonest_, level, attempt, lane);
+  if (steps_of(at) % slot == 0) {
+    const std::int64_t time = steps_of(at) / slot;
+    const auto old_time = highest_.find(time);
+    if (old_time == highest_.end() || at.earned() > old_time->second.earned())
+      enter(highest_, time, attempt, lane);
   }
-  if (now % mark_every == 0) marks.push_back({now, env_.save(lane)});
+  if (soonest_.size() > most_levels) coarsen();
 }
 
 // Levels twice as high; of two that become one, the sooner stays.
 void SequenceSearch::coarsen() {
   level_height_ *= 2.0;
-  for (Archive* archive : {&reached_, &proven_}) {
-    Moments fine = std::exchange(archive->soonest, {});
-    for (auto& [level, moment] : fine) {
-      const auto [place, is_new] =
-          archive->soonest.try_emplace(level_of(moment.worth), std::move(moment));
-      if (!is_new && steps_of(moment) < steps_of(place->second)) place->second = std::move(moment);
-    }
+  Moments fine = std::exchange(soonest_, {});
+  for (auto& [level, moment] : fine) {
+    const auto [place, is_new] = soonest_.try_emplace(level_of(moment.earned()), std::move(moment));
+    if (!is_new && steps_of(moment) < steps_of(place->second)) place->second = std::move(moment);
   }
 }
 
 std::int64_t SequenceSearch::explore(std::int64_t budget) {
   std::int64_t taken = 0;
-  if (reached_.soonest.empty()) {
+  if (soonest_.empty()) {
     taken += measure_level_height(budget);
     if (level_height_ == 0.0) return 0;
     begin();
@@ -412,7 +371,6 @@ std::int64_t SequenceSearch::explore(std::int64_t budget) {
         start(lane);
       } else {
         enter(now, static_cast<int>(lane));
-        if (settings_.proven_share > 0.0) enter_proven(now, static_cast<int>(lane));
         if (now.steps_left <= 0) start(lane);
       }
     }
@@ -430,8 +388,8 @@ std::vector<ReplayController> SequenceSearch::news() {
   std::vector<ReplayController> sequences;
   if (ended_is_new_) sequences.push_back(whole(ended_));
   ended_is_new_ = false;
-  if (reached_.soonest.empty()) return sequences;
-  const Moment& top = reached_.soonest.rbegin()->second;
+  if (soonest_.empty()) return sequences;
+  const Moment& top = soonest_.rbegin()->second;
   const bool further = ended_.empty() || top.earned() > ended_return_;
   if (further && top.earned() > shown_) {
     shown_ = top.earned();
@@ -448,10 +406,8 @@ void SequenceSearch::save(Checkpoint& checkpoint) const {
   checkpoint.put<std::uint8_t>(
       "search/flags", {std::uint8_t(start_is_due_ ? 1 : 0), std::uint8_t(ended_is_new_ ? 1 : 0)});
   checkpoint.put("search/ended", ended_);
-  save_moments(checkpoint, "search/soonest", reached_.soonest);
-  save_moments(checkpoint, "search/highest", reached_.highest);
-  save_moments(checkpoint, "search/proven/soonest", proven_.soonest);
-  save_moments(checkpoint, "search/proven/highest", proven_.highest);
+  save_moments(checkpoint, "search/soonest", soonest_);
+  save_moments(checkpoint, "search/highest", highest_);
 }
 
 void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& name,
@@ -461,14 +417,12 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
   std::vector<double> actions;
   std::vector<double> earnings;
   std::vector<double> gaits;
-  std::vector<double> worth;
   std::vector<std::uint8_t> delayed;
   for (const auto& [place, moment] : moments) {
     const SineController& gait = moment.gait;
     counts.insert(counts.end(), {moment.state.size(), moment.actions.size(), gait.phase.size(),
                                  static_cast<std::uint64_t>(moment.repeated),
                                  static_cast<std::uint64_t>(moment.visits)});
-    worth.push_back(moment.worth);
     delayed.push_back(moment.delayed ? 1 : 0);
     states.insert(states.end(), moment.state.begin(), moment.state.end());
     actions.insert(actions.end(), moment.actions.begin(), moment.actions.end());
@@ -482,7 +436,6 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
   checkpoint.put(name + "/actions", std::move(actions));
   checkpoint.put(name + "/earnings", std::move(earnings));
   checkpoint.put(name + "/gaits", std::move(gaits));
-  checkpoint.put(name + "/worth", std::move(worth));
   checkpoint.put(name + "/delayed", std::move(delayed));
 }
 
@@ -509,23 +462,18 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
   start_is_due_ = flags[0] != 0;
   ended_is_new_ = flags[1] != 0;
   ended_ = checkpoint.get<double>("search/ended");
-  const auto load_archive = [&](const std::string& name) {
-    Archive archive;
-    for (Moment& moment : load_moments(checkpoint, name + "/soonest"))
-      archive.soonest[level_of(moment.worth)] = std::move(moment);
-    for (Moment& moment : load_moments(checkpoint, name + "/highest"))
-      archive.highest[steps_of(moment) / slot] = std::move(moment);
-    return archive;
-  };
-  reached_ = load_archive("search");
-  proven_ = load_archive("search/proven");
+  soonest_.clear();
+  for (Moment& moment : load_moments(checkpoint, "search/soonest"))
+    soonest_[level_of(moment.earned())] = std::move(moment);
+  highest_.clear();
+  for (Moment& moment : load_moments(checkpoint, "search/highest"))
+    highest_[steps_of(moment) / slot] = std::move(moment);
 }
 
 std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoint& checkpoint,
                                                                  const std::string& name) const {
   const auto& counts = checkpoint.get<std::uint64_t>(name + "/counts");
   const auto& delayed = checkpoint.get<std::uint8_t>(name + "/delayed");
-  const auto& worth = checkpoint.get<double>(name + "/worth", delayed.size());
   if (counts.size() != 5 * delayed.size())
     throw Error(Failure::data, "checkpoint: its archive is cut short");
   std::span<const std::uint8_t> states = checkpoint.get<std::uint8_t>(name + "/states");
@@ -542,7 +490,6 @@ std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoin
     moment.repeated = static_cast<int>(counts[5 * i + 3]);
     moment.visits = static_cast<int>(counts[5 * i + 4]);
     moment.delayed = delayed[i] != 0;
-    moment.worth = worth[i];
     if (moment.repeated < 0 || moment.repeated > steps_of(moment))
       throw Error(Failure::data, "checkpoint: its archive repeats what it does not have");
     moment.gait.period = take(gaits, 1)[0];

@@ -4,11 +4,6 @@
 // return that was ever reached the one that was reached soonest, and for every tenth
 // step of the episode the one that has earned the most until then. The first is what
 // travelling needs, the second what only counts at the end, as to be high up then.
-//
-// Such moments are often ends: of a lunge that has got ahead and fallen, of a leap at its
-// highest. A second archive like the first therefore judges a moment by what came of it:
-// by the return that was held for a while, some time later.
-//
 // Again and again a moment is chosen, a little visited one rather, and of levels a high
 // one; the simulation goes on from there with something new for a while, and what is
 // better than the archive's enters it. New is a gait, changed or of a moment that was
@@ -22,7 +17,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <limits>
 #include <map>
 #include <optional>
@@ -47,7 +41,6 @@ struct SequenceSearchSettings {
   double longest_period = 40;
   std::vector<AttemptKind> attempts = values_of<AttemptKind>();  // these as in settings.h
   double time_share = 0.5;
-  double proven_share = 0.5;
   double rest_share = 0.03;
 };
 
@@ -74,8 +67,8 @@ class SequenceSearch {
   void offer(SineController gait);
 
   const std::optional<Start>& start() const { return start_; }
-  std::size_t levels() const { return reached_.soonest.size(); }  // in the archive
-  double highest() const;                                         // return among them
+  std::size_t levels() const { return soonest_.size(); }  // in the archive
+  double highest() const;                                 // return among them
 
   // load() throws Error(data) for a checkpoint of another search.
   void save(Checkpoint& checkpoint) const;
@@ -86,7 +79,6 @@ class SequenceSearch {
     std::vector<std::uint8_t> state;  // VecEnv::save
     std::vector<double> actions;      // that lead there, [t x A]
     std::vector<double> earnings;     // return after each of them, [t]
-    double worth = 0.0;               // return by which the archive judges it
     SineController gait;              // that was going on; without phases: none
     int repeated = 0;                 // the last steps that are, instead of a gait
     int visits = 0;
@@ -95,20 +87,10 @@ class SequenceSearch {
     double earned() const { return earnings.empty() ? 0.0 : earnings.back(); }
   };
   using Moments = std::map<std::int64_t, Moment>;
-  struct Archive {
-    Moments soonest;  // by level of worth
-    Moments highest;  // in worth, by steps / slot
-  };
-  // A state that an attempt has passed, until it is known what came of it.
-  struct Mark {
-    int steps = 0;
-    std::vector<std::uint8_t> state;
-  };
   // An attempt from a moment on: some steps of targets held by groups of actuators,
   // then a gait, or the last actions again and again.
   struct Attempt {
     Moment at;
-    std::deque<Mark> marks;  // of the steps just taken
     int steps_left = 0;
     int pushes_left = 0;
     int held = 1;
@@ -128,8 +110,8 @@ class SequenceSearch {
 
   void begin();
   std::int64_t measure_level_height(std::int64_t budget);
-  Moment* choose_level(Moments& soonest);
-  Moment* choose_time(Moments& highest);
+  Moment* choose_level();
+  Moment* choose_time();
   Moment* choose_early();
   Attempt attempt();
   Attempt whole_episode(Start replayed);
@@ -140,9 +122,7 @@ class SequenceSearch {
   SineController changed(SineController gait);
   void choose_targets(Attempt& attempt, std::span<double> targets);
   void enter(Attempt& attempt, int lane);
-  void enter_proven(Attempt& attempt, int lane);
-  template <typename Make>
-  void enter(Archive& archive, int steps, double worth, Attempt& attempt, Make make);
+  void enter(Moments& moments, std::int64_t place, Attempt& attempt, int lane);
   void coarsen();
   static void save_moments(Checkpoint& checkpoint, const std::string& name, const Moments& moments);
   std::vector<Moment> load_moments(const Checkpoint& checkpoint, const std::string& name) const;
@@ -158,8 +138,8 @@ class SequenceSearch {
 
   double level_height_ = 0.0;  // 0 until it is known
   bool start_is_due_;
-  Archive reached_;            // worth: the return at the moment
-  Archive proven_;             // worth: what came of it
+  Moments soonest_;            // by level of return
+  Moments highest_;            // by steps / slot
   std::vector<double> ended_;  // actions of the best episode that came to its end
   double ended_return_ = 0.0;
   bool ended_is_new_ = false;

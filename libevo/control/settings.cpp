@@ -68,7 +68,6 @@ void check(const TrainingSettings& s) {
   if (s.attempts.empty())
     throw Error(Failure::usage, "training: attempts is []; name one kind at least");
   share("time_share", s.time_share);
-  share("proven_share", s.proven_share);
   share("rest_share", s.rest_share);
   check_method(s);
 }

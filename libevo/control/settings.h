@@ -169,9 +169,8 @@ struct TrainingSettings {
 
   // Exploration for sequences
   std::vector<AttemptKind> attempts = values_of<AttemptKind>();  // drawn alike, as often as named
-  double time_share = 0.5;    // of attempts: from the best moment of a time, not of a level
-  double proven_share = 0.5;  // of attempts: from moments that are judged by what came of them
-  double rest_share = 0.03;   // of attempts: what came too early once more, after a rest
+  double time_share = 0.5;   // of attempts: from the best moment of a time, not of a level
+  double rest_share = 0.03;  // of attempts: what came too early once more, after a rest
 
   bool operator==(const TrainingSettings&) const = default;
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <map>
 #include <set>
 
 #include "tests/unit/control/arena.h"
@@ -125,9 +124,9 @@ TEST_CASE("levels stay so many that they fit in memory") {
 }
 
 TEST_CASE("a search for a sequence resumes to the same bytes") {
-  const Arena arena(stair(120), test::body_a());
+  const Arena arena(stair(60), test::body_a());
   SequenceSearch whole(arena, brief(), once(), stream(6));
-  whole.explore(6000);
+  whole.explore(3000);
   (void)whole.news();
   Checkpoint checkpoint;
   whole.save(checkpoint);
@@ -140,8 +139,7 @@ TEST_CASE("a search for a sequence resumes to the same bytes") {
   whole.save(a);
   resumed.save(b);
   CHECK(a == b);
-  for (const std::string part :
-       {"search/highest/actions", "search/soonest/earnings", "search/proven/highest/gaits"}) {
+  for (const std::string part : {"search/highest/actions", "search/soonest/earnings"}) {
     Checkpoint damaged = a;
     std::vector<double> cut = a.get<double>(part);
     cut.pop_back();
@@ -187,9 +185,7 @@ TEST_CASE("a search repeats its last actions, and goes on doing so") {
 // the gait of `lender`.
 int borrowers(const Arena& arena, std::size_t fast, std::size_t lender) {
   const auto actuators = static_cast<std::size_t>(arena.action_length());
-  SequenceSearchSettings settings = brief();
-  settings.proven_share = 0.0;
-  SequenceSearch scout(arena, settings, once(), stream(9));
+  SequenceSearch scout(arena, brief(), once(), stream(9));
   scout.explore(6000);
   Checkpoint archive;
   scout.save(archive);
@@ -223,13 +219,12 @@ int borrowers(const Arena& arena, std::size_t fast, std::size_t lender) {
     archive.put(moments + "/actions", actions);
     archive.put(moments + "/earnings", earnings);
     archive.put(moments + "/gaits", gaits);
-    archive.put(moments + "/worth", std::vector<double>(2, 1.0));
     archive.put(moments + "/delayed", std::vector<std::uint8_t>(2, 0));
   }
 
   int count = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
-    SequenceSearch search(arena, settings, once(), stream(seed));
+    SequenceSearch search(arena, brief(), once(), stream(seed));
     search.load(archive);
     search.explore(200);
     Checkpoint after;
@@ -279,47 +274,6 @@ TEST_CASE("a search does what came too early once more, so as to end with it") {
   CHECK(late > 0.8 * early);
 }
 
-TEST_CASE("proven moments are worth what was held for a while after them") {
-  // Height is had for a moment by a leap, and lost again.
-  TaskSpec task = test::walker(300);
-  task.reward = {{1.0, reward::Displacement{robot_name, Axis::y}, {}}};
-  const Arena arena(task, test::body_a());
-  SequenceSearch search(arena, brief(), once(), stream(12));
-  search.explore(30000);
-  Checkpoint archive;
-  search.save(archive);
-  const auto actuators = static_cast<std::uint64_t>(arena.action_length());
-  // Moments of times by their steps, with what they are worth.
-  const auto times = [&](const std::string& moments) {
-    std::map<std::uint64_t, double> worth;
-    const auto& counts = archive.get<std::uint64_t>(moments + "/counts");
-    const auto& values = archive.get<double>(moments + "/worth", counts.size() / 5);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      worth[counts[5 * i + 1] / actuators] = values[i];
-    return worth;
-  };
-  const auto reached = times("search/highest");
-  const auto proven = times("search/proven/highest");
-  REQUIRE(proven.size() > 10);
-  std::size_t below = 0;
-  for (const auto& [steps, worth] : proven) {
-    REQUIRE(steps % 10 == 0);
-    REQUIRE(steps + 60 < 300);  // nothing is known of what comes after the end
-    // Held for 20 steps, so at both times there were; reached holds the most of either.
-    CHECK(worth <= reached.at(steps + 50));
-    CHECK(worth <= reached.at(steps + 60));
-    if (worth < reached.at(steps + 60)) ++below;
-  }
-  CHECK(2 * below > proven.size());  // a leap at its highest is not what was held
-
-  SequenceSearchSettings settings = brief();
-  settings.proven_share = 0.0;
-  SequenceSearch without(arena, settings, once(), stream(12));
-  without.explore(6000);
-  without.save(archive);
-  CHECK(archive.get<std::uint64_t>("search/proven/highest/counts").empty());
-}
-
 // How many different targets the first actuator has had on the way to a moment, at most.
 std::size_t most_targets(const SequenceSearch& search, std::size_t actuators) {
   Checkpoint checkpoint;
@@ -353,7 +307,6 @@ TEST_CASE("a search tries only what it is told to, from where it is told to") {
 
   const auto visits_of_levels = [&](double time_share) {
     SequenceSearchSettings settings = brief();
-    settings.proven_share = 0.0;
     settings.time_share = time_share;
     SequenceSearch search(arena, settings, once(), stream(11));
     search.explore(6000);

@@ -113,7 +113,6 @@ TEST_CASE("mistakes in a training profile are named with place and remedy") {
              Catch::Contains("a list of go_on, begin,") && Catch::Contains("found 'push,leap'"));
   CHECK_THAT(message("attempts: []"), Catch::Contains("name one kind at least"));
   CHECK_THAT(message("time_share: 1.5"), Catch::Contains("time_share is 1.5"));
-  CHECK_THAT(message("proven_share: -1"), Catch::Contains("proven_share is -1"));
   CHECK_THAT(message("gamma: 1.5"), Catch::Contains("gamma is 1.5") && Catch::Contains("[0, 1]"));
   CHECK_THAT(message("minibatches: 1000"), Catch::Contains("fewer samples"));
   CHECK_THAT(message("steps: 100"), Catch::Contains("less than one rollout"));

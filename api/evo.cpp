@@ -11,10 +11,10 @@
 
 #include "api/created_by.h"
 #include "api/session.h"
-#include "formats/physics_profile.h"
-#include "formats/policy.h"
-#include "formats/task.h"
-#include "formats/training.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/task.h"
+#include "formats/training/policy.h"
+#include "formats/training/training.h"
 #include "libevo/base/error.h"
 #include "libevo/control/trainer.h"
 

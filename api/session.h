@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "formats/robot.h"
+#include "formats/robot/robot.h"
 #include "libevo/base/parallel.h"
 #include "libevo/task/env.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/robot.h"
+#include "formats/robot/robot.h"
 #include "libevo/evolve/archive.h"
 
 namespace evo::cli {

@@ -1,7 +1,7 @@
 #include "cli/breeding.h"
 
 #include "cli/data.h"
-#include "formats/genome.h"
+#include "formats/robot/genome.h"
 
 namespace evo::cli {
 namespace {

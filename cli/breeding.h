@@ -9,7 +9,7 @@
 #include "cli/command.h"
 #include "cli/robots.h"
 #include "cli/values.h"
-#include "formats/neat.h"
+#include "formats/run/neat.h"
 #include "libevo/body/operators.h"
 #include "libevo/evolve/cppn_neat.h"
 

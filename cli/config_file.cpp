@@ -2,8 +2,8 @@
 
 #include <istream>
 
-#include "formats/format.h"
-#include "formats/yaml.h"
+#include "formats/io/format.h"
+#include "formats/io/yaml.h"
 
 namespace evo::cli {
 namespace {

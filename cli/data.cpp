@@ -4,7 +4,7 @@
 #include <system_error>
 #include <vector>
 
-#include "formats/task.h"
+#include "formats/task/task.h"
 #include "libevo/base/error.h"
 
 namespace evo::cli {

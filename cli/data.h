@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "formats/data_folders.h"
+#include "formats/io/data_folders.h"
 
 namespace evo::cli {
 

@@ -7,16 +7,16 @@
 
 #include "cli/data.h"
 #include "cli/terminal.h"
-#include "formats/evogym.h"
-#include "formats/format.h"
-#include "formats/neat.h"
-#include "formats/physics_profile.h"
-#include "formats/run.h"
-#include "formats/steady.h"
-#include "formats/task.h"
-#include "formats/task_text.h"
-#include "formats/training.h"
-#include "formats/yaml.h"
+#include "formats/foreign/evogym.h"
+#include "formats/io/format.h"
+#include "formats/io/yaml.h"
+#include "formats/run/neat.h"
+#include "formats/run/run.h"
+#include "formats/run/steady.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/task.h"
+#include "formats/task/text.h"
+#include "formats/training/training.h"
 
 namespace evo::cli {
 namespace {

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "cli/command.h"
-#include "formats/physics_profile.h"
-#include "formats/task.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/task.h"
 
 namespace evo::cli {
 namespace {

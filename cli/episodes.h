@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "formats/policy.h"
-#include "formats/rollout.h"
+#include "formats/rollout/rollout.h"
+#include "formats/training/policy.h"
 #include "libevo/control/evaluate.h"
 #include "libevo/task/behaviour.h"
 #include "libevo/task/env.h"

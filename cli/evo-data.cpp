@@ -6,8 +6,8 @@
 
 #include "cli/command.h"
 #include "cli/data.h"
-#include "formats/data_folders.h"
-#include "formats/task.h"
+#include "formats/io/data_folders.h"
+#include "formats/task/task.h"
 #include "libevo/base/error.h"
 
 namespace {

@@ -12,9 +12,9 @@
 #include "cli/robots.h"
 #include "cli/task_options.h"
 #include "cli/values.h"
-#include "formats/files.h"
-#include "formats/policy.h"
-#include "formats/task.h"
+#include "formats/io/files.h"
+#include "formats/task/task.h"
+#include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
 #include "libevo/control/evaluate.h"
 

@@ -8,8 +8,8 @@
 #include "cli/outputs.h"
 #include "cli/robots.h"
 #include "cli/values.h"
-#include "formats/genome.h"
-#include "formats/neat.h"
+#include "formats/robot/genome.h"
+#include "formats/run/neat.h"
 #include "libevo/evolve/cppn_neat.h"
 
 namespace {

@@ -8,11 +8,11 @@
 #include "cli/progress.h"
 #include "cli/robots.h"
 #include "cli/values.h"
-#include "formats/files.h"
-#include "formats/hdf5.h"
-#include "formats/policy.h"
-#include "formats/rollout.h"
-#include "formats/run.h"
+#include "formats/io/files.h"
+#include "formats/io/hdf5.h"
+#include "formats/rollout/rollout.h"
+#include "formats/run/run.h"
+#include "formats/training/policy.h"
 #include "render/render.h"
 
 namespace {

@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "cli/command.h"
-#include "cli/report/page.h"
-#include "cli/report/run.h"
-#include "formats/files.h"
+#include "formats/io/files.h"
+#include "report/page.h"
+#include "report/run.h"
 
 namespace {
 

@@ -15,10 +15,10 @@
 #include "cli/shell_words.h"
 #include "cli/steady.h"
 #include "cli/training.h"
-#include "formats/files.h"
-#include "formats/lock.h"
-#include "formats/run.h"
-#include "formats/training_log.h"
+#include "formats/io/files.h"
+#include "formats/io/lock.h"
+#include "formats/run/run.h"
+#include "formats/training/training_log.h"
 #include "libevo/sim/isa.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include "cli/command.h"
 #include "cli/robots.h"
 #include "cli/values.h"
-#include "formats/genome.h"
+#include "formats/robot/genome.h"
 #include "libevo/evolve/cppn_neat.h"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <map>
 #include <optional>
 
-#include "formats/files.h"
+#include "formats/io/files.h"
 #include "libevo/base/error.h"
 
 namespace evo::cli {

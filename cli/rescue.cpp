@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "cli/command.h"
-#include "formats/policy.h"
+#include "formats/training/policy.h"
 
 namespace evo::cli {
 

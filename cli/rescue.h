@@ -10,7 +10,7 @@
 #include <mutex>
 #include <thread>
 
-#include "formats/identity.h"
+#include "formats/training/identity.h"
 #include "libevo/control/checkpoint.h"
 
 namespace evo::cli {

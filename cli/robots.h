@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/files.h"
-#include "formats/robot.h"
+#include "formats/io/files.h"
+#include "formats/robot/robot.h"
 
 namespace evo::cli {
 

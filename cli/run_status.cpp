@@ -11,7 +11,7 @@
 
 #include "cli/command.h"
 #include "cli/terminal.h"
-#include "formats/training_log.h"
+#include "formats/training/training_log.h"
 
 namespace evo::cli {
 

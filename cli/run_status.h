@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cli/progress.h"
-#include "formats/run.h"
+#include "formats/run/run.h"
 
 namespace evo::cli {
 

@@ -7,9 +7,9 @@
 
 #include "cli/breeding.h"
 #include "cli/shell_words.h"
-#include "formats/files.h"
-#include "formats/genome.h"
-#include "formats/steady.h"
+#include "formats/io/files.h"
+#include "formats/robot/genome.h"
+#include "formats/run/steady.h"
 #include "libevo/evolve/select.h"
 #include "libevo/evolve/suggest.h"
 

@@ -12,7 +12,7 @@
 // Robots are filed as generations of `population` robots each, by number.
 #pragma once
 
-#include "formats/run.h"
+#include "formats/run/run.h"
 
 namespace evo::cli {
 

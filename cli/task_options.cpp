@@ -1,8 +1,8 @@
 #include "cli/task_options.h"
 
 #include "cli/data.h"
-#include "formats/physics_profile.h"
-#include "formats/task.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/task.h"
 
 namespace evo::cli {
 

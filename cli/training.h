@@ -10,7 +10,7 @@
 
 #include "cli/command.h"
 #include "cli/task_options.h"
-#include "formats/robot.h"
+#include "formats/robot/robot.h"
 #include "libevo/control/settings.h"
 
 namespace evo::cli {

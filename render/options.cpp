@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "libevo/base/error.h"
-#include "render/painter.h"
-#include "render/theme.h"
+#include "render/painters/painter.h"
+#include "render/scene/theme.h"
 
 namespace evo::render {
 

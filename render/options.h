@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "render/image.h"
+#include "render/painters/image.h"
 
 namespace evo::render {
 

@@ -5,15 +5,15 @@
 #include <filesystem>
 
 #include "libevo/base/error.h"
-#include "render/key.h"
-#include "render/label.h"
-#include "render/movie.h"
-#include "render/painter.h"
-#include "render/plot.h"
-#include "render/race.h"
-#include "render/strip.h"
-#include "render/vector.h"
-#include "render/workers.h"
+#include "render/figures/key.h"
+#include "render/figures/plot.h"
+#include "render/figures/strip.h"
+#include "render/film/movie.h"
+#include "render/film/race.h"
+#include "render/film/workers.h"
+#include "render/painters/label.h"
+#include "render/painters/painter.h"
+#include "render/painters/vector.h"
 
 namespace evo::render {
 namespace {

@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "formats/robot.h"
+#include "formats/robot/robot.h"
 #include "libevo/sim/model.h"
-#include "render/clip.h"
-#include "render/evolution_film.h"
-#include "render/image.h"
-#include "render/moments.h"
-#include "render/movie.h"
+#include "render/figures/sheet.h"
+#include "render/film/evolution_film.h"
+#include "render/film/movie.h"
 #include "render/options.h"
-#include "render/png.h"
-#include "render/sheet.h"
+#include "render/painters/image.h"
+#include "render/painters/png.h"
+#include "render/scene/clip.h"
+#include "render/scene/moments.h"
 
 namespace evo::render {
 

@@ -5,9 +5,9 @@
 
 #include "cli/command.h"
 #include "cli/episodes.h"
-#include "formats/format.h"
-#include "formats/json_object.h"
-#include "formats/physics_profile.h"
+#include "formats/io/format.h"
+#include "formats/io/json_object.h"
+#include "formats/task/physics_profile.h"
 
 namespace evo::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "api/session.h"
-#include "formats/json.h"
+#include "formats/io/json.h"
 #include "render/render.h"
 
 namespace evo::cli {

@@ -1,4 +1,4 @@
-// The state of a training as named arrays: what formats/policy.h writes as one
+// The state of a training as named arrays: what formats/training/policy.h writes as one
 // HDF5 data set each, and what a training needs to go on to the same bytes.
 #pragma once
 

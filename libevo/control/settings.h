@@ -1,6 +1,6 @@
 // Every number that decides a training, with the defaults of the profile
 // `paper` (spec: robots, 5.1 and 5.2). Profiles are the YAML files of
-// tasks/training/, read by formats/training.h.
+// tasks/training/, read by formats/training/training.h.
 #pragma once
 
 #include <cstdint>

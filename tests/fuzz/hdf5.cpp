@@ -1,12 +1,12 @@
 // Rollouts, policies and checkpoints; actions in CSV as well, which are read from the
 // same files.
-#include "formats/hdf5.h"
+#include "formats/io/hdf5.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "formats/policy.h"
-#include "formats/rollout.h"
+#include "formats/rollout/rollout.h"
+#include "formats/training/policy.h"
 #include "target.h"
 
 using namespace evo;

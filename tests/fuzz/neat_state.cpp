@@ -1,5 +1,5 @@
 // States of NEAT; what is accepted is written and read again as it was.
-#include "formats/neat.h"
+#include "formats/run/neat.h"
 #include "target.h"
 
 using namespace evo;

@@ -1,5 +1,5 @@
 // Structures in .npz; what is accepted is written and read again as it was.
-#include "formats/npz.h"
+#include "formats/foreign/npz.h"
 
 #include "target.h"
 

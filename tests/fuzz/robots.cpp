@@ -1,5 +1,5 @@
 // Robots in every form of text. What is accepted is written and read again as it was.
-#include "formats/robot.h"
+#include "formats/robot/robot.h"
 #include "target.h"
 
 using namespace evo;

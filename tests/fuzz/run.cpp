@@ -1,8 +1,8 @@
 // What a run folder keeps: its settings, and the state of one without generations. What
 // is accepted is written and read again as it was.
-#include "formats/run.h"
+#include "formats/run/run.h"
 
-#include "formats/steady.h"
+#include "formats/run/steady.h"
 #include "target.h"
 
 using namespace evo;

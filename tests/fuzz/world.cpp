@@ -1,5 +1,5 @@
 // Worlds of the design tool; what is accepted is written and read again as it was.
-#include "formats/evogym.h"
+#include "formats/foreign/evogym.h"
 #include "target.h"
 
 using namespace evo;

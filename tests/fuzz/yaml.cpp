@@ -1,10 +1,10 @@
 // What people write by hand, by its `format`: tasks, profiles, settings.
-#include "formats/yaml.h"
+#include "formats/io/yaml.h"
 
-#include "formats/neat.h"
-#include "formats/physics_profile.h"
-#include "formats/task.h"
-#include "formats/training.h"
+#include "formats/run/neat.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/task.h"
+#include "formats/training/training.h"
 #include "target.h"
 
 using namespace evo;

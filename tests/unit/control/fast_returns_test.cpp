@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "formats/physics_profile.h"
-#include "formats/task.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/task.h"
 #include "libevo/control/evaluate.h"
 
 namespace evo {

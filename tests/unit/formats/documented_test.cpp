@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "formats/files.h"
-#include "formats/json.h"
-#include "formats/training.h"
+#include "formats/io/files.h"
+#include "formats/io/json.h"
+#include "formats/training/training.h"
 #include "libevo/base/alternatives.h"
 #include "libevo/control/settings.h"
 #include "libevo/task/spec.h"

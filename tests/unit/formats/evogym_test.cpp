@@ -1,14 +1,14 @@
-#include "formats/evogym.h"
+#include "formats/foreign/evogym.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
 
-#include "formats/files.h"
-#include "formats/npz.h"
-#include "formats/task.h"
-#include "formats/task_text.h"
+#include "formats/foreign/npz.h"
+#include "formats/io/files.h"
+#include "formats/task/task.h"
+#include "formats/task/text.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
 #include "scratch.h"

@@ -1,4 +1,4 @@
-#include "formats/files.h"
+#include "formats/io/files.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "formats/genome.h"
+#include "formats/robot/genome.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

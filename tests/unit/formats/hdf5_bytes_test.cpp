@@ -1,4 +1,4 @@
-#include "formats/hdf5_bytes.h"
+#include "formats/io/hdf5_bytes.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -7,8 +7,8 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "formats/files.h"
-#include "formats/hdf5.h"
+#include "formats/io/files.h"
+#include "formats/io/hdf5.h"
 #include "scratch.h"
 
 using namespace evo;

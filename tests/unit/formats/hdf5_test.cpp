@@ -1,4 +1,4 @@
-#include "formats/hdf5.h"
+#include "formats/io/hdf5.h"
 
 #include <unistd.h>
 
@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/files.h"
+#include "formats/io/files.h"
 #include "scratch.h"
 
 using namespace evo;

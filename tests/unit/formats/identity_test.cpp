@@ -1,13 +1,13 @@
-#include "formats/identity.h"
+#include "formats/training/identity.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <map>
 
-#include "formats/files.h"
-#include "formats/physics_profile.h"
-#include "formats/task.h"
-#include "formats/training.h"
+#include "formats/io/files.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/task.h"
+#include "formats/training/training.h"
 
 using namespace evo;
 
@@ -35,8 +35,8 @@ TaskSpec with_physics(TaskSpec task, const std::string& assignment) {
 // this fails, something that you changed makes every training made until now look
 // like another one, and evo-train refuses to go on with it (status 73). If results
 // did not change, the identity must not either: give a new setting a baseline that
-// means "as before" (task_baseline in formats/identity.cpp, the tables of
-// formats/physics_profile.cpp and formats/training.cpp), and write tasks so that
+// means "as before" (task_baseline in formats/training/identity.cpp, the tables of
+// formats/task/physics_profile.cpp and formats/training/training.cpp), and write tasks so that
 // what was there reads as it did. If results really changed, write the new hashes
 // here and say so in the release notes.
 TEST_CASE("identities do not change from version to version") {

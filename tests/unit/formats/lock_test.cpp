@@ -1,4 +1,4 @@
-#include "formats/lock.h"
+#include "formats/io/lock.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 #include <csignal>
 #include <filesystem>
 
-#include "formats/run.h"
+#include "formats/run/run.h"
 #include "tests/unit/formats/scratch.h"
 
 using namespace evo;

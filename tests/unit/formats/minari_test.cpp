@@ -1,11 +1,11 @@
-#include "formats/minari.h"
+#include "formats/foreign/minari.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
 
-#include "formats/files.h"
-#include "formats/hdf5.h"
+#include "formats/io/files.h"
+#include "formats/io/hdf5.h"
 #include "scratch.h"
 
 using namespace evo;

@@ -1,8 +1,8 @@
-#include "formats/neat.h"
+#include "formats/run/neat.h"
 
 #include <catch2/catch.hpp>
 
-#include "formats/files.h"
+#include "formats/io/files.h"
 
 using namespace evo;
 

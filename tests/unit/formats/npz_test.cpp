@@ -1,10 +1,10 @@
-#include "formats/npz.h"
+#include "formats/foreign/npz.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
 
-#include "formats/files.h"
+#include "formats/io/files.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
 #include "scratch.h"

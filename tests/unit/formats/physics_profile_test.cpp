@@ -1,4 +1,4 @@
-#include "formats/physics_profile.h"
+#include "formats/task/physics_profile.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>

@@ -1,15 +1,15 @@
-#include "formats/policy.h"
+#include "formats/training/policy.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 
-#include "formats/files.h"
-#include "formats/hdf5.h"
-#include "formats/json.h"
-#include "formats/policy_json.h"
-#include "formats/task.h"
-#include "formats/training.h"
+#include "formats/io/files.h"
+#include "formats/io/hdf5.h"
+#include "formats/io/json.h"
+#include "formats/task/task.h"
+#include "formats/training/policy_json.h"
+#include "formats/training/training.h"
 #include "libevo/control/evaluate.h"
 
 using namespace evo;

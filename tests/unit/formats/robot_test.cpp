@@ -1,12 +1,12 @@
-#include "formats/robot.h"
+#include "formats/robot/robot.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <string>
 #include <vector>
 
-#include "formats/files.h"
-#include "formats/hdf5.h"
+#include "formats/io/files.h"
+#include "formats/io/hdf5.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
 #include "scratch.h"

@@ -1,4 +1,4 @@
-#include "formats/rollout.h"
+#include "formats/rollout/rollout.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "formats/files.h"
-#include "formats/hdf5.h"
+#include "formats/io/files.h"
+#include "formats/io/hdf5.h"
 #include "libevo/base/random.h"
 #include "scratch.h"
 

@@ -6,14 +6,14 @@
 #include <cstring>
 #include <limits>
 
-#include "formats/files.h"
-#include "formats/genome.h"
-#include "formats/physics_profile.h"
-#include "formats/policy.h"
-#include "formats/rollout.h"
-#include "formats/steady.h"
-#include "formats/task.h"
-#include "formats/training.h"
+#include "formats/io/files.h"
+#include "formats/robot/genome.h"
+#include "formats/rollout/rollout.h"
+#include "formats/run/steady.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/task.h"
+#include "formats/training/policy.h"
+#include "formats/training/training.h"
 #include "libevo/body/operators.h"
 #include "libevo/evolve/cppn_neat.h"
 #include "scratch.h"

@@ -1,10 +1,10 @@
-#include "formats/run.h"
+#include "formats/run/run.h"
 
 #include <catch2/catch.hpp>
 #include <fstream>
 
-#include "formats/files.h"
-#include "formats/training_log.h"
+#include "formats/io/files.h"
+#include "formats/training/training_log.h"
 #include "libevo/base/random.h"
 #include "tests/unit/formats/scratch.h"
 

@@ -1,8 +1,8 @@
-#include "formats/steady.h"
+#include "formats/run/steady.h"
 
 #include <catch2/catch.hpp>
 
-#include "formats/genome.h"
+#include "formats/robot/genome.h"
 #include "libevo/evolve/cppn_neat.h"
 
 using namespace evo;

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "formats/hdf5.h"
-#include "formats/robot.h"
-#include "formats/task.h"
+#include "formats/io/hdf5.h"
+#include "formats/robot/robot.h"
+#include "formats/task/task.h"
 #include "libevo/task/env.h"
 
 using namespace evo;

@@ -8,7 +8,7 @@
 #include <map>
 #include <numbers>
 
-#include "formats/task.h"
+#include "formats/task/task.h"
 #include "libevo/base/random.h"
 #include "libevo/task/env.h"
 

@@ -1,12 +1,12 @@
-#include "formats/task.h"
+#include "formats/task/task.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
-#include "formats/physics_profile.h"
-#include "formats/task_text.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/text.h"
 #include "libevo/task/env.h"
 
 using namespace evo;

@@ -1,9 +1,9 @@
-#include "formats/training.h"
+#include "formats/training/training.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "formats/files.h"
+#include "formats/io/files.h"
 
 using namespace evo;
 

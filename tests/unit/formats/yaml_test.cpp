@@ -1,4 +1,4 @@
-#include "formats/yaml.h"
+#include "formats/io/yaml.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "render/clip.h"
+#include "render/scene/clip.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "render/triangles.h"
+#include "render/painters/triangles.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

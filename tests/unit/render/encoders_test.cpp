@@ -10,10 +10,10 @@
 #include <future>
 
 #include "libevo/base/random.h"
-#include "render/animation.h"
-#include "render/gif.h"
-#include "render/png.h"
-#include "render/video.h"
+#include "render/film/animation.h"
+#include "render/film/gif.h"
+#include "render/film/video.h"
+#include "render/painters/png.h"
 #include "tests/unit/render/expect_error.h"
 
 namespace evo::render {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "formats/task.h"
+#include "formats/task/task.h"
 #include "libevo/sim/batch.h"
 
 namespace evo::example {

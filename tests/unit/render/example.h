@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/rollout.h"
+#include "formats/rollout/rollout.h"
 #include "libevo/task/spec.h"
 
 namespace evo::example {

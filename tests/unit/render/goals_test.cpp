@@ -1,10 +1,10 @@
-#include "render/goals.h"
+#include "render/scene/goals.h"
 
 #include <catch2/catch.hpp>
 
 #include "example.h"
-#include "formats/files.h"
-#include "render/clip.h"
+#include "formats/io/files.h"
+#include "render/scene/clip.h"
 
 namespace evo::render {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "formats/physics_profile.h"
-#include "formats/task.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/task.h"
 #include "render/render.h"
 #include "tests/unit/render/example.h"
 

@@ -1,11 +1,11 @@
 // Words over robots and at the borders of films.
-#include "render/notes.h"
+#include "render/scene/notes.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "render/evolution_film.h"
-#include "render/race.h"
+#include "render/film/evolution_film.h"
+#include "render/film/race.h"
 #include "tests/unit/render/example.h"
 
 namespace evo::render {

@@ -2,14 +2,14 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "formats/files.h"
-#include "formats/physics_profile.h"
-#include "formats/task_yaml.h"
+#include "formats/io/files.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/yaml.h"
 #include "libevo/task/contacts.h"
-#include "render/force.h"
-#include "render/plot.h"
-#include "render/quantity.h"
+#include "render/figures/plot.h"
 #include "render/render.h"
+#include "render/scene/force.h"
+#include "render/scene/quantity.h"
 #include "tests/unit/render/example.h"
 #include "tests/unit/render/expect_error.h"
 

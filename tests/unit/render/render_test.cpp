@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "formats/files.h"
+#include "formats/io/files.h"
 #include "tests/unit/render/example.h"
 #include "tests/unit/render/expect_error.h"
 

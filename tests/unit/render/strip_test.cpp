@@ -1,11 +1,11 @@
 // Panoramas, and the moments they show.
-#include "render/strip.h"
+#include "render/figures/strip.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "render/moments.h"
+#include "render/scene/moments.h"
 #include "tests/unit/render/example.h"
 #include "tests/unit/render/expect_error.h"
 

@@ -1,4 +1,4 @@
-#include "render/text.h"
+#include "render/painters/text.h"
 
 #include <catch2/catch.hpp>
 

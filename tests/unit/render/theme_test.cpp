@@ -1,5 +1,5 @@
 // Colours that can be told apart.
-#include "render/theme.h"
+#include "render/scene/theme.h"
 
 #include <array>
 #include <catch2/catch.hpp>

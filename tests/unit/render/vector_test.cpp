@@ -1,12 +1,12 @@
 // Vector formats, as text.
-#include "render/vector.h"
+#include "render/painters/vector.h"
 
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <regex>
 
-#include "formats/files.h"
-#include "render/race.h"
+#include "formats/io/files.h"
+#include "render/film/race.h"
 #include "render/render.h"
 #include "tests/unit/render/example.h"
 #include "tests/unit/render/expect_error.h"

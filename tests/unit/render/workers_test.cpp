@@ -1,4 +1,4 @@
-#include "render/workers.h"
+#include "render/film/workers.h"
 
 #include <sys/wait.h>
 #include <unistd.h>

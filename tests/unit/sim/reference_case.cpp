@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "formats/rollout.h"
-#include "formats/task.h"
+#include "formats/rollout/rollout.h"
+#include "formats/task/task.h"
 
 namespace evo {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "formats/physics_profile.h"
-#include "formats/task.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/task.h"
 #include "libevo/task/contacts.h"
 #include "libevo/task/env.h"
 

@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "formats/task.h"
+#include "formats/task/task.h"
 #include "libevo/base/random.h"
 #include "libevo/task/env.h"
 

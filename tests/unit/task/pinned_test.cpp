@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/task.h"
+#include "formats/task/task.h"
 #include "libevo/base/parallel.h"
 #include "libevo/base/random.h"
 #include "libevo/sim/isa.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/task.h"
+#include "formats/task/task.h"
 #include "libevo/base/error.h"
 #include "libevo/base/random.h"
 #include "libevo/task/env.h"

@@ -1,0 +1,455 @@
+#include "formats/foreign/evogym.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <unordered_map>
+#include <utility>
+
+#include "formats/foreign/npz.h"
+#include "formats/io/files.h"
+#include "libevo/base/error.h"
+
+namespace evo {
+namespace fs = std::filesystem;
+namespace {
+
+// ---- worlds: reading --------------------------------------------------------------
+
+constexpr int largest_grid = 100'000;  // cells along one side
+// A connected object of n cells has a bounding box of at most (n/2 + 1)^2.
+constexpr std::int64_t largest_box = 100'000'000;
+
+struct Cell {
+  int x = 0;
+  int y = 0;                                      // upwards
+  auto operator<=>(const Cell&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
+};
+
+struct Grid {
+  int width = 0;
+  int height = 0;
+  std::int64_t cells() const { return std::int64_t{width} * height; }
+  Cell at(std::int64_t index) const {
+    return {static_cast<int>(index % width), static_cast<int>(index / width)};
+  }
+};
+
+// A name as a step of a JSON path.
+std::string step(const std::string& name) {
+  std::string escaped = "/";
+  for (const char c : name) {
+    if (c == '~')
+      escaped += "~0";
+    else if (c == '/')
+      escaped += "~1";
+    else
+      escaped += c;
+  }
+  return escaped;
+}
+
+const Json& field(const Json& record, const std::string& path, const char* name, Json::value_t type,
+                  const char* expected) {
+  const auto found = record.find(name);
+  const std::string place = path + step(name);
+  if (found == record.end()) throw Refusal{place, "is missing"};
+  if (found->type() != type) throw refusal(place, "expected {}, found {}", expected, shown(*found));
+  return *found;
+}
+
+int grid_side(const Json& document, const char* name) {
+  const auto found = document.find(name);
+  if (found == document.end()) throw Refusal{step(name), "is missing"};
+  if (!found->is_number_integer() || *found < 1 || *found > largest_grid)
+    throw refusal(step(name), "expected a number of cells, 1 to {}, found {}", largest_grid,
+                  shown(*found));
+  return found->get<int>();
+}
+
+std::int64_t cell_index(const Json& value, const Grid& grid, const std::string& path) {
+  if (!value.is_number_integer() || value < 0 || value >= grid.cells())
+    throw refusal(path, "cell {} is outside the grid of {}x{} cells, 0 to {}", shown(value),
+                  grid.width, grid.height, grid.cells() - 1);
+  return value.get<std::int64_t>();
+}
+
+// The cells of an object by index, with their types.
+using Cells = std::map<std::int64_t, Voxel>;
+
+Cells read_cells(const Json& record, const Grid& grid, const std::string& path) {
+  const Json& indices =
+      field(record, path, "indices", Json::value_t::array, "a list of cell indices");
+  const Json& types = field(record, path, "types", Json::value_t::array, "a list of cell types");
+  const Json& neighbors = field(record, path, "neighbors", Json::value_t::object,
+                                "a mapping from cell index to a list of cell indices");
+  if (indices.size() != types.size() || indices.size() != neighbors.size())
+    throw refusal(path, "{} indices, {} types and {} neighbors: their numbers must be equal",
+                  indices.size(), types.size(), neighbors.size());
+  Cells cells;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const std::int64_t index = cell_index(indices[i], grid, fmt::format("{}/indices/{}", path, i));
+    const Json& type = types[i];
+    if (!type.is_number_integer() || type < 0 || type > static_cast<int>(Voxel::fixed))
+      throw refusal(fmt::format("{}/types/{}", path, i), "unknown type {}; allowed 0 1 2 3 4 5",
+                    shown(type));
+    if (!cells.emplace(index, static_cast<Voxel>(type.get<int>())).second)
+      throw refusal(fmt::format("{}/indices/{}", path, i), "cell {} is listed twice", index);
+  }
+  if (std::none_of(cells.begin(), cells.end(),
+                   [](const auto& cell) { return cell.second != Voxel::empty; }))
+    throw Refusal{path, "an object without voxels"};
+  return cells;
+}
+
+// Where the box around the cells lies.
+struct Box {
+  int left = 0;
+  int bottom = 0;
+  int right = 0;  // inclusive
+  int top = 0;
+  int width() const { return right - left + 1; }
+  int height() const { return top - bottom + 1; }
+};
+
+Box box_around(const Cells& cells, const Grid& grid) {
+  const Cell first = grid.at(cells.begin()->first);
+  Box box{first.x, first.y, first.x, first.y};
+  for (const auto& [index, type] : cells) {
+    const Cell cell = grid.at(index);
+    box.left = std::min(box.left, cell.x);
+    box.right = std::max(box.right, cell.x);
+    box.bottom = std::min(box.bottom, cell.y);
+    box.top = std::max(box.top, cell.y);
+  }
+  return box;
+}
+
+std::vector<std::pair<std::int64_t, std::int64_t>> read_neighbors(const Json& record,
+                                                                  const Cells& cells,
+                                                                  const Grid& grid,
+                                                                  const std::string& path) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> pairs;
+  for (const auto& [key, list] : record["neighbors"].items()) {
+    const std::string place = path + "/neighbors" + step(key);
+    std::int64_t index = -1;
+    const auto [stopped, status] = std::from_chars(key.data(), key.data() + key.size(), index);
+    if (status != std::errc{} || stopped != key.data() + key.size() || !cells.contains(index))
+      throw refusal(place, "{} is not a cell of this object", shown(Json(key)));
+    if (!list.is_array())
+      throw refusal(place, "expected a list of cell indices, found {}", shown(list));
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const std::string link = fmt::format("{}/{}", place, i);
+      const std::int64_t other = cell_index(list[i], grid, link);
+      if (!cells.contains(other))
+        throw refusal(link, "neighbour {} of cell {} is not a cell of this object", other, index);
+      const Cell a = grid.at(index);
+      const Cell b = grid.at(other);
+      if (std::abs(a.x - b.x) + std::abs(a.y - b.y) != 1)
+        throw refusal(link, "neighbour {} of cell {} is not adjacent to it", other, index);
+      if (cells.at(index) == Voxel::empty || cells.at(other) == Voxel::empty)
+        throw refusal(link, "cells {} and {} are neighbours, but one is empty", index, other);
+      pairs.emplace_back(index, other);
+    }
+  }
+  return pairs;
+}
+
+Object read_object(const std::string& name, const Json& record, const Grid& grid) {
+  const std::string path = "/objects" + step(name);
+  if (!record.is_object())
+    throw refusal(path, "expected an object record, found {}", shown(record));
+  const Cells cells = read_cells(record, grid, path);
+  const Box box = box_around(cells, grid);
+  const std::size_t reach =
+      static_cast<std::size_t>(box.width()) + static_cast<std::size_t>(box.height()) - 1;
+  if (reach > cells.size() || std::int64_t{box.width()} * box.height() > largest_box)
+    throw refusal(path, "{} cells cannot connect the {}x{} cells they are spread over",
+                  cells.size(), box.width(), box.height());
+  const auto in_box = [&](std::int64_t index) {  // row 0 on top
+    const Cell cell = grid.at(index);
+    return (box.top - cell.y) * box.width() + cell.x - box.left;
+  };
+  Body body;
+  body.rows = box.height();
+  body.cols = box.width();
+  body.cells.resize(static_cast<std::size_t>(body.rows) * static_cast<std::size_t>(body.cols));
+  for (const auto& [index, type] : cells)
+    body.cells[static_cast<std::size_t>(in_box(index))] = type;
+  for (const auto& [a, b] : read_neighbors(record, cells, grid, path))
+    body.links.push_back({std::min(in_box(a), in_box(b)), std::max(in_box(a), in_box(b))});
+  std::sort(body.links.begin(), body.links.end());
+  body.links.erase(std::unique(body.links.begin(), body.links.end()), body.links.end());
+  if (const auto wrong = defect(body, false)) throw Refusal{path, "inside its box, " + *wrong};
+  return {name, std::move(body), box.left, box.bottom};
+}
+
+// The world cells that an object fills.
+std::vector<Cell> filled_cells(const Object& object) {
+  std::vector<Cell> cells;
+  for (int r = 0; r < object.body.rows; ++r)
+    for (int c = 0; c < object.body.cols; ++c)
+      if (object.body.at(r, c) != Voxel::empty)
+        cells.push_back({object.x + c, object.y + object.body.rows - 1 - r});
+  return cells;
+}
+
+void check_overlap(const World& world) {
+  std::map<Cell, const Object*> owners;
+  for (const Object& object : world.objects)
+    for (const Cell& cell : filled_cells(object))
+      if (const auto [owner, added] = owners.emplace(cell, &object); !added)
+        throw refusal("/objects" + step(object.name),
+                      "the cell at x {}, y {} belongs to object {}, too", cell.x, cell.y,
+                      shown(Json(owner->second->name)));
+}
+
+// ---- worlds: writing --------------------------------------------------------------
+
+// Whether some row or column at the border of the matrix is empty: without its
+// empty cells, a reader would take the object for a smaller one.
+bool has_empty_border(const Body& body) {
+  const auto filled = [&](int r, int c) { return body.at(r, c) != Voxel::empty; };
+  bool top = false;
+  bool bottom = false;
+  bool left = false;
+  bool right = false;
+  for (int c = 0; c < body.cols; ++c) {
+    top |= filled(0, c);
+    bottom |= filled(body.rows - 1, c);
+  }
+  for (int r = 0; r < body.rows; ++r) {
+    left |= filled(r, 0);
+    right |= filled(r, body.cols - 1);
+  }
+  return !(top && bottom && left && right);
+}
+
+bool at_border(const Body& body, int cell) {
+  const int r = cell / body.cols;
+  const int c = cell % body.cols;
+  return r == 0 || c == 0 || r == body.rows - 1 || c == body.cols - 1;
+}
+
+std::string object_to_json(const Object& object, int grid_width) {
+  const Body& body = object.body;
+  const auto world_index = [&](int cell) {
+    const int x = object.x + cell % body.cols;
+    const int y = object.y + body.rows - 1 - cell / body.cols;
+    return std::int64_t{y} * grid_width + x;
+  };
+  std::map<int, std::vector<std::int64_t>> neighbors;
+  for (const Link& link : body.links) {
+    neighbors[link.a].push_back(world_index(link.b));
+    neighbors[link.b].push_back(world_index(link.a));
+  }
+  const bool keep_border = has_empty_border(body);
+  std::vector<std::int64_t> indices;
+  std::vector<int> types;
+  std::string neighbor_lists;
+  for (int cell = 0; std::cmp_less(cell, body.cells.size()); ++cell) {
+    const Voxel type = body.cells[static_cast<std::size_t>(cell)];
+    if (type == Voxel::empty && !(keep_border && at_border(body, cell))) continue;
+    indices.push_back(world_index(cell));
+    types.push_back(static_cast<int>(type));
+    neighbor_lists += fmt::format("{}\"{}\": [{}]", neighbor_lists.empty() ? "" : ", ",
+                                  world_index(cell), fmt::join(neighbors[cell], ", "));
+  }
+  return fmt::format(
+      "{{\n      \"indices\": [{}],\n      \"types\": [{}],\n      \"neighbors\": {{{}}}\n    }}",
+      fmt::join(indices, ", "), fmt::join(types, ", "), neighbor_lists);
+}
+
+// ---- experiments --------------------------------------------------------------------
+
+struct Ranked {
+  int label = 0;
+  std::optional<double> fitness;
+  bool is_number = true;
+};
+
+constexpr std::string_view generation_prefix = "generation_";
+
+std::optional<int> number_in(std::string_view text) {
+  int number = 0;
+  const auto [stopped, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (status != std::errc{} || stopped != text.data() + text.size() || number < 0)
+    return std::nullopt;
+  return number;
+}
+
+// The numbers that name the entries of a folder between a prefix and a suffix.
+std::vector<int> numbered_entries(const fs::path& folder, std::string_view prefix,
+                                  std::string_view suffix) {
+  std::vector<int> numbers;
+  std::error_code failed;
+  for (const auto& entry : fs::directory_iterator(folder, failed)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix) || !name.ends_with(suffix) ||
+        name.size() < prefix.size() + suffix.size())
+      continue;
+    const std::string_view middle =
+        std::string_view(name).substr(prefix.size(), name.size() - prefix.size() - suffix.size());
+    if (const auto number = number_in(middle)) numbers.push_back(*number);
+  }
+  if (failed)
+    throw error(Failure::no_input, "{}: cannot be opened: {}", folder.string(), failed.message());
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+// "label<TAB><TAB>fitness" a line, best first; nothing when the generation was
+// not finished.
+std::vector<Ranked> read_ranking(const fs::path& path) {
+  std::vector<Ranked> ranking;
+  if (!fs::exists(path)) return ranking;
+  std::istringstream lines(read_file(path));
+  std::size_t line_number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++line_number;
+    std::istringstream words(line);
+    std::string label;
+    std::string fitness;
+    std::string more;
+    words >> label >> fitness >> more;
+    if (label.empty()) continue;
+    const auto number = number_in(label);
+    double value = 0.0;
+    const char* end = fitness.data() + fitness.size();
+    const auto [stopped, status] = std::from_chars(fitness.data(), end, value);
+    if (!number || status != std::errc{} || stopped != end || !more.empty())
+      throw error(Failure::data, "{}: line {}: expected a label and a fitness, found {}",
+                  path.string(), line_number, shown(Json(line)));
+    ranking.push_back({*number, value, std::isfinite(value)});
+  }
+  return ranking;
+}
+
+Robot read_member(const fs::path& generation_folder, int generation, const Ranked& ranked) {
+  const fs::path path = generation_folder / "structure" / (std::to_string(ranked.label) + ".npz");
+  Robot robot(read_npz(path));
+  robot.document["origin"] = {
+      {"tool", "evogym"}, {"generation", generation}, {"label", ranked.label}};
+  if (ranked.fitness) robot.document["fitness"] = ranked.is_number ? Json(*ranked.fitness) : Json();
+  return robot;
+}
+
+// Robots in the order first seen, each body once.
+class Collection {
+ public:
+  void add(Robot robot) {
+    const auto [known, added] = places_.emplace(robot.id, robots_.size());
+    if (added) {
+      robots_.push_back(std::move(robot));
+      return;
+    }
+    Robot& first = robots_[known->second];
+    const auto fitness = robot.fitness();
+    if (fitness && (!first.fitness() || *fitness > *first.fitness()))
+      first.document["fitness"] = *fitness;
+  }
+
+  std::vector<Robot> take() { return std::move(robots_); }
+
+ private:
+  std::vector<Robot> robots_;
+  std::unordered_map<std::string, std::size_t> places_;  // by id
+};
+
+}  // namespace
+
+// ---- public ---------------------------------------------------------------------------
+
+World evogym_world_from_json(const Json& document, const std::string& where) {
+  try {
+    if (!document.is_object())
+      throw refusal("", "expected a world (an object), found {}", shown(document));
+    const Grid grid{grid_side(document, "grid_width"), grid_side(document, "grid_height")};
+    const Json& objects = field(document, "", "objects", Json::value_t::object,
+                                "a mapping from object name to record");
+    World world;
+    for (const auto& [name, record] : objects.items())
+      world.objects.push_back(read_object(name, record, grid));
+    check_overlap(world);
+    return world;
+  } catch (const Refusal& refused) {
+    throw refused.at(where);
+  }
+}
+
+World read_evogym_world(const fs::path& path) {
+  const std::string where = input_label(path.string());
+  return evogym_world_from_json(parse_json(read_input(path.string(), largest_value), where), where);
+}
+
+std::string evogym_world_to_json(const World& world) {
+  int width = 1;
+  int height = 1;
+  for (const Object& object : world.objects) {
+    if (object.x < 0 || object.y < 0)
+      throw error(Failure::data, "object '{}' lies at {}, {}: a position cannot be negative",
+                  object.name, object.x, object.y);
+    width = std::max(width, object.x + object.body.cols);
+    height = std::max(height, object.y + object.body.rows);
+  }
+  std::set<std::string> names;
+  std::string objects;
+  for (const Object& object : world.objects) {
+    if (!names.insert(object.name).second)
+      throw error(Failure::data, "two objects are named '{}'", object.name);
+    objects += fmt::format("{}\n    {}: {}", objects.empty() ? "" : ",", compact(object.name),
+                           object_to_json(object, width));
+  }
+  return fmt::format(
+      "{{\n  \"grid_width\": {},\n  \"grid_height\": {},\n  \"objects\": {{{}\n  }}\n}}\n", width,
+      height, objects);
+}
+
+void write_evogym_world(const fs::path& path, const World& world) {
+  write_file(path, evogym_world_to_json(world));
+}
+
+Robot robot_from_evogym_world(const World& world, const std::string& where, BodyCheck check) {
+  if (world.objects.size() != 1)
+    throw error(Failure::data, "{}: holds {} objects; a robot file holds exactly one", where,
+                world.objects.size());
+  return robot_from_json(Robot(world.objects.front().body).document, where, check);
+}
+
+World evogym_world_of_robot(const Robot& robot) { return {{{"robot", robot.body, 0, 0}}}; }
+
+std::vector<Robot> read_evogym_experiment(const fs::path& folder) {
+  const std::vector<int> generations = numbered_entries(folder, generation_prefix, "");
+  if (generations.empty())
+    throw error(Failure::no_input, "{}: not an experiment folder of EvoGym: no generation_0 in it",
+                folder.string());
+  Collection robots;
+  for (const int generation : generations) {
+    const fs::path place = folder / fmt::format("{}{}", generation_prefix, generation);
+    const std::vector<Ranked> ranking = read_ranking(place / "output.txt");
+    std::set<int> ranked_labels;
+    for (const Ranked& ranked : ranking) {
+      if (!ranked_labels.insert(ranked.label).second)
+        throw error(Failure::data, "{}: label {} is ranked twice", (place / "output.txt").string(),
+                    ranked.label);
+      robots.add(read_member(place, generation, ranked));
+    }
+    for (const int label : numbered_entries(place / "structure", "", ".npz"))
+      if (!ranked_labels.contains(label))
+        robots.add(read_member(place, generation, {label, std::nullopt}));
+  }
+  return robots.take();
+}
+
+bool is_evogym_experiment(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::is_directory(folder / "generation_0" / "structure", ignored);
+}
+
+}  // namespace evo

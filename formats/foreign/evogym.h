@@ -1,0 +1,46 @@
+// What Evolution Gym keeps in files: worlds and robots of its design tool as
+// JSON (spec: worlds, section 2), and the folders of its experiments (section 3).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "formats/io/json.h"
+#include "formats/robot/robot.h"
+#include "libevo/sim/world.h"
+
+namespace evo {
+
+// The objects in file order, each as large as its cells, at its place. Any
+// order of objects and cells; a link counts from whichever end it is listed.
+// Refused, with the JSON path: a missing field, collections of different
+// lengths, a cell outside the grid or listed twice, a neighbour that is no cell
+// of the object or not adjacent, an object without voxels or in several pieces,
+// two objects in one cell. Throws Error(data).
+World evogym_world_from_json(const Json& document, const std::string& where);
+World read_evogym_world(const std::filesystem::path& path);
+
+// JSON text. The grid is as large as the contents; an object whose matrix has an
+// empty border keeps it, as cells of type 0. Throws Error(data) for a world that
+// the format cannot hold: a name given twice, a negative position.
+std::string evogym_world_to_json(const World& world);
+void write_evogym_world(const std::filesystem::path& path, const World& world);
+
+// The robot of a world that holds exactly one object; in the other direction, a
+// world with `robot` in its lower left corner.
+Robot robot_from_evogym_world(const World& world, const std::string& where,
+                              BodyCheck check = BodyCheck::robot);
+World evogym_world_of_robot(const Robot& robot);
+
+// All robots of an experiment folder, generation by generation, best first as
+// ranked there. A body that occurs again (a survivor) is listed once, where it
+// was first seen, with the best of its fitnesses. `fitness` is absent for a robot
+// that was not ranked, null for one whose fitness is no number; `origin` names
+// generation and label. Throws Error(no_input, io, data).
+std::vector<Robot> read_evogym_experiment(const std::filesystem::path& folder);
+
+// Whether the folder has what an experiment folder has (generation_0/structure).
+bool is_evogym_experiment(const std::filesystem::path& folder);
+
+}  // namespace evo

@@ -1,0 +1,78 @@
+#include "formats/io/format.h"
+
+#include <cmath>
+
+#include "libevo/base/error.h"
+
+namespace evo {
+namespace {
+
+Error refused(const hdf5::Reader& file, const char* attribute, const std::string& problem) {
+  return error(Failure::data, "{}: /@{}: {}", file.name(), attribute, problem);
+}
+
+}  // namespace
+
+std::optional<std::string> wrong_name(const Format& format,
+                                      const std::optional<std::string>& name) {
+  if (name == format.name) return std::nullopt;
+  return fmt::format("format '{}' is expected, found {}", format.name,
+                     name ? "'" + *name + "'" : "none");
+}
+
+std::optional<std::string> wrong_version(const Format& format, std::int64_t version) {
+  if (version < 1) return fmt::format("a whole number from 1 is expected, found '{}'", version);
+  if (version > format.version)
+    return fmt::format("{} version {} is newer than this program, which reads up to {}",
+                       format.name, version, format.version);
+  return std::nullopt;
+}
+
+void check_format(const YamlNode& document, const Format& format, Head head) {
+  std::optional<std::string> name;
+  bool has_version = false;
+  for (const auto& [key, value] : document.entries()) {
+    std::optional<std::string> problem;
+    if (key.string() == "format") {
+      name = value.string();
+      problem = wrong_name(format, name);
+    } else if (key.string() == "version") {
+      has_version = true;
+      problem = wrong_version(format, value.integer());
+    }
+    if (problem) throw value.error(*problem);
+  }
+  if (head != Head::required) return;
+  if (!name) throw document.error(*wrong_name(format, name));
+  if (!has_version)
+    throw document.error(fmt::format("there is no version, such as version: {}", format.version));
+}
+
+void check_format(const Json& document, const Format& format) {
+  if (const auto name = document.find("format"); name != document.end())
+    if (!name->is_string() || *name != format.name)
+      throw refusal("/format", "expected \"{}\", found {}", format.name, shown(*name));
+  const auto version = document.find("version");
+  if (version == document.end()) return;
+  if (!version->is_number_integer())
+    throw refusal("/version", "expected a whole number, found {}", shown(*version));
+  if (const auto problem = wrong_version(format, version->get<std::int64_t>()))
+    throw refusal("/version", "{}", *problem);
+}
+
+void check_format(const hdf5::Reader& file, const Format& format, Head head) {
+  std::optional<std::string> name;
+  if (file.has_attribute("/", "format")) name = file.text("/", "format");
+  if (name || head == Head::required)
+    if (const auto problem = wrong_name(format, name)) throw refused(file, "format", *problem);
+  if (!name && !file.has_attribute("/", "version")) return;
+  const double version = file.number<double>("/", "version");
+  constexpr double largest_whole = 1e15;
+  if (!(version == std::floor(version) && std::abs(version) < largest_whole))
+    throw refused(file, "version",
+                  fmt::format("a whole number from 1 is expected, found '{}'", version));
+  if (const auto problem = wrong_version(format, static_cast<std::int64_t>(version)))
+    throw refused(file, "version", *problem);
+}
+
+}  // namespace evo

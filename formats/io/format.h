@@ -1,0 +1,50 @@
+// What every document begins with, `format` and `version`, and their one check.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "formats/io/hdf5.h"
+#include "formats/io/json.h"
+#include "formats/io/yaml.h"
+
+namespace evo {
+
+struct Format {
+  const char* name;
+  int version;  // that is written; older ones are read, too
+};
+
+// All formats of the suite.
+namespace format {
+inline constexpr Format config{"evo/config", 1};
+inline constexpr Format robot{"evo/robot", 1};
+inline constexpr Format task{"evo/task", 1};
+inline constexpr Format physics{"evo/physics", 1};
+inline constexpr Format training{"evo/training", 1};
+inline constexpr Format neat{"evo/neat", 1};
+inline constexpr Format neat_state{"evo/neat-state", 1};
+inline constexpr Format steady{"evo/steady", 1};
+inline constexpr Format run{"evo/run", 1};
+inline constexpr Format env{"evo/env", 1};
+inline constexpr Format policy{"evo/policy", 1};
+inline constexpr Format checkpoint{"evo/checkpoint", 1};
+inline constexpr Format rollout{"evo/rollout", 1};
+}  // namespace format
+
+// What is wrong with a head that says `name` (nothing: it does not say) or
+// `version`, as words for a message that begins with the place; nothing if all is
+// well.
+std::optional<std::string> wrong_name(const Format& format, const std::optional<std::string>& name);
+std::optional<std::string> wrong_version(const Format& format, std::int64_t version);
+
+// Another format, or a version that this program does not know, is refused with
+// its place: Error(data), for JSON a Refusal. What people write by hand need not say
+// either; `required` is for what programs write, which has to say both.
+enum class Head { required, optional };
+void check_format(const YamlNode& document, const Format& format, Head head = Head::optional);
+void check_format(const Json& document, const Format& format);
+void check_format(const hdf5::Reader& file, const Format& format, Head head);
+
+}  // namespace evo

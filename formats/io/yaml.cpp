@@ -1,0 +1,298 @@
+#include "formats/io/yaml.h"
+
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "formats/io/json.h"
+
+namespace evo {
+
+struct YamlNode::Data {
+  Kind kind = Kind::null;
+  std::shared_ptr<const std::string> file;
+  int line = 0;  // from 1
+  int column = 0;
+  std::string text;             // scalar
+  std::vector<YamlNode> items;  // sequence
+  std::vector<Entry> entries;   // mapping
+};
+
+// Builds the tree from the parser's events, so that keys keep their places and
+// an alias costs nothing, however often it is used.
+class YamlBuilder : public YAML::EventHandler {
+ public:
+  explicit YamlBuilder(const std::string& file)
+      : file_(std::make_shared<const std::string>(file)) {}
+
+  std::optional<YamlNode> root;
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    add(begin(YamlNode::Kind::null, mark), anchor);
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                const std::string& value) override {
+    auto data = begin(YamlNode::Kind::scalar, mark);
+    if (!is_utf8(value)) {
+      YamlNode node;
+      node.data_ = std::move(data);
+      throw node.error("text that is not UTF-8");
+    }
+    data->text = value;
+    add(std::move(data), anchor);
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    const auto known = anchors_.find(anchor);
+    if (known == anchors_.end()) {
+      YamlNode node;
+      node.data_ = begin(YamlNode::Kind::null, mark);
+      throw node.error("an alias stands inside of what it names");
+    }
+    attach(known->second);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    open_.push_back({begin(YamlNode::Kind::sequence, mark), anchor, std::nullopt});
+  }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    open_.push_back({begin(YamlNode::Kind::mapping, mark), anchor, std::nullopt});
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapEnd() override {
+    std::map<std::string, int> lines;
+    for (const YamlNode::Entry& entry : open_.back().data->entries) {
+      if (!entry.key.is_scalar())
+        throw entry.key.error("a key is expected, found " + entry.key.found());
+      const std::string key = entry.key.string();
+      const auto [first, fresh] = lines.emplace(key, entry.key.line());
+      if (!fresh)
+        throw entry.key.error(
+            fmt::format("key '{}' is given twice (first in line {})", key, first->second));
+    }
+    close();
+  }
+
+ private:
+  struct Open {
+    std::shared_ptr<YamlNode::Data> data;
+    YAML::anchor_t anchor;
+    std::optional<YamlNode> key;  // read, its value is still to come
+  };
+
+  std::shared_ptr<YamlNode::Data> begin(YamlNode::Kind kind, const YAML::Mark& mark) const {
+    auto data = std::make_shared<YamlNode::Data>();
+    data->kind = kind;
+    data->file = file_;
+    data->line = mark.line + 1;
+    data->column = mark.column + 1;
+    return data;
+  }
+
+  void close() {
+    Open done = std::move(open_.back());
+    open_.pop_back();
+    add(std::move(done.data), done.anchor);
+  }
+
+  void add(std::shared_ptr<const YamlNode::Data> data, YAML::anchor_t anchor) {
+    YamlNode node;
+    node.data_ = std::move(data);
+    if (anchor != 0) anchors_[anchor] = node;
+    attach(node);
+  }
+
+  void attach(const YamlNode& node) {
+    if (open_.empty()) {
+      root = node;
+      return;
+    }
+    Open& parent = open_.back();
+    if (parent.data->kind == YamlNode::Kind::sequence) {
+      parent.data->items.push_back(node);
+    } else if (!parent.key) {
+      parent.key = node;
+    } else {
+      parent.data->entries.push_back({*parent.key, node});
+      parent.key.reset();
+    }
+  }
+
+  std::shared_ptr<const std::string> file_;
+  std::vector<Open> open_;
+  std::map<YAML::anchor_t, YamlNode> anchors_;
+};
+
+YamlNode YamlNode::parse(std::string_view text, const std::string& file) {
+  std::istringstream stream{std::string(text)};
+  YamlBuilder builder(file);
+  try {
+    YAML::Parser parser(stream);
+    if (!parser.HandleNextDocument(builder) || !builder.root)
+      throw evo::error(Failure::data, "{}: the file is empty", file);
+    YamlBuilder rest(file);
+    if (parser.HandleNextDocument(rest) && rest.root && !rest.root->is_null())
+      throw rest.root->error("a second document begins here; one is expected");
+  } catch (const YAML::Exception& failure) {
+    throw evo::error(Failure::data, "{}:{}:{}: not valid YAML: {}", file, failure.mark.line + 1,
+                     failure.mark.column + 1, failure.msg);
+  }
+  return *builder.root;
+}
+
+YamlNode::Kind YamlNode::kind() const { return data_->kind; }
+const std::string& YamlNode::file() const { return *data_->file; }
+int YamlNode::line() const { return data_->line; }
+
+std::string YamlNode::where() const {
+  return fmt::format("{}:{}:{}", *data_->file, data_->line, data_->column);
+}
+
+Error YamlNode::error(const std::string& message) const {
+  return Error(Failure::data, message).at(where());
+}
+
+std::string YamlNode::found() const {
+  switch (data_->kind) {
+    case Kind::null:
+      return "nothing";
+    case Kind::sequence:
+      return "a list";
+    case Kind::mapping:
+      return "a mapping";
+    case Kind::scalar:
+      break;
+  }
+  constexpr std::size_t longest = 60;
+  std::string shown = data_->text.substr(0, longest);
+  if (data_->text.size() > longest) shown += "...";
+  return "'" + shown + "'";
+}
+
+std::string YamlNode::string() const {
+  if (!is_scalar() || data_->text.empty()) throw error("text is expected, found " + found());
+  return data_->text;
+}
+
+bool YamlNode::boolean() const {
+  if (is_scalar() && data_->text == "true") return true;
+  if (is_scalar() && data_->text == "false") return false;
+  throw error("true or false is expected, found " + found());
+}
+
+namespace {
+
+// "a number", "a number of at least 0", "a number from 0 to 5"
+template <typename Number>
+std::string expectation(const std::string& kind, Number low, Number high, bool has_low,
+                        bool has_high) {
+  if (has_low && has_high) return fmt::format("{} from {} to {}", kind, low, high);
+  if (has_low) return fmt::format("{} of at least {}", kind, low);
+  if (has_high) return fmt::format("{} of at most {}", kind, high);
+  return kind;
+}
+
+}  // namespace
+
+double YamlNode::number(double low, double high) const {
+  const std::optional<double> value = is_scalar() ? parse_number(data_->text) : std::nullopt;
+  if (!value || *value < low || *value > high)
+    throw error(fmt::format(
+        "{} is expected, found {}",
+        expectation("a number", low, high, std::isfinite(low), std::isfinite(high)), found()));
+  return *value;
+}
+
+double YamlNode::positive() const {
+  const std::optional<double> value = is_scalar() ? parse_number(data_->text) : std::nullopt;
+  if (!value || *value <= 0.0) throw error("a number greater than 0 is expected, found " + found());
+  return *value;
+}
+
+int YamlNode::integer(int low, int high) const {
+  int value = 0;
+  bool whole = false;
+  if (is_scalar()) {
+    const char* begin = data_->text.data();
+    const char* end = begin + data_->text.size();
+    if (begin != end && *begin == '+') ++begin;
+    const auto [stop, status] = std::from_chars(begin, end, value);
+    whole = status == std::errc() && stop == end;
+  }
+  if (!whole || value < low || value > high)
+    throw error(
+        fmt::format("{} is expected, found {}",
+                    expectation("a whole number", low, high, low != std::numeric_limits<int>::min(),
+                                high != std::numeric_limits<int>::max()),
+                    found()));
+  return value;
+}
+
+const std::vector<YamlNode>& YamlNode::items() const {
+  if (!is_sequence()) throw error("a list is expected, found " + found());
+  return data_->items;
+}
+
+const std::vector<YamlNode::Entry>& YamlNode::entries() const {
+  if (!is_mapping()) throw error("a mapping (key: value) is expected, found " + found());
+  return data_->entries;
+}
+
+std::string YamlNode::choice(const std::string& what,
+                             const std::vector<std::string>& allowed) const {
+  std::string name = string();
+  for (const std::string& candidate : allowed)
+    if (candidate == name) return name;
+  throw error(unknown_name(what, name, allowed));
+}
+
+YamlMapping::YamlMapping(YamlNode node, std::string what, std::vector<std::string> allowed)
+    : node_(std::move(node)), what_(std::move(what)) {
+  if (!node_.is_mapping())
+    throw node_.error(fmt::format("{}: a mapping (key: value) is expected, found {}; allowed: {}",
+                                  what_, node_.found(), fmt::join(allowed, ", ")));
+  const std::set<std::string> known(allowed.begin(), allowed.end());
+  for (const YamlNode::Entry& entry : node_.entries()) {
+    const std::string key = entry.key.string();
+    if (known.count(key) == 0)
+      throw entry.key.error(what_ + ": " + unknown_name("key", key, allowed));
+  }
+}
+
+std::optional<YamlNode> YamlMapping::find(std::string_view key) const {
+  for (const YamlNode::Entry& entry : node_.entries())
+    if (entry.key.string() == key) return entry.value;
+  return std::nullopt;
+}
+
+YamlNode YamlMapping::at(std::string_view key) const {
+  if (auto value = find(key)) return *value;
+  throw node_.error(fmt::format("{}: key '{}' is missing", what_, key));
+}
+
+std::string unknown_name(const std::string& what, const std::string& name,
+                         const std::vector<std::string>& allowed) {
+  return fmt::format("unknown {} '{}'{}; allowed: {}", what, name, did_you_mean(name, allowed),
+                     fmt::join(allowed, ", "));
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  double value = 0.0;
+  const auto [stop, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc() || stop != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+}  // namespace evo

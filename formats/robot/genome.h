@@ -1,0 +1,25 @@
+// The `genome` field of a robot document, to and from evo::Genome (spec: formats,
+// "Robot document"). All fields of a gene are written and needed.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "formats/robot/robot.h"
+#include "libevo/evolve/genome.h"
+
+namespace evo {
+
+Json genome_to_json(const Genome& genome);
+
+// `path` is where the genome stands in its document. Genes in any order; unknown
+// fields are accepted. Throws Refusal with the JSON path for anything that is
+// missing, of the wrong type, there twice, or no feed-forward network with the
+// inputs and outputs of a robot's.
+Genome genome_from_json(const Json& genome, const std::string& path);
+
+// The genome of a robot, or nothing if it has none. `where` begins the message
+// of the Error(data).
+std::optional<Genome> genome_of(const Robot& robot, const std::string& where);
+
+}  // namespace evo

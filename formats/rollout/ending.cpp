@@ -1,0 +1,110 @@
+#include "formats/rollout/ending.h"
+
+#include <cmath>
+#include <optional>
+
+#include "formats/task/yaml.h"
+
+namespace evo {
+namespace {
+
+// The last centre of an object, voxels; nothing for one that is not there.
+std::optional<Vec2> last_centre(const Rollout& rollout, const RolloutEpisode& episode,
+                                const std::string& name) {
+  constexpr double voxel = 0.1;  // raw length
+  for (const ModelObject& object : rollout.world.objects) {
+    if (object.name != name || object.points == 0) continue;
+    const auto points = static_cast<std::size_t>(rollout.points);
+    if (episode.positions.size() < points) return std::nullopt;
+    const Vec2* last = &episode.positions[episode.positions.size() - points];
+    Vec2 sum;
+    for (int k = object.first_point; k < object.first_point + object.points; ++k) {
+      sum.x += last[k].x;
+      sum.y += last[k].y;
+    }
+    return Vec2{sum.x / object.points / voxel, sum.y / object.points / voxel};
+  }
+  return std::nullopt;
+}
+
+// Whether a condition on a place holds at the end, and how it is said; nothing for
+// other conditions, and for places that are themselves measured.
+struct Judged {
+  bool holds = false;
+  std::string text;
+};
+std::optional<Judged> judge(const YamlNode& condition, const Rollout& rollout,
+                            const RolloutEpisode& episode) {
+  const auto position = value_of(condition, "position");
+  if (!position) return std::nullopt;
+  const auto of = value_of(*position, "of");
+  const auto axis = value_of(*position, "axis");
+  if (!of || !axis) return std::nullopt;
+  const auto centre = last_centre(rollout, episode, of->string());
+  if (!centre) return std::nullopt;
+  const double value = axis->string() == "x" ? centre->x : centre->y;
+  for (const auto& [key, sign] :
+       {std::pair{"above", 1.0}, {"at_least", 1.0}, {"below", -1.0}, {"at_most", -1.0}}) {
+    const auto bound = value_of(*position, key);
+    if (!bound || !bound->is_scalar()) continue;
+    const double limit = bound->number();
+    constexpr double close = 1e-6;
+    const char* where = axis->string() == "x" ? (sign > 0 ? "beyond x =" : "left of x =")
+                                              : (sign > 0 ? "higher than" : "lower than");
+    return Judged{sign * (value - limit) >= -close,
+                  fmt::format("{} {} {:.4g}", of->string(), where, limit)};
+  }
+  return std::nullopt;
+}
+
+struct RuleThatHolds {
+  double reward = 0;
+  std::string text;
+};
+
+std::optional<RuleThatHolds> rule_of(const Rollout& rollout, const RolloutEpisode& episode) {
+  const auto task = task_document(rollout);
+  const auto rules = task ? value_of(*task, "rules") : std::nullopt;
+  if (!rules || !rules->is_sequence()) return std::nullopt;
+  std::optional<RuleThatHolds> found;
+  for (const YamlNode& rule : rules->items()) {
+    const auto when = value_of(rule, "when");
+    if (!when) continue;
+    const std::vector<YamlNode> conditions =
+        when->is_sequence() ? when->items() : std::vector<YamlNode>{*when};
+    bool all = true;
+    std::string text;
+    for (const YamlNode& condition : conditions) {
+      const auto judged = judge(condition, rollout, episode);
+      all = all && judged && judged->holds;
+      if (judged) text += (text.empty() ? "" : ", ") + judged->text;
+    }
+    if (!all) continue;
+    const auto reward = value_of(rule, "reward");
+    const double worth = reward ? reward->number() : 0.0;
+    if (!found || std::abs(worth) > std::abs(found->reward)) found = RuleThatHolds{worth, text};
+  }
+  return found;
+}
+
+}  // namespace
+
+Ending ending(const Rollout& rollout, const RolloutEpisode& episode) {
+  const auto last = [](const std::vector<std::uint8_t>& flags) {
+    return !flags.empty() && flags.back() != 0;
+  };
+  if (!last(episode.terminations))
+    return last(episode.truncations) ? Ending{Ending::Kind::limit, "time is up"}
+                                     : Ending{Ending::Kind::cut, "end of the recording"};
+  if (const auto rule = rule_of(rollout, episode)) {
+    if (rule->reward > 0) return {Ending::Kind::goal, "goal reached: " + rule->text};
+    return {rule->reward < 0 ? Ending::Kind::failure : Ending::Kind::rule,
+            (rule->reward < 0 ? "failed: " : "over: ") + rule->text};
+  }
+  constexpr double punished = -2.0;  // folding costs 3, a step's other rewards far less
+  if (!episode.rewards.empty() && episode.rewards.back() < punished)
+    return {Ending::Kind::failure, "failed: folded up"};
+  return {Ending::Kind::rule, "ended by a rule of the task"};
+}
+
+}  // namespace evo

@@ -1,0 +1,278 @@
+// A run folder: an evolution as files, so that it can be killed, continued,
+// inspected with everyday tools and worked on by many machines.
+// docs/run-folder.md shows it by example.
+//
+//   run.yaml                  what the run is: `format: evo/run`, `version: 1`,
+//                             then a setting per line; never changed
+//   gen-003/population.jsonl  the robots of a generation; line k, from 0, is slot k
+//   gen-003/07.json           slot 7 after its training: the robot with its
+//                             fitness, or with what made its training fail
+//   gen-003/07.running        while a process trains slot 7: its machine
+//   gen-003/scores.jsonl      all slots in order, once every slot is there
+//   gen-003/ranking.tsv       best first; the generation is finished
+//   policies/ID.policy.h5     logs/ID.log     by robot, not by slot: a survivor
+//                             is in many slots and trained once
+//   lock                      which processes are at what; holds nothing
+//   timings/HOST.jsonl        what trainings took; lines are only appended, each
+//                             machine to a file of its own
+//   history.jsonl             all robots trained, in order, each once
+//   best.json, best.*         the champion
+//
+// Every file but the timings appears whole under its name, and what exists is
+// done. No result depends on a time of day or a machine: those are in logs and
+// timings alone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "formats/robot/robot.h"
+
+namespace evo {
+
+// ---- settings -------------------------------------------------------------------
+
+struct RunSetting {
+  std::string name;
+  std::string value;  // as text; may be empty
+  bool operator==(const RunSetting&) const = default;
+};
+
+// The settings of a run in the order of its file.
+class RunSettings {
+ public:
+  RunSettings() = default;
+  // "key=value" each. Throws Error(usage) for other words, a name that is no
+  // plain word, a name given twice.
+  static RunSettings from_words(const std::vector<std::string>& words);
+  // Throws Error(no_input, data); a newer version is refused by name.
+  static RunSettings read(const std::filesystem::path& file);
+  static RunSettings parse(std::string_view text, const std::string& where);
+
+  const std::vector<RunSetting>& list() const { return list_; }
+  const std::string* find(const std::string& name) const;
+  // Throws Error(data) for a setting that is missing, or is not a number from 0.
+  const std::string& text(const std::string& name) const;
+  int number(const std::string& name) const;
+  // Of each training of a generation, from its beginning: founders, in the first, may be
+  // given more; in a race (scripts/race.mk) those of each rung have half of the next one's.
+  int steps(int generation) const;
+  // Whether the best trainings of a generation go on in the next one: all rungs of a race but
+  // the last.
+  bool goes_on(int generation) const;
+
+  std::string to_yaml() const;
+
+ private:
+  int rungs_left(int generation) const;  // of its race, after this one; 0 without races
+
+  std::vector<RunSetting> list_;
+  std::string file_ = "run.yaml";  // for messages
+};
+
+// ---- slots and times --------------------------------------------------------------
+
+// How a run numbers its slots, the setting `layout`; without one, by generation.
+enum class Layout {
+  generations,  // a population is proposed at once, from the scores of the one before
+  // Robot k is slot k % P of generation k / P, P the setting `population`. Populations
+  // grow robot by robot; `window` says which scores a robot is proposed from, and
+  // `policies` and `logs` are split by the first two digits of ids.
+  steady,
+};
+
+// The folder within `policies` and `logs` that a robot's files are in, for the many
+// robots of a steady run.
+inline std::string run_shard(const std::string& id) { return id.substr(0, 2); }
+
+// A place in a population, from 0.
+struct SlotAddress {
+  int generation = 0;
+  int slot = 0;
+  bool operator==(const SlotAddress&) const = default;
+};
+
+// What this machine is called: by Slurm, where it runs us, else by itself.
+std::string this_machine();
+
+// What one process spent on training one robot. A training that was interrupted
+// has several.
+struct Timing {
+  std::string robot;  // id
+  SlotAddress slot;
+  double started = 0.0;  // seconds since 1970
+  double seconds = 0.0;
+  std::int64_t steps = 0;  // environment steps taken
+  bool finished = false;
+};
+
+// Slots that a process is training, RUN/gen-003/05-09.running. It takes the file away
+// when it ends; left behind, the process was killed or its machine lost.
+struct Launch {
+  std::string slots;  // "07", "05-09", "all"
+  std::string host;
+};
+
+// ---- the folder -------------------------------------------------------------------
+
+class RunFolder {
+ public:
+  // Throws Error(no_input) where nothing is, Error(data) for what is no run.
+  explicit RunFolder(std::filesystem::path path);
+  // Begins a run with these settings, or goes on with one that has the same.
+  // Throws Error(cannot_create) where a run with other settings is.
+  static RunFolder create(const std::filesystem::path& path, const RunSettings& settings);
+
+  const std::filesystem::path& path() const { return path_; }
+  const RunSettings& settings() const { return settings_; }
+  Layout layout() const { return layout_; }
+
+  std::filesystem::path generation(int number) const;
+  std::filesystem::path population(int number) const {
+    return generation(number) / "population.jsonl";
+  }
+  std::filesystem::path scores(int number) const { return generation(number) / "scores.jsonl"; }
+  std::filesystem::path ranking(int number) const { return generation(number) / "ranking.tsv"; }
+  std::filesystem::path slot(SlotAddress address) const;
+  std::filesystem::path policies() const { return path_ / "policies"; }
+  std::filesystem::path policy(const std::string& id) const {
+    return sharded(policies(), id) / (id + ".policy.h5");
+  }
+  std::filesystem::path logs() const { return path_ / "logs"; }
+  std::filesystem::path log(const std::string& id) const {
+    return sharded(logs(), id) / (id + ".log");
+  }
+  std::filesystem::path timings() const { return path_ / "timings"; }
+  // For a LockFile: a byte for the proposals of a steady run, and one for each slot.
+  std::filesystem::path lock() const { return path_ / "lock"; }
+  static constexpr std::uint64_t proposals_byte = 0;
+  static std::uint64_t lock_byte(SlotAddress address) {
+    return 1 + (static_cast<std::uint64_t>(address.generation) << 24U) +
+           static_cast<std::uint64_t>(address.slot);
+  }
+  std::filesystem::path history() const { return path_ / "history.jsonl"; }
+  std::filesystem::path best() const { return path_ / "best.json"; }
+
+  // Where robot `number` of a steady run is.
+  SlotAddress address(int number) const;
+
+  // Generations begun, in order.
+  std::vector<int> generations() const;
+  // By slots, in alphabetical order.
+  std::vector<Launch> launches(int generation) const;
+  std::filesystem::path launch(int generation, const std::string& slots) const {
+    return this->generation(generation) / (slots + ".running");
+  }
+  // Slots trained of a generation, in order.
+  std::vector<int> trained_slots(int generation) const;
+  // The robot that a slot is to train. Throws Error(no_input) without a
+  // population, Error(usage) beyond its end.
+  Robot robot(SlotAddress address) const;
+  int population_size(int generation) const;
+
+  // Appends to the file of this machine. Throws Error(cannot_create, io).
+  void add_timing(const Timing& timing) const;
+
+ private:
+  RunFolder(std::filesystem::path path, RunSettings settings);
+  std::filesystem::path sharded(const std::filesystem::path& folder, const std::string& id) const {
+    return layout_ == Layout::steady ? folder / run_shard(id) : folder;
+  }
+
+  std::filesystem::path path_;
+  RunSettings settings_;
+  Layout layout_ = Layout::generations;
+};
+
+// ---- what has been done -------------------------------------------------------------
+
+struct TrainedRobot {
+  Robot robot;                    // scored last, if its training went on
+  int generation = 0;             // where it was scored first
+  std::optional<double> fitness;  // nothing: its training failed
+  std::string failure;            // why, if it did
+};
+
+enum class SlotState { waiting, training, done, failed };
+
+struct SlotStatus {
+  SlotAddress address;
+  std::string robot;  // id
+  SlotState state = SlotState::waiting;
+  std::string why;  // failed
+};
+
+// The cores of a run: the most trainings side by side, and the share of their time in
+// which they did not train, while any did. A run that was stopped for a night was not
+// idle.
+struct Utilisation {
+  std::size_t cores = 0;
+  double idle = 0.0;
+};
+
+// A run as far as it has come. update() reads only what is new, so that it can
+// be called again and again while others work on the run.
+class RunHistory {
+ public:
+  struct Generation {
+    int number = 0;
+    bool finished = false;
+    std::vector<std::string> population;            // ids by slot, while slots are left
+    std::vector<std::optional<std::size_t>> slots;  // in robots(); nothing: not trained yet
+  };
+
+  // Throws what a damaged file throws.
+  explicit RunHistory(RunFolder folder);
+  void update();
+
+  const RunFolder& folder() const { return folder_; }
+  const std::vector<Generation>& generations() const { return generations_; }
+  // In the order of generations and slots as far as all were there when read.
+  const std::vector<TrainedRobot>& robots() const { return robots_; }
+  const std::map<std::string, std::size_t>& by_id() const { return by_id_; }  // in robots()
+  // The fittest robot, the first of equals.
+  const TrainedRobot* champion() const { return champion_ ? &robots_[*champion_] : nullptr; }
+  std::optional<std::size_t> champion_index() const { return champion_; }
+  // Every slot of a generation's population. `training`: begun, as its log shows;
+  // whether a process is still at it, the folder cannot say.
+  std::vector<SlotStatus> slots(const Generation& generation) const;
+
+  // Of all trainings recorded, one core each.
+  double seconds() const { return seconds_; }
+  // When the first of them began and the last ended, seconds since 1970; 0 without any.
+  double began() const;
+  double ended() const;
+  // That trained, by name.
+  const std::set<std::string>& machines() const { return machines_; }
+  // How busy the cores were that trained.
+  Utilisation utilisation() const;
+  // Per robot that was trained to the end; nothing before the first.
+  std::optional<double> seconds_each() const;
+
+ private:
+  void read_generation(Generation& generation);
+  void read_timings();
+  void add(Generation& generation, std::size_t slot, Robot robot);
+
+  RunFolder folder_;
+  std::vector<Generation> generations_;
+  std::vector<TrainedRobot> robots_;
+  std::map<std::string, std::size_t> by_id_;
+  std::optional<std::size_t> champion_;
+  std::map<std::string, std::uintmax_t> timings_read_;  // bytes by file
+  double seconds_ = 0.0;
+  std::set<std::string> machines_;
+  std::size_t timed_ = 0;  // trainings finished
+  // When each training recorded began and ended, seconds since 1970.
+  std::vector<std::pair<double, double>> worked_;
+};
+
+}  // namespace evo

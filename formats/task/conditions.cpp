@@ -1,0 +1,120 @@
+// Conditions of rules and reward terms: how each is read, written and told.
+#include <fmt/ranges.h>
+
+#include "formats/task/pieces.h"
+#include "formats/task/world.h"
+
+namespace evo {
+namespace {
+
+using namespace condition;
+
+// read: from YAML; write: its value in YAML, "" for none; words: what holds.
+template <typename Condition>
+struct Form;
+
+template <>
+struct Form<Position> {
+  static Position read(const PieceNode& piece) {
+    const YamlNode node = piece.value();
+    const YamlMapping mapping(node, piece.word(),
+                              {"of", "axis", "above", "below", "at_least", "at_most"});
+    const auto bound = [&](const char* key) -> std::optional<double> {
+      const auto value = mapping.find(key);
+      return value ? std::optional(read_length(*value)) : std::nullopt;
+    };
+    Position position;
+    position.of = read_object(mapping.at("of"), piece.scope);
+    position.axis = read_axis(mapping.at("axis"));
+    position.above = bound("above");
+    position.below = bound("below");
+    position.at_least = bound("at_least");
+    position.at_most = bound("at_most");
+    if (!position.above && !position.below && !position.at_least && !position.at_most)
+      throw node.error("a bound is expected: above, below, at_least or at_most (voxels)");
+    return position;
+  }
+  static std::string write(const Position& c) {
+    const auto bound = [](const char* key, const std::optional<double>& value) {
+      return value ? fmt::format(", {}: {}", key, *value) : "";
+    };
+    return fmt::format("{{of: {}, axis: {}{}{}{}{}}}", yaml_scalar(c.of), word(c.axis),
+                       bound("above", c.above), bound("below", c.below),
+                       bound("at_least", c.at_least), bound("at_most", c.at_most));
+  }
+  static std::string words(const Position& c, const Physics& physics) {
+    std::vector<std::string> bounds;
+    const auto bound = [&](const char* relation, const std::optional<double>& value) {
+      if (value)
+        bounds.push_back(fmt::format("{}({}) {} {}", axis_letter(c.axis), c.of, relation,
+                                     length_text(*value, physics)));
+    };
+    bound(">", c.above);
+    bound("<", c.below);
+    bound(">=", c.at_least);
+    bound("<=", c.at_most);
+    return fmt::format("{}", fmt::join(bounds, " and "));
+  }
+};
+
+template <>
+struct Form<Tilt> {
+  static Tilt read(const PieceNode& piece) {
+    const YamlMapping mapping(piece.value(), piece.word(), {"of", "degrees"});
+    return {read_object(mapping.at("of"), piece.scope), mapping.at("degrees").number(0, 180)};
+  }
+  static std::string write(const Tilt& c) {
+    return fmt::format("{{of: {}, degrees: {}}}", yaml_scalar(c.of), c.degrees);
+  }
+  static std::string words(const Tilt& c, const Physics&) {
+    return fmt::format("{} tilted by more than {} degrees", c.of, number_text(c.degrees));
+  }
+};
+
+template <>
+struct Form<GoalsReached> {
+  static GoalsReached read(const PieceNode& piece) {
+    piece.needs_goals();
+    return {};
+  }
+  static std::string write(const GoalsReached&) { return ""; }
+  static std::string words(const GoalsReached&, const Physics&) { return "all goals reached"; }
+};
+
+Condition read_condition(const YamlNode& node, const Scope& scope) {
+  const PieceNode piece = read_piece(node, "a condition", scope);
+  piece.name.choice("condition", names_of<Condition>());
+  return read_form<Form, Condition>(piece);
+}
+
+}  // namespace
+
+// ---- any of them --------------------------------------------------------------------------
+
+std::vector<Condition> read_conditions(const YamlNode& node, const Scope& scope) {
+  if (!node.is_sequence()) return {read_condition(node, scope)};
+  std::vector<Condition> conditions;
+  for (const YamlNode& item : node.items()) conditions.push_back(read_condition(item, scope));
+  if (conditions.empty()) throw node.error("at least one condition is expected");
+  return conditions;
+}
+
+std::string condition_to_yaml(const Condition& condition) {
+  return std::visit(
+      []<typename T>(const T& c) {
+        const std::string value = Form<T>::write(c);
+        return T::name + (value.empty() ? "" : ": " + value);
+      },
+      condition);
+}
+
+std::string conditions_to_words(const std::vector<Condition>& conditions, const Physics& physics) {
+  std::vector<std::string> parts;
+  parts.reserve(conditions.size());
+  for (const Condition& condition : conditions)
+    parts.push_back(
+        std::visit([&]<typename T>(const T& c) { return Form<T>::words(c, physics); }, condition));
+  return fmt::format("{}", fmt::join(parts, " and "));
+}
+
+}  // namespace evo

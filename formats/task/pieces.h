@@ -1,0 +1,89 @@
+// The pieces of a task - observation parts, conditions, reward terms - as YAML
+// and in words. One source file per list (task_observation.cpp,
+// task_conditions.cpp, task_reward.cpp), where each piece has a Form: how it is
+// read, written and told. A piece of libevo/task/spec.h without one does not
+// compile.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/io/yaml.h"
+#include "libevo/base/alternatives.h"
+#include "libevo/task/spec.h"
+
+namespace evo {
+
+// What a piece may refer to.
+struct Scope {
+  std::vector<std::string> objects;  // robot first
+  bool has_goals = false;
+};
+
+// ---- the three lists ----------------------------------------------------------------
+
+ObservationPart read_part(const YamlNode& node, const Scope& scope);
+std::string part_to_yaml(const ObservationPart& part);  // "velocity: \"robot\""
+std::string part_to_words(const ObservationPart& part, const Physics& physics);
+
+// One condition, or a list of which all have to hold.
+std::vector<Condition> read_conditions(const YamlNode& node, const Scope& scope);
+std::string condition_to_yaml(const Condition& condition);
+std::string conditions_to_words(const std::vector<Condition>& conditions, const Physics& physics);
+
+// A term with its weight and conditions.
+RewardTerm read_reward(const YamlNode& node, const Scope& scope);
+std::string term_to_yaml(const reward::Term& term);
+struct TermWords {
+  std::string formula;
+  std::string words;
+};
+TermWords term_to_words(const reward::Term& term, const Physics& physics);
+
+// ---- one piece ------------------------------------------------------------------------
+
+// A piece as it is written: a word (`- goal_index`), or a word with a value
+// (`- velocity: robot`).
+struct PieceNode {
+  YamlNode name;
+  std::optional<YamlNode> given;
+  const Scope& scope;
+
+  std::string word() const { return name.string(); }
+  YamlNode value() const;      // throws where there is none
+  std::string object() const;  // of the value: a name in scope
+  void needs_goals() const;    // no value, and goals to look at
+};
+
+// `what` is "an observation part", "a condition", for messages.
+PieceNode read_piece(const YamlNode& node, const std::string& what, const Scope& scope);
+
+std::string read_object(const YamlNode& node, const Scope& scope);
+Axis read_axis(const YamlNode& node);
+double read_length(const YamlNode& node);  // voxels
+
+const char* axis_letter(Axis axis);  // X, in formulas
+
+// ---- numbers in words -------------------------------------------------------------------
+
+std::string number_text(double value);
+// A length in voxels, shown raw as it is compared: "9.9 (99 voxels)".
+std::string length_text(double voxels, const Physics& physics);
+
+// ---- from a list of pieces to one of its forms --------------------------------------------
+
+// The piece whose name is written; the name is known to be in the list.
+template <template <typename> class Form, typename Variant>
+Variant read_form(const PieceNode& piece) {
+  std::optional<Variant> found;
+  for_each_alternative<Variant>([&]<typename T>(std::type_identity<T>) {
+    if (piece.word() == T::name) found = Form<T>::read(piece);
+  });
+  return std::move(found).value();
+}
+
+}  // namespace evo

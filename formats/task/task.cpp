@@ -1,0 +1,256 @@
+#include "formats/task/task.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "formats/io/files.h"
+#include "formats/io/format.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/pieces.h"
+#include "formats/task/world.h"
+
+namespace evo {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int most_steps = 10'000'000;
+constexpr int largest_draw = 100'000;       // voxels
+constexpr int longest_goal_path = 100'000;  // voxels
+
+Rule read_rule(const YamlNode& node, const Scope& scope) {
+  const YamlMapping mapping(node, "rule", {"when", "reward", "terminate"});
+  Rule rule;
+  rule.when = read_conditions(mapping.at("when"), scope);
+  if (const auto reward = mapping.find("reward")) rule.reward = reward->number();
+  if (const auto terminate = mapping.find("terminate")) rule.terminate = terminate->boolean();
+  return rule;
+}
+
+// ---- random parts -----------------------------------------------------------------------
+
+std::vector<DrawnInteger> read_draws(const YamlNode& node) {
+  std::vector<DrawnInteger> draws;
+  for (const auto& [name, range] : node.entries()) {
+    const auto& bounds = range.items();
+    if (bounds.size() != 2)
+      throw range.error("a range [low, high] of whole numbers, both included, is expected");
+    const int low = bounds[0].integer(-largest_draw, largest_draw);
+    draws.push_back({name.string(), low, bounds[1].integer(low, largest_draw)});
+  }
+  return draws;
+}
+
+DrawnGoals read_goals(const YamlNode& node) {
+  const YamlMapping mapping(node, "goals", {"start", "between", "distance", "radius"});
+  DrawnGoals goals;
+  goals.start = mapping.at("start").integer(-largest_draw, largest_draw);
+  const YamlNode between = mapping.at("between");
+  const auto& bounds = between.items();
+  if (bounds.size() != 2)
+    throw between.error("a range [low, high] of whole numbers, both included, is expected");
+  goals.low = bounds[0].integer(-largest_draw, largest_draw - 1);
+  goals.high = bounds[1].integer(goals.low + 1, largest_draw);
+  goals.distance = mapping.at("distance").integer(1, longest_goal_path);
+  goals.radius = mapping.at("radius").positive();
+  return goals;
+}
+
+// ---- the task -----------------------------------------------------------------------------
+
+// A profile by name or file, or constants given in the task itself.
+Physics read_physics(const YamlNode& node, const fs::path& folder, const DataFolders& folders) {
+  if (node.is_mapping()) return physics_from_yaml(node, folder, folders);
+  const std::string name = node.string();
+  try {
+    return load_physics(is_file_name(name) ? (folder / name).string() : name, folders);
+  } catch (const Error& failure) {
+    if (failure.kind() == Failure::data) throw;
+    throw node.error(failure.what());
+  }
+}
+
+std::vector<std::string> read_words(const YamlNode& node) {
+  std::vector<std::string> words;
+  for (const YamlNode& item : node.items()) words.push_back(item.string());
+  return words;
+}
+
+std::string read_task_name(const YamlNode& node) {
+  std::string name = node.string();
+  if (is_file_name(name) || name.find_first_of(" \t\n") != std::string::npos)
+    throw node.error("a name without spaces, '/' or '.yaml' is expected, found " + node.found());
+  return name;
+}
+
+YamlMapping task_mapping(std::string_view text, const std::string& where) {
+  YamlMapping mapping(YamlNode::parse(text, where), "task",
+                      {"format", "version", "name", "aliases", "difficulty", "description", "notes",
+                       "steps", "robot", "world", "draws", "goals", "observation", "reward",
+                       "folding_reward", "rules", "follow", "physics"});
+  check_format(mapping.node(), format::task);
+  return mapping;
+}
+
+bool names_file(const YamlNode& world) {
+  if (world.is_scalar()) return true;
+  const auto& entries = world.entries();
+  return std::any_of(entries.begin(), entries.end(),
+                     [](const YamlNode::Entry& entry) { return entry.key.string() == "file"; });
+}
+
+// The text needs no other file: no world file, no profile but the built-in one.
+bool is_complete(const YamlMapping& mapping, const TaskSpec& task) {
+  if (names_file(mapping.at("world"))) return false;
+  const auto physics = mapping.find("physics");
+  const bool built_in = !physics || (physics->is_scalar() && physics->string() == "evogym");
+  return built_in && task.physics == Physics{};
+}
+
+}  // namespace
+
+TaskSpec parse_task(std::string_view text, const std::string& where, const fs::path& folder,
+                    const DataFolders& folders) {
+  const YamlMapping mapping = task_mapping(text, where);
+  TaskSpec task;
+  task.name = read_task_name(mapping.at("name"));
+  if (const auto aliases = mapping.find("aliases")) task.aliases = read_words(*aliases);
+  if (const auto difficulty = mapping.find("difficulty"))
+    task.difficulty = difficulty->choice("difficulty", {"easy", "medium", "hard"});
+  if (const auto description = mapping.find("description"))
+    task.description = description->string();
+  if (const auto notes = mapping.find("notes")) task.notes = read_words(*notes);
+  task.episode_steps = mapping.at("steps").integer(1, most_steps);
+
+  const YamlMapping robot(mapping.at("robot"), "robot", {"at"});
+  const YamlNode at = robot.at("at");
+  if (at.items().size() != 2) throw at.error("a cell [x, y] is expected");
+  task.robot_x = at.items()[0].integer(0, largest_draw);
+  task.robot_y = at.items()[1].integer(0, largest_draw);
+
+  if (const auto draws = mapping.find("draws")) task.draws = read_draws(*draws);
+  if (const auto goals = mapping.find("goals")) task.goals = read_goals(*goals);
+  task.objects = world_from_yaml(mapping.at("world"), folder, task.draws);
+
+  Scope scope{{robot_name}, task.goals.has_value()};
+  for (const Placement& placement : task.objects) scope.objects.push_back(placement.object.name);
+  for (const YamlNode& part : mapping.at("observation").items())
+    task.observation.push_back(read_part(part, scope));
+  for (const YamlNode& term : mapping.at("reward").items())
+    task.reward.push_back(read_reward(term, scope));
+  if (const auto folding = mapping.find("folding_reward")) task.folding_reward = folding->number();
+  if (const auto rules = mapping.find("rules"))
+    for (const YamlNode& rule : rules->items()) task.rules.push_back(read_rule(rule, scope));
+  if (const auto follow = mapping.find("follow")) {
+    task.follow.clear();
+    for (const YamlNode& object : follow->items())
+      task.follow.push_back(read_object(object, scope));
+  }
+  if (task.observation.empty())
+    throw mapping.at("observation").error("at least one observation part is expected");
+
+  if (const auto physics = mapping.find("physics"))
+    task.physics = read_physics(*physics, folder, folders);
+  else
+    task.physics = load_physics("evogym", folders);
+  task.source = is_complete(mapping, task) ? std::string(text) : task_to_yaml(task);
+  return task;
+}
+
+// ---- finding -----------------------------------------------------------------------------------
+
+namespace {
+
+TaskSpec load_task_file(const fs::path& path, const DataFolders& folders) {
+  return parse_task(read_file(path, largest_document), path.string(), path.parent_path(), folders);
+}
+
+// The head of a task file; nothing for other YAML that lives in the folder.
+struct TaskFile {
+  std::string name;  // of the file
+  fs::path path;
+  std::vector<std::string> aliases;
+};
+
+// Throws Error(data) for a file that is not YAML.
+std::optional<TaskFile> read_head(const std::string& name, const fs::path& path) {
+  const YamlNode root = YamlNode::parse(read_file(path, largest_document), path.string());
+  TaskFile file{name, path, {}};
+  bool is_task = false;
+  for (const auto& [key, value] : root.entries()) {
+    if (key.string() == "format") is_task = value.string() == format::task.name;
+    if (key.string() == "aliases") file.aliases = read_words(value);
+  }
+  return is_task ? std::optional(file) : std::nullopt;
+}
+
+// "Walker" of "Walker-v0".
+std::string without_version(const std::string& name) { return name.substr(0, name.rfind("-v")); }
+
+// The task whose name was misspelt, or that was given without its version.
+std::string task_meant(const std::string& word, const std::vector<std::string>& names) {
+  if (std::string name = nearest(word, names); !name.empty()) return name;
+  std::vector<std::string> stems;
+  for (const std::string& name : names) stems.push_back(without_version(name));
+  const std::string stem = nearest(word, stems);
+  const auto found = std::find(stems.begin(), stems.end(), stem);
+  return found == stems.end() ? "" : names[static_cast<std::size_t>(found - stems.begin())];
+}
+
+// What may have been meant by a name that no task has.
+std::string hint(const std::string& word, const std::vector<std::string>& names) {
+  std::error_code ignored;
+  if (fs::is_regular_file(word, ignored))
+    return fmt::format(" (a file is given with its folder: './{}')", word);
+  const std::string meant = task_meant(word, names);
+  return meant.empty() ? "" : " (did you mean '" + meant + "'?)";
+}
+
+}  // namespace
+
+TaskSpec load_task(const std::string& name_or_file, const DataFolders& folders) {
+  if (is_file_name(name_or_file)) {
+    std::error_code ignored;
+    const std::string stem = fs::path(name_or_file).stem().string();
+    if (!fs::exists(name_or_file, ignored) && find_data_file(folders, "", stem))
+      throw error(Failure::no_input, "{}: no such file; the task of that name is given as '{}'",
+                  name_or_file, stem);
+    return load_task_file(name_or_file, folders);
+  }
+  const auto path = find_data_file(folders, "", name_or_file);
+  if (path && read_head(name_or_file, *path)) return load_task_file(*path, folders);
+
+  std::vector<std::string> names;
+  std::string unreadable;  // the first file that may be what is looked for
+  for (const std::string& name : data_names(folders, "")) {
+    std::optional<TaskFile> file;
+    try {
+      file = read_head(name, *find_data_file(folders, "", name));
+    } catch (const Error& failure) {
+      if (unreadable.empty()) unreadable = fmt::format("; not read: {}", failure.what());
+    }
+    if (!file) continue;
+    if (std::find(file->aliases.begin(), file->aliases.end(), name_or_file) != file->aliases.end())
+      return load_task_file(file->path, folders);
+    names.push_back(file->name);
+  }
+  throw error(Failure::usage,
+              "unknown task '{}'{}; `evo-inspect tasks` lists them, a task of your own is given "
+              "as a file (NAME.yaml){}",
+              name_or_file, hint(name_or_file, names), unreadable);
+}
+
+std::vector<std::string> task_names(const DataFolders& folders) {
+  std::vector<std::string> names;
+  for (const std::string& name : data_names(folders, ""))
+    if (read_head(name, *find_data_file(folders, "", name))) names.push_back(name);
+  return names;
+}
+
+void set_physics(TaskSpec& task, const Physics& physics) {
+  if (task.physics == physics) return;
+  task.physics = physics;
+  task.source = task_to_yaml(task);
+}
+
+}  // namespace evo

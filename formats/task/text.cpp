@@ -1,0 +1,216 @@
+#include "formats/task/text.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "formats/task/drawing.h"
+#include "formats/task/pieces.h"
+#include "libevo/task/env.h"
+
+namespace evo {
+namespace {
+
+std::string signed_number(double value) {
+  return fmt::format("{}{}", value < 0 ? "-" : "+", number_text(std::abs(value)));
+}
+
+// "2n+14", n being the robot's points.
+std::string length_formula(const TaskSpec& task) {
+  int factor = 0;
+  int constant = 0;
+  for (const ObservationPart& part : task.observation) {
+    const bool of_robot = part_object(part) == robot_name;
+    factor += of_robot ? part_length(part, 1) - part_length(part, 0) : 0;
+    constant += part_length(part, 0);
+  }
+  if (factor == 0) return fmt::format("{}", constant);
+  if (constant == 0) return fmt::format("{}n", factor);
+  return fmt::format("{}n+{}", factor, constant);
+}
+
+std::string observation_summary(const TaskSpec& task) {
+  std::vector<std::string> names;
+  for (const ObservationPart& part : task.observation) names.push_back(part_name(part));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string rule_text(const Rule& rule, const Physics& physics) {
+  std::string text = conditions_to_words(rule.when, physics);
+  if (rule.reward != 0.0) text += ": " + signed_number(rule.reward);
+  return text + (rule.terminate ? "" : ", goes on");
+}
+
+std::string rules_summary(const TaskSpec& task) {
+  std::vector<std::string> rules;
+  for (const Rule& rule : task.rules) rules.push_back(rule_text(rule, task.physics));
+  return rules.empty() ? "-" : fmt::format("{}", fmt::join(rules, "; "));
+}
+
+// ---- the whole --------------------------------------------------------------------
+
+std::string goals_text(const DrawnGoals& goals, const Physics& physics) {
+  return fmt::format(
+      "  goals: whole voxels from {} to {} along x, until the way from {} over all of them is at "
+      "least {} voxels;\n         reached when the robot's centre is nearer than {}\n",
+      goals.low, goals.high, goals.start, goals.distance, length_text(goals.radius, physics));
+}
+
+// The drawing, each line moved in.
+std::string world_drawing(const TaskSpec& task, const Body& robot) {
+  constexpr int columns = 76;
+  constexpr int rows = 24;
+  std::string text;
+  const std::string drawing = draw_task(task, robot, columns, rows);
+  for (std::size_t from = 0; from < drawing.size();) {
+    const std::size_t end = drawing.find('\n', from) + 1;
+    text += "  " + drawing.substr(from, end - from);
+    from = end;
+  }
+  return text;
+}
+
+std::string world_text(const TaskSpec& task, const Body& robot) {
+  std::string text = "world (cells of the lower-left corner, columns x rows)\n";
+  text += fmt::format("  robot at {}, {}\n", task.robot_x, task.robot_y);
+  for (const Placement& placement : task.objects) {
+    const Object& object = placement.object;
+    const auto offset = [](const std::string& name) { return name.empty() ? "" : " + " + name; };
+    text += fmt::format("  {} at {}{}, {}{}: {} x {}, {} voxels\n", object.name, object.x,
+                        offset(placement.offset_x), object.y, offset(placement.offset_y),
+                        object.body.cols, object.body.rows, count_voxels(object.body));
+  }
+  for (const DrawnInteger& drawn : task.draws)
+    text += fmt::format("  {}: drawn from {} .. {} in each episode\n", drawn.name, drawn.low,
+                        drawn.high);
+  if (task.goals) text += goals_text(*task.goals, task.physics);
+  return text + world_drawing(task, robot);
+}
+
+std::string observation_text(const TaskSpec& task, const Arena& arena) {
+  std::string text =
+      fmt::format("observation: {} numbers ({}; n = points of the robot), raw lengths\n",
+                  arena.observation_length(), length_formula(task));
+  for (std::size_t i = 0; i < arena.layout().size(); ++i) {
+    const ObservationSlice& slice = arena.layout()[i];
+    const int last = slice.offset + slice.length - 1;
+    const std::string range = slice.length == 1 ? fmt::format("{}", slice.offset)
+                                                : fmt::format("{}-{}", slice.offset, last);
+    text += fmt::format("  {:>8}  {:<28} {}\n", range, slice.name,
+                        part_to_words(task.observation[i], task.physics));
+  }
+  return text;
+}
+
+std::string reward_text(const TaskSpec& task) {
+  std::string text =
+      "reward of a step (X, Y: centre; d: change in the step; raw lengths, a voxel is " +
+      number_text(task.physics.voxel_length) + ")\n";
+  for (const RewardTerm& term : task.reward) {
+    const TermWords words = term_to_words(term.term, task.physics);
+    text +=
+        fmt::format("  {:>6} {:<32} {}\n", signed_number(term.weight), words.formula, words.words);
+    if (!term.when.empty())
+      text += fmt::format("{:9}while {}\n", "", conditions_to_words(term.when, task.physics));
+  }
+  return text;
+}
+
+std::string ends_text(const TaskSpec& task) {
+  std::string text = "ends (in this order; the rewards add up)\n";
+  text += fmt::format("  {:>6} self-folding: ends\n", signed_number(task.folding_reward));
+  for (const Rule& rule : task.rules)
+    text += fmt::format("  {:>6} {}: {}\n", signed_number(rule.reward),
+                        conditions_to_words(rule.when, task.physics),
+                        rule.terminate ? "ends" : "goes on");
+  return text + fmt::format("         after {} steps: truncated\n", task.episode_steps);
+}
+
+}  // namespace
+
+Body full_body(int rows, int cols) {
+  return {rows, cols,
+          std::vector<Voxel>(static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols),
+                             Voxel::horizontal)};
+}
+
+std::string describe_task(const TaskSpec& task, const Body& robot) {
+  const Arena arena(task, robot);
+  std::string text = task.name;
+  if (!task.difficulty.empty()) text += " (" + task.difficulty + ")";
+  text += "\n";
+  if (!task.description.empty()) text += task.description + "\n";
+  if (!task.aliases.empty())
+    text += fmt::format("also called: {}\n", fmt::join(task.aliases, ", "));
+  text += fmt::format("episode: {} steps\naction: {} targets in [{}, {}]\n\n", task.episode_steps,
+                      arena.action_length(), number_text(task.physics.min_target),
+                      number_text(task.physics.max_target));
+  text += world_text(task, robot) + "\n" + observation_text(task, arena) + "\n" +
+          reward_text(task) + "\n" + ends_text(task);
+  if (!task.notes.empty()) text += "\nnotes\n";
+  for (const std::string& note : task.notes) text += "  - " + note + "\n";
+  return text;
+}
+
+// ---- the table ------------------------------------------------------------------------
+
+namespace {
+
+using Row = std::vector<std::string>;
+
+// What both tables begin with.
+Row table_head(const TaskSpec& task) {
+  const Arena arena(task, full_body(5, 5));
+  return {task.name, task.difficulty.empty() ? "-" : task.difficulty,
+          fmt::format("{}", task.episode_steps), length_formula(task),
+          fmt::format("{}", arena.observation_length())};
+}
+
+std::string plain_table(const std::vector<Row>& rows) {
+  std::vector<std::size_t> widths(rows.front().size());
+  for (const Row& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  std::string text;
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i + 1 < row.size(); ++i)
+      text += fmt::format("{:<{}}  ", row[i], widths[i]);
+    text += row.back() + "\n";
+  }
+  return text;
+}
+
+std::string markdown_table(const std::vector<Row>& rows) {
+  std::string text;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    text += fmt::format("| {} |\n", fmt::join(rows[r], " | "));
+    if (r != 0) continue;
+    for (std::size_t i = 0; i < rows[r].size(); ++i) text += "|---";
+    text += "|\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string task_table(const std::vector<TaskSpec>& tasks, TableStyle style) {
+  const bool plain = style == TableStyle::plain;
+  std::vector<Row> rows;
+  rows.push_back({"task", "difficulty", "steps", "observation", "5x5"});
+  if (plain)
+    rows.back().push_back("description");
+  else
+    rows.back().insert(rows.back().end(), {"parts", "ends, besides self-folding"});
+  for (const TaskSpec& task : tasks) {
+    Row row = table_head(task);
+    if (plain)
+      row.push_back(task.description);
+    else
+      row.insert(row.end(), {observation_summary(task), rules_summary(task)});
+    rows.push_back(std::move(row));
+  }
+  return plain ? plain_table(rows) : markdown_table(rows);
+}
+
+}  // namespace evo

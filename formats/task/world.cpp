@@ -1,0 +1,464 @@
+#include "formats/task/world.h"
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "formats/foreign/evogym.h"
+
+namespace evo {
+namespace {
+
+constexpr int largest_coordinate = 100'000;  // cells
+constexpr long most_cells = 4'000'000;       // of one object's bounding box
+
+struct Cell {
+  int x = 0;  // of the world, or of the object while it is being painted
+  int y = 0;  // upwards
+  auto operator<=>(const Cell&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
+};
+
+Cell read_cell(const YamlNode& node, int low) {
+  const auto& pair = node.items();
+  if (pair.size() != 2)
+    throw node.error(fmt::format("a cell [x, y] is expected, found {} numbers", pair.size()));
+  return {pair[0].integer(low, largest_coordinate), pair[1].integer(low, largest_coordinate)};
+}
+
+// ---- drawings -----------------------------------------------------------------
+
+struct Drawing {
+  int rows = 0;
+  int cols = 0;
+  std::vector<std::string> lines;  // top row first, equally long, '.' for empty
+};
+
+// Rows as a list, or as a block of text (`|`), a line each.
+Drawing read_drawing(const YamlNode& node) {
+  Drawing drawing;
+  if (node.is_sequence()) {
+    for (const YamlNode& row : node.items()) drawing.lines.push_back(row.string());
+  } else {
+    std::istringstream lines(node.string());
+    for (std::string line; std::getline(lines, line);) drawing.lines.push_back(line);
+  }
+  if (drawing.lines.empty() || drawing.lines.front().empty())
+    throw node.error("a drawing needs at least one row of letters");
+  drawing.rows = static_cast<int>(drawing.lines.size());
+  drawing.cols = static_cast<int>(drawing.lines.front().size());
+  for (std::size_t row = 0; row < drawing.lines.size(); ++row)
+    if (drawing.lines[row].size() != drawing.lines.front().size())
+      throw node.error(fmt::format("row {} of the drawing has {} cells, row 1 has {}", row + 1,
+                                   drawing.lines[row].size(), drawing.cols));
+  return drawing;
+}
+
+Voxel read_voxel(const YamlNode& node, char drawn, const std::string& place) {
+  if (const auto voxel = voxel_from_letter(drawn)) return *voxel;
+  throw node.error(fmt::format("unknown letter '{}'{}; allowed: . empty, R rigid, S soft, # fixed",
+                               drawn, place));
+}
+
+// ---- painting an object ---------------------------------------------------------
+
+// A matrix of voxels with the cell of its lower-left corner.
+struct Canvas {
+  Cell at;
+  int rows = 0;
+  int cols = 0;
+  std::vector<Voxel> cells;  // row-major, row 0 on top
+
+  std::size_t index(int row, int col) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) +
+           static_cast<std::size_t>(col);
+  }
+};
+
+Canvas blank(const YamlNode& node, Cell at, int rows, int cols) {
+  if (static_cast<long>(rows) * cols > most_cells)
+    throw node.error(
+        fmt::format("{} x {} cells are too many (at most {})", rows, cols, most_cells));
+  Canvas canvas{at, rows, cols, {}};
+  canvas.cells.assign(canvas.index(rows, 0), Voxel::empty);
+  return canvas;
+}
+
+// What one `rows`, or one `size` with `fill`, says.
+Canvas paint_shape(const YamlMapping& shape, Cell at) {
+  const auto rows = shape.find("rows");
+  const auto size = shape.find("size");
+  if (rows.has_value() == size.has_value())
+    throw shape.node().error("either `rows` or `size` with `fill` is expected");
+  if (rows) {
+    if (const auto fill = shape.find("fill"))
+      throw fill->error("`fill` goes with `size`, not with `rows`");
+    const Drawing drawing = read_drawing(*rows);
+    Canvas canvas = blank(*rows, at, drawing.rows, drawing.cols);
+    for (int row = 0; row < drawing.rows; ++row)
+      for (int col = 0; col < drawing.cols; ++col)
+        canvas.cells[canvas.index(row, col)] = read_voxel(
+            *rows, drawing.lines[static_cast<std::size_t>(row)][static_cast<std::size_t>(col)],
+            fmt::format(" in row {}, column {}", row + 1, col + 1));
+    return canvas;
+  }
+  const auto& pair = size->items();
+  if (pair.size() != 2) throw size->error("a size [columns, rows] is expected");
+  const int cols = pair[0].integer(1, largest_coordinate);
+  const int lines = pair[1].integer(1, largest_coordinate);
+  const YamlNode fill = shape.at("fill");
+  const std::string text = fill.string();
+  if (text.size() != 1) throw fill.error("one letter is expected, found " + fill.found());
+  Canvas canvas = blank(*size, at, lines, cols);
+  std::fill(canvas.cells.begin(), canvas.cells.end(), read_voxel(fill, text[0], ""));
+  return canvas;
+}
+
+// Parts one over the other, the last one on top; empty cells erase.
+Canvas paint_parts(const YamlNode& node, Cell at) {
+  std::vector<Canvas> parts;
+  Cell low{largest_coordinate, largest_coordinate};
+  Cell high;
+  for (const YamlNode& item : node.items()) {
+    const YamlMapping part(item, "part", {"at", "rows", "size", "fill"});
+    const auto offset = part.find("at");
+    const Cell cell = offset ? read_cell(*offset, 0) : Cell{};
+    parts.push_back(paint_shape(part, {at.x + cell.x, at.y + cell.y}));
+    const Canvas& painted = parts.back();
+    low = {std::min(low.x, painted.at.x), std::min(low.y, painted.at.y)};
+    high = {std::max(high.x, painted.at.x + painted.cols),
+            std::max(high.y, painted.at.y + painted.rows)};
+  }
+  if (parts.empty()) throw node.error("at least one part is expected");
+  Canvas whole = blank(node, low, high.y - low.y, high.x - low.x);
+  for (const Canvas& part : parts) {
+    const int top = high.y - (part.at.y + part.rows);  // row of the part's first row
+    for (int row = 0; row < part.rows; ++row)
+      for (int col = 0; col < part.cols; ++col)
+        whole.cells[whole.index(top + row, part.at.x - low.x + col)] =
+            part.cells[part.index(row, col)];
+  }
+  return whole;
+}
+
+// ---- from canvas to object --------------------------------------------------------
+
+struct Box {
+  int top = 0, bottom = -1, left = 0, right = -1;  // rows and columns, inclusive
+};
+
+Box bounding_box(const Canvas& canvas) {
+  Box box{canvas.rows, -1, canvas.cols, -1};
+  for (int row = 0; row < canvas.rows; ++row) {
+    for (int col = 0; col < canvas.cols; ++col) {
+      if (canvas.cells[canvas.index(row, col)] == Voxel::empty) continue;
+      box = {std::min(box.top, row), row, std::min(box.left, col), std::max(box.right, col)};
+    }
+  }
+  return box;
+}
+
+// Pairs of row-major indices of the matrix as it was written.
+std::vector<Link> read_links(const YamlNode& node, const Canvas& canvas) {
+  std::set<Link> links;
+  const int last = canvas.rows * canvas.cols - 1;
+  for (const YamlNode& item : node.items()) {
+    const auto& ends = item.items();
+    if (ends.size() != 2) throw item.error("a pair of cells [a, b] is expected");
+    const int a = std::min(ends[0].integer(0, last), ends[1].integer(0, last));
+    const int b = std::max(ends[0].integer(), ends[1].integer());
+    const bool beside = b == a + 1 && b % canvas.cols != 0;
+    const bool below = b == a + canvas.cols;
+    if (!beside && !below) throw item.error(fmt::format("cells {} and {} are not adjacent", a, b));
+    for (const int end : {a, b})
+      if (canvas.cells[static_cast<std::size_t>(end)] == Voxel::empty)
+        throw item.error(fmt::format("cell {} is empty", end));
+    links.insert({a, b});
+  }
+  return {links.begin(), links.end()};
+}
+
+void check_body(const YamlNode& node, const std::string& name, const Body& body) {
+  if (const auto problem = defect(body, false))
+    throw node.error(fmt::format("object '{}': {}", name, *problem));
+  if (count_actuators(body) > 0)
+    throw node.error(
+        fmt::format("object '{}' has actuators (H, V), which only the robot may have", name));
+}
+
+// Cut to its cells, as the benchmark stores objects: the start coordinates of a
+// point follow from the matrix it is in (spec: worlds, "From world to simulator").
+Object cut_out(const YamlNode& node, const std::string& name, const Canvas& canvas,
+               const std::optional<YamlNode>& connections) {
+  const Box box = bounding_box(canvas);
+  if (box.bottom < 0) throw node.error(fmt::format("object '{}' has no cell", name));
+  const int rows = box.bottom - box.top + 1;
+  const int cols = box.right - box.left + 1;
+  std::vector<Voxel> cells;
+  for (int row = box.top; row <= box.bottom; ++row)
+    for (int col = box.left; col <= box.right; ++col)
+      cells.push_back(canvas.cells[canvas.index(row, col)]);
+
+  Object object{name, Body(rows, cols, std::move(cells)), canvas.at.x + box.left,
+                canvas.at.y + canvas.rows - 1 - box.bottom};
+  if (connections) {
+    object.body.links.clear();
+    const auto moved = [&](int index) {
+      return object.body.index(index / canvas.cols - box.top, index % canvas.cols - box.left);
+    };
+    for (const Link& link : read_links(*connections, canvas))
+      object.body.links.push_back({moved(link.a), moved(link.b)});
+  }
+  check_body(node, name, object.body);
+  return object;
+}
+
+void check_name(const YamlNode& node, const std::string& name) {
+  if (name == robot_name)
+    throw node.error("the name 'robot' belongs to the robot; its place is the task's `robot`");
+  if (parse_number(name))
+    throw node.error("a name is expected for an object, found " + node.found());
+}
+
+// "" or the name of a drawn integer.
+std::string read_offset(const YamlNode& node, const std::vector<DrawnInteger>& draws) {
+  if (node.is_null() || node.found() == "'0'") return "";
+  std::vector<std::string> names;
+  names.reserve(draws.size());
+  for (const DrawnInteger& drawn : draws) names.push_back(drawn.name);
+  return node.choice("draw", names);
+}
+
+Placement read_object(const YamlNode& name_node, const YamlNode& node,
+                      const std::vector<DrawnInteger>& draws) {
+  const std::string name = name_node.string();
+  check_name(name_node, name);
+  const YamlMapping object(node, fmt::format("object '{}'", name),
+                           {"at", "offset", "rows", "size", "fill", "parts", "connections"});
+  const auto at = object.find("at");
+  const Cell cell = at ? read_cell(*at, 0) : Cell{};
+
+  Placement placement;
+  const auto parts = object.find("parts");
+  const auto connections = object.find("connections");
+  if (parts) {
+    for (const char* key : {"rows", "size", "fill", "connections"})
+      if (const auto extra = object.find(key))
+        throw extra->error(fmt::format("`{}` does not go with `parts`", key));
+    placement.object = cut_out(node, name, paint_parts(*parts, cell), std::nullopt);
+  } else {
+    if (!object.has("rows") && !object.has("size"))
+      throw node.error(
+          fmt::format("object '{}' needs `rows`, or `size` with `fill`, or `parts`", name));
+    placement.object = cut_out(node, name, paint_shape(object, cell), connections);
+  }
+  if (const auto offset = object.find("offset")) {
+    const auto& axes = offset->items();
+    if (axes.size() != 2)
+      throw offset->error("an offset [x, y] of names of draws (or 0) is expected");
+    placement.offset_x = read_offset(axes[0], draws);
+    placement.offset_y = read_offset(axes[1], draws);
+  }
+  return placement;
+}
+
+// ---- a picture of several objects ---------------------------------------------------
+
+struct Legend {
+  struct Meaning {
+    std::string object;
+    Voxel voxel = Voxel::empty;
+  };
+  std::vector<std::string> objects;  // in the order first named
+  std::map<char, Meaning> letters;
+};
+
+Legend read_legend(const YamlNode& node) {
+  Legend legend;
+  for (const auto& [key, value] : node.entries()) {
+    const std::string letter = key.string();
+    if (letter.size() != 1 || letter == ".")
+      throw key.error("one letter (not '.') is expected in a legend, found " + key.found());
+    Legend::Meaning meaning;
+    if (value.is_mapping()) {  // {object: beam, voxel: R}
+      const YamlMapping entry(value, "legend", {"object", "voxel"});
+      meaning.object = entry.at("object").string();
+      const YamlNode voxel = entry.at("voxel");
+      const std::string drawn = voxel.string();
+      if (drawn.size() != 1) throw voxel.error("one letter is expected, found " + voxel.found());
+      meaning.voxel = read_voxel(voxel, drawn[0], "");
+    } else {  // the letter itself says which voxel
+      meaning.object = value.string();
+      meaning.voxel = read_voxel(key, letter[0], "; a letter of your own needs {object:, voxel:}");
+    }
+    if (meaning.voxel == Voxel::empty) throw value.error("a legend cannot mean an empty cell");
+    check_name(value, meaning.object);
+    legend.letters[letter[0]] = meaning;
+    if (std::find(legend.objects.begin(), legend.objects.end(), meaning.object) ==
+        legend.objects.end())
+      legend.objects.push_back(meaning.object);
+  }
+  return legend;
+}
+
+std::vector<Placement> read_picture(const YamlNode& node, const YamlNode& legend_node) {
+  const Drawing drawing = read_drawing(node);
+  const Legend legend = read_legend(legend_node);
+  std::map<std::string, Canvas> canvases;
+  for (const std::string& name : legend.objects)
+    canvases[name] = blank(node, Cell{}, drawing.rows, drawing.cols);
+  for (int row = 0; row < drawing.rows; ++row) {
+    for (int col = 0; col < drawing.cols; ++col) {
+      const char drawn =
+          drawing.lines[static_cast<std::size_t>(row)][static_cast<std::size_t>(col)];
+      if (drawn == '.') continue;
+      const auto meaning = legend.letters.find(drawn);
+      if (meaning == legend.letters.end())
+        throw node.error(fmt::format("letter '{}' in row {}, column {} is not in the legend", drawn,
+                                     row + 1, col + 1));
+      Canvas& canvas = canvases[meaning->second.object];
+      canvas.cells[canvas.index(row, col)] = meaning->second.voxel;
+    }
+  }
+  std::vector<Placement> objects;
+  for (const std::string& name : legend.objects)
+    objects.push_back({cut_out(node, name, canvases[name], std::nullopt), "", ""});
+  return objects;
+}
+
+// ---- a file of Evolution Gym's design tool ---------------------------------------------
+
+std::vector<Placement> read_world_file(const YamlNode& node, const std::filesystem::path& folder) {
+  World world;
+  try {
+    world = read_evogym_world(folder / node.string());
+  } catch (const Error& failure) {
+    throw node.error(failure.what());
+  }
+  std::vector<Placement> placements;
+  for (Object& object : world.objects) {
+    check_name(node, object.name);
+    check_body(node, object.name, object.body);
+    placements.push_back({std::move(object), "", ""});
+  }
+  return placements;
+}
+
+// ---- the whole world ------------------------------------------------------------------
+
+void append(std::vector<Placement>& placements, std::vector<Placement> more) {
+  std::move(more.begin(), more.end(), std::back_inserter(placements));
+}
+
+int lowest(const std::string& draw, const std::vector<DrawnInteger>& draws) {
+  for (const DrawnInteger& drawn : draws)
+    if (drawn.name == draw) return drawn.low;
+  return 0;
+}
+
+void check_objects(const YamlNode& node, const std::vector<Placement>& placements,
+                   const std::vector<DrawnInteger>& draws) {
+  std::set<std::string> names;
+  std::map<Cell, std::string> taken;
+  for (const Placement& placement : placements) {
+    const Object& object = placement.object;
+    if (!names.insert(object.name).second)
+      throw node.error(fmt::format("two objects are called '{}'", object.name));
+    const int x = object.x + lowest(placement.offset_x, draws);
+    const int y = object.y + lowest(placement.offset_y, draws);
+    if (x < 0 || y < 0)
+      throw node.error(fmt::format("object '{}' can be drawn at cell ({}, {}); cells count from 0",
+                                   object.name, x, y));
+    for (int row = 0; row < object.body.rows; ++row) {
+      for (int col = 0; col < object.body.cols; ++col) {
+        if (object.body.at(row, col) == Voxel::empty) continue;
+        const Cell cell{x + col, y + object.body.rows - 1 - row};
+        const auto [other, free] = taken.emplace(cell, object.name);
+        if (!free)
+          throw node.error(fmt::format("objects '{}' and '{}' overlap at cell ({}, {})",
+                                       other->second, object.name, cell.x, cell.y));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Placement> world_from_yaml(const YamlNode& node, const std::filesystem::path& folder,
+                                       const std::vector<DrawnInteger>& draws) {
+  std::vector<Placement> placements;
+  if (node.is_scalar()) {
+    placements = read_world_file(node, folder);
+  } else {
+    const YamlMapping world(node, "world", {"file", "drawing", "legend", "objects"});
+    if (const auto file = world.find("file")) placements = read_world_file(*file, folder);
+    if (const auto drawing = world.find("drawing"))
+      append(placements, read_picture(*drawing, world.at("legend")));
+    else if (const auto legend = world.find("legend"))
+      throw legend->error("a `legend` goes with a `drawing`");
+    if (const auto objects = world.find("objects"))
+      for (const auto& [name, object] : objects->entries())
+        placements.push_back(read_object(name, object, draws));
+  }
+  check_objects(node, placements, draws);
+  return placements;
+}
+
+// ---- writing ----------------------------------------------------------------------------
+
+std::string yaml_scalar(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (c == '\n')
+      quoted += "\\n";
+    else if (c == '\t')
+      quoted += "\\t";
+    else
+      quoted += c;
+  }
+  return quoted + "\"";
+}
+
+namespace {
+
+bool is_uniform(const Body& body) {
+  return std::all_of(body.cells.begin(), body.cells.end(),
+                     [&](Voxel voxel) { return voxel == body.cells.front(); });
+}
+
+std::string offset_name(const std::string& name) { return name.empty() ? "0" : yaml_scalar(name); }
+
+}  // namespace
+
+std::string world_to_yaml(const std::vector<Placement>& objects) {
+  if (objects.empty()) return "  objects: {}\n";
+  std::string text = "  objects:\n";
+  for (const Placement& placement : objects) {
+    const Object& object = placement.object;
+    const Body& body = object.body;
+    text +=
+        fmt::format("    {}:\n      at: [{}, {}]\n", yaml_scalar(object.name), object.x, object.y);
+    if (!placement.offset_x.empty() || !placement.offset_y.empty())
+      text += fmt::format("      offset: [{}, {}]\n", offset_name(placement.offset_x),
+                          offset_name(placement.offset_y));
+    if (is_uniform(body)) {
+      text += fmt::format("      size: [{}, {}]\n      fill: \"{}\"\n", body.cols, body.rows,
+                          letter(body.cells.front()));
+    } else {
+      text += "      rows: |\n";
+      for (const std::string& row : body.to_rows()) text += "        " + row + "\n";
+    }
+    if (body.links != full_links(body.rows, body.cols, body.cells)) {
+      text += "      connections: [";
+      for (std::size_t i = 0; i < body.links.size(); ++i)
+        text += fmt::format("{}[{}, {}]", i == 0 ? "" : ", ", body.links[i].a, body.links[i].b);
+      text += "]\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace evo

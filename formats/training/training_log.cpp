@@ -1,0 +1,79 @@
+#include "formats/training/training_log.h"
+
+#include <charconv>
+#include <string_view>
+
+#include "libevo/base/error.h"
+
+namespace evo {
+namespace {
+
+constexpr const char* step_name = "charts/global_step";
+constexpr const char* speed_name = "charts/SPS";
+constexpr const char* evaluation_name = "eval/return";
+constexpr const char* best_name = "eval/best";
+constexpr std::string_view resumed_mark = "resumed";
+
+// The number after `name` and a blank, on a line of such pairs.
+std::optional<double> value_of(std::string_view line, std::string_view name) {
+  for (std::size_t start = 0; start < line.size();) {
+    const std::size_t end = std::min(line.find('\t', start), line.size());
+    const std::string_view pair = line.substr(start, end - start);
+    if (pair.starts_with(name) && pair.size() > name.size() && pair[name.size()] == ' ') {
+      double value = 0.0;
+      const char* last = pair.data() + pair.size();
+      const auto result = std::from_chars(pair.data() + name.size() + 1, last, value);
+      return result.ec == std::errc() && result.ptr == last ? std::optional(value) : std::nullopt;
+    }
+    start = end + 1;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+TrainingLog::TrainingLog(const std::filesystem::path& path) : out_(path, std::ios::app) {
+  if (!out_) throw error(Failure::cannot_create, "{}: cannot be written", path.string());
+}
+
+void TrainingLog::begin(const std::string& tool, const std::string& task, bool resumed) {
+  out_ << "# " << tool << ", " << task << (resumed ? ", " : "")
+       << (resumed ? resumed_mark : std::string_view()) << std::endl;
+}
+
+void TrainingLog::line(const TrainingReport& report, double steps_per_second) {
+  out_ << step_name << ' ' << report.step << '\t' << speed_name << ' '
+       << fmt::format("{:.0f}", steps_per_second);
+  for (const Metric& metric : report.metrics)
+    out_ << '\t' << metric.name << ' ' << fmt::format("{:.6g}", metric.value);
+  out_ << std::endl;
+}
+
+void TrainingLog::end(double seconds) {
+  out_ << fmt::format("# trained in {:.2f} s\n", seconds) << std::flush;
+}
+
+std::optional<double> metric(const TrainingReport& report, const std::string& name) {
+  for (const Metric& m : report.metrics)
+    if (m.name == name) return m.value;
+  return std::nullopt;
+}
+
+LoggedTraining read_training_log(const std::filesystem::path& path) {
+  LoggedTraining log;
+  std::ifstream in(path);
+  // A line being written has no end yet and is left for the next time.
+  for (std::string line; std::getline(in, line) && !in.eof();) {
+    if (line.starts_with('#')) {
+      if (line.starts_with("# trained")) continue;
+      if (!line.ends_with(resumed_mark)) log = {};
+    } else if (const auto value = value_of(line, evaluation_name)) {
+      log.evaluations.push_back(*value);
+      log.best = value_of(line, best_name).value_or(*value);
+      log.step = value_of(line, step_name).value_or(0.0);
+    }
+  }
+  return log;
+}
+
+}  // namespace evo

@@ -1,0 +1,16 @@
+#include "render/figures/round_numbers.h"
+
+#include <array>
+#include <cmath>
+
+namespace evo::render {
+
+double round_number_from(double value) {
+  const double least = value * (1 - 1e-9);  // 0.5 computed as 0.5000..1 is 0.5
+  const double power = std::pow(10, std::floor(std::log10(value)));
+  for (const double digit : std::array{1.0, 2.0, 5.0})
+    if (digit * power >= least) return digit * power;
+  return 10 * power;
+}
+
+}  // namespace evo::render

@@ -1,0 +1,420 @@
+#include "render/figures/sheet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libevo/base/error.h"
+#include "render/figures/key.h"
+#include "render/figures/legend.h"
+#include "render/painters/label.h"
+#include "render/painters/painter.h"
+
+namespace evo::render {
+namespace {
+
+std::string fitness_text(const Robot& robot) {
+  const auto fitness = robot.fitness();
+  if (fitness) return signed_score(*fitness);
+  return robot.failure() ? "failed" : std::string();
+}
+
+// Text centred at x, cut to `most` pixels.
+void centred(std::string_view text, Point at, float size, Color color, bool bold, float most,
+             Typesetter& typesetter, Drawing& drawing) {
+  drawing.text(
+      {at, size, typesetter.shortened(text, size, bold, most), color, Align::centre, bold});
+}
+
+// Of the box around all cells.
+Vec2 centre_of_voxels(const Mesh& mesh, const std::vector<Vec2>& points) {
+  Vec2 low = points.back();
+  Vec2 high = points.back();
+  bool first = true;
+  for (const ModelCell& cell : mesh.cells)
+    for (const int k : cell.points) {
+      const Vec2& p = points[static_cast<std::size_t>(k)];
+      low = first ? p : Vec2{std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = first ? p : Vec2{std::max(high.x, p.x), std::max(high.y, p.y)};
+      first = false;
+    }
+  return {(low.x + high.x) / 2, (low.y + high.y) / 2};
+}
+
+// ---- cards ------------------------------------------------------------------------
+
+// The measures of sheets of robots, all from the width of a card and the extents of
+// the largest body.
+struct CardStyle {
+  float width;
+  Span span;
+  int text_lines;
+  bool names = true;
+  float text = 0.105F * width;
+  float inset = 0.1F * width;
+  float body() const {  // height of the space for the body
+    const float proportion = static_cast<float>(span.rows) / static_cast<float>(span.cols);
+    return (width - 2 * inset) * proportion + 1.5F * inset;
+  }
+  float height() const { return body() + (static_cast<float>(text_lines) * 1.35F + 0.55F) * text; }
+};
+
+// The name a robot was given, such as that of its run, or its id.
+std::string name_of(const Robot& robot) {
+  const auto given = robot.document.find("name");
+  const bool named = given != robot.document.end() && given->is_string();
+  return named ? given->get<std::string>() : robot.id;
+}
+
+void draw_card(const Robot& robot, const Theme& theme, const CardStyle& style, Point at,
+               Typesetter& typesetter, Drawing& drawing) {
+  drawing.rounded_rectangle({at.x, at.y, style.width, style.height()}, 0.06F * style.width,
+                            theme.card);
+  draw_body(robot.body, style.span, theme,
+            {at.x + style.inset, at.y + style.inset, style.width - 2 * style.inset,
+             style.body() - 1.5F * style.inset},
+            drawing);
+  const float most = style.width - style.inset;
+  const float x = at.x + style.width / 2;
+  float y = at.y + style.body() + style.text;
+  const std::string fitness = fitness_text(robot);
+  centred(fitness, {x, y}, style.text, theme.text, true, most, typesetter, drawing);
+  if (!style.names) return;
+  if (style.text_lines > 1) y += 1.35F * style.text;
+  centred(name_of(robot), {x, y}, 0.88F * style.text, theme.text_muted, false, most, typesetter,
+          drawing);
+}
+
+// What holds every body of a sheet; never narrower than high by more than a half,
+// so that text finds room below slim ones.
+Span largest(const std::vector<Robot>& robots, Span span = {}) {
+  for (const Robot& robot : robots) {
+    const Span own = span_of(robot.body);
+    span = {std::max(span.cols, own.cols), std::max(span.rows, own.rows)};
+  }
+  return {std::max(span.cols, (2 * span.rows + 2) / 3), span.rows};
+}
+
+Drawing blank(Size size, const Theme& theme) {
+  check_size(size);
+  Drawing drawing(size);
+  drawing.rectangle(drawing.whole(), theme.paper);
+  return drawing;
+}
+
+struct GridLayout {
+  int columns = 1;
+  int rows = 1;
+  float card = 0;
+  float gap = 0;
+  Size size;
+};
+
+// About `wished` columns, so that the last row is as full as possible.
+int tidy_columns(int count, double wished) {
+  const int middle = std::max(1, static_cast<int>(std::lround(wished)));
+  int best = middle;
+  const auto missing = [count](int columns) { return (columns - count % columns) % columns; };
+  for (const int columns : {middle + 1, middle - 1, middle + 2})
+    if (columns > 0 && missing(columns) < missing(best)) best = columns;
+  return best;
+}
+
+// Fitness and names, or names alone where no robot has been evaluated.
+int lines_below(const std::vector<Robot>& robots) {
+  const auto scored = [](const Robot& robot) { return !fitness_text(robot).empty(); };
+  return std::ranges::any_of(robots, scored) ? 2 : 1;
+}
+
+GridLayout lay_out(const std::vector<Robot>& robots, int width) {
+  constexpr float smallest_card = 104;  // pixels, for ids that can be read
+  constexpr float largest_card = 260;   // few robots make a small sheet, not huge letters
+  constexpr float gap_share = 0.08F;    // of a card
+  const auto count = static_cast<int>(robots.size());
+  const Span span = largest(robots);
+  const auto across = static_cast<float>(width);
+  int columns = std::max(1, static_cast<int>(across / (smallest_card * (1 + gap_share))));
+  // Few robots are drawn larger, on a sheet about as wide as a screen.
+  constexpr double proportion = 1.9;  // columns to rows
+  columns = std::min({columns, count, tidy_columns(count, std::sqrt(count * proportion))});
+  for (;; ++columns) {
+    GridLayout layout;
+    layout.columns = columns;
+    layout.rows = (count + columns - 1) / columns;
+    const float units = static_cast<float>(columns) * (1 + gap_share) + gap_share;
+    layout.card = std::min(largest_card, across / units);
+    layout.gap = gap_share * layout.card;
+    const float height =
+        static_cast<float>(layout.rows) *
+            (CardStyle{layout.card, span, lines_below(robots)}.height() + layout.gap) +
+        layout.gap;
+    if (height > static_cast<float>(largest_side) && columns < count) continue;
+    layout.size = {static_cast<int>(std::lround(layout.card * units)),
+                   static_cast<int>(std::lround(height))};
+    return layout;
+  }
+}
+
+}  // namespace
+
+// ---- robots -------------------------------------------------------------------------
+
+Span span_of(const Body& body) {
+  int left = body.cols, right = -1, top = body.rows, low = -1;
+  for (int row = 0; row < body.rows; ++row)
+    for (int col = 0; col < body.cols; ++col) {
+      if (body.at(row, col) == Voxel::empty) continue;
+      left = std::min(left, col);
+      right = std::max(right, col);
+      top = std::min(top, row);
+      low = std::max(low, row);
+    }
+  return {std::max(1, right - left + 1), std::max(1, low - top + 1)};
+}
+
+void draw_body(const Body& body, const Span& span, const Theme& theme, const Rect& area,
+               Drawing& drawing) {
+  constexpr double border = 0.2;  // voxels, for the outline
+  Scene scene;
+  const Mesh mesh = make_mesh(body, scene.points);
+  scene.mesh = &mesh;
+  const Vec2 centre = centre_of_voxels(mesh, scene.points);
+  scene.view = {centre.x, centre.y, span.cols + border, span.rows + border};
+  scene.sky = scene.grid = scene.floor = scene.tint = false;
+  draw_scene(scene, theme, area, drawing);
+  drawing.clip(drawing.whole());
+}
+
+Drawing robot_picture(const Robot& robot, const Theme& theme, Size size, Typesetter& typesetter) {
+  check_size(size);
+  Drawing drawing(size);
+  const Rect whole = drawing.whole();
+  const float text = std::max(8.0F, 0.045F * std::min(whole.height, 0.75F * whole.width));
+  const float strip = whole.height > 8 * text ? 4.2F * text : 0;
+  const Rect panel{0, 0, whole.width, whole.height - strip};
+  Scene scene;
+  const Mesh mesh = make_mesh(robot.body, scene.points);
+  scene.mesh = &mesh;
+  constexpr double margin = 1.0;  // voxels around the body
+  const Vec2 centre = centre_of_voxels(mesh, scene.points);
+  scene.view = {centre.x, centre.y, robot.body.cols + 2 * margin, robot.body.rows + 2 * margin};
+  scene.floor = scene.tint = false;
+  draw_scene(scene, theme, panel, drawing);
+  drawing.clip(whole);
+  if (strip == 0) return drawing;
+  drawing.rectangle({0, panel.height, whole.width, strip}, theme.paper);
+  const float x = whole.width / 2;
+  const float most = whole.width - 2 * text;
+  const auto named = robot.task();
+  const std::string task = named ? *named + "   " : "";
+  const std::string score = fitness_text(robot);
+  const bool scored = !score.empty();
+  const float middle = panel.height + strip / 2;
+  const float first = scored ? middle - 0.35F * text : middle + 0.36F * text;
+  centred(robot.id, {x, first}, text, theme.text, true, most, typesetter, drawing);
+  if (scored)
+    centred(task + "fitness " + score, {x, first + 1.45F * text}, 0.9F * text, theme.text_muted,
+            false, most, typesetter, drawing);
+  return drawing;
+}
+
+Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int width,
+                   Typesetter& typesetter) {
+  if (robots.empty()) throw Error(Failure::data, "there is no robot to draw");
+  check_size({width, 1});
+  const GridLayout layout = lay_out(robots, width);
+  Drawing drawing = blank(layout.size, theme);
+  const CardStyle style{layout.card, largest(robots), lines_below(robots)};
+  for (std::size_t k = 0; k < robots.size(); ++k) {
+    const std::size_t column = k % static_cast<std::size_t>(layout.columns);
+    const std::size_t row = k / static_cast<std::size_t>(layout.columns);
+    draw_card(robots[k], theme, style,
+              {layout.gap + static_cast<float>(column) * (layout.card + layout.gap),
+               layout.gap + static_cast<float>(row) * (style.height() + layout.gap)},
+              typesetter, drawing);
+  }
+  return drawing;
+}
+
+// ---- generations ------------------------------------------------------------------------
+
+std::vector<std::size_t> chosen_generations(std::size_t generations, std::size_t most) {
+  std::vector<std::size_t> chosen;
+  if (generations <= most) {
+    for (std::size_t k = 0; k < generations; ++k) chosen.push_back(k);
+    return chosen;
+  }
+  for (std::size_t k = 0; k < most; ++k)
+    chosen.push_back((k * (generations - 1) + (most - 1) / 2) / (most - 1));
+  return chosen;
+}
+
+namespace {
+
+// How columns of generations are laid out: `per_band` side by side, bands below
+// each other.
+struct GenerationLayout {
+  std::size_t per_band = 1;
+  std::size_t bands = 1;
+  std::size_t shown = 1;
+  float card = 0;
+  float gap = 0;
+  float heading = 0;
+  float band = 0;  // height
+};
+
+GenerationLayout lay_out_generations(std::size_t generations, int rows, const Span& span,
+                                     int width) {
+  constexpr std::size_t narrowest = 96;  // pixels a column
+  constexpr float gap_share = 0.08F;
+  constexpr std::size_t fewest_columns = 5;  // fewer are not drawn larger than that
+  const std::size_t widest_band =
+      std::max<std::size_t>(2, static_cast<std::size_t>(width) / narrowest);
+  GenerationLayout layout;
+  const auto measure = [&](std::size_t shown) {
+    layout.shown = shown;
+    layout.bands = (shown + widest_band - 1) / widest_band;
+    layout.per_band = (shown + layout.bands - 1) / layout.bands;
+    const auto columns = static_cast<float>(std::max(layout.per_band, fewest_columns));
+    layout.card = static_cast<float>(width) / (columns * (1 + gap_share) + gap_share);
+    layout.gap = gap_share * layout.card;
+    const CardStyle style{layout.card, span, 1, false};
+    layout.heading = 2.2F * style.text;
+    layout.band = layout.heading + static_cast<float>(rows) * (style.height() + layout.gap);
+    return static_cast<float>(layout.bands) * layout.band + 3 * layout.heading;
+  };
+  std::size_t shown = generations;
+  while (measure(shown) > static_cast<float>(largest_side) && layout.bands > 1)
+    shown = (layout.bands - 1) * widest_band;
+  return layout;
+}
+
+}  // namespace
+
+Drawing generation_sheet(const std::vector<Generation>& generations, int rows, const Theme& theme,
+                         int width, Typesetter& typesetter) {
+  if (generations.empty()) throw Error(Failure::data, "there is no generation to draw");
+  check_size({width, 1});
+  std::size_t most = 0;
+  Span span;
+  for (const Generation& generation : generations) {
+    most = std::max(most, generation.robots.size());
+    span = largest(generation.robots, span);
+  }
+  rows = std::min(rows, static_cast<int>(most));
+  const GenerationLayout layout = lay_out_generations(generations.size(), rows, span, width);
+  const auto chosen = chosen_generations(generations.size(), layout.shown);
+  const CardStyle style{layout.card, span, 1, false};
+  const bool some = chosen.size() < generations.size();
+  const float note = some ? layout.heading : 0;
+  const float height = static_cast<float>(layout.bands) * layout.band + layout.gap + note;
+  Drawing drawing = blank({width, static_cast<int>(std::lround(height))}, theme);
+  const float used = static_cast<float>(layout.per_band) * (layout.card + layout.gap) - layout.gap;
+  const float start = (static_cast<float>(width) - used) / 2;
+  for (std::size_t c = 0; c < chosen.size(); ++c) {
+    const Generation& generation = generations[chosen[c]];
+    const float x = start + static_cast<float>(c % layout.per_band) * (layout.card + layout.gap);
+    const float y = static_cast<float>(c / layout.per_band) * layout.band;
+    centred(generation.name, {x + layout.card / 2, y + layout.heading - 0.6F * style.text},
+            style.text, theme.text_muted, true, layout.card, typesetter, drawing);
+    const std::size_t shown = std::min(generation.robots.size(), static_cast<std::size_t>(rows));
+    for (std::size_t r = 0; r < shown; ++r)
+      draw_card(generation.robots[r], theme, style,
+                {x, y + layout.heading + static_cast<float>(r) * (style.height() + layout.gap)},
+                typesetter, drawing);
+  }
+  if (some)
+    centred(fmt::format("{} of {} generations", chosen.size(), generations.size()),
+            {static_cast<float>(width) / 2, height - 0.9F * style.text}, style.text,
+            theme.text_muted, false, static_cast<float>(width), typesetter, drawing);
+  return drawing;
+}
+
+// ---- moments --------------------------------------------------------------------------------
+
+namespace {
+
+constexpr std::size_t most_in_a_row = 8;
+
+std::size_t moment_columns(std::size_t moments) {
+  if (moments <= most_in_a_row) return moments;
+  return static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(moments) * 1.5)));
+}
+
+// Windows that differ little in height become one, so that the ground is on one line and a
+// robot that hops is higher in one panel than in the next.
+void align_windows(std::vector<Scene>& scenes) {
+  constexpr double most = 1.5;  // of the largest window
+  double low = 1e30;
+  double top = -1e30;
+  double largest = 0;
+  for (const Scene& scene : scenes) {
+    low = std::min(low, scene.view.centre_y - scene.view.height / 2);
+    top = std::max(top, scene.view.centre_y + scene.view.height / 2);
+    largest = std::max(largest, scene.view.height);
+  }
+  if (top - low > most * largest) return;
+  for (Scene& scene : scenes) {
+    const double aspect = scene.view.width / scene.view.height;
+    scene.view = {scene.view.centre_x, (low + top) / 2, aspect * (top - low), top - low};
+  }
+}
+
+}  // namespace
+
+double moment_aspect(std::size_t moments) { return moments <= 2 ? 1.5 : moments <= 4 ? 1.2 : 0.95; }
+
+Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const Theme& theme,
+                     int width, Typesetter& typesetter) {
+  check_size({width, 1});
+  const std::size_t columns = moment_columns(moments.size());
+  const std::size_t rows = (moments.size() + columns - 1) / columns;
+  const float gap = 0.008F * static_cast<float>(width);
+  const auto across = static_cast<float>(columns);
+  const float panel = (static_cast<float>(width) - (across + 1) * gap) / across;
+  const float high = panel / static_cast<float>(moment_aspect(moments.size()));
+  const float text = std::max(8.0F, 0.07F * panel);
+  const float strip = 3.6F * text;
+  const float heading = 2.6F * text + gap;
+  std::vector<Scene> scenes;
+  for (const double moment : moments) scenes.push_back(clip.scene(moment));
+  align_windows(scenes);
+  const bool colors = !scenes.front().values.empty();
+  const float key = colors || theme.signs ? 2.4F * text : 0.0F;
+  const float panels = heading + static_cast<float>(rows) * (high + strip);
+  const float height = panels + key;
+  Drawing drawing = blank({width, static_cast<int>(std::lround(height))}, theme);
+  const Caption who = clip.caption(0);
+  drawing.text({{gap, gap + 1.5F * text}, 1.1F * text, who.title, theme.text, Align::left, true});
+  drawing.text({{static_cast<float>(width) - gap, gap + 1.5F * text},
+                text,
+                who.detail,
+                theme.text_muted,
+                Align::right,
+                false});
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    const std::size_t column = k % columns;
+    const std::size_t row = k / columns;
+    const float x = gap + static_cast<float>(column) * (panel + gap);
+    const float y = heading + static_cast<float>(row) * (high + strip);
+    // Whole pixels, so that all panels are cut alike.
+    draw_scene(scenes[k], theme,
+               {std::round(x), std::round(y), std::round(panel), std::round(high)}, drawing);
+    drawing.clip(drawing.whole());
+    const int step = static_cast<int>(std::lround(moments[k]));
+    const float middle = x + panel / 2;
+    centred(fmt::format("step {}", step), {middle, y + high + 1.35F * text}, text, theme.text, true,
+            panel, typesetter, drawing);
+    centred("return " + signed_score(clip.score(moments[k])), {middle, y + high + 2.6F * text},
+            0.9F * text, theme.text_muted, false, panel, typesetter, drawing);
+  }
+  const Rect below{gap, panels, static_cast<float>(width) - 2 * gap, 1.6F * text};
+  if (colors)
+    draw_value_line(scenes.front().value_scale, theme,
+                    {below.x + below.width / 2, below.y + below.height / 2}, text, typesetter,
+                    drawing);
+  else if (key > 0)
+    draw_legend(clip.mesh(), 0, theme, below, text, typesetter, drawing);
+  return drawing;
+}
+
+}  // namespace evo::render

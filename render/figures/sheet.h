@@ -1,0 +1,57 @@
+// Sheets: several small pictures on one, with text below each.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/robot/robot.h"
+#include "render/painters/text.h"
+#include "render/scene/clip.h"
+
+namespace evo::render {
+
+// Extents in voxels, without the empty border of a matrix.
+struct Span {
+  int cols = 1;
+  int rows = 1;
+};
+Span span_of(const Body& body);
+
+// A body in the middle of `area`, nothing behind it. Its scale is that of a body
+// of `span` that fills the area, so that bodies of one sheet can be compared.
+void draw_body(const Body& body, const Span& span, const Theme& theme, const Rect& area,
+               Drawing& drawing);
+
+// One robot: its body over a grid of voxels, id, fitness and task below.
+Drawing robot_picture(const Robot& robot, const Theme& theme, Size size, Typesetter& typesetter);
+
+// Robots in reading order, at most `width` pixels across and as high as it takes,
+// with id and fitness. More rows than fit into the largest picture make the robots
+// smaller.
+Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int width,
+                   Typesetter& typesetter);
+
+// The figure "Evolution of robot designs" of the benchmark's paper: a column for
+// each generation, its best robots from the top, fitness below each. Generations
+// that find no room side by side go on below; those that find none there either are
+// left out, evenly, and the picture says so.
+struct Generation {
+  std::string name;           // heading of the column
+  std::vector<Robot> robots;  // best first
+};
+Drawing generation_sheet(const std::vector<Generation>& generations, int rows, const Theme& theme,
+                         int width, Typesetter& typesetter);
+
+// Moments of an episode side by side, in rows when they are many.
+Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const Theme& theme,
+                     int width, Typesetter& typesetter);
+
+// Width to height of a panel of a moment sheet, for the clip's camera.
+double moment_aspect(std::size_t moments);
+
+// `most` (2 or more) of the generations, evenly chosen, the first and the last
+// always among them; all if they are no more.
+std::vector<std::size_t> chosen_generations(std::size_t generations, std::size_t most);
+
+}  // namespace evo::render

@@ -1,0 +1,43 @@
+// Several episodes of one task in one world: robots with letters and outlines of one
+// colour each, one camera for all of them, and who leads.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/painters/text.h"
+#include "render/scene/clip.h"
+
+namespace evo::render {
+
+class Race {
+ public:
+  // The world is that of the first episode. A shorter episode stays at its end.
+  // Throws Error(usage) for fewer than two episodes, more than letters, or several
+  // tasks.
+  Race(const std::vector<Episode>& episodes, const RenderOptions& options);
+
+  int steps() const { return clip_->steps(); }
+  Drawing frame(double step, Typesetter& typesetter) const;
+
+ private:
+  struct Runner {
+    std::string letter;
+    Color color;
+    std::string name;
+    std::vector<double> returns;  // so far, by step
+    double so_far(double step) const;
+  };
+  Rect ranking_plate(Typesetter& typesetter) const;
+  void draw_ranking(double step, const Rect& plate, Drawing& drawing) const;
+
+  RenderOptions options_;
+  std::vector<Runner> runners_;
+  std::vector<Color> outlines_;  // of the objects of the world
+  bool heights_ = false;         // count in the task
+  std::unique_ptr<Rollout> merged_;
+  std::unique_ptr<Clip> clip_;  // of `merged_`
+};
+
+}  // namespace evo::render

@@ -1,0 +1,33 @@
+// Frames drawn by several processes and handed over in order. GL contexts in
+// threads of one process take turns; processes do not. Each worker is forked
+// with its own buffers of shared memory, draws every n-th frame, and is told when
+// a buffer is free again.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "render/painters/painter.h"
+
+namespace evo::render {
+
+struct FrameJob {
+  std::size_t frames = 0;
+  std::size_t frame_bytes = 0;  // most bytes of one frame
+  int workers = 1;              // processes
+  // Called in a worker: fills `buffer`, returns how many bytes are used.
+  std::function<std::size_t(Painter& painter, std::size_t frame, std::span<std::uint8_t> buffer)>
+      draw;
+  // Called here, in order of frames. False stops early.
+  std::function<bool(std::size_t frame, std::span<const std::uint8_t> bytes)> take;
+};
+
+// Throws what `draw` or `take` threw (an exception of a worker keeps its kind
+// and message), or Error(work) when a worker died. All workers are gone when it
+// returns. Call it from a thread that outlives the call, in a process that owns
+// no Painter.
+void run_workers(const FrameJob& job);
+
+}  // namespace evo::render

@@ -1,0 +1,114 @@
+// A picture as a list of shapes to paint, one over the other, in pixels: x to the
+// right, y downwards, (0, 0) the upper left corner of the upper left pixel. Plain
+// data: painter.h turns it into pixels, vector.h into SVG and PDF.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "render/painters/image.h"
+
+namespace evo::render {
+
+struct Point {
+  float x = 0;
+  float y = 0;
+  bool operator==(const Point&) const = default;
+};
+
+struct Rect {
+  float x = 0;
+  float y = 0;
+  float width = 0;
+  float height = 0;
+  bool operator==(const Rect&) const = default;
+};
+
+enum class Align { left, centre, right };
+
+// One line of text, UTF-8, on the baseline through (x, y).
+struct Text {
+  Point at;
+  float size = 12;  // pixels per em
+  std::string text;
+  Color color;
+  Align align = Align::left;
+  bool bold = false;
+};
+
+// Fills cover what is below, whatever the alpha of their colour.
+struct Polygon {  // three or four corners in order around the border
+  std::array<Point, 4> corners;
+  int count = 4;
+  Color color;
+};
+struct Gradient {  // downwards
+  Rect area;
+  Color top;
+  Color bottom;
+};
+// Lines: `width` in pixels, below one they get paler instead.
+struct Line {  // round ends
+  Point from;
+  Point to;
+  float width = 1;
+  Color color;
+};
+struct Stroke {  // through all points, pointed corners, square ends
+  std::vector<Point> points;
+  bool closed = false;
+  float width = 1;
+  Color color;
+};
+struct RoundedRectangle {  // `radius` at most half the smaller side
+  Rect area;
+  float radius = 0;
+  Color color;
+};
+using Shape = std::variant<Polygon, Gradient, Line, Stroke, RoundedRectangle>;
+
+class Drawing {
+ public:
+  explicit Drawing(Size size) : size_(size), clip_(whole()) {}
+
+  // Everything drawn from here on is cut at `area`.
+  void clip(const Rect& area) { clip_ = area; }
+
+  void triangle(const std::array<Point, 3>& corners, Color color);
+  // Concave ones are split along the diagonal inside.
+  void quad(const std::array<Point, 4>& corners, Color color);
+  void rectangle(const Rect& area, Color color) { gradient(area, color, color); }
+  void gradient(const Rect& area, Color top, Color bottom);
+  void line(Point from, Point to, float width, Color color);
+  // Ends cut off square and not smoothed, for lines that go on or meet others.
+  void segment(Point from, Point to, float width, Color color);
+  // No pixel is painted twice, so that joints do not show.
+  void stroke(std::span<const Point> points, bool closed, float width, Color color);
+  void disc(Point centre, float radius, Color color) { line(centre, centre, 2 * radius, color); }
+  void rounded_rectangle(const Rect& area, float radius, Color color);
+  void text(Text text) { texts_.push_back(std::move(text)); }
+
+  struct Item {
+    Rect clip;
+    Shape shape;
+  };
+  Size size() const { return size_; }
+  Rect whole() const {
+    return {0, 0, static_cast<float>(size_.width), static_cast<float>(size_.height)};
+  }
+  const std::vector<Item>& items() const { return items_; }
+  const std::vector<Text>& texts() const { return texts_; }  // painted last, never cut
+
+ private:
+  void add(Shape shape);
+
+  Size size_;
+  Rect clip_;
+  std::vector<Item> items_;
+  std::vector<Text> texts_;
+};
+
+}  // namespace evo::render

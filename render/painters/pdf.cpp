@@ -1,0 +1,185 @@
+#include <cairo-ft.h>
+#include <cairo-pdf.h>
+
+#include <memory>
+
+#include "libevo/base/error.h"
+#include "render/painters/font_data.h"
+#include "render/painters/vector.h"
+
+namespace evo::render {
+namespace {
+
+constexpr double points_a_pixel = 72.0 / 96.0;
+
+template <auto Free>
+struct Release {
+  template <typename T>
+  void operator()(T* thing) const {
+    Free(thing);
+  }
+};
+using Surface = std::unique_ptr<cairo_surface_t, Release<cairo_surface_destroy>>;
+using Context = std::unique_ptr<cairo_t, Release<cairo_destroy>>;
+using FontFace = std::unique_ptr<cairo_font_face_t, Release<cairo_font_face_destroy>>;
+
+// The built-in fonts. cairo keeps a face as long as a surface uses it, so they live
+// as long as the program.
+class Fonts {
+ public:
+  static cairo_font_face_t* get(bool bold) {
+    static const Fonts fonts;
+    return (bold ? fonts.bold_ : fonts.regular_).get();
+  }
+
+ private:
+  Fonts() {
+    FT_Library library = nullptr;
+    if (FT_Init_FreeType(&library) != 0) throw Error(Failure::work, "FreeType cannot start");
+    regular_ = open(library, font_regular());
+    bold_ = open(library, font_bold());
+  }
+  static FontFace open(FT_Library library, std::span<const unsigned char> bytes) {
+    FT_Face face = nullptr;
+    if (FT_New_Memory_Face(library, bytes.data(), static_cast<FT_Long>(bytes.size()), 0, &face) !=
+        0)
+      throw Error(Failure::work, "FreeType cannot read the built-in font");
+    return FontFace(cairo_ft_font_face_create_for_ft_face(face, 0));
+  }
+  FontFace regular_, bold_;
+};
+
+class Page {
+ public:
+  explicit Page(cairo_t* context) : cairo_(context) {}
+
+  void clip(const Rect& area) {
+    cairo_reset_clip(cairo_);
+    rectangle(area);
+    cairo_clip(cairo_);
+  }
+
+  void operator()(const Polygon& shape) {
+    for (int k = 0; k < shape.count; ++k) {
+      const Point p = shape.corners[static_cast<std::size_t>(k)];
+      k == 0 ? cairo_move_to(cairo_, p.x, p.y) : cairo_line_to(cairo_, p.x, p.y);
+    }
+    cairo_close_path(cairo_);
+    fill(shape.color, 1.0);
+  }
+
+  void operator()(const Gradient& shape) {
+    const auto [area, top, bottom] = shape;
+    rectangle(area);
+    if (top == bottom) return fill(top, 1.0);
+    cairo_pattern_t* pattern = cairo_pattern_create_linear(0, area.y, 0, area.y + area.height);
+    for (const auto& [offset, color] : {std::pair{0.0, top}, {1.0, bottom}})
+      cairo_pattern_add_color_stop_rgb(pattern, offset, color.r / 255.0, color.g / 255.0,
+                                       color.b / 255.0);
+    cairo_set_source(cairo_, pattern);
+    cairo_pattern_destroy(pattern);
+    cairo_fill(cairo_);
+  }
+
+  void operator()(const Line& shape) {
+    cairo_set_line_cap(cairo_, CAIRO_LINE_CAP_ROUND);
+    cairo_move_to(cairo_, shape.from.x, shape.from.y);
+    cairo_line_to(cairo_, shape.to.x, shape.to.y);
+    stroke(shape.width, shape.color);
+  }
+
+  void operator()(const Stroke& shape) {
+    cairo_set_line_cap(cairo_, CAIRO_LINE_CAP_BUTT);
+    for (const Point& p : shape.points) cairo_line_to(cairo_, p.x, p.y);
+    if (shape.closed) cairo_close_path(cairo_);
+    stroke(shape.width, shape.color);
+  }
+
+  void operator()(const RoundedRectangle& shape) {
+    constexpr double right_angle = 1.5707963267948966;
+    const auto& [area, radius, color] = shape;
+    const double r = radius;
+    const double left = area.x + r;
+    const double right = area.x + area.width - r;
+    const double top = area.y + r;
+    const double low = area.y + area.height - r;
+    cairo_new_sub_path(cairo_);
+    cairo_arc(cairo_, right, top, r, -right_angle, 0);
+    cairo_arc(cairo_, right, low, r, 0, right_angle);
+    cairo_arc(cairo_, left, low, r, right_angle, 2 * right_angle);
+    cairo_arc(cairo_, left, top, r, 2 * right_angle, 3 * right_angle);
+    cairo_close_path(cairo_);
+    fill(color, color.a / 255.0);
+  }
+
+  void text(const Text& text, Typesetter& typesetter) {
+    cairo_reset_clip(cairo_);
+    cairo_set_font_face(cairo_, Fonts::get(text.bold));
+    cairo_set_font_size(cairo_, text.size);
+    double x = text.at.x;
+    if (text.align != Align::left) {
+      const double width = typesetter.width(text.text, text.size, text.bold);
+      x -= text.align == Align::centre ? width / 2 : width;
+    }
+    source(text.color, text.color.a / 255.0);
+    cairo_move_to(cairo_, x, text.at.y);
+    cairo_show_text(cairo_, text.text.c_str());
+  }
+
+ private:
+  void rectangle(const Rect& area) {
+    cairo_rectangle(cairo_, area.x, area.y, area.width, area.height);
+  }
+  void source(Color color, double alpha) {
+    cairo_set_source_rgba(cairo_, color.r / 255.0, color.g / 255.0, color.b / 255.0, alpha);
+  }
+  void fill(Color color, double alpha) {
+    source(color, alpha);
+    cairo_fill(cairo_);
+  }
+  void stroke(float width, Color color) {
+    source(color, color.a / 255.0);
+    cairo_set_line_width(cairo_, width);
+    cairo_stroke(cairo_);
+  }
+
+  cairo_t* cairo_;
+};
+
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned length) {
+  static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data),  // NOLINT: bytes
+                                           length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+}  // namespace
+
+std::string encode_pdf(const Drawing& drawing, const std::string& title, Typesetter& typesetter) {
+  std::string bytes;
+  const Surface surface(
+      cairo_pdf_surface_create_for_stream(append, &bytes, drawing.size().width * points_a_pixel,
+                                          drawing.size().height * points_a_pixel));
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, title.c_str());
+  // No clock: the same drawing gives the same bytes.
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE,
+                                 "2000-01-01T00:00:00Z");
+  {
+    const Context context(cairo_create(surface.get()));
+    cairo_scale(context.get(), points_a_pixel, points_a_pixel);
+    cairo_set_miter_limit(context.get(), 2.0);
+    Page page(context.get());
+    for (const Drawing::Item& item : drawing.items()) {
+      page.clip(item.clip);
+      std::visit(page, item.shape);
+    }
+    for (const Text& text : drawing.texts()) page.text(text, typesetter);
+    cairo_show_page(context.get());
+  }
+  cairo_surface_finish(surface.get());
+  if (const cairo_status_t status = cairo_surface_status(surface.get());
+      status != CAIRO_STATUS_SUCCESS)
+    throw error(Failure::work, "cairo cannot make a PDF: {}", cairo_status_to_string(status));
+  return bytes;
+}
+
+}  // namespace evo::render

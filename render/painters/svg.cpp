@@ -1,0 +1,235 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "render/painters/vector.h"
+
+namespace evo::render {
+namespace {
+
+// ---- pieces of text ---------------------------------------------------------------------
+
+// Hundredths of a pixel, nothing that says nothing: "12.5", "-.25".
+std::string number(double value) {
+  const double rounded = std::round(value * 100) / 100;
+  std::string text = fmt::format("{}", rounded == 0 ? 0.0 : rounded);
+  if (const auto zero = text.find("0."); zero != std::string::npos && text.size() > 2)
+    if (zero == 0 || (zero == 1 && text[0] == '-')) text.erase(zero, 1);
+  return text;
+}
+
+// With a space before it unless its sign parts it from what is there.
+void append(std::string& path, double value) {
+  const std::string text = number(value);
+  const bool parted = path.empty() || path.back() < '.' || path.back() > '9' || text[0] == '-';
+  if (!parted) path += ' ';
+  path += text;
+}
+void append(std::string& path, Point p) {
+  append(path, p.x);
+  append(path, p.y);
+}
+
+std::string hex(Color color) {
+  return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
+}
+
+std::string paint(const char* what, Color color) {
+  std::string text = fmt::format("{}=\"{}\"", what, hex(color));
+  if (color.a != 255) text += fmt::format(" {}-opacity=\"{}\"", what, number(color.a / 255.0));
+  return text;
+}
+
+std::string escaped(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '&')
+      safe += "&amp;";
+    else if (c == '<')
+      safe += "&lt;";
+    else if (c == '"')
+      safe += "&quot;";
+    else
+      safe += c;
+  }
+  return safe;
+}
+
+double signed_area(const Polygon& shape) {
+  double sum = 0;
+  for (int k = 0; k < shape.count; ++k) {
+    const Point a = shape.corners[static_cast<std::size_t>(k)];
+    const Point b = shape.corners[static_cast<std::size_t>((k + 1) % shape.count)];
+    sum += static_cast<double>(a.x) * b.y - static_cast<double>(b.x) * a.y;
+  }
+  return sum;
+}
+
+// ---- the document ---------------------------------------------------------------------------
+
+// Shapes painted alike, one after the other, become one path: cells of a colour
+// that share a border leave no hairline between them, and the file stays small.
+class Document {
+ public:
+  void clip(const Rect& area, const Rect& whole) {
+    if (open_ && area == clip_) return;
+    flush();
+    if (open_ && grouped_) body_ += "</g>\n";
+    open_ = true;
+    clip_ = area;
+    grouped_ = area != whole;
+    if (grouped_) body_ += fmt::format("<g clip-path=\"url(#{})\">\n", clip_name(area));
+  }
+
+  void operator()(const Polygon& shape) {
+    Polygon same = shape;  // all turn the same way, so that none cuts a hole into another
+    if (signed_area(shape) < 0)
+      std::reverse(same.corners.begin(), same.corners.begin() + same.count);
+    same.color.a = 255;
+    start(paint("fill", same.color));
+    for (int k = 0; k < same.count; ++k) {
+      path_ += k == 0 ? 'M' : 'L';
+      append(path_, same.corners[static_cast<std::size_t>(k)]);
+    }
+    path_ += 'z';
+  }
+
+  void operator()(const Gradient& shape) {
+    const auto [area, top, bottom] = shape;
+    if (area.width <= 0 || area.height <= 0) return;
+    Color flat = top;
+    flat.a = 255;
+    const std::string fill = top == bottom
+                                 ? paint("fill", flat)
+                                 : fmt::format("fill=\"url(#{})\"", gradient_name(top, bottom));
+    start(fill);
+    rectangle_path(area);
+  }
+
+  void operator()(const Line& shape) {
+    const auto& [from, to, width, color] = shape;
+    if (from == to) {
+      flush();
+      body_ += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" {}/>\n", number(from.x),
+                           number(from.y), number(width / 2), paint("fill", color));
+      return;
+    }
+    start(fmt::format("fill=\"none\" {} stroke-width=\"{}\" stroke-linecap=\"round\"",
+                      paint("stroke", color), number(width)));
+    path_ += 'M';
+    append(path_, from);
+    path_ += 'L';
+    append(path_, to);
+  }
+
+  void operator()(const Stroke& shape) {
+    start(fmt::format("fill=\"none\" {} stroke-width=\"{}\"", paint("stroke", shape.color),
+                      number(shape.width)));
+    for (std::size_t k = 0; k < shape.points.size(); ++k) {
+      path_ += k == 0 ? 'M' : 'L';
+      append(path_, shape.points[k]);
+    }
+    if (shape.closed) path_ += 'z';
+  }
+
+  void operator()(const RoundedRectangle& shape) {
+    flush();
+    const Rect& area = shape.area;
+    body_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"{}\" {}/>\n",
+                         number(area.x), number(area.y), number(area.width), number(area.height),
+                         number(shape.radius), paint("fill", shape.color));
+  }
+
+  void text(const Text& text, Typesetter& typesetter) {
+    if (text.text.empty()) return;
+    const char* anchor = text.align == Align::left     ? ""
+                         : text.align == Align::centre ? " text-anchor=\"middle\""
+                                                       : " text-anchor=\"end\"";
+    texts_ +=
+        fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"{}\"{}{} textLength=\"{}\" {}>{}</text>\n",
+                    number(text.at.x), number(text.at.y), number(text.size), anchor,
+                    text.bold ? " font-weight=\"bold\"" : "",
+                    number(typesetter.width(text.text, text.size, text.bold)),
+                    paint("fill", text.color), escaped(text.text));
+  }
+
+  std::string finish(Size size, const std::string& title) {
+    flush();
+    if (open_ && grouped_) body_ += "</g>\n";
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
+        "viewBox=\"0 0 {0} {1}\" role=\"img\">\n<title>{2}</title>\n<defs>\n{3}</defs>\n"
+        "<g stroke-miterlimit=\"2\">\n{4}</g>\n"
+        "<g font-family=\"DejaVu Sans, Verdana, sans-serif\" xml:space=\"preserve\">\n{5}</g>\n"
+        "</svg>\n",
+        size.width, size.height, escaped(title), definitions_, body_, texts_);
+  }
+
+ private:
+  void start(const std::string& style) {
+    if (style == style_) return;
+    flush();
+    style_ = style;
+  }
+  void flush() {
+    if (!path_.empty()) body_ += fmt::format("<path {} d=\"{}\"/>\n", style_, path_);
+    path_.clear();
+    style_.clear();
+  }
+  void rectangle_path(const Rect& area) {
+    path_ += 'M';
+    append(path_, Point{area.x, area.y});
+    path_ += 'h';
+    append(path_, area.width);
+    path_ += 'v';
+    append(path_, area.height);
+    path_ += 'h';
+    append(path_, -area.width);
+    path_ += 'z';
+  }
+
+  std::string clip_name(const Rect& area) {
+    const std::string shape =
+        fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>", number(area.x),
+                    number(area.y), number(area.width), number(area.height));
+    return define("c", "<clipPath id=\"{}\">" + shape + "</clipPath>\n");
+  }
+  std::string gradient_name(Color top, Color bottom) {
+    return define("g", "<linearGradient id=\"{}\" x2=\"0\" y2=\"1\"><stop stop-color=\"" +
+                           hex(top) + "\"/><stop offset=\"1\" stop-color=\"" + hex(bottom) +
+                           "\"/></linearGradient>\n");
+  }
+  // The name of what is defined as `element`, in which {} stands for the name.
+  std::string define(const char* kind, const std::string& element) {
+    const auto [known, fresh] =
+        names_.emplace(element, fmt::format("{}{}", kind, names_.size() + 1));
+    if (fresh) {
+      std::string named = element;
+      definitions_ += named.replace(named.find("{}"), 2, known->second);
+    }
+    return known->second;
+  }
+
+  std::string definitions_, body_, texts_;
+  std::map<std::string, std::string> names_;  // of definitions
+  std::string style_, path_;                  // of the path under way
+  Rect clip_;
+  bool open_ = false;
+  bool grouped_ = false;
+};
+
+}  // namespace
+
+std::string encode_svg(const Drawing& drawing, const std::string& title, Typesetter& typesetter) {
+  Document document;
+  for (const Drawing::Item& item : drawing.items()) {
+    document.clip(item.clip, drawing.whole());
+    std::visit(document, item.shape);
+  }
+  for (const Text& text : drawing.texts()) document.text(text, typesetter);
+  return document.finish(drawing.size(), title);
+}
+
+}  // namespace evo::render

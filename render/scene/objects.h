@@ -1,0 +1,54 @@
+// Bodies, packages and terrain: cells filled, the seams between them, outlines.
+#pragma once
+
+#include <span>
+
+#include "render/scene/mesh.h"
+#include "render/scene/projection.h"
+#include "render/scene/theme.h"
+#include "render/scene/value_scale.h"
+
+namespace evo::render {
+
+struct ObjectStyle {
+  bool tint = true;                 // actuators lighter when expanded, darker when contracted
+  double pale = 0.0;                // share of the background in every colour, for ghosts
+  std::span<const float> values{};  // of cells, for colours in place of their kinds'
+  const ValueScale* scale = nullptr;
+  std::span<const Color> outlines{};  // of objects that move, for the theme's
+};
+
+// Objects of a mesh whose points are at `points`, voxels.
+class ObjectPainter {
+ public:
+  ObjectPainter(const Mesh& mesh, std::span<const Vec2> points, const ObjectStyle& style,
+                const Theme& theme, const Projection& to_pixels, Drawing& drawing);
+
+  void draw(std::size_t object);
+
+ private:
+  Point pixel(int point) const { return pixels_[static_cast<std::size_t>(point)]; }
+  Vec2 point(int k) const { return points_[static_cast<std::size_t>(k)]; }
+  const ModelCell& cell(int k) const { return mesh_.cells[static_cast<std::size_t>(k)]; }
+  bool both(const Mesh::Edge& edge, Voxel type) const {
+    return cell(edge.cell).type == type && cell(edge.other).type == type;
+  }
+  Color pale(Color color) const { return mix(color, with_alpha(background_, 1.0), style_.pale); }
+
+  void fill(int k, bool robot);
+  void sign(int k);
+  void seam(const Mesh::Edge& edge);
+  void outline(const Mesh::Outline& line, Color color);
+
+  const Mesh& mesh_;
+  std::span<const Vec2> points_;
+  ObjectStyle style_;
+  const Theme& theme_;
+  const Projection& to_pixels_;
+  Drawing& drawing_;
+  Color background_;
+  std::vector<Point> pixels_;
+  std::vector<Color> colors_;  // of cells, as filled
+};
+
+}  // namespace evo::render

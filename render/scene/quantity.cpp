@@ -1,0 +1,213 @@
+#include "render/scene/quantity.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "formats/task/physics_profile.h"
+#include "libevo/base/error.h"
+#include "render/figures/round_numbers.h"
+
+namespace evo::render {
+namespace {
+
+constexpr float none = std::numeric_limits<float>::quiet_NaN();
+
+double distance(Vec2 a, Vec2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+double area(const ModelCell& cell, std::span<const Vec2> points) {
+  const auto [tl, tr, bl, br] = cell.points;
+  const auto at = [&](int k) { return points[static_cast<std::size_t>(k)]; };
+  const Vec2 one{at(tr).x - at(bl).x, at(tr).y - at(bl).y};
+  const Vec2 two{at(tl).x - at(br).x, at(tl).y - at(br).y};
+  return 0.5 * (one.x * two.y - one.y * two.x);
+}
+
+// ---- springs ----------------------------------------------------------------------------
+
+// As the simulator has them (spec: physics, sections 2 to 4). Lengths in voxels.
+struct Spring {
+  int a = 0;
+  int b = 0;
+  double stiffness = 0;        // raw
+  double rest = 1;             // undriven
+  std::vector<int> actuators;  // that drive it
+  std::vector<int> cells;      // one, or the two that share it
+};
+
+const SpringStiffness& stiffness_of(Voxel type, const Physics& physics) {
+  if (type == Voxel::soft) return physics.soft;
+  if (is_actuator(type)) return physics.actuator;
+  return physics.rigid;
+}
+
+bool lies_along(const ModelCell& cell, int a, int b, Voxel actuator) {
+  const auto [tl, tr, bl, br] = cell.points;
+  const auto is = [&](int p, int q) { return (a == p && b == q) || (a == q && b == p); };
+  return actuator == Voxel::horizontal ? is(tl, tr) || is(bl, br) : is(tl, bl) || is(tr, br);
+}
+
+std::vector<Spring> springs_of(const Mesh& mesh, const Physics& physics) {
+  std::vector<int> actuator(mesh.cells.size(), -1);
+  const std::vector<int> actuators = actuators_of(mesh);
+  for (std::size_t k = 0; k < actuators.size(); ++k)
+    actuator[static_cast<std::size_t>(actuators[k])] = static_cast<int>(k);
+  std::vector<Spring> springs;
+  for (const Mesh::Edge& edge : mesh.edges) {
+    Spring spring{edge.a, edge.b, physics.rigid.edge, 1, {}, {edge.cell}};
+    if (edge.other >= 0) spring.cells.push_back(edge.other);
+    std::sort(spring.cells.begin(), spring.cells.end());
+    for (const int c : spring.cells) {
+      const ModelCell& cell = mesh.cells[static_cast<std::size_t>(c)];
+      // Of two cells that are not rigid, the later one decides.
+      if (cell.type == Voxel::soft || is_actuator(cell.type))
+        spring.stiffness = stiffness_of(cell.type, physics).edge;
+      if (is_actuator(cell.type) && lies_along(cell, edge.a, edge.b, cell.type))
+        spring.actuators.push_back(actuator[static_cast<std::size_t>(c)]);
+    }
+    std::erase(spring.actuators, -1);
+    springs.push_back(std::move(spring));
+  }
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    const ModelCell& cell = mesh.cells[c];
+    const double stiffness = stiffness_of(cell.type, physics).diagonal;
+    const auto [tl, tr, bl, br] = cell.points;
+    for (const auto& [a, b] : {std::pair{tr, bl}, std::pair{tl, br}})
+      springs.push_back({a, b, stiffness, std::numbers::sqrt2, {}, {static_cast<int>(c)}});
+  }
+  return springs;
+}
+
+// ---- over an episode ------------------------------------------------------------------------
+
+std::span<const double> actions(const RolloutEpisode& episode, std::size_t count, int step) {
+  return std::span(episode.actions).subspan(static_cast<std::size_t>(step) * count, count);
+}
+
+void check_actions(const RolloutEpisode& episode, std::size_t actuators) {
+  const auto needed = static_cast<std::size_t>(episode.steps()) * actuators;
+  if (episode.actions.size() != needed)
+    throw error(Failure::data,
+                "the episode has {} numbers in its actions, but {} steps of {} actuators need {}, "
+                "so commanded lengths and stress are not known",
+                episode.actions.size(), episode.steps(), actuators, needed);
+}
+
+void fill_strain(const Mesh& mesh, std::span<const Vec2> points, std::span<float> values) {
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (mesh.cells[c].type != Voxel::fixed)
+      values[c] = static_cast<float>(area(mesh.cells[c], points) - 1);
+}
+
+class Stress {
+ public:
+  Stress(const Rollout& rollout, const Mesh& mesh)
+      : mesh_(mesh), physics_(physics_of(rollout)), springs_(springs_of(mesh, physics_)) {
+    for (const Spring& spring : springs_) rest_.push_back(spring.rest);
+    weight_ = mesh.objects.front().points * physics_.gravity;
+    if (weight_ <= 0)
+      throw Error(Failure::data, "without gravity there is no weight to measure stress with");
+  }
+
+  // Rest lengths follow their targets, a share of the way in every substep.
+  void follow(std::span<const double> targets) {
+    const double left = std::pow(1 - physics_.actuation_rate, physics_.substeps);
+    for (std::size_t k = 0; k < springs_.size(); ++k) {
+      if (springs_[k].actuators.empty()) continue;
+      double goal = 0;
+      for (const int each : springs_[k].actuators) goal += targets[static_cast<std::size_t>(each)];
+      goal = goal / static_cast<double>(springs_[k].actuators.size()) * springs_[k].rest;
+      rest_[k] = goal + (rest_[k] - goal) * left;
+    }
+  }
+
+  void fill(std::span<const Vec2> points, std::span<float> values) const {
+    for (std::size_t c = 0; c < mesh_.cells.size(); ++c)
+      if (mesh_.cells[c].type != Voxel::fixed) values[c] = 0;
+    for (std::size_t k = 0; k < springs_.size(); ++k) {
+      const Spring& spring = springs_[k];
+      const double length = distance(points[static_cast<std::size_t>(spring.a)],
+                                     points[static_cast<std::size_t>(spring.b)]);
+      const double pull = spring.stiffness * physics_.voxel_length * (length - rest_[k]) / weight_;
+      for (const int c : spring.cells) {
+        const double size =
+            std::max(0.05, std::abs(area(mesh_.cells[static_cast<std::size_t>(c)], points)));
+        values[static_cast<std::size_t>(c)] += static_cast<float>(
+            pull * length / (2 * size) / static_cast<double>(spring.cells.size()));
+      }
+    }
+  }
+
+ private:
+  const Mesh& mesh_;
+  Physics physics_;
+  std::vector<Spring> springs_;
+  std::vector<double> rest_;  // now
+  double weight_ = 0;
+};
+
+// Of most values, the largest; few that stick out must not make all others pale.
+double usual_extreme(const std::vector<float>& values) {
+  constexpr double share = 0.98;
+  std::vector<float> sizes;
+  for (const float value : values)
+    if (!std::isnan(value)) sizes.push_back(std::abs(value));
+  if (sizes.empty()) return 0;
+  const auto at =
+      sizes.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sizes.size() - 1));
+  std::nth_element(sizes.begin(), at, sizes.end());
+  return static_cast<double>(*at);
+}
+
+}  // namespace
+
+ValueScale command_scale() { return {"commanded length", 0.6, 1.0, 1.6}; }
+
+Physics physics_of(const Rollout& rollout) {
+  if (rollout.physics_yaml.empty())
+    throw Error(Failure::data,
+                "the rollout does not carry its physics (attribute physics_yaml), "
+                "so forces are not known; record it with evo-eval --rollout");
+  return physics_from_yaml(YamlNode::parse(rollout.physics_yaml, "physics of the rollout"), {}, {});
+}
+
+std::vector<int> actuators_of(const Mesh& mesh) {
+  std::vector<int> cells;
+  const ModelObject& robot = mesh.objects.front();
+  for (int c = robot.first_cell; c < robot.first_cell + robot.cells; ++c)
+    if (is_actuator(mesh.cells[static_cast<std::size_t>(c)].type)) cells.push_back(c);
+  return cells;
+}
+
+Quantity::Quantity(Tint what, const Rollout& rollout, const RolloutEpisode& episode,
+                   const Mesh& mesh, std::span<const Vec2> points)
+    : cells_(mesh.cells.size()) {
+  const int steps = episode.steps();
+  const auto per_step = static_cast<std::size_t>(rollout.points);
+  const std::vector<int> actuators = actuators_of(mesh);
+  values_.assign((static_cast<std::size_t>(steps) + 1) * cells_, none);
+  if (what != Tint::strain) check_actions(episode, actuators.size());
+  std::optional<Stress> stress;
+  if (what == Tint::stress) stress.emplace(rollout, mesh);
+  for (int t = 0; t <= steps; ++t) {
+    const auto now = std::span(values_).subspan(static_cast<std::size_t>(t) * cells_, cells_);
+    const auto at = points.subspan(static_cast<std::size_t>(t) * per_step, per_step);
+    if (what == Tint::strain) fill_strain(mesh, at, now);
+    if (stress && t > 0) stress->follow(actions(episode, actuators.size(), t - 1));
+    if (stress) stress->fill(at, now);
+    for (std::size_t k = 0; what == Tint::commanded && k < actuators.size(); ++k)
+      now[static_cast<std::size_t>(actuators[k])] =
+          t == 0 ? 1.0F : static_cast<float>(actions(episode, actuators.size(), t - 1)[k]);
+  }
+  if (what == Tint::commanded) {
+    scale_ = command_scale();
+    return;
+  }
+  constexpr double least = 0.01;
+  const double most = round_number_from(std::max(least, usual_extreme(values_)));
+  scale_ = {what == Tint::strain ? "strain (area)" : "stress (weights per voxel)", -most, 0, most};
+}
+
+}  // namespace evo::render

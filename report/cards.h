@@ -1,0 +1,26 @@
+// The sections about one run, each a card on the page.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/parts.h"
+
+namespace evo::report {
+
+// What the run says and what to do next; nothing for runs beside others.
+std::string verdict_card(const Run& run);
+// The figures of a run in one row.
+std::string tiles(const Run& run);
+std::string badge(const Run& run);    // finished or not
+std::string trained(const Run& run);  // "24 of 250"
+
+std::string champion_card(const Run& run, const std::string& anchor, Page& page);
+// The best robots of every generation.
+std::string evolution_card(const Run& run, const std::string& anchor, Page& page);
+std::string lineage_card(const Run& run, const std::string& anchor, Page& page);
+std::string robots_card(const Run& run, const std::string& anchor, Page& page);
+// A row a setting, a column a run; rows in which runs differ stand out.
+std::string settings_card(const std::vector<const Run*>& runs);
+
+}  // namespace evo::report

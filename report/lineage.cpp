@@ -1,0 +1,34 @@
+#include "report/lineage.h"
+
+#include <algorithm>
+
+namespace evo::report {
+
+std::optional<std::vector<Change>> changes(const Body& parent, const Body& child) {
+  if (parent.rows != child.rows || parent.cols != child.cols) return std::nullopt;
+  std::vector<Change> found;
+  for (int row = 0; row < child.rows; ++row)
+    for (int col = 0; col < child.cols; ++col)
+      if (parent.at(row, col) != child.at(row, col))
+        found.push_back({row, col, parent.at(row, col), child.at(row, col)});
+  return found;
+}
+
+std::optional<std::size_t> parent(const Run& run, std::size_t robot) {
+  for (const std::string& id : run.robots[robot].robot.parents())
+    if (const auto known = run.by_id.find(id); known != run.by_id.end()) return known->second;
+  return std::nullopt;
+}
+
+std::vector<std::size_t> lineage(const Run& run, std::size_t robot) {
+  std::vector<std::size_t> line{robot};
+  while (const auto next = parent(run, line.back())) {
+    // Files edited by hand may make a robot its own ancestor.
+    if (std::find(line.begin(), line.end(), *next) != line.end()) break;
+    line.push_back(*next);
+  }
+  std::reverse(line.begin(), line.end());
+  return line;
+}
+
+}  // namespace evo::report

@@ -1,0 +1,289 @@
+#include "report/page.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "cli/terminal.h"
+#include "report/assets.h"
+#include "report/cards.h"
+#include "report/charts.h"
+#include "report/markup.h"
+#include "report/robot_data.h"
+
+namespace evo::report {
+namespace {
+
+constexpr std::array kinds{Voxel::rigid, Voxel::soft, Voxel::horizontal, Voxel::vertical};
+
+// ---- sections ---------------------------------------------------------------------
+
+std::string chart_card(const std::string& id, const std::string& title, const std::string& about,
+                       const std::string& chart) {
+  return "<section class=\"card\">\n" + heading(id, title, about) + chart + "</section>\n";
+}
+
+// What a chart shows of the robots, `all` of them or some.
+std::string points_of(const Run& run, const std::string& anchor, const std::string& all) {
+  if (run.shown.size() == run.robots.size()) return all;
+  return fmt::format("{} <a href=\"#{}-robots\">{} of {} robots</a> are shown.", all, anchor,
+                     cli::grouped(static_cast<long long>(run.shown.size())),
+                     cli::grouped(static_cast<long long>(run.robots.size())));
+}
+
+std::string curves(const Run& run, const std::string& anchor, Page& page) {
+  std::string html = "<div class=\"two\">\n";
+  html += chart_card(anchor + "-curves", "Fitness by robots trained",
+                     points_of(run, anchor, "The best fitness so far, and that of each robot."),
+                     page.chart(progress_chart(run), anchor, "fitness-by-robots"));
+  html += chart_card(
+      "", "Fitness by generation",
+      "Best over all robots of the generation; median and mean over those that were new in "
+      "it, so that they do not jump as survivors thin out; the bands show the spread.",
+      page.chart(generation_chart(run), anchor, "fitness-by-generation"));
+  return html + "</div>\n";
+}
+
+std::string features_card(const Run& run, const std::string& anchor, Page& page) {
+  std::string charts;
+  for (FeatureChart& feature : feature_charts(run))
+    charts += page.chart(std::move(feature.chart), anchor, "fitness-by-" + feature.name, "small");
+  return "<section class=\"card long\">\n" +
+         heading(anchor + "-body", "Fitness and the body",
+                 points_of(run, anchor,
+                           "Every robot a point, the champion in orange. Hover over a point to "
+                           "see its robot; a click opens its card.")) +
+         "<div class=\"three\">\n" + charts + "</div>\n</section>\n";
+}
+
+std::string tree_card(const Run& run, const std::string& anchor, Page& page) {
+  return chart_card(
+      anchor + "-tree", "Family tree",
+      points_of(run, anchor,
+                "Every robot where it was new, with lines from its parents; the champion's line "
+                "of descent is drawn thick."),
+      page.chart(tree_chart(run), anchor, "family-tree"));
+}
+
+// Where bodies were looked for, and which voxels go with fitness.
+std::string maps_card(const Run& run, const std::string& anchor, Page& page) {
+  std::string positions;
+  for (FeatureChart& map : position_charts(run))
+    positions += "<div><h4>" + map.name + "</h4>" +
+                 page.chart(std::move(map.chart), anchor, "positions-" + map.name, "small") +
+                 "</div>\n";
+  std::string archive;
+  if (Json chart = archive_chart(run); !chart.is_null())
+    archive = heading(anchor + "-archive", "The archive",
+                      "The fittest robot of every kind: the best fitness by the archive's first "
+                      "axes; what lies beyond an end counts to the cell there. A click opens the "
+                      "robot.") +
+              page.chart(std::move(chart), anchor, "archive", "small");
+  return "<section class=\"card long\">\n" + archive +
+         heading(anchor + "-maps", "Where evolution looked",
+                 "The best fitness of all robots with so many voxels and actuators. A click opens "
+                 "the robot.") +
+         page.chart(coverage_chart(run), anchor, "coverage", "small") +
+         (positions.empty() ? ""
+                            : heading("", "Which voxels matter",
+                                      "For every place of the body: the mean fitness of robots "
+                                      "with such a voxel there, less the mean of all.") +
+                                  "<div class=\"five\">\n" + positions + "</div>\n") +
+         "</section>\n";
+}
+
+std::string learning_card(const Run& run, const std::string& anchor, Page& page) {
+  Json chart = learning_chart(run);
+  if (chart.is_null())
+    return "<section class=\"card\">\n" +
+           heading(anchor + "-learning", "Learning curves",
+                   "No policy files are in the run folder, so there are no curves.") +
+           "</section>\n";
+  return chart_card(anchor + "-learning", "Learning curves",
+                    points_of(run, anchor,
+                              "Returns of every robot's evaluations during its training; entropy, "
+                              "KL divergence and explained variance are on its card."),
+                    page.chart(std::move(chart), anchor, "learning-curves"));
+}
+
+void link_parts(const Run& run, const std::string& anchor, Page& page) {
+  if (run.champion) {
+    page.navigate(anchor + "-champion", "Champion");
+    page.navigate(anchor + "-curves", "Curves");
+    page.navigate(anchor + "-evolution", "Evolution");
+    page.navigate(anchor + "-lineage", "Lineage");
+    page.navigate(anchor + "-tree", "Family tree");
+    page.navigate(anchor + "-body", "Bodies");
+    page.navigate(anchor + "-learning", "Learning");
+  }
+  page.navigate("settings", "Settings");
+  if (!run.robots.empty()) page.navigate(anchor + "-robots", "Robots");
+}
+
+void add_run(const Run& run, const std::string& anchor, bool alone, Page& page) {
+  std::string html;
+  if (alone) link_parts(run, anchor, page);
+  if (!alone)
+    html += fmt::format("<details id=\"{}\">\n<summary><h2>{} {}</h2></summary>\n", anchor,
+                        escape(run.label), badge(run));
+  html += verdict_card(run);
+  html += tiles(run);
+  page.runs[anchor] = robots_data(run);
+  if (run.champion) {
+    html += champion_card(run, anchor, page);
+    html += curves(run, anchor, page);
+    html += evolution_card(run, anchor, page);
+    html += lineage_card(run, anchor, page);
+    html += tree_card(run, anchor, page);
+    html += features_card(run, anchor, page);
+    html += maps_card(run, anchor, page);
+    const std::string learning = learning_card(run, anchor, page);
+    html +=
+        alone ? "<div class=\"two\">\n" + learning + settings_card({&run}) + "</div>\n" : learning;
+  } else {
+    html += run.robots.empty()
+                ? "<p class=\"card note\">No robot has been trained yet.</p>\n"
+                : "<p class=\"card note\">No robot has a fitness: every training failed.</p>\n";
+    if (alone) html += settings_card({&run});
+  }
+  if (!run.robots.empty()) html += robots_card(run, anchor, page);
+  if (!alone) html += "</details>\n";
+  page.sections += html;
+}
+
+std::string anchor_of(std::size_t run) { return fmt::format("run-{}", run + 1); }
+
+std::string comparison_row(const Run& run, std::size_t number, Page& page) {
+  const std::string anchor = anchor_of(number);
+  std::string row = "<tr>";
+  row += fmt::format("<td>{}</td>",
+                     run.champion ? page.link(run.robots[*run.champion].robot, anchor) : "");
+  row += cell(run.label, fmt::format("<a href=\"#{}\">{}</a>", anchor, escape(run.label)), "");
+  for (const char* name : {"task", "method", "seed"})
+    row += cell(run.setting(name), escape(run.setting(name)), "");
+  row += run.champion ? fitness_cell(run.robots[*run.champion].fitness) : cell("", "none yet");
+  const auto score = run.champion ? run.robots[*run.champion].training.final_score : std::nullopt;
+  row += score ? cell(fmt::to_string(score->mean), with_error(score->mean, score->standard_error))
+               : cell("", "");
+  row += run.champion ? cell(*run.champion + 1) : cell("", "");
+  row += cell(fmt::to_string(run.robots.size()), trained(run));
+  row += cell(run.generations.size());
+  row += cell(run.failures());
+  return row + "</tr>\n";
+}
+
+void add_comparison(const std::vector<Run>& runs, Page& page) {
+  std::string rows;
+  std::vector<const Run*> all;
+  std::vector<std::pair<std::string, std::vector<const Run*>>> tasks;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    rows += comparison_row(runs[k], k, page);
+    all.push_back(&runs[k]);
+    const std::string task = runs[k].setting("task");
+    auto known = std::find_if(tasks.begin(), tasks.end(),
+                              [&](const auto& group) { return group.first == task; });
+    if (known == tasks.end()) known = tasks.insert(tasks.end(), {task, {}});
+    known->second.push_back(&runs[k]);
+  }
+  page.sections += fmt::format(
+      "<section class=\"card\">\n{}<div class=\"scroll\"><table class=\"data sortable\">\n{}"
+      "<tbody>\n{}</tbody></table></div>\n</section>\n",
+      heading("", "Runs", "The champion of each run, and the robot of the run it was."),
+      table_head({{"champion", "", nullptr},
+                  {"run", "", "ascending"},
+                  {"task", "", "ascending"},
+                  {"method", "", "ascending"},
+                  {"seed", "", "ascending"},
+                  {"best fitness"},
+                  {"shifted starts"},
+                  {"robot", "n", "ascending"},
+                  {"trained"},
+                  {"generations"},
+                  {"failed"}}),
+      rows);
+  for (const auto& [task, group] : tasks)
+    page.sections += chart_card(
+        "", "Best fitness so far on " + escape(task),
+        "By robots trained. Runs that differ in nothing but their seed are one curve, their mean "
+        "with its standard deviation as far as all of them have come; each can be added.",
+        page.chart(comparison_chart(group), "", "best-so-far-" + task));
+  page.sections += settings_card(all);
+}
+
+// ---- the whole ---------------------------------------------------------------------
+
+std::string default_title(const std::vector<Run>& runs) {
+  if (runs.size() > 1) {
+    const std::string task = runs[0].setting("task");
+    const bool same = std::all_of(runs.begin(), runs.end(),
+                                  [&](const Run& run) { return run.setting("task") == task; });
+    return fmt::format("{}{} runs compared", same ? task + ": " : "", runs.size());
+  }
+  return fmt::format("{}: {}", runs[0].setting("task"), runs[0].label);
+}
+
+// "; trained on 2026-11-22 on host with evo-train 1.2", as far as it is known.
+std::string when_and_where(const Run& run) {
+  std::string text;
+  if (run.ended > 0) text += fmt::format(" on {:%Y-%m-%d}", fmt::gmtime(run.ended));
+  if (run.machines.size() == 1) text += " on " + escape(run.machines.front());
+  if (run.machines.size() > 1) text += " on " + count_of(run.machines.size(), "machine");
+  if (run.champion)
+    if (const std::string& tool = run.robots[*run.champion].training.created_by; !tool.empty())
+      text += " with " + escape(tool);
+  return text.empty() ? "" : "; trained" + text;
+}
+
+std::string lead(const std::vector<Run>& runs) {
+  if (runs.size() > 1) return "Co-design of soft robots, several runs side by side";
+  const Run& run = runs[0];
+  return fmt::format("Co-design of soft robots by {}, bodies of {} voxels, seed {}{} {}",
+                     escape(run.setting("method")), escape(run.setting("shape")),
+                     escape(run.setting("seed")), when_and_where(run), badge(run));
+}
+
+std::string legend() {
+  std::string html;
+  for (const Voxel kind : kinds)
+    html += fmt::format("<span><span class=\"swatch {0}\"></span>{0}{1}</span> ", kind_name(kind),
+                        is_actuator(kind) ? " actuator" : " voxel");
+  return html;
+}
+
+// JSON inside of a script element: no text in it can end the element.
+std::string script_data(const Json& data) {
+  std::string safe;
+  for (const char c : compact(data)) safe += c == '<' ? "\\u003c" : std::string(1, c);
+  return safe;
+}
+
+}  // namespace
+
+std::string make_page(const std::vector<Run>& runs, const PageOptions& options) {
+  Page page;
+  const bool alone = runs.size() == 1;
+  if (!alone) add_comparison(runs, page);
+  if (!alone) page.navigate("settings", "Settings");
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    if (!alone) page.navigate(anchor_of(k), runs[k].label);
+    add_run(runs[k], anchor_of(k), alone, page);
+  }
+  const std::string title = escape(options.title.empty() ? default_title(runs) : options.title);
+  return fill(page_template(),
+              {{"title", title},
+               {"lead", lead(runs)},
+               {"generator", escape(options.generator)},
+               {"style", std::string(style())},
+               {"charts_script", std::string(charts_script())},
+               {"replay_script", std::string(replay_script())},
+               {"script", std::string(script())},
+               {"symbols", page.symbols},
+               {"navigation", page.navigation},
+               {"sections", page.sections},
+               {"kinds", legend()},
+               {"data", script_data({{"charts", page.charts}, {"runs", page.runs}})}});
+}
+
+}  // namespace evo::report

@@ -1,0 +1,174 @@
+#include "report/run.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <mutex>
+#include <set>
+#include <string_view>
+
+#include "cli/episodes.h"
+#include "formats/rollout/rollout.h"
+#include "formats/run/run.h"
+#include "formats/training/policy.h"
+#include "libevo/base/parallel.h"
+#include "report/choice.h"
+#include "report/replay.h"
+
+namespace evo::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder as it is called, "." too; the folders above need not be readable.
+fs::path full_path(const fs::path& folder) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();
+}
+
+std::vector<Setting> masked(const RunSettings& settings) {
+  std::vector<Setting> list;
+  for (const auto& [name, value] : settings.list()) list.push_back({name, without_folders(value)});
+  return list;
+}
+
+void add_history(const RunHistory& history, Run& run) {
+  for (const TrainedRobot& trained : history.robots())
+    run.robots.push_back(
+        {trained.robot, trained.generation, trained.fitness, without_folders(trained.failure), {}});
+  run.by_id = history.by_id();
+  run.champion = history.champion_index();
+  for (const RunHistory::Generation& begun : history.generations()) {
+    Generation generation{begun.number, {}, begun.slots.size()};
+    for (const auto& robot : begun.slots)
+      if (robot) generation.members.push_back(*robot);
+    run.generations.push_back(std::move(generation));
+  }
+}
+
+// ---- trainings and episodes --------------------------------------------------------
+
+// The robot's own file, or the champion's copy.
+std::optional<PolicyFile> policy_of(const RunFolder& folder, const std::string& id) {
+  for (const fs::path& file : {folder.policy(id), folder.path() / "best.policy.h5"}) {
+    if (!fs::exists(file)) continue;
+    PolicyFile policy = read_policy(file);
+    if (policy.robot.id == id) return policy;
+  }
+  return std::nullopt;
+}
+
+// Each on its own, whatever the number of threads.
+void read_trainings(const RunFolder& folder, std::size_t replays, int threads, Run& run) {
+  const std::set<std::size_t> moving = shown_moving(run, replays);
+  std::vector<Json> episodes(run.shown.size());
+  std::vector<Json> worlds(run.shown.size());
+  ThreadPool pool(threads);
+  std::mutex hdf5;  // whose library is not made for several threads
+  pool.run(run.shown.size(), [&](std::size_t k, int /*worker*/) {
+    Entry& entry = run.robots[run.shown[k]];
+    std::optional<PolicyFile> policy;
+    {
+      const std::scoped_lock lock(hdf5);
+      policy = policy_of(folder, entry.robot.id);
+    }
+    if (!policy) return;
+    entry.training = training_of(*policy);
+    add_log(folder.log(entry.robot.id), entry.training);
+    if (!moving.contains(run.shown[k])) return;
+    const Rollout rollout = cli::play(*policy, "evo-report");
+    episodes[k] = replay_of(rollout);
+    worlds[k] = world_of(rollout);
+  });
+  for (std::size_t k = 0; k < run.shown.size(); ++k) {
+    if (!episodes[k].is_null()) run.replays.emplace(run.shown[k], std::move(episodes[k]));
+    if (run.world.is_null() && !worlds[k].is_null()) run.world = std::move(worlds[k]);
+  }
+}
+
+// The champion's recorded episode: its way as a picture, and its replay where its
+// policy is gone.
+void read_recording(const fs::path& folder, const std::string& id, Run& run) {
+  const fs::path file = folder / "best.rollout.h5";
+  if (!fs::exists(file)) return;
+  const Rollout rollout = read_rollout(file);
+  if (!rollout.robot || rollout.robot->id != id) return;
+  run.film = draw_film(rollout);
+  if (run.replays.contains(*run.champion)) return;
+  run.replays.emplace(*run.champion, replay_of(rollout));
+  run.world = world_of(rollout);
+}
+
+}  // namespace
+
+std::string Run::setting(const std::string& name) const {
+  for (const Setting& setting : settings)
+    if (setting.name == name) return setting.value;
+  return "";
+}
+
+std::optional<std::size_t> Run::evaluations() const {
+  const std::string text = setting("evaluations");
+  std::size_t value = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size())
+    return std::nullopt;
+  return value;
+}
+
+std::size_t Run::failures() const {
+  return static_cast<std::size_t>(std::count_if(robots.begin(), robots.end(),
+                                                [](const Entry& entry) { return !entry.fitness; }));
+}
+
+bool Run::shows(std::size_t robot) const {
+  return std::binary_search(shown.begin(), shown.end(), robot);
+}
+
+Run read_run(const fs::path& folder, const Extent& extent, int threads) {
+  const RunHistory history{RunFolder(folder)};
+  Run run;
+  run.label = full_path(folder).filename().string();
+  run.settings = masked(history.folder().settings());
+  add_history(history, run);
+  run.seconds = history.seconds();
+  run.began = std::llround(history.began());
+  run.ended = std::llround(history.ended());
+  run.machines = {history.machines().begin(), history.machines().end()};
+  run.shown = shown_one_by_one(run, extent.robots);
+  read_trainings(history.folder(), extent.replays, threads, run);
+  if (run.champion) read_recording(folder, run.robots[*run.champion].robot.id, run);
+  return run;
+}
+
+void tell_apart(std::vector<Run>& runs, const std::vector<fs::path>& folders) {
+  const auto count_labels = [&] {
+    std::map<std::string, int> uses;
+    for (const Run& run : runs) ++uses[run.label];
+    return uses;
+  };
+  const auto by_name = count_labels();
+  for (std::size_t k = 0; k < runs.size(); ++k)
+    if (by_name.at(runs[k].label) > 1)
+      runs[k].label = full_path(folders[k]).parent_path().filename().string() + "/" + runs[k].label;
+  const auto by_both = count_labels();
+  std::map<std::string, int> seen;
+  for (Run& run : runs)
+    if (by_both.at(run.label) > 1) run.label += fmt::format(" ({})", ++seen[run.label]);
+}
+
+std::string without_folders(const std::string& text) {
+  constexpr std::string_view ends = " \t\n'\"=,:;()";
+  std::string shorter;
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find_first_of(ends, start), text.size());
+    const std::string_view word = std::string_view(text).substr(start, end - start);
+    const std::size_t slash = word.find_last_of('/');
+    shorter += word.starts_with('/') || word.starts_with('~') ? word.substr(slash + 1) : word;
+    if (end < text.size()) shorter += text[end];
+    start = end + 1;
+  }
+  return shorter;
+}
+
+}  // namespace evo::report

@@ -26,7 +26,7 @@
 
 #include "cli/config_file.h"
 #include "cli/terminal.h"
-#include "cli/values.h"
+#include "formats/io/values.h"
 #include "libevo/sim/isa.h"
 #include "version.h"
 
@@ -413,6 +413,15 @@ Workers::Workers(const Command& command, std::size_t tasks)
   if (pool.threads() < wanted)
     command.warn(fmt::format("{} of {} threads could be started; going on with these",
                              pool.threads(), wanted));
+}
+
+void Command::parse(std::vector<std::string> words) {
+  std::reverse(words.begin(), words.end());  // as CLI11 takes them
+  try {
+    impl_->app.parse(words);
+  } catch (const CLI::ParseError& e) {
+    throw impl_->explain(e);
+  }
 }
 
 int Command::run(int argc, char** argv, const std::function<int()>& work) {

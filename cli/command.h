@@ -83,6 +83,9 @@ class Command {
   void note(const std::string& text) const;
   void warn(const std::string& text) const;
 
+  // Options kept elsewhere than on a command line. Throws Error(usage).
+  void parse(std::vector<std::string> words);
+
   // Parses, then runs `work`, whose value is the exit status. Every Error ends
   // here, as one line on standard error and its kind as exit status.
   int run(int argc, char** argv, const std::function<int()>& work);

@@ -1,9 +1,10 @@
 // evo-archive: the fittest robot of every kind there is (MAP-Elites).
 #include <fmt/ranges.h>
 
-#include "cli/archive.h"
 #include "cli/command.h"
 #include "cli/robots.h"
+#include "evolution/archive.h"
+#include "formats/robot/writer.h"
 
 namespace {
 
@@ -52,13 +53,13 @@ int main(int argc, char** argv) {
                   "the same by how far they came");
 
   return command.run(argc, argv, [&] {
-    GridArchive archive = cli::parse_archive(features, "--features");
+    GridArchive archive = parse_archive(features, "--features");
     const std::vector<Robot> robots = cli::read_robots(files);
-    cli::fill(archive, robots);
+    fill(archive, robots);
     if (table) {
       print_table(archive, robots, command.output);
     } else {
-      cli::RobotWriter out(command.output);
+      RobotWriter out(command.output);
       for (const auto& [cell, elite] : archive.elites()) {
         Robot robot = robots[elite.individual];
         robot.document["cell"] = cell;

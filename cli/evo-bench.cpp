@@ -14,8 +14,8 @@
 #include "cli/data.h"
 #include "cli/robots.h"
 #include "cli/task_options.h"
-#include "cli/values.h"
 #include "formats/io/json.h"
+#include "formats/io/values.h"
 #include "formats/task/task.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
@@ -90,7 +90,7 @@ std::vector<Subject> subjects(const Settings& settings, std::uint64_t seed) {
       settings.task.change_physics(found.back().task);
     }
   } else {
-    for (const int size : cli::parse_wholes(settings.sizes, "--sizes", 1, most_counted))
+    for (const int size : parse_wholes(settings.sizes, "--sizes", 1, most_counted))
       for (std::uint64_t n = seed; n < seed + static_cast<std::uint64_t>(settings.bodies); ++n)
         found.push_back({settings.task.load(), random_body(size, size, n), n});
   }
@@ -309,7 +309,7 @@ int bench(const Settings& settings, std::uint64_t seed) {
     throw error(Failure::usage, "--mixed: {} is about one body; leave one of them out",
                 settings.tasks ? "--tasks" : "--model");
   if (settings.model) return describe_models(settings, seed);
-  const std::vector<int> envs = cli::parse_wholes(settings.envs, "--envs", 1, most_counted);
+  const std::vector<int> envs = parse_wholes(settings.envs, "--envs", 1, most_counted);
   const std::vector<Subject> measured = subjects(settings, seed);
   const std::vector<std::string> chosen = isas(settings.isa);
   select_isa(chosen.front());  // refused before anything is written

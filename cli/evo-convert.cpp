@@ -14,6 +14,7 @@
 #include "formats/foreign/onnx.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
+#include "formats/robot/writer.h"
 #include "formats/rollout/rollout.h"
 #include "formats/task/draft.h"
 #include "formats/training/policy_json.h"
@@ -95,7 +96,7 @@ const Robot& single(const std::vector<Robot>& robots, const std::string& format)
 using Robots = std::vector<Robot>;
 
 void write_lines(const Robots& robots, const std::string& output) {
-  cli::RobotWriter out(output);
+  RobotWriter out(output);
   for (const Robot& robot : robots) out.write(robot);
   out.finish();
 }

@@ -8,6 +8,7 @@
 #include "cli/env/serve.h"
 #include "cli/robots.h"
 #include "cli/task_options.h"
+#include "formats/io/files.h"
 
 namespace {
 

@@ -6,17 +6,18 @@
 #include <set>
 
 #include "cli/command.h"
-#include "cli/episodes.h"
 #include "cli/outputs.h"
 #include "cli/progress.h"
 #include "cli/robots.h"
 #include "cli/task_options.h"
-#include "cli/values.h"
 #include "formats/io/files.h"
+#include "formats/io/values.h"
+#include "formats/robot/writer.h"
 #include "formats/task/task.h"
 #include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
 #include "libevo/control/evaluate.h"
+#include "training/episodes.h"
 
 namespace {
 
@@ -89,7 +90,7 @@ Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, 
       return ReplayController{sequence.values, sequence.actuators};
     };
   } else if (settings.sine) {
-    const std::vector<double> wave = cli::parse_numbers(*settings.sine, "--sine");
+    const std::vector<double> wave = parse_numbers(*settings.sine, "--sine");
     if (wave.size() != 3 || wave[1] == 0.0)
       throw error(Failure::usage, "--sine: '{}' is not AMPLITUDE,PERIOD,PHASE", *settings.sine);
     trial.controller = [wave](const Arena& arena) -> Controller {
@@ -164,11 +165,11 @@ Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, con
   evaluation.seed = seed;
   evaluation.jitter = settings.jitter;
   evaluation.max_steps = settings.max_steps.value_or(0);
-  if (settings.draws) evaluation.draws = cli::parse_draws(*settings.draws, arena.task());
+  if (settings.draws) evaluation.draws = parse_draws(*settings.draws, arena.task());
 
-  std::optional<cli::Recorder> recorder;
+  std::optional<Recorder> recorder;
   if (rollout_path) recorder.emplace(arena, robot, seed, settings.velocities, "evo-eval");
-  cli::BehaviourGauge gauge;
+  BehaviourGauge gauge;
   const Evaluation result =
       evaluate(arena, trial.controller(arena), evaluation, [&](const EpisodeMoment& moment) {
         if (recorder) recorder->record(moment);
@@ -245,7 +246,7 @@ int main(int argc, char** argv) {
     check_files(settings, robots, files, command.output);
     if (settings.rollout_dir) make_folders(*settings.rollout_dir);
     const Warn warn = [&](const std::string& text) { command.warn(text); };
-    cli::OrderedWriter out(command.output);
+    OrderedWriter out(command.output);
     // Robots that go to the terminal are progress enough.
     const bool shows = command.progress == "auto" && command.output == standard_stream &&
                        ::isatty(STDOUT_FILENO) == 1;

@@ -13,11 +13,11 @@
 #include "cli/robots.h"
 #include "cli/run_status.h"
 #include "cli/terminal.h"
-#include "cli/values.h"
 #include "formats/foreign/npz.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
 #include "formats/io/hdf5_bytes.h"
+#include "formats/io/values.h"
 #include "formats/rollout/ending.h"
 #include "formats/rollout/rollout.h"
 #include "formats/task/physics_profile.h"
@@ -379,7 +379,7 @@ int main(int argc, char** argv) {
       print_tasks(markdown);
     } else if (words[0] == "task") {
       if (words.size() != 2) throw error(Failure::usage, "task: name one task, such as Walker-v0");
-      const cli::Shape size = cli::parse_shape(shape.value_or("5x5"));
+      const Shape size = parse_shape(shape.value_or("5x5"));
       cli::print_wrapped(
           describe_task(load_task(words[1], cli::data_folders()), full_body(size.rows, size.cols)));
     } else if (print_profile(words)) {

@@ -1,21 +1,22 @@
 // evo-mutate: children of the robots read.
 #include <set>
 
-#include "cli/breeding.h"
+#include "cli/breeding_options.h"
 #include "cli/command.h"
 #include "cli/robots.h"
+#include "formats/robot/writer.h"
 
 using namespace evo;
 
 int main(int argc, char** argv) {
   cli::Command command("evo-mutate", "children of the robots read");
-  cli::BreedingOptions breeding;
+  Breeding breeding;
   std::optional<int> count;
   std::vector<std::string> avoid;
   std::vector<std::string> files;
   command.arguments(files, "FILE", "robots (JSON, JSON Lines, YAML, letters) [standard input]");
   command.option("-n,--count", count, "N", "children to make [as many as robots read]");
-  breeding.add_to(command);
+  cli::add_breeding_options(command, breeding);
   command.option("--avoid", avoid, "FILE", "robots that must not come again (repeatable)");
   command.seed_option();
   command.output_option("where the children go, one JSON document per line");
@@ -33,9 +34,9 @@ int main(int argc, char** argv) {
       throw error(Failure::data, "no robots to make children of; pipe some in or name a file");
     std::set<std::string> seen = cli::read_ids(avoid);
     for (const Robot& robot : robots) seen.insert(robot.id);
-    cli::RobotWriter out(command.output);
+    RobotWriter out(command.output);
     for (int i = 0; i < children; ++i)
-      out.write(cli::breed_robot(robots, breeding, command.seed, i, seen));
+      out.write(breed_robot(robots, breeding, command.seed, i, seen));
     out.finish();
     return 0;
   });

@@ -3,12 +3,14 @@
 #include <limits>
 #include <map>
 
-#include "cli/breeding.h"
 #include "cli/command.h"
+#include "cli/data.h"
 #include "cli/outputs.h"
 #include "cli/robots.h"
-#include "cli/values.h"
+#include "evolution/breeding.h"
+#include "formats/io/values.h"
 #include "formats/robot/genome.h"
+#include "formats/robot/writer.h"
 #include "formats/run/neat.h"
 #include "libevo/evolve/cppn_neat.h"
 
@@ -67,7 +69,7 @@ int main(int argc, char** argv) {
   return command.run(argc, argv, [&] {
     cli::check_outputs({{"--output", command.output}, {"--state-out", state_out}});
     if (count < 2) throw error(Failure::usage, "--count must be at least 2, got {}", count);
-    const NeatSettings settings = cli::neat_settings(settings_file, count);
+    const NeatSettings settings = neat_settings(settings_file, count, cli::data_folders());
     std::set<std::string> seen = cli::read_ids(avoid);
     NeatState state;
     Parents parents;
@@ -81,17 +83,17 @@ int main(int argc, char** argv) {
       const Body& body = robots.front().body;
       made = next_robots(settings, body.rows, body.cols, parents.scored, seen, state, command.seed);
     } else {
-      const cli::Shape shape = cli::parse_shape(shape_text);
+      const Shape shape = parse_shape(shape_text);
       made = first_robots(settings, shape.rows, shape.cols, seen, state, command.seed);
     }
     // The state first: where the population is, its species are, too.
     write_file(state_out, neat_state_to_text(state));
-    cli::RobotWriter out(command.output);
+    RobotWriter out(command.output);
     int index = 0;
     for (const CppnRobot& robot : made) {
       std::vector<std::string> ids;
       for (const int key : robot.parents) ids.push_back(parents.ids.at(key));
-      out.write(cli::cppn_robot(robot, ids, command.seed, index++));
+      out.write(cppn_robot(robot, ids, command.seed, index++));
     }
     out.finish();
     return 0;

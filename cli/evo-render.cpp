@@ -4,16 +4,16 @@
 #include <memory>
 
 #include "cli/command.h"
-#include "cli/episodes.h"
 #include "cli/progress.h"
 #include "cli/robots.h"
-#include "cli/values.h"
 #include "formats/io/files.h"
 #include "formats/io/hdf5.h"
+#include "formats/io/values.h"
 #include "formats/rollout/rollout.h"
 #include "formats/run/run.h"
 #include "formats/training/policy.h"
 #include "render/render.h"
+#include "training/episodes.h"
 
 namespace {
 
@@ -48,8 +48,7 @@ constexpr int most_episodes = 1'000'000'000;
 
 render::Size parse_size(const std::string& text) {
   constexpr int most = 32'768;
-  const cli::Pair pair =
-      cli::parse_pair(text, "--size", most, "WIDTHxHEIGHT in pixels, such as 1280x720");
+  const Pair pair = parse_pair(text, "--size", most, "WIDTHxHEIGHT in pixels, such as 1280x720");
   return {pair.first, pair.second};
 }
 
@@ -73,7 +72,7 @@ void choose_format(const Settings& settings, bool animation, RenderOptions& opti
 
 render::Camera parse_camera(const Settings& settings) {
   render::Camera camera;
-  camera.objects = cli::split_list(settings.follow);
+  camera.objects = split_list(settings.follow);
   if (settings.camera == "follow") {
     camera.mode = render::CameraMode::follow;
   } else if (settings.camera == "world") {
@@ -85,7 +84,7 @@ render::Camera parse_camera(const Settings& settings) {
                 did_you_mean(settings.camera, {"follow", "world", "fixed"}));
   }
   if (settings.window) {
-    const std::vector<double> numbers = cli::parse_numbers(*settings.window, "--window");
+    const std::vector<double> numbers = parse_numbers(*settings.window, "--window");
     if (numbers.size() != 4)
       throw error(Failure::usage, "--window: '{}' is not X,Y,WIDTH,HEIGHT in voxels",
                   *settings.window);
@@ -153,7 +152,7 @@ std::vector<render::Episode> choose_episodes(const std::vector<Rollout>& rollout
       if (word == "all") {
         for (int i = 0; i < static_cast<int>(rollout.episodes.size()); ++i) add(i);
       } else {
-        add(static_cast<int>(cli::parse_whole(word, "--episode", 0, most_episodes)));
+        add(static_cast<int>(parse_whole(word, "--episode", 0, most_episodes)));
       }
     }
   }
@@ -273,7 +272,8 @@ void render_evolution(const std::string& folder, const RenderOptions& options,
     if (!std::filesystem::exists(policy))
       throw error(Failure::no_input, "{}: is not there, so generation {} cannot be shown",
                   policy.string(), generation.number);
-    rollouts.push_back(std::make_unique<Rollout>(cli::play(read_policy(policy), "evo-render")));
+    rollouts.push_back(
+        std::make_unique<Rollout>(play(read_policy(policy), cli::created_by("evo-render"))));
     champions.push_back(
         {{rollouts.back().get(), 0, ""}, generation.number, generation.number, *robot.fitness});
     shown = best;

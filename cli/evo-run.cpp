@@ -10,13 +10,16 @@
 #include <mutex>
 #include <thread>
 
-#include "cli/robots.h"
-#include "cli/run_command.h"
-#include "cli/shell_words.h"
-#include "cli/steady.h"
-#include "cli/training.h"
+#include "cli/breeding_options.h"
+#include "cli/data.h"
+#include "cli/training_options.h"
+#include "evolution/propose.h"
+#include "evolution/run_command.h"
 #include "formats/io/files.h"
 #include "formats/io/lock.h"
+#include "formats/io/values.h"
+#include "formats/robot/writer.h"
+#include "formats/run/option_words.h"
 #include "formats/run/run.h"
 #include "formats/training/training_log.h"
 #include "libevo/sim/isa.h"
@@ -36,73 +39,74 @@ struct Options {
 
 // ---- init -------------------------------------------------------------------------
 
-// The options of evo-train that a run's settings stand for in a generation; errors begin
-// with `file`.
-std::vector<std::string> training_words(const RunSettings& settings, int generation,
-                                        const std::string& file) {
-  std::vector<std::string> words{"evo-train"};
-  const auto give = [&](const char* option, const std::string& value) {
-    words.emplace_back(option);
-    words.push_back(value);
-  };
-  give("--task", settings.text("task"));
-  if (settings.find("rungs") != nullptr) {
-    give("--steps", fmt::format("{}", settings.steps(generation)));
-    if (settings.goes_on(generation)) words.emplace_back("--keep-checkpoint");
-  } else {
-    give("--steps", settings.text("steps"));
-    if (settings.find("founder_steps") != nullptr)
-      give("--founder-steps", settings.text("founder_steps"));
-  }
-  if (settings.text("algo") != "profile") give("--algo", settings.text("algo"));
-  give("--train", settings.text("train"));
-  if (settings.text("physics") != "task") give("--physics", settings.text("physics"));
-  give("--seed", settings.text("seed"));
-  give("--failures", "skip");
-  if (const std::string* more = settings.find("train_options"))
-    for (std::string& word : cli::shell_words(*more, file + "train_options"))
-      words.push_back(std::move(word));
-  return words;
+// Who goes on from the controllers of others, or of another run.
+enum class Heirs { none, children, founders_too };
+
+Heirs heirs(const RunSettings& settings) {
+  const std::string* inherit = settings.find("inherit");
+  if (inherit == nullptr) return Heirs::none;
+  return *inherit == "all"   ? Heirs::founders_too
+         : *inherit == "yes" ? Heirs::children
+                             : Heirs::none;
 }
 
-// Does the work with what these words mean to evo-train; errors are told in our name.
-int with_training(const cli::Command& asked, std::vector<std::string> words,
-                  const std::function<int(cli::Command&, cli::TrainingOptions&)>& work) {
-  std::vector<char*> arguments;
-  arguments.reserve(words.size());
-  for (std::string& word : words) arguments.push_back(word.data());
-  cli::Command command(asked.name(), "");
+// What a run's settings mean to the trainings of a generation; errors begin with `file`.
+TrainingPlan training_plan(const RunSettings& settings, int generation, const std::string& file) {
+  cli::Command command("evo-train", "");
   cli::TrainingOptions options;
   options.add_to(command);
-  return command.run(static_cast<int>(arguments.size()), arguments.data(),
-                     [&] { return work(command, options); });
+  options.task.task = settings.text("task");
+  const bool has_rungs = settings.find("rungs") != nullptr;
+  options.steps =
+      has_rungs ? fmt::format("{}", settings.steps(generation)) : settings.text("steps");
+  options.keep_checkpoint = settings.goes_on(generation);
+  if (const std::string* steps = settings.find("founder_steps"); steps != nullptr && !has_rungs)
+    options.founder_steps = *steps;
+  if (settings.text("algo") != "profile") options.algorithm = settings.text("algo");
+  options.profile = settings.text("train");
+  if (settings.text("physics") != "task") options.task.physics = settings.text("physics");
+  command.seed = parse_unsigned(settings.text("seed"), file + "seed");
+  options.failures = "skip";
+  if (const std::string* more = settings.find("train_options"))
+    command.parse(option_words(*more, file + "train_options"));
+  TrainingPlan plan = options.plan(command.seed);
+  plan.note_resumed = !has_rungs;
+  return plan;
+}
+
+TrainingPlan training_plan(const RunFolder& run, int generation) {
+  const RunSettings& settings = run.settings();
+  TrainingPlan plan =
+      training_plan(settings, generation, (run.path() / "run.yaml").string() + ": ");
+  plan.policies = run.policies();
+  plan.logs = run.logs();
+  plan.sharded = run.layout() == Layout::steady;
+  plan.resume = true;
+  if (heirs(settings) != Heirs::none && !plan.init) plan.init = run.policies();
+  if (heirs(settings) == Heirs::founders_too)
+    plan.founders_from = fs::path(settings.text("founders")) / "policies";
+  return plan;
 }
 
 // Whether these settings could train anything: a run that is begun keeps them.
-int check_training(const cli::Command& asked, const RunSettings& settings) {
-  if (const std::string* other = settings.find("evaluate"); other && !other->empty()) return 0;
+void check_training(const RunSettings& settings) {
+  if (const std::string* other = settings.find("evaluate"); other && !other->empty()) return;
   for (const char* needed : {"task", "steps", "algo", "train", "physics", "seed"})
-    if (settings.find(needed) == nullptr) return 0;
-  return with_training(asked, training_words(settings, 0, ""),
-                       [](cli::Command&, const cli::TrainingOptions& options) {
-                         (void)options.task.load();
-                         (void)options.founder_settings();
-                         return 0;
-                       });
+    if (settings.find(needed) == nullptr) return;
+  (void)training_plan(settings, 0, "");
 }
 
-int init(const cli::Command& asked, const std::string& folder,
-         const std::vector<std::string>& words) {
+int init(const std::string& folder, const std::vector<std::string>& words) {
   const RunSettings settings = RunSettings::from_words(words);
-  const int status = check_training(asked, settings);
-  if (status == 0) RunFolder::create(folder, settings);
-  return status;
+  check_training(settings);
+  RunFolder::create(folder, settings);
+  return 0;
 }
 
 // ---- train ------------------------------------------------------------------------
 
-// "7" and "3-8".
-std::vector<int> slot_numbers(const std::vector<std::string>& words) {
+// "7" and "3-8", of a population of so many.
+std::vector<int> slot_numbers(const std::vector<std::string>& words, int population) {
   std::vector<int> numbers;
   for (const std::string& word : words) {
     int first = 0;
@@ -115,6 +119,9 @@ std::vector<int> slot_numbers(const std::vector<std::string>& words) {
     if (tail.ec != std::errc() || tail.ptr != end || first < 0 || last < first)
       throw error(Failure::usage, "--slot: '{}' is neither a number from 0 nor a range like 3-8",
                   word);
+    if (last >= population)
+      throw error(Failure::usage, "--slot: there is no slot {}; the generation has {}", last,
+                  population);
     for (int k = first; k <= last; ++k) numbers.push_back(k);
   }
   std::sort(numbers.begin(), numbers.end());
@@ -122,31 +129,8 @@ std::vector<int> slot_numbers(const std::vector<std::string>& words) {
   return numbers;
 }
 
-// Who goes on from the controllers of others, or of another run.
-enum class Heirs { none, children, founders_too };
-
-Heirs heirs(const RunSettings& settings) {
-  const std::string* inherit = settings.find("inherit");
-  if (inherit == nullptr) return Heirs::none;
-  return *inherit == "all"   ? Heirs::founders_too
-         : *inherit == "yes" ? Heirs::children
-                             : Heirs::none;
-}
-
-// The command line of evo-train for this run.
-std::vector<std::string> training_words(const RunFolder& run, int generation) {
-  const RunSettings& settings = run.settings();
-  std::vector<std::string> words =
-      training_words(settings, generation, (run.path() / "run.yaml").string() + ": ");
-  words.insert(words.begin() + 1, {"--out-dir", run.policies().string(), "--log-dir",
-                                   run.logs().string(), "--resume"});
-  if (heirs(settings) != Heirs::none)
-    words.insert(words.begin() + 1, {"--init", run.policies().string()});
-  return words;
-}
-
 void write_slot(const RunFolder& run, SlotAddress address, const Robot& robot) {
-  cli::RobotWriter out(run.slot(address).string());
+  RobotWriter out(run.slot(address).string());
   out.write(robot);
   out.finish();
 }
@@ -155,7 +139,7 @@ void write_slot(const RunFolder& run, SlotAddress address, const Robot& robot) {
 // left alone; a survivor's policy is there already, made with the same settings,
 // and gives its fitness back without a training. One that failed has failed: it is
 // not tried again in every generation that it survives.
-int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
+int train_slots(const cli::Command& command, const RunFolder& run, int generation,
                 const std::vector<int>& slots) {
   std::vector<SlotAddress> addresses;
   std::vector<Robot> robots;
@@ -172,30 +156,19 @@ int train_slots(const cli::Command& asked, const RunFolder& run, int generation,
   }
   if (robots.empty()) return 0;
 
-  const auto work = [&](cli::Command& command, cli::TrainingOptions& options) {
-    if (heirs(run.settings()) == Heirs::founders_too)
-      options.founders_from = (fs::path(run.settings().text("founders")) / "policies").string();
-    options.sharded = run.layout() == Layout::steady;
-    options.in_rungs = run.settings().find("rungs") != nullptr;
-    command.jobs = asked.jobs;
-    command.progress = asked.progress;
-    command.quiet |= asked.quiet;
-    std::mutex timing;
-    const int status =
-        cli::train_robots(command, options, robots, [&](const cli::Trained& trained) {
-          const SlotAddress& address = addresses[trained.index];
-          if (!trained.known) {
-            const std::lock_guard lock(timing);
-            run.add_timing({robots[trained.index].id, address, trained.started, trained.seconds,
-                            trained.steps, trained.robot.has_value()});
-          }
-          if (!trained.robot) return;
-          write_slot(run, address, *trained.robot);
-        });
-    if (status != 0) asked.warn("interrupted; give the same command again to go on");
-    return status;
+  std::mutex timing;
+  const auto ended = [&](const Trained& trained) {
+    const SlotAddress& address = addresses[trained.index];
+    if (!trained.known) {
+      const std::lock_guard lock(timing);
+      run.add_timing({robots[trained.index].id, address, trained.started, trained.seconds,
+                      trained.steps, trained.robot.has_value()});
+    }
+    if (trained.robot) write_slot(run, address, *trained.robot);
   };
-  return with_training(asked, training_words(run, generation), work);
+  const int status = cli::train_robots(command, training_plan(run, generation), robots, ended);
+  if (status != 0) command.warn("interrupted; give the same command again to go on");
+  return status;
 }
 
 // Seconds for a process that is coming to its end to let go.
@@ -247,8 +220,8 @@ class RunningMark {
 int train(const cli::Command& command, const std::string& folder, const Options& options) {
   const RunFolder run(folder);
   if (fs::exists(run.scores(options.generation))) return 0;
-  std::vector<int> slots = slot_numbers(options.slots);
   const int population = run.population_size(options.generation);  // which must be there
+  std::vector<int> slots = slot_numbers(options.slots, population);
   if (slots.empty())
     for (int k = 0; k < population; ++k) slots.push_back(k);
   const LockFile lock(run.lock());
@@ -274,7 +247,13 @@ int propose(const RunFolder& run, int robots) {
                 "{}: another process is proposing robots; give the same command again when it has "
                 "ended (or remove {}, if its machine is lost)",
                 run.path().string(), run.lock().string());
-  return cli::propose_robots(run, robots);
+  Breeding breeding;
+  cli::Command options("evo-mutate", "");
+  cli::add_breeding_options(options, breeding);
+  if (const std::string* line = run.settings().find("mutate_options"))
+    options.parse(option_words(*line, (run.path() / "run.yaml").string() + ": mutate_options"));
+  propose_robots(run, breeding, cli::data_folders(), robots);
+  return 0;
 }
 
 // ---- fail -------------------------------------------------------------------------
@@ -282,7 +261,8 @@ int propose(const RunFolder& run, int robots) {
 // The slots that could not be trained count as failed, so that the run goes on.
 int fail(const std::string& folder, const Options& options) {
   const RunFolder run(folder);
-  const std::vector<int> slots = slot_numbers(options.slots);
+  const std::vector<int> slots =
+      slot_numbers(options.slots, run.population_size(options.generation));
   if (slots.empty() || options.why.empty())
     throw error(Failure::usage, "fail: --slot says what failed, --why for what reason");
   for (const int slot : slots) {
@@ -348,7 +328,7 @@ int print_command(const std::string& folder, const std::vector<std::string>& cha
     const std::string* value = run.settings().find(name);
     return value == nullptr ? std::string() : *value;
   };
-  fmt::print("{}\n", cli::run_command(setting, variables));
+  fmt::print("{}\n", run_command(setting, variables));
   return 0;
 }
 
@@ -394,7 +374,7 @@ int main(int argc, char** argv) {
                   did_you_mean(words[0], verbs));
     if (words.size() < 2) throw error(Failure::usage, "{}: name a run folder", words[0]);
     const std::string folder = words[1];
-    if (words[0] == "init") return init(command, folder, {words.begin() + 2, words.end()});
+    if (words[0] == "init") return init(folder, {words.begin() + 2, words.end()});
     if (words[0] == "command") return print_command(folder, {words.begin() + 2, words.end()});
     if (words.size() > 2) throw error(Failure::usage, "{}: name one run folder", words[0]);
     if (options.isa) select_isa(*options.isa);

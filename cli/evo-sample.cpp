@@ -1,11 +1,12 @@
 // evo-sample: random valid robots.
 #include <algorithm>
 
-#include "cli/breeding.h"
 #include "cli/command.h"
 #include "cli/robots.h"
-#include "cli/values.h"
+#include "evolution/breeding.h"
+#include "formats/io/values.h"
 #include "formats/robot/genome.h"
+#include "formats/robot/writer.h"
 #include "libevo/evolve/cppn_neat.h"
 
 namespace {
@@ -13,7 +14,7 @@ namespace {
 using namespace evo;
 
 VoxelWeights parse_weights(const std::string& text) {
-  const std::vector<double> numbers = cli::parse_numbers(text, "--weights");
+  const std::vector<double> numbers = parse_numbers(text, "--weights");
   VoxelWeights weights{};
   if (numbers.size() != weights.size())
     throw error(Failure::usage,
@@ -24,8 +25,8 @@ VoxelWeights parse_weights(const std::string& text) {
 }
 
 // Bodies painted by random networks, ready for evo-neat's genomes.
-void sample_cppn(const cli::Shape& shape, int count, std::uint64_t seed,
-                 std::set<std::string>& seen, cli::RobotWriter& out) {
+void sample_cppn(const Shape& shape, int count, std::uint64_t seed, std::set<std::string>& seen,
+                 RobotWriter& out) {
   NeatSettings settings;
   settings.pop_size = std::max(count, 2);  // NEAT's least
   NeatState state;
@@ -64,10 +65,10 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     if (count < 0) throw error(Failure::usage, "--count must not be negative, got {}", count);
-    const cli::Shape shape = cli::parse_shape(shape_text);
+    const Shape shape = parse_shape(shape_text);
     const VoxelWeights weights = parse_weights(weights_text);
     std::set<std::string> seen = cli::read_ids(avoid);
-    cli::RobotWriter out(command.output);
+    RobotWriter out(command.output);
     if (encoding == "cppn") {
       sample_cppn(shape, count, command.seed, seen, out);
       count = 0;
@@ -76,8 +77,7 @@ int main(int argc, char** argv) {
     }
     // Output k comes from the stream of its own number, so that -n 10 prints the
     // first ten lines of -n 100.
-    for (int i = 0; i < count; ++i)
-      out.write(cli::sample_robot(shape, weights, command.seed, i, seen));
+    for (int i = 0; i < count; ++i) out.write(sample_robot(shape, weights, command.seed, i, seen));
     out.finish();
     return 0;
   });

@@ -5,7 +5,8 @@
 
 #include "cli/command.h"
 #include "cli/robots.h"
-#include "cli/values.h"
+#include "formats/io/values.h"
+#include "formats/robot/writer.h"
 #include "libevo/evolve/select.h"
 
 namespace {
@@ -90,7 +91,7 @@ std::size_t survivors(const Settings& settings, std::size_t population) {
 double objective(const Robot& robot, const std::string& name) {
   if (name == "actuators") return count_actuators(robot.body);
   if (name == "voxels") return count_voxels(robot.body);
-  return cli::number_of(robot, name).value_or(std::numeric_limits<double>::quiet_NaN());
+  return number_of(robot, name).value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 bool is_null(const Robot& robot, const std::string& name) {
@@ -100,7 +101,7 @@ bool is_null(const Robot& robot, const std::string& name) {
 
 Objectives read_objectives(const std::vector<Robot>& robots, const std::string& list) {
   Objectives objectives;
-  std::vector<std::string> names = cli::split_list(list);
+  std::vector<std::string> names = split_list(list);
   if (names.empty()) throw error(Failure::usage, "--objectives is empty");
   for (std::string& name : names) {
     const bool minimise = name.front() == '-';
@@ -187,7 +188,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     const std::vector<Robot> robots = cli::read_robots(files);
-    cli::RobotWriter out(command.output);
+    RobotWriter out(command.output);
     for (const std::size_t i : choose(settings, robots, command.seed)) out.write(robots[i]);
     out.finish();
     return 0;

@@ -3,7 +3,8 @@
 
 #include "cli/command.h"
 #include "cli/robots.h"
-#include "cli/values.h"
+#include "formats/io/values.h"
+#include "formats/robot/writer.h"
 #include "libevo/evolve/suggest.h"
 
 namespace {
@@ -11,7 +12,7 @@ namespace {
 using namespace evo;
 
 struct History {
-  cli::Shape shape;
+  Shape shape;
   std::vector<Observation> observations;
 };
 
@@ -60,13 +61,12 @@ int main(int argc, char** argv) {
       throw error(Failure::usage, "--candidates must be at least 1, got {}", settings.candidates);
     History history;
     if (!history_files.empty()) history = read_history(history_files);
-    const cli::Shape shape =
-        history.observations.empty() ? cli::parse_shape(shape_text) : history.shape;
+    const Shape shape = history.observations.empty() ? parse_shape(shape_text) : history.shape;
     cli::Workers workers(command, static_cast<std::size_t>(command.jobs));
     const SuggestedBatch batch = suggest(shape.rows, shape.cols, history.observations, {}, count,
                                          settings, command.seed, &workers.pool);
     if (!batch.from_model) command.warn("no scored robot to learn from; these bodies are random");
-    cli::RobotWriter out(command.output);
+    RobotWriter out(command.output);
     int index = 0;
     for (const Suggestion& suggestion : batch.designs) {
       Robot robot = make_child(suggestion.body, {}, "evo-suggest", command.seed,

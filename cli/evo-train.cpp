@@ -1,9 +1,34 @@
 // evo-train: a controller for every robot read.
+#include <set>
+
+#include "cli/outputs.h"
 #include "cli/robots.h"
-#include "cli/training.h"
+#include "cli/training_options.h"
+#include "formats/robot/writer.h"
+
+namespace {
+
+using namespace evo;
+
+// None of the files that the trainings write is another one's.
+void check_files(const TrainingPlan& plan, const std::vector<Robot>& robots,
+                 const std::string& output) {
+  std::vector<cli::FileName> outputs{{"--output", output}};
+  if (plan.curve) outputs.push_back({"--curve", plan.curve->string()});
+  std::set<std::string> ids;
+  for (const Robot& robot : robots) {
+    if (!ids.insert(robot.id).second) continue;
+    const TrainingPaths paths = training_paths(plan, robot.id);
+    outputs.push_back({"the policy of robot " + robot.id, paths.policy.string()});
+    outputs.push_back({"the checkpoint of robot " + robot.id, paths.checkpoint.string()});
+    outputs.push_back({"the log of robot " + robot.id, paths.log.string()});
+  }
+  cli::check_outputs(outputs);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  using namespace evo;
   cli::Command command("evo-train", "trains a controller for each robot read");
   cli::TrainingOptions options;
   std::vector<std::string> files;
@@ -16,11 +41,12 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     const std::vector<Robot> robots = cli::read_robots(files);
-    cli::OrderedWriter out(command.output);
-    const int status =
-        cli::train_robots(command, options, robots, [&](const cli::Trained& trained) {
-          if (trained.robot) out.put(trained.index, *trained.robot);
-        });
+    const TrainingPlan plan = options.plan(command.seed);
+    check_files(plan, robots, command.output);
+    OrderedWriter out(command.output);
+    const int status = cli::train_robots(command, plan, robots, [&](const Trained& trained) {
+      if (trained.robot) out.put(trained.index, *trained.robot);
+    });
     if (status == 0)
       out.finish();
     else

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "cli/terminal.h"
+#include "formats/io/values.h"
 
 namespace evo::cli {
 

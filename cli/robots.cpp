@@ -1,10 +1,10 @@
 #include "cli/robots.h"
 
-#include <algorithm>
 #include <filesystem>
 
 #include "cli/command.h"
 #include "cli/data.h"
+#include "formats/io/files.h"
 #include "libevo/base/error.h"
 
 namespace evo::cli {
@@ -20,53 +20,7 @@ std::vector<Robot> with_policies_seen_from_here(std::vector<Robot> robots,
   return robots;
 }
 
-// The same path as seen from another folder.
-std::filesystem::path seen_from(const std::filesystem::path& folder,
-                                const std::filesystem::path& path) {
-  const auto plain = [](const std::filesystem::path& p) {
-    return std::filesystem::absolute(p).lexically_normal();
-  };
-  return plain(path).lexically_relative(plain(folder / "x").parent_path());
-}
-
 }  // namespace
-
-std::optional<double> number_of(const Robot& robot, const std::string& name) {
-  const Json* at = &robot.document;
-  for (std::size_t begin = 0; begin <= name.size();) {
-    const std::size_t end = std::min(name.find('.', begin), name.size());
-    const auto found = at->find(name.substr(begin, end - begin));  // none in what is no object
-    if (found == at->end()) return std::nullopt;
-    at = &*found;
-    begin = end + 1;
-  }
-  return at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
-}
-
-void RobotWriter::write(Robot robot) {
-  if (const auto policy = robot.policy(); policy && target_ != standard_stream)
-    robot.document["policy"] =
-        seen_from(std::filesystem::path(target_).parent_path(), *policy).string();
-  out_.line(robot_to_line(robot));
-  ++written_;
-}
-
-void RobotWriter::finish() {
-  out_.finish();
-  say_detail(fmt::format("{} robots written to {}", written_,
-                         target_ == standard_stream ? "standard output" : target_));
-}
-
-void OrderedWriter::put(std::size_t index, Robot robot) {
-  const std::lock_guard lock(mutex_);
-  waiting_.emplace(index, std::move(robot));
-  while (!waiting_.empty() && waiting_.begin()->first == next_) {
-    // Out of the map before it is written: writing may fail.
-    auto first = waiting_.extract(waiting_.begin());
-    ++next_;
-    out_.write(std::move(first.mapped()));
-  }
-}
 
 std::vector<Robot> read_robots(const std::vector<std::string>& files, BodyCheck check) {
   const std::vector<std::string> sources =

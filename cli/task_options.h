@@ -26,6 +26,10 @@ struct TaskOptions {
   void change_physics(TaskSpec& spec) const;
 };
 
+// What --behaviour of the tools does.
+inline constexpr const char* behaviour_help =
+    "write how the robot behaved, too: distance, rise, aloft, width (evo-archive)";
+
 // The profile with just these constants, "own" if there is none.
 std::string profile_name(const Physics& physics);
 

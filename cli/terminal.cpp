@@ -82,13 +82,6 @@ std::string draw_body(const Body& body, bool color) {
   return text;
 }
 
-std::string grouped(long long number) {
-  std::string digits = fmt::format("{}", number < 0 ? -number : number);
-  for (std::ptrdiff_t i = static_cast<std::ptrdiff_t>(digits.size()) - 3; i > 0; i -= 3)
-    digits.insert(static_cast<std::size_t>(i), " ");
-  return number < 0 ? "-" + digits : digits;
-}
-
 std::string duration(double seconds) {
   if (!(seconds >= 0.0)) return "?";
   if (seconds < 60.0) return fmt::format("{:.1f} s", seconds);

@@ -17,9 +17,6 @@ bool use_color(const std::string& when);
 // The body, top row first, two characters per voxel: blocks of colour, or letters.
 std::string draw_body(const Body& body, bool color);
 
-// "1 234 567"
-std::string grouped(long long number);
-
 // "4.2 s", "3 min 20 s", "2 h 05 min"
 std::string duration(double seconds);
 

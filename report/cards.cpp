@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "cli/terminal.h"
+#include "formats/io/values.h"
 #include "report/choice.h"
 #include "report/markup.h"
 #include "report/verdict.h"
@@ -87,7 +87,7 @@ std::string tiles(const Run& run) {
   html += tile("robots trained", trained(run));
   html += tile("generations", fmt::to_string(run.generations.size()));
   html += tile("failed trainings", fmt::to_string(run.failures()));
-  html += tile("training steps", cli::grouped(training_steps(run)));
+  html += tile("training steps", grouped(training_steps(run)));
   if (run.seconds > 0) {
     const auto elapsed = static_cast<double>(run.ended - run.began);
     html += tile("training time of one core",
@@ -341,8 +341,8 @@ std::string which_robots(const Run& run) {
       "{} of {} robots: the fittest, the champion&rsquo;s ancestors, those that were the best "
       "when they came, and others evenly spread over the run (all of them: "
       "<code>evo-report --robots {}</code>, or history.jsonl)",
-      cli::grouped(static_cast<long long>(run.shown.size())),
-      cli::grouped(static_cast<long long>(count)), count);
+      grouped(static_cast<long long>(run.shown.size())), grouped(static_cast<long long>(count)),
+      count);
 }
 
 std::string robots_card(const Run& run, const std::string& anchor, Page& page) {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numeric>
 
-#include "cli/archive.h"
+#include "evolution/archive.h"
 #include "libevo/base/error.h"
 #include "report/lineage.h"
 
@@ -384,7 +384,7 @@ namespace {
 
 GridArchive archive_of(const Run& run, const std::string& features) {
   try {
-    return cli::parse_archive(features, "features");
+    return parse_archive(features, "features");
   } catch (const Error& e) {
     throw error(Failure::data, "{}/run.yaml: {}", run.label, e.what());
   }
@@ -413,12 +413,12 @@ Json archive_chart(const Run& run) {
     const Entry& entry = run.robots[k];
     std::vector<double> values;
     for (const FeatureAxis& axis : shown.axes())
-      values.push_back(cli::feature_of(entry.robot, axis.name));
+      values.push_back(feature_of(entry.robot, axis.name));
     shown.add(k, values, entry.fitness.value_or(nothing));
   }
   Json chart{{"kind", "heat"},
-             {"x", cli::feature_title(across.name)},
-             {"y", up.name.empty() ? "" : cli::feature_title(up.name)},
+             {"x", feature_title(across.name)},
+             {"y", up.name.empty() ? "" : feature_title(up.name)},
              {"value", "best fitness"},
              {"diverging", false},
              {"ends", {ends(across), Json::array()}},

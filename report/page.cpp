@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 
-#include "cli/terminal.h"
+#include "formats/io/values.h"
 #include "report/assets.h"
 #include "report/cards.h"
 #include "report/charts.h"
@@ -29,8 +29,8 @@ std::string chart_card(const std::string& id, const std::string& title, const st
 std::string points_of(const Run& run, const std::string& anchor, const std::string& all) {
   if (run.shown.size() == run.robots.size()) return all;
   return fmt::format("{} <a href=\"#{}-robots\">{} of {} robots</a> are shown.", all, anchor,
-                     cli::grouped(static_cast<long long>(run.shown.size())),
-                     cli::grouped(static_cast<long long>(run.robots.size())));
+                     grouped(static_cast<long long>(run.shown.size())),
+                     grouped(static_cast<long long>(run.robots.size())));
 }
 
 std::string curves(const Run& run, const std::string& anchor, Page& page) {

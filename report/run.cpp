@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <mutex>
 #include <set>
 #include <string_view>
 
-#include "cli/episodes.h"
 #include "formats/rollout/rollout.h"
 #include "formats/run/run.h"
 #include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
 #include "report/choice.h"
 #include "report/replay.h"
+#include "training/episodes.h"
 
 namespace evo::report {
 namespace {
@@ -64,19 +63,14 @@ void read_trainings(const RunFolder& folder, std::size_t replays, int threads, R
   std::vector<Json> episodes(run.shown.size());
   std::vector<Json> worlds(run.shown.size());
   ThreadPool pool(threads);
-  std::mutex hdf5;  // whose library is not made for several threads
   pool.run(run.shown.size(), [&](std::size_t k, int /*worker*/) {
     Entry& entry = run.robots[run.shown[k]];
-    std::optional<PolicyFile> policy;
-    {
-      const std::scoped_lock lock(hdf5);
-      policy = policy_of(folder, entry.robot.id);
-    }
+    const std::optional<PolicyFile> policy = policy_of(folder, entry.robot.id);
     if (!policy) return;
     entry.training = training_of(*policy);
     add_log(folder.log(entry.robot.id), entry.training);
     if (!moving.contains(run.shown[k])) return;
-    const Rollout rollout = cli::play(*policy, "evo-report");
+    const Rollout rollout = play(*policy, "evo-report");
     episodes[k] = replay_of(rollout);
     worlds[k] = world_of(rollout);
   });

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "cli/run_command.h"
+#include "evolution/run_command.h"
 #include "report/markup.h"
 
 namespace evo::report {
@@ -133,7 +133,7 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
 
 std::string run_command(const Run& run, std::vector<std::pair<std::string, std::string>> changed) {
   changed.insert(changed.begin(), {"RUN", "runs/" + run.label});  // a later one counts
-  return cli::run_command([&](const std::string& name) { return run.setting(name); }, changed);
+  return evo::run_command([&](const std::string& name) { return run.setting(name); }, changed);
 }
 
 Verdict judge(const Run& run) {

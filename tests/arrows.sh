@@ -15,15 +15,17 @@ declare -A may=(
   [formats]="libevo formats"
   [api]="libevo formats api"
   [render]="libevo formats render"
-  [report]="libevo formats render report cli"
-  [cli]="libevo formats api render report cli"
+  [training]="libevo formats training"
+  [evolution]="libevo formats evolution"
+  [report]="libevo formats training evolution render report"
+  [cli]="libevo formats training evolution api render report cli"
 )
 
 bad=0
 for room in "${!may[@]}"; do
   while IFS=: read -r file line include; do
     target=$(sed -E 's/.*"(.*)".*/\1/' <<<"$include")
-    case $target in libevo/*|formats/*|api/*|render/*|report/*|cli/*) ;; *) continue ;; esac
+    case $target in libevo/*|formats/*|training/*|evolution/*|api/*|render/*|report/*|cli/*) ;; *) continue ;; esac
     allowed=no
     for prefix in ${may[$room]}; do [[ $target == "$prefix"/* ]] && allowed=yes; done
     if [ $allowed = no ]; then echo "$file:$line: $room must not include $target"; bad=1; fi

@@ -4,10 +4,10 @@
 #include <numeric>
 
 #include "cli/command.h"
-#include "cli/episodes.h"
 #include "formats/io/format.h"
 #include "formats/io/json_object.h"
 #include "formats/task/physics_profile.h"
+#include "training/episodes.h"
 
 namespace evo::cli {
 namespace {
@@ -195,7 +195,7 @@ Answer Requests::draw(const Json& wanted) {
   options.size = {side("width", default_width), side("height", default_height)};
   options.overlays.labels = false;  // the moment shown is a rollout's only one
   const VecEnv& envs = session_.envs();
-  Recorder recorder(envs.arena(e), session_.robot(e), 0, false, "evo-env");
+  Recorder recorder(envs.arena(e), session_.robot(e), 0, false, cli::created_by("evo-env"));
   recorder.record({0, envs, e, {}, false, {}});
   if (!viewer_) viewer_ = std::make_unique<render::Viewer>();
   Answer answer;

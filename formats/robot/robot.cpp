@@ -468,6 +468,18 @@ void Robot::set_failure(const RobotFailure& failure) {
   if (failure.seed) written["seed"] = *failure.seed;
 }
 
+std::optional<double> number_of(const Robot& robot, const std::string& name) {
+  const Json* at = &robot.document;
+  for (std::size_t begin = 0; begin <= name.size();) {
+    const std::size_t end = std::min(name.find('.', begin), name.size());
+    const auto found = at->find(name.substr(begin, end - begin));  // none in what is no object
+    if (found == at->end()) return std::nullopt;
+    at = &*found;
+    begin = end + 1;
+  }
+  return at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
+}
+
 bool has_gone_on(const Robot& before, const Robot& later) {
   return later.fitness() && later.steps().value_or(0) > before.steps().value_or(0);
 }

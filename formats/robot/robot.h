@@ -42,6 +42,10 @@ struct Robot {
   void set_failure(const RobotFailure& failure);  // fitness is null
 };
 
+// A number of the robot's document, within objects by dots: "fitness", "final.mean".
+// Nothing where there is none.
+std::optional<double> number_of(const Robot& robot, const std::string& name);
+
 // Whether `later` is a robot that was scored `before`, after more steps of its training. One
 // whose training failed when it went on has its fitness from before.
 bool has_gone_on(const Robot& before, const Robot& later);

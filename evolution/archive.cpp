@@ -1,4 +1,4 @@
-#include "cli/archive.h"
+#include "evolution/archive.h"
 
 #include <fmt/ranges.h>
 
@@ -6,13 +6,11 @@
 #include <cmath>
 #include <limits>
 
-#include "cli/command.h"
-#include "cli/robots.h"
-#include "cli/values.h"
+#include "formats/io/values.h"
 #include "libevo/base/error.h"
 #include "libevo/task/behaviour.h"
 
-namespace evo::cli {
+namespace evo {
 namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
@@ -105,4 +103,4 @@ void fill(GridArchive& archive, const std::vector<Robot>& robots) {
     if (!known[k]) throw error(Failure::data, "no robot has a number '{}'", archive.axes()[k].name);
 }
 
-}  // namespace evo::cli
+}  // namespace evo

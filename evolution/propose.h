@@ -12,14 +12,17 @@
 // Robots are filed as generations of `population` robots each, by number.
 #pragma once
 
+#include "evolution/breeding.h"
+#include "formats/io/data_folders.h"
 #include "formats/run/run.h"
 
-namespace evo::cli {
+namespace evo {
 
-// Makes sure that the first `robots` robots of the run are in its populations.
-// Returns the exit status. Throws Error(no_input) when a score they need is missing,
-// Error(usage) for a run with generations, more robots than the run has, or an
+// Makes sure that the first `robots` robots of the run are in its populations. `breeding`
+// is that of the setting mutate_options. Throws Error(no_input) when a score they need is
+// missing, Error(usage) for a run with generations, more robots than the run has, or an
 // unknown method. One process at a time.
-int propose_robots(const RunFolder& run, int robots);
+void propose_robots(const RunFolder& run, const Breeding& breeding, const DataFolders& folders,
+                    int robots);
 
-}  // namespace evo::cli
+}  // namespace evo

@@ -2,26 +2,25 @@
 // that it does not depend on which others are made in the same call.
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "cli/command.h"
-#include "cli/robots.h"
-#include "cli/values.h"
+#include "formats/io/data_folders.h"
+#include "formats/io/values.h"
+#include "formats/robot/robot.h"
 #include "formats/run/neat.h"
 #include "libevo/body/operators.h"
 #include "libevo/evolve/cppn_neat.h"
 
-namespace evo::cli {
+namespace evo {
 
-struct BreedingOptions {
+struct Breeding {
   MutationSettings mutation;
   double crossover = 0.0;  // chance of a child to have two parents
 
-  // --rate, --attempts and --crossover.
-  void add_to(Command& command);
-  // Throws Error(usage) for what is out of range.
+  // Throws Error(usage) for what is out of range, by the names of evo-mutate's options.
   void check() const;
 };
 
@@ -31,14 +30,16 @@ Robot sample_robot(const Shape& shape, const VoxelWeights& weights, std::uint64_
                    std::set<std::string>& seen);
 
 // A child of robots drawn uniformly from `parents`, likewise.
-Robot breed_robot(const std::vector<Robot>& parents, const BreedingOptions& options,
-                  std::uint64_t seed, int index, std::set<std::string>& seen);
+Robot breed_robot(const std::vector<Robot>& parents, const Breeding& breeding, std::uint64_t seed,
+                  int index, std::set<std::string>& seen);
 
-// Settings of NEAT from a file, else from tasks/neat.yaml, for a population of `count`.
-NeatSettings neat_settings(const std::optional<std::string>& file, int count);
+// Settings of NEAT from a file, else from neat.yaml in the folders, for a population of
+// `count`.
+NeatSettings neat_settings(const std::optional<std::string>& file, int count,
+                           const DataFolders& folders);
 
 // The document of a genome with its body, `index` counting under `seed`.
 Robot cppn_robot(const CppnRobot& made, const std::vector<std::string>& parents, std::uint64_t seed,
                  int index);
 
-}  // namespace evo::cli
+}  // namespace evo

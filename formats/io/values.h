@@ -1,12 +1,12 @@
-// Values of options as people write them. All throw Error(usage), which names
-// the option, what was found and what is expected.
+// Values as people write them in options and settings. What parses one throws
+// Error(usage), which names the option, what was found and what is expected.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-namespace evo::cli {
+namespace evo {
 
 // "512000", "512k", "3M", "5e5": a whole number within the range.
 std::int64_t parse_whole(const std::string& text, const std::string& option, std::int64_t low,
@@ -37,7 +37,10 @@ struct Shape {
 };
 Shape parse_shape(const std::string& text);
 
+// "1 234 567"
+std::string grouped(long long number);
+
 // Splits at commas, empty pieces dropped.
 std::vector<std::string> split_list(const std::string& text);
 
-}  // namespace evo::cli
+}  // namespace evo

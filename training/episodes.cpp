@@ -1,13 +1,12 @@
-#include "cli/episodes.h"
+#include "training/episodes.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "cli/command.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
 
-namespace evo::cli {
+namespace evo {
 namespace {
 
 bool is_int(const Json& value) {
@@ -22,7 +21,7 @@ void append(std::vector<double>& to, std::span<const double> values) {
 }  // namespace
 
 Recorder::Recorder(const Arena& arena, const Robot& robot, std::uint64_t seed, bool velocities,
-                   const std::string& tool)
+                   const std::string& created_by)
     : velocities_(velocities) {
   const Model& model = arena.model();
   rollout_.task = arena.task().name;
@@ -30,7 +29,7 @@ Recorder::Recorder(const Arena& arena, const Robot& robot, std::uint64_t seed, b
   rollout_.physics_yaml = physics_to_yaml(arena.task().physics);
   rollout_.robot = robot;
   rollout_.seed = seed;
-  rollout_.created_by = created_by(tool);
+  rollout_.created_by = created_by;
   rollout_.observation_length = arena.observation_length();
   rollout_.action_length = arena.action_length();
   rollout_.points = model.points();
@@ -79,12 +78,12 @@ Json BehaviourGauge::mean() const {
   return json;
 }
 
-Rollout play(const PolicyFile& policy, const std::string& tool) {
+Rollout play(const PolicyFile& policy, const std::string& created_by) {
   const Arena arena(parse_task(policy.task_yaml, "task of robot " + policy.robot.id),
                     policy.robot.body);
   EvaluationSettings settings;
   settings.seed = policy.seed;
-  Recorder recorder(arena, policy.robot, policy.seed, false, tool);
+  Recorder recorder(arena, policy.robot, policy.seed, false, created_by);
   evaluate(arena, to_controller(policy.controller), settings,
            [&](const EpisodeMoment& moment) { recorder.record(moment); });
   return recorder.rollout();
@@ -137,4 +136,4 @@ Draws parse_draws(const std::string& text_or_file, const TaskSpec& task) {
   }
 }
 
-}  // namespace evo::cli
+}  // namespace evo

@@ -13,13 +13,14 @@
 #include "formats/training/identity.h"
 #include "libevo/control/checkpoint.h"
 
-namespace evo::cli {
+namespace evo {
 
 class Rescue {
  public:
-  // `farewell` is said before the process ends with 128 + the signal, half a
-  // second after an interrupt unless this object is gone by then.
-  explicit Rescue(std::function<void()> farewell);
+  // `interrupted` gives the signal that asks to stop, or 0. `farewell` is said before the
+  // process ends with 128 + the signal, half a second after an interrupt unless this
+  // object is gone by then.
+  Rescue(std::function<int()> interrupted, std::function<void()> farewell);
   ~Rescue();
   Rescue(const Rescue&) = delete;
   Rescue& operator=(const Rescue&) = delete;
@@ -40,6 +41,7 @@ class Rescue {
   void watch();
   void save_and_end(int signal);
 
+  std::function<int()> interrupted_;
   std::function<void()> farewell_;
   std::mutex mutex_;
   std::condition_variable over_;
@@ -48,4 +50,4 @@ class Rescue {
   std::thread watcher_;
 };
 
-}  // namespace evo::cli
+}  // namespace evo

@@ -8,7 +8,7 @@
 #include "formats/robot/robot.h"
 #include "libevo/evolve/archive.h"
 
-namespace evo::cli {
+namespace evo {
 
 // A list of axes: NAME:BINS for features of bodies, NAME:BINS:LOW:HIGH for others, which
 // have no range of their own. Throws Error(usage), whose message begins with `where`.
@@ -24,4 +24,4 @@ std::string feature_title(const std::string& name);
 // of them has, and for a behaviour that one with a fitness does not have.
 void fill(GridArchive& archive, const std::vector<Robot>& robots);
 
-}  // namespace evo::cli
+}  // namespace evo

@@ -1,42 +1,34 @@
-#include "cli/breeding.h"
+#include "evolution/breeding.h"
 
-#include "cli/data.h"
 #include "formats/robot/genome.h"
+#include "libevo/base/error.h"
 
-namespace evo::cli {
+namespace evo {
 namespace {
 
 constexpr int max_draws = 10'000;  // of one robot, before giving up on a new body
 
 // The child of one parent, or of two with the chance of crossover; parents is
 // filled with those it came from.
-std::optional<Body> child_body(const std::vector<Robot>& robots, const BreedingOptions& options,
+std::optional<Body> child_body(const std::vector<Robot>& robots, const Breeding& breeding,
                                Stream& stream, std::vector<const Robot*>& parents) {
   const auto draw_parent = [&]() -> const Robot& {
     return robots[stream.below(static_cast<std::uint32_t>(robots.size()))];
   };
   parents = {&draw_parent()};
-  if (options.crossover <= 0.0 || stream.uniform() >= options.crossover)
-    return mutate(parents[0]->body, options.mutation, stream);
+  if (breeding.crossover <= 0.0 || stream.uniform() >= breeding.crossover)
+    return mutate(parents[0]->body, breeding.mutation, stream);
   parents.push_back(&draw_parent());
   const Body& a = parents[0]->body;
   const Body& b = parents[1]->body;
   if (a.rows != b.rows || a.cols != b.cols) return std::nullopt;
-  const std::optional<Body> mixed = crossover(a, b, options.mutation.attempts, stream);
-  return mixed ? mutate(*mixed, options.mutation, stream) : std::nullopt;
+  const std::optional<Body> mixed = crossover(a, b, breeding.mutation.attempts, stream);
+  return mixed ? mutate(*mixed, breeding.mutation, stream) : std::nullopt;
 }
 
 }  // namespace
 
-void BreedingOptions::add_to(Command& command) {
-  command.option("--rate", mutation.rate, "P", "chance of each voxel to be redrawn");
-  command.option("--attempts", mutation.attempts, "N",
-                 "tries to reach a valid body, each going on from the one before");
-  command.option("--crossover", crossover, "P",
-                 "chance of a child to mix two parents before it is mutated");
-}
-
-void BreedingOptions::check() const {
+void Breeding::check() const {
   for (const auto& [name, p] :
        {std::pair{"--rate", mutation.rate}, std::pair{"--crossover", crossover}})
     if (!(p >= 0.0 && p <= 1.0))
@@ -58,12 +50,12 @@ Robot sample_robot(const Shape& shape, const VoxelWeights& weights, std::uint64_
               shape.rows, shape.cols, index, max_draws);
 }
 
-Robot breed_robot(const std::vector<Robot>& parents, const BreedingOptions& options,
-                  std::uint64_t seed, int index, std::set<std::string>& seen) {
+Robot breed_robot(const std::vector<Robot>& parents, const Breeding& breeding, std::uint64_t seed,
+                  int index, std::set<std::string>& seen) {
   Stream stream(seed, "mutate", static_cast<std::uint64_t>(index));
   std::vector<const Robot*> chosen;
   for (int draw = 0; draw < max_draws; ++draw) {
-    std::optional<Body> body = child_body(parents, options, stream, chosen);
+    std::optional<Body> body = child_body(parents, breeding, stream, chosen);
     if (!body) continue;
     std::vector<std::string> ids;
     ids.reserve(chosen.size());
@@ -77,11 +69,12 @@ Robot breed_robot(const std::vector<Robot>& parents, const BreedingOptions& opti
               max_draws);
 }
 
-NeatSettings neat_settings(const std::optional<std::string>& file, int count) {
+NeatSettings neat_settings(const std::optional<std::string>& file, int count,
+                           const DataFolders& folders) {
   NeatSettings settings;
   if (file) {
     settings = load_neat_settings(*file);
-  } else if (const auto found = find_data_file(data_folders(), "", "neat")) {
+  } else if (const auto found = find_data_file(folders, "", "neat")) {
     settings = load_neat_settings(found->string());
   }
   settings.pop_size = count;
@@ -95,4 +88,4 @@ Robot cppn_robot(const CppnRobot& made, const std::vector<std::string>& parents,
   return robot;
 }
 
-}  // namespace evo::cli
+}  // namespace evo

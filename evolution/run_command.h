@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace evo::cli {
+namespace evo {
 
 // "make -f scripts/ga.mk RUN=runs/walker TASK=Walker-v0 ..", quoted for a shell and for
 // make. `setting` gives a setting of run.yaml by its name, "" where there is none; what
@@ -15,4 +15,4 @@ namespace evo::cli {
 std::string run_command(const std::function<std::string(const std::string&)>& setting,
                         const std::vector<std::pair<std::string, std::string>>& variables);
 
-}  // namespace evo::cli
+}  // namespace evo

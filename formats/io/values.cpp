@@ -1,4 +1,4 @@
-#include "cli/values.h"
+#include "formats/io/values.h"
 
 #include <charconv>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "libevo/base/error.h"
 #include "libevo/body/body.h"
 
-namespace evo::cli {
+namespace evo {
 namespace {
 
 template <typename Number>
@@ -112,4 +112,11 @@ std::vector<std::string> split_list(const std::string& text) {
   return pieces;
 }
 
-}  // namespace evo::cli
+std::string grouped(long long number) {
+  std::string digits = fmt::format("{}", number < 0 ? -number : number);
+  for (std::ptrdiff_t i = static_cast<std::ptrdiff_t>(digits.size()) - 3; i > 0; i -= 3)
+    digits.insert(static_cast<std::size_t>(i), " ");
+  return number < 0 ? "-" + digits : digits;
+}
+
+}  // namespace evo

@@ -1,19 +1,18 @@
-#include "cli/steady.h"
+#include "evolution/propose.h"
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 
-#include "cli/breeding.h"
-#include "cli/shell_words.h"
+#include "evolution/breeding.h"
 #include "formats/io/files.h"
 #include "formats/robot/genome.h"
 #include "formats/run/steady.h"
 #include "libevo/evolve/select.h"
 #include "libevo/evolve/suggest.h"
 
-namespace evo::cli {
+namespace evo {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,11 +26,11 @@ struct Settings {
   int evaluations = 0;
   Shape shape;
   std::uint64_t seed = 0;
-  BreedingOptions breeding;  // ga
+  Breeding breeding;  // ga
   NeatSettings neat;
 };
 
-Settings read_settings(const RunFolder& run, const BreedingOptions& breeding) {
+Settings read_settings(const RunFolder& run, const Breeding& breeding, const DataFolders& folders) {
   const RunSettings& given = run.settings();
   if (run.layout() != Layout::steady)
     throw error(Failure::usage, "{}: a run with generations; its robots come from its pipeline",
@@ -50,7 +49,7 @@ Settings read_settings(const RunFolder& run, const BreedingOptions& breeding) {
     const std::string* file = given.find("neat");
     const bool has_own = file != nullptr && *file != "default";
     settings.neat =
-        neat_settings(has_own ? std::optional(*file) : std::nullopt, settings.population);
+        neat_settings(has_own ? std::optional(*file) : std::nullopt, settings.population, folders);
   } else if (settings.method != "ga" && settings.method != "bo") {
     throw error(Failure::usage, "{}: method '{}' is none of ga, neat, bo", run.path().string(),
                 settings.method);
@@ -316,15 +315,18 @@ void propose(const RunFolder& run, const Settings& settings, Method&& method, Fi
   ids.finish();
 }
 
-int propose_with(const RunFolder& run, int robots, const BreedingOptions& breeding) {
-  const Settings settings = read_settings(run, breeding);
+}  // namespace
+
+void propose_robots(const RunFolder& run, const Breeding& breeding, const DataFolders& folders,
+                    int robots) {
+  const Settings settings = read_settings(run, breeding, folders);
   if (robots > settings.evaluations)
     throw error(Failure::usage, "{}: the run has {} robots, not {}", run.path().string(),
                 settings.evaluations, robots);
   const fs::path file = run.path() / "steady.json";
   SteadyState state;
   if (fs::exists(file)) state = parse_steady_state(read_file(file), file.string());
-  if (robots <= state.robots) return 0;
+  if (robots <= state.robots) return;
   Filed filed(run);
   if (settings.method == "ga") {
     propose(run, settings, GeneticAlgorithm(settings), filed, robots, state);
@@ -335,24 +337,6 @@ int propose_with(const RunFolder& run, int robots, const BreedingOptions& breedi
   }
   // Last: what it counts is there.
   write_file(file, steady_state_to_text(state));
-  return 0;
 }
 
-}  // namespace
-
-int propose_robots(const RunFolder& run, int robots) {
-  std::vector<std::string> words{"mutate_options"};
-  if (const std::string* line = run.settings().find("mutate_options"))
-    for (std::string& word :
-         shell_words(*line, (run.path() / "run.yaml").string() + ": mutate_options"))
-      words.push_back(std::move(word));
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  Command command(words[0], "");
-  BreedingOptions breeding;
-  breeding.add_to(command);
-  return command.run(static_cast<int>(arguments.size()), arguments.data(),
-                     [&] { return propose_with(run, robots, breeding); });
-}
-
-}  // namespace evo::cli
+}  // namespace evo

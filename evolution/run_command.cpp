@@ -1,8 +1,8 @@
-#include "cli/run_command.h"
+#include "evolution/run_command.h"
 
 #include <fmt/format.h>
 
-namespace evo::cli {
+namespace evo {
 namespace {
 
 // A variable of the pipelines, the setting it becomes, and the value it has by itself.
@@ -67,4 +67,4 @@ std::string run_command(const std::function<std::string(const std::string&)>& se
   return line + " -j8";
 }
 
-}  // namespace evo::cli
+}  // namespace evo

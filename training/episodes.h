@@ -10,13 +10,13 @@
 #include "libevo/task/behaviour.h"
 #include "libevo/task/env.h"
 
-namespace evo::cli {
+namespace evo {
 
 // Gathers what episodes of one arena do into a Rollout.
 class Recorder {
  public:
   Recorder(const Arena& arena, const Robot& robot, std::uint64_t seed, bool velocities,
-           const std::string& tool);
+           const std::string& created_by);
 
   // For evaluate(): call with every moment, in any order of episodes.
   void record(const EpisodeMoment& moment);
@@ -40,13 +40,8 @@ class BehaviourGauge {
   std::vector<BehaviourMeter> episodes_;
 };
 
-// What --behaviour of the tools does.
-inline constexpr const char* behaviour_help =
-    "write how the robot behaved, too: distance, rise, aloft, width (evo-archive)";
-
-// A policy at its task once more: the episode that was its evaluation. `tool` goes
-// into the rollout.
-Rollout play(const PolicyFile& policy, const std::string& tool);
+// A policy at its task once more: the episode that was its evaluation.
+Rollout play(const PolicyFile& policy, const std::string& created_by);
 
 // {"ox":0,"oy":3} or {"goals":[47,32]}; {} for a task without random parts.
 Json draws_to_json(const Draws& draws);
@@ -56,4 +51,4 @@ Draws draws_from_json(const Json& json, const TaskSpec& task, const std::string&
 // As above from JSON text, or from the file (a rollout) of that name.
 Draws parse_draws(const std::string& text_or_file, const TaskSpec& task);
 
-}  // namespace evo::cli
+}  // namespace evo

@@ -1,4 +1,4 @@
-#include "cli/rescue.h"
+#include "training/rescue.h"
 
 #include <unistd.h>
 
@@ -6,17 +6,17 @@
 #include <system_error>
 #include <utility>
 
-#include "cli/command.h"
 #include "formats/training/policy.h"
 
-namespace evo::cli {
+namespace evo {
 
 using std::chrono::milliseconds;
 
 constexpr milliseconds glance{50};     // at the signal
 constexpr milliseconds patience{500};  // for trainings to come to the end of an update
 
-Rescue::Rescue(std::function<void()> farewell) : farewell_(std::move(farewell)) {
+Rescue::Rescue(std::function<int()> interrupted, std::function<void()> farewell)
+    : interrupted_(std::move(interrupted)), farewell_(std::move(farewell)) {
   try {
     watcher_ = std::thread([this] { watch(); });
   } catch (const std::system_error&) {
@@ -47,9 +47,9 @@ void Rescue::forget(std::size_t index) {
 void Rescue::watch() {
   std::unique_lock lock(mutex_);
   while (!over_.wait_for(lock, glance, [&] { return is_over_; })) {
-    if (interrupted() == 0) continue;
+    if (interrupted_() == 0) continue;
     if (over_.wait_for(lock, patience, [&] { return is_over_; })) return;
-    save_and_end(interrupted());
+    save_and_end(interrupted_());
   }
 }
 
@@ -70,4 +70,4 @@ void Rescue::save_and_end(int signal) {
   ::_exit(128 + signal);
 }
 
-}  // namespace evo::cli
+}  // namespace evo

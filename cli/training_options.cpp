@@ -1,0 +1,127 @@
+#include "cli/training_options.h"
+
+#include <fmt/ranges.h>
+
+#include <limits>
+
+#include "cli/data.h"
+#include "formats/io/values.h"
+#include "formats/training/training.h"
+#include "formats/training/training_log.h"
+#include "libevo/control/method.h"
+
+namespace evo::cli {
+namespace {
+
+std::int64_t parse_steps(const std::string& text, const char* option) {
+  return parse_whole(text, option, 1, std::numeric_limits<std::int64_t>::max());
+}
+
+}  // namespace
+
+void TrainingOptions::add_to(Command& command) {
+  command.section("Task");
+  task.add_to(command);
+  command.section("Training");
+  command.option("--train", profile, "PROFILE",
+                 "training profile by name or file: default, gait, lineage, paper, portfolio, "
+                 "release2, sequence");
+  command.option("--train-set", set, "KEY=VALUE",
+                 "one setting of the profile, such as learning_rate=3e-4 (repeatable); "
+                 "'evo-inspect training' lists them");
+  command.option("--algo", algorithm, "NAME",
+                 fmt::format("{} [the profile's]", fmt::join(algorithm_names(), ", ")));
+  command.option("--steps", steps, "N", "environment steps [the profile's]");
+  command.option("--founder-steps", founder_steps, "N",
+                 "environment steps of robots without parents [--steps]");
+  command.option("--final-episodes", final_episodes, "N",
+                 "episodes of the best policy from shifted starts, after training [the profile's]");
+  command.option("--jitter", jitter, "VOXELS",
+                 "how far their start coordinates are shifted [the profile's]");
+  command.option("--init", init, "POLICY|DIR",
+                 "start from this policy, or in a folder from the parent's (<id>.policy.h5); "
+                 "robots without one start from scratch");
+  command.seed_option();
+  command.section("Files");
+  command.option("--out-dir", out_dir, "DIR", "where <id>.policy.h5 goes");
+  command.option("--log-dir", log_dir, "DIR", "where <id>.log goes [--out-dir]");
+  command.option("--curve", curve, "FILE.tsv", "learning curve of one robot as a table");
+  command.output_option("where the robots go, with fitness, steps and policy");
+  command.flag("--behaviour", behaviour, behaviour_help);
+  command.option("--checkpoint-every", checkpoint_every, "N",
+                 "save a checkpoint after this many steps; 0: on interruption only");
+  command.flag("--keep-checkpoint", keep_checkpoint,
+               "keep the end of each training, to go on later (--resume with more --steps)");
+  command.flag("--resume", resume, "go on from checkpoints where there are any");
+  command.flag("--force", force, "replace policies trained with other settings");
+  command.option("--failures", failures, "WHAT",
+                 "a training that diverges: stop, or skip (fitness null, go on)");
+  command.jobs_option();
+  command.progress_option();
+}
+
+TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
+  if (failures != "stop" && failures != "skip")
+    throw error(Failure::usage, "--failures: '{}' is not stop or skip", failures);
+  TrainingPlan plan;
+  plan.task = task.load();
+  plan.children = load_training(profile, data_folders());
+  const auto apply = [&](const std::string& key, const auto& value) {
+    if (value) apply_override(plan.children, fmt::format("{}={}", key, *value));
+  };
+  apply("algorithm", algorithm);
+  if (steps) apply("steps", std::optional(parse_steps(*steps, "--steps")));
+  apply("final_episodes", final_episodes);
+  apply("final_jitter", jitter);
+  for (const std::string& assignment : set) apply_override(plan.children, assignment);
+  check(plan.children);
+  plan.founders = plan.children;
+  if (founder_steps) plan.founders.steps = parse_steps(*founder_steps, "--founder-steps");
+  check(plan.founders);
+  plan.seed = seed;
+  // Policies name the tool whose training they hold, whoever started it.
+  plan.created_by = created_by("evo-train");
+  plan.policies = out_dir;
+  plan.logs = log_dir.value_or(out_dir);
+  plan.curve = curve;
+  plan.init = init;
+  plan.checkpoint_every = checkpoint_every;
+  plan.keep_checkpoint = keep_checkpoint;
+  plan.resume = resume;
+  plan.replace = force;
+  plan.skip_failures = failures == "skip";
+  plan.behaviour = behaviour;
+  return plan;
+}
+
+int train_robots(const Command& command, const TrainingPlan& plan, const std::vector<Robot>& robots,
+                 const std::function<void(const Trained&)>& ended) {
+  catch_interrupts();
+  TrainingProgress progress(command.progress_style(), robots.size());
+  std::vector<TrainingView> views(robots.size());  // each of one thread at a time
+  std::vector<std::int64_t> last_steps(robots.size(), 0);
+  TrainingObserver observer;
+  observer.note = [&](const std::string& text) { command.note(text); };
+  observer.interrupted = interrupted;
+  observer.farewell = [&] { command.warn(how_to_go_on); };
+  observer.progress = [&](std::size_t i, const TrainingReport& report) {
+    TrainingView& view = views[i];
+    view.id = robots[i].id;
+    view.done = static_cast<double>(report.step) / static_cast<double>(report.steps);
+    if (const auto value = metric(report, "eval/return")) {
+      view.evaluations.push_back(*value);
+      view.best = metric(report, "eval/best").value_or(*value);
+    }
+    progress.update(i, view, static_cast<double>(report.step - last_steps[i]));
+    last_steps[i] = report.step;
+  };
+  observer.ended = [&](const Trained& trained) {
+    progress.finish(trained.index);
+    ended(trained);
+  };
+  Workers workers(command, robots.size());
+  const int signal = evo::train_robots(plan, robots, workers.pool, observer);
+  return signal == 0 ? 0 : 128 + signal;
+}
+
+}  // namespace evo::cli

@@ -1,0 +1,54 @@
+// The options of evo-train, and what they mean as a TrainingPlan. A run keeps some of them
+// in its settings (evo-run).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/command.h"
+#include "cli/task_options.h"
+#include "formats/robot/robot.h"
+#include "training/train.h"
+
+namespace evo::cli {
+
+struct TrainingOptions {
+  TaskOptions task;
+  std::string profile = "default";
+  std::vector<std::string> set;
+  std::optional<std::string> algorithm;
+  std::optional<std::string> steps;
+  std::optional<std::string> founder_steps;
+  std::string out_dir = ".";
+  std::optional<std::string> log_dir;
+  std::optional<std::string> curve;
+  int checkpoint_every = 100'000;
+  std::optional<int> final_episodes;
+  std::optional<double> jitter;
+  std::optional<std::string> init;
+  bool keep_checkpoint = false;
+  bool resume = false;
+  bool force = false;
+  bool behaviour = false;
+  std::string failures = "stop";
+
+  // All of them, --seed, --output, --jobs and --progress included.
+  void add_to(Command& command);
+  // Throws Error(usage) for settings that make no sense, and what a task or profile that
+  // cannot be read throws.
+  TrainingPlan plan(std::uint64_t seed) const;
+};
+
+// Trains the robots on `command.jobs` threads with a live line of progress; `ended` is told
+// of each, in any order, from several threads. Returns the exit status: 0, or 128 + the
+// signal that interrupted. Throws like evo::train_robots.
+int train_robots(const Command& command, const TrainingPlan& plan, const std::vector<Robot>& robots,
+                 const std::function<void(const Trained&)>& ended);
+
+inline constexpr const char* how_to_go_on =
+    "interrupted; give the same command with --resume to go on";
+
+}  // namespace evo::cli

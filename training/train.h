@@ -1,0 +1,88 @@
+// Robots in, trained controllers out, as files: where a training starts from (start.h),
+// policy, checkpoint, log and curve of each robot, and what is known already. evo-train
+// is this from a command line, a run's slots are trained by it, too.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/robot/robot.h"
+#include "libevo/base/parallel.h"
+#include "libevo/control/settings.h"
+#include "libevo/control/trainer.h"
+#include "libevo/task/spec.h"
+
+namespace evo {
+
+// All that decides what a training does and where its files go.
+struct TrainingPlan {
+  TaskSpec task;
+  TrainingSettings children;  // of robots with parents
+  TrainingSettings founders;  // of the others
+  std::uint64_t seed = 0;
+  std::string created_by;  // goes into policies and logs
+
+  // ID.policy.h5 and ID.checkpoint.h5 go to `policies`, ID.log to `logs`; if sharded, into
+  // folders there by the first two digits of ids.
+  std::filesystem::path policies = ".";
+  std::filesystem::path logs = ".";
+  bool sharded = false;
+  std::optional<std::filesystem::path> curve;  // a table, of one robot
+
+  // Where controllers to start from are: a policy for every robot, or a folder with those
+  // of parents; and a folder that has one of every robot without parents.
+  std::optional<std::filesystem::path> init;
+  std::optional<std::filesystem::path> founders_from;
+
+  std::int64_t checkpoint_every = 100'000;  // environment steps; 0: when interrupted only
+  bool keep_checkpoint = false;             // at the end, too
+  bool resume = false;                      // go on from checkpoints
+  bool note_resumed = true;                 // and say so
+  bool replace = false;                     // policies that were trained otherwise
+  bool skip_failures = false;               // a training that diverges: no fitness, go on
+  bool behaviour = false;                   // measure how the robot behaves
+
+  const TrainingSettings& settings(const Robot& robot) const;
+};
+
+// What the plan's files of a robot are called.
+struct TrainingPaths {
+  std::filesystem::path policy;
+  std::filesystem::path checkpoint;
+  std::filesystem::path log;
+};
+TrainingPaths training_paths(const TrainingPlan& plan, const std::string& id);
+
+// How a training went in this process.
+struct Trained {
+  std::size_t index = 0;       // of the robot, in the order given
+  std::optional<Robot> robot;  // with fitness or failure; nothing: interrupted
+  bool known = false;          // trained before with the same settings, not now
+  double started = 0.0;        // seconds since 1970
+  double seconds = 0.0;
+  std::int64_t steps = 0;  // environment steps taken
+};
+
+// Who follows trainings; called from several threads.
+struct TrainingObserver {
+  std::function<void(const std::string&)> note;
+  std::function<int()> interrupted;  // the signal that asks to stop, or 0
+  // Once, before the process ends half a second after an interrupt because trainings are
+  // in the middle of an update.
+  std::function<void()> farewell;
+  std::function<void(std::size_t index, const TrainingReport&)> progress;
+  std::function<void(const Trained&)> ended;  // in any order
+};
+
+// Trains the robots on the pool's threads. Returns the signal that interrupted, or 0; each
+// training that had not ended then has a checkpoint. Throws Error(usage) for a curve of
+// several robots, Error(work) for a training that failed unless failures are skipped, else
+// what reading and writing the files throws; the first Error names its robot.
+int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, ThreadPool& pool,
+                 const TrainingObserver& observer);
+
+}  // namespace evo

@@ -1,5 +1,5 @@
 // What every tool shares: options, help, version, configuration file, logging,
-// exit statuses (spec: cli, "Rules every tool follows"). A tool describes
+// exit statuses (docs/tools.md). A tool describes
 // itself to a Command and hands over its work; main() is then one call.
 #pragma once
 

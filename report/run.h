@@ -1,4 +1,4 @@
-// A run folder (spec: formats, "Run folder") as far as it has come, in memory.
+// A run folder (docs/run-folder.md) as far as it has come, in memory.
 #pragma once
 
 #include <cstddef>

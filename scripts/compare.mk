@@ -6,7 +6,7 @@
 #
 # Compared are robots: those of a race have fewer steps each, but for its last rungs.
 # Runs are $(RUN)/task/method-seed; other settings (TRAIN, PHYSICS, ..) go to all
-# of them. Killed and given again it goes on; more SEEDS or METHODS later add to
+# of them. After an interruption the same command continues; more SEEDS or METHODS later add to
 # what is there. Ends with compare.tsv, compare.svg and compare.html in $(RUN).
 
 SHELL := /bin/bash

@@ -8,7 +8,7 @@
 #   nice make -f scripts/records.mk RUN=runs/leaps PIPELINE=rounds RECIPE=sequence TASKS=Jumper-v0 -j8
 #
 # The recipe is PIPELINE [ga] with any of its settings; without others, bodies and
-# open-loop gaits evolve together, 8 million steps per task. Killed and given again it
+# open-loop gaits evolve together, 8 million steps per task. After an interruption the same command
 # goes on; other settings need another RUN.
 
 SHELL := /bin/bash

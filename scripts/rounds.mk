@@ -3,12 +3,12 @@
 #   make -f scripts/rounds.mk RUN=runs/carrier TASK=Carrier-v0 RECIPE=network SEED=1 -j8
 #   make -f scripts/rounds.mk RUN=runs/two ROUND_1='POP=16 EVALS=64 STEPS=65536' ROUND_2='POP=4 EVALS=4 STEPS=524288' -j8
 #
-# Every round is a run of ga.mk of its own, RUN/1, RUN/2, .., that trains its founders
-# anew: longer, where many short trainings choose whom few long ones are spent on, or
-# again as long, where selection has become strict and begins anew.
+# Every round is a run of ga.mk of its own, RUN/1, RUN/2, .., that trains its founders anew.
+# Longer trainings there spend most steps on the robots that short trainings put first; as
+# long ones begin selection afresh, which has become strict by the end of a run.
 # Robots are compared within a round only. The report is that of the last round.
 #
-# RECIPE names settings for two rounds, as measured in benchmarks/learning/README.md:
+# RECIPE names settings for two rounds, as measured in benchmarks/learning/recipes.md:
 #
 #   network   36 robots of 65 536 steps (the first twelve 131 072), then the eight best with
 #             524 288 and 16 of their children with 262 144: 11 million steps, for walking, pushing and carrying
@@ -17,8 +17,8 @@
 #   shape     3100 robots of 8 192 steps: 25 million, where a posture decides
 #
 # ROUND_1, ROUND_2, .. ROUND_9 are settings of ga.mk for one round, instead of the recipe's;
-# all others hold for every round. Round n has the seed SEED + n - 1. Killed and given
-# again it goes on; other settings need another RUN.
+# all others hold for every round. Round n has the seed SEED + n - 1. After an interruption
+# the same command continues; other settings need another RUN.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c

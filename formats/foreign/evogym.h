@@ -1,5 +1,5 @@
 // What Evolution Gym keeps in files: worlds and robots of its design tool as
-// JSON (spec: worlds, section 2), and the folders of its experiments (section 3).
+// JSON and the folders of its experiments (docs/formats/foreign.md).
 #pragma once
 
 #include <filesystem>

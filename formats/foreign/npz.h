@@ -1,4 +1,4 @@
-// EvoGym's robots in .npz files (spec: worlds, section 3): a zip archive of two
+// EvoGym's robots in .npz files (docs/formats/foreign.md): a zip archive of two
 // NumPy arrays, the body matrix of kinds 0 to 4 (row 0 on top) and the links as
 // pairs of row-major indices, 2 x k.
 #pragma once

@@ -1,5 +1,5 @@
 // Whole files: read at once, written so that they appear complete or not at all
-// (spec: cli, "Files"). "-" names standard input and standard output.
+// (docs/tools.md, "Files"). "-" names standard input and standard output.
 #pragma once
 
 #include <filesystem>

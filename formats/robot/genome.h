@@ -1,5 +1,5 @@
-// The `genome` field of a robot document, to and from evo::Genome (spec: formats,
-// "Robot document"). All fields of a gene are written and needed.
+// The `genome` field of a robot document, to and from evo::Genome (docs/formats/robot.md). All
+// fields of a gene are written and needed.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// The robot document (spec: formats, "Robot document"): JSON, JSON Lines, YAML,
+// The robot document (docs/formats/robot.md): JSON, JSON Lines, YAML,
 // or a plain grid of letters.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Rollouts in HDF5 (spec: formats, "Rollout"): what happened in episodes, with
+// Rollouts in HDF5 (docs/formats/rollout.md): what happened in episodes, with
 // enough of the world to draw it without simulating.
 #pragma once
 

@@ -64,7 +64,7 @@ std::vector<int> numbered(const fs::path& folder, std::string_view prefix,
 
 // ---- settings -----------------------------------------------------------------
 
-constexpr const char* quoted_setting = "train_options";  // quoted even where it need not be
+constexpr const char* quoted_setting = "train_options";  // always in quotes
 
 // A value that YAML gives back as it is without quotes.
 bool is_plain(const std::string& value) {

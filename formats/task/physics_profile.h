@@ -1,4 +1,4 @@
-// Physics profiles as YAML (spec: physics, section 11): every constant of
+// Physics profiles as YAML (docs/physics.md, "Profiles"): every constant of
 // libevo/sim/physics.h by name; a profile may start from another one and give
 // only what differs.
 #pragma once

@@ -1,4 +1,4 @@
-// Tasks as YAML (spec: formats, "World and task"). docs/make-a-task.md shows
+// Tasks as YAML. docs/make-a-task.md shows
 // the form by example; this reader refuses whatever it does not know, with file,
 // line, column and the nearest word that is allowed.
 #pragma once

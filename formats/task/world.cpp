@@ -189,7 +189,7 @@ void check_body(const YamlNode& node, const std::string& name, const Body& body)
 }
 
 // Cut to its cells, as the benchmark stores objects: the start coordinates of a
-// point follow from the matrix it is in (spec: worlds, "From world to simulator").
+// point follow from the matrix it is in (docs/physics.md, "Points").
 Object cut_out(const YamlNode& node, const std::string& name, const Canvas& canvas,
                const std::optional<YamlNode>& connections) {
   const Box box = bounding_box(canvas);

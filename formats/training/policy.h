@@ -1,4 +1,4 @@
-// Policies and checkpoints in HDF5 (spec: formats, "Policy"): a trained
+// Policies and checkpoints in HDF5 (docs/formats/policy.md): a trained
 // controller with everything that decided it. No clock, no host name: the same
 // training is the same file.
 #pragma once

@@ -12,7 +12,7 @@
 
 namespace evo {
 
-// The values are the exit statuses of the tools (spec: cli, "Exit status").
+// The values are the exit statuses of the tools (docs/tools.md, "Exit status").
 enum class Failure : int {
   work = 1,            // the work itself failed
   usage = 2,           // an unknown option, task, physics key or value

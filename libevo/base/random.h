@@ -28,7 +28,7 @@ class Stream {
   int integer(int low, int high);        // in {low, .., high}
   double gaussian();                     // standard normal
   // First index whose running share of the weights is >= one uniform draw
-  // (spec: robots, section 1). Weights are non-negative and not all zero.
+  // (docs/methods.md, "Robots"). Weights are non-negative and not all zero.
   std::size_t discrete(std::span<const double> weights);
 
   // Position in the stream, for checkpoints: seek(tell()) changes nothing.

@@ -1,6 +1,5 @@
 // A body: a matrix of voxels and the links between them. Everything that is
-// made of voxels is one: robots, packages, terrain (spec: robots, section 1;
-// worlds, "From a body matrix").
+// made of voxels is one: robots, packages, terrain (docs/methods.md, "Robots").
 #pragma once
 
 #include <compare>
@@ -71,7 +70,7 @@ std::optional<std::string> defect(const Body& body, bool needs_actuator);
 std::optional<std::string> link_defect(const Body& body);
 
 // First 12 hex digits of the SHA-256 of the canonical text of body and links
-// (spec: formats, "id"). Equal bodies have equal ids on any machine.
+// (docs/formats/robot.md). Equal bodies have equal ids on any machine.
 std::string identity(const Body& body);
 
 }  // namespace evo

@@ -1,5 +1,5 @@
-// Operators on bodies: random bodies, mutation, crossover (spec: robots,
-// sections 1 and 2.2). Each takes its randomness as a stream.
+// Operators on bodies: random bodies, mutation, crossover (docs/methods.md,
+// "Robots" and "Mutation"). Each takes its randomness as a stream.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // Episodes run for their returns. Episode k of a seed starts from the same
-// draws for every robot and controller (spec: cli, "Reproducible"), and its
+// draws for every robot and controller (docs/tools.md, "Reproducible"), and its
 // result does not depend on which episodes run beside it.
 #pragma once
 

@@ -1,6 +1,6 @@
 // The controller PPO trains: two small networks, actor and critic, over a
-// normalised observation and, if so set, a clock. Single precision. Spec: robots, section 5.2;
-// formats, "Policy".
+// normalised observation and, if so set, a clock. Single precision. See
+// docs/methods.md, "PPO in the paper"; in files docs/formats/policy.md.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // Every number that decides a training, with the defaults of the profile
-// `paper` (spec: robots, 5.1 and 5.2). Profiles are the YAML files of
+// `paper` (docs/methods.md, "PPO in the paper"). Profiles are the YAML files of
 // tasks/training/, read by formats/training/training.h.
 #pragma once
 

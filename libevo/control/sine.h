@@ -21,7 +21,7 @@ struct SineController {
 };
 
 // The same wave for every actuator, `phase_step` radian further at each
-// (spec: cli, evo-eval --sine).
+// (docs/tools.md, "Sine controllers").
 SineController travelling_wave(int actuators, double amplitude, double period, double phase_step);
 
 // Targets of step t, [A].

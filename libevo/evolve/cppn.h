@@ -1,6 +1,6 @@
 // Compositional pattern-producing networks: a genome evaluated at every cell of
 // a matrix paints the body of a robot (Stanley, "Compositional pattern producing
-// networks", GPEM 8(2), 2007; spec: robots, section 3.1).
+// networks", GPEM 8(2), 2007; docs/methods.md, "From genome to robot").
 #pragma once
 
 #include <span>

@@ -1,5 +1,5 @@
 // Robots evolved through their genomes: NEAT over the bodies that CPPNs paint
-// (spec: robots, section 3.3). A genome passes if its body is a valid robot that
+// (docs/methods.md, "Loop"). A genome passes if its body is a valid robot that
 // has not been seen in the whole run.
 #pragma once
 

@@ -1,7 +1,7 @@
 // The genome of NEAT: a network as two lists of genes (Stanley and Miikkulainen,
 // "Evolving Neural Networks through Augmenting Topologies", Evolutionary
 // Computation 10(2), 2002). Genes carry no innovation numbers: nodes match by
-// key and connections by their ends (spec: formats, "genome").
+// key and connections by their ends (docs/formats/robot.md).
 //
 // Node keys: -1, -2, .. are the inputs (they have no gene), 0, 1, .. the outputs,
 // everything above is hidden.

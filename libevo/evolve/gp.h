@@ -1,5 +1,6 @@
 // Gaussian-process regression over bodies (Rasmussen and Williams, "Gaussian
-// Processes for Machine Learning", 2006, chapters 2 and 5; spec: robots, section 4).
+// Processes for Machine Learning", 2006, chapters 2 and 5; docs/methods.md, "Bayesian
+// optimisation").
 //
 // A design is a list of voxels, one-hot coded. Two designs that differ in m
 // voxels lie sqrt(2 m) apart, so the Matern 5/2 kernel of a design of D voxels

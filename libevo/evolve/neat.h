@@ -1,6 +1,6 @@
 // NEAT, generation by generation: species, their stagnation and offspring, and
 // the loop of the benchmark's example, in which genomes that are not acceptable
-// are replaced by brand-new ones (spec: robots, sections 3.2 and 3.3).
+// are replaced by brand-new ones (docs/methods.md, "Settings" and "Loop").
 //
 // Between generations everything is in plain data (NeatState), so that a step is
 // a function of (settings, state, scored genomes, what is acceptable, seed).

@@ -1,5 +1,5 @@
 // What NEAT does to genomes: creation, mutation, crossover, distance; and the
-// settings of the whole method (spec: robots, section 3.2). Names follow
+// settings of the whole method (docs/methods.md, "Settings"). Names follow
 // neat-python's configuration, values the benchmark's file; what that leaves
 // open has the library's default.
 #pragma once

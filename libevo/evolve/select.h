@@ -18,8 +18,8 @@ using Indices = std::vector<std::size_t>;
 
 // Survivors of a population of `population` after `created` of at most
 // `max_evaluations` robots have been created, those of the current generation
-// included: max(2, ceil(population * x)), x = 0.6 (M - e - 1) / (M - 1) (spec:
-// robots, section 2.1). Evaluated in integers, so no rounding decides it. May
+// included: max(2, ceil(population * x)), x = 0.6 (M - e - 1) / (M - 1) (docs/methods.md,
+// "Survivors"). Evaluated in integers, so no rounding decides it. May
 // exceed the population (below 2). Throws Error(usage) for counts below 1, an
 // M below 2, or more robots created than M.
 int paper_survivors(int population, int created, int max_evaluations);

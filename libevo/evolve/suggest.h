@@ -1,5 +1,5 @@
 // Bayesian optimisation of bodies: the next batch of designs from all that were
-// scored so far (spec: robots, section 4).
+// scored so far (docs/methods.md, "Bayesian optimisation").
 //
 // As the benchmark: standardised costs, Gaussian process with Matern 5/2,
 // expected improvement, a batch by Thompson sampling. Instead of its relaxed

@@ -46,7 +46,7 @@ HWY_INLINE V SumForces(D d, const hn::TFromD<D>* force, const std::uint32_t* HWY
   return sum;
 }
 
-// Every operation of the specification, each rounded once.
+// Every operation of docs/physics.md, each rounded once.
 template <>
 struct SpringMath<Arithmetic::exact> {
   static constexpr std::size_t kept = 1;  // values per spring from the first stage for the others

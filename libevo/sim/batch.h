@@ -65,7 +65,7 @@ class Batch {
   // Called with each lane as soon as it has been stepped, by the thread that did.
   using Stepped = std::function<void(std::size_t lane)>;
 
-  // One control step (spec: physics, sections 1 and 3) of the lanes marked in
+  // One control step (docs/physics.md, "Time" and "Order of one substep") of the lanes marked in
   // `active`, [lanes], or of all if it is empty; empty lanes stay so. The work is done
   // by the calling thread, or by the threads of `pool`, a group at a time. A group has
   // as many lanes of equal objects as a register (2 to 8, by instruction set and

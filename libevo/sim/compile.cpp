@@ -1,5 +1,5 @@
 // Builds point masses, springs and surfaces of every object in the order that
-// the benchmark's simulator creates them (spec: physics, section 2): results
+// the benchmark's simulator creates them (docs/physics.md, "Building an object"): results
 // depend on that order to the last bits.
 #include "libevo/sim/compile.h"
 

@@ -22,7 +22,7 @@ enum Side { top, right, bottom, left };
 enum Corner { top_left, top_right, bottom_left, bottom_right };
 
 struct Spring {
-  int a = 0;  // ends, oriented as the outward normal demands (physics, section 2)
+  int a = 0;  // ends, oriented as the outward normal demands (docs/physics.md, "Surface")
   int b = 0;
   double rest = 0.0;
   double stiffness = 0.0;

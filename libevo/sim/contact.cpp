@@ -147,7 +147,7 @@ class Pusher {
     return (points_(site) - points_.previous(site)) / physics_.substep;
   }
 
-  // Roundings as in the specification: every product in this order.
+  // Roundings as in docs/physics.md, "Forces": every product in this order.
   Push push_of(std::int32_t point, const Edge& edge, double depth) const {
     const auto [a, b] = edge;
     const Vector along = points_(b) - points_(a);

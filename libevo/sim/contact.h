@@ -1,6 +1,6 @@
 // Contact between objects and of an object with itself, and self-folding, for
-// one environment at the positions at the start of a substep (spec: physics,
-// sections 5 and 8). Scalar code: contacts are few and never alike in two lanes.
+// one environment at the positions at the start of a substep (docs/physics.md,
+// "Contact" and "Self-folding"). Scalar code: contacts are few and never alike in two lanes.
 //
 // Two steps. Finding (contact_search.h): which corners may come to touch which cells,
 // kept in ContactLists until something has moved by half a skin. Pushing: of those

@@ -1,6 +1,6 @@
 // A world compiled into what stepping needs: point masses, springs, surface
 // cells, static terrain. Immutable, shared by all environments and threads
-// (the Model/State split of MuJoCo). Spec: physics, sections 2, 4, 5, 7.
+// (the Model/State split of MuJoCo). See docs/physics.md, "Building an object".
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // Every constant of the physics, with unit. Raw units: a voxel is 0.1 long, a
 // point mass weighs 1. Defaults are the profile `evogym`: the released
-// benchmark simulator (spec: physics; profiles in tasks/physics/*.yaml).
+// benchmark simulator (docs/physics.md; profiles in tasks/physics/*.yaml).
 #pragma once
 
 #include <cstdint>

@@ -20,7 +20,7 @@ struct State {
   bool operator==(const State&) const = default;
 };
 
-// At rest at the model's initial positions (spec: physics, section 9).
+// At rest at the model's initial positions (docs/physics.md, "Reset").
 State initial_state(const Model& model);
 
 // Position and velocity of every point of the world, static ones included, in

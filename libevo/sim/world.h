@@ -17,7 +17,7 @@ struct Object {
 };
 
 // Objects in any order; Model brings them into world order (objects with an
-// actuator first, then by name; spec: worlds, "From world to simulator").
+// actuator first, then by name; docs/physics.md, "World order").
 struct World {
   std::vector<Object> objects;
 };

@@ -1,5 +1,5 @@
 // Conditions of rules and reward terms: for each what it compares. All look at the
-// state after the step. Spec: tasks, A.4.
+// state after the step. See docs/tasks.md, "Rewards and ends".
 #include <limits>
 #include <numbers>
 

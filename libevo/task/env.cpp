@@ -237,7 +237,7 @@ void VecEnv::reset(int environment, const EpisodeStart& start) {
 // ---- stepping -------------------------------------------------------------------
 
 // After self-folding all queries still see the snapshot before the step, while
-// the simulation goes on from where it stopped (tasks, A.4).
+// the simulation goes on from where it stopped (docs/tasks.md, "A step").
 void VecEnv::Impl::finish(std::size_t index) {
   Environment& e = environments[index];
   const Arena::Compiled& arena = e.arena->compiled();

@@ -1,5 +1,5 @@
 // Episodes. An Arena is one robot in one task, compiled once; a VecEnv runs any
-// number of episodes side by side, of one arena or of several. Spec: tasks, section A.
+// number of episodes side by side, of one arena or of several. See docs/tasks.md, "A step".
 #pragma once
 
 #include <cstddef>
@@ -102,7 +102,7 @@ class VecEnv {
   int steps(int environment) const;                  // steps taken in this episode
 
   // What queries of the benchmark read: all points of the world in world
-  // order, raw units; after self-folding those of the step before (tasks A.4).
+  // order, raw units; after self-folding those of the step before (docs/tasks.md, "A step").
   std::span<const Vec2> positions(int environment) const;
   std::span<const Vec2> velocities(int environment) const;
   const Model& model(int environment) const;  // of this episode (draws move objects)

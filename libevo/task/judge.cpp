@@ -1,4 +1,4 @@
-// Observation, reward and end of one step. Spec: tasks, A.4 to A.8 and C.
+// Observation, reward and end of one step. See docs/tasks.md, "A step".
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>

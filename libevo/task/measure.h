@@ -1,5 +1,6 @@
 // What tasks measure in a snapshot: centres, orientation, area, extent of an
-// object's points. Raw units unless said otherwise. Spec: tasks, A.5 to A.7.
+// object's points. Raw units unless said otherwise. See docs/tasks.md, "Points and centre" and
+// "Orientation".
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // Observation parts: for each its length, its words in the layout, and what it
-// writes. Spec: tasks, A.5 to A.8.
+// writes. See docs/tasks.md, "Observation parts".
 #include <fmt/format.h>
 
 #include "libevo/task/binder.h"

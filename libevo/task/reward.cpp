@@ -1,4 +1,4 @@
-// Reward terms: for each what it measures of a step. Spec: tasks, A.4 and C.
+// Reward terms: for each what it measures of a step. See docs/tasks.md, "Rewards and ends".
 #include <cmath>
 #include <numbers>
 

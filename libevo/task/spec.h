@@ -3,7 +3,7 @@
 // observation parts, conditions and reward terms; they combine freely. What each
 // one does stands in observation.cpp, conditions.cpp and reward.cpp, how it is
 // written in files of those names in formats/ (task_reward.cpp, ..): a piece in a
-// list here that is missing there does not compile. Spec: tasks.
+// list here that is missing there does not compile. See docs/tasks.md.
 //
 // Lengths here are in voxels, as tasks are drawn and written; they are turned
 // into raw units as `value * voxel_length`, one rounding, as the benchmark does.
@@ -45,7 +45,7 @@ struct Velocity {
 struct Orientation {
   static constexpr const char* name = "orientation";
   std::string of;
-};  // 1: tasks A.7
+};  // 1: docs/tasks.md, "Orientation"
 struct RelativePositions {
   static constexpr const char* name = "relative_positions";
   std::string of;
@@ -56,8 +56,8 @@ struct Offset {
   std::string from;
 };  // 2: centre of `of` minus centre of `from`
 // 2*width+1 distances from the robot's centre to the nearest point of terrain
-// below (floor) or above (ceiling), clipped to `range` voxels; tasks A.8. `over`
-// names the objects that count; empty: all but the robot.
+// below (floor) or above (ceiling), clipped to `range` voxels; docs/tasks.md, "Floor and ceiling".
+// `over` names the objects that count; empty: all but the robot.
 struct Floor {
   static constexpr const char* name = "floor";
   int width = 5;
@@ -151,7 +151,7 @@ struct Rotation {
 };  // post - pre of the orientation, counted on over whole turns
 struct GoalApproach {
   static constexpr const char* name = "goal_approach";
-};  // how much nearer the robot came to the goal, tasks C
+};  // how much nearer the robot came to the goal; docs/tasks.md, "Rewards and ends"
 using Term =
     std::variant<Displacement, Distance, Approach, HullArea, Extent, Rotation, GoalApproach>;
 }  // namespace reward

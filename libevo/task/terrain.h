@@ -1,5 +1,5 @@
 // How far the ground is below the robot, or the ceiling above it, column by
-// column. Spec: tasks, A.8.
+// column. See docs/tasks.md, "Floor and ceiling".
 #pragma once
 
 #include <cstddef>

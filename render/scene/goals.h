@@ -16,7 +16,7 @@ struct GoalOfStep {
 
 // The goal of every step; empty where the task has none or the file
 // does not say. `centres` are the robot's, voxels, one per step. A goal counts as
-// reached as in the tasks (spec: tasks, C): centre nearer than the radius.
+// reached as in the tasks (docs/tasks.md, "Rewards and ends"): centre nearer than the radius.
 std::vector<GoalOfStep> goals_by_step(const Rollout& rollout, const RolloutEpisode& episode,
                                       std::span<const Vec2> centres);
 

@@ -27,7 +27,7 @@ double area(const ModelCell& cell, std::span<const Vec2> points) {
 
 // ---- springs ----------------------------------------------------------------------------
 
-// As the simulator has them (spec: physics, sections 2 to 4). Lengths in voxels.
+// As the simulator has them (docs/physics.md, "Springs" and "Actuation"). Lengths in voxels.
 struct Spring {
   int a = 0;
   int b = 0;

@@ -8,15 +8,6 @@ load helpers
   done
 }
 
-@test "links within the documentation lead somewhere" {
-  cd "$EVO_SOURCE"
-  git ls-files '*.md' | while read -r file; do
-    { grep -o '](\([^)#]*\)' "$file" || true; } | sed 's/^](//' | grep -v '^https*:' | while read -r link; do
-      [ -z "$link" ] || [ -e "$(dirname "$file")/$link" ] || { echo "$file: $link" >&2; exit 1; }
-    done
-  done
-}
-
 @test "the examples run" {
   cp -r "$EVO_SOURCE/examples" .
   make -s -f examples/experiments.mk POP=4 EVALS=9 -j2 > said

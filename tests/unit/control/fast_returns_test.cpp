@@ -1,5 +1,5 @@
 // Fast arithmetic against exact: over many starts that differ by next to nothing, the
-// returns of whole episodes have the same distribution (spec: physics, section 10).
+// returns of whole episodes have the same distribution (docs/physics.md, "Accuracy").
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>

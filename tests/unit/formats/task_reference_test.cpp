@@ -1,5 +1,5 @@
 // The whole way of a task, YAML to rewards, against trajectories measured on
-// the reference simulator (tests/data/reference; spec: physics, section 10).
+// the reference simulator (tests/data/reference; docs/physics.md, "Accuracy").
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Reward and end of every benchmark task on synthetic states, against formulas
-// written here once more from the specification (tasks, A.4, A.7 and C).
+// written here once more from docs/tasks.md, "A step", "Orientation" and "Rewards and ends".
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>

@@ -68,7 +68,7 @@ struct Overview {
   int fixed_length;  // the observation has 2n + this
 };
 
-// Spec: tasks, section B.
+// See docs/tasks.md, "The tasks".
 const std::vector<Overview> overview{
     {"Walker-v0", "easy", 1, 1, 500, 2},
     {"BridgeWalker-v0", "easy", 2, 5, 500, 3},
@@ -157,7 +157,7 @@ TEST_CASE("written tasks are read back, with nothing else at hand") {
   }
 }
 
-// ---- check values (spec: tasks, section D) ---------------------------------------------
+// ---- check values (docs/tasks.md, "Check values") ---------------------------------------------
 
 namespace {
 

@@ -1,4 +1,4 @@
-// Against the benchmark's own simulator (spec: physics, section 10).
+// Against the benchmark's own simulator (docs/physics.md, "Accuracy").
 #include "tests/unit/sim/reference_case.h"
 
 #include <algorithm>

@@ -19,7 +19,7 @@ World make_world() {
   return world;
 }
 
-// The definition, word for word (tasks, A.8).
+// The definition, word for word (docs/tasks.md, "Floor and ceiling").
 std::vector<double> by_definition(Terrain::Side side, Vec2 c, int d, double range,
                                   const std::vector<Vec2>& points) {
   std::vector<double> bins;

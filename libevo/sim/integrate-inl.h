@@ -44,7 +44,7 @@ HWY_INLINE void AddFloor(const Physics& physics, double y, double vx, double& fx
   const double up = -physics.floor_stiffness * y;
   fy += up;
   fx -= physics.floor_friction_multiplier * physics.floor_friction_coefficient * up *
-        math::tanh(vx * up * physics.floor_friction_coefficient);
+        math::reference_tanh(vx * up * physics.floor_friction_coefficient);
 }
 
 // One coordinate (or both) of one point: k_p = v dt, k_v = f dt, and where they

@@ -116,6 +116,44 @@ TEST_CASE("elementary functions at the ends of their ranges") {
     CHECK(std::isnan(f(nan)));
 }
 
+TEST_CASE("reference_tanh has the bits of the benchmark's C library") {
+  // As glibc 2.36 computes it on processors with fused operations.
+  struct Value {
+    double x, tanh;
+  };
+  static constexpr Value values[] = {{0x1.79ca10c924223p-67, 0x1.79ca10c924223p-67},
+                                     {0x1.12e0be826d695p-30, 0x1.12e0be826d695p-30},
+                                     {0x1.3p-12, 0x1.2fffff711aaafp-12},
+                                     {0x1.945b6c3760bf6p-7, 0x1.94562b33222f1p-7},
+                                     {0x1.999999999999ap-4, 0x1.983d7795f413ap-4},
+                                     {0x1.5c28f5c28f5c3p-3, 0x1.58d8296a405bcp-3},
+                                     {0x1p-2, 0x1.f597ea69a1c86p-3},
+                                     {0x1.3333333333333p-2, 0x1.2a4dda7d914fap-2},
+                                     {0x1.ccccccccccccdp-2, 0x1.b0064af70e0bap-2},
+                                     {0x1.0a3d70a3d70a4p-1, 0x1.e92a312640003p-2},
+                                     {0x1.6666666666666p-1, 0x1.356fb17af2e92p-1},
+                                     {0x1.fae147ae147aep-1, 0x1.83c4fe9b770ep-1},
+                                     {0x1p+0, 0x1.85efab514f394p-1},
+                                     {0x1.4cccccccccccdp+0, 0x1.b933c726e9b3ap-1},
+                                     {0x1.199999999999ap+1, 0x1.f3949a819042dp-1},
+                                     {0x1.d99999999999ap+1, 0x1.ff5fdc948488cp-1},
+                                     {0x1.6p+2, 0x1.fffb9f2fc1e91p-1},
+                                     {0x1.0333333333333p+3, 0x1.fffff9d11d966p-1},
+                                     {0x1.899999999999ap+3, 0x1.ffffffffa4e13p-1},
+                                     {0x1.1e66666666666p+4, 0x1.ffffffffffffbp-1},
+                                     {0x1.5e66666666666p+4, 0x1p+0}};
+  for (const auto& [x, tanh] : values) {
+    INFO(x);
+    CHECK(math::reference_tanh(x) == tanh);
+    CHECK(math::reference_tanh(-x) == -tanh);
+  }
+  CHECK(math::reference_tanh(HUGE_VAL) == 1.0);
+  CHECK(math::reference_tanh(22.0) == 1.0);
+  CHECK(std::signbit(math::reference_tanh(-0.0)));
+  CHECK(math::reference_tanh(1e-310) == 1e-310);
+  CHECK(std::isnan(math::reference_tanh(std::numeric_limits<double>::quiet_NaN())));
+}
+
 TEST_CASE("lanes of every instruction set give the scalar bits") {
   const std::vector<double> x = assorted_arguments();
   std::vector<double> tanh(x.size()), exp(x.size());

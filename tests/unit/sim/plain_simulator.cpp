@@ -269,7 +269,7 @@ class Plain {
         const double up = -physics_.floor_stiffness * p[i].y;
         total[i].y += up;
         total[i].x -= physics_.floor_friction_multiplier * physics_.floor_friction_coefficient *
-                      up * math::tanh(v[i].x * up * physics_.floor_friction_coefficient);
+                      up * math::reference_tanh(v[i].x * up * physics_.floor_friction_coefficient);
       }
     }
     return total;

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <thread>
 
 #include "libevo/base/error.h"
@@ -101,6 +102,25 @@ TEST_CASE("stepping agrees with the plain simulator to the last bit") {
       INFO(name);
       CHECK(steps_until_different(read_reference(name).world, 4, 8) == 4);
     }
+  }
+}
+
+// The centre was measured with the benchmark's own package.
+TEST_CASE("a body that lies on the world's floor stays with the reference") {
+  const IsaGuard guard;
+  const Model model(World{{block("robot", {"HV", "VH"}, 5, 0)}}, Physics{});
+  for (const std::string& isa : available_isas()) {
+    INFO(isa);
+    select_isa(isa);
+    State state = initial_state(model);
+    std::fill(state.targets.begin(), state.targets.end(), 1.0);
+    for (int step = 0; step < 40; ++step) step_alone(model, state);
+    const auto centre = [](const std::vector<double>& coordinate) {  // voxels
+      return std::accumulate(coordinate.begin(), coordinate.end(), 0.0) /
+             static_cast<double>(coordinate.size()) * 10.0;
+    };
+    CHECK(centre(state.x) == Approx(5.999227935004826).epsilon(1e-12));
+    CHECK(centre(state.y) == Approx(0.9958063894145683).epsilon(1e-12));
   }
 }
 

@@ -158,8 +158,8 @@ struct TrainingSettings {
   int evaluation_interval = 50;  // updates between evaluations; one more after the last
   int evaluation_episodes = 1;
   double evaluation_jitter = 0.0;  // of their start coordinates, voxels
-  int final_episodes = 8;      // of the best policy, after training
-  double final_jitter = 1e-4;  // of their start coordinates, voxels
+  int final_episodes = 8;          // of the best policy, after training
+  double final_jitter = 1e-4;      // of their start coordinates, voxels
 
   // Open-loop search: `environments` and the like do not apply
   int population = 16;         // candidates of a generation

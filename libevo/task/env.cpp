@@ -440,6 +440,14 @@ void load_environment(ByteReader& in, std::size_t index, Environments& all) {
   const Arena::Compiled& arena = e.arena->compiled();
   e.episode = load_episode(in);
   // Never reset: no draws yet.
+  const bool no_draws = e.episode.draws.integers.empty() && e.episode.draws.goals.empty();
+  if (!no_draws || e.episode.steps > 0) {
+    try {
+      check_draws(arena.task, e.episode.draws);
+    } catch (const Error&) {
+      ByteReader::refuse();
+    }
+  }
   const bool begun = !e.episode.draws.integers.empty() || !moves_objects(arena.task);
   if (begun) all.place(index, episode_world_for(arena, e.episode.draws));
   State state = all.batch.state(index);

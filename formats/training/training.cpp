@@ -135,7 +135,8 @@ struct Setting {
 // settings comes from here; what they may be is checked there.
 const std::vector<Setting>& all_settings() {
   static const std::vector<Setting> list{
-      {"algorithm", &T::algorithm, "ppo", "network: ppo; open loop: gait, sequence, sine, random; both: portfolio"},
+      {"algorithm", &T::algorithm, "ppo",
+       "network: ppo; open loop: gait, sequence, sine, random; both: portfolio"},
       {"steps", &T::steps, "512000", "environment steps in all"},
       {"environments", &T::environments, "4", "episodes side by side"},
       {"rollout", &T::rollout, "128", "steps of each environment between updates"},

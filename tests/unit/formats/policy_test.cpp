@@ -251,8 +251,8 @@ TEST_CASE("checkpoints come back as they were, and only for their settings") {
   checkpoint.put<std::uint8_t>("environments/state", {0, 255, 7});
   checkpoint.put<double>("curve/best", {});
   const auto path = scratch.folder / "a.checkpoint.h5";
-  const TrainingIdentity one{"evo-training 2\nseed=1\n", "old"};
-  const TrainingIdentity other{"evo-training 2\nseed=2\n", "old"};
+  const TrainingIdentity one{"evo-training 2\nseed=1\n"};
+  const TrainingIdentity other{"evo-training 2\nseed=2\n"};
   write_checkpoint(path, checkpoint, one);
   CHECK(read_checkpoint(path, one) == checkpoint);
   CHECK_THROWS_WITH(read_checkpoint(path, other),

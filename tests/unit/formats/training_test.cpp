@@ -64,13 +64,6 @@ TEST_CASE("the help of the setting algorithm names every algorithm") {
     CHECK_THAT(algorithm.meaning, Catch::Contains(name));
 }
 
-TEST_CASE("the schema of training profiles has every setting") {
-  const std::string schema =
-      read_file(std::filesystem::path(EVO_SOURCE_DIR) / "docs/formats/schema/training.schema.json");
-  for (const std::string& key : training_keys())
-    CHECK_THAT(schema, Catch::Contains("\"" + key + "\":"));
-}
-
 TEST_CASE("every profile in the repository reads and can be written back") {
   const std::vector<std::string> names = data_names(data, "training");
   CHECK(names.size() >= 3);

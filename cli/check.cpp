@@ -78,10 +78,7 @@ std::string check_hdf5(const fs::path& path, Policies& policies) {
   }
   if (found == format::checkpoint.name) {
     TrainingIdentity own;
-    if (file.has_attribute("/", "identity"))
-      own.lines = file.text("/", "identity");
-    else
-      own.old_hash = file.text("/", "settings_hash");
+    own.lines = file.text("/", "identity");
     (void)read_checkpoint(path, own);
     return "checkpoint";
   }

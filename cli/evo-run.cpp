@@ -50,6 +50,16 @@ Heirs heirs(const RunSettings& settings) {
                              : Heirs::none;
 }
 
+// Options that a setting keeps as one line; `where` begins the errors.
+void parse_options(cli::Command& command, const std::string& line, const std::string& where) {
+  const std::vector<std::string> words = option_words(line, where);
+  try {
+    command.parse(words);
+  } catch (const Error& e) {
+    throw e.at(where);
+  }
+}
+
 // What a run's settings mean to the trainings of a generation; errors begin with `file`.
 TrainingPlan training_plan(const RunSettings& settings, int generation, const std::string& file) {
   cli::Command command("evo-train", "");
@@ -68,7 +78,7 @@ TrainingPlan training_plan(const RunSettings& settings, int generation, const st
   command.seed = parse_unsigned(settings.text("seed"), file + "seed");
   options.failures = "skip";
   if (const std::string* more = settings.find("train_options"))
-    command.parse(option_words(*more, file + "train_options"));
+    parse_options(command, *more, file + "train_options");
   TrainingPlan plan = options.plan(command.seed);
   plan.note_resumed = !has_rungs;
   return plan;
@@ -251,7 +261,7 @@ int propose(const RunFolder& run, int robots) {
   cli::Command options("evo-mutate", "");
   cli::add_breeding_options(options, breeding);
   if (const std::string* line = run.settings().find("mutate_options"))
-    options.parse(option_words(*line, (run.path() / "run.yaml").string() + ": mutate_options"));
+    parse_options(options, *line, (run.path() / "run.yaml").string() + ": mutate_options");
   propose_robots(run, breeding, cli::data_folders(), robots);
   return 0;
 }

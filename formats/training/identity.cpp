@@ -103,9 +103,6 @@ TrainingIdentity identify(const Body& robot, const TaskSpec& task, const Trainin
   if (!origin.inherited.empty()) result.lines += fmt::format("inherited={}\n", origin.inherited);
   for (std::size_t i = 0; i < origin.parts.size(); ++i)
     result.lines += fmt::format("{}{}={}\n", part_prefix, i, origin.parts[i]);
-  result.old_hash =
-      sha256_hex(fmt::format("evo-training 1\nrobot {}\n{}\n{}\nseed {}\n", identity(robot),
-                             task_yaml, training_to_yaml(settings), seed));
   return result;
 }
 

@@ -39,9 +39,6 @@ struct TrainingOrigin {
 
 struct TrainingIdentity {
   std::string lines;
-  // Of checkpoints written before there were lines: SHA-256 over the whole YAML
-  // texts of task and settings, comments included.
-  std::string old_hash;
 
   std::string hash() const;  // SHA-256 of the lines, in hex
 };

@@ -387,20 +387,17 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 std::string read_checkpoint_identity(const std::filesystem::path& path) {
   const hdf5::Reader file(path);
   check_format(file, format::checkpoint, Head::required);
-  return file.has_attribute("/", "identity") ? file.text("/", "identity") : "";
+  return file.text("/", "identity");
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& path, const TrainingIdentity& training) {
   const hdf5::Reader file(path);
   check_format(file, format::checkpoint, Head::required);
-  const bool is_old = !file.has_attribute("/", "identity");
-  const std::string there = is_old ? "" : file.text("/", "identity");
-  const bool is_same =
-      is_old ? file.text("/", "settings_hash") == training.old_hash : there == training.lines;
-  if (!is_same)
+  const std::string there = file.text("/", "identity");
+  if (there != training.lines)
     throw error(Failure::cannot_create,
-                "{}: belongs to a training with other settings{}; remove it to start afresh",
-                file.name(), is_old ? "" : " (" + difference(there, training.lines) + ")");
+                "{}: belongs to a training with other settings ({}); remove it to start afresh",
+                file.name(), difference(there, training.lines));
   file.verify();
   Checkpoint checkpoint;
   for (const std::string& line : file.strings("/index")) {

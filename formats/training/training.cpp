@@ -135,7 +135,8 @@ struct Setting {
 // settings comes from here; what they may be is checked there.
 const std::vector<Setting>& all_settings() {
   static const std::vector<Setting> list{
-      {"algorithm", &T::algorithm, "ppo", "ppo; sine: open-loop waves, optimised; random: drawn"},
+      {"algorithm", &T::algorithm, "ppo",
+       "network: ppo; open loop: gait, sequence, sine, random; both: portfolio"},
       {"steps", &T::steps, "512000", "environment steps in all"},
       {"environments", &T::environments, "4", "episodes side by side"},
       {"rollout", &T::rollout, "128", "steps of each environment between updates"},
@@ -173,6 +174,12 @@ const std::vector<Setting>& all_settings() {
        true},
       {"inherited_log_std", &T::inherited_log_std, "-1", "initial_log_std of an inherited policy",
        true},
+      {"start_jitter", &T::start_jitter, "0", "of start coordinates in training, voxels (ppo)",
+       true},
+      {"moment_share", &T::moment_share, "0",
+       "of episodes: begin at a moment of the inherited controller's (ppo)", true},
+      {"moment_jitter", &T::moment_jitter, "0.01", "of coordinates at a moment, voxels (ppo)",
+       true},
       {"normalize_observations", &T::normalize_observations, "true",
        "by running mean and deviation"},
       {"normalize_rewards", &T::normalize_rewards, "true",
@@ -181,6 +188,7 @@ const std::vector<Setting>& all_settings() {
       {"reward_clip", &T::reward_clip, "10", "of normalised rewards"},
       {"evaluation_interval", &T::evaluation_interval, "50", "updates; one more after the last"},
       {"evaluation_episodes", &T::evaluation_episodes, "1", "of the deterministic controller"},
+      {"evaluation_jitter", &T::evaluation_jitter, "0", "of their start coordinates, voxels", true},
       {"final_episodes", &T::final_episodes, "8", "of the best controller, jittered; 0: none"},
       {"final_jitter", &T::final_jitter, "0.0001", "of start coordinates, voxels"},
       {"population", &T::population, "16", "candidates of a generation (sine, random)"},

@@ -11,6 +11,7 @@ EvaluationSettings TrainingJob::evaluation() const {
   EvaluationSettings evaluation;
   evaluation.episodes = settings.evaluation_episodes;
   evaluation.seed = seed;
+  evaluation.jitter = settings.evaluation_jitter;
   return evaluation;
 }
 

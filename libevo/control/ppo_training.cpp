@@ -20,6 +20,15 @@ Policy first_policy(const TrainingJob& job, std::optional<SineController> gait) 
   return transferred(*policy, old.anatomy, fresh, to);
 }
 
+// What is inherited, on this job's robot.
+Controller inherited_controller(const TrainingJob& job) {
+  const Inheritance& old = *job.inheritance;
+  if (std::holds_alternative<Policy>(old.controller)) return first_policy(job, std::nullopt);
+  if (const auto* sequence = std::get_if<ReplayController>(&old.controller))
+    return transferred(*sequence, old.anatomy, anatomy(job.arena.robot(), job.arena.layout()));
+  return *inherited_gait(job);
+}
+
 }  // namespace
 
 void PpoTraining::check(const TrainingSettings& s) {
@@ -31,6 +40,7 @@ void PpoTraining::check(const TrainingSettings& s) {
 PpoTraining::PpoTraining(const TrainingJob& job, std::optional<SineController> gait)
     : env_(job.arena, job.settings.environments),
       ppo_(job.settings, first_policy(job, std::move(gait)), job.seed, job.robot_id),
+      moments_(inherited_moments(job)),
       next_episode_(static_cast<std::size_t>(job.settings.environments), 0),
       episode_return_(next_episode_.size(), 0.0) {
   for (int e = 0; e < env_.environments(); ++e) start_episode(job, e);
@@ -89,12 +99,45 @@ void PpoTraining::load(const Checkpoint& checkpoint) {
   episode_return_ = checkpoint.get<double>("environments/episode_return", episode_return_.size());
 }
 
+// Every state of one episode of the inherited controller from the exact start, but its
+// last. An episode that becomes unstable gives the states before that.
+std::vector<PpoTraining::Moment> PpoTraining::inherited_moments(const TrainingJob& job) {
+  std::vector<Moment> moments;
+  if (job.settings.moment_share == 0.0) return moments;
+  if (!job.inheritance)
+    throw error(Failure::usage,
+                "training: moment_share is {}; moments need a controller to start from (--init)",
+                job.settings.moment_share);
+  EvaluationSettings episode;
+  episode.seed = job.seed;
+  double sum = 0.0;
+  const auto keep = [&](const EpisodeMoment& now) {
+    if (now.last) return;
+    if (!now.targets.empty()) sum += now.env.rewards()[static_cast<std::size_t>(now.lane)];
+    moments.push_back({now.env.save(now.lane), sum});
+  };
+  try {
+    evaluate(job.arena, inherited_controller(job), episode, keep);
+  } catch (const Error& failure) {
+    if (failure.kind() != Failure::work) throw;
+  }
+  return moments;
+}
+
 void PpoTraining::start_episode(const TrainingJob& job, int environment) {
   const auto e = static_cast<std::size_t>(environment);
+  const std::uint64_t k = next_episode_[e]++;
   const std::uint64_t stream = derive_seed(job.seed, "train", e);
-  EpisodeStart start;
-  start.draws = job.arena.draw(stream, next_episode_[e]++);
-  env_.reset(environment, start);
+  const std::uint64_t jitter_seed = derive_seed(stream, "jitter", k);
+  Stream random(stream, "moment", k);
+  if (!moments_.empty() && random.uniform() < job.settings.moment_share) {
+    const Moment& moment = moments_[random.below(static_cast<std::uint32_t>(moments_.size()))];
+    env_.load(environment, moment.state);
+    env_.perturb(environment, job.settings.moment_jitter, jitter_seed);
+    episode_return_[e] = moment.return_so_far;
+    return;
+  }
+  env_.reset(environment, {job.arena.draw(stream, k), job.settings.start_jitter, jitter_seed});
   episode_return_[e] = 0.0;
 }
 

@@ -27,7 +27,15 @@ class PpoTraining {
   void load(const Checkpoint& checkpoint);
 
  private:
-  // Episode k of environment e has the draws of (seed, "train", e, k).
+  // Where an episode may begin: a state that the inherited controller came to.
+  struct Moment {
+    std::vector<std::uint8_t> state;  // VecEnv::save
+    double return_so_far = 0.0;
+  };
+  static std::vector<Moment> inherited_moments(const TrainingJob& job);
+
+  // Episode k of environment e has the draws, the jitter and the moment of
+  // (seed, "train", e, k).
   void start_episode(const TrainingJob& job, int environment);
   // One step of every environment; the returns of episodes that ended are added.
   void step(const TrainingJob& job, std::vector<double>& returns);
@@ -38,6 +46,7 @@ class PpoTraining {
 
   VecEnv env_;
   Ppo ppo_;
+  std::vector<Moment> moments_;              // follow from the job: in no checkpoint
   std::vector<std::uint64_t> next_episode_;  // [E] of each environment
   std::vector<double> episode_return_;       // [E] so far
   std::vector<int> episode_steps_;           // [E] so far

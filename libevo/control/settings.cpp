@@ -61,6 +61,10 @@ void check(const TrainingSettings& s) {
   require(s.noise_correlation < 1.0, "noise_correlation", s.noise_correlation,
           "it must be below 1");
   share("failure_weight", s.failure_weight);
+  at_least("start_jitter", s.start_jitter, 0);
+  share("moment_share", s.moment_share);
+  at_least("moment_jitter", s.moment_jitter, 0);
+  at_least("evaluation_jitter", s.evaluation_jitter, 0);
   share("wave_share", s.wave_share);
   positive("actuator_sigma", s.actuator_sigma);
   share("gait_share", s.gait_share);

@@ -143,6 +143,11 @@ struct TrainingSettings {
   double gait_log_std = -1.2;       // initial_log_std where actions are added to a gait
   double inherited_log_std = -1.0;  // and of a policy that goes on from another robot's
 
+  // Where training episodes begin
+  double start_jitter = 0.0;    // of the task's start coordinates, voxels
+  double moment_share = 0.0;    // of episodes: at a moment of the inherited controller's episode
+  double moment_jitter = 0.01;  // of the coordinates there, voxels
+
   // Normalisation
   bool normalize_observations = true;
   bool normalize_rewards = true;  // by the deviation of discounted returns
@@ -152,8 +157,9 @@ struct TrainingSettings {
   // Evaluation
   int evaluation_interval = 50;  // updates between evaluations; one more after the last
   int evaluation_episodes = 1;
-  int final_episodes = 8;      // of the best policy, after training
-  double final_jitter = 1e-4;  // of their start coordinates, voxels
+  double evaluation_jitter = 0.0;  // of their start coordinates, voxels
+  int final_episodes = 8;          // of the best policy, after training
+  double final_jitter = 1e-4;      // of their start coordinates, voxels
 
   // Open-loop search: `environments` and the like do not apply
   int population = 16;         // candidates of a generation

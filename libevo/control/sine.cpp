@@ -30,6 +30,7 @@ void save_sine(Checkpoint& checkpoint, const std::string& name, const SineContro
   checkpoint.put(name + "/phase", controller.phase);
   checkpoint.put(name + "/shift", controller.shift);
   checkpoint.put<double>(name + "/period", {controller.period});
+  checkpoint.put<double>(name + "/middle", {controller.middle});
 }
 
 SineController load_sine(const Checkpoint& checkpoint, const std::string& name) {
@@ -38,6 +39,8 @@ SineController load_sine(const Checkpoint& checkpoint, const std::string& name) 
   controller.phase = checkpoint.get<double>(name + "/phase", controller.amplitude.size());
   controller.shift = checkpoint.get<double>(name + "/shift");
   controller.period = checkpoint.get<double>(name + "/period", 1)[0];
+  if (checkpoint.has(name + "/middle"))  // checkpoints of 0.x leave it at the default
+    controller.middle = checkpoint.get<double>(name + "/middle", 1)[0];
   return controller;
 }
 

@@ -440,6 +440,14 @@ void load_environment(ByteReader& in, std::size_t index, Environments& all) {
   const Arena::Compiled& arena = e.arena->compiled();
   e.episode = load_episode(in);
   // Never reset: no draws yet.
+  const bool no_draws = e.episode.draws.integers.empty() && e.episode.draws.goals.empty();
+  if (!no_draws || e.episode.steps > 0) {
+    try {
+      check_draws(arena.task, e.episode.draws);
+    } catch (const Error&) {
+      ByteReader::refuse();
+    }
+  }
   const bool begun = !e.episode.draws.integers.empty() || !moves_objects(arena.task);
   if (begun) all.place(index, episode_world_for(arena, e.episode.draws));
   State state = all.batch.state(index);
@@ -510,6 +518,28 @@ void VecEnv::load(int environment, std::span<const std::uint8_t> bytes) {
   in.finish();
   std::copy(observation.begin(), observation.end(),
             impl.observations.begin() + static_cast<std::ptrdiff_t>(e.observation_offset));
+}
+
+void VecEnv::perturb(int environment, double jitter, std::uint64_t seed) {
+  Impl& impl = *impl_;
+  const auto index = static_cast<std::size_t>(environment);
+  Environment& e = impl.environments[index];
+  const Arena::Compiled& arena = e.arena->compiled();
+  const double amount = jitter * arena.voxel_length;
+  State state = impl.batch.state(index);
+  Stream stream(seed, "perturb");
+  for (std::size_t i = 0; i < state.x.size(); ++i) {
+    const double dx = amount * (2.0 * stream.uniform() - 1.0);
+    const double dy = amount * (2.0 * stream.uniform() - 1.0);
+    state.x[i] += dx;
+    state.y[i] += dy;
+    state.previous_x[i] += dx;
+    state.previous_y[i] += dy;
+  }
+  impl.batch.set_state(index, state);
+  impl.batch.read_moving(index, e.positions, e.velocities);
+  measure(arena, e.initial_shapes, e.positions, e.work, e.quantities);
+  impl.look(index);
 }
 
 // ---- the pure part of a step -------------------------------------------------------

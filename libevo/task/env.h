@@ -118,6 +118,11 @@ class VecEnv {
   std::vector<std::uint8_t> save(int environment) const;
   void load(int environment, std::span<const std::uint8_t> bytes);
 
+  // Moves every point of an episode in progress by up to `jitter` voxels in each
+  // coordinate, together with its previous position: velocities and the step counter
+  // stay, and no step's reward counts the move.
+  void perturb(int environment, double jitter, std::uint64_t seed);
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -7,6 +7,7 @@
 #include "libevo/base/parallel.h"
 #include "libevo/control/evaluate.h"
 #include "libevo/control/ppo.h"
+#include "libevo/control/sine.h"
 #include "libevo/sim/isa.h"
 #include "tests/unit/control/arena.h"
 
@@ -560,6 +561,73 @@ TEST_CASE("a search for a sequence goes on with the gait where waves gain more")
   }
   INFO(turns);  // 36 g, 12 s with the third seed
   CHECK(std::count(turns.begin(), turns.end(), 'g') > std::count(turns.begin(), turns.end(), 's'));
+}
+
+TEST_CASE("episodes begin at moments of what is inherited") {
+  const Arena arena(test::walker(10), test::small_body());
+  const TrainingSettings old_settings =
+      GENERATE(brief_sequence(), brief_search(Algorithm("gait")), brief());
+  Trainer old_trainer(arena, old_settings, 1, "old");
+  const TrainResult old_result = train(old_trainer);
+  const Inheritance inheritance{*old_result.controller, anatomy(arena.robot(), arena.layout())};
+  TrainingSettings settings = brief();
+  settings.moment_share = 0.7;
+  settings.start_jitter = 1e-3;
+  settings.evaluation_jitter = 1e-3;
+  settings.evaluation_episodes = 3;
+
+  SECTION("a resumed training ends with the same bytes") {
+    Trainer whole(arena, settings, 1, "new", inheritance);
+    for (int i = 0; i < 3; ++i) whole.advance();
+    Trainer resumed(arena, settings, 1, "new", inheritance);
+    resumed.restore(whole.checkpoint());
+    check_equal(train(resumed), train(whole));
+    CHECK(resumed.checkpoint() == whole.checkpoint());
+  }
+  SECTION("share, jitter and start each decide the result") {
+    const auto bytes = [&](auto change) {
+      TrainingSettings changed = settings;
+      change(changed);
+      Trainer trainer(arena, changed, 1, "new", inheritance);
+      trainer.advance();
+      return trainer.checkpoint();
+    };
+    const Checkpoint as_set = bytes([](auto&) {});
+    CHECK(bytes([](auto& s) { s.moment_share = 0.0; }) != as_set);
+    CHECK(bytes([](auto& s) { s.moment_jitter = 0.0; }) != as_set);
+    CHECK(bytes([](auto& s) { s.start_jitter = 0.0; }) != as_set);
+  }
+  SECTION("the step counter goes on: episodes are over sooner") {
+    settings.environments = 8;
+    settings.rollout = 40;
+    const auto ended = [&](double share) {
+      settings.moment_share = share;
+      settings.start_jitter = 0.0;
+      Trainer trainer(arena, settings, 1, "new", inheritance);
+      trainer.advance();
+      std::uint64_t episodes = 0;
+      const Checkpoint now = trainer.checkpoint();
+      for (const auto k : now.get<std::uint64_t>("environments/next_episode")) episodes += k;
+      return episodes;
+    };
+    CHECK(ended(0.0) == 40);  // in each environment four that ended, and the next
+    CHECK(ended(1.0) > 50);   // of 5.5 steps on average
+  }
+}
+
+TEST_CASE("moments without a controller to inherit are refused") {
+  const Arena arena(test::walker(10), test::small_body());
+  TrainingSettings settings = brief();
+  settings.moment_share = 0.5;
+  CHECK_THROWS_WITH(Trainer(arena, settings, 1, "robot"), Catch::Contains("moment_share is 0.5"));
+}
+
+TEST_CASE("a wave's middle comes back from a checkpoint") {
+  SineController wave = travelling_wave(3, 0.2, 20.0, 0.5);
+  wave.middle = 0.9;
+  Checkpoint checkpoint;
+  save_sine(checkpoint, "wave", wave);
+  CHECK(load_sine(checkpoint, "wave") == wave);
 }
 
 TEST_CASE("a search for a sequence starts from what another robot has learned") {

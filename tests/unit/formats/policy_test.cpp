@@ -251,8 +251,8 @@ TEST_CASE("checkpoints come back as they were, and only for their settings") {
   checkpoint.put<std::uint8_t>("environments/state", {0, 255, 7});
   checkpoint.put<double>("curve/best", {});
   const auto path = scratch.folder / "a.checkpoint.h5";
-  const TrainingIdentity one{"evo-training 2\nseed=1\n", "old"};
-  const TrainingIdentity other{"evo-training 2\nseed=2\n", "old"};
+  const TrainingIdentity one{"evo-training 2\nseed=1\n"};
+  const TrainingIdentity other{"evo-training 2\nseed=2\n"};
   write_checkpoint(path, checkpoint, one);
   CHECK(read_checkpoint(path, one) == checkpoint);
   CHECK_THROWS_WITH(read_checkpoint(path, other),
@@ -305,20 +305,4 @@ TEST_CASE("a policy written before there were identities is of its training, and
   evaluation.seed = 3;
   const Arena arena(task, file.robot.body);
   CHECK(evaluate(arena, to_controller(file.controller), evaluation).mean() == file.fitness);
-}
-
-// A checkpoint of that time has only a hash over the texts of task and settings.
-// Checkpoints live for minutes: when a word of those texts is corrected, this
-// test has done its work and goes, with its file and TrainingIdentity::old_hash.
-TEST_CASE("a checkpoint written before there were identities is of its training") {
-  const auto path = before / "before-identity.checkpoint.h5";
-  const TrainingSettings settings = settings_before("400000");
-  const Robot robot(Body::from_rows({"R.H", "RRV", ".VV"}));
-  const TaskSpec task = load_task("Walker-v0", data);
-  const Arena arena(task, robot.body);
-  Trainer trainer(arena, settings, 3, robot.id);
-  trainer.restore(read_checkpoint(path, identify(robot.body, task, settings, 3)));
-  CHECK(trainer.result().steps > 0);
-  CHECK_THROWS_WITH(read_checkpoint(path, identify(robot.body, task, settings, 4)),
-                    Catch::Contains("other settings"));
 }

@@ -270,7 +270,7 @@ TEST_CASE("random policies come back to the last bit") {
 
 TEST_CASE("random checkpoints come back to the last bit") {
   const ScratchFolder folder;
-  const TrainingIdentity identity{"evo-training 2\nseed=1\n", "old"};
+  const TrainingIdentity identity{"evo-training 2\nseed=1\n"};
   for (std::uint64_t i = 0; i < 60; ++i) {
     Stream stream(2, "test/checkpoints", i);
     Checkpoint checkpoint;

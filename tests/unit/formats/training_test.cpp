@@ -57,6 +57,13 @@ TEST_CASE("the profile paper is what libevo has built in, and names every settin
   }
 }
 
+TEST_CASE("the help of the setting algorithm names every algorithm") {
+  const SettingRow algorithm = training_table({}).front();
+  REQUIRE(algorithm.key == "algorithm");
+  for (const std::string& name : algorithm_names())
+    CHECK_THAT(algorithm.meaning, Catch::Contains(name));
+}
+
 TEST_CASE("every profile in the repository reads and can be written back") {
   const std::vector<std::string> names = data_names(data, "training");
   CHECK(names.size() >= 3);

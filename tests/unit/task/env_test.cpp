@@ -350,6 +350,63 @@ TEST_CASE("an episode goes on from any of its moments, in any environment, to th
   CHECK_THROWS_AS(env.load(0, moment), Error);
 }
 
+TEST_CASE("a perturbed episode goes on from where it was, every point moved a little") {
+  const Arena arena(drawing(), walker());
+  VecEnv env(arena, 3);
+  reset_all(arena, env);
+  for (int step = 0; step < 4; ++step) env.step(actions(arena, 3, step));
+  const auto moment = env.save(0);
+  env.load(1, moment);
+  env.load(2, moment);
+  env.perturb(1, 1e-2, 7);
+  env.perturb(2, 1e-2, 7);
+  CHECK(env.save(1) == env.save(2));
+  CHECK(env.steps(1) == 4);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < env.positions(0).size(); ++i) {
+    const double dx = std::abs(env.positions(1)[i].x - env.positions(0)[i].x);
+    const double dy = std::abs(env.positions(1)[i].y - env.positions(0)[i].y);
+    CHECK(std::max(dx, dy) <= 1.0001e-3);  // a hundredth of a voxel of 0.1
+    largest = std::max({largest, dx, dy});
+    CHECK(env.velocities(1)[i].x == env.velocities(0)[i].x);
+    CHECK(env.velocities(1)[i].y == env.velocities(0)[i].y);
+  }
+  CHECK(largest > 5e-4);
+  const auto d = static_cast<std::ptrdiff_t>(arena.observation_length());
+  CHECK_FALSE(std::equal(env.observations().begin(), env.observations().begin() + d,
+                         env.observations().begin() + d));
+  // Other moves follow from another seed; none leaves everything as it was.
+  env.load(2, moment);
+  env.perturb(2, 1e-2, 8);
+  CHECK(env.save(1) != env.save(2));
+  env.load(2, moment);
+  env.perturb(2, 0.0, 8);
+  CHECK(env.save(2) == moment);
+}
+
+TEST_CASE("saved draws that are not the task's are refused") {
+  // Of tasks with the same observation and world, one of which draws goals.
+  const TaskSpec with_goals = seeking();
+  TaskSpec without = with_goals;
+  without.goals.reset();
+  without.observation.clear();
+  TaskSpec same_observation = with_goals;
+  same_observation.observation.clear();
+  same_observation.reward.clear();
+  without.reward.clear();
+  without.rules.clear();
+  const Arena goals(same_observation, walker());
+  const Arena none(without, walker());
+  VecEnv from(none, 1);
+  from.reset(0, {});
+  from.step(std::vector<double>(static_cast<std::size_t>(none.action_length()), 1.0));
+  VecEnv to(goals, 1);
+  CHECK_THROWS_AS(to.load(0, from.save(0)), Error);
+  CHECK_THROWS_AS(to.load(from.save()), Error);
+  VecEnv never_reset(goals, 1);
+  to.load(never_reset.save());
+}
+
 TEST_CASE("bytes that belong elsewhere are refused") {
   const Arena arena(walking(), walker());
   VecEnv env(arena, 2);

@@ -1,5 +1,4 @@
-// A policy's actor as an ONNX graph (docs/formats/policy.md). A library of its own,
-// so that only what needs ONNX is linked with it.
+// A policy's actor as an ONNX graph (docs/formats/policy.md).
 #pragma once
 
 #include <string>

@@ -1,13 +1,18 @@
-// Pictures compared with those in tests/data/render. Set EVO_UPDATE_GOLDEN=1 to
-// write them anew, then look at them. A picture that differs is left in the
-// current folder as differs-NAME.png.
+// Pictures compared with those in tests/data/render, and the shapes of every task's
+// picture with their pinned hashes. Set UPDATE_GOLDEN=1 to write both anew, then look
+// at them. A picture that differs is left in the current folder as differs-NAME.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
+#include <sstream>
 
+#include "formats/io/files.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
+#include "libevo/base/digest.h"
+#include "render/painters/vector.h"
 #include "render/render.h"
 #include "tests/unit/render/example.h"
 
@@ -25,7 +30,7 @@ constexpr double most_large_differences = 0.002;  // share of pixels
 void compare(const std::string& name, const Drawing& drawing) {
   const Image picture = paint(drawing);
   const fs::path golden = fs::path(EVO_TEST_DATA) / "render" / (name + ".png");
-  if (std::getenv("EVO_UPDATE_GOLDEN") != nullptr) write_png(golden, view(picture), 9);
+  if (std::getenv("UPDATE_GOLDEN") != nullptr) write_png(golden, view(picture), 9);
   const Image expected = read_png(golden);
   REQUIRE(picture.size == expected.size);
   double sum = 0;
@@ -122,17 +127,32 @@ TEST_CASE("golden: sheets") {
   compare("moments", draw_moments({&rollout, 0, ""}, {6}, options));
 }
 
-TEST_CASE("golden: every task at reset and after 100 steps") {
+// Shapes and text, without the rasteriser, whose pixels the pictures above compare.
+TEST_CASE("pinned: every task at reset and after 100 steps") {
+  const fs::path table = fs::path(EVO_TEST_DATA) / "render" / "tasks.tsv";
   const auto tasks = task_names({fs::path(EVO_SOURCE_DIR) / "tasks"});
   CHECK(tasks.size() == 32);
+  std::map<std::string, std::string> pinned;
+  std::istringstream rows(read_file(table));
+  for (std::string picture, hash; rows >> picture >> hash;) pinned[picture] = hash;
+  std::string found;
+  Typesetter typesetter;
+  const auto check = [&](const std::string& picture, const Drawing& drawing) {
+    const std::string shapes = encode_svg(drawing, picture, typesetter);
+    const std::string hash = sha256_hex(shapes).substr(0, 12);
+    found += picture + "\t" + hash + "\n";
+    if (pinned[picture] != hash) write_file("differs-" + picture + ".svg", shapes);
+    CHECK(pinned[picture] == hash);
+  };
   for (const std::string& task : tasks) {
     RenderOptions options = small();
     const Rollout rollout = example::simulate(task, example::walker, 100);
-    compare(task + "-100", draw_moment({&rollout, 0, ""}, 100, options));
+    check(task + "-100", draw_moment({&rollout, 0, ""}, 100, options));
     options.camera.mode = CameraMode::world;
-    compare(task + "-0",
-            draw_world(example::build(example::task(task), example::walker), task, options));
+    check(task + "-0",
+          draw_world(example::build(example::task(task), example::walker), task, options));
   }
+  if (std::getenv("UPDATE_GOLDEN") != nullptr) write_file(table, found);
 }
 
 }  // namespace

@@ -51,11 +51,11 @@ TEST_CASE("a gradient is defined once") {
   CHECK(text.find("<linearGradient") == text.rfind("<linearGradient"));
 }
 
-// Pictures as text; EVO_UPDATE_GOLDEN=1 writes them anew, then look at them.
+// Pictures as text; UPDATE_GOLDEN=1 writes them anew, then look at them.
 void compare(const std::string& name, const Drawing& drawing) {
   const std::string text = svg(drawing);
   const std::string golden = std::string(EVO_TEST_DATA) + "/render/" + name + ".svg";
-  if (std::getenv("EVO_UPDATE_GOLDEN") != nullptr) write_file(golden, text);
+  if (std::getenv("UPDATE_GOLDEN") != nullptr) write_file(golden, text);
   if (text != read_file(golden)) write_file("differs-" + name + ".svg", text);
   CHECK(text == read_file(golden));
 }

@@ -1,8 +1,6 @@
 #include "cli/command.h"
 
 #include <fcntl.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -32,6 +30,18 @@
 
 namespace evo::cli {
 namespace {
+
+// What is said on standard error, by whom.
+enum class Detail { errors, normal, more };
+Detail wanted = Detail::normal;
+std::string speaker;
+
+void say(Detail detail, const std::string& text) {
+  if (detail > wanted) return;
+  const std::string line = speaker + ": " + printable(text) + "\n";
+  std::fwrite(line.data(), 1, line.size(), stderr);  // at once, whatever other threads say
+}
+void say_error(const std::string& text) { say(Detail::errors, text); }
 
 struct Entry {
   std::string names;  // "-n, --count N"
@@ -393,10 +403,10 @@ Progress Command::progress_style() const {
   return isatty(STDERR_FILENO) == 1 ? Progress::drawn : Progress::rarely;
 }
 
-void say_detail(const std::string& text) { spdlog::debug("{}", printable(text)); }
+void say_detail(const std::string& text) { say(Detail::more, text); }
 void Command::detail(const std::string& text) const { say_detail(text); }
-void Command::note(const std::string& text) const { spdlog::info("{}", printable(text)); }
-void Command::warn(const std::string& text) const { spdlog::warn("{}", printable(text)); }
+void Command::note(const std::string& text) const { say(Detail::normal, text); }
+void Command::warn(const std::string& text) const { say(Detail::normal, text); }
 
 namespace {
 
@@ -442,10 +452,7 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
 
   occupy_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error of writing
-  auto logger = std::make_shared<spdlog::logger>(impl.name,
-                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  logger->set_pattern("%n: %v");
-  spdlog::set_default_logger(logger);
+  speaker = impl.name;
 
   try {
     // Asked for help, a tool helps, whatever else stands on the line.
@@ -469,9 +476,7 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
       } catch (const CLI::ParseError& e) {
         throw impl.explain(e);
       }
-      spdlog::set_level(quiet     ? spdlog::level::err
-                        : verbose ? spdlog::level::debug
-                                  : spdlog::level::info);
+      wanted = quiet ? Detail::errors : verbose ? Detail::more : Detail::normal;
       if (impl.jobs && (*impl.jobs < 1 || *impl.jobs > most_threads))
         throw error(Failure::usage, "--jobs must be from 1 to {}, not {}", most_threads,
                     *impl.jobs);
@@ -487,19 +492,19 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
       throw error(Failure::io, "cannot write standard output");
     return status;
   } catch (const Error& e) {
-    spdlog::error("{}", printable(e.what()));
+    say_error(e.what());
     return static_cast<int>(e.kind());
   } catch (const std::bad_alloc&) {
-    spdlog::error(impl.has_jobs && jobs > 1 ? "out of memory; fewer --jobs need less"
-                                            : "out of memory");
+    say_error(impl.has_jobs && jobs > 1 ? "out of memory; fewer --jobs need less"
+                                        : "out of memory");
   } catch (const std::filesystem::filesystem_error& e) {
-    spdlog::error("{}", printable(e.what()));
+    say_error(e.what());
     return static_cast<int>(Failure::io);
   } catch (const std::system_error& e) {  // of printing
-    spdlog::error("standard output: cannot be written: {}", e.code().message());
+    say_error("standard output: cannot be written: " + e.code().message());
     return static_cast<int>(Failure::io);
   } catch (const std::exception& e) {
-    spdlog::error("unexpected failure: {}", printable(e.what()));
+    say_error(std::string("unexpected failure: ") + e.what());
   }
   return static_cast<int>(Failure::work);
 }

@@ -10,7 +10,7 @@ from gymnasium.spaces import Box
 
 from .simulator import STATUS, EvoError, Simulator
 
-__all__ = ["Environment", "action_box", "observation_box"]
+__all__ = ["Environment", "action_box", "observation_box", "unlimited"]
 
 
 def observation_box(length: int) -> Box:
@@ -39,6 +39,24 @@ def known_render_mode(mode: str | None) -> str | None:
     return mode
 
 
+def time_limit(max_episode_steps: int | None, simulator: Simulator) -> float:
+    """Steps after which episodes are truncated: the task's for None, none for -1."""
+    if max_episode_steps is None:
+        return simulator.info["episode_steps"]
+    if max_episode_steps != -1 and max_episode_steps < 1:
+        raise ValueError(f"max_episode_steps: {max_episode_steps} is neither -1 nor above 0")
+    return np.inf if max_episode_steps == -1 else max_episode_steps
+
+
+def only_robot(simulator: Simulator, envs: int) -> Simulator:
+    """Refuses, and closes, a simulator of more than one robot."""
+    robots = simulator.num_envs // envs
+    if robots != 1:
+        simulator.close()
+        raise ValueError(f"one robot is expected, not {robots}; Simulator takes several")
+    return simulator
+
+
 class Environment(gymnasium.Env):
     """A robot in a task.
 
@@ -46,6 +64,8 @@ class Environment(gymnasium.Env):
     connections: see ``evo_robots.robots``; ``robot`` takes a file or a document
     instead. fast, physics, settings: as --fast, --physics and --set of the
     tools. jitter: every start coordinate is moved by up to this, voxels.
+    max_episode_steps: steps after which an episode is truncated [the task's];
+    -1 for none.
 
     reset(options=...) takes ``draws``, ``episode`` and ``jitter``. Without a
     seed the environment goes on in the episodes of the one before (first 0), so
@@ -65,14 +85,18 @@ class Environment(gymnasium.Env):
         width: int = 600,
         height: int = 300,
         jitter: float = 0.0,
+        max_episode_steps: int | None = None,
         seed: int = 0,
         fast: bool = False,
         physics: str | None = None,
         settings: Mapping[str, Any] | None = None,
     ) -> None:
         self.render_mode = known_render_mode(render_mode)
-        self.simulator = Simulator(task, the_robot(body, connections, robot),
-                                   seed=seed, fast=fast, physics=physics, settings=settings)
+        self.simulator = only_robot(
+            Simulator(task, the_robot(body, connections, robot), seed=seed, fast=fast,
+                      physics=physics, settings=settings), 1)
+        self._limit = time_limit(max_episode_steps, self.simulator)
+        self._steps = 0
         self.observation_space = observation_box(int(self.simulator.observation_lengths[0]))
         self.action_space = action_box(self.simulator, int(self.simulator.action_lengths[0]))
         self._size = (width, height)
@@ -85,14 +109,16 @@ class Environment(gymnasium.Env):
         if unknown:
             raise ValueError(f"options: {sorted(unknown)} are not known")
         state = self.simulator.reset(seed=seed, **{"jitter": self._jitter, **options})
+        self._steps = 0
         return state.observations[0], {}
 
     def step(self, action):
         state = self.simulator.step(action)
         if state.status[0] != 0:
             raise EvoError(f"the environment is {STATUS[state.status[0]]}: reset it")
+        self._steps += 1
         return (state.observations[0], float(state.rewards[0]), bool(state.terminated[0]),
-                bool(state.truncated[0]), {})
+                self._steps >= self._limit, {})
 
     def render(self) -> np.ndarray | None:
         if self.render_mode is None:
@@ -107,9 +133,19 @@ class Environment(gymnasium.Env):
 
     def object_pos_at_time(self, object_name: str = "robot") -> np.ndarray:
         """[2, n], now, raw units (the benchmark's ``multiply by voxel size`` done)."""
-        world = self.simulator.positions(0)
-        return world["positions"][world["objects"][object_name]].T
+        return self._points_of("positions", object_name)
 
     def object_vel_at_time(self, object_name: str = "robot") -> np.ndarray:
+        return self._points_of("velocities", object_name)
+
+    def _points_of(self, what: str, name: str) -> np.ndarray:
         world = self.simulator.positions(0)
-        return world["velocities"][world["objects"][object_name]].T
+        if name not in world["objects"]:
+            raise ValueError(f"no object {name!r} in this task; there are: "
+                             + ", ".join(world["objects"]))
+        return world[what][world["objects"][name]].T
+
+
+def unlimited(**arguments: Any) -> Environment:
+    """What gymnasium.make makes: its wrapper TimeLimit truncates episodes."""
+    return Environment(**{"max_episode_steps": -1, **arguments})

@@ -63,8 +63,11 @@ def _episode(group: h5py.Group) -> Episode:
 
 def write_actions(path: str | os.PathLike, actions: Any) -> None:
     """Actions [T, A] as ``evo-eval --actions`` replays them."""
+    values = np.asarray(actions, np.float64)
+    if values.ndim != 2:
+        raise ValueError(f"actions of shape {values.shape}; expected (steps, actuators)")
     with h5py.File(path, "w") as file:
-        file["actions"] = np.asarray(actions, np.float64)
+        file["actions"] = values
 
 
 # ---- policies -----------------------------------------------------------------
@@ -127,8 +130,11 @@ def write_policy(
     layers: Sequence[tuple[Any, Any]],
     *,
     offset: float = 0.0,
+    squash: bool = False,
     mean: Any = None,
     variance: Any = None,
+    clip: float = 10.0,
+    epsilon: float = 1e-8,
     fitness: float = float("nan"),
     steps: int = 0,
     created_by: str = "evo_robots",
@@ -136,10 +142,20 @@ def write_policy(
     """A controller trained elsewhere, for evo-eval and evo-render.
 
     layers: weight [out, in] and bias [out] of each; tanh between them; the last
-    one's outputs, plus ``offset``, are the targets. mean, variance: of a running
-    normaliser of observations, if there was one.
+    one's outputs, plus ``offset``, are the targets, or with ``squash`` their tanh
+    spread over the range of targets. mean, variance: of a running normaliser of
+    observations, if there was one; epsilon is added to its variance, and it clips
+    to +-clip.
     """
     length = int(simulator.observation_lengths[0])
+    actions = int(simulator.action_lengths[0])
+    _check_shapes(layers, length, actions)
+    for name, values in (("mean", mean), ("variance", variance)):
+        if (mean is None) != (variance is None) or (
+                values is not None and np.shape(values) != (length,)):
+            raise ValueError(f"mean and variance: {length} values of each are expected, or none")
+    if squash and offset != 0:
+        raise ValueError("offset belongs to targets that are not squashed")
     info = simulator.info
     known = simulator.task()
     with h5py.File(path, "w") as file:
@@ -149,7 +165,7 @@ def write_policy(
             "observation_layout": json.dumps(info["robots"][0]["observation_layout"]),
             "created_by": created_by, "settings_hash": "", "fitness": float(fitness),
             "best_step": np.int64(steps), "steps": np.int64(steps), "kind": "network",
-            "action_map": "offset", "action_offset": float(offset),
+            "action_map": "squash" if squash else "offset", "action_offset": float(offset),
             "action_bounds": np.array([info["action_low"], info["action_high"]])})
         for number, (weight, bias) in enumerate(layers):
             file[f"actor/layer_{number}/weight"] = np.asarray(weight, np.float32)
@@ -157,14 +173,26 @@ def write_policy(
         # Nothing but training looks at the critic and the spread of actions.
         file["critic/layer_0/weight"] = np.zeros((1, length), np.float32)
         file["critic/layer_0/bias"] = np.zeros(1, np.float32)
-        file["log_std"] = np.zeros(int(simulator.action_lengths[0]), np.float32)
+        file["log_std"] = np.zeros(actions, np.float32)
         file["normalizer/mean"] = np.zeros(length) if mean is None else np.asarray(mean, float)
         file["normalizer/var"] = np.ones(length) if variance is None else np.asarray(variance, float)
         file["normalizer"].attrs.update({
-            "count": 0.0 if mean is None else 1.0, "clip": 1e30 if mean is None else 10.0,
-            "epsilon": 1e-8})
+            "count": 0.0 if mean is None else 1.0, "clip": 1e30 if mean is None else clip,
+            "epsilon": epsilon})
         for name in ("step", "evaluation", "best"):
             file[f"curve/{name}"] = np.zeros(0, np.int64 if name == "step" else np.float64)
+
+
+def _check_shapes(layers: Sequence[tuple[Any, Any]], observations: int, actions: int) -> None:
+    width = observations
+    for number, (weight, bias) in enumerate(layers):
+        shape = np.shape(weight)
+        if len(shape) != 2 or shape[1] != width or np.shape(bias) != shape[:1]:
+            raise ValueError(f"layer {number}: weight {shape} and bias {np.shape(bias)}; expected "
+                             f"(n, {width}) and (n,)")
+        width = shape[0]
+    if width != actions or not layers:
+        raise ValueError(f"the last layer has {width} outputs for {actions} actuators")
 
 
 def _text(value: Any) -> str:

@@ -12,6 +12,7 @@ __all__ = ["VOXEL_TYPES", "get_full_connectivity", "has_actuator", "is_connected
 
 VOXEL_TYPES = {"EMPTY": 0, "RIGID": 1, "SOFT": 2, "H_ACT": 3, "V_ACT": 4}
 LETTERS = ".RSHV"
+MOST_CELLS_DRAWN = 5_000_000  # in vain, before sampling gives up: some seconds of work
 
 
 def get_full_connectivity(body: np.ndarray) -> np.ndarray:
@@ -55,23 +56,57 @@ def sample_robot(
     rng: np.random.Generator | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """A random valid body and its full connectivity. ``pd``: weights of the five
-    kinds [0.6 for empty, 0.2 for each other]."""
+    kinds [0.6 for empty, 0.2 for each other]. Gives up with a ValueError after some
+    seconds, for shapes that by such weights are hardly ever connected."""
+    if len(robot_shape) != 2 or min(robot_shape) < 1:
+        raise ValueError(f"robot_shape: rows and columns from 1 on are expected, not {robot_shape}")
     weights = np.array([0.6, 0.2, 0.2, 0.2, 0.2] if pd is None else pd, float)
-    if weights.shape != (5,) or (weights < 0).any() or weights[3:].sum() == 0:
+    if (weights.shape != (5,) or not np.isfinite(weights).all() or (weights < 0).any()
+            or weights[3:].sum() == 0):
         raise ValueError("pd: five weights are expected, one of an actuator above 0")
     rng = np.random.default_rng() if rng is None else rng
-    while True:
-        body = rng.choice(5, size=robot_shape, p=weights / weights.sum()).astype(float)
+    share = weights / weights.sum()
+    tries = max(1000, MOST_CELLS_DRAWN // int(np.prod(robot_shape)))
+    for _ in range(tries):
+        body = rng.choice(5, size=robot_shape, p=share).astype(float)
         if is_connected(body) and has_actuator(body):
             return body, get_full_connectivity(body)
+    raise ValueError(
+        f"no valid robot among {tries} random matrices of {robot_shape[0]}x{robot_shape[1]} cells; "
+        f"with {100 * share[0]:.0f}% empty cells they are hardly ever connected: give empty (the "
+        "first of pd) less, or choose a smaller shape")
+
+
+def is_matrix(rows: Any) -> bool:
+    """Whether a list or tuple is a body's rows, each a list of numbers."""
+    return len(rows) > 0 and all(
+        isinstance(row, (list, tuple, np.ndarray)) and len(row) > 0 and
+        all(isinstance(cell, (int, float, np.number)) for cell in row) for row in rows)
+
+
+def _pairs(connections: Any, cells: np.ndarray) -> list[list[int]]:
+    """Of [2, n]; another shape would put together what does not belong together."""
+    links = np.asarray(connections)
+    if links.size == 0:
+        return []
+    if links.ndim != 2 or len(links) != 2:
+        raise ValueError(f"connections of shape {links.shape}; expected (2, n): a row of cells and "
+                         "one of their neighbours")
+    pairs = [sorted(int(cell) for cell in link) for link in links.T]
+    known = {tuple(link) for link in get_full_connectivity(cells).T.tolist()}
+    for (a, b) in pairs:
+        if (a, b) not in known:
+            raise ValueError(f"connections: {a} and {b} are no neighbouring voxels of the body")
+    return pairs
 
 
 def robot_document(robot: Any) -> dict[str, Any]:
-    """A robot as the tools read it, from a body, ``(body, connections)``, or a
+    """A robot as the tools read it, from a body, a tuple ``(body, connections)``, or a
     document."""
     if isinstance(robot, Mapping):
         return dict(robot)
-    body, connections = robot if isinstance(robot, tuple) else (robot, None)
+    is_pair = isinstance(robot, tuple) and len(robot) == 2 and not is_matrix(robot)
+    body, connections = robot if is_pair else (robot, None)
     cells = np.asarray(body)
     if cells.ndim != 2 or not np.isin(cells, range(5)).all():
         raise ValueError("a body is a matrix of the numbers 0 to 4")
@@ -79,8 +114,7 @@ def robot_document(robot: Any) -> dict[str, Any]:
         "format": "evo/robot", "version": 1,
         "body": ["".join(LETTERS[int(kind)] for kind in row) for row in cells]}
     if connections is not None:
-        links = np.asarray(connections, int).reshape(2, -1).T
-        document["connections"] = [sorted(link) for link in links.tolist()]
+        document["connections"] = _pairs(connections, cells)
     return document
 
 
@@ -88,6 +122,8 @@ def robot_arrays(document: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """Body and connections of a robot document."""
     body = np.array([[LETTERS.index(v) if isinstance(v, str) else v for v in row]
                      for row in document["body"]], float)
-    if "connections" in document:
-        return body, np.array(document["connections"], int).reshape(-1, 2).T
-    return body, get_full_connectivity(body)
+    if "connections" not in document:
+        return body, get_full_connectivity(body)
+    links = np.array(document["connections"], int)
+    # Pairs; a document may also have the two rows of the benchmark.
+    return body, links if len(links) == 2 and links.shape != (2, 2) else links.reshape(-1, 2).T

@@ -7,6 +7,7 @@ import contextlib
 import itertools
 import json
 import os
+import re
 import select
 import shutil
 import struct
@@ -19,9 +20,9 @@ from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from .robots import robot_document
+from .robots import is_matrix, robot_document
 
-__all__ = ["EvoError", "Simulator", "State", "find_tool"]
+__all__ = ["EvoError", "Simulator", "State", "env_mask", "find_tool"]
 
 HEADER = struct.Struct("<4sI")
 STATUS = ("ok", "unreset", "unstable")
@@ -73,6 +74,15 @@ def find_tool(name: str) -> str:
     return found
 
 
+def env_mask(mask: Any, envs: int) -> np.ndarray:
+    """One truth value for each environment, [E]; numbers of environments, or one value for
+    all, would be taken for something else."""
+    values = np.asarray(mask)
+    if values.shape != (envs,) or not np.isin(values, (0, 1)).all():
+        raise ValueError(f"a mask has {envs} values, each True or False, not {mask!r}")
+    return values.astype(bool)
+
+
 @dataclass(frozen=True)
 class State:
     """What every environment shows after a reset or a step. The arrays are new
@@ -89,8 +99,11 @@ class Simulator:
     """``envs`` environments for each robot in one task; environment ``e`` holds
     robot ``e // envs``.
 
-    robots: a body as a matrix, ``(body, connections)``, the path of a file, a
+    robots: a body as a matrix, a tuple ``(body, connections)``, the path of a file, a
     robot document as a dict, or a list of any of these.
+
+    Belongs to the process that made it: one forked from that makes its own. A request
+    that is interrupted (by Ctrl-C) closes it, for nobody knows how far that came.
     """
 
     def __init__(
@@ -123,13 +136,16 @@ class Simulator:
             self._process = subprocess.Popen(
                 command + ["--"] + names,
                 bufsize=0, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
-                pass_fds=[file.fileno() for file in files if not isinstance(file, list)])
+                pass_fds=[file.fileno() for file in files if not isinstance(file, list)],
+                start_new_session=True)  # Ctrl-C is for us to hear
+        self._owner = os.getpid()
+        self._ending = "the simulator was closed"
         self._in = self._process.stdout.fileno()
         self._out = self._process.stdin.fileno()
         self._look_out = LookOut(self._in)
         self._state_bytes = 0
         self._awaited = False
-        self.info: dict[str, Any] = json.loads(self._receive(b"JSON"))
+        self.info: dict[str, Any] = json.loads(self._exchange(None, b"JSON"))
 
         robots_info = self.info["robots"]
         self.num_envs: int = len(robots_info) * envs
@@ -139,6 +155,9 @@ class Simulator:
         self._action_values = int(self.action_lengths.sum())
         self._same_length = len(set(self.observation_lengths.tolist())) == 1
         self._state_bytes = 8 * self._observation_values + 11 * self.num_envs
+        self._action_shapes = [(self._action_values,)]
+        if len(set(self.action_lengths.tolist())) == 1:
+            self._action_shapes.insert(0, (self.num_envs, int(self.action_lengths[0])))
         self._step_header = HEADER.pack(b"STEP", 8 * self._action_values)
         self._mask = np.zeros((self.num_envs + 7) // 8 * 8, np.uint8)
         self._mask_header = HEADER.pack(b"MASK", self._mask.nbytes + 8 * self._action_values)
@@ -146,9 +165,7 @@ class Simulator:
     @property
     def pid(self) -> int:
         """The process of evo-env."""
-        if self._process is None:
-            raise EvoError("the simulator was closed")
-        return self._process.pid
+        return self._running().pid
 
     # ---- requests -----------------------------------------------------------
 
@@ -172,41 +189,52 @@ class Simulator:
             wanted["episode"] = int(episode)
         if draws is not None:
             wanted["draws"] = draws
-        self._request({"reset": wanted})
-        return self._receive_state()
+        return self._state(self._exchange({"reset": wanted}, b"DATA"))
 
     def step(self, actions: Any, mask: Any = None) -> State:
-        """One control step: actions of all environments, [E, A] or one after the
-        other. Those of environments outside of ``mask`` are ignored."""
-        self.send_step(actions, mask)
-        return self.receive_step()
+        """One control step: actions of all environments, [E, A], or one after the
+        other in one row. Those of environments outside of ``mask``, [E], are ignored."""
+        try:
+            self.send_step(actions, mask)
+            return self.receive_step()
+        except BaseException as error:
+            self._abandon(error)
+            raise
 
     def send_step(self, actions: Any, mask: Any = None) -> None:
         """The first half of step(): returns while the environments move."""
-        if self._awaited:
-            raise EvoError("a step is under way; receive_step() takes its result")
         values = np.ascontiguousarray(actions, np.float64)
-        if values.size != self._action_values:
-            raise ValueError(f"{self._action_values} actions are expected, not {values.size}")
-        payload = memoryview(values).cast("B")
-        if mask is None:
-            self._send(self._step_header, payload)
-        else:
-            self._mask[: self.num_envs] = mask
-            self._send(self._mask_header, memoryview(self._mask), payload)
-        self._awaited = True
+        if values.shape not in self._action_shapes:
+            raise ValueError(f"actions of shape {values.shape}; expected "
+                             + " or ".join(map(str, self._action_shapes)))
+        payload = memoryview(values.reshape(-1)).cast("B")
+        if mask is not None:
+            self._mask[: self.num_envs] = env_mask(mask, self.num_envs)
+        try:
+            if mask is None:
+                self._send(self._step_header, payload)
+            else:
+                self._send(self._mask_header, memoryview(self._mask), payload)
+            self._awaited = True
+        except BaseException as error:
+            self._abandon(error)
+            raise
 
     def receive_step(self) -> State:
         if not self._awaited:
             raise EvoError("no step is under way")
         self._awaited = False
-        return self._receive_state()
+        try:
+            return self._state(self._receive(b"DATA"))
+        except BaseException as error:
+            self._abandon(error)
+            raise
 
     def positions(self, environment: int = 0) -> dict[str, Any]:
         """All points of the world: ``positions`` and ``velocities`` [N, 2], raw
         units, and ``objects``, a dict from names to slices of the points."""
-        self._request({"positions": {"environments": [environment]}})
-        found = json.loads(self._receive(b"JSON"))["positions"][0]
+        [found] = json.loads(
+            self._exchange({"positions": {"environments": [environment]}}, b"JSON"))["positions"]
         return {
             "positions": np.array(found["positions"]).reshape(-1, 2),
             "velocities": np.array(found["velocities"]).reshape(-1, 2),
@@ -216,15 +244,14 @@ class Simulator:
 
     def picture(self, environment: int = 0, width: int = 600, height: int = 300) -> np.ndarray:
         """[height, width, 3] uint8."""
-        self._request({"picture": {"environment": environment, "width": width, "height": height}})
-        payload = self._receive(b"PICT")
+        payload = self._exchange(
+            {"picture": {"environment": environment, "width": width, "height": height}}, b"PICT")
         width, height = struct.unpack_from("<II", payload)
         return np.frombuffer(payload, np.uint8, offset=8).reshape(height, width, 3)
 
     def task(self) -> dict[str, str]:
         """``task``, ``task_yaml`` and ``physics_yaml``, as files keep them."""
-        self._request({"task": {}})
-        return json.loads(self._receive(b"JSON"))
+        return json.loads(self._exchange({"task": {}}, b"JSON"))
 
     def close(self) -> None:
         """Ends the process. Safe to call twice."""
@@ -233,7 +260,10 @@ class Simulator:
             return
         process.stdin.close()
         process.stdout.close()
-        process.wait()
+        if self._owner == os.getpid():
+            process.wait()
+        else:  # it goes on for the one it belongs to
+            process.returncode = 0
         self._errors.close()
 
     def __enter__(self) -> "Simulator":
@@ -248,13 +278,35 @@ class Simulator:
 
     # ---- frames ---------------------------------------------------------------
 
-    def _request(self, document: Mapping[str, Any]) -> None:
-        text = json.dumps(document).encode()
-        self._send(HEADER.pack(b"JSON", len(text)), memoryview(text))
+    def _running(self) -> subprocess.Popen:
+        if self._process is None:
+            raise EvoError(self._ending)
+        if self._owner != os.getpid():
+            raise EvoError(f"this simulator belongs to process {self._owner}, from which this one "
+                           "was forked; make one here")
+        return self._process
+
+    def _abandon(self, error: BaseException) -> None:
+        """After a request that was interrupted, of which nobody knows how far it came."""
+        if not isinstance(error, (EvoError, ValueError)):
+            self.close()
+            self._ending = "the simulator was closed: a request was interrupted; make another one"
+
+    def _exchange(self, document: Mapping[str, Any] | None, expected: bytes) -> Any:
+        """A request, unless there is none, and its answer."""
+        try:
+            if document is not None:
+                text = json.dumps(document).encode()
+                self._send(HEADER.pack(b"JSON", len(text)), memoryview(text))
+            return self._receive(expected)
+        except BaseException as error:
+            self._abandon(error)
+            raise
 
     def _send(self, *pieces: Any) -> None:
-        if self._process is None:
-            raise EvoError("the simulator was closed")
+        self._running()
+        if self._awaited:
+            raise EvoError("a step is under way; receive_step() takes its result")
         rest = [memoryview(piece) for piece in pieces]
         try:
             while rest:
@@ -295,8 +347,7 @@ class Simulator:
             got += n
         return got
 
-    def _receive_state(self) -> State:
-        payload = self._receive(b"DATA")
+    def _state(self, payload: memoryview) -> State:
         count, values = self.num_envs, self._observation_values
         observations = np.frombuffer(payload, np.float64, values)
         flags = np.frombuffer(payload, np.uint8, 3 * count, 8 * (values + count))
@@ -315,6 +366,7 @@ class Simulator:
         process.stdout.close()
         self._errors.seek(0)
         said = self._errors.read().decode(errors="replace").strip()
+        said = re.sub(r"/dev/fd/\d+", "robots given", said)
         self._errors.close()
         return EvoError(said or f"evo-env ended with status {status}")
 
@@ -347,11 +399,9 @@ def _listed(robots: Any) -> list[Any]:
     """One robot or a list of them."""
     if _is_path(robots) or isinstance(robots, (Mapping, np.ndarray)):
         return [robots]
-    robots = list(robots) if not isinstance(robots, tuple) else robots
-    first = robots[0] if len(robots) else None
-    if isinstance(robots, tuple) and len(robots) == 2 and (
-            robots[1] is None or np.shape(robots[1])[:1] == (2,)):
+    robots = robots if isinstance(robots, tuple) else list(robots)
+    if is_matrix(robots):
+        return [np.asarray(robots)]
+    if isinstance(robots, tuple) and len(robots) == 2:
         return [robots]  # (body, connections)
-    if isinstance(first, (list, tuple)) and first and np.isscalar(first[0]):
-        return [np.asarray(robots)]  # a matrix as nested lists
     return list(robots)

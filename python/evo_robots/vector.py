@@ -10,8 +10,9 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from .environment import RENDERING, action_box, known_render_mode, observation_box, the_robot
-from .simulator import Simulator, State
+from .environment import (RENDERING, action_box, known_render_mode, observation_box, only_robot,
+                          the_robot, time_limit)
+from .simulator import Simulator, State, env_mask
 
 __all__ = ["VectorEnvironment"]
 
@@ -37,6 +38,7 @@ class VectorEnvironment(VectorEnv):
         width: int = 600,
         height: int = 300,
         jitter: float = 0.0,
+        max_episode_steps: int | None = None,
         seed: int = 0,
         jobs: int = 1,
         fast: bool = False,
@@ -45,11 +47,11 @@ class VectorEnvironment(VectorEnv):
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
     ) -> None:
         self.render_mode = known_render_mode(render_mode)
-        self.simulator = Simulator(task, the_robot(body, connections, robot), num_envs, seed=seed,
-                                   jobs=jobs, fast=fast, physics=physics, settings=settings)
-        if self.simulator.num_envs != num_envs:
-            self.simulator.close()
-            raise ValueError("one robot is expected; Simulator takes several")
+        self.simulator = only_robot(
+            Simulator(task, the_robot(body, connections, robot), num_envs, seed=seed, jobs=jobs,
+                      fast=fast, physics=physics, settings=settings), num_envs)
+        self._limit = time_limit(max_episode_steps, self.simulator)
+        self._steps = np.zeros(num_envs, int)
         self.num_envs = num_envs
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {**RENDERING, "autoreset_mode": self.autoreset_mode}
@@ -67,16 +69,15 @@ class VectorEnvironment(VectorEnv):
         super().reset(seed=seed)
         options = dict(options or {})
         mask = options.pop("reset_mask", None)
-        environments = None if mask is None else np.flatnonzero(mask)
+        environments = None if mask is None else np.flatnonzero(env_mask(mask, self.num_envs))
         state = self._reset(environments, seed=seed, **options)
-        self._ended[slice(None) if mask is None else mask] = False
         return state.observations, {}
 
     def step_async(self, actions: Any) -> None:
         """The first half of step(): returns while the environments move."""
         if self.autoreset_mode == AutoresetMode.NEXT_STEP and self._ended.any():
-            self._reset(np.flatnonzero(self._ended))
             self._moving = ~self._ended
+            self._reset(np.flatnonzero(self._ended))
         else:
             self._moving = None
         self.simulator.send_step(actions, self._moving)
@@ -85,7 +86,8 @@ class VectorEnvironment(VectorEnv):
         state = self.simulator.receive_step()
         unstable = state.status != 0
         rewards, terminated = state.rewards, state.terminated
-        truncated = state.truncated | unstable
+        self._steps += 1 if self._moving is None else self._moving
+        truncated = (self._steps >= self._limit) | unstable
         if self._moving is not None:  # those reset show their start
             rewards = np.where(self._moving, rewards, 0.0)
             terminated = terminated & self._moving
@@ -115,4 +117,8 @@ class VectorEnvironment(VectorEnv):
         self.simulator.close()
 
     def _reset(self, environments, **options: Any) -> State:
-        return self.simulator.reset(environments, **{"jitter": self._jitter, **options})
+        state = self.simulator.reset(environments, **{"jitter": self._jitter, **options})
+        begun = slice(None) if environments is None else environments
+        self._steps[begun] = 0
+        self._ended[begun] = False
+        return state

@@ -32,6 +32,8 @@ class Files(unittest.TestCase):
         said = json.loads(tool("evo-eval", "--task", "Walker-v0", "--actions",
                                self.folder / "actions.h5", "--rollout", self.folder / "walk.h5",
                                self.robot))
+        with self.assertRaisesRegex(ValueError, "steps, actuators"):
+            files.write_actions(self.folder / "flat.h5", actions.ravel())
         [episode] = files.read_rollout(self.folder / "walk.h5")
         np.testing.assert_array_equal(episode.actions, actions)
         self.assertAlmostEqual(episode.rewards.sum(), said["fitness"], places=12)

@@ -2,6 +2,7 @@
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 import warnings
 from pathlib import Path
@@ -12,6 +13,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 import evo_robots
+from evo_robots.environment import Environment
 
 WALKER = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
                    [4, 0, 0, 0, 4]])
@@ -47,6 +49,46 @@ class One(unittest.TestCase):
         ends = [env.step(np.ones(4))[2:4] for _ in range(500)]
         self.assertEqual(ends[-1], (False, True))
         self.assertEqual(set(ends[:-1]), {(False, False)})
+        env.close()
+
+    def test_a_time_limit_of_ones_own(self):
+        def steps(env):
+            env.reset(seed=0)
+            for step in range(1, 1000):
+                if env.step(np.ones(4))[3]:
+                    break
+            env.close()
+            return step
+        self.assertEqual(steps(gymnasium.make("evo/Walker-v0", body=SMALL, max_episode_steps=7)), 7)
+        self.assertEqual(
+            steps(gymnasium.make("evo/Walker-v0", body=SMALL, max_episode_steps=600)), 600)
+        self.assertEqual(
+            steps(gymnasium.make("evo/Walker-v0", body=SMALL, max_episode_steps=-1)), 999)
+        self.assertEqual(steps(Environment("Walker-v0", SMALL)), 500)
+        self.assertEqual(steps(Environment("Walker-v0", SMALL, max_episode_steps=8)), 8)
+        with self.assertRaisesRegex(ValueError, "max_episode_steps"):
+            Environment("Walker-v0", SMALL, max_episode_steps=0)
+        for limit, expected in ((5, 5), (600, 600), (None, 500)):
+            arguments = {} if limit is None else {"max_episode_steps": limit}
+            envs = gymnasium.make_vec("evo/Walker-v0", num_envs=2, body=SMALL, **arguments)
+            envs.reset(seed=0)
+            ends = [t for t in range(1, 2 * expected + 2) if envs.step(np.ones((2, 4)))[3].all()]
+            self.assertEqual(ends, [expected, 2 * expected + 1])  # a step begins the next episode
+            envs.close()
+
+    def test_one_robot_is_expected(self):
+        with tempfile.TemporaryDirectory() as folder:
+            two = Path(folder, "two.txt")
+            two.write_text("HV\n\nVH\n")
+            for make in (gymnasium.make, gymnasium.make_vec):
+                with self.assertRaisesRegex(ValueError, "one robot is expected, not 2"):
+                    make("evo/Walker-v0", robot=two)
+
+    def test_an_object_that_is_not_there_is_named(self):
+        env = gymnasium.make("evo/Carrier-v0", body=SMALL)
+        env.reset(seed=0)
+        with self.assertRaisesRegex(ValueError, "'box'.*robot.*package|'box'.*package.*robot"):
+            env.unwrapped.object_pos_at_time("box")
         env.close()
 
     def test_settings_reach_the_simulator(self):
@@ -115,6 +157,8 @@ class Many(unittest.TestCase):
         observations, _ = envs.reset(options={"reset_mask": np.array([False, True, False])})
         np.testing.assert_array_equal(observations[1], start[1])
         np.testing.assert_array_equal(observations[[0, 2]], moved[[0, 2]])
+        with self.assertRaisesRegex(ValueError, "mask"):
+            envs.reset(options={"reset_mask": np.array([1])})
         envs.close()
 
 

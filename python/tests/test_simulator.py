@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import tempfile
+import threading
 import unittest
 
 import numpy as np
@@ -37,13 +38,36 @@ class Bodies(unittest.TestCase):
             back, back_links = evo_robots.robot_arrays(evo_robots.robot_document((body, links)))
             np.testing.assert_array_equal(body, back)
             self.assertEqual(links.shape, back_links.shape)
-        with self.assertRaises(ValueError):
-            evo_robots.sample_robot((2, 2), pd=[1, 1, 1, 0, 0])
+        for shape, pd in (((2, 2), [1, 1, 1, 0, 0]), ((2, 2), [1, np.nan, 1, 1, 1]), ((0, 0), None),
+                          ((2, 0), None), ((-1, 3), None), ((3,), None)):
+            with self.assertRaises(ValueError):
+                evo_robots.sample_robot(shape, pd=pd)
+
+    def test_sampling_what_is_hardly_ever_connected_ends(self):
+        with self.assertRaisesRegex(ValueError, "20x20 cells; with 43% empty"):
+            evo_robots.sample_robot((20, 20))
+
+    def test_connections_of_another_shape_are_refused(self):
+        links = evo_robots.get_full_connectivity(WALKER)
+        for wrong in (links.T, links.ravel(), links[None], [[0, 1]], [[0], [7]], [[15], [16]]):
+            with self.assertRaisesRegex(ValueError, "connections"):
+                evo_robots.robot_document((WALKER, wrong))
+        none = evo_robots.robot_document((np.array([[3]]), np.zeros((2, 0))))
+        self.assertEqual(none["connections"], [])
+        document = evo_robots.robot_document((WALKER, links))
+        benchmarks = {**document, "connections": links.tolist()}
+        np.testing.assert_array_equal(evo_robots.robot_arrays(benchmarks)[1], links)
+
+    def test_two_rows_are_a_body(self):
+        self.assertEqual(evo_robots.robot_document(((3, 4), (4, 3)))["body"], ["HV", "VH"])
 
     def test_task_names_are_those_of_the_tools(self):
         names = subprocess.run([evo_robots.find_tool("evo-data"), "--names", "tasks"],
                                capture_output=True, text=True, check=True).stdout.split()
         self.assertEqual(sorted(evo_robots.TASKS), sorted(names))
+        for name, limit in evo_robots.TASKS.items():
+            with Simulator(name, WALKER) as simulator:
+                self.assertEqual(simulator.info["episode_steps"], limit)
 
 
 class Stepping(unittest.TestCase):
@@ -91,6 +115,29 @@ class Stepping(unittest.TestCase):
             self.assertEqual(state.observations.shape, (simulator.observation_lengths.sum(),))
             simulator.step(np.ones(34))
 
+    def test_actions_and_masks_of_another_shape_are_refused(self):
+        with Simulator("Walker-v0", WALKER, 3) as simulator:
+            simulator.reset()
+            actions = np.random.default_rng(0).uniform(0.6, 1.6, (3, 13))
+            simulator.step(actions)
+            simulator.step(actions.ravel())
+            for wrong in (actions.T, actions[:, :, None], actions[:2], actions[0]):
+                with self.assertRaisesRegex(ValueError, r"expected \(3, 13\) or \(39,\)"):
+                    simulator.step(wrong)
+            for mask in ([0, 2], True, [[1, 0, 1]], [1, 2, 0], [True]):
+                with self.assertRaisesRegex(ValueError, "mask"):
+                    simulator.step(actions, mask)
+
+    def test_what_stands_for_one_robot(self):
+        links = evo_robots.get_full_connectivity(WALKER)
+        for robots, count in ((WALKER.tolist(), 1), (((3, 4), (4, 3)), 1), ((WALKER, links), 1),
+                              ([WALKER, SMALL], 2), ([WALKER.tolist(), SMALL.tolist()], 2),
+                              ([(WALKER, links), SMALL], 2), ([[3, 4]], 1)):
+            with Simulator("Walker-v0", robots) as simulator:
+                self.assertEqual(simulator.num_envs, count)
+        with self.assertRaisesRegex(ValueError, "connections of shape"):
+            Simulator("Walker-v0", (WALKER, links.T))
+
     def test_connections_count(self):
         links = evo_robots.get_full_connectivity(SMALL)[:, :3]
         with Simulator("Walker-v0", (SMALL, links)) as cut, Simulator("Walker-v0", SMALL) as whole:
@@ -136,10 +183,49 @@ class Failures(unittest.TestCase):
     def test_what_evo_env_says_at_its_start_is_the_error(self):
         with self.assertRaisesRegex(EvoError, "Walkr-v0.*Walker-v0"):
             Simulator("Walkr-v0", SMALL)
-        with self.assertRaisesRegex(EvoError, "no actuator|actuator"):
+        with self.assertRaisesRegex(EvoError, "robots given.*actuator"):
             Simulator("Walker-v0", np.ones((2, 2)))
         with self.assertRaises(ValueError):
             Simulator("Walker-v0", np.full((2, 2), 9))
+
+    def test_a_forked_process_makes_its_own(self):
+        with Simulator("Walker-v0", SMALL) as simulator:
+            simulator.reset()
+            child = os.fork()
+            if child == 0:
+                try:
+                    simulator.step(np.ones(4))
+                except EvoError as error:
+                    simulator.close()
+                    os._exit(0 if "forked" in str(error) else 1)
+                os._exit(2)
+            self.assertEqual(os.waitpid(child, 0)[1], 0)
+            self.assertEqual(simulator.step(np.ones(4)).status[0], 0)
+
+    def test_an_interrupted_request_closes(self):
+        simulator = Simulator("Walker-v0", SMALL)
+        simulator.reset()
+        os.kill(simulator.pid, signal.SIGSTOP)
+        signal.signal(signal.SIGALRM, lambda *_: signal.raise_signal(signal.SIGINT))
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        process = simulator.pid
+        resume = threading.Timer(0.4, os.kill, (process, signal.SIGCONT))
+        resume.start()
+        with self.assertRaises(KeyboardInterrupt):
+            simulator.step(np.ones(4))
+        with self.assertRaisesRegex(EvoError, "interrupted"):
+            simulator.step(np.ones(4))
+        resume.join()
+
+    def test_requests_wait_for_a_step(self):
+        with Simulator("Walker-v0", SMALL) as simulator:
+            start = simulator.reset()
+            simulator.send_step(np.full(4, 1.5))
+            for other in (simulator.reset, simulator.positions, simulator.task):
+                with self.assertRaisesRegex(EvoError, "under way"):
+                    other()
+            self.assertFalse(np.array_equal(simulator.receive_step().observations,
+                                            start.observations))
 
     def test_a_process_that_dies_is_an_error_not_a_hang(self):
         simulator = Simulator("Walker-v0", SMALL)

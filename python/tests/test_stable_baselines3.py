@@ -10,10 +10,12 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import torch
-from stable_baselines3 import PPO
+from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.env_checker import check_env
+from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack, VecNormalize
 
 import evo_robots
+from evo_robots.files import read_policy
 from evo_robots.stable_baselines3 import Sb3Environments, write_sb3_policy
 
 torch.set_num_threads(1)
@@ -53,6 +55,57 @@ class Training(unittest.TestCase):
             subprocess.run([evo_robots.find_tool("evo-render"), Path(folder, "walk.h5"), "--sheet",
                             "4", "-o", Path(folder, "walk.png")], check=True)
         envs.close()
+
+    def test_what_a_policy_holds_is_taken_over_and_the_rest_refused(self):
+        document = evo_robots.robot_document(BODY)
+        inner = Sb3Environments("Walker-v0", BODY, num_envs=4)
+        simulator = inner.inner.simulator
+        rng = np.random.default_rng(0)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "p.policy.h5")
+
+            def written(model, **arguments):
+                write_sb3_policy(path, model, simulator, document, **arguments)
+                return read_policy(path)
+
+            # A normaliser with statistics of its own: 0.0313 would become -0.0255 without.
+            envs = VecNormalize(inner, clip_obs=3.0, epsilon=1e-4)
+            model = PPO("MlpPolicy", envs, n_steps=64, batch_size=64, seed=1, device="cpu")
+            model.learn(256)
+            seen = rng.normal(0, 2, (20, simulator.observation_lengths[0]))
+            wanted = model.predict(envs.normalize_obs(seen), deterministic=True)[0]
+            np.testing.assert_allclose(written(model).predict(seen), wanted, atol=1e-5)
+            model.save(Path(folder, "model"))
+            alone = PPO.load(Path(folder, "model"), device="cpu")
+            with self.assertRaisesRegex(ValueError, "vec_normalize"):
+                written(alone)
+            np.testing.assert_allclose(written(alone, vec_normalize=envs).predict(seen), wanted,
+                                       atol=1e-5)
+            wanted = alone.predict(seen, deterministic=True)[0]
+            np.testing.assert_allclose(written(alone, vec_normalize=False).predict(seen), wanted,
+                                       atol=1e-5)
+            # Squashed, with noise that depends on the state.
+            for squash in (True, False):
+                model = PPO("MlpPolicy", inner, n_steps=64, batch_size=64, seed=1, device="cpu",
+                            use_sde=True, policy_kwargs={"squash_output": squash})
+                wanted = model.predict(seen, deterministic=True)[0]
+                np.testing.assert_allclose(written(model).predict(seen), wanted, atol=1e-5)
+            path.unlink()
+            one = lambda wrap: DummyVecEnv([lambda: wrap(
+                gymnasium.make("evo/Walker-v0", body=BODY))])
+            for model, reason in (
+                    (SAC("MlpPolicy", inner, device="cpu"), "SACPolicy"),
+                    (PPO("MlpPolicy", VecFrameStack(inner, 2), device="cpu"), "VecFrameStack"),
+                    (PPO("MlpPolicy", one(gymnasium.wrappers.NormalizeObservation), device="cpu"),
+                     "NormalizeObservation"),
+                    (PPO("MlpPolicy", one(lambda env: gymnasium.wrappers.RescaleAction(env, -1, 1)),
+                         device="cpu"), "acts in"),
+                    (PPO("MlpPolicy", inner, policy_kwargs={"activation_fn": torch.nn.ReLU},
+                         device="cpu"), "ReLU")):
+                with self.assertRaisesRegex(ValueError, reason):
+                    written(model)
+                self.assertFalse(path.exists())
+        inner.close()
 
     @staticmethod
     def mean_return(model, envs):

@@ -103,7 +103,15 @@ void check_training(const RunSettings& settings) {
   if (const std::string* other = settings.find("evaluate"); other && !other->empty()) return;
   for (const char* needed : {"task", "steps", "algo", "train", "physics", "seed"})
     if (settings.find(needed) == nullptr) return;
-  (void)training_plan(settings, 0, "");
+  const TrainingPlan plan = training_plan(settings, 0, "");
+  const std::string* shape = settings.find("shape");
+  if (shape == nullptr) return;
+  const auto [rows, cols] = parse_shape(*shape);
+  const auto check = [&](const TrainingSettings& training, bool inherits) {
+    check_settings(plan, training, rows, cols, inherits ? Inherits::yes : Inherits::no);
+  };
+  check(plan.founders, plan.init || heirs(settings) == Heirs::founders_too);
+  check(plan.children, plan.init || heirs(settings) != Heirs::none);
 }
 
 int init(const std::string& folder, const std::vector<std::string>& words) {

@@ -7,10 +7,12 @@
 
 #include "formats/io/files.h"
 #include "formats/run/run.h"
+#include "formats/task/text.h"
 #include "formats/training/policy.h"
 #include "formats/training/training_log.h"
 #include "libevo/base/error.h"
 #include "libevo/control/method.h"
+#include "libevo/control/sine.h"
 #include "training/episodes.h"
 #include "training/rescue.h"
 #include "training/start.h"
@@ -248,6 +250,21 @@ TrainingPaths training_paths(const TrainingPlan& plan, const std::string& id) {
   };
   return {folder(plan.policies) / (id + ".policy.h5"),
           folder(plan.policies) / (id + ".checkpoint.h5"), folder(plan.logs) / (id + ".log")};
+}
+
+void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, int rows, int cols,
+                    Inherits inherits) {
+  std::optional<Arena> arena;
+  try {
+    arena.emplace(plan.task, full_body(rows, cols));
+  } catch (const Error&) {
+    return;
+  }
+  std::optional<Inheritance> inheritance;
+  if (inherits == Inherits::yes)
+    inheritance = {travelling_wave(arena->action_length(), 0.5, 20.0, 0.5),
+                   anatomy(arena->robot(), arena->layout())};
+  (void)Trainer(*arena, settings, plan.seed, "", std::move(inheritance));
 }
 
 int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, ThreadPool& pool,

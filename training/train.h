@@ -78,6 +78,13 @@ struct TrainingObserver {
   std::function<void(const Trained&)> ended;  // in any order
 };
 
+// Whether a robot of this shape could be trained as planned: settings and steps allow it,
+// from the controller of another one, too, where it `inherits`. Throws what the beginning
+// of its training would throw. Of a shape that cannot stand in the task nothing is known.
+enum class Inherits { no, yes };
+void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, int rows, int cols,
+                    Inherits inherits);
+
 // Trains the robots on the pool's threads. Returns the signal that interrupted, or 0; each
 // training that had not ended then has a checkpoint. Throws Error(usage) for a curve of
 // several robots, Error(work) for a training that failed unless failures are skipped, else

@@ -387,6 +387,17 @@ refused_at_once() {
   refused_at_once ga FOUNDERS=lost "lost: cannot be opened"
 }
 
+@test "steps that a training cannot do with are refused before the run keeps them" {
+  local least="training: 4096 steps are too few for a sequence here; give at least 5000"
+  settings+=(TRAIN=sequence)
+  refused_at_once ga STEPS=4096 "$least"
+  refused_at_once steady STEPS=4096 "$least"
+  refused_at_once ga FOUNDER_STEPS=8192 "$least"
+  refused_at_once ga TRAIN=moments "moments need a controller to start from"
+  # A child that begins with its parent's controller needs fewer.
+  run_make ga run FOUNDER_STEPS=8192 INHERIT=yes run/run.yaml
+}
+
 @test "one make at a time works on a run; one that was killed lets go" {
   local long=("${settings[@]/STEPS=4096/STEPS=51200000}") pid
   setsid make -s -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${long[@]}" > /dev/null 2>&1 3>&- &

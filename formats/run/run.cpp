@@ -129,6 +129,14 @@ std::string why_failed(const Robot& robot) {
   return failure ? failure->why : "no fitness";
 }
 
+// Whether a folder holds what a training or an evaluation took time for.
+bool has_results(const fs::path& folder) {
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (const auto ending = entry.path().extension(); ending == ".h5" || ending == ".json")
+      return true;
+  return false;
+}
+
 }  // namespace
 
 std::string this_machine() {
@@ -255,10 +263,12 @@ RunFolder RunFolder::create(const fs::path& path, const RunSettings& settings) {
   }
   const std::string difference = differences(RunSettings::read(file), settings);
   if (!difference.empty())
-    throw error(Failure::cannot_create,
-                "{} belongs to a run with other settings ({}); choose another folder or the same "
-                "settings",
-                path.string(), difference);
+    throw error(
+        Failure::cannot_create,
+        "{} belongs to a run with other settings ({}); choose another folder or the same "
+        "settings{}",
+        path.string(), difference,
+        has_results(path) ? "" : "; nothing has been trained in it yet: removing it loses nothing");
   return run;
 }
 

@@ -346,7 +346,11 @@ steps_and_fitness() { jq -c 'select(.id == "'"$2"'") | [.steps, .fitness]' "$1";
   run make -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${settings[@]}" STEPS=8192 run/run.yaml
   [ "$status" -ne 0 ]
   [[ $output == *"other settings"* && $output == *"steps: 8192"* ]]
+  [[ $output == *"nothing has been trained in it yet: removing it loses nothing"* ]]
   make -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${settings[@]}" run/run.yaml
+  touch run/policies/0123456789ab.checkpoint.h5
+  run make -f "$EVO_SOURCE/scripts/ga.mk" RUN=run "${settings[@]}" STEPS=8192 run/run.yaml
+  [[ $output == *"other settings"* && $output != *"removing it"* ]]
 }
 
 # Refused with these words before anything is made: pipeline, what is wrong with it, words.

@@ -403,6 +403,7 @@ Progress Command::progress_style() const {
   return isatty(STDERR_FILENO) == 1 ? Progress::drawn : Progress::rarely;
 }
 
+void say_note(const std::string& text) { say(Detail::normal, text); }
 void say_detail(const std::string& text) { say(Detail::more, text); }
 void Command::detail(const std::string& text) const { say_detail(text); }
 void Command::note(const std::string& text) const { say(Detail::normal, text); }

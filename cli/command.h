@@ -102,7 +102,8 @@ class Workers {
   ThreadPool pool;
 };
 
-// As Command::detail, from parts of a tool that know no Command.
+// As Command::note and Command::detail, from parts of a tool that know no Command.
+void say_note(const std::string& text);
 void say_detail(const std::string& text);
 
 // "evo 0.1.0 (105ad79)", with the commit of the build; goes into the files the tools write.

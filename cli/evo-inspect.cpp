@@ -1,4 +1,6 @@
 // evo-inspect: what a file is, how a run stands, which tasks there are.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -374,6 +376,10 @@ int main(int argc, char** argv) {
       cli::watch_run(words[0], command.progress_style());
       return 0;
     }
+    if (words.empty() && isatty(STDIN_FILENO) == 1)
+      throw Error(Failure::usage,
+                  "name a file or a run folder, or 'tasks', 'task NAME', 'physics' or 'training'; "
+                  "see evo-inspect --help");
     if (words.empty()) words.emplace_back(standard_stream);
     if (words == std::vector<std::string>{"tasks"}) {
       print_tasks(markdown);

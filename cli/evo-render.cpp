@@ -1,5 +1,6 @@
 // evo-render: pictures and videos of rollouts and robots, off-screen.
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 
@@ -55,11 +56,27 @@ render::Size parse_size(const std::string& text) {
 // One picture of an episode.
 bool is_still(const Settings& settings) { return settings.at || settings.sheet || settings.strip; }
 
+// What moves, by the ending of its file.
+bool is_film(const std::string& output) {
+  constexpr std::array endings{".mp4", ".webm", ".gif", ".apng"};
+  return std::any_of(endings.begin(), endings.end(),
+                     [&](const char* ending) { return output.ends_with(ending); });
+}
+
+// One picture, of which an episode has many.
+void refuse_film_as_picture(const Settings& settings, const std::string& output) {
+  if (output.ends_with(".png") && output.find('%') == std::string::npos && !is_still(settings) &&
+      settings.to != settings.from)
+    throw error(
+        Failure::usage,
+        "{}: one picture of an episode is made by --at STEP, --strip N or --sheet N; a film "
+        "ends in .mp4, .webm, .gif or .apng",
+        output);
+}
+
 // A GIF or animated PNG.
-bool is_animation(const Settings& settings, const std::string& output) {
-  if (output.ends_with(".gif") || output.ends_with(".apng")) return true;
-  return output.ends_with(".png") && output.find('%') == std::string::npos && !is_still(settings) &&
-         settings.to != settings.from;
+bool is_animation(const std::string& output) {
+  return output.ends_with(".gif") || output.ends_with(".apng");
 }
 
 // Animations know no motion: every line that moves with the camera is there again
@@ -197,6 +214,12 @@ void render_robots(const Settings& settings, const RenderOptions& options,
   }
   const std::vector<Robot> robots = cli::read_robots(files);
   if (robots.empty()) throw error(Failure::data, "nothing to draw: no robots were read");
+  if (is_film(output))
+    throw error(
+        Failure::usage,
+        "{}: a robot has no motion; record it (evo-eval --rollout walk.h5), then render the "
+        "recording",
+        output);
   const bool single = robots.size() == 1 && !settings.grid;
   write_picture(
       output, single ? "Robot " + robots.front().id : "Robots",
@@ -376,7 +399,8 @@ int main(int argc, char** argv) {
       if (!files.empty() || settings.race || is_still(settings))
         throw error(Failure::usage,
                     "--evolution shows the robots of a run, without files, --race and stills");
-      choose_format(settings, is_animation(settings, command.output), options);
+      refuse_film_as_picture(settings, command.output);
+      choose_format(settings, is_animation(command.output), options);
       if (!settings.fps) options.fps = std::min(options.fps, 30.0);
       render::check_options(options);
       render_evolution(*settings.evolution, options, command.output, command.progress_style());
@@ -388,9 +412,10 @@ int main(int argc, char** argv) {
                  hdf5::Reader(file).exists("/episode_0");
         });
     const bool film = rollouts && !settings.grid && !settings.generations;
-    choose_format(settings, film && is_animation(settings, command.output), options);
+    choose_format(settings, film && is_animation(command.output), options);
     render::check_options(options);
     if (film) {
+      refuse_film_as_picture(settings, command.output);
       render_rollouts(settings, options, files, command.output, command.progress_style());
     } else {
       if (settings.race)

@@ -119,6 +119,10 @@ Objectives read_objectives(const std::vector<Robot>& robots, const std::string& 
     for (const auto& row : objectives.rows) known |= !std::isnan(row[k]);
     // That of robots that have all failed is null, which is no misspelt name.
     for (const Robot& robot : robots) known |= is_null(robot, names[k]);
+    if (!known && names[k] == "fitness")
+      throw Error(Failure::data,
+                  "no robot has a fitness yet; evo-eval and evo-train give it, --objectives names "
+                  "something else to select by");
     if (!known)
       throw error(Failure::data,
                   "no robot has a number '{}'; objectives are fields of the document, "

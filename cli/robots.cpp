@@ -1,5 +1,7 @@
 #include "cli/robots.h"
 
+#include <unistd.h>
+
 #include <filesystem>
 
 #include "cli/command.h"
@@ -25,6 +27,8 @@ std::vector<Robot> with_policies_seen_from_here(std::vector<Robot> robots,
 std::vector<Robot> read_robots(const std::vector<std::string>& files, BodyCheck check) {
   const std::vector<std::string> sources =
       files.empty() ? std::vector<std::string>{std::string(standard_stream)} : files;
+  if (files.empty() && isatty(STDIN_FILENO) == 1)
+    say_note("reading robots from the terminal; Ctrl-D ends them, Ctrl-C the command");
   std::vector<Robot> robots;
   for (const std::string& source : sources) {
     refuse_task_as_file(source);

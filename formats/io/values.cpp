@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "libevo/base/error.h"
 #include "libevo/body/body.h"
@@ -42,22 +43,34 @@ std::optional<Whole> whole_number(std::string_view text) {
   return static_cast<Whole>(value);
 }
 
+// " from 1 to 9"; nothing of bounds that are a type's own and not what is wrong.
+template <typename Whole>
+std::string bounds(std::string_view text, Whole low, Whole high) {
+  const bool is_number = whole_text<double>(text).has_value();
+  const bool has_low = std::cmp_not_equal(low, std::numeric_limits<int>::min());
+  const bool has_high = high != static_cast<Whole>(std::numeric_limits<int>::max()) &&
+                        high != std::numeric_limits<Whole>::max();
+  if (has_low && (has_high || is_number)) return fmt::format(" from {} to {}", low, high);
+  if (has_low && low != 0) return fmt::format(" of at least {}", low);
+  return has_high || is_number ? fmt::format(" up to {}", high) : "";
+}
+
 }  // namespace
 
 std::int64_t parse_whole(const std::string& text, const std::string& option, std::int64_t low,
                          std::int64_t high) {
   const auto value = whole_number<std::int64_t>(text);
   if (!value || *value < low || *value > high)
-    throw error(Failure::usage, "{}: '{}' is not a whole number from {} to {}", option, text, low,
-                high);
+    throw error(Failure::usage, "{}: '{}' is not a whole number{}", option, text,
+                bounds(text, low, high));
   return *value;
 }
 
 std::uint64_t parse_unsigned(const std::string& text, const std::string& option) {
   const auto value = whole_number<std::uint64_t>(text);
   if (!value)
-    throw error(Failure::usage, "{}: '{}' is not a whole number from 0 to {}", option, text,
-                std::numeric_limits<std::uint64_t>::max());
+    throw error(Failure::usage, "{}: '{}' is not a whole number{}", option, text,
+                bounds<std::uint64_t>(text, 0, std::numeric_limits<std::uint64_t>::max()));
   return *value;
 }
 

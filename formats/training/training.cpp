@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -219,6 +220,44 @@ const Setting* find_setting(std::string_view key) {
   return nullptr;
 }
 
+// " (did you mean 'ppo'?)"
+template <typename Value>
+std::string word_meant(std::string_view text) {
+  if constexpr (IsWord<Value>)
+    return did_you_mean(std::string(text), Words<Value>::all());
+  else
+    return "";
+}
+
+// What other programs call a setting, and what it is called here.
+std::string key_meant(const std::string& key) {
+  static const std::map<std::string, std::string> elsewhere{
+      {"algo", "algorithm"},
+      {"clip_coef", "clip"},
+      {"clip_range", "clip"},
+      {"ent_coef", "entropy_coefficient"},
+      {"gae_lambda", "lambda"},
+      {"hidden_size", "hidden"},
+      {"lr", "learning_rate"},
+      {"max_grad_norm", "max_gradient_norm"},
+      {"n_envs", "environments"},
+      {"n_epochs", "epochs"},
+      {"n_steps", "rollout"},
+      {"net_arch", "hidden"},
+      {"norm_adv", "standardize_advantages"},
+      {"num_envs", "environments"},
+      {"num_mini_batch", "minibatches"},
+      {"num_minibatches", "minibatches"},
+      {"num_steps", "rollout"},
+      {"ppo_epoch", "epochs"},
+      {"total_timesteps", "steps"},
+      {"update_epochs", "epochs"},
+      {"vf_coef", "value_coefficient"},
+  };
+  const auto found = elsewhere.find(key);
+  return found == elsewhere.end() ? key : found->second;
+}
+
 // Reads `text` into the setting; returns what was expected instead, or "".
 std::string assign(T& settings, const Setting& setting, std::string_view text) {
   return std::visit(
@@ -226,8 +265,8 @@ std::string assign(T& settings, const Setting& setting, std::string_view text) {
         using Value = std::remove_reference_t<decltype(settings.*member)>;
         const std::optional<Value> value = parse<Value>(text);
         if (!value)
-          return fmt::format("{} is expected for '{}', found '{}'", expectation<Value>(),
-                             setting.key, text);
+          return fmt::format("{} is expected for '{}', found '{}'{}", expectation<Value>(),
+                             setting.key, text, word_meant<Value>(text));
         settings.*member = *value;
         return "";
       },
@@ -312,7 +351,8 @@ void apply_override(TrainingSettings& settings, std::string_view assignment) {
   const auto [key, value] = split_assignment(assignment, "gamma=0.995");
   const Setting* setting = find_setting(key);
   if (setting == nullptr)
-    throw Error(Failure::usage, unknown_name("training setting", key, training_keys()));
+    throw error(Failure::usage, "unknown training setting '{}'{}; allowed: {}", key,
+                did_you_mean(key_meant(key), training_keys()), fmt::join(training_keys(), ", "));
   const std::string problem = assign(settings, *setting, value);
   if (!problem.empty()) throw Error(Failure::usage, problem);
 }

@@ -28,6 +28,33 @@ load helpers
   evo-train h --task Walker-v0 --train tiny.yaml --steps 1e3 --out-dir k | jq -e '.steps == 1000'
 }
 
+@test "a number's bounds are told where they are what is wrong" {
+  fails_with 2 "--count: 'five' is not a whole number" -- evo-sample --count five
+  run evo-sample --count five
+  [[ $output != *2147483648* && $output != *"from"* ]]
+  fails_with 2 "--seed: 'five' is not a whole number" -- evo-sample --seed five
+  fails_with 2 "--steps: 'five' is not a whole number of at least 1" -- evo-train --task Walker-v0 --steps five /dev/null
+  fails_with 2 "--count: '3000000000' is not a whole number up to 2147483647" -- evo-sample --count 3000000000
+}
+
+@test "what other programs call a setting is understood well enough to name it" {
+  printf 'HV\n' > r.txt
+  local train=(evo-train r.txt --task Walker-v0 --steps 2048)
+  fails_with 2 "unknown training setting 'lr' (did you mean 'learning_rate'?)" -- "${train[@]}" --train-set lr=1e-3
+  fails_with 2 "'n_steps' (did you mean 'rollout'?)" -- "${train[@]}" --train-set n_steps=1
+  fails_with 2 "found 'PPO' (did you mean 'ppo'?)" -- "${train[@]}" --algo PPO
+  fails_with 65 "no robot has a fitness yet" "evo-eval" -- evo-select r.txt
+}
+
+@test "on a terminal, a tool that waits for robots says so" {
+  command -v script > /dev/null || skip "script is not installed"
+  printf '\4' | script -qec "evo-mutate -n 0" /dev/null > said
+  grep -q "reading robots from the terminal; Ctrl-D" said
+  run script -qec "evo-inspect" /dev/null < /dev/null
+  [ "$status" -eq 2 ]
+  [[ $output == *"name a file or a run folder"* ]]
+}
+
 @test "numbers: finite, and nothing else behind them" {
   printf 'H\n' > h
   for value in nan inf 1e999 1,5 0x10 1.0.0 '1 '; do

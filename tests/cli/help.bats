@@ -41,6 +41,15 @@ commit_of() {
   [ "$(commit_of checkout)" = "$commit+" ]
 }
 
+@test "scripts tell their usage and do nothing else" {
+  local script
+  for script in quickstart install-packages test; do
+    "$EVO_SOURCE/scripts/$script" --help | grep -q "^usage: scripts/$script"
+    fails_with 2 "usage: scripts/$script" -- "$EVO_SOURCE/scripts/$script" --hlep
+  done
+  fails_with 2 "tset: no kind of packages" -- "$EVO_SOURCE/scripts/install-packages" tset
+}
+
 @test "wrong usage: status 2 and one line that names the nearest option" {
   for tool in $(tools); do fails_with 2 "$tool" "--verbsoe" "--verbose" -- "$tool" --verbsoe; done
   fails_with 2 "--seed" -- evo-sample --seed seven

@@ -28,7 +28,7 @@ SMALLER = [  # what costs hours of a core
     (r" WINDOW=\d+", ""), (r"CHUNK=\d+", "CHUNK=2"), (r"\d+/(:|node)", r"1/\1"),
     (r'TASKS="([^" ]+) [^"]*"', r'TASKS="\1"'),
     (r'METHODS="([^" ]+ [^" ]+) [^"]*"', r'METHODS="\1"'),
-    (r"(submit .* )-- (.*)", r"\1-- VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' \2"),
+    (r"(submit\S* .* )-- (.*)", r"\1-- VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' \2"),
 ]
 COMMIT = (r"(\d+\.\d+\.\d+) \(([0-9a-f]{7,40}[+]?|no commit)\)", r"\1 (commit)")  # of the build that wrote a text
 
@@ -69,7 +69,6 @@ def run(path):
     assert found, f"{path}: no commands"
     changed = False  # an earlier command did less than it says
     with tempfile.TemporaryDirectory() as folder:
-        os.symlink(f"{os.environ['EVO_SOURCE']}/scripts", f"{folder}/scripts")  # as in the checkout
         for kind, command, output in found:
             less = smaller(command)
             changed |= less != command
@@ -83,7 +82,7 @@ def run(path):
 
 
 if __name__ == "__main__":
-    os.environ["PATH"] = os.environ["EVO_BIN"] + ":" + os.environ["PATH"]
+    os.environ["PATH"] = os.environ["EVO_BIN"] + ":/usr/bin:" + os.environ["PATH"]  # Debian's Python
     os.environ["PYTHONPATH"] = os.environ["EVO_SOURCE"] + "/python"  # as installed
     for name in sys.argv[1:]:
         run(name)

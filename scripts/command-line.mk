@@ -26,13 +26,24 @@ alike = $(findstring $(1),$(2))$(findstring $(2),$(1))
 near := $(strip $(foreach name,$(settings),$(if $(call alike,$(name),$(unknown)),$(name))))
 owners := $(strip $(foreach name,ga map race neat steady,$(if $(filter $(unknown),$(settings_$(name))),$(name).mk)))
 $(if $(unknown),$(error $(pipeline).mk has no setting $(unknown)$(if $(owners), (a setting of $(owners))); it has $(sort $(or $(near),$(settings)))))
+# Shells take apart what has these; options and programs are handed on as they are.
+define line_break
+
+
+endef
+quote := '
+plain := $(filter-out %_OPTIONS EVALUATE MUTATE LAUNCH TRAINER ROUND_%,$(settings))
+$(foreach name,$(filter $(settings),$(given)),$(if $(findstring $(line_break),$($(name))),\
+  $(error $(name) has a line break in it)))
+$(foreach name,$(filter $(plain),$(given)),$(if $(findstring $(quote),$($(name))),\
+  $(error $(name)=$($(name)) has a quote in it)))
 endif
 endif
 
 # What make cannot have in the name of a folder: it splits names at spaces, and these
 # characters mean something to it or to the shell.
 open := (
-special := ' " \ : ; % * ? [ | ~ $(open)
+special := ' " \ : ; % * ? [ | ~ & < > ` ! $(open)
 ifneq ($(word 2,x$(RUN)x),)
 $(error RUN='$(RUN)': make cannot work in a folder whose name has spaces; choose another)
 endif

@@ -44,7 +44,6 @@ FOUNDER_STEPS ?=
 SEED   ?= 0
 # Refuses a variable whose value is not a number from 1.
 must_count = $(if $(shell [ '$($(1))' -ge 1 ] 2> /dev/null && echo yes),,$(error $(1) is a number from 1, not '$($(1))'))
-$(call must_count,POP)$(call must_count,EVALS)
 SHAPE  ?= $(if $(filter Lifter-v0,$(TASK)),5x7,5x5)
 TRAIN  ?= default
 # What trains: a name of evo-train --algo, or the profile's own.
@@ -69,6 +68,8 @@ CHUNK  ?= 1
 CORES  ?= 1
 # How often a training may die before it is recorded as failed.
 TRIES  ?= 3
+$(foreach name,POP EVALS CHUNK CORES TRIES,$(call must_count,$(name)))
+$(if $(filter mp4 webm gif apng,$(VIDEO)),,$(error VIDEO is mp4, webm, gif or apng, not '$(VIDEO)'))
 # The tool that trains slots; scripts/train-slots says what it is given.
 TRAINER ?= $(if $(EVALUATE),$(SCRIPTS)evaluate-slots,evo-run train -j $(CORES))
 export LAUNCH TRAINER TRIES

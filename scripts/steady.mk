@@ -26,7 +26,8 @@ all:
 include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
 
 $(if $(filter ga neat bo,$(METHOD)),,$(error METHOD may be ga, neat or bo; there is no '$(METHOD)'))
-$(if $(shell [ '$(CHUNK)' -ge 1 ] 2> /dev/null && [ '$(CHUNK)' -le '$(WINDOW)' ] && echo yes),,\
+$(call must_count,WINDOW)
+$(if $(shell [ '$(CHUNK)' -le '$(WINDOW)' ] && echo yes),,\
   $(error CHUNK is a number from 1 to WINDOW, which is $(WINDOW), not '$(CHUNK)'))
 
 ifdef GRAPH

@@ -391,6 +391,33 @@ refused_at_once() {
   refused_at_once ga FOUNDERS=lost "lost: cannot be opened"
 }
 
+@test "numbers that are none, quotes and line breaks are refused at once" {
+  local name value pipeline
+  for pipeline in ga neat bo map race steady; do
+    for name in CHUNK POP EVALS CORES TRIES; do
+      for value in -1 0 x '' "3'"; do
+        run --separate-stderr timeout 10 make -f "$EVO_SOURCE/scripts/$pipeline.mk" RUN=run "${settings[@]}" "$name=$value"
+        [ "$status" -eq 2 ]
+        [[ $stderr == *"$name is a number from 1"* || $stderr == *"$name=3' has a quote in it"* ]]
+      done
+    done
+    for name in TASK SHAPE TRAIN PHYSICS FOUNDER_STEPS; do
+      refused_at_once $pipeline "$name=a'b" "$name=a'b has a quote in it"
+      refused_at_once $pipeline "$name=a"$'\n'"touch broken" "$name has a line break in it"
+    done
+    refused_at_once $pipeline VIDEO=mpeg "VIDEO is mp4, webm, gif or apng, not 'mpeg'"
+  done
+  refused_at_once ga MUTATE_OPTIONS=$'--rate\ntouch broken' "MUTATE_OPTIONS has a line break in it"
+  refused_at_once steady WINDOW=x "WINDOW is a number from 1, not 'x'"
+  for value in "a'b" 'a"b' 'a b' $'a\nb' 'a&b' 'a`b' 'a<b' 'a>b' 'a!b' 'a;b' 'a|b'; do
+    run --separate-stderr timeout 10 make -f "$EVO_SOURCE/scripts/ga.mk" "${settings[@]}" "RUN=$value"
+    [ "$status" -eq 2 ]
+    [[ $stderr == *"RUN"* ]]
+  done
+  rm -f separate-stderr-*
+  [ -z "$(ls)" ]
+}
+
 @test "steps that a training cannot do with are refused before the run keeps them" {
   local least="training: 4096 steps are too few for a sequence here; give at least 5000"
   settings+=(TRAIN=sequence)

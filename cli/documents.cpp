@@ -11,6 +11,7 @@
 #include "formats/io/format.h"
 #include "formats/io/yaml.h"
 #include "formats/run/neat.h"
+#include "formats/run/neat_ini.h"
 #include "formats/run/run.h"
 #include "formats/run/steady.h"
 #include "formats/task/physics_profile.h"
@@ -46,7 +47,7 @@ std::string describe_training(const std::string& text, const std::string& name) 
 }
 
 std::string describe_neat_settings(const std::string& text, const std::string& name) {
-  const NeatSettings settings = neat_settings_from_yaml(YamlNode::parse(text, name));
+  const NeatSettings settings = parse_neat_settings(text, name);
   return fmt::format("{}: settings of NEAT, {} genomes, {} inputs, {} outputs\n", printable(name),
                      settings.pop_size, settings.num_inputs, settings.num_outputs);
 }
@@ -122,6 +123,7 @@ std::optional<Kind> kind_of(const std::string& text) {
   const std::string found = format_of(text);
   for (const Kind& kind : kinds)
     if (kind.name == found) return kind;
+  if (begins_as_ini(text)) return Kind{format::neat.name, describe_neat_settings};
   if (text.find("\"grid_width\"") == std::string::npos) return std::nullopt;
   return Kind{"world of the design tool", describe_world};
 }

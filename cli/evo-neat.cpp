@@ -41,7 +41,7 @@ Parents read_parents(const std::vector<Robot>& robots) {
 
 int main(int argc, char** argv) {
   cli::Command command("evo-neat", "the next population of CPPN-NEAT, from the scored one read");
-  int count = 25;
+  std::optional<int> count;
   std::string shape_text = "5x5";
   std::optional<std::string> state_in;
   std::string state_out;
@@ -51,12 +51,14 @@ int main(int argc, char** argv) {
   command.arguments(files, "FILE",
                     "the scored population [standard input]; not read without "
                     "--state-in");
-  command.option("-n,--count", count, "N", "population size");
+  command.option("-n,--count", count, "N",
+                 fmt::format("population size [pop_size of --neat, else {}]", default_population));
   command.option("--shape", shape_text, "ROWSxCOLS", "of the first population's bodies, in voxels");
   command.option("--state-in", state_in, "FILE",
                  "species of the population read; without it, a first population is made");
   command.option("--state-out", state_out, "FILE", "where the species of the new one go; required");
-  command.option("--neat", settings_file, "FILE.yaml", "settings of NEAT [tasks/neat.yaml]");
+  command.option("--neat", settings_file, "FILE",
+                 "settings of NEAT, or FILE.cfg in neat-python's own form [tasks/neat.yaml]");
   command.option("--avoid", avoid, "FILE", "robots that must not come again (repeatable)");
   command.seed_option();
   command.output_option("where the new population goes");
@@ -68,7 +70,8 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     cli::check_outputs({{"--output", command.output}, {"--state-out", state_out}});
-    if (count < 2) throw error(Failure::usage, "--count must be at least 2, got {}", count);
+    if (count && *count < 2)
+      throw error(Failure::usage, "--count must be at least 2, got {}", *count);
     const NeatSettings settings = neat_settings(settings_file, count, cli::data_folders());
     std::set<std::string> seen = cli::read_ids(avoid);
     NeatState state;

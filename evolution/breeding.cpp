@@ -1,5 +1,7 @@
 #include "evolution/breeding.h"
 
+#include "formats/io/files.h"
+
 #include "formats/robot/genome.h"
 #include "libevo/base/error.h"
 
@@ -69,15 +71,20 @@ Robot breed_robot(const std::vector<Robot>& parents, const Breeding& breeding, s
               max_draws);
 }
 
-NeatSettings neat_settings(const std::optional<std::string>& file, int count,
+NeatSettings neat_settings(const std::optional<std::string>& file, std::optional<int> count,
                            const DataFolders& folders) {
   NeatSettings settings;
   if (file) {
     settings = load_neat_settings(*file);
+    if (!settings.no_fitness_termination)
+      throw error(Failure::data,
+                  "{}: no_fitness_termination is false, but runs end by their number of robots; "
+                  "set it to true",
+                  input_label(*file));
   } else if (const auto found = find_data_file(folders, "", "neat")) {
     settings = load_neat_settings(found->string());
   }
-  settings.pop_size = count;
+  if (count || !file) settings.pop_size = count.value_or(default_population);
   return settings;
 }
 

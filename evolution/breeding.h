@@ -33,9 +33,12 @@ Robot sample_robot(const Shape& shape, const VoxelWeights& weights, std::uint64_
 Robot breed_robot(const std::vector<Robot>& parents, const Breeding& breeding, std::uint64_t seed,
                   int index, std::set<std::string>& seen);
 
+constexpr int default_population = 25;
+
 // Settings of NEAT from a file, else from neat.yaml in the folders, for a population of
-// `count`.
-NeatSettings neat_settings(const std::optional<std::string>& file, int count,
+// `count`: if none is given, the file's, else the default. Throws what reading throws, and
+// Error(data) for a file whose runs would end by their fitness.
+NeatSettings neat_settings(const std::optional<std::string>& file, std::optional<int> count,
                            const DataFolders& folders);
 
 // The document of a genome with its body, `index` counting under `seed`.

@@ -11,6 +11,7 @@
 #include "formats/io/format.h"
 #include "formats/io/json_object.h"
 #include "formats/robot/genome.h"
+#include "formats/run/neat_ini.h"
 
 namespace evo {
 namespace {
@@ -265,9 +266,13 @@ NeatSettings neat_settings_from_yaml(const YamlNode& node) {
   return settings;
 }
 
-NeatSettings load_neat_settings(const std::string& file) {
+NeatSettings parse_neat_settings(const std::string& text, const std::string& where) {
   return neat_settings_from_yaml(
-      YamlNode::parse(read_input(file, largest_document), input_label(file)));
+      YamlNode::parse(begins_as_ini(text) ? neat_ini_to_yaml(text, where) : text, where));
+}
+
+NeatSettings load_neat_settings(const std::string& file) {
+  return parse_neat_settings(read_input(file, largest_document), input_label(file));
 }
 
 }  // namespace evo

@@ -20,8 +20,9 @@ NeatState parse_neat_state(std::string_view text, const std::string& where);
 NeatState load_neat_state(const std::string& file);
 
 // Settings: what is not given has the value of NeatSettings. Throws Error(data)
-// with file, line and column.
+// with file, line and column. Text may also be neat-python's own (neat_ini.h).
 NeatSettings neat_settings_from_yaml(const YamlNode& node);
+NeatSettings parse_neat_settings(const std::string& text, const std::string& where);
 NeatSettings load_neat_settings(const std::string& file);
 
 }  // namespace evo

@@ -120,3 +120,19 @@ J
   fails_with 2 "nothing lies between" -- evo-archive --features x:5:1:1 scored
   fails_with 65 "no robot has a number 'final.median'" -- evo-archive --features final.median:2:0:1 scored
 }
+
+@test "neat: neat-python's own configuration file, and its population size" {
+  printf '[NEAT]\npop_size = 4\nno_fitness_termination = True\n[DefaultGenome]\nweight_init_stdev = 2.0\n' > neat.cfg
+  printf 'format: evo/neat\nversion: 1\npop_size: 4\nweight_init_stdev: 2\n' > neat.yaml
+  evo-neat --neat neat.cfg --seed 3 --state-out a.json > a.jsonl
+  evo-neat --neat neat.yaml --seed 3 --state-out b.json | cmp - a.jsonl
+  cmp a.json b.json
+  [ "$(wc -l < a.jsonl)" -eq 4 ]
+  [ "$(evo-neat --neat neat.cfg -n 6 --state-out c.json | wc -l)" -eq 6 ]
+  [ "$(evo-neat --state-out d.json | wc -l)" -eq 25 ]
+  evo-inspect neat.cfg | grep -q "settings of NEAT, 4 genomes"
+  sed -i 's/True/False/' neat.cfg
+  fails_with 65 "neat.cfg" "no_fitness_termination" -- evo-neat --neat neat.cfg --state-out e.json
+  sed -i 's/False/Maybe/' neat.cfg
+  fails_with 65 "neat.cfg:3:" "'Maybe'" -- evo-neat --neat neat.cfg --state-out e.json
+}

@@ -23,6 +23,11 @@ FUZZ_TARGET(text) {
     (void)training_to_yaml(settings);
   });
   attempt([](const YamlNode& node) { (void)neat_settings_from_yaml(node); });
+  try {
+    (void)parse_neat_settings(std::string(text), "input");
+  } catch (const Error&) {
+    // Nor this one.
+  }
   attempt([&](const YamlNode& node) { (void)physics_from_yaml(node, "/nowhere", nowhere); });
   const TaskSpec task = parse_task(text, "input", "/nowhere", nowhere);
   const std::string written = task_to_yaml(task);

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "formats/io/files.h"
+#include "formats/run/neat_ini.h"
 
 using namespace evo;
 
@@ -120,6 +121,52 @@ TEST_CASE("tasks/neat.yaml spells out the built-in settings, every one of them")
     ++changed;
   }
   CHECK(changed >= 43);
+}
+
+// tasks/neat.yaml as neat-python would have it.
+std::string as_ini(const YamlNode& document) {
+  std::string text = "# of the benchmark\n[NEAT]\n";
+  for (const auto& [key, value] : document.entries()) {
+    const std::string name = key.string();
+    if (name == "format" || name == "version") continue;
+    if (name == "num_inputs") text += "\n[DefaultGenome]\n; more\n";
+    std::string given = value.is_sequence() ? value.items()[0].string() : value.string();
+    if (given == "true") given = "True";
+    if (given == "false") given = "0";
+    text += fmt::format("{:<24}= {} \n", name, given);
+  }
+  return text + "[DefaultStagnation]\n\n[DefaultReproduction]";
+}
+
+TEST_CASE("neat-python's own files are read, or refused with their line") {
+  const std::string file = std::string(EVO_SOURCE_DIR) + "/tasks/neat.yaml";
+  const std::string ini = as_ini(YamlNode::parse(read_file(file), file));
+  CHECK(begins_as_ini(ini));
+  CHECK(parse_neat_settings(ini, "neat.cfg") == NeatSettings{});
+  const auto read = [](const std::string& text) { return parse_neat_settings(text, "neat.cfg"); };
+  const NeatSettings settings = read(
+      "[NEAT]\r\nPop_Size: 33\r\n[DefaultGenome]\nactivation_options = sigmoid\n  tanh sin\n"
+      "bias_init_type = Gaussian\nenabled_default = off\ninitial_connection = partial_direct "
+      "0.25\n");
+  CHECK(settings.pop_size == 33);
+  CHECK(settings.activation_options ==
+        std::vector<Activation>{Activation::sigmoid, Activation::tanh, Activation::sin});
+  CHECK_FALSE(settings.enabled_default);
+  CHECK(settings.initial_connection == InitialConnection{true, 0.25});
+  using Catch::StartsWith;
+  CHECK_THROWS_WITH(read("[NEAT]\n\npop_size = five\n"),
+                    StartsWith("neat.cfg:3:") && Catch::Contains("'five'"));
+  CHECK_THROWS_WITH(read("[NEAT]\npop_sise = 5\n"),
+                    StartsWith("neat.cfg:2:") && Catch::Contains("pop_size"));
+  CHECK_THROWS_WITH(read("[NEAT]\n[Genome]\n"),
+                    Catch::Contains("line 2: '[Genome]' is no section"));
+  CHECK_THROWS_WITH(read("[NEAT]\nweight_init_type = uniform\n"),
+                    Catch::Contains("line 2: weight_init_type may be gaussian or normal here"));
+  CHECK_THROWS_WITH(read("[NEAT]\npop_size\n"), Catch::Contains("line 2: expected KEY = VALUE"));
+  CHECK_THROWS_WITH(read("[NEAT]\npop_size = 3\npop_size = 4\n"), Catch::Contains("twice"));
+  CHECK_THROWS_WITH(read("[NEAT]\npop_size =\n"), StartsWith("neat.cfg:2:"));
+  CHECK_FALSE(begins_as_ini("[1, 2]"));
+  CHECK_FALSE(begins_as_ini("[[3,3],[4,4]]"));
 }
 
 TEST_CASE("settings can be changed one by one") {

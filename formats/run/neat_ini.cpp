@@ -1,0 +1,148 @@
+#include "formats/run/neat_ini.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "formats/io/files.h"
+#include "formats/io/format.h"
+#include "formats/io/json.h"
+#include "libevo/base/error.h"
+
+namespace evo {
+namespace {
+
+constexpr std::string_view blanks = " \t\r";
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
+}
+
+std::string lower(std::string_view text) {
+  std::string folded(text);
+  std::transform(folded.begin(), folded.end(), folded.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return folded;
+}
+
+bool is_comment(std::string_view line) { return line.front() == '#' || line.front() == ';'; }
+
+std::vector<std::string> words_of(std::string_view text) {
+  std::vector<std::string> words;
+  for (std::size_t begin = text.find_first_not_of(blanks); begin != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(blanks, begin), text.size());
+    words.emplace_back(text.substr(begin, end - begin));
+    begin = text.find_first_not_of(blanks, end);
+  }
+  return words;
+}
+
+const std::set<std::string> sections{"NEAT", "DefaultGenome", "DefaultSpeciesSet",
+                                     "DefaultStagnation", "DefaultReproduction"};
+
+// What we have no setting for, with the values that change nothing.
+const std::map<std::string, std::vector<std::string>> without_effect{
+    {"bias_init_type", {"gaussian", "normal"}},
+    {"response_init_type", {"gaussian", "normal"}},
+    {"weight_init_type", {"gaussian", "normal"}},
+    {"enabled_rate_to_true_add", {"0", "0.0"}},
+    {"enabled_rate_to_false_add", {"0", "0.0"}},
+    {"structural_mutation_surer", {"default", "false"}}};
+
+// Of configparser, for flags; other settings have no such words.
+std::string flag_or(const std::string& value) {
+  static const std::set<std::string> yes{"true", "yes", "on"};
+  static const std::set<std::string> no{"false", "no", "off"};
+  const std::string folded = lower(value);
+  return yes.contains(folded) ? "true" : no.contains(folded) ? "false" : value;
+}
+
+const std::set<std::string> flags{
+    "reset_on_extinction", "no_fitness_termination",     "feed_forward",
+    "enabled_default",     "single_structural_mutation", "keep_surplus"};
+
+struct Entry {
+  std::string key;
+  std::string value;
+  std::size_t line = 0;
+};
+
+// "activation_options: [sigmoid, tanh]"
+std::string yaml_of(const Entry& entry, const std::string& where) {
+  const std::string place = with_place(where, fmt::format("line {}", entry.line));
+  if (const auto known = without_effect.find(entry.key); known != without_effect.end()) {
+    const auto& neutral = known->second;
+    if (std::find(neutral.begin(), neutral.end(), lower(entry.value)) == neutral.end())
+      throw error(Failure::data, "{}: {} may be {} here, not '{}'", place, entry.key,
+                  fmt::join(neutral, " or "), entry.value);
+    return "#";
+  }
+  std::string value = flag_or(entry.value);
+  if (flags.contains(entry.key) && (value == "1" || value == "0"))
+    value = value == "1" ? "true" : "false";
+  std::vector<std::string> words{value};
+  const bool is_list = entry.key.ends_with("_options");
+  if (is_list) words = words_of(entry.value);
+  for (std::string& word : words) word = compact(Json(word));
+  const auto list = fmt::format("{}", fmt::join(words, ", "));
+  return fmt::format("{}: {}", compact(Json(entry.key)), is_list ? "[" + list + "]" : list);
+}
+
+}  // namespace
+
+bool begins_as_ini(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = trimmed(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.empty() || is_comment(line)) continue;
+    return line.size() > 2 && line.front() == '[' && line.back() == ']' &&
+           sections.contains(std::string(line.substr(1, line.size() - 2)));
+  }
+  return false;
+}
+
+std::string neat_ini_to_yaml(std::string_view text, const std::string& where) {
+  std::vector<Entry> entries;
+  std::size_t number = 0;
+  while (!text.empty()) {
+    ++number;
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view whole = text.substr(0, end);
+    const std::string_view line = trimmed(whole);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.empty() || is_comment(line)) continue;
+    const std::string place = with_place(where, fmt::format("line {}", number));
+    if (line.front() == '[') {
+      const std::string name(trimmed(line.substr(1, line.find(']') - 1)));
+      if (line.back() != ']' || !sections.contains(name))
+        throw error(Failure::data, "{}: '{}' is no section of neat-python; there are: {}", place,
+                    line, fmt::join(sections, ", "));
+      continue;
+    }
+    if (blanks.find(whole.front()) != std::string_view::npos && !entries.empty()) {
+      entries.back().value += fmt::format(" {}", line);
+      continue;
+    }
+    const std::size_t equals = line.find_first_of("=:");
+    if (equals == std::string_view::npos || equals == 0)
+      throw error(Failure::data, "{}: expected KEY = VALUE, found '{}'", place, line);
+    entries.push_back({lower(trimmed(line.substr(0, equals))),
+                       std::string(trimmed(line.substr(equals + 1))), number});
+  }
+  std::string yaml;
+  std::size_t line = 1;
+  for (const Entry& entry : entries) {
+    for (; line < entry.line; ++line) yaml += '\n';
+    yaml += yaml_of(entry, where);
+  }
+  return yaml + fmt::format("\nformat: {}\nversion: {}\n", format::neat.name, format::neat.version);
+}
+
+}  // namespace evo

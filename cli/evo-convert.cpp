@@ -24,12 +24,6 @@ namespace {
 using namespace evo;
 namespace fs = std::filesystem;
 
-// A design-tool document: JSON with its grid's size.
-std::optional<World> design_tool_world(const std::string& text, const std::string& name) {
-  if (text.find("\"grid_width\"") == std::string::npos) return std::nullopt;
-  return evogym_world_from_json(parse_json(text, name), name);
-}
-
 std::vector<Robot> read_any(const std::vector<std::string>& files) {
   std::vector<Robot> robots;
   const auto add = [&](std::vector<Robot> more) {
@@ -43,17 +37,8 @@ std::vector<Robot> read_any(const std::vector<std::string>& files) {
         throw error(Failure::data, "{}: not an EvoGym experiment (no generation_0/structure in it)",
                     file);
       add(read_evogym_experiment(file));
-    } else if (fs::path(file).extension() == ".npz") {
-      robots.push_back(robot_from_json(Robot(read_npz(file)).document, file));
-    } else if (file != standard_stream && hdf5::is_hdf5(file)) {
-      add(cli::read_robots({file}));
     } else {
-      cli::refuse_task_as_file(file);
-      const std::string text = read_robot_text(file);
-      if (const auto world = design_tool_world(text, input_label(file)))
-        robots.push_back(robot_from_evogym_world(*world, input_label(file)));
-      else
-        add(cli::robots_in(text, file));
+      add(cli::read_robots({file}));
     }
   }
   return robots;
@@ -166,6 +151,12 @@ const Target& target_of(const std::optional<std::string>& asked, const std::stri
   for (const Target& target : targets())
     if (std::find(target.endings.begin(), target.endings.end(), ending) != target.endings.end())
       return target;
+  if (!ending.empty()) {
+    std::vector<std::string> names;
+    for (const Target& target : targets()) names.push_back(target.name);
+    throw error(Failure::usage, "{}: no format has the ending {}; choose one by --to ({})", output,
+                ending, fmt::join(names, ", "));
+  }
   return targets().front();
 }
 
@@ -209,10 +200,11 @@ bool write_policy_document(const std::vector<std::string>& files, const std::str
 }
 
 // A world of the design tool as the beginning of a task.
-void write_task(const std::vector<std::string>& files, const std::string& output) {
+void write_task(const std::vector<std::string>& files, const std::string& output,
+                const WorldWarning& warn) {
   const std::string& file = only(files, "task", "world");
   const std::string name = file == standard_stream ? "my-task" : fs::path(file).stem().string();
-  write_text(output, draft_task(read_evogym_world(file), name));
+  write_text(output, draft_task(read_evogym_world(file, warn), name));
 }
 
 // The world of a task, without a robot, for EvoGym's design tool.
@@ -260,6 +252,7 @@ int main(int argc, char** argv) {
       write_task_world(task, command.output);
       return 0;
     }
+    const WorldWarning warn = [&](const std::string& text) { command.warn(text); };
     const Target& target = target_of(format, command.output);
     const std::string& to = target.name;
     if (to == "minari") {
@@ -267,7 +260,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (to == "task") {
-      write_task(files, command.output);
+      write_task(files, command.output, warn);
       return 0;
     }
     if (write_policy_document(files, to, command.output)) return 0;

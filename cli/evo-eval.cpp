@@ -160,6 +160,11 @@ Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, con
   const std::optional<std::string> rollout_path = rollout_of(settings, robot);
   const Trial trial = make_trial(settings, task, robot, warn);
   const Arena arena(trial.task, robot.body);
+  if (const int limit = arena.task().episode_steps; settings.max_steps.value_or(0) > limit)
+    throw error(Failure::usage,
+                "--max-steps {}: episodes of {} end after {} steps; for longer ones, change "
+                "`steps` in a copy of the task (docs/make-a-task.md)",
+                *settings.max_steps, arena.task().name, limit);
   EvaluationSettings evaluation;
   evaluation.episodes = settings.episodes;
   evaluation.seed = seed;

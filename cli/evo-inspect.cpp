@@ -297,23 +297,17 @@ void check_bodies(const std::vector<Robot>& robots, const std::string& name) {
       throw error(Failure::data, "{}: robot {} cannot be one: {}", name, robot.id, *fault);
 }
 
-std::vector<Robot> robots_in(const std::string& text, const std::string& name) {
-  if (fs::path(name).extension() == ".npz") return {Robot(body_from_npz(text, name))};
-  return parse_robots(text, input_label(name), BodyCheck::any);
-}
-
 void print_file(const std::string& name, bool color) {
   cli::refuse_task_as_file(name);
   if (name != standard_stream && fs::is_directory(name)) return print_run(name, color);
   if (name != standard_stream && hdf5::is_hdf5(name)) return print_hdf5(name, color);
-  const std::string text =
-      fs::path(name).extension() == ".npz" ? read_npz_bytes(name) : read_robot_text(name);
+  const std::string text = read_robot_text(name);
   const bool is_hdf5 = hdf5::begins_as_hdf5(text);
-  if (!is_hdf5 && cli::print_document(text, input_label(name))) return;
+  if (!is_hdf5 && !begins_as_numpy(text) && cli::print_document(text, input_label(name))) return;
   const std::vector<Robot> robots = is_hdf5
                                         ? parse_robots(hdf5::Reader(text, name).text("/", "robot"),
                                                        input_label(name), BodyCheck::any)
-                                        : robots_in(text, name);
+                                        : robots_in(text, name, BodyCheck::any);
   print_robots(robots, input_label(name), color);
   check_bodies(robots, input_label(name));
 }

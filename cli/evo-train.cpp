@@ -26,6 +26,16 @@ void check_files(const TrainingPlan& plan, const std::vector<Robot>& robots,
   cli::check_outputs(outputs);
 }
 
+// PPO trains by whole updates; a number of steps that this cuts by more than a tenth is
+// told.
+void warn_of_fewer_steps(const cli::Command& command, const TrainingSettings& settings) {
+  const std::int64_t trained = settings.updates() * settings.batch();
+  if (settings.algorithm != Algorithm("ppo") || 10 * trained >= 9 * settings.steps) return;
+  command.warn(
+      fmt::format("{} of {} steps are trained: an update takes {} (environments x rollout)",
+                  trained, settings.steps, settings.batch()));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -43,6 +53,7 @@ int main(int argc, char** argv) {
     const std::vector<Robot> robots = cli::read_robots(files);
     const TrainingPlan plan = options.plan(command.seed);
     check_files(plan, robots, command.output);
+    warn_of_fewer_steps(command, plan.children);
     OrderedWriter out(command.output);
     const int status = cli::train_robots(command, plan, robots, [&](const Trained& trained) {
       if (trained.robot) out.put(trained.index, *trained.robot);

@@ -73,6 +73,21 @@ int grid_side(const Json& document, const char* name) {
   return found->get<int>();
 }
 
+// Rows of the highest cell that an object names. The benchmark finds a cell's place by the
+// grid's width alone, and published worlds have cells above their grid_height.
+int rows_named(const Json& objects, const Grid& grid) {
+  std::int64_t highest = 0;
+  for (const auto& [name, record] : objects.items()) {
+    const auto indices = record.is_object() ? record.find("indices") : record.end();
+    if (indices == record.end() || !indices->is_array()) continue;
+    for (const Json& index : *indices)
+      if (index.is_number_integer() && index >= 0 &&
+          index < std::int64_t{grid.width} * largest_grid)
+        highest = std::max(highest, index.get<std::int64_t>());
+  }
+  return static_cast<int>(highest / grid.width) + 1;
+}
+
 std::int64_t cell_index(const Json& value, const Grid& grid, const std::string& path) {
   if (!value.is_number_integer() || value < 0 || value >= grid.cells())
     throw refusal(path, "cell {} is outside the grid of {}x{} cells, 0 to {}", shown(value),
@@ -366,13 +381,20 @@ class Collection {
 
 // ---- public ---------------------------------------------------------------------------
 
-World evogym_world_from_json(const Json& document, const std::string& where) {
+World evogym_world_from_json(const Json& document, const std::string& where,
+                             const WorldWarning& warn) {
   try {
     if (!document.is_object())
       throw refusal("", "expected a world (an object), found {}", shown(document));
-    const Grid grid{grid_side(document, "grid_width"), grid_side(document, "grid_height")};
+    Grid grid{grid_side(document, "grid_width"), grid_side(document, "grid_height")};
     const Json& objects = field(document, "", "objects", Json::value_t::object,
                                 "a mapping from object name to record");
+    if (const int rows = rows_named(objects, grid); rows > grid.height) {
+      if (warn)
+        warn(fmt::format("{}: /grid_height is {}, but there are cells up to row {}; read as {}",
+                         where, grid.height, rows - 1, rows));
+      grid.height = rows;
+    }
     World world;
     for (const auto& [name, record] : objects.items())
       world.objects.push_back(read_object(name, record, grid));
@@ -383,9 +405,10 @@ World evogym_world_from_json(const Json& document, const std::string& where) {
   }
 }
 
-World read_evogym_world(const fs::path& path) {
+World read_evogym_world(const fs::path& path, const WorldWarning& warn) {
   const std::string where = input_label(path.string());
-  return evogym_world_from_json(parse_json(read_input(path.string(), largest_value), where), where);
+  return evogym_world_from_json(parse_json(read_input(path.string(), largest_value), where), where,
+                                warn);
 }
 
 std::string evogym_world_to_json(const World& world) {
@@ -416,10 +439,17 @@ void write_evogym_world(const fs::path& path, const World& world) {
 }
 
 Robot robot_from_evogym_world(const World& world, const std::string& where, BodyCheck check) {
-  if (world.objects.size() != 1)
-    throw error(Failure::data, "{}: holds {} objects; a robot file holds exactly one", where,
-                world.objects.size());
-  return robot_from_json(Robot(world.objects.front().body).document, where, check);
+  const auto acts = [](const Object& object) {
+    return std::any_of(object.body.cells.begin(), object.body.cells.end(), is_actuator);
+  };
+  const Object* robot = world.objects.size() == 1 ? &world.objects.front() : nullptr;
+  const auto robots = std::count_if(world.objects.begin(), world.objects.end(), acts);
+  if (robots == 1) robot = &*std::find_if(world.objects.begin(), world.objects.end(), acts);
+  if (robot == nullptr)
+    throw error(Failure::data,
+                "{}: a world of {} objects, {} of which have actuators; one is expected, the robot",
+                where, world.objects.size(), robots);
+  return robot_from_json(Robot(robot->body).document, where, check);
 }
 
 World evogym_world_of_robot(const Robot& robot) { return {{{"robot", robot.body, 0, 0}}}; }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,14 +13,19 @@
 
 namespace evo {
 
+// Told of what the benchmark reads without a word and we read as it does.
+using WorldWarning = std::function<void(const std::string&)>;
+
 // The objects in file order, each as large as its cells, at its place. Any
-// order of objects and cells; a link counts from whichever end it is listed.
+// order of objects and cells; a link counts from whichever end it is listed. Cells
+// above `grid_height` make the grid higher, as in the benchmark, with a warning.
 // Refused, with the JSON path: a missing field, collections of different
 // lengths, a cell outside the grid or listed twice, a neighbour that is no cell
 // of the object or not adjacent, an object without voxels or in several pieces,
 // two objects in one cell. Throws Error(data).
-World evogym_world_from_json(const Json& document, const std::string& where);
-World read_evogym_world(const std::filesystem::path& path);
+World evogym_world_from_json(const Json& document, const std::string& where,
+                             const WorldWarning& warn = {});
+World read_evogym_world(const std::filesystem::path& path, const WorldWarning& warn = {});
 
 // JSON text. The grid is as large as the contents; an object whose matrix has an
 // empty border keeps it, as cells of type 0. Throws Error(data) for a world that
@@ -27,7 +33,7 @@ World read_evogym_world(const std::filesystem::path& path);
 std::string evogym_world_to_json(const World& world);
 void write_evogym_world(const std::filesystem::path& path, const World& world);
 
-// The robot of a world that holds exactly one object; in the other direction, a
+// The robot of a world: its only object, or its only one with actuators. In the other direction, a
 // world with `robot` in its lower left corner.
 Robot robot_from_evogym_world(const World& world, const std::string& where,
                               BodyCheck check = BodyCheck::robot);

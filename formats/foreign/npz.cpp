@@ -297,6 +297,19 @@ Body body_from_npz(std::string_view bytes, const std::string& where) {
   }
 }
 
+bool begins_as_numpy(std::string_view bytes) {
+  return bytes.starts_with("PK") || bytes.starts_with(npy_magic);
+}
+
+Body body_from_numpy(std::string_view bytes, const std::string& where) {
+  if (!bytes.starts_with(npy_magic)) return body_from_npz(bytes, where);
+  try {
+    return body_of(parse_npy(bytes));
+  } catch (const Refusal& refused) {
+    throw refused.at(where);
+  }
+}
+
 std::string read_npz_bytes(const std::string& input) {
   // Members are kept, not compressed, where it matters: two of the largest.
   constexpr std::size_t longest = 2 * largest_member;

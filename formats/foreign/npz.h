@@ -16,6 +16,12 @@ namespace evo {
 // sense, connectivity is not asked for. Throws Error(no_input, io, data).
 Body read_npz(const std::filesystem::path& path);
 Body body_from_npz(std::string_view bytes, const std::string& where);
+
+// Whether bytes begin as NumPy's do: an .npz archive, or one array (.npy). Such an array
+// alone is a body matrix whose adjacent cells are all linked.
+bool begins_as_numpy(std::string_view bytes);
+Body body_from_numpy(std::string_view bytes, const std::string& where);
+inline constexpr std::size_t largest_numpy = std::size_t{1} << 24U;  // bytes; far more than a body
 // The bytes of one; "-" reads standard input. What is no archive is not read to its end.
 std::string read_npz_bytes(const std::string& input);
 

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <utility>
 
+#include "formats/foreign/evogym.h"
+#include "formats/foreign/npz.h"
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
@@ -110,9 +113,23 @@ int cell_from_json(const Json& value, const std::string& path, const Body& body)
   return static_cast<int>(cell);
 }
 
+// Two lists of equal length, as the benchmark has its connections: [2, k]. Of two pairs
+// ([2, 2]) nobody can tell; those are pairs, as in our documents.
+bool is_two_lists(const Json& value) {
+  return value.size() == 2 && value[0].is_array() && value[1].is_array() &&
+         value[0].size() == value[1].size() && value[0].size() != 2;
+}
+
+Json as_pairs(const Json& value) {
+  Json pairs = Json::array();
+  for (std::size_t k = 0; k < value[0].size(); ++k) pairs.push_back({value[0][k], value[1][k]});
+  return pairs;
+}
+
 std::vector<Link> links_from_json(const Json& value, const Body& body) {
   if (!value.is_array())
     throw refusal("/connections", "expected a list of pairs of cells, found {}", shown(value));
+  if (is_two_lists(value)) return links_from_json(as_pairs(value), body);
   std::vector<Link> links;
   for (std::size_t k = 0; k < value.size(); ++k) {
     const std::string path = fmt::format("/connections/{}", k);
@@ -245,8 +262,15 @@ void check_count(const std::vector<Robot>& robots, const std::string& where) {
   if (robots.size() > most_robots) throw too_many(where);
 }
 
-// The robot of a document, or the robots of a list.
+// A matrix as the benchmark's scripts have it: [[3, 3, 3], [4, 0, 4]].
+bool is_matrix(const Json& value) {
+  return value.is_array() && !value.empty() && value[0].is_array() && !value[0].empty() &&
+         value[0][0].is_number();
+}
+
+// The robot of a document or of a matrix, or the robots of a list.
 void add_robots(Json value, BodyCheck check, std::vector<Robot>& robots) {
+  if (is_matrix(value)) value = {{"body", std::move(value)}};
   if (!value.is_array()) {
     robots.push_back(read_document(std::move(value), check));
     return;
@@ -260,6 +284,12 @@ void add_robots(Json value, BodyCheck check, std::vector<Robot>& robots) {
   }
 }
 
+// A world of the benchmark's design tool.
+bool is_world(const Json& value) {
+  return value.is_object() && value.contains("grid_width") && value.contains("objects") &&
+         !value.contains("body");
+}
+
 std::vector<Robot> parse_json_robots(std::string_view text, const std::string& where,
                                      BodyCheck check) {
   std::vector<Robot> robots;
@@ -267,8 +297,13 @@ std::vector<Robot> parse_json_robots(std::string_view text, const std::string& w
   while (const auto piece = pieces.next()) {
     // A document that is the whole file needs no line.
     const bool alone = robots.empty() && piece->line == 1 && pieces.done();
+    Json value = parse_json(*piece, where);
+    if (is_world(value)) {
+      robots.push_back(robot_from_evogym_world(evogym_world_from_json(value, where), where, check));
+      continue;
+    }
     try {
-      add_robots(parse_json(*piece, where), check, robots);
+      add_robots(std::move(value), check, robots);
     } catch (const Refusal& refused) {
       throw refused.at(alone ? where : with_place(where, fmt::format("line {}", piece->line)));
     }
@@ -300,6 +335,26 @@ std::string_view without_trailing_blanks(std::string_view line) {
   return line.substr(0, last == std::string_view::npos ? 0 : last + 1);
 }
 
+// A row of a drawing: letters, or numbers between blanks or commas, as numpy.savetxt
+// writes them.
+Json grid_row(std::string_view row) {
+  constexpr std::string_view between = " \t,";
+  const bool has_numbers = row.find_first_of("0123456789") != std::string_view::npos &&
+                           row.find_first_not_of("0123456789.+-eE \t,") == std::string_view::npos;
+  if (!has_numbers) return row;
+  Json numbers = Json::array();
+  for (std::size_t begin = row.find_first_not_of(between); begin != std::string_view::npos;) {
+    const std::size_t end = std::min(row.find_first_of(between, begin), row.size());
+    double number = 0.0;
+    const char* const last = row.data() + end;
+    const auto [stopped, status] = std::from_chars(row.data() + begin, last, number);
+    const std::string text(row.substr(begin, end - begin));
+    numbers.push_back(status == std::errc() && stopped == last ? Json(number) : Json(text));
+    begin = row.find_first_not_of(between, end);
+  }
+  return numbers;
+}
+
 std::vector<Robot> parse_grids(std::string_view text, const std::string& where, BodyCheck check) {
   std::vector<Robot> robots;
   Json rows = Json::array();
@@ -325,7 +380,7 @@ std::vector<Robot> parse_grids(std::string_view text, const std::string& where, 
       continue;
     }
     if (rows.empty()) first_line = line;
-    rows.push_back(row);
+    rows.push_back(grid_row(row));
   }
   finish_grid();
   return robots;
@@ -355,7 +410,7 @@ void glance_at_grid(std::string_view beginning, const std::string& where) {
     const bool cut = end == beginning.size();
     beginning.remove_prefix(std::min(end + 1, beginning.size()));
     if (row.empty() || (cut && !rows.empty())) break;
-    rows.push_back(row);
+    rows.push_back(grid_row(row));
   }
   try {
     (void)body_from_json(rows);
@@ -404,6 +459,7 @@ std::size_t glance_at_json(std::string_view beginning, const std::string& where)
 
 std::size_t glance_at_robots(std::string_view beginning, const std::string& where) {
   if (hdf5::begins_as_hdf5(beginning)) return hdf5::stated_size(beginning, where);
+  if (begins_as_numpy(beginning)) return largest_numpy;
   beginning = without_byte_order_mark(beginning);
   const std::size_t first = beginning.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos)
@@ -551,6 +607,8 @@ std::string read_robot_text(const std::string& input) {
 
 std::vector<Robot> robots_in(std::string_view bytes, const std::string& input, BodyCheck check) {
   const std::string where = input_label(input);
+  if (begins_as_numpy(bytes))
+    return {robot_from_json(Robot(body_from_numpy(bytes, where)).document, where, check)};
   if (!hdf5::begins_as_hdf5(bytes)) return parse_robots(bytes, where, check);
   return robots_of(hdf5::Reader(bytes, where), input, check);
 }

@@ -73,9 +73,10 @@ std::string robot_to_json(const Robot& robot);  // indented, for a file of its o
 std::string robot_to_yaml(const Robot& robot);
 
 // Everything in `text`, whatever the form: JSON Lines, one JSON document, a JSON
-// array, YAML (one or several documents), or grids of letters separated by
-// empty lines. Nothing but blanks is no robots. Throws Error(data) with line and
-// JSON path; a key given twice in one object is an error.
+// array, YAML (one or several documents), grids of letters or of numbers separated by
+// empty lines, matrices as lists of lists, a world of the benchmark's design tool. Nothing but
+// blanks is no robots. Throws Error(data) with line and JSON path; a key given twice in one object
+// is an error.
 std::vector<Robot> parse_robots(std::string_view text, const std::string& where,
                                 BodyCheck check = BodyCheck::robot);
 
@@ -83,8 +84,9 @@ std::vector<Robot> parse_robots(std::string_view text, const std::string& where,
 // cannot be robots is refused after its first 64 KiB. Throws Error(no_input, io, data).
 std::string read_robot_text(const std::string& input);
 
-// The robots in such bytes: text, or an HDF5 file (rollout, policy), which stands for
-// the robot it holds. A policy's robot has that policy.
+// The robots in such bytes: text, NumPy's (.npz of the benchmark, .npy of a body matrix), or
+// an HDF5 file (rollout, policy), which stands for the robot it holds. A policy's robot
+// has that policy.
 std::vector<Robot> robots_in(std::string_view bytes, const std::string& input,
                              BodyCheck check = BodyCheck::robot);
 

@@ -110,3 +110,27 @@ load helpers
   evo-sample -n 2 > a.jsonl; evo-sample -n 2 --seed 9 > b.jsonl
   evo-sample --config list.yaml -n 3 | cmp - <(evo-sample --avoid a.jsonl --avoid b.jsonl --seed 1 -n 3)
 }
+
+@test "what would be ignored is refused, or told" {
+  printf 'HV\nS.\n' > r.txt
+  fails_with 2 "x.foo" ".foo" "--to" -- evo-convert r.txt -o x.foo
+  [ ! -e x.foo ]
+  fails_with 2 "--max-steps 1000" "500 steps" -- evo-eval --task Walker-v0 --random --max-steps 1000 r.txt
+  run --separate-stderr evo-train r.txt --task Walker-v0 --steps 2e3 -j1
+  [ "$status" -eq 0 ]
+  [[ $stderr == *"1024 of 2000 steps are trained"* ]]
+}
+
+@test "robots in the field's own notation, told by their bytes, in every tool" {
+  printf '3 3 3\n4 0 4\n' > r.txt
+  printf '[[3,3,3],[4,0,4]]' > r.json
+  evo-convert r.txt -o r.npz
+  cp r.npz without-ending
+  evo-convert r.txt --to evogym -o world.json
+  for file in r.txt r.json r.npz without-ending world.json; do
+    [ "$(evo-convert "$file" | jq -c '[.id, .body]')" = '["9bdfd2342d8b",["HHH","V.V"]]' ]
+    [ "$(evo-eval --task Walker-v0 --random --max-steps 3 "$file" | jq -r .id)" = 9bdfd2342d8b ]
+    [ "$(evo-mutate -n 1 "$file" | jq -r '.parents[0]')" = 9bdfd2342d8b ]
+  done
+  [ "$(evo-convert < r.npz | jq -r .id)" = 9bdfd2342d8b ]
+}

@@ -124,6 +124,21 @@ TEST_CASE("EvoGym world: single cells, enclosed objects, links from one end") {
   CHECK(same(world_of(parsed(world)), world));
 }
 
+// As published collections of terrain have them; the benchmark uses grid_width alone.
+TEST_CASE("EvoGym world: cells above grid_height make the grid higher, with a warning") {
+  Json document = Json::parse(example);
+  const World expected = world_of(document);
+  document["grid_height"] = 1;
+  std::vector<std::string> warnings;
+  const auto warn = [&](const std::string& text) { warnings.push_back(text); };
+  CHECK(same(evogym_world_from_json(document, "w.json", warn), expected));
+  CHECK(warnings == std::vector<std::string>{
+                        "w.json: /grid_height is 1, but there are cells up to row 2; read as 3"});
+  warnings.clear();
+  evogym_world_from_json(Json::parse(example), "w.json", warn);
+  CHECK(warnings.empty());
+}
+
 TEST_CASE("EvoGym world: partial links are kept") {
   Json document = Json::parse(R"({"grid_width":2,"grid_height":2,"objects":{
       "a":{"indices":[0,1,2,3],"types":[3,3,3,3],
@@ -146,8 +161,9 @@ TEST_CASE("EvoGym world: every broken rule is named with its path") {
   CHECK(contains(refused_with("/grid_height", 1000000000), "/grid_height"));
   CHECK(contains(refused_with("/objects", Json::array()), "/objects: expected a mapping"));
   CHECK(contains(refused_with("/objects/block", 3), "/objects/block: expected an object record"));
-  CHECK(contains(refused_with("/objects/block/indices/0", 15),
-                 "/objects/block/indices/0: cell 15 is outside the grid of 5x3 cells, 0 to 14"));
+  CHECK(
+      contains(refused_with("/objects/block/indices/0", 500'000),
+               "/objects/block/indices/0: cell 500000 is outside the grid of 5x3 cells, 0 to 14"));
   CHECK(contains(refused_with("/objects/block/indices/0", -1), "cell -1 is outside"));
   CHECK(contains(refused_with("/objects/block/indices/0", 1.5), "cell 1.5 is outside"));
   CHECK(contains(refused_with("/objects/block/indices/0", 7),
@@ -217,8 +233,9 @@ TEST_CASE("EvoGym world: a robot is a world of one object") {
   const World world = evogym_world_of_robot(robot);
   CHECK(robot_from_evogym_world(world_of(parsed(world)), "r.json").id == robot.id);
   const World two = world_of(Json::parse(example));
-  CHECK(contains(error_of(Failure::data, [&] { (void)robot_from_evogym_world(two, "r.json"); }),
-                 "r.json: holds 2 objects; a robot file holds exactly one"));
+  CHECK(contains(
+      error_of(Failure::data, [&] { (void)robot_from_evogym_world(two, "r.json"); }),
+      "r.json: a world of 2 objects, 0 of which have actuators; one is expected, the robot"));
 }
 
 TEST_CASE("EvoGym experiment: robots with fitness, each once") {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/foreign/npz.h"
 #include "formats/io/files.h"
 #include "formats/io/hdf5.h"
 #include "libevo/base/random.h"
@@ -381,4 +382,52 @@ TEST_CASE("Robot: damaged text throws Error and nothing else") {
   }
   CHECK(refusals > 1000);
   CHECK(refusals < 6000);
+}
+
+// As the benchmark's scripts and numpy.savetxt write bodies.
+TEST_CASE("Robot: matrices of numbers are bodies") {
+  const std::vector<std::string> rows{"HHH", "V.V"};
+  for (const char* text :
+       {"3 3 3\n4 0 4\n", "3.000000000000000000e+00 3.0 3\n4 0e0 4\n", "3,3,3\n4,0,4",
+        "3, 3, 3\n4, 0, 4\n", "[[3,3,3],[4,0,4]]", "[[3.0, 3.0, 3.0],\n [4.0, 0.0, 4.0]]\n"}) {
+    INFO(text);
+    CHECK(one(text).body.to_rows() == rows);
+    CHECK(one(text).id == "9bdfd2342d8b");
+  }
+  CHECK(parse_robots("3 3\n4 4\n\n4 4\n3 3\n", "in").size() == 2);
+  CHECK(contains(refused("3 3\n4 7\n"), "unknown value 7"));
+  CHECK(contains(refused("3 3\n4 1.5\n"), "unknown value 1.5"));
+  CHECK(contains(refused("3 3\n4 4e\n"), "unknown value \"4e\""));
+  CHECK(contains(refused("3 3\n4\n"), "row 2 has 1 cells, but row 1 has 2"));
+  CHECK(contains(refused("[[3,3],[4,5]]"), "fixed cell"));
+  CHECK(contains(refused("[[[3,3],[4,4]]]"), "expected a robot document"));
+}
+
+TEST_CASE("Robot: connections as two lists of cells, as the benchmark has them") {
+  const Robot pairs = one(R"({"body":["HHH","V.V"],"connections":[[0,1],[1,2],[0,3],[2,5]]})");
+  const Robot lists = one(R"({"body":["HHH","V.V"],"connections":[[0,1,0,2],[1,2,3,5]]})");
+  CHECK(lists.body == pairs.body);
+  CHECK(lists.id == pairs.id);
+  // [2, 2] are two pairs.
+  CHECK(one(R"({"body":["HV","S."],"connections":[[0,1],[0,2]]})").body.links ==
+        std::vector<Link>{{0, 1}, {0, 2}});
+  CHECK(contains(refused(R"({"body":["HHH","V.V"],"connections":[[0,1,0],[1,2]]})"),
+                 "expected a pair of cells"));
+}
+
+TEST_CASE("Robot: NumPy's files and worlds of the design tool are robots, told by their bytes") {
+  const Body body = Body::from_rows({"HHH", "V.V"});
+  CHECK(robots_in(body_to_npz(body), "robot.data").at(0).id == "9bdfd2342d8b");
+  std::string header = "{'descr': '<i8', 'fortran_order': False, 'shape': (2, 3), }";
+  header.resize(117, ' ');
+  std::string npy = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + "\n";
+  for (const char kind : {3, 3, 3, 4, 0, 4}) npy += std::string(1, kind) + std::string(7, '\0');
+  CHECK(robots_in(npy, "robot.npy").at(0).id == "9bdfd2342d8b");
+  npy.resize(npy.size() - 1);
+  CHECK(contains(error_of(Failure::data, [&] { (void)robots_in(npy, "robot.npy"); }),
+                 "robot.npy: 2 x 3 numbers are announced, there are 5"));
+  const std::string world = R"({"grid_width":4,"grid_height":1,"objects":{
+      "ground":{"indices":[0,1],"types":[5,5],"neighbors":{"0":[1],"1":[0]}},
+      "walker":{"indices":[4,5],"types":[3,4],"neighbors":{"4":[5],"5":[4]}}}})";
+  CHECK(one(world).body == Body::from_rows({"HV"}));
 }

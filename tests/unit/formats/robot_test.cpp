@@ -421,7 +421,8 @@ TEST_CASE("Robot: NumPy's files and worlds of the design tool are robots, told b
   std::string header = "{'descr': '<i8', 'fortran_order': False, 'shape': (2, 3), }";
   header.resize(117, ' ');
   std::string npy = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + "\n";
-  for (const char kind : {'\3', '\3', '\3', '\4', '\0', '\4'}) npy += std::string(1, kind) + std::string(7, '\0');
+  for (const char kind : {'\3', '\3', '\3', '\4', '\0', '\4'})
+    npy += std::string(1, kind) + std::string(7, '\0');
   CHECK(robots_in(npy, "robot.npy").at(0).id == "9bdfd2342d8b");
   npy.resize(npy.size() - 1);
   CHECK(contains(error_of(Failure::data, [&] { (void)robots_in(npy, "robot.npy"); }),

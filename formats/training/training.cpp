@@ -136,8 +136,7 @@ struct Setting {
 // settings comes from here; what they may be is checked there.
 const std::vector<Setting>& all_settings() {
   static const std::vector<Setting> list{
-      {"algorithm", &T::algorithm, "ppo",
-       "network: ppo; open loop: gait, sequence, sine, random; both: portfolio"},
+      {"algorithm", &T::algorithm, "ppo", "network: ppo; open loop: gait, sequence, sine, random"},
       {"steps", &T::steps, "512000", "environment steps in all"},
       {"environments", &T::environments, "4", "episodes side by side"},
       {"rollout", &T::rollout, "128", "steps of each environment between updates"},
@@ -200,9 +199,7 @@ const std::vector<Setting>& all_settings() {
        true},
       {"actuator_sigma", &T::actuator_sigma, "0.15",
        "step size of each actuator's own search (gait)", true},
-      {"gait_share", &T::gait_share, "0.2",
-       "of the steps: the search for a gait (portfolio; sequence: at first)", true},
-      {"trial_share", &T::trial_share, "0.2", "of the steps: each network's trial (portfolio)",
+      {"gait_share", &T::gait_share, "0.2", "of the steps: a search for a gait first (sequence)",
        true},
       {"attempts", &T::attempts, "[go_on, begin, change, borrow, repeat, push, hold]",
        "what exploration tries, drawn alike (sequence)", true},

@@ -6,19 +6,17 @@
 #include <variant>
 
 #include "libevo/control/gait_training.h"
-#include "libevo/control/portfolio.h"
 #include "libevo/control/ppo_training.h"
 #include "libevo/control/sequence_training.h"
 #include "libevo/control/wave_search.h"
 
 namespace evo {
 
-using Method = std::variant<PpoTraining,       // ppo
-                            SineTraining,      // sine
-                            RandomTraining,    // random
-                            GaitTraining,      // gait
-                            SequenceTraining,  // sequence
-                            PortfolioTraining  // portfolio
+using Method = std::variant<PpoTraining,      // ppo
+                            SineTraining,     // sine
+                            RandomTraining,   // random
+                            GaitTraining,     // gait
+                            SequenceTraining  // sequence
                             >;
 
 // The method that settings.algorithm names, ready to begin.

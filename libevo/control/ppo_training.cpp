@@ -8,14 +8,14 @@
 namespace evo {
 namespace {
 
-Policy first_policy(const TrainingJob& job, std::optional<SineController> gait) {
-  if (!job.inheritance) return initial_policy(job, std::move(gait));
+// On a gait where one is inherited.
+Policy first_policy(const TrainingJob& job) {
+  Policy fresh = initial_policy(job, inherited_gait(job));
+  if (!job.inheritance) return fresh;
   const Inheritance& old = *job.inheritance;
   const Anatomy to = anatomy(job.arena.robot(), job.arena.layout());
   const auto* policy = std::get_if<Policy>(&old.controller);
-  if (auto inherited = inherited_gait(job)) gait = std::move(inherited);
-  if (policy == nullptr) return initial_policy(job, std::move(gait));  // afresh, on a gait
-  Policy fresh = initial_policy(job, std::move(gait));
+  if (policy == nullptr) return fresh;
   fresh.log_std.setConstant(static_cast<float>(job.settings.inherited_log_std));
   return transferred(*policy, old.anatomy, fresh, to);
 }
@@ -23,7 +23,7 @@ Policy first_policy(const TrainingJob& job, std::optional<SineController> gait) 
 // What is inherited, on this job's robot.
 Controller inherited_controller(const TrainingJob& job) {
   const Inheritance& old = *job.inheritance;
-  if (std::holds_alternative<Policy>(old.controller)) return first_policy(job, std::nullopt);
+  if (std::holds_alternative<Policy>(old.controller)) return first_policy(job);
   if (const auto* sequence = std::get_if<ReplayController>(&old.controller))
     return transferred(*sequence, old.anatomy, anatomy(job.arena.robot(), job.arena.layout()));
   return *inherited_gait(job);
@@ -37,9 +37,9 @@ void PpoTraining::check(const TrainingSettings& s) {
                 s.environments, s.rollout);
 }
 
-PpoTraining::PpoTraining(const TrainingJob& job, std::optional<SineController> gait)
+PpoTraining::PpoTraining(const TrainingJob& job)
     : env_(job.arena, job.settings.environments),
-      ppo_(job.settings, first_policy(job, std::move(gait)), job.seed, job.robot_id),
+      ppo_(job.settings, first_policy(job), job.seed, job.robot_id),
       moments_(inherited_moments(job)),
       next_episode_(static_cast<std::size_t>(job.settings.environments), 0),
       episode_return_(next_episode_.size(), 0.0) {
@@ -56,7 +56,7 @@ void PpoTraining::advance(const TrainingJob& job, Findings& findings, Metrics& m
     findings.evaluated(evaluate(job.arena, policy, job.evaluation()).mean(), policy);
   };
   // What was inherited counts as it is, before it has seen anything.
-  if (job.inheritance && findings.curve.empty()) evaluate_now(first_policy(job, std::nullopt));
+  if (job.inheritance && findings.curve.empty()) evaluate_now(first_policy(job));
 
   std::vector<double> returns;
   for (int t = 0; t < job.settings.rollout; ++t) {

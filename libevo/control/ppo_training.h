@@ -17,9 +17,7 @@ class PpoTraining {
   static constexpr const char* name = "ppo";
   static void check(const TrainingSettings& settings);
 
-  explicit PpoTraining(const TrainingJob& job) : PpoTraining(job, std::nullopt) {}
-  // On a gait where one is given; an inheritance of the job brings its own.
-  PpoTraining(const TrainingJob& job, std::optional<SineController> gait);
+  explicit PpoTraining(const TrainingJob& job);
 
   bool done(const TrainingJob& job, const Findings& findings) const;
   void advance(const TrainingJob& job, Findings& findings, Metrics& metrics);  // one update

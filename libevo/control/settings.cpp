@@ -68,7 +68,6 @@ void check(const TrainingSettings& s) {
   share("wave_share", s.wave_share);
   positive("actuator_sigma", s.actuator_sigma);
   share("gait_share", s.gait_share);
-  share("trial_share", s.trial_share);
   if (s.attempts.empty())
     throw Error(Failure::usage, "training: attempts is []; name one kind at least");
   share("time_share", s.time_share);

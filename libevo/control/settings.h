@@ -20,8 +20,6 @@ namespace evo {
 //   gait    as sine, but from the best of the waves that travel over the body
 //   sequence  open loop, every actuator's target at every step: exploration from the best
 //           moments reached so far
-//   portfolio  a gait, a network, and a network that adds to the gait, each for a part
-//              of the steps; the better network goes on
 class Algorithm {
  public:
   Algorithm() : Algorithm("ppo") {}
@@ -169,11 +167,8 @@ struct TrainingSettings {
   double wave_share = 0.33;      // of the generations: waves over the whole body (gait)
   double actuator_sigma = 0.15;  // step size once each actuator is for itself (gait)
 
-  // Portfolio, and what explores for sequences
-  double gait_share = 0.2;   // of the steps: the search for a gait; of a sequence's: at first
-  double trial_share = 0.2;  // of the steps: the trial of each network
-
   // Exploration for sequences
+  double gait_share = 0.2;  // of the steps: the search for a gait at first
   std::vector<AttemptKind> attempts = values_of<AttemptKind>();  // drawn alike, as often as named
   double time_share = 0.5;   // of attempts: from the best moment of a time, not of a level
   double rest_share = 0.03;  // of attempts: what came too early once more, after a rest

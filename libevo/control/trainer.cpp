@@ -140,9 +140,8 @@ struct Trainer::Impl {
     check(job.settings);
     const std::string& name = job.settings.algorithm.name();
     if (job.inheritance && (name == SineTraining::name || name == RandomTraining::name))
-      throw error(Failure::usage, "training: {}, {}, {} and {} can start from a policy, {} cannot",
-                  PpoTraining::name, GaitTraining::name, SequenceTraining::name,
-                  PortfolioTraining::name, name);
+      throw error(Failure::usage, "training: {}, {} and {} can start from a policy, {} cannot",
+                  PpoTraining::name, GaitTraining::name, SequenceTraining::name, name);
     return make_method(job);
   }
 

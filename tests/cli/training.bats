@@ -106,16 +106,6 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
   fails_with 2 "give at least 5000" -- evo-train $options --steps 4999 --out-dir few robot
 }
 
-@test "training: a portfolio, interrupted and resumed, ends with the same bytes" {
-  robots | head -1 > robot
-  options="--task Lifter-v0 --train portfolio --steps 49152"
-  evo-train $options --out-dir calm robot > calm.json
-  for _ in 1 2 3; do timeout -s TERM 0.7 evo-train $options --out-dir stormy --resume robot > /dev/null && break; done
-  evo-train $options --out-dir stormy --resume robot > /dev/null
-  cmp calm/*.policy.h5 stormy/*.policy.h5
-  evo-eval calm.json | jq -e ".fitness == $(jq .fitness calm.json)"
-}
-
 @test "training: children start from their parents' policies, the rest from scratch" {
   robots > parents
   evo-train --task Walker-v0 --steps 8192 --out-dir old parents > trained

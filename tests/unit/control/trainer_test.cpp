@@ -35,18 +35,6 @@ TrainingSettings brief_search(Algorithm algorithm) {
   return s;
 }
 
-// Search for 120 steps, trials of 2 updates, 5 updates more.
-TrainingSettings brief_portfolio() {
-  TrainingSettings s = brief();
-  s.algorithm = Algorithm("portfolio");
-  s.population = 4;
-  s.steps = 120 + 9 * 64;
-  s.gait_share = 0.18;
-  s.trial_share = 0.2;
-  s.evaluation_interval = 1;
-  return s;
-}
-
 // Three stretches of exploration.
 TrainingSettings brief_sequence() {
   TrainingSettings s = brief_search(Algorithm("sequence"));
@@ -60,7 +48,6 @@ TrainingSettings brief_sequence() {
 // Of any algorithm: a new one that is no network is taken for a search.
 TrainingSettings brief(const std::string& algorithm) {
   if (algorithm == "ppo") return brief();
-  if (algorithm == "portfolio") return brief_portfolio();
   if (algorithm == "sequence") return brief_sequence();
   return brief_search(Algorithm(algorithm));
 }
@@ -179,8 +166,7 @@ TEST_CASE("trainings side by side are each as alone", "[threads]") {
   const Arena arena(test::walker(10), test::small_body());
   const Arena other(test::walker(10), test::body_a());
   const std::vector<TrainingSettings> settings{brief(), brief_search(Algorithm("sine")),
-                                               brief_search(Algorithm("gait")), brief_portfolio(),
-                                               brief_sequence()};
+                                               brief_search(Algorithm("gait")), brief_sequence()};
   const auto run = [&](std::size_t i) {
     Trainer trainer(i % 2 == 0 ? arena : other, settings[i % settings.size()], 1,
                     std::to_string(i));
@@ -350,7 +336,7 @@ TEST_CASE("an algorithm is one of the list") {
   for (const std::string& name : algorithm_names()) CHECK(Algorithm(name).name() == name);
   CHECK_THROWS_WITH(Algorithm("sin"),
                     Catch::StartsWith("unknown algorithm 'sin' (did you mean 'sine'?); there are "
-                                      "ppo, sine, random, gait, sequence, portfolio"));
+                                      "ppo, sine, random, gait, sequence"));
 }
 
 TEST_CASE("a checkpoint of another training is refused") {
@@ -366,38 +352,11 @@ TEST_CASE("a checkpoint of another training is refused") {
   CHECK_THROWS_AS(search.restore(draws.checkpoint()), Error);
 }
 
-TEST_CASE("a portfolio searches, tries and goes on within its budget, and keeps the best of all") {
-  const Arena arena(test::walker(10), test::small_body());
-  const TrainingSettings settings = brief_portfolio();
-  Trainer trainer(arena, settings, 2, "robot");
-  const TrainResult result = train(trainer);
-  CHECK(result.complete);
-  CHECK(result.steps <= settings.steps);
-  CHECK(result.steps > settings.steps - 64);
-  REQUIRE(result.curve.size() > 9);  // generations, then every update
-  double best = result.curve[0].evaluation;
-  for (const CurvePoint& point : result.curve) best = std::max(best, point.evaluation);
-  CHECK(*result.fitness == best);
-  EvaluationSettings evaluation;
-  evaluation.seed = 2;
-  CHECK(evaluate(arena, to_controller(*result.controller), evaluation).mean() == best);
-}
-
-TEST_CASE("a portfolio too short for its parts is one network") {
-  const Arena arena(test::walker(10), test::small_body());
-  TrainingSettings settings = brief_portfolio();
-  settings.gait_share = 0.01;
-  Trainer trainer(arena, settings, 2, "robot");
-  const TrainResult result = train(trainer);
-  settings.algorithm = Algorithm("ppo");
-  Trainer network(arena, settings, 2, "robot");
-  check_equal(train(network), result);
-}
-
 TEST_CASE("a training starts from another robot's policy, and that counts as it is") {
   const Arena old_arena(test::walker(10), test::small_body());
-  TrainingSettings settings = GENERATE(brief(), brief_portfolio());
-  Trainer old_trainer(old_arena, settings, 1, "old");
+  const TrainingSettings settings = brief();
+  // A gait is what the network acts on.
+  Trainer old_trainer(old_arena, GENERATE(brief(), brief_search(Algorithm("gait"))), 1, "old");
   const TrainResult old_result = train(old_trainer);
   const Inheritance inheritance{*old_result.controller,
                                 anatomy(old_arena.robot(), old_arena.layout())};
@@ -642,8 +601,8 @@ TEST_CASE("a search for a sequence starts from what another robot has learned") 
   };
 
   SECTION("a sequence, a gait or a network: the first candidate does the same") {
-    const auto [inheritance, fitness] = inherit_from(
-        GENERATE(brief_sequence(), brief_search(Algorithm("gait")), brief(), brief_portfolio()));
+    const auto [inheritance, fitness] =
+        inherit_from(GENERATE(brief_sequence(), brief_search(Algorithm("gait")), brief()));
     TrainingSettings same_networks = settings;
     same_networks.hidden = {16, 16};
     Trainer trainer(old_arena, same_networks, 1, "new", inheritance);
@@ -665,8 +624,7 @@ TEST_CASE("a search for a sequence starts from what another robot has learned") 
 
 TEST_CASE("a finished training goes on with more steps") {
   const Arena arena(test::walker(10), test::small_body());
-  TrainingSettings settings =
-      GENERATE(brief(), brief_search(Algorithm("gait")), brief_sequence(), brief_portfolio());
+  TrainingSettings settings = GENERATE(brief(), brief_search(Algorithm("gait")), brief_sequence());
   Trainer first(arena, settings, 4, "robot");
   const TrainResult part = train(first);
   settings.steps += 10 * 64;

@@ -48,7 +48,7 @@ Policy network_policy() {
   return policy;
 }
 
-// As a portfolio ends with: on a gait, with its clock.
+// As trained from an inherited gait: on it, with its clock.
 Policy policy_on_gait() {
   Stream stream(2, "policy");
   Policy policy = network_policy();

@@ -236,6 +236,17 @@ void VectorEnv::step(std::span<const double> actions, std::span<const std::uint8
   impl_->refresh();
 }
 
+std::vector<std::uint8_t> VectorEnv::save(int environment) const {
+  return guarded([&] { return impl_->session.save(environment); });
+}
+void VectorEnv::restore(int environment, std::span<const std::uint8_t> state) {
+  guarded([&] {
+    const evo::Session::Restored one{environment, state};
+    impl_->session.restore({&one, 1});
+  });
+  impl_->refresh();
+}
+
 std::span<const double> VectorEnv::observations() const {
   return impl_->session.envs().observations();
 }

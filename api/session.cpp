@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/task/physics_profile.h"
+#include "libevo/base/digest.h"
 #include "libevo/base/error.h"
 #include "libevo/base/random.h"
 
@@ -11,6 +13,8 @@ namespace evo {
 namespace {
 
 constexpr std::size_t most_environments = 65536;
+constexpr std::size_t seal_length = 64;  // of a saved state, hexadecimal digits
+constexpr int state_version = 1;         // of what VecEnv saves
 
 void check_ranges(const TaskSpec& task, const Draws& draws) {
   for (const DrawnInteger& drawn : task.draws) {
@@ -38,7 +42,11 @@ const char* to_string(EnvironmentStatus status) {
 
 Session::Session(const TaskSpec& task, std::vector<Robot> robots, int per_robot, std::uint64_t seed,
                  int threads)
-    : task_(task), robots_(std::move(robots)), per_robot_(per_robot), pool_(threads) {
+    : task_(task),
+      physics_(physics_to_yaml(task.physics)),
+      robots_(std::move(robots)),
+      per_robot_(per_robot),
+      pool_(threads) {
   const auto count = static_cast<std::size_t>(per_robot);
   if (per_robot < 1 || robots_.size() * count > most_environments)
     throw error(Failure::usage,
@@ -114,6 +122,41 @@ void Session::step(std::span<const double> actions, std::span<const std::uint8_t
   for (std::size_t e = 0; e < progress_.size(); ++e)
     if (active_[e] != 0 && envs_->status(static_cast<int>(e)) == LaneStatus::unstable)
       progress_[e].status = EnvironmentStatus::unstable;
+}
+
+std::string Session::seal(int environment, std::span<const std::uint8_t> state) const {
+  std::string sealed = fmt::format("{} {} {}\n{}\n{}\n", state_version, robot(environment).id,
+                                   task_.name, task_.source, physics_);
+  sealed.append(reinterpret_cast<const char*>(state.data()), state.size());
+  return sha256_hex(sealed);
+}
+
+std::vector<std::uint8_t> Session::save(int environment) const {
+  check_environment(environment);
+  if (status(environment) != EnvironmentStatus::ok)
+    throw error(Failure::usage, "environment {} is {}: there is no state to save", environment,
+                to_string(status(environment)));
+  const std::vector<std::uint8_t> state = envs_->save(environment);
+  const std::string seal_of_it = seal(environment, state);
+  std::vector<std::uint8_t> sealed(seal_of_it.begin(), seal_of_it.end());
+  sealed.insert(sealed.end(), state.begin(), state.end());
+  return sealed;
+}
+
+void Session::restore(std::span<const Restored> states) {
+  for (const auto& [environment, state] : states) {
+    check_environment(environment);
+    const auto body = state.subspan(std::min(seal_length, state.size()));
+    const std::string found(state.begin(), state.end() - static_cast<std::ptrdiff_t>(body.size()));
+    if (found != seal(environment, body))
+      throw error(Failure::data,
+                  "the state for environment {} is damaged, or of another robot, task or version",
+                  environment);
+  }
+  for (const auto& [environment, state] : states) {
+    envs_->load(environment, state.subspan(seal_length));
+    progress_[static_cast<std::size_t>(environment)].status = EnvironmentStatus::ok;
+  }
 }
 
 std::span<const double> Session::observation(int environment) const {

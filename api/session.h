@@ -58,6 +58,19 @@ class Session {
   // number and for an environment that was never reset.
   void step(std::span<const double> actions, std::span<const std::uint8_t> active = {});
 
+  // The state of an episode in progress, whole: it goes on from there as often as it is
+  // restored, in any environment of the same robot, task and version, to the same bits. The
+  // bytes are opaque. Seeds and the count of episodes are none of it. Throws Error(usage)
+  // for an environment whose status is not ok.
+  std::vector<std::uint8_t> save(int environment) const;
+  struct Restored {
+    int environment;
+    std::span<const std::uint8_t> state;
+  };
+  // Throws Error(usage) for environments that do not exist, Error(data) for bytes that were
+  // saved elsewhere or are damaged; nothing is restored then.
+  void restore(std::span<const Restored> states);
+
   std::span<const double> observation(int environment) const;
   double reward(int environment) const;  // 0 unless its status is ok
   bool terminated(int environment) const;
@@ -75,7 +88,11 @@ class Session {
     std::uint64_t next_episode = 0;
   };
 
+  // The digest that a state of this environment begins with.
+  std::string seal(int environment, std::span<const std::uint8_t> state) const;
+
   TaskSpec task_;
+  std::string physics_;  // of the task, in full
   std::vector<Robot> robots_;
   int per_robot_;
   std::vector<std::unique_ptr<Arena>> arenas_;  // of each robot

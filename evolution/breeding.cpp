@@ -1,7 +1,6 @@
 #include "evolution/breeding.h"
 
 #include "formats/io/files.h"
-
 #include "formats/robot/genome.h"
 #include "libevo/base/error.h"
 

@@ -1,12 +1,12 @@
 #include "report/markup.h"
 
 #include <fmt/format.h>
-#include <nettle/base64.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include "formats/io/base64.h"
 
 namespace evo::report {
 namespace {
@@ -70,12 +70,6 @@ std::string escape(std::string_view text) {
     }
   }
   return safe;
-}
-
-std::string base64(std::string_view bytes) {
-  std::string text(BASE64_ENCODE_RAW_LENGTH(bytes.size()), '\0');
-  base64_encode_raw(text.data(), bytes.size(), reinterpret_cast<const std::uint8_t*>(bytes.data()));
-  return text;
 }
 
 std::string data_uri(const std::string& media_type, std::string_view bytes) {

@@ -15,7 +15,6 @@ namespace evo::report {
 // Text for an element or a quoted attribute.
 std::string escape(std::string_view text);
 
-std::string base64(std::string_view bytes);
 // "data:<media type>;base64,<bytes>"
 std::string data_uri(const std::string& media_type, std::string_view bytes);
 

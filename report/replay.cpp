@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "formats/io/base64.h"
 #include "formats/rollout/ending.h"
 #include "render/scene/clip.h"
 #include "report/markup.h"

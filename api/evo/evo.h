@@ -186,7 +186,14 @@ class LIBEVO_API VectorEnv {
   // are not finite, and environments that were never reset.
   void step(std::span<const double> actions, std::span<const std::uint8_t> active = {});
 
-  // After reset and step; zeros before the first reset of an environment.
+  // The state of an episode in progress: it goes on from there as often as it is restored,
+  // in any environment of the same robot and task, to the same bits. The bytes are opaque and
+  // for this version of the library. Throws Error(usage) for an environment whose status is
+  // not ok; Error(data) for bytes saved elsewhere or damaged, with nothing restored.
+  std::vector<std::uint8_t> save(int environment) const;
+  void restore(int environment, std::span<const std::uint8_t> state);
+
+  // After reset, step and restore; zeros before the first reset of an environment.
   std::span<const double> observations() const;  // [observation_values()]
   std::span<const double> observation(int environment) const;
   std::span<const double> rewards() const;           // [E] of the last step

@@ -2,6 +2,9 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
 
 #include "cli/env/request.h"
 #include "cli/env/serve.h"
@@ -67,14 +70,24 @@ class FrameServer {
     } else if (name(header) == "JSON") {
       if (header.length > longest_json)
         lost("a JSON frame may have {} bytes, not {}", longest_json, header.length);
-      text_.resize(header.length);
-      read_rest(std::as_writable_bytes(std::span(text_)));
+      read_text(header);
       fulfil([&] { return requests_.answer(parse_json(text_, where()), where()); });
+    } else if (name(header) == "LOAD") {
+      read_text(header);
+      fulfil([&] {
+        try {
+          return load();
+        } catch (const Error& failure) {
+          throw failure.at(where());
+        }
+      });
     } else {
       std::uint32_t kind = 0;
       std::memcpy(&kind, header.kind.data(), sizeof kind);
-      lost("a frame begins with STEP, MASK or JSON, not with the bytes 0x{:08x} (little-endian)",
-           kind);
+      lost(
+          "a frame begins with STEP, MASK, JSON or LOAD, not with the bytes 0x{:08x} "
+          "(little-endian)",
+          kind);
     }
     return true;
   }
@@ -94,6 +107,48 @@ class FrameServer {
     const std::size_t got = in_.read(target);
     if (got < target.size())
       lost("the input ended within a frame: {} of {} bytes", got, target.size());
+  }
+
+  // Memory is taken as bytes come, whatever is announced.
+  void read_text(const Header& header) {
+    constexpr std::size_t piece = std::size_t{1} << 20U;
+    text_.clear();
+    while (text_.size() < header.length) {
+      const std::size_t begin = text_.size();
+      text_.resize(std::min<std::size_t>(header.length, begin + piece));
+      read_rest(std::as_writable_bytes(std::span(text_).subspan(begin)));
+    }
+  }
+
+  // States as send_saved() has written them.
+  Answer load() {
+    std::size_t at = 0;
+    const auto take = [&](std::uint64_t bytes) {
+      if (bytes > text_.size() - at)
+        throw error(Failure::data, "LOAD has the payload of a SAVE, of which {} bytes are too few",
+                    text_.size());
+      at += bytes;
+      return text_.data() + at - bytes;
+    };
+    const auto number = [&] {
+      std::uint64_t value = 0;
+      std::memcpy(&value, take(sizeof value), sizeof value);
+      return value;
+    };
+    std::vector<std::pair<int, std::uint64_t>> table;
+    for (std::uint64_t left = number(); left > 0; --left) {
+      const auto environment = static_cast<std::int64_t>(number());
+      session_.check_environment(environment);
+      table.emplace_back(static_cast<int>(environment), number());
+    }
+    std::vector<Session::Restored> states;
+    for (const auto& [environment, length] : table)
+      states.push_back(
+          {environment, {reinterpret_cast<const std::uint8_t*>(take(length)), length}});
+    if (at != text_.size())
+      throw error(Failure::data, "{} bytes follow the last state", text_.size() - at);
+    session_.restore(states);
+    return {};
   }
 
   template <typename... Args>
@@ -132,6 +187,8 @@ class FrameServer {
         return send_text("JSON", answer.document);
       case Answer::Kind::picture:
         return send_picture(answer.picture);
+      case Answer::Kind::saved:
+        return send_saved(answer);
     }
   }
 
@@ -156,6 +213,23 @@ class FrameServer {
                           static_cast<std::uint32_t>(image.size.height)};
     append(out_, size.data(), size.size());
     for (std::size_t i = 0; i < image.rgba.size(); i += 4) append(out_, &image.rgba[i], 3);
+    send();
+  }
+
+  void send_saved(const Answer& answer) {
+    begin("SAVE");
+    const auto number = [&](std::uint64_t value) { append(out_, &value, 1); };
+    number(answer.saved.size());
+    for (std::size_t i = 0; i < answer.saved.size(); ++i) {
+      number(static_cast<std::uint64_t>(answer.environments[i]));
+      number(answer.saved[i].size());
+    }
+    for (const std::vector<std::uint8_t>& state : answer.saved)
+      append(out_, state.data(), state.size());
+    if (out_.size() - sizeof(Header) > std::numeric_limits<std::uint32_t>::max())
+      return send_failure(error(Failure::usage,
+                                "{}: {} states are more than a frame holds; ask for fewer", where(),
+                                answer.saved.size()));
     send();
   }
 

@@ -2,6 +2,7 @@
 #include "cli/env/request.h"
 #include "cli/env/serve.h"
 #include "cli/env/stream.h"
+#include "formats/io/base64.h"
 #include "libevo/base/error.h"
 
 namespace evo::cli {
@@ -15,6 +16,12 @@ Json answer_document(const Session& session, const Answer& answer, const std::st
       return state_document(session, answer.environments);
     case Answer::Kind::document:
       return answer.document;
+    case Answer::Kind::saved: {
+      Json states = Json::array();
+      for (const std::vector<std::uint8_t>& state : answer.saved)
+        states.push_back(base64({reinterpret_cast<const char*>(state.data()), state.size()}));
+      return {{"environments", answer.environments}, {"states", std::move(states)}};
+    }
     case Answer::Kind::picture:
       break;
   }

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "cli/command.h"
+#include "formats/io/base64.h"
 #include "formats/io/format.h"
 #include "formats/io/json_object.h"
 #include "formats/task/physics_profile.h"
@@ -204,6 +205,40 @@ Answer Requests::draw(const Json& wanted) {
   return answer;
 }
 
+Answer Requests::save(const Json& wanted) {
+  check_fields(wanted, "/save", {"environments"});
+  Answer answer;
+  answer.kind = Answer::Kind::saved;
+  answer.environments = chosen_environments(session_, wanted, "/save");
+  for (const int e : answer.environments) answer.saved.push_back(session_.save(e));
+  return answer;
+}
+
+Answer Requests::restore(const Json& wanted) {
+  const std::string path = "/restore";
+  check_fields(wanted, path, {"environments", "states"});
+  Answer answer;
+  answer.environments = chosen_environments(session_, wanted, path);
+  const Json& texts = JsonObject(wanted, path).array("states");
+  if (texts.size() != answer.environments.size())
+    throw refusal(path + "/states", "has {} states for {} environments", texts.size(),
+                  answer.environments.size());
+  std::vector<std::vector<std::uint8_t>> states;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    auto state =
+        texts[i].is_string() ? from_base64(texts[i].get_ref<const std::string&>()) : std::nullopt;
+    if (!state)
+      throw refusal(fmt::format("{}/states/{}", path, i), "expected a saved state, found {}",
+                    shown(texts[i]));
+    states.push_back(std::move(*state));
+  }
+  std::vector<Session::Restored> restored;
+  for (std::size_t i = 0; i < states.size(); ++i)
+    restored.push_back({answer.environments[i], states[i]});
+  session_.restore(restored);
+  return answer;
+}
+
 Answer Requests::answer(const Json& request, const std::string& where) {
   try {
     const JsonObject object(request, "");
@@ -218,6 +253,12 @@ Answer Requests::answer(const Json& request, const std::string& where) {
     } else if (request.contains("picture")) {
       check_fields(request, "", {"picture"});
       answer = draw(request["picture"]);
+    } else if (request.contains("save")) {
+      check_fields(request, "", {"save"});
+      answer = save(request["save"]);
+    } else if (request.contains("restore")) {
+      check_fields(request, "", {"restore"});
+      answer = restore(request["restore"]);
     } else if (request.contains("positions")) {
       check_fields(request, "", {"positions"});
       answer.kind = Answer::Kind::document;
@@ -228,8 +269,9 @@ Answer Requests::answer(const Json& request, const std::string& where) {
       answer.kind = Answer::Kind::document;
       answer.document = task_document(session_);
     } else {
-      check_fields(request, "", {"reset", "step", "positions", "picture", "task"});
-      throw refusal("", "expected one of: reset, step, positions, picture, task");
+      check_fields(request, "",
+                   {"reset", "step", "save", "restore", "positions", "picture", "task"});
+      throw refusal("", "expected one of: reset, step, save, restore, positions, picture, task");
     }
     return answer;
   } catch (const Refusal& refused) {

@@ -12,11 +12,12 @@
 namespace evo::cli {
 
 struct Answer {
-  enum class Kind { state, document, picture };
+  enum class Kind { state, document, picture, saved };
   Kind kind = Kind::state;
-  std::vector<int> environments;  // whose state was asked for, of Kind::state
+  std::vector<int> environments;  // whose state was asked for, of Kind::state and saved
   Json document;
   render::Image picture;
+  std::vector<std::vector<std::uint8_t>> saved;
 };
 
 // The first thing a client hears: format, task, robots, lengths, bounds.
@@ -33,6 +34,8 @@ class Requests {
  private:
   Answer step(const Json& request);
   Answer draw(const Json& wanted);
+  Answer save(const Json& wanted);
+  Answer restore(const Json& wanted);
 
   Session& session_;
   std::vector<double> actions_;       // of all environments

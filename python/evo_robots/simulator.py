@@ -230,6 +230,29 @@ class Simulator:
             self._abandon(error)
             raise
 
+    def save(self, environments: Sequence[int] | None = None) -> list[bytes]:
+        """The states of episodes in progress, of all environments or of these: opaque,
+        for restore() in this or another Simulator of the same robots and task."""
+        wanted = {} if environments is None else {"environments": [int(e) for e in environments]}
+        payload = self._exchange({"save": wanted}, b"SAVE")
+        [count] = struct.unpack_from("<Q", payload)
+        table = struct.unpack_from(f"<{2 * count}Q", payload, 8)
+        states, at = [], 8 + 16 * count
+        for length in table[1::2]:
+            states.append(bytes(payload[at : at + length]))
+            at += length
+        return states
+
+    def restore(self, states: Sequence[bytes], environments: Sequence[int] | None = None) -> State:
+        """Puts states into the environments, each into one: their episodes go on from
+        there, as often as they are restored, to the same bits."""
+        places = range(self.num_envs) if environments is None else environments
+        if isinstance(states, bytes) or len(states) != len(places):
+            raise ValueError(f"a list of {len(places)} states is expected")
+        table = [struct.pack("<qQ", int(e), len(state)) for e, state in zip(places, states)]
+        payload = b"".join([struct.pack("<Q", len(states)), *table, *states])
+        return self._state(self._exchange(payload, b"DATA", b"LOAD"))
+
     def positions(self, environment: int = 0) -> dict[str, Any]:
         """All points of the world: ``positions`` and ``velocities`` [N, 2], raw
         units, and ``objects``, a dict from names to slices of the points."""
@@ -292,12 +315,12 @@ class Simulator:
             self.close()
             self._ending = "the simulator was closed: a request was interrupted; make another one"
 
-    def _exchange(self, document: Mapping[str, Any] | None, expected: bytes) -> Any:
-        """A request, unless there is none, and its answer."""
+    def _exchange(self, request: Any, expected: bytes, kind: bytes = b"JSON") -> Any:
+        """A request, a document or bytes, unless there is none, and its answer."""
         try:
-            if document is not None:
-                text = json.dumps(document).encode()
-                self._send(HEADER.pack(b"JSON", len(text)), memoryview(text))
+            if request is not None:
+                text = request if kind != b"JSON" else json.dumps(request).encode()
+                self._send(HEADER.pack(kind, len(text)), memoryview(text))
             return self._receive(expected)
         except BaseException as error:
             self._abandon(error)

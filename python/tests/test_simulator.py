@@ -163,6 +163,60 @@ class Stepping(unittest.TestCase):
             self.assertFalse(np.array_equal(at_start, simulator.picture(width=200, height=100)))
 
 
+class States(unittest.TestCase):
+    def test_an_episode_goes_on_from_a_state_to_the_same_bits(self):
+        actions = np.random.default_rng(0).uniform(0.6, 1.6, (30, 3, 13))
+        with Simulator("Catcher-v0", WALKER, 3) as simulator:
+            simulator.reset(seed=4, jitter=1e-3)
+            for action in actions[:10]:
+                at_save = simulator.step(action)
+            states = simulator.save()
+            self.assertEqual(len(states), 3)
+            went_on = [simulator.step(action) for action in actions[10:]]
+            restored = simulator.restore(states)
+            for name in ("observations", "rewards", "terminated", "truncated", "status"):
+                np.testing.assert_array_equal(getattr(restored, name), getattr(at_save, name))
+            for before, action in zip(went_on, actions[10:]):
+                after = simulator.step(action)
+                np.testing.assert_array_equal(after.observations, before.observations)
+                np.testing.assert_array_equal(after.rewards, before.rewards)
+            # One of them, into an environment of another process that was never reset.
+            with Simulator("Catcher-v0", WALKER, 2) as other:
+                other.restore(states[2:], [1])
+                mask = np.array([False, True])
+                for before, action in zip(went_on, actions[10:]):
+                    after = other.step(action[[0, 2]], mask)
+                    np.testing.assert_array_equal(after.observations[1], before.observations[2])
+
+    def test_states_of_robots_of_several_sizes(self):
+        with Simulator("Walker-v0", [WALKER, SMALL]) as simulator:
+            simulator.reset()
+            one, two = simulator.save()
+            simulator.step(np.ones(17))
+            start = simulator.restore([two, one], [1, 0])
+            np.testing.assert_array_equal(start.observations, simulator.reset(seed=0).observations)
+            with self.assertRaisesRegex(EvoError, "of another robot"):
+                simulator.restore([two, one])
+
+    def test_states_that_cannot_be_are_refused_and_nothing_changes(self):
+        with Simulator("Walker-v0", SMALL, 2) as simulator, \
+                Simulator("Walker-v0", SMALL, settings={"gravity": 50}) as other:
+            with self.assertRaisesRegex(EvoError, "unreset"):
+                simulator.save()
+            start = simulator.reset()
+            good = simulator.save()
+            other.reset()
+            for bad in (b"", good[0][:-1], good[0] + b"x", b"x" * len(good[0]),
+                        good[0][:200] + bytes([good[0][200] ^ 1]) + good[0][201:], *other.save()):
+                with self.assertRaisesRegex(EvoError, "damaged, or of another"):
+                    simulator.restore([good[0], bad])
+            for environments in ([0], [0, 2], [0, -1]):
+                with self.assertRaises((EvoError, ValueError)):
+                    simulator.restore(good, environments)
+            np.testing.assert_array_equal(
+                simulator.step(np.ones(8), [False, False]).observations, start.observations)
+
+
 class Failures(unittest.TestCase):
     def test_refusals_leave_the_session_as_it_was(self):
         with Simulator("Walker-v0", SMALL) as simulator:

@@ -96,6 +96,13 @@ junk
 {"picture":{"environment":9}}
 {"positions":{"environments":[5]}}
 {"task":{"name":1}}
+{"save":{"environments":[7]}}
+{"save":[]}
+{"restore":{}}
+{"restore":{"environments":[0],"states":[]}}
+{"restore":{"environments":[0],"states":[1]}}
+{"restore":{"environments":[0],"states":["%"]}}
+{"restore":{"environments":[0],"states":["AAAA"]}}
 $(head -c 300 /dev/zero | tr '\0' '[')
 $(printf '\xff\xfe\x01x')
 END
@@ -122,6 +129,16 @@ END
   [ "$(cat status)" -eq 0 ]
   env_of --task Walker-v0 small.txt < /dev/null > hello
   [ "$(wc -l < hello)" -eq 1 ]
+}
+
+@test "json: a state is saved and restored, as text" {
+  local row='[1.5,0.7,1.2,1.6]'
+  printf '%s\n' '{"reset":{"seed":3}}' "{\"step\":[$row]}" '{"save":{}}' "{\"step\":[$row]}" |
+    env_of --task Catcher-v0 small.txt > first
+  printf '%s\n' "$(sed -n 4p first | jq -c '{restore: .}')" "{\"step\":[$row]}" |
+    env_of --task Catcher-v0 small.txt > second
+  cmp <(sed -n 3p first) <(sed -n 2p second)
+  cmp <(sed -n 5p first) <(sed -n 3p second)
 }
 
 @test "wrong usage" {

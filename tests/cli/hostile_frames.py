@@ -66,6 +66,16 @@ for kind in (b"step", b"RSET", b"\0\0\0\0", b"\xff\xff\xff\xff", b"DATA", b"GET 
     cases.append((f"kind {kind!r}", frame(kind, b"x" * 64), False))
 cases.append(("four billion bytes of JSON", frame(b"JSON", b"{}", 0xFFFFFFFF), False))
 cases.append(("four billion bytes of actions", frame(b"STEP", b"{}", 0xFFFFFFFF), False))
+saved = struct.pack("<3Q", 1, 0, 64)
+for text in (b"", b"\0" * 7, struct.pack("<Q", 2**64 - 1), struct.pack("<Q", 2**60) + b"\0" * 99,
+             struct.pack("<3Q", 1, 9, 0), struct.pack("<3Q", 1, 2**63, 0), struct.pack("<3Q", 1, 0, 0),
+             struct.pack("<3Q", 1, 0, 2**64 - 1), saved, saved + b"0" * 63, saved + b"0" * 64,
+             saved + b"\xff" * 64, saved + b"0" * 65, b"\xff" * 1000):
+    cases.append((f"LOAD {text[:24]!r}", frame(b"LOAD", text), True))
+cases.append(("four billion bytes of states", frame(b"LOAD", saved, 0xFFFFFFFF), False))
+for text in (b'{"save":7}', b'{"save":{"environments":[2]}}', b'{"save":{},"step":[]}', b'{"restore":{}}',
+             b'{"restore":{"states":["AA==","%%"]}}', b'{"restore":{"states":["AA==","AA=="]}}'):
+    cases.append((f"JSON {text!r}", frame(b"JSON", text), True))
 cases.append(("half a header", b"STE", False))
 for cut in range(1, 72, 7):
     cases.append((f"a step cut after {cut} bytes", GOOD[:cut], False))

@@ -61,6 +61,46 @@ TEST_CASE("api: an environment moves the same alone and among others, on any thr
   CHECK(one.status()[0] == libevo::Status::ok);
 }
 
+TEST_CASE("api: an episode goes on from a state, as often as it is restored, to the same bits") {
+  const libevo::Task task("Catcher-v0");
+  libevo::VectorEnv envs(task, {walker}, 2);
+  fails(Error::Kind::usage, "unreset", [&] { (void)envs.save(0); });
+  envs.reset({.seed = 4});
+  for (int t = 0; t < 10; ++t) envs.step(wave(envs.action_values(), t));
+  const std::vector<std::uint8_t> state = envs.save(0);
+  const auto at_save = copy(envs.observation(0));
+  const auto go_on = [&](libevo::VectorEnv& of, int environment) {
+    for (int t = 10; t < 30; ++t) {
+      const std::vector<double> actions = wave(envs.action_values(), t);
+      std::vector<double> given(of.action_values(), 1.0);
+      std::copy_n(actions.begin(), static_cast<std::size_t>(of.action_length(environment)),
+                  given.begin() + static_cast<std::ptrdiff_t>(of.action_offset(environment)));
+      of.step(given);
+    }
+    return copy(of.observation(environment));
+  };
+  const auto end = go_on(envs, 0);
+  envs.restore(0, state);
+  CHECK(copy(envs.observation(0)) == at_save);
+  CHECK(envs.steps()[0] == 10);
+  CHECK(go_on(envs, 0) == end);
+  envs.restore(1, state);
+  CHECK(go_on(envs, 1) == end);
+  libevo::VectorEnv fresh(task, {walker});
+  fresh.restore(0, state);
+  CHECK(fresh.status()[0] == libevo::Status::ok);
+  CHECK(go_on(fresh, 0) == end);
+
+  std::vector<std::uint8_t> damaged = state;
+  damaged.back() ^= 1U;
+  fails(Error::Kind::data, "damaged", [&] { fresh.restore(0, damaged); });
+  fails(Error::Kind::data, "damaged", [&] { fresh.restore(0, {}); });
+  fails(Error::Kind::usage, "no environment 7", [&] { fresh.restore(7, state); });
+  CHECK(copy(fresh.observations()) == end);
+  libevo::VectorEnv other(libevo::Task("Walker-v0"), {walker});
+  fails(Error::Kind::data, "another", [&] { other.restore(0, state); });
+}
+
 TEST_CASE("api: episodes are counted on, and a seed begins anew") {
   libevo::VectorEnv envs(libevo::Task("BidirectionalWalker-v0"), {small}, 2);
   const auto start = [&](const libevo::Start& how) {

@@ -246,15 +246,9 @@ Robot read_robot(const hdf5::Reader& file) {
   return std::move(robots.front());
 }
 
-// Files from before there were identities have the texts that it follows from.
+// A file from before there were identities runs, and is of no training asked for.
 std::string read_identity(const hdf5::Reader& file) {
-  if (file.has_attribute("/", "identity")) return file.text("/", "identity");
-  const TaskSpec task = parse_task(file.text("/", "task_yaml"), file.name() + ": /@task_yaml");
-  const YamlNode settings =
-      YamlNode::parse(file.text("/", "training_yaml"), file.name() + ": /@training_yaml");
-  return identify(read_robot(file).body, task, training_from_yaml(settings, "", {}),
-                  file.number<std::uint64_t>("/", "seed"))
-      .lines;
+  return file.has_attribute("/", "identity") ? file.text("/", "identity") : "";
 }
 
 }  // namespace

@@ -27,8 +27,8 @@ struct PolicyFile {
   std::uint64_t seed = 0;
   std::string isa = "any";  // instruction set the bits belong to; "any": to all of them
   std::string created_by;   // tool, version, commit
-  std::string identity;  // formats/training/identity.h; of older files, worked out from their texts
-  std::string settings_hash;  // of it, or as older programs had it
+  std::string identity;  // formats/training/identity.h; empty in older files
+  std::string settings_hash;  // of it
 
   TrainedController controller;
   double fitness = 0.0;  // best evaluation
@@ -53,7 +53,7 @@ PolicyFile read_policy(const std::filesystem::path& path);
 // Only the lines of its identity, to see whether the work is done already.
 std::string read_policy_identity(const std::filesystem::path& path);
 
-// The lines of a checkpoint's identity; of older ones, which have none, empty.
+// The lines of a checkpoint's identity.
 std::string read_checkpoint_identity(const std::filesystem::path& path);
 // A training to go on with, `<id>.checkpoint.h5`, marked with its identity.
 // Reading throws Error(no_input, data), and Error(cannot_create) where the

@@ -548,7 +548,6 @@ void Ppo::load(const Checkpoint& checkpoint) {
       checkpoint.get<float>("learner/state", static_cast<std::size_t>(state_.size()));
   std::copy(state.begin(), state.end(), state_.data());
   steps_.assign(static_cast<std::size_t>(settings_.environments), 0);
-  if (!checkpoint.has("learner/steps")) return;  // before there were clocks and colour
   const auto& steps = checkpoint.get<std::uint64_t>("learner/steps", steps_.size());
   for (std::size_t e = 0; e < steps.size(); ++e) steps_[e] = static_cast<int>(steps[e]);
   colour_ = checkpoint.get<double>("learner/colour", colour_.size());

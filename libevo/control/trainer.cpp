@@ -43,15 +43,10 @@ struct Best<SineController> {
     save_sine(checkpoint, "best/sine", sine);
   }
   static bool in(const Checkpoint& checkpoint) {
-    return checkpoint.has("best/sine/period") || checkpoint.has("best/amplitude");
+    return checkpoint.has("best/sine/period");
   }
   static SineController load(const Checkpoint& checkpoint, const TrainingJob&) {
-    if (checkpoint.has("best/sine/period")) return load_sine(checkpoint, "best/sine");
-    SineController sine;  // as programs before gaits wrote it
-    sine.amplitude = checkpoint.get<double>("best/amplitude");
-    sine.phase = checkpoint.get<double>("best/phase", sine.amplitude.size());
-    sine.period = checkpoint.get<double>("best/period", 1)[0];
-    return sine;
+    return load_sine(checkpoint, "best/sine");
   }
 };
 

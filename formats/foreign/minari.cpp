@@ -11,6 +11,7 @@
 
 #include "formats/io/files.h"
 #include "formats/io/hdf5.h"
+#include "formats/task/physics_profile.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -18,8 +19,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* minari_version = "0.5.0";  // of the layout
-constexpr double lowest_action = 0.6;
-constexpr double highest_action = 1.6;
 
 bool is_word_sign(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
@@ -109,6 +108,25 @@ std::string box_space(int length, const std::string& low, const std::string& hig
       repeated(low), repeated(high));
 }
 
+// All that the physics of any of the rollouts takes; the benchmark's where a file of
+// another maker says nothing.
+std::string action_space(const std::vector<Rollout>& rollouts) {
+  std::vector<double> low;
+  std::vector<double> high;
+  for (const Rollout& rollout : rollouts) {
+    const Physics physics =
+        rollout.physics_yaml.empty()
+            ? Physics{}
+            : physics_from_yaml(YamlNode::parse(rollout.physics_yaml, "physics of the rollout"), {},
+                                {});
+    low.push_back(physics.min_target);
+    high.push_back(physics.max_target);
+  }
+  return box_space(rollouts.front().action_length,
+                   fmt::format("{}", *std::min_element(low.begin(), low.end())),
+                   fmt::format("{}", *std::max_element(high.begin(), high.end())));
+}
+
 // Gymnasium's description of the environment, as Minari keeps it: JSON in a text.
 // The robot is an argument where all rollouts have the same one.
 std::string environment_spec(const std::vector<Rollout>& rollouts) {
@@ -145,8 +163,7 @@ Json metadata(const std::vector<Rollout>& rollouts, const std::string& dataset_i
           {"total_steps", steps},
           {"data_format", "hdf5"},
           {"observation_space", box_space(first.observation_length, "-Infinity", "Infinity")},
-          {"action_space", box_space(first.action_length, fmt::format("{}", lowest_action),
-                                     fmt::format("{}", highest_action))},
+          {"action_space", action_space(rollouts)},
           {"env_spec", environment_spec(rollouts)},
           {"dataset_id", dataset_id},
           {"minari_version", minari_version},

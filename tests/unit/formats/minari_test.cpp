@@ -6,6 +6,7 @@
 
 #include "formats/io/files.h"
 #include "formats/io/hdf5.h"
+#include "formats/task/physics_profile.h"
 #include "scratch.h"
 
 using namespace evo;
@@ -59,6 +60,26 @@ TEST_CASE("Minari: a dataset folder of all episodes") {
   CHECK(file.vector<double>("/episode_1/rewards") == walker.episodes[0].rewards);
   CHECK(file.vector<std::uint8_t>("/episode_1/truncations") == walker.episodes[0].truncations);
   CHECK(file.shape("/episode_1/infos/positions") == hdf5::Shape{101, 234, 2});
+}
+
+TEST_CASE("Minari: the bounds of actions are those of the physics, the widest of all rollouts") {
+  const ScratchFolder folder;
+  Rollout stronger = reference("Walker-v0_A");
+  Physics physics;
+  physics.max_target = 2.25;
+  stronger.physics_yaml = physics_to_yaml(physics);
+  Rollout shorter = stronger;
+  physics.min_target = 0.5;
+  physics.max_target = 1.5;
+  shorter.physics_yaml = physics_to_yaml(physics);
+  const auto bounds = [&](const char* name, const std::vector<Rollout>& rollouts) {
+    write_minari(folder / name, rollouts, "a-v0");
+    const Json metadata = parse_json(read_file(folder / name / "data" / "metadata.json"), name);
+    const Json space = Json::parse(metadata["action_space"].get<std::string>());
+    return std::pair{space["low"][12].get<double>(), space["high"][0].get<double>()};
+  };
+  CHECK(bounds("stronger", {stronger}) == std::pair{0.6, 2.25});
+  CHECK(bounds("both", {shorter, stronger}) == std::pair{0.5, 2.25});
 }
 
 TEST_CASE("Minari: what does not make a dataset leaves nothing behind") {

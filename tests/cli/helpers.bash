@@ -7,6 +7,16 @@ data="$EVO_SOURCE/tests/data"
 
 setup() { cd "$BATS_TEST_TMPDIR" || return; }
 
+# A random part of a second, before something is killed. Where a test fails its seed is
+# among what it printed; EVO_TEST_SEED=SEED repeats the pauses.
+EVO_TEST_SEED=${EVO_TEST_SEED:-$((RANDOM * 32768 + RANDOM))}
+RANDOM=$EVO_TEST_SEED
+random_pause() {
+  local pause=0.$((RANDOM % 9 + 1))
+  echo "EVO_TEST_SEED=$EVO_TEST_SEED: a pause of $pause s"
+  sleep "$pause"
+}
+
 # The command ends with this status, says nothing on standard output, and says
 # exactly one line on standard error, which contains every text given.
 fails_with() {

@@ -23,7 +23,7 @@ kill_and_repeat() {
   for ((i = 0; i < kills; i++)); do
     setsid make -f "$EVO_SOURCE/scripts/$method.mk" RUN="$folder" "${settings[@]}" -j2 >/dev/null 2>&1 3>&- &
     pid=$!
-    sleep "0.$((RANDOM % 9 + 1))"
+    random_pause
     kill -KILL -- "-$pid" 2>/dev/null || true
     wait "$pid" 2>/dev/null || true
   done
@@ -161,7 +161,7 @@ kill_and_repeat() {
 
   for _ in 1 2 3 4; do
     setsid bash -c "$(declare -f rounds); rounds stormy -j2" > /dev/null 2>&1 3>&- &
-    sleep "0.$((RANDOM % 9 + 1))"
+    random_pause
     kill -KILL -- "-$!" 2> /dev/null || true
     wait "$!" 2> /dev/null || true
   done

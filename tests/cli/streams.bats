@@ -120,3 +120,12 @@ setup_file() {
     ! LC_ALL=C grep -qP '[\x00-\x09\x0b-\x1f\x7f-\xff]' <<<"$stderr" || { echo "$stderr" | od -c | head; return 1; }
   done
 }
+
+@test "tests that kill at random moments do so by a seed, which they print" {
+  pauses() { EVO_TEST_SEED=$1 bash -c 'bats_require_minimum_version() { :; }; sleep() { :; }; . "$EVO_SOURCE/tests/cli/helpers.bash"; for _ in {1..8}; do random_pause; done'; }
+  [ "$(pauses 7)" = "$(pauses 7)" ]
+  [ "$(pauses 7 | cut -d: -f 2)" != "$(pauses 8 | cut -d: -f 2)" ]
+  [ "$(pauses 7 | grep -c '^EVO_TEST_SEED=7: a pause of 0.[1-9] s')" -eq 8 ]
+  seed=$(pauses "" | grep -o '^EVO_TEST_SEED=[0-9]*' | uniq | cut -d= -f 2)
+  [ "$(pauses "$seed")" != "$(pauses 7)" ]
+}

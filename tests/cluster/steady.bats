@@ -15,7 +15,7 @@ small=(POP=5 EVALS=22 WINDOW=7 SHAPE=4x4)
     SECONDS_EACH=0.03 evolve steady seven METHOD=$method "${small[@]}" -j7 CHUNK=2
     for ((kills = 0; kills < 3; kills++)); do
       SECONDS_EACH=0.03 evolve_behind steady stormy METHOD=$method "${small[@]}" -j5 CHUNK=4
-      sleep "0.$((RANDOM % 9 + 1))"
+      random_pause
       kill_make
     done
     SECONDS_EACH=0 evolve steady stormy METHOD=$method "${small[@]}" -j3 CHUNK=3

@@ -116,11 +116,18 @@ TEST_CASE("fast is not exact, and changes nothing but rounding") {
   CHECK(error_after(walker(), 1, 1) < 3e-7);
 }
 
-// Errors by world, for docs/fast.md.
-TEST_CASE("fast: distance from exact after a hundred steps", "[.measure]") {
+// As docs/fast.md says: far off are only worlds with something balanced on an edge.
+TEST_CASE("fast: after one step most reference cases are about 1e-7 from exact") {
+  std::vector<double> errors;
   for (const std::string& name : reference_names())
-    WARN(name << ": " << error_after(read_reference(name).world, 1, 1) << " after 1, "
-              << error_after(read_reference(name).world, 100, 1) << " after 100");
+    errors.push_back(error_after(read_reference(name).world, 1, 1));
+  std::sort(errors.begin(), errors.end());
+  const std::size_t n = errors.size();
+  REQUIRE(n > 60);
+  CHECK(errors.front() > 0.0);
+  CHECK(errors[n / 2] < 2e-7);
+  CHECK(errors[n * 85 / 100] < 2e-6);
+  CHECK(errors.back() < 1e-2);
 }
 
 }  // namespace evo

@@ -40,24 +40,29 @@ setup_file() {
   cp "$made"/* .
   jq -c '.fitness += 1' trained.json > inflated.json
   run --separate-stderr evo-inspect --check inflated.json
-  [ "$status" -eq 65 ] && [[ $output == *"fitness"* ]] && [[ $stderr == *"1 of 1"* ]]
+  [ "$status" -eq 65 ]
+  [[ $output == *"fitness"* ]]
+  [[ $stderr == *"1 of 1"* ]]
   jq -c '.body = ["HH"] | del(.id)' trained.json > other.json
   run evo-inspect --check other.json
-  [ "$status" -eq 65 ] && [[ $output == *"is the policy of robot"* ]]
+  [ "$status" -eq 65 ]
+  [[ $output == *"is the policy of robot"* ]]
   local policy; policy=$(ls ./*.policy.h5)
   /usr/bin/python3 -c "
 import h5py, sys
 with h5py.File(sys.argv[1], 'r+') as f: f['actor/layer_0/bias'][0] += 0.5" "$policy"
   fails_with 65 "checksum" -- evo-eval trained.json
   run evo-inspect --check "$policy"
-  [ "$status" -eq 65 ] && [[ $output == *"checksum"* ]]
+  [ "$status" -eq 65 ]
+  [[ $output == *"checksum"* ]]
   # Nothing to compare with, but the fitness.
   /usr/bin/python3 -c "
 import h5py, sys
 with h5py.File(sys.argv[1], 'r+') as f: del f.attrs['checksum']" "$policy"
   evo-inspect --check "$policy"
   run evo-inspect --check --replay "$policy"
-  [ "$status" -eq 65 ] && [[ $output == *"not its fitness"* ]]
+  [ "$status" -eq 65 ]
+  [[ $output == *"not its fitness"* ]]
 }
 
 @test "a changed checkpoint is refused; --force replaces a damaged policy" {
@@ -111,5 +116,7 @@ with h5py.File(sys.argv[1], 'r+') as f:
   fails_with 65 "actuator" -- evo-suggest --history idle.txt
   fails_with 65 "actuator" -- evo-sample -n 1 --avoid idle.txt
   run --separate-stderr evo-inspect idle.txt
-  [ "$status" -eq 65 ] && [[ $stderr == *"actuator"* ]] && [[ $output == *"R S"* ]]
+  [ "$status" -eq 65 ]
+  [[ $stderr == *"actuator"* ]]
+  [[ $output == *"R S"* ]]
 }

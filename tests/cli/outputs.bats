@@ -84,7 +84,8 @@ setup_file() {
   fails_with 73 "file/sub" -- evo-train small.txt --task Walker-v0 --out-dir file/sub
   fails_with 74 "too large" -- bash -c 'ulimit -f 1; evo-eval small.txt --task Walker-v0 --random --max-steps 200 --rollout big.h5'
   fails_with 74 "too large" -- bash -c "ulimit -f 1; evo-render $made/walk.h5 -o walk.mp4"
-  [ ! -e big.h5 ] && [ ! -e walk.mp4 ]
+  [ ! -e big.h5 ]
+  [ ! -e walk.mp4 ]
   [ -z "$(find . -name '.*.tmp')" ]
 }
 

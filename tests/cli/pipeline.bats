@@ -157,7 +157,8 @@ kill_and_repeat() {
   diff <(evo-select --keep 2 calm/2/history.jsonl | ids) <(ids calm/3/history.jsonl)
   [ "$(jq -s 'map(.steps) | unique | length' calm/3/history.jsonl)" -eq 1 ]
   [ "$(cat calm/*/run.yaml | grep -c '^seed: [123]$')" -eq 3 ]
-  [ -s calm/3/report.html ] && [ ! -e calm/1/report.html ]
+  [ -s calm/3/report.html ]
+  [ ! -e calm/1/report.html ]
 
   for _ in 1 2 3 4; do
     setsid bash -c "$(declare -f rounds); rounds stormy -j2" > /dev/null 2>&1 3>&- &
@@ -538,6 +539,7 @@ wait_until() { local k; for ((k = 0; k < 600; k++)); do ! "$@" || return 0; slee
   # None of the others is to be found.
   env -u EVO_BIN PATH=/usr/bin:/bin make -s -f tree/scripts/ga.mk RUN=run TASK=Walker-v0 POP=3 EVALS=4 STEPS=2048 SEED=1 \
     VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 50"
-  [ -s run/report.html ] && [ -s run/best.gif ]
+  [ -s run/report.html ]
+  [ -s run/best.gif ]
   PATH=/usr/bin:/bin tree/build/release/bin/evo-inspect run/best.json > /dev/null
 }

@@ -110,7 +110,9 @@ setup_file() {
 @test "control characters and bytes that are no text do not reach the terminal" {
   printf '{"body":["HV"],"task":"\\u001b[31mred\\u0007","policy":"a\\nb"}\n' > red.json
   run evo-inspect red.json
-  [[ $output != *$'\e'* ]] && [[ $output == *'\x1b[31mred\x07'* ]] && [[ $output == *'a\x0ab'* ]]
+  [[ $output != *$'\e'* ]]
+  [[ $output == *'\x1b[31mred\x07'* ]]
+  [[ $output == *'a\x0ab'* ]]
   printf 'H\x1b[2JV\n' > letters.txt
   for words in "evo-select letters.txt" $'evo-select \e[31mfile' $'evo-train --task \e[2J' $'evo-sample --\e[2J' \
     $'evo-sample --shape \xff' $'evo-eval --task W\x9b --random red.json'; do

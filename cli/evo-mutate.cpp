@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   command.arguments(files, "FILE", "robots (JSON, JSON Lines, YAML, letters) [standard input]");
   command.option("-n,--count", count, "N", "children to make [as many as robots read]");
   cli::add_breeding_options(command, breeding);
-  command.option("--avoid", avoid, "FILE", "robots that must not come again (repeatable)");
+  command.option("--avoid", avoid, "FILE", "robots or ids that must not come again (repeatable)");
   command.seed_option();
   command.output_option("where the children go, one JSON document per line");
   command.example("evo-sample -n 10 | evo-mutate -n 50 --seed 4", "fifty children of ten robots");

@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
   command.option("--state-out", state_out, "FILE", "where the species of the new one go; required");
   command.option("--neat", settings_file, "FILE",
                  "settings of NEAT, or FILE.cfg in neat-python's own form [tasks/neat.yaml]");
-  command.option("--avoid", avoid, "FILE", "robots that must not come again (repeatable)");
+  command.option("--avoid", avoid, "FILE", "robots or ids that must not come again (repeatable)");
   command.seed_option();
   command.output_option("where the new population goes");
   command.require("--state-out");

@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
   command.option(
       "--encoding", encoding, "NAME",
       "voxel: every cell drawn; cppn: painted by a random network, whose genome is kept");
-  command.option("--avoid", avoid, "FILE", "robots that must not come again (repeatable)");
+  command.option("--avoid", avoid, "FILE", "robots or ids that must not come again (repeatable)");
   command.seed_option();
   command.output_option("where the robots go, one JSON document per line");
   command.example("evo-sample -n 5 --seed 1 | jq -r '.body[]'", "five robots, drawn as text");

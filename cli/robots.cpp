@@ -45,8 +45,10 @@ std::vector<Robot> robots_in(std::string_view bytes, const std::string& file, Bo
 
 std::set<std::string> read_ids(const std::vector<std::string>& files) {
   std::set<std::string> ids;
-  if (files.empty()) return ids;
-  for (const Robot& robot : read_robots(files)) ids.insert(robot.id);
+  for (const std::string& file : files) {
+    refuse_task_as_file(file);
+    ids.merge(evo::read_ids(file));
+  }
   return ids;
 }
 

@@ -20,7 +20,7 @@ std::vector<Robot> read_robots(const std::vector<std::string>& files,
 std::vector<Robot> robots_in(std::string_view bytes, const std::string& file,
                              BodyCheck check = BodyCheck::robot);
 
-// Ids of every robot in the files, for --avoid.
+// Ids in the files, of robots or listed (--avoid).
 std::set<std::string> read_ids(const std::vector<std::string>& files);
 
 }  // namespace evo::cli

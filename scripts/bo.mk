@@ -4,7 +4,7 @@
 #   make -f scripts/bo.mk RUN=runs/walker-bo TASK=Walker-v0 POP=25 EVALS=250 STEPS=512000 SEED=1 -j8
 
 METHOD := bo
-GENERATIONS = $(call counting,$(call batches,$(EVALS),$(POP)))
+GENERATIONS = $(call batches,$(EVALS),$(POP))
 slots = $(call counting,$(call batch_size,$(GEN)))
 
 all:
@@ -20,7 +20,7 @@ $(POPULATION):
 else
 $(POPULATION):
 	@mkdir -p '$(@D)'
-	@evo-suggest -n $(call batch_size,$(GEN)) --seed $(call stage_seed,$(GEN)) \
-	  $(ALL_BEFORE:%=--history '%/scores.jsonl') -o '$@'
+	@cd '$(PREVIOUS)' && $(all_scores) | evo-suggest -n $(call batch_size,$(GEN)) --seed $(call stage_seed,$(GEN)) \
+	  --history - -o '../$(notdir $(GENERATION))/population.jsonl'
 endif
 endif

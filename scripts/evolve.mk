@@ -1,6 +1,6 @@
 # What the pipelines share: settings, the run folder, training by slots, the
-# final files. A pipeline sets METHOD and GENERATIONS, gives `slots` and a rule
-# for $(POPULATION), and includes this file.
+# final files. A pipeline sets METHOD and GENERATIONS, their number, gives `slots` and a
+# rule for $(POPULATION), and includes this file.
 #
 # A generation is one recursive make, so that a long run stays as quick as a
 # short one. Rules ask only whether a file exists (order-only prerequisites);
@@ -23,13 +23,17 @@ MAKEFLAGS += --no-builtin-rules --no-print-directory
 SCRIPTS := $(dir $(lastword $(MAKEFILE_LIST)))
 include $(SCRIPTS)tools.mk
 
-# Lines of a tool's table without its heading, tabs as commas.
-tool_lines = $(shell PATH='$(PATH)' $(1) | tail -n +2 | tr '\t' ,)
 # 00 01 02 .. for a count
 counting = $(shell seq -f %02.0f 0 $$(( $(1) - 1 )))
 # How many batches of $(2) hold $(1) evaluations, and the size of batch $(1).
 batches = $(shell echo $$(( ($(1) + $(2) - 1) / $(2) )))
 batch_size = $(shell left=$$(( $(EVALS) - $(1) * $(POP) )); echo $$(( left < $(POP) ? left : $(POP) )))
+# Scores of these generations (FIRST [STEP] LAST), one after the other. Robots in them name
+# their policies as seen from a generation's folder: this is to be done in one.
+scores_of = seq $(1) | xargs printf '../gen-%03d/scores.jsonl\n' | xargs cat
+all_scores = $(call scores_of,0 $$(( $(GEN) - 1 )))
+# The ids that children must not have, in a file that is gone with the recipe.
+list_seen = '$(SCRIPTS)seen' '$(RUN)' $(GEN) > '$@.seen.tmp'
 # The number of lines of a file, or a number where there is none yet.
 lines_or = $(if $(wildcard $(1)),$(shell wc -l < '$(1)'),$(2))
 
@@ -119,8 +123,8 @@ alone := { exec 200<> '$(RUN)/run.yaml'; } 2> /dev/null || true; \
 
 # First the population, then its slots, whose number it may decide.
 make_part = $(ends_with_us) $(MAKE) -f $(firstword $(MAKEFILE_LIST))
-all_generations ?= for gen in $(GENERATIONS); do \
-	  gen=$$(( 10\#$$gen )); folder=$$(printf '$(RUN)/gen-%03d' $$gen); \
+all_generations ?= for ((gen = 0; gen < $(GENERATIONS); gen++)); do \
+	  folder=$$(printf '$(RUN)/gen-%03d' $$gen); \
 	  [ -e "$$folder/ranking.tsv" ] || { \
 	    $(if $(dry_run),,$(make_part) -s GEN=$$gen "$$folder/population.jsonl" &&) \
 	    $(make_part) GEN=$$gen "$$folder/ranking.tsv"; } || exit; \
@@ -138,8 +142,7 @@ $(RUN)/run.yaml: FORCE
 FORCE:
 
 $(RUN)/history.jsonl: | generations
-	@evo-convert --unique $$(for gen in $(GENERATIONS); do \
-	  printf '$(RUN)/gen-%03d/scores.jsonl ' $$(( 10#$$gen )); done) -o '$@'
+	@cd '$(RUN)/gen-000' && $(call scores_of,0 $$(( $(GENERATIONS) - 1 ))) | evo-convert --unique -o ../history.jsonl
 
 $(RUN)/best.json: | $(RUN)/history.jsonl
 	@evo-select --keep 1 '$(RUN)/history.jsonl' -o '$@'
@@ -160,12 +163,10 @@ $(RUN)/report.html: | $(RUN)/best.$(VIDEO)
 else
 # ---- one generation ----------------------------------------------------------
 
-# One word per generation up to this one, so that $(words) counts without a shell.
-GEN_COUNT := $(shell seq 0 $(GEN))
-FOLDERS := $(shell printf '$(RUN)/gen-%03d ' $(GEN_COUNT))
-GENERATION := $(lastword $(FOLDERS))
-ALL_BEFORE := $(filter-out $(GENERATION),$(FOLDERS))
-PREVIOUS := $(lastword $(ALL_BEFORE))
+# However many came before: of those it reads no file but of the previous one.
+folder_of = $(shell printf '$(RUN)/gen-%03d' $$(( $(1) )))
+GENERATION := $(call folder_of,$(GEN))
+PREVIOUS := $(if $(filter-out 0,$(GEN)),$(call folder_of,$(GEN) - 1))
 POPULATION := $(GENERATION)/population.jsonl
 SLOTS := $(foreach slot,$(slots),$(GENERATION)/$(slot).json)
 

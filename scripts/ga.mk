@@ -26,17 +26,12 @@ try_founders = [ '$(INHERIT)' != all ] || [ -d '$(FOUNDERS)/policies' ] || \
   found=$$($(founders) | wc -l); \
   [ $$found -eq $(POP) ] || { echo "$(FOUNDERS): has $$found different robots, not POP=$(POP)" >&2; exit 65; }
 
-# A row per generation: generation,robots,created,survivors,children
-PLAN = $(call tool_lines,evo-select --schedule paper --population $(POP) --of $(EVALS) --plan)
-GENERATIONS = $(call counting,$(words $(or $(PLAN),$(error no plan for POP=$(POP) EVALS=$(EVALS)))))
+# A row per generation: generation, robots, created, survivors, children.
+plan = $(shell PATH='$(PATH)' evo-select --schedule paper --population $(POP) --of $(EVALS) --plan | $(1))
+GENERATIONS = $(or $(filter-out 0,$(call plan,sed 1d | wc -l)),$(error no plan for POP=$(POP) EVALS=$(EVALS)))
+slots = $(call counting,$(call plan,awk '$$1 == "$(GEN)" { print $$2 }'))
 
 all:
-
-comma := ,
-row = $(subst $(comma), ,$(word $(1),$(PLAN)))
-robots = $(word 2,$(call row,$(words $(GEN_COUNT))))
-before = $(call row,$(words $(wordlist 2,$(words $(GEN_COUNT)),$(GEN_COUNT))))
-slots = $(call counting,$(robots))
 
 include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
 
@@ -51,14 +46,16 @@ else
 	@evo-sample -n $(POP) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,$(GEN)) -o '$@'
 endif
 else
+before := $(call plan,awk '$$1 == $(GEN) - 1')
 # Survivors keep their fitness and policy; their children are new to the run.
 $(POPULATION):
 	@mkdir -p '$(@D)'
 	@evo-select --schedule paper --population $(POP) --evaluated $(word 3,$(before)) --of $(EVALS) \
 	  '$(PREVIOUS)/scores.jsonl' -o '$@.survivors.tmp'
+	@$(list_seen)
 	@$(MUTATE) -n $(word 5,$(before)) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \
-	  $(ALL_BEFORE:%=--avoid '%/population.jsonl') '$@.survivors.tmp' -o '$@.children.tmp'
+	  --avoid '$@.seen.tmp' '$@.survivors.tmp' -o '$@.children.tmp'
 	@cat '$@.survivors.tmp' '$@.children.tmp' > '$@.tmp'
-	@mv '$@.tmp' '$@' && rm '$@.survivors.tmp' '$@.children.tmp'
+	@mv '$@.tmp' '$@' && rm '$@'.*.tmp
 endif
 endif

@@ -14,7 +14,7 @@ SAMPLE_OPTIONS ?=
 MUTATE_OPTIONS ?=
 METHOD_SETTINGS = $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') features='$(FEATURES)' mutate_options='$(MUTATE_OPTIONS)'
 TRIAL = evo-sample -n 0 $(SAMPLE_OPTIONS); evo-mutate -n 0 $(MUTATE_OPTIONS); evo-archive -q --features '$(FEATURES)';
-GENERATIONS = $(call counting,$(call batches,$(EVALS),$(POP)))
+GENERATIONS = $(call batches,$(EVALS),$(POP))
 slots = $(call counting,$(call batch_size,$(GEN)))
 
 # Trainings measure the behaviours that are asked for.
@@ -29,14 +29,19 @@ all:
 include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
 
 ifdef GEN
+# Elites stay until a new robot is better.
+to_file = $(if $(wildcard $(PREVIOUS)/elites.jsonl),cat elites.jsonl scores.jsonl,$(all_scores))
+
 $(POPULATION):
 	@mkdir -p '$(@D)'
 ifeq ($(GEN),0)
 	@evo-sample -n $(call batch_size,$(GEN)) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,$(GEN)) -o '$@'
 else
-	@evo-archive -q --features '$(FEATURES)' $(ALL_BEFORE:%='%/scores.jsonl') | \
-	  evo-mutate -n $(call batch_size,$(GEN)) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \
-	    $(ALL_BEFORE:%=--avoid '%/population.jsonl') -o '$@'
+	@cd '$(PREVIOUS)' && $(to_file) | evo-archive -q --features '$(FEATURES)' -o '../$(notdir $(GENERATION))/elites.jsonl'
+	@$(list_seen)
+	@evo-mutate -n $(call batch_size,$(GEN)) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \
+	  --avoid '$@.seen.tmp' '$(@D)/elites.jsonl' -o '$@'
+	@rm '$@.seen.tmp'
 endif
 else
 all: $(RUN)/archive.jsonl $(RUN)/archive.tsv

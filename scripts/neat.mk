@@ -7,7 +7,7 @@ METHOD := neat
 NEAT ?=
 METHOD_SETTINGS = neat=$(if $(NEAT),$(NEAT),default)
 TRIAL = evo-neat -n $(POP) $(if $(NEAT),--neat '$(NEAT)') --state-out /dev/null;
-GENERATIONS = $(call counting,$(call batches,$(EVALS),$(POP)))
+GENERATIONS = $(call batches,$(EVALS),$(POP))
 # Whole populations: EVALS is rounded up to a multiple of POP, as in the benchmark.
 # Reproduction may yield a few robots more, all of which are kept.
 slots = $(call counting,$(call lines_or,$(POPULATION),$(POP)))
@@ -27,8 +27,10 @@ $(POPULATION):
 else
 $(POPULATION):
 	@mkdir -p '$(@D)'
-	@evo-neat $(NEAT_OPTIONS) $(ALL_BEFORE:%=--avoid '%/population.jsonl') \
+	@$(list_seen)
+	@evo-neat $(NEAT_OPTIONS) --avoid '$@.seen.tmp' \
 	  --state-in '$(PREVIOUS)/species.json' --state-out '$(@D)/species.json' \
 	  '$(PREVIOUS)/scores.jsonl' -o '$@'
+	@rm '$@.seen.tmp'
 endif
 endif

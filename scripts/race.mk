@@ -20,7 +20,7 @@ MUTATE_OPTIONS ?=
 METHOD_SETTINGS = rungs=$(RUNGS) parents=$(PARENTS) \
   $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') mutate_options='$(MUTATE_OPTIONS)'
 TRIAL = evo-sample -n 0 $(SAMPLE_OPTIONS); evo-mutate -n 0 $(MUTATE_OPTIONS);
-GENERATIONS = $(call counting,$(shell echo $$(( $(call batches,$(EVALS),$(POP)) * $(RUNGS) ))))
+GENERATIONS = $(shell echo $$(( $(call batches,$(EVALS),$(POP)) * $(RUNGS) )))
 # As many as the population has: of trainings that failed none goes on.
 slots = $(call counting,$(call lines_or,$(POPULATION),0))
 
@@ -36,9 +36,12 @@ ifdef GEN
 race := $(shell echo $$(( $(GEN) / $(RUNGS) )))
 rung := $(shell echo $$(( $(GEN) % $(RUNGS) )))
 entrants = $(call batch_size,$(race))
-# The last rungs of the races before.
-ENDED = $(foreach generation,$(shell seq $$(( $(RUNGS) - 1 )) $(RUNGS) $$(( $(GEN) - 1 ))),$(shell printf '$(RUN)/gen-%03d' $(generation)))
 scored = jq -c 'select(.fitness != null)'
+best_of = $(1) | $(scored) | evo-select --keep $(PARENTS) -o '../$(notdir $(GENERATION))/$(2)'
+# The last rung of every race before, or of the one before with the best of the others.
+parents_before := $(notdir $(if $(filter-out 0,$(race)),$(call folder_of,$(GEN) - $(RUNGS))))/parents.jsonl
+ended = $(if $(wildcard $(RUN)/$(parents_before)),cat '../$(parents_before)' scores.jsonl,\
+  $(call scores_of,$$(( $(RUNGS) - 1 )) $(RUNGS) $$(( $(GEN) - 1 ))))
 
 $(POPULATION):
 	@mkdir -p '$(@D)'
@@ -52,11 +55,13 @@ ifneq ($(rung),0)
 else ifeq ($(race),0)
 	@evo-sample -n $(entrants) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,$(GEN)) -o '$@'
 else
-	@$(scored) $(ENDED:%='%/scores.jsonl') > '$@.parents.tmp'
-	@[ -s '$@.parents.tmp' ] || $(scored) $(ALL_BEFORE:%='%/scores.jsonl') > '$@.parents.tmp'
-	@evo-select --keep $(PARENTS) '$@.parents.tmp' | \
-	  evo-mutate -n $(entrants) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \
-	    $(ALL_BEFORE:%=--avoid '%/population.jsonl') -o '$@'
-	@rm '$@.parents.tmp'
+	@cd '$(PREVIOUS)' && $(call best_of,$(ended),parents.jsonl)
+	@cd '$(PREVIOUS)' && if [ -s '../$(notdir $(GENERATION))/parents.jsonl' ]; then \
+	  cp '../$(notdir $(GENERATION))/parents.jsonl' '../$(notdir $(GENERATION))/parents.tmp'; else \
+	  $(call best_of,$(all_scores),parents.tmp); fi
+	@$(list_seen)
+	@evo-mutate -n $(entrants) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \
+	  --avoid '$@.seen.tmp' '$(@D)/parents.tmp' -o '$@'
+	@rm '$@.seen.tmp' '$(@D)/parents.tmp'
 endif
 endif

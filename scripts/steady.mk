@@ -18,7 +18,7 @@ METHOD_SETTINGS = layout=steady window=$(WINDOW) \
   $(if $(filter neat,$(METHOD)),neat=$(or $(NEAT),default))
 TRIAL = $(if $(filter ga,$(METHOD)),evo-mutate -n 0 $(MUTATE_OPTIONS);) \
   $(if $(filter neat,$(METHOD)),evo-neat -n $(POP) $(if $(NEAT),--neat '$(NEAT)') --state-out /dev/null;)
-GENERATIONS = $(call counting,$(call batches,$(EVALS),$(POP)))
+GENERATIONS = $(call batches,$(EVALS),$(POP))
 all_generations = $(make_part) GRAPH=yes graph
 
 all:

@@ -419,6 +419,12 @@ void glance_at_grid(std::string_view beginning, const std::string& where) {
   }
 }
 
+bool is_id(std::string_view word) {
+  constexpr std::size_t digits = 12;  // of identity()
+  return word.size() == digits &&
+         word.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
 std::vector<Robot> robots_of(const hdf5::Reader& file, const std::string& input, BodyCheck check) {
   if (!file.has_attribute("/", "robot"))
     throw error(Failure::data, "{}: an HDF5 file without a robot: neither a policy nor a rollout",
@@ -611,6 +617,29 @@ std::vector<Robot> robots_in(std::string_view bytes, const std::string& input, B
     return {robot_from_json(Robot(body_from_numpy(bytes, where)).document, where, check)};
   if (!hdf5::begins_as_hdf5(bytes)) return parse_robots(bytes, where, check);
   return robots_of(hdf5::Reader(bytes, where), input, check);
+}
+
+std::set<std::string> read_ids(const std::string& input) {
+  const auto is_list = [](std::string_view text) { return is_id(text.substr(0, text.find('\n'))); };
+  const std::string text = read_input(input, largest_input, [&](std::string_view beginning) {
+    return is_list(beginning) ? largest_value : glance_at_robots(beginning, input_label(input));
+  });
+  std::set<std::string> ids;
+  if (!is_list(text)) {
+    for (const Robot& robot : robots_in(text, input)) ids.insert(robot.id);
+    return ids;
+  }
+  int line = 0;
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::string_view id = rest.substr(0, rest.find('\n'));
+    ++line;
+    if (!is_id(id))
+      throw error(Failure::data, "{}: line {}: not an id of 12 digits, as in the lines before",
+                  input_label(input), line);
+    ids.emplace(id);
+    rest.remove_prefix(std::min(id.size() + 1, rest.size()));
+  }
+  return ids;
 }
 
 std::vector<Robot> read_robots(const std::string& input, BodyCheck check) {

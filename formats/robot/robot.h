@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -92,5 +93,8 @@ std::vector<Robot> robots_in(std::string_view bytes, const std::string& input,
 
 // Both at once.
 std::vector<Robot> read_robots(const std::string& input, BodyCheck check = BodyCheck::robot);
+
+// The ids of the robots in an input, or those that are listed in it, one per line.
+std::set<std::string> read_ids(const std::string& input);
 
 }  // namespace evo

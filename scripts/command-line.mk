@@ -32,7 +32,7 @@ define line_break
 
 endef
 quote := '
-plain := $(filter-out %_OPTIONS EVALUATE MUTATE LAUNCH TRAINER ROUND_%,$(settings))
+plain := $(filter-out RUN %_OPTIONS EVALUATE MUTATE LAUNCH TRAINER ROUND_%,$(settings))
 $(foreach name,$(filter $(settings),$(given)),$(if $(findstring $(line_break),$($(name))),\
   $(error $(name) has a line break in it)))
 $(foreach name,$(filter $(plain),$(given)),$(if $(findstring $(quote),$($(name))),\

@@ -17,6 +17,7 @@
 #include <exception>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <new>
 #include <sstream>
 #include <system_error>
@@ -24,6 +25,7 @@
 
 #include "cli/config_file.h"
 #include "cli/terminal.h"
+#include "cli/tools.h"
 #include "formats/io/values.h"
 #include "libevo/sim/isa.h"
 #include "version.h"
@@ -167,6 +169,12 @@ constexpr std::array<std::pair<const char*, const char*>, 18> other_names{{
     {"--mutation-rate", "--rate"},
 }};
 
+// "follow, world or fixed"
+std::string either(const std::vector<std::string>& words) {
+  if (words.size() < 2) return fmt::format("{}", fmt::join(words, ""));
+  return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
+}
+
 // What an option that does not exist may have meant, as words for the message.
 std::string option_meant(const std::string& option, const std::vector<std::string>& names) {
   for (const auto& [elsewhere, here] : other_names)
@@ -214,6 +222,7 @@ struct Command::Impl {
   bool version = false;
   bool has_jobs = false;
   std::optional<int> jobs;
+  std::map<std::string, std::function<std::vector<std::string>()>> words;  // by long name
 
   template <typename T>
   CLI::Option* add(const std::string& names, T& target, const std::string& value,
@@ -227,6 +236,13 @@ struct Command::Impl {
     };
     // Given twice, the last one counts.
     return app.add_option(names, set)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  }
+
+  // For completion: the words that an option may have as its value, one a line.
+  void print_values(const std::string& option) const {
+    const auto found = words.find(option);
+    if (found == words.end()) return;
+    for (const std::string& word : found->second()) fmt::print("{}\n", word);
   }
 
   std::vector<std::string> long_names() const {
@@ -289,9 +305,9 @@ struct Command::Impl {
   }
 };
 
-Command::Command(std::string name, std::string purpose) : impl_(std::make_unique<Impl>()) {
-  impl_->name = std::move(name);
-  impl_->purpose = std::move(purpose);
+Command::Command(const std::string& executable) : impl_(std::make_unique<Impl>()) {
+  impl_->name = executable;
+  impl_->purpose = purpose_of(executable);
   impl_->app.set_help_flag();
   impl_->app.allow_extras(false);
 }
@@ -335,6 +351,29 @@ void Command::option(const std::string& names, std::vector<std::string>& target,
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->expected(1, std::numeric_limits<int>::max())
       ->allow_extra_args(false);
+}
+
+void Command::add_choice(const std::string& names, const std::string& value,
+                         const std::string& help, const std::string& initial,
+                         const std::vector<std::string>& words,
+                         const std::function<void(const std::string&)>& choose) {
+  const std::string option = long_name(names);
+  impl_->sections.back().entries.push_back({shown(names, value), with_default(help, initial)});
+  impl_->words[option] = [words] { return words; };
+  const CLI::callback_t set = [option, words, choose](const CLI::results_t& texts) {
+    const auto word = value_of<std::string>(texts.back(), option);
+    if (std::find(words.begin(), words.end(), word) == words.end())
+      throw error(Failure::usage, "{}: '{}' is not {}{}", option, word, either(words),
+                  did_you_mean(word, words));
+    choose(word);
+    return true;
+  };
+  impl_->app.add_option(names, set)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+void Command::suggestions(const std::string& long_name,
+                          const std::function<std::vector<std::string>()>& words) {
+  impl_->words[long_name] = words;
 }
 
 void Command::flag(const std::string& names, bool& target, const std::string& help) {
@@ -392,6 +431,9 @@ void Command::progress_option() {
             "writes a line a minute elsewhere, and nothing under make",
             "auto", true)
       ->check(CLI::IsMember({"auto", "always", "lines", "never"}));
+  suggestions("--progress", [] {
+    return std::vector<std::string>{"auto", "always", "lines", "never"};
+  });
 }
 
 Progress Command::progress_style() const {
@@ -435,6 +477,48 @@ void Command::parse(std::vector<std::string> words) {
   }
 }
 
+int Command::answer(int argc, char** argv, const std::function<int()>& work) {
+  Impl& impl = *impl_;
+  if (argc == 3 && std::string(argv[1]) == "--values-of") {
+    impl.print_values(argv[2]);
+    return 0;
+  }
+  // Asked for help, a tool helps, whatever else stands on the line.
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--") break;
+    impl.help |= word == "-h" || word == "--help";
+    impl.version |= word == "--version";
+    // The parser would take the next word for the value.
+    if (word.size() > 3 && word.starts_with("--") && word.find('=') == word.size() - 1)
+      throw error(Failure::usage, "{}: its value is empty", word.substr(0, word.size() - 1));
+  }
+  if (impl.help) {
+    impl.print_help();
+    return 0;
+  }
+  if (impl.version) {
+    fmt::print("{} {}\n", created_by(impl.name), best_isa());
+    return 0;
+  }
+  try {
+    impl.app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    throw impl.explain(e);
+  }
+  wanted = quiet ? Detail::errors : verbose ? Detail::more : Detail::normal;
+  if (impl.jobs && (*impl.jobs < 1 || *impl.jobs > most_threads))
+    throw error(Failure::usage, "--jobs must be from 1 to {}, not {}", most_threads, *impl.jobs);
+  // make runs as many of us as it was asked to; each then has one core.
+  jobs = impl.jobs.value_or(
+      std::getenv("MAKELEVEL") != nullptr ? 1 : std::min(available_cores(), most_threads));
+  const auto start = std::chrono::steady_clock::now();
+  const int status = work();
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  detail(fmt::format("took {}", duration(taken.count())));
+  return status;
+}
+
 int Command::run(int argc, char** argv, const std::function<int()>& work) {
   Impl& impl = *impl_;
   impl.common.entries.push_back({shown("-q,--quiet", ""), "say nothing but errors"});
@@ -451,44 +535,18 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
   impl.common.entries.push_back({shown("--version", ""), "show version, commit, instruction set"});
   impl.app.add_flag("--version", impl.version);
 
-  occupy_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error of writing
-  speaker = impl.name;
+  const auto advice = [&] { return impl.has_jobs && jobs > 1 ? "; fewer --jobs need less" : ""; };
+  return run_as(
+      impl.name, [&] { return answer(argc, argv, work); }, advice);
+}
 
+int run_as(const std::string& executable, const std::function<int()>& work,
+           const std::function<std::string()>& memory_advice) {
+  occupy_standard_streams();
+  speaker = executable;
   try {
-    // Asked for help, a tool helps, whatever else stands on the line.
-    for (int i = 1; i < argc; ++i) {
-      const std::string word = argv[i];
-      if (word == "--") break;
-      impl.help |= word == "-h" || word == "--help";
-      impl.version |= word == "--version";
-      // The parser would take the next word for the value.
-      if (word.size() > 3 && word.starts_with("--") && word.find('=') == word.size() - 1)
-        throw error(Failure::usage, "{}: its value is empty", word.substr(0, word.size() - 1));
-    }
-    int status = 0;
-    if (impl.help) {
-      impl.print_help();
-    } else if (impl.version) {
-      fmt::print("{} {}\n", created_by(impl.name), best_isa());
-    } else {
-      try {
-        impl.app.parse(argc, argv);
-      } catch (const CLI::ParseError& e) {
-        throw impl.explain(e);
-      }
-      wanted = quiet ? Detail::errors : verbose ? Detail::more : Detail::normal;
-      if (impl.jobs && (*impl.jobs < 1 || *impl.jobs > most_threads))
-        throw error(Failure::usage, "--jobs must be from 1 to {}, not {}", most_threads,
-                    *impl.jobs);
-      // make runs as many of us as it was asked to; each then has one core.
-      jobs = impl.jobs.value_or(
-          std::getenv("MAKELEVEL") != nullptr ? 1 : std::min(available_cores(), most_threads));
-      const auto start = std::chrono::steady_clock::now();
-      status = work();
-      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-      detail(fmt::format("took {}", duration(taken.count())));
-    }
+    const int status = work();
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       throw error(Failure::io, "cannot write standard output");
     return status;
@@ -496,8 +554,7 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
     say_error(e.what());
     return static_cast<int>(e.kind());
   } catch (const std::bad_alloc&) {
-    say_error(impl.has_jobs && jobs > 1 ? "out of memory; fewer --jobs need less"
-                                        : "out of memory");
+    say_error("out of memory" + (memory_advice ? memory_advice() : ""));
   } catch (const std::filesystem::filesystem_error& e) {
     say_error(e.what());
     return static_cast<int>(Failure::io);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/progress.h"
@@ -20,7 +21,7 @@ constexpr int most_threads = 1024;
 
 class Command {
  public:
-  Command(std::string name, std::string purpose);
+  explicit Command(const std::string& executable);  // one of cli/tools.h
   ~Command();
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
@@ -45,6 +46,25 @@ class Command {
   void option(const std::string& names, std::vector<std::string>& target, const std::string& value,
               const std::string& help);
   void flag(const std::string& names, bool& target, const std::string& help);
+  // An option whose value is one of some words, each of which stands for a value of the
+  // target; another word is refused with the nearest of them.
+  template <typename T>
+  void choice(const std::string& names, T& target, const std::string& value,
+              const std::vector<std::pair<std::string, T>>& words, const std::string& help) {
+    std::vector<std::string> allowed;
+    std::string initial;
+    for (const auto& [word, meaning] : words) {
+      allowed.push_back(word);
+      if (meaning == target) initial = word;
+    }
+    add_choice(names, value, help, initial, allowed, [&target, words](const std::string& chosen) {
+      for (const auto& [word, meaning] : words)
+        if (word == chosen) target = meaning;
+    });
+  }
+  // Words that an option may have as its value among others, for the shell to complete.
+  void suggestions(const std::string& long_name,
+                   const std::function<std::vector<std::string>()>& words);
   // The next option begins a group with this title in the help.
   void section(const std::string& title);
 
@@ -91,6 +111,11 @@ class Command {
   int run(int argc, char** argv, const std::function<int()>& work);
 
  private:
+  void add_choice(const std::string& names, const std::string& value, const std::string& help,
+                  const std::string& initial, const std::vector<std::string>& words,
+                  const std::function<void(const std::string&)>& choose);
+  int answer(int argc, char** argv, const std::function<int()>& work);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
@@ -105,6 +130,11 @@ class Workers {
 // As Command::note and Command::detail, from parts of a tool that know no Command.
 void say_note(const std::string& text);
 void say_detail(const std::string& text);
+
+// The value of `work` as the exit status of a program that is no Command; failures end as
+// in Command::run. `memory_advice` is what to do when there is too little of it.
+int run_as(const std::string& executable, const std::function<int()>& work,
+           const std::function<std::string()>& memory_advice = {});
 
 // "evo 0.1.0 (105ad79)", with the commit of the build; goes into the files the tools write.
 std::string created_by(const std::string& tool);

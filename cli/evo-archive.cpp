@@ -31,7 +31,7 @@ void print_table(const GridArchive& archive, const std::vector<Robot>& robots,
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-archive", "the fittest robot of every kind (MAP-Elites)");
+  cli::Command command("evo-archive");
   std::vector<std::string> files;
   std::string features = "filled:5,actuated:5";
   bool table = false;

@@ -325,7 +325,7 @@ int bench(const Settings& settings, std::uint64_t seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-bench", "control steps per second, random robots and actions");
+  cli::Command command("evo-bench");
   Settings settings;
   settings.task.task = flat_task;
   command.section("What is measured");

@@ -136,27 +136,27 @@ const std::vector<Target>& targets() {
   return list;
 }
 
+std::vector<std::string> target_names() {
+  std::vector<std::string> names;
+  for (const Target& target : targets()) names.push_back(target.name);
+  return names;
+}
+
 // The target asked for, or the one of the output's ending, or JSON Lines.
 const Target& target_of(const std::optional<std::string>& asked, const std::string& output) {
   if (asked) {
-    std::vector<std::string> names;
-    for (const Target& target : targets()) {
+    for (const Target& target : targets())
       if (target.name == *asked) return target;
-      names.push_back(target.name);
-    }
     throw error(Failure::usage, "--to: unknown format '{}'{}; allowed: {}", *asked,
-                did_you_mean(*asked, names), fmt::join(names, ", "));
+                did_you_mean(*asked, target_names()), fmt::join(target_names(), ", "));
   }
   const std::string ending = fs::path(output).extension().string();
   for (const Target& target : targets())
     if (std::find(target.endings.begin(), target.endings.end(), ending) != target.endings.end())
       return target;
-  if (!ending.empty()) {
-    std::vector<std::string> names;
-    for (const Target& target : targets()) names.push_back(target.name);
+  if (!ending.empty())
     throw error(Failure::usage, "{}: no format has the ending {}; choose one by --to ({})", output,
-                ending, fmt::join(names, ", "));
-  }
+                ending, fmt::join(target_names(), ", "));
   return targets().front();
 }
 
@@ -218,7 +218,7 @@ void write_task_world(const cli::TaskOptions& options, const std::string& output
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-convert", "robots and worlds between formats, EvoGym's included");
+  cli::Command command("evo-convert");
   std::vector<std::string> files;
   std::optional<std::string> format;
   std::optional<std::string> dataset_id;
@@ -232,6 +232,7 @@ int main(int argc, char** argv) {
       "jsonl, json (of a policy: all of it), yaml, text, npz, onnx (a policy's network), "
       "evogym (design-tool JSON), task (of a design-tool world) or minari (a dataset "
       "folder of rollouts) [by the ending of -o, else jsonl]");
+  command.suggestions("--to", target_names);
   command.option("--dataset-id", dataset_id, "ID",
                  "of the Minari dataset [evo/<task>/rollouts-v0]");
   command.flag("--unique", unique,

@@ -39,7 +39,7 @@ std::vector<std::string> names_of(const std::string& kind) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-data", "where tasks, profiles and pipelines are");
+  cli::Command command("evo-data");
   std::vector<std::string> paths;
   std::optional<std::string> names;
   command.arguments(paths, "PATH",

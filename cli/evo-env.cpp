@@ -17,13 +17,13 @@ using namespace evo;
 struct Settings {
   cli::TaskOptions task;
   int envs = 1;
-  std::string mode = "json";
+  decltype(&cli::serve_lines) serve = cli::serve_lines;
 };
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-env", "environments to be stepped by any program, over pipes");
+  cli::Command command("evo-env");
   Settings settings;
   std::vector<std::string> files;
   command.arguments(files, "ROBOT...",
@@ -32,7 +32,8 @@ int main(int argc, char** argv) {
                       "describes"}});
   settings.task.add_to(command);
   command.option("--envs", settings.envs, "N", "environments of each robot, stepped together");
-  command.option("--mode", settings.mode, "MODE",
+  command.choice("--mode", settings.serve, "MODE",
+                 {{"json", cli::serve_lines}, {"binary", cli::serve_frames}},
                  "json (a request a line, an answer a line) or binary (frames, for speed)");
   command.seed_option();
   command.jobs_option();
@@ -43,9 +44,6 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     const TaskSpec task = settings.task.load();
-    if (settings.mode != "json" && settings.mode != "binary")
-      throw error(Failure::usage, "--mode: '{}' is not json or binary{}", settings.mode,
-                  did_you_mean(settings.mode, {"json", "binary"}));
     if (files.empty() || std::find(files.begin(), files.end(), standard_stream) != files.end())
       throw Error(Failure::usage, "name a file of robots: standard input carries the requests");
     std::vector<Robot> robots = cli::read_robots(files);
@@ -53,8 +51,7 @@ int main(int argc, char** argv) {
     // A client that is gone ends the session, not the process.
     std::signal(SIGPIPE, SIG_IGN);
     Session session(task, std::move(robots), settings.envs, command.seed, command.jobs);
-    const auto serve = settings.mode == "json" ? cli::serve_lines : cli::serve_frames;
-    serve(session, STDIN_FILENO, STDOUT_FILENO);
+    settings.serve(session, STDIN_FILENO, STDOUT_FILENO);
     return 0;
   });
 }

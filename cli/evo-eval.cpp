@@ -37,7 +37,7 @@ struct Settings {
   std::optional<std::string> rollout_dir;
   bool velocities = false;
   bool behaviour = false;
-  std::string failures = "stop";
+  bool skip_failures = false;
 };
 
 using Warn = std::function<void(const std::string&)>;
@@ -121,8 +121,6 @@ void check(const Settings& settings) {
   if (!(settings.jitter >= 0.0 && settings.jitter < 0.5))
     throw error(Failure::usage, "--jitter must be between 0 and 0.5 voxels, got {}",
                 settings.jitter);
-  if (settings.failures != "stop" && settings.failures != "skip")
-    throw error(Failure::usage, "--failures: '{}' is not stop or skip", settings.failures);
 }
 
 std::optional<std::string> rollout_of(const Settings& settings, const Robot& robot) {
@@ -200,7 +198,7 @@ Robot failed(const Robot& robot, const std::string& why, std::uint64_t seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-eval", "episodes of robots with a given controller, and their returns");
+  cli::Command command("evo-eval");
   Settings settings;
   std::vector<std::string> files;
   command.arguments(files, "FILE", "robots, policies or rollouts [standard input]");
@@ -230,7 +228,7 @@ int main(int argc, char** argv) {
   command.option("--rollout", settings.rollout, "FILE.h5", "record the episodes of one robot");
   command.option("--rollout-dir", settings.rollout_dir, "DIR", "record into DIR/<id>.h5");
   command.flag("--rollout-velocities", settings.velocities, "record velocities, too");
-  command.option("--failures", settings.failures, "WHAT",
+  command.choice("--failures", settings.skip_failures, "WHAT", {{"stop", false}, {"skip", true}},
                  "a robot that cannot be measured: stop, or skip (fitness null)");
   command.jobs_option();
   command.progress_option();
@@ -267,8 +265,7 @@ int main(int argc, char** argv) {
         progress.update(i, {robot.id, 1.0, {}, 0.0}, steps);
         out.put(i, std::move(measured));
       } catch (const Error& e) {
-        if (settings.failures == "stop" || e.kind() != Failure::work)
-          throw e.at("robot " + robot.id);
+        if (!settings.skip_failures || e.kind() != Failure::work) throw e.at("robot " + robot.id);
         out.put(i, failed(robot, e.what(), command.seed));
       }
       progress.finish(i);

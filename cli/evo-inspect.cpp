@@ -324,9 +324,9 @@ void draw_robots(const std::string& name, bool color) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-inspect", "what a file is and says, how a run stands, the tasks");
+  cli::Command command("evo-inspect");
   std::vector<std::string> words;
-  std::string color = "auto";
+  cli::ColorWhen color = cli::ColorWhen::terminal;
   std::optional<std::string> shape;
   bool markdown = false;
   bool watch = false;
@@ -340,7 +340,11 @@ int main(int argc, char** argv) {
        {"physics [PROFILE]", "what can be set there, and its values in a profile [evogym]"},
        {"training [PROFILE]", "the same of trainings [default]"},
        {"robot FILE...", "robots, drawn"}});
-  command.option("--color", color, "WHEN", "auto, always or never");
+  using cli::ColorWhen;
+  command.choice(
+      "--color", color, "WHEN",
+      {{"auto", ColorWhen::terminal}, {"always", ColorWhen::always}, {"never", ColorWhen::never}},
+      "auto, always or never");
   command.option("--shape", shape, "ROWSxCOLS",
                  "of the full body whose observation 'task NAME' lays out [5x5]");
   command.flag("--markdown", markdown, "'tasks' as a Markdown table");

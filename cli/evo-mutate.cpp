@@ -9,7 +9,7 @@
 using namespace evo;
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-mutate", "children of the robots read");
+  cli::Command command("evo-mutate");
   Breeding breeding;
   std::optional<int> count;
   std::vector<std::string> avoid;

@@ -40,7 +40,7 @@ Parents read_parents(const std::vector<Robot>& robots) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-neat", "the next population of CPPN-NEAT, from the scored one read");
+  cli::Command command("evo-neat");
   std::optional<int> count;
   std::string shape_text = "5x5";
   std::optional<std::string> state_in;

@@ -26,7 +26,7 @@ struct Settings {
   std::optional<double> fps;
   std::vector<std::string> episodes;
   std::string follow;
-  std::string camera = "follow";
+  render::CameraMode camera = render::CameraMode::follow;
   std::optional<std::string> window;
   int from = 0;
   std::optional<int> to;
@@ -34,15 +34,13 @@ struct Settings {
   std::optional<int> sheet;
   std::optional<int> strip;
   bool panels = false;
-  std::string moments = "gait";
+  render::Choice moments = render::Choice::gait;
   bool grid = false;
   std::optional<int> generations;
   std::optional<std::string> evolution;
   bool race = false;
   bool no_labels = false;
   bool no_grid_lines = false;
-  std::string tint = "actuation";
-  std::string plot = "none";
 };
 
 constexpr int most_episodes = 1'000'000'000;
@@ -90,16 +88,7 @@ void choose_format(const Settings& settings, bool animation, RenderOptions& opti
 render::Camera parse_camera(const Settings& settings) {
   render::Camera camera;
   camera.objects = split_list(settings.follow);
-  if (settings.camera == "follow") {
-    camera.mode = render::CameraMode::follow;
-  } else if (settings.camera == "world") {
-    camera.mode = render::CameraMode::world;
-  } else if (settings.camera == "fixed") {
-    camera.mode = render::CameraMode::fixed;
-  } else {
-    throw error(Failure::usage, "--camera: '{}' is not follow, world or fixed{}", settings.camera,
-                did_you_mean(settings.camera, {"follow", "world", "fixed"}));
-  }
+  camera.mode = settings.camera;
   if (settings.window) {
     const std::vector<double> numbers = parse_numbers(*settings.window, "--window");
     if (numbers.size() != 4)
@@ -109,37 +98,6 @@ render::Camera parse_camera(const Settings& settings) {
     camera.mode = render::CameraMode::fixed;
   }
   return camera;
-}
-
-// One of a list of words by its place; `option` begins the message.
-template <typename Enum>
-Enum parse_word(const std::string& option, const std::string& text,
-                const std::vector<std::pair<std::string, Enum>>& allowed) {
-  std::vector<std::string> words;
-  for (const auto& [word, value] : allowed) {
-    if (word == text) return value;
-    words.push_back(word);
-  }
-  throw error(Failure::usage, "{}: '{}' is not {} or {}{}", option, text,
-              fmt::join(words.begin(), words.end() - 1, ", "), words.back(),
-              did_you_mean(text, words));
-}
-
-render::Tint parse_tint(const std::string& text) {
-  using render::Tint;
-  return parse_word<Tint>("--tint", text,
-                          {{"actuation", Tint::actuation},
-                           {"strain", Tint::strain},
-                           {"stress", Tint::stress},
-                           {"commanded", Tint::commanded},
-                           {"none", Tint::none}});
-}
-
-render::Plot parse_plot(const std::string& text) {
-  using render::Plot;
-  return parse_word<Plot>(
-      "--plot", text,
-      {{"return", Plot::reward_sum}, {"actuation", Plot::actuation}, {"none", Plot::none}});
 }
 
 // Several robots in one world have no common forces, commands and curves.
@@ -234,7 +192,7 @@ render::Drawing draw_still(const Settings& settings, const RenderOptions& option
       strip ? *settings.strip : *settings.sheet,
       strip ? render::Layout::strip
             : (settings.panels ? render::Layout::panels : render::Layout::automatic),
-      render::choice_by_name(settings.moments)};
+      settings.moments};
   return render::draw_moments(episode, moments, options);
 }
 
@@ -310,7 +268,7 @@ void render_evolution(const std::string& folder, const RenderOptions& options,
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-render", "pictures and videos of rollouts and robots, off-screen");
+  cli::Command command("evo-render");
   Settings settings;
   RenderOptions options;
   std::vector<std::string> files;
@@ -334,26 +292,40 @@ int main(int argc, char** argv) {
   command.section("What is shown");
   command.option("--episode", settings.episodes, "N|all",
                  "which episodes, side by side when several (repeatable) [0]");
-  command.option("--camera", settings.camera, "MODE", "follow, world or fixed");
+  command.choice("--camera", settings.camera, "MODE",
+                 {{"follow", render::CameraMode::follow},
+                  {"world", render::CameraMode::world},
+                  {"fixed", render::CameraMode::fixed}},
+                 "follow, world or fixed");
   command.option("--follow", settings.follow, "NAMES",
                  "objects to keep in view, such as robot,package [as the task says]");
   command.option("--window", settings.window, "X,Y,W,H",
                  "fixed camera: centre and extent in voxels");
-  command.option("--theme", options.theme, "NAME",
+  command.choice("--theme", options.theme, "NAME",
+                 {{"light", "light"}, {"dark", "dark"}, {"paper", "paper"}},
                  "light, dark, or paper: white, with signs on actuators and a legend, "
                  "for prints in grey, too");
   command.flag("--no-labels", settings.no_labels, "no task, robot, step and return");
   command.flag("--no-grid", settings.no_grid_lines, "no lines a voxel apart");
-  command.option("--tint", settings.tint, "WHAT",
+  using render::Tint;
+  command.choice("--tint", options.overlays.tint, "WHAT",
+                 {{"actuation", Tint::actuation},
+                  {"strain", Tint::strain},
+                  {"stress", Tint::stress},
+                  {"commanded", Tint::commanded},
+                  {"none", Tint::none}},
                  "actuation: actuators lighter when expanded, darker when contracted; strain, "
                  "stress or commanded (lengths of actuators), with a bar of colours; or none");
   command.flag("--trail", options.overlays.trail, "the path of the centre of mass");
   command.flag("--velocities", options.overlays.velocities, "an arrow at every moving point");
   command.flag("--contacts", options.overlays.contacts,
                "where the robot touches something, and the force that presses on it there");
-  command.option("--plot", settings.plot, "WHAT",
-                 "curves below the picture, in step with it: return, actuation (commanded "
-                 "lengths) or none");
+  using render::Plot;
+  command.choice(
+      "--plot", options.overlays.plot, "WHAT",
+      {{"return", Plot::reward_sum}, {"actuation", Plot::actuation}, {"none", Plot::none}},
+      "curves below the picture, in step with it: return, actuation (commanded "
+      "lengths) or none");
   command.section("Films of several robots");
   command.flag("--race", settings.race, "all episodes in one world, with one camera and a ranking");
   command.option("--evolution", settings.evolution, "RUN_DIR",
@@ -367,7 +339,8 @@ int main(int argc, char** argv) {
   command.option("--sheet", settings.sheet, "N",
                  "N moments of an episode: a strip for robots that travel, else side by side");
   command.flag("--panels", settings.panels, "with --sheet: side by side in any case");
-  command.option("--moments", settings.moments, "CHOICE",
+  command.choice("--moments", settings.moments, "CHOICE",
+                 {{"gait", render::Choice::gait}, {"time", render::Choice::time}},
                  "gait: evenly spread over the episode and over the cycle of the gait; time: "
                  "over the episode alone");
   command.flag("--grid", settings.grid, "all robots read with ids and fitness");
@@ -392,8 +365,6 @@ int main(int argc, char** argv) {
     options.workers = command.jobs;
     options.overlays.labels = !settings.no_labels;
     options.overlays.grid = !settings.no_grid_lines;
-    options.overlays.tint = parse_tint(settings.tint);
-    options.overlays.plot = parse_plot(settings.plot);
     check_race(settings, options.overlays);
     if (settings.evolution) {
       if (!files.empty() || settings.race || is_still(settings))

@@ -17,8 +17,7 @@ constexpr std::size_t fewest_robots = 100;  // of each of them
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-report",
-                       "a page about runs: results, replays, curves, family tree, settings");
+  cli::Command command("evo-report");
   std::vector<std::string> names;
   report::PageOptions options;
   std::optional<int> robots;

@@ -62,7 +62,7 @@ void parse_options(cli::Command& command, const std::string& line, const std::st
 
 // What a run's settings mean to the trainings of a generation; errors begin with `file`.
 TrainingPlan training_plan(const RunSettings& settings, int generation, const std::string& file) {
-  cli::Command command("evo-train", "");
+  cli::Command command("evo-train");
   cli::TrainingOptions options;
   options.add_to(command);
   options.task.task = settings.text("task");
@@ -76,7 +76,7 @@ TrainingPlan training_plan(const RunSettings& settings, int generation, const st
   options.profile = settings.text("train");
   if (settings.text("physics") != "task") options.task.physics = settings.text("physics");
   command.seed = parse_unsigned(settings.text("seed"), file + "seed");
-  options.failures = "skip";
+  options.skip_failures = true;
   if (const std::string* more = settings.find("train_options"))
     parse_options(command, *more, file + "train_options");
   TrainingPlan plan = options.plan(command.seed);
@@ -266,7 +266,7 @@ int propose(const RunFolder& run, int robots) {
                 "ended (or remove {}, if its machine is lost)",
                 run.path().string(), run.lock().string());
   Breeding breeding;
-  cli::Command options("evo-mutate", "");
+  cli::Command options("evo-mutate");
   cli::add_breeding_options(options, breeding);
   if (const std::string* line = run.settings().find("mutate_options"))
     parse_options(options, *line, (run.path() / "run.yaml").string() + ": mutate_options");
@@ -353,7 +353,7 @@ int print_command(const std::string& folder, const std::vector<std::string>& cha
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-run", "begins a run folder, trains its slots, says how they stand");
+  cli::Command command("evo-run");
   std::vector<std::string> words;
   Options options;
   command.arguments(

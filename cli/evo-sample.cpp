@@ -43,18 +43,18 @@ void sample_cppn(const Shape& shape, int count, std::uint64_t seed, std::set<std
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-sample", "random valid robots (connected, with an actuator)");
+  cli::Command command("evo-sample");
   int count = 25;
   std::string shape_text = "5x5";
   std::string weights_text = "0.6,0.2,0.2,0.2,0.2";
-  std::string encoding = "voxel";
+  bool painted = false;
   std::vector<std::string> avoid;
   command.option("-n,--count", count, "N", "how many, no two alike");
   command.option("--shape", shape_text, "ROWSxCOLS", "size of the body's matrix, in voxels");
   command.option("--weights", weights_text, "E,R,S,H,V",
                  "relative weights of empty, rigid, soft, horizontal and vertical voxels");
-  command.option(
-      "--encoding", encoding, "NAME",
+  command.choice(
+      "--encoding", painted, "NAME", {{"voxel", false}, {"cppn", true}},
       "voxel: every cell drawn; cppn: painted by a random network, whose genome is kept");
   command.option("--avoid", avoid, "FILE", "robots or ids that must not come again (repeatable)");
   command.seed_option();
@@ -69,11 +69,9 @@ int main(int argc, char** argv) {
     const VoxelWeights weights = parse_weights(weights_text);
     std::set<std::string> seen = cli::read_ids(avoid);
     RobotWriter out(command.output);
-    if (encoding == "cppn") {
+    if (painted) {
       sample_cppn(shape, count, command.seed, seen, out);
       count = 0;
-    } else if (encoding != "voxel") {
-      throw error(Failure::usage, "--encoding: '{}' is not voxel or cppn", encoding);
     }
     // Output k comes from the stream of its own number, so that -n 10 prints the
     // first ten lines of -n 100.

@@ -13,13 +13,15 @@ namespace {
 
 using namespace evo;
 
+enum class Method { truncation, tournament, pareto };
+
 struct Settings {
   std::optional<int> keep;
   std::optional<double> fraction;
   std::optional<std::string> schedule;
   std::optional<int> evaluated;
   std::optional<int> maximum;
-  std::string method = "truncation";
+  Method method = Method::truncation;
   std::string objectives = "fitness";
   int tournament_size = 3;
   bool plan = false;
@@ -135,26 +137,20 @@ Objectives read_objectives(const std::vector<Robot>& robots, const std::string& 
 Indices choose(const Settings& settings, const std::vector<Robot>& robots, std::uint64_t seed) {
   const std::size_t keep = survivors(settings, robots.size());
   const Objectives objectives = read_objectives(robots, settings.objectives);
-  if (settings.method == "pareto") return select_pareto(objectives, keep);
+  if (settings.method == Method::pareto) return select_pareto(objectives, keep);
   if (objectives.signs.size() != 1)
-    throw error(Failure::usage, "--method {} takes one objective; use --method pareto for several",
-                settings.method);
+    throw Error(Failure::usage, "several --objectives need --method pareto");
   std::vector<double> scores;
   for (const auto& row : objectives.rows) scores.push_back(objectives.signs[0] * row[0]);
-  if (settings.method == "truncation") return select_truncation(scores, keep);
-  if (settings.method == "tournament") {
-    Stream stream(seed, "select");
-    return select_tournament(scores, keep, settings.tournament_size, stream);
-  }
-  throw error(
-      Failure::usage, "--method: unknown method '{}'{}; allowed: truncation, tournament, pareto",
-      settings.method, did_you_mean(settings.method, {"truncation", "tournament", "pareto"}));
+  if (settings.method == Method::truncation) return select_truncation(scores, keep);
+  Stream stream(seed, "select");
+  return select_tournament(scores, keep, settings.tournament_size, stream);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-select", "the survivors of scored robots, best first");
+  cli::Command command("evo-select");
   Settings settings;
   std::vector<std::string> files;
   command.arguments(files, "FILE", "scored robots [standard input]");
@@ -170,7 +166,11 @@ int main(int argc, char** argv) {
   command.flag("--plan", settings.plan,
                "print the whole schedule as a table instead of reading robots");
   command.section("Which");
-  command.option("--method", settings.method, "NAME", "truncation, tournament or pareto");
+  command.choice("--method", settings.method, "NAME",
+                 {{"truncation", Method::truncation},
+                  {"tournament", Method::tournament},
+                  {"pareto", Method::pareto}},
+                 "truncation, tournament or pareto");
   command.option(
       "--objectives", settings.objectives, "LIST",
       "what is maximised: numbers of the document, such as final.mean, actuators, voxels; "

@@ -36,8 +36,7 @@ History read_history(const std::vector<std::string>& files) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-suggest",
-                       "Bayesian optimisation: the next bodies from all scored so far");
+  cli::Command command("evo-suggest");
   SuggestSettings settings;
   int count = 25;
   std::string shape_text = "5x5";

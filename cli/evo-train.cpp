@@ -39,7 +39,7 @@ void warn_of_fewer_steps(const cli::Command& command, const TrainingSettings& se
 }  // namespace
 
 int main(int argc, char** argv) {
-  cli::Command command("evo-train", "trains a controller for each robot read");
+  cli::Command command("evo-train");
   cli::TrainingOptions options;
   std::vector<std::string> files;
   command.arguments(files, "FILE", "robots [standard input]");

@@ -24,6 +24,9 @@ void TaskOptions::add_to(Command& command, const std::string& otherwise) {
       "--set", set, "KEY=VALUE",
       "one constant of the physics, such as gravity=50 (repeatable); 'evo-inspect physics' "
       "lists them");
+  command.suggestions("--task", [] { return task_names(data_folders()); });
+  command.suggestions("--physics", [] { return data_names(data_folders(), "physics"); });
+  command.suggestions("--set", [] { return assignments(physics_table(Physics())); });
 }
 
 TaskSpec TaskOptions::load() const {

@@ -53,11 +53,9 @@ std::size_t utf8_length(std::string_view text) {
 
 }  // namespace
 
-bool use_color(const std::string& when) {
-  if (when == "always") return true;
-  if (when == "never") return false;
-  if (when != "auto")
-    throw error(Failure::usage, "--color: '{}' is not auto, always or never", when);
+bool use_color(ColorWhen when) {
+  if (when == ColorWhen::always) return true;
+  if (when == ColorWhen::never) return false;
   return isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
 }
 

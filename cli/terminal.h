@@ -10,9 +10,12 @@
 
 namespace evo::cli {
 
-// "auto" (colour when standard output is a terminal and $NO_COLOR is unset),
-// "always" or "never". Throws Error(usage).
-bool use_color(const std::string& when);
+enum class ColorWhen {
+  terminal,  // standard output is one, and $NO_COLOR is unset
+  always,
+  never,
+};
+bool use_color(ColorWhen when);
 
 // The body, top row first, two characters per voxel: blocks of colour, or letters.
 std::string draw_body(const Body& body, bool color);

@@ -54,15 +54,16 @@ void TrainingOptions::add_to(Command& command) {
                "keep the end of each training, to go on later (--resume with more --steps)");
   command.flag("--resume", resume, "go on from checkpoints where there are any");
   command.flag("--force", force, "replace policies trained with other settings");
-  command.option("--failures", failures, "WHAT",
+  command.choice("--failures", skip_failures, "WHAT", {{"stop", false}, {"skip", true}},
                  "a training that diverges: stop, or skip (fitness null, go on)");
   command.jobs_option();
   command.progress_option();
+  command.suggestions("--train", [] { return data_names(data_folders(), "training"); });
+  command.suggestions("--train-set", [] { return assignments(training_table({})); });
+  command.suggestions("--algo", algorithm_names);
 }
 
 TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
-  if (failures != "stop" && failures != "skip")
-    throw error(Failure::usage, "--failures: '{}' is not stop or skip", failures);
   TrainingPlan plan;
   plan.task = task.load();
   plan.children = load_training(profile, data_folders());
@@ -89,7 +90,7 @@ TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
   plan.keep_checkpoint = keep_checkpoint;
   plan.resume = resume;
   plan.replace = force;
-  plan.skip_failures = failures == "skip";
+  plan.skip_failures = skip_failures;
   plan.behaviour = behaviour;
   return plan;
 }

@@ -33,7 +33,7 @@ struct TrainingOptions {
   bool resume = false;
   bool force = false;
   bool behaviour = false;
-  std::string failures = "stop";
+  bool skip_failures = false;
 
   // All of them, --seed, --output, --jobs and --progress included.
   void add_to(Command& command);

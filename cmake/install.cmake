@@ -18,7 +18,7 @@ install(DIRECTORY tasks DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
         FILES_MATCHING PATTERN "physics/*" PATTERN "training/*" PATTERN "examples/*" PATTERN "neat.yaml")
 
 # Completion is loaded by the name of a tool (bash), or of the function (zsh).
-foreach(tool ${EVO_TOOLS})
+foreach(tool evo ${EVO_TOOLS})
   install(FILES scripts/completion/evo.bash RENAME ${tool} COMPONENT tools
           DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 endforeach()

@@ -24,6 +24,13 @@ struct SettingRow {
   std::string meaning;
 };
 
+// How an assignment of each begins: "gravity=".
+inline std::vector<std::string> assignments(const std::vector<SettingRow>& rows) {
+  std::vector<std::string> beginnings;
+  for (const SettingRow& row : rows) beginnings.push_back(row.key + "=");
+  return beginnings;
+}
+
 // "gravity=50" as key and value. Throws Error(usage), with the example.
 inline std::pair<std::string, std::string> split_assignment(std::string_view assignment,
                                                             const char* example) {

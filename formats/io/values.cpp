@@ -114,13 +114,13 @@ Shape parse_shape(const std::string& text) {
   return {pair.first, pair.second};
 }
 
-std::vector<std::string> split_list(const std::string& text) {
+std::vector<std::string> split_list(const std::string& text, char separator) {
   std::vector<std::string> pieces;
   std::size_t start = 0;
   while (start <= text.size()) {
-    const std::size_t comma = std::min(text.find(',', start), text.size());
-    if (comma > start) pieces.push_back(text.substr(start, comma - start));
-    start = comma + 1;
+    const std::size_t end = std::min(text.find(separator, start), text.size());
+    if (end > start) pieces.push_back(text.substr(start, end - start));
+    start = end + 1;
   }
   return pieces;
 }

@@ -40,7 +40,7 @@ Shape parse_shape(const std::string& text);
 // "1 234 567"
 std::string grouped(long long number);
 
-// Splits at commas, empty pieces dropped.
-std::vector<std::string> split_list(const std::string& text);
+// Splits at the separator, empty pieces dropped.
+std::vector<std::string> split_list(const std::string& text, char separator = ',');
 
 }  // namespace evo

@@ -35,13 +35,6 @@ double difference(const Clip& clip, int from, int to, int lag) {
 
 }  // namespace
 
-Choice choice_by_name(const std::string& name) {
-  if (name == "time") return Choice::time;
-  if (name == "gait") return Choice::gait;
-  throw error(Failure::usage, "unknown choice of moments '{}': allowed are gait and time{}", name,
-              did_you_mean(name, {"gait", "time"}));
-}
-
 std::optional<int> gait_period(const Clip& clip, int from, int to) {
   constexpr double alike = 0.35;  // of the mean difference of any two shapes
   constexpr double still = 1e-4;  // voxels squared; less is no gait

@@ -13,8 +13,6 @@ enum class Choice {
   time,  // the same number of steps apart
   gait,  // about that, each in another part of the gait's cycle
 };
-// "time" or "gait"; Error(usage) otherwise.
-Choice choice_by_name(const std::string& name);
 
 // Steps after which the robot has the same shape again, if it moves in cycles
 // between the steps `from` and `to`.

@@ -1,22 +1,38 @@
 # Completion of the evo tools in bash. Options and commands are those of the tool's own
-# help; names of tasks and profiles are asked for when they are needed.
+# help; the words that an option may have as its value are asked for when they are needed.
+# The words with which lines of a tool's help begin, before its examples.
+_evo_words() {
+  "$1" --help 2> /dev/null | sed -nE "/^Examples:/q; s/^$2.*/\\2/p"
+}
+
 _evo() {
-  local tool=$1 word=$2 previous=$3
+  local tool=$1 word=$2 previous=$3 at=$COMP_CWORD
   COMPREPLY=()
+  # evo train --al: as evo-train --al.
+  if [[ ${tool##*/} == evo && $at -gt 1 ]]; then
+    if [[ ${COMP_WORDS[1]} == help ]]; then
+      previous=help
+    else
+      tool=$tool-${COMP_WORDS[1]} at=$((at - 1))
+    fi
+  fi
+  local words=
   case $previous in
-    --task | task) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names tasks 2> /dev/null)" -- "$word") ;;
-    --physics | physics) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names physics 2> /dev/null)" -- "$word") ;;
-    --train | training) mapfile -t COMPREPLY < <(compgen -W "$(evo-data --names training 2> /dev/null)" -- "$word") ;;
-    *)
-      local kind=--
-      if [[ $word != -* ]]; then
-        ((COMP_CWORD == 1)) || return 0  # a file
-        kind=
-      fi
-      mapfile -t COMPREPLY < <(compgen -W \
-        "$("$tool" --help 2> /dev/null | sed -nE "s/^  (-[a-zA-Z], |    )(${kind}[a-z][a-z-]*).*/\\2/p")" -- "$word")
-      ;;
+    task) words=$(evo-data --names tasks 2> /dev/null) ;;
+    physics | training) words=$(evo-data --names "$previous" 2> /dev/null) ;;
+    help) words=$(_evo_words "$tool" '  ()([a-z]+) ') ;;
+    --*) words=$("$tool" --values-of "$previous" 2> /dev/null) ;;
   esac
+  if [[ -z $words ]]; then
+    local kind=--
+    if [[ $word != -* ]]; then
+      ((at == 1)) || return 0  # a file
+      kind=
+    fi
+    words=$(_evo_words "$tool" "  (-[a-zA-Z], |    |)(${kind}[a-z][a-z-]*)")
+  fi
+  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
+  [[ ${COMPREPLY[0]} != *= ]] || compopt -o nospace 2> /dev/null || true
 }
 complete -o bashdefault -o default -F _evo \
-  evo-{archive,bench,convert,data,env,eval,inspect,mutate,neat,render,report,run,sample,select,suggest,train}
+  evo evo-{archive,bench,convert,data,env,eval,inspect,mutate,neat,render,report,run,sample,select,suggest,train}

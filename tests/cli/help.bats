@@ -16,6 +16,27 @@ tools() { (cd "$EVO_BIN" && printf '%s\n' evo-*); }
   done
 }
 
+@test "evo: one name for the tools, and for one's own in PATH" {
+  evo --help | golden help/evo.txt
+  evo help | cmp - <(evo --help)
+  evo | cmp - <(evo --help)
+  run ! grep -E '^.{81}' <(evo help)
+  for tool in $(tools); do
+    evo help | grep -q "^  ${tool#evo-} "
+    evo help "${tool#evo-}" | cmp - <("$tool" --help)
+  done
+  evo sample -n 2 --seed 3 | cmp - <(evo-sample -n 2 --seed 3)
+  evo --version | grep -Eqx "evo [0-9.]+ \(.+\) [a-z0-9-]+"
+  fails_with 2 "'trian'" "did you mean 'train'" "evo help" -- evo trian robot
+  fails_with 2 "'../evo-train'" -- evo ../evo-train
+  fails_with 2 "''" -- evo ""
+  fails_with 66 "missing.json" -- evo eval --task Walker-v0 --random missing.json
+  mkdir own; printf '#!/bin/sh\necho own "$@"\nexit 7\n' > own/evo-mine; chmod +x own/evo-mine
+  PATH=$PWD/own:$PATH run evo mine a 'b c'
+  [ "$status" -eq 7 ]
+  [ "$output" = "own a b c" ]
+}
+
 @test "version: tool, version, commit, instruction set in one line" {
   for tool in $(tools); do "$tool" --version | grep -Eqx "$tool [0-9.]+ \(.+\) [a-z0-9-]+"; done
 }

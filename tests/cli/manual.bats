@@ -57,11 +57,27 @@ offers() {
   offers evo-inspect ta | diff - <(printf '%s\n' tasks task)
   offers evo-inspect task Walk | diff - <(echo Walker-v0)
   [ -z "$(offers evo-run slots runs/wal)" ]
+  offers evo re | diff - <(printf '%s\n' render report)
+  offers evo help re | diff - <(printf '%s\n' render report)
+  offers evo eval --rollout | diff - <(offers evo-eval --rollout)
+  offers evo run '' | diff - <(offers evo-run '')
+}
+
+@test "bash: the words that an option may have as its value" {
+  offers evo-train --algo s | diff - <(printf '%s\n' sine sequence)
+  offers evo-train --train-set gam | diff - <(echo gamma=)
+  offers evo-train --failures '' | diff - <(printf '%s\n' stop skip)
+  offers evo-eval --set grav | diff - <(echo gravity=)
+  offers evo-render --tint st | diff - <(printf '%s\n' strain stress)
+  offers evo-convert --to json | diff - <(printf '%s\n' jsonl json)
+  offers evo render --camera '' | diff - <(printf '%s\n' follow world fixed)
+  offers evo-inspect --progress l | diff - <(echo lines)
+  [ -z "$(offers evo-eval --policy wal)" ]
 }
 
 @test "bash: every tool is completed" {
   bash -c 'source "$1"; complete -p' bash "$EVO_SOURCE/scripts/completion/evo.bash" | sed 's/.* //' | sort > completed
-  (cd "$EVO_BIN" && printf '%s\n' evo-*) | sort | diff - completed
+  (cd "$EVO_BIN" && printf '%s\n' evo evo-*) | sort | diff - completed
 }
 
 @test "zsh: options and names, in a shell with its own completion system" {
@@ -76,6 +92,9 @@ source "$EVO_SOURCE/scripts/completion/_evo"
 END
   zsh -f offers.zsh evo-eval --task '' | grep -qx Walker-v0
   zsh -f offers.zsh evo-eval -- | grep -qx -- --rollout-dir
+  zsh -f offers.zsh evo-render --tint '' | grep -qx strain
+  zsh -f offers.zsh evo '' | grep -qx train
+  zsh -f offers.zsh evo eval -- | grep -qx -- --rollout-dir
   zsh -f offers.zsh evo-eval walk | diff - <(echo files)
   zsh -f offers.zsh evo-run '' | diff - <(printf '%s\n' init propose train fail slots command files)
 }

@@ -88,7 +88,6 @@ TEST_CASE("moments are spread over the episode, and over the cycle if it is aske
   std::sort(phases.begin(), phases.end());
   CHECK(std::adjacent_find(phases.begin(), phases.end()) == phases.end());
   CHECK(choose_moments(clip, 0, 200, 1, Choice::gait) == std::vector<int>{200});
-  expect_error(Failure::usage, Contains("did you mean 'gait'"), [] { choice_by_name("gate"); });
 }
 
 TEST_CASE("a robot travels when it goes farther than it is long") {

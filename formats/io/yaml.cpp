@@ -21,6 +21,7 @@ struct YamlNode::Data {
   int line = 0;  // from 1
   int column = 0;
   std::string text;             // scalar
+  bool plain = false;           // scalar without quotes and tag
   std::vector<YamlNode> items;  // sequence
   std::vector<Entry> entries;   // mapping
 };
@@ -33,14 +34,15 @@ class YamlBuilder : public YAML::EventHandler {
       : file_(std::make_shared<const std::string>(file)) {}
 
   std::optional<YamlNode> root;
+  YAML::Mark start;
 
-  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentStart(const YAML::Mark& mark) override { start = mark; }
   void OnDocumentEnd() override {}
 
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     add(begin(YamlNode::Kind::null, mark), anchor);
   }
-  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
     auto data = begin(YamlNode::Kind::scalar, mark);
     if (!is_utf8(value)) {
@@ -49,6 +51,7 @@ class YamlBuilder : public YAML::EventHandler {
       throw node.error("text that is not UTF-8");
     }
     data->text = value;
+    data->plain = tag == "?";
     add(std::move(data), anchor);
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
@@ -74,7 +77,7 @@ class YamlBuilder : public YAML::EventHandler {
     for (const YamlNode::Entry& entry : open_.back().data->entries) {
       if (!entry.key.is_scalar())
         throw entry.key.error("a key is expected, found " + entry.key.found());
-      const std::string key = entry.key.string();
+      const std::string& key = entry.key.data_->text;
       const auto [first, fresh] = lines.emplace(key, entry.key.line());
       if (!fresh)
         throw entry.key.error(
@@ -133,24 +136,40 @@ class YamlBuilder : public YAML::EventHandler {
   std::map<YAML::anchor_t, YamlNode> anchors_;
 };
 
-YamlNode YamlNode::parse(std::string_view text, const std::string& file) {
+std::vector<YamlNode> YamlNode::documents(std::string_view text, const std::string& file) {
   std::istringstream stream{std::string(text)};
-  YamlBuilder builder(file);
+  std::vector<YamlNode> documents;
+  const auto invalid = [&](const YAML::Mark& mark, const std::string& reason) {
+    return evo::error(Failure::data, "{}:{}:{}: not valid YAML: {}", file, mark.line + 1,
+                      mark.column + 1, reason);
+  };
   try {
     YAML::Parser parser(stream);
-    if (!parser.HandleNextDocument(builder) || !builder.root)
-      throw evo::error(Failure::data, "{}: the file is empty", file);
-    YamlBuilder rest(file);
-    if (parser.HandleNextDocument(rest) && rest.root && !rest.root->is_null())
-      throw rest.root->error("a second document begins here; one is expected");
+    for (int last = -1;;) {
+      YamlBuilder builder(file);
+      if (!parser.HandleNextDocument(builder)) return documents;
+      // Before a sign that cannot begin a document the parser finds empty
+      // documents without end.
+      if (builder.start.pos <= last) throw invalid(builder.start, "no document can begin here");
+      last = builder.start.pos;
+      if (builder.root) documents.push_back(std::move(*builder.root));
+    }
   } catch (const YAML::Exception& failure) {
-    throw evo::error(Failure::data, "{}:{}:{}: not valid YAML: {}", file, failure.mark.line + 1,
-                     failure.mark.column + 1, failure.msg);
+    throw invalid(failure.mark, failure.msg);
   }
-  return *builder.root;
+}
+
+YamlNode YamlNode::parse(std::string_view text, const std::string& file) {
+  const std::vector<YamlNode> all = documents(text, file);
+  if (all.empty()) throw evo::error(Failure::data, "{}: the file is empty", file);
+  for (std::size_t i = 1; i < all.size(); ++i)
+    if (!all[i].is_null()) throw all[i].error("a second document begins here; one is expected");
+  return all.front();
 }
 
 YamlNode::Kind YamlNode::kind() const { return data_->kind; }
+bool YamlNode::is_plain() const { return data_->plain; }
+const std::string& YamlNode::text() const { return data_->text; }
 const std::string& YamlNode::file() const { return *data_->file; }
 int YamlNode::line() const { return data_->line; }
 

@@ -23,12 +23,17 @@ class YamlNode {
   // The one document in `text`; `file` begins every message. Throws Error(data)
   // for malformed YAML, a key given twice, no or more than one document.
   static YamlNode parse(std::string_view text, const std::string& file);
+  // All of them, in order; one that is empty is null.
+  static std::vector<YamlNode> documents(std::string_view text, const std::string& file);
 
   Kind kind() const;
   bool is_null() const { return kind() == Kind::null; }
   bool is_scalar() const { return kind() == Kind::scalar; }
   bool is_sequence() const { return kind() == Kind::sequence; }
   bool is_mapping() const { return kind() == Kind::mapping; }
+
+  bool is_plain() const;            // a scalar without quotes or tag
+  const std::string& text() const;  // of a scalar, empty or not
 
   const std::string& file() const;
   int line() const;           // from 1

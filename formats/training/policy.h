@@ -25,9 +25,9 @@ struct PolicyFile {
   std::string training_yaml;  // the whole profile in force
   std::vector<ObservationSlice> layout;
   std::uint64_t seed = 0;
-  std::string isa = "any";  // instruction set the bits belong to; "any": to all of them
-  std::string created_by;   // tool, version, commit
-  std::string identity;  // formats/training/identity.h; empty in older files
+  std::string isa = "any";    // instruction set the bits belong to; "any": to all of them
+  std::string created_by;     // tool, version, commit
+  std::string identity;       // formats/training/identity.h; empty in older files
   std::string settings_hash;  // of it
 
   TrainedController controller;

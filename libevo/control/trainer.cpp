@@ -42,9 +42,7 @@ struct Best<SineController> {
   static void save(Checkpoint& checkpoint, const SineController& sine) {
     save_sine(checkpoint, "best/sine", sine);
   }
-  static bool in(const Checkpoint& checkpoint) {
-    return checkpoint.has("best/sine/period");
-  }
+  static bool in(const Checkpoint& checkpoint) { return checkpoint.has("best/sine/period"); }
   static SineController load(const Checkpoint& checkpoint, const TrainingJob&) {
     return load_sine(checkpoint, "best/sine");
   }

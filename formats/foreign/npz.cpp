@@ -34,11 +34,7 @@ constexpr std::string_view npy_magic = "\x93NUMPY";
 constexpr std::size_t npy_version_1_prefix = 10;  // magic, version, 16-bit length
 constexpr std::size_t npy_alignment = 64;
 
-struct NpyArray {
-  std::size_t rows = 0;
-  std::size_t cols = 0;
-  std::vector<double> values;  // row-major
-};
+using NpyArray = NumpyMatrix;
 
 // What stands after 'key': in the header, up to the comma or brace that ends it.
 std::string_view header_value(std::string_view header, const std::string& key) {
@@ -119,6 +115,7 @@ NpyArray parse_npy(std::string_view npy) {
     throw Refusal{"", "expected an array of two dimensions"};
   const auto most = (npy.size() - begin) / type.size;
   NpyArray array;
+  array.dimensions = static_cast<int>(sizes->size());
   array.rows = sizes->size() == 2 ? sizes->front() : 1;
   array.cols = sizes->back();
   if (array.cols != 0 && array.rows > most / array.cols)
@@ -215,6 +212,8 @@ NpyArray read_array(zip_t* archive, zip_uint64_t index) {
 // ---- body and links -------------------------------------------------------------
 
 Body body_of(const NpyArray& matrix) {
+  if (matrix.dimensions != 2)
+    throw refusal(body_member, "{} numbers in a row, expected a matrix", matrix.cols);
   if (matrix.rows < 1 || matrix.cols < 1 || matrix.rows > largest_side ||
       matrix.cols > largest_side)
     throw refusal(body_member, "a body of {}x{} cells; rows and columns go from 1 to {}",
@@ -305,6 +304,28 @@ Body body_from_numpy(std::string_view bytes, const std::string& where) {
   if (!bytes.starts_with(npy_magic)) return body_from_npz(bytes, where);
   try {
     return body_of(parse_npy(bytes));
+  } catch (const Refusal& refused) {
+    throw Refusal{"", refused.message}.at(where);
+  }
+}
+
+NumpyMatrix matrix_from_numpy(std::string_view bytes, const std::string& name,
+                              const std::string& where) {
+  try {
+    NumpyMatrix matrix;
+    if (bytes.starts_with(npy_magic)) {
+      matrix = parse_npy(bytes);
+    } else {
+      const Zip<zip_t> archive = open_archive(bytes);
+      zip_int64_t index = zip_name_locate(archive.get(), (name + ".npy").c_str(), 0);
+      const zip_int64_t members = zip_get_num_entries(archive.get(), 0);
+      if (index < 0 && members == 1) index = 0;
+      if (index < 0) throw refusal("", "{} arrays, none of which is called {}", members, name);
+      matrix = read_array(archive.get(), static_cast<zip_uint64_t>(index));
+    }
+    if (matrix.dimensions != 2)
+      throw refusal("", "{} numbers in a row, expected a matrix", matrix.cols);
+    return matrix;
   } catch (const Refusal& refused) {
     throw refused.at(where);
   }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "libevo/body/body.h"
 
@@ -21,6 +22,18 @@ Body body_from_npz(std::string_view bytes, const std::string& where);
 // alone is a body matrix whose adjacent cells are all linked.
 bool begins_as_numpy(std::string_view bytes);
 Body body_from_numpy(std::string_view bytes, const std::string& where);
+
+// An array of numbers, which has two dimensions.
+struct NumpyMatrix {
+  int dimensions = 0;
+  std::size_t rows = 0;
+  std::size_t cols = 0;
+  std::vector<double> values;  // row-major
+};
+// The array of an .npy; of an .npz its only array, or the one of this name. Throws Error(data).
+NumpyMatrix matrix_from_numpy(std::string_view bytes, const std::string& name,
+                              const std::string& where);
+
 inline constexpr std::size_t largest_numpy = std::size_t{1} << 24U;  // bytes; far more than a body
 // The bytes of one; "-" reads standard input. What is no archive is not read to its end.
 std::string read_npz_bytes(const std::string& input);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "formats/foreign/evogym.h"
+#include "formats/foreign/learners.h"
 #include "formats/foreign/npz.h"
 #include "formats/io/files.h"
 #include "formats/io/format.h"
@@ -465,6 +466,7 @@ std::size_t glance_at_json(std::string_view beginning, const std::string& where)
 
 std::size_t glance_at_robots(std::string_view beginning, const std::string& where) {
   if (hdf5::begins_as_hdf5(beginning)) return hdf5::stated_size(beginning, where);
+  if (const auto what = learner_file(beginning)) throw error(Failure::data, "{}: {}", where, *what);
   if (begins_as_numpy(beginning)) return largest_numpy;
   beginning = without_byte_order_mark(beginning);
   const std::size_t first = beginning.find_first_not_of(" \t\r\n");
@@ -613,6 +615,7 @@ std::string read_robot_text(const std::string& input) {
 
 std::vector<Robot> robots_in(std::string_view bytes, const std::string& input, BodyCheck check) {
   const std::string where = input_label(input);
+  if (const auto what = learner_file(bytes)) throw error(Failure::data, "{}: {}", where, *what);
   if (begins_as_numpy(bytes))
     return {robot_from_json(Robot(body_from_numpy(bytes, where)).document, where, check)};
   if (!hdf5::begins_as_hdf5(bytes)) return parse_robots(bytes, where, check);

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "formats/foreign/learners.h"
+#include "formats/foreign/npz.h"
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
@@ -262,8 +264,20 @@ std::vector<std::string_view> split(std::string_view line, char separator) {
   return fields;
 }
 
-// A row per step; blank lines and lines that begin with # are passed over, a first
-// line without any number is a heading.
+// As numpy.savetxt parts numbers.
+std::vector<std::string_view> words_of(std::string_view line) {
+  constexpr std::string_view blanks = " \t";
+  std::vector<std::string_view> words;
+  for (std::size_t begin = line.find_first_not_of(blanks); begin != line.npos;) {
+    const std::size_t end = std::min(line.find_first_of(blanks, begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    begin = line.find_first_not_of(blanks, end);
+  }
+  return words;
+}
+
+// A row per step, of numbers between commas or blanks; blank lines and lines that begin with # are
+// passed over, a first line without any number is a heading.
 ActionSequence actions_from_csv(std::string_view text, const std::string& name) {
   ActionSequence actions;
   bool heading_possible = true;
@@ -272,7 +286,7 @@ ActionSequence actions_from_csv(std::string_view text, const std::string& name) 
     ++line_number;
     line = trimmed(line);
     if (line.empty() || line.front() == '#') continue;
-    const auto fields = split(line, ',');
+    const auto fields = line.find(',') == line.npos ? words_of(line) : split(line, ',');
     const bool is_heading = heading_possible && std::none_of(fields.begin(), fields.end(),
                                                              [](auto f) { return number_in(f); });
     heading_possible = false;
@@ -310,6 +324,17 @@ ActionSequence actions_from_hdf5(const fs::path& path) {
             std::move(array.values)};
   }
   throw wrong(file, "/actions", "is missing, and so is /episode_0/actions");
+}
+
+ActionSequence actions_from_numpy(std::string_view bytes, const std::string& name) {
+  NumpyMatrix matrix = matrix_from_numpy(bytes, "actions", name);
+  for (std::size_t i = 0; i < matrix.values.size(); ++i)
+    if (!std::isfinite(matrix.values[i]))
+      throw error(Failure::data, "{}: step {} holds {}, expected a number", name, i / matrix.cols,
+                  matrix.values[i]);
+  if (matrix.values.empty())
+    throw error(Failure::data, "{}: no actions; expected a row of numbers per step", name);
+  return {static_cast<int>(matrix.rows), static_cast<int>(matrix.cols), std::move(matrix.values)};
 }
 
 }  // namespace
@@ -360,7 +385,10 @@ Rollout read_rollout(const fs::path& path) {
 
 ActionSequence read_actions(const fs::path& path) {
   if (hdf5::is_hdf5(path)) return actions_from_hdf5(path);
-  return actions_from_csv(read_input(path.string(), largest_document), input_label(path.string()));
+  refuse_learner_file(path);
+  const std::string text = read_input(path.string(), largest_document);
+  const std::string name = input_label(path.string());
+  return begins_as_numpy(text) ? actions_from_numpy(text, name) : actions_from_csv(text, name);
 }
 
 Json read_draws(const fs::path& path) {

@@ -55,9 +55,10 @@ void write_rollout(const std::filesystem::path& path, const Rollout& rollout);
 // file and dataset.
 Rollout read_rollout(const std::filesystem::path& path);
 
-// HDF5: `actions` at the root or `episode_0/actions`, [T x A] row-major. CSV: a
-// row of numbers per step, # for comments, a heading allowed; "-" is standard
-// input. Throws Error(no_input, io, data).
+// HDF5: `actions` at the root or `episode_0/actions`, [T x A] row-major. CSV, or
+// blanks between the numbers: a row per step, # for comments, a heading allowed. NumPy's .npy
+// [T x A], or .npz of that called `actions`. "-" is standard input. Throws Error(no_input, io,
+// data).
 struct ActionSequence {
   int steps = 0;
   int actuators = 0;

@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "formats/foreign/learners.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
 #include "formats/task/physics_profile.h"
@@ -309,6 +310,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy, E
 }
 
 PolicyFile read_policy(const std::filesystem::path& path) {
+  if (!hdf5::is_hdf5(path)) refuse_learner_file(path);
   const hdf5::Reader file(path);
   check_format(file, format::policy, Head::required);
   file.verify();

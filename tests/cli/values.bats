@@ -134,3 +134,48 @@ load helpers
   done
   [ "$(evo-convert < r.npz | jq -r .id)" = 9bdfd2342d8b ]
 }
+
+@test "actions as NumPy writes them; what learners leave behind is told apart" {
+  /usr/bin/python3 - <<'END'
+import pickle, zipfile
+import numpy as np
+actions = np.random.default_rng(0).uniform(0.6, 1.6, (20, 5))
+np.save("a.npy", actions)
+np.save("fortran.npy", np.asfortranarray(actions))
+np.savez("a.npz", actions)
+np.savez("named.npz", other=np.zeros(3), actions=actions)
+np.savetxt("a.txt", actions)
+np.savetxt("a.csv", actions, delimiter=",")
+np.save("turned.npy", actions.T)
+np.save("flat.npy", actions.ravel())
+np.save("row.npy", np.array([3, 4, 3]))
+np.savez("two.npz", left=actions, right=actions)
+actions[3, 2] = np.nan
+np.save("nan.npy", actions)
+def archive(name, *members):
+    with zipfile.ZipFile(name, "w") as file:
+        for member in members:
+            file.writestr(member, b"x" * 100)
+archive("model.zip", "data", "pytorch_variables.pth", "policy.pth", "_stable_baselines3_version")
+archive("net.pt", "archive/data.pkl", "archive/version")
+pickle.dump({"weights": [1.0]}, open("genome.pkl", "wb"))
+END
+  printf '3 3 3\n4 0 4\n' > r.txt
+  local eval=(evo-eval --task Walker-v0)
+  "${eval[@]}" --actions a.csv r.txt > expected
+  for file in a.npy fortran.npy a.npz named.npz a.txt; do "${eval[@]}" --actions $file r.txt | cmp - expected; done
+  "${eval[@]}" --actions - r.txt < a.npy | cmp - expected
+  fails_with 65 "turned.npy: 20 actions per step" "5 actuators" -- "${eval[@]}" --actions turned.npy r.txt
+  fails_with 65 "flat.npy: 100 numbers in a row, expected a matrix" -- "${eval[@]}" --actions flat.npy r.txt
+  fails_with 65 "row.npy: 3 numbers in a row, expected a matrix" -- evo-convert row.npy
+  fails_with 65 "two.npz: 2 arrays, none of which is called actions" -- "${eval[@]}" --actions two.npz r.txt
+  fails_with 65 "nan.npy: step 3 holds nan" -- "${eval[@]}" --actions nan.npy r.txt
+  local command
+  for command in "evo-convert FILE" "evo-inspect FILE" "evo-eval --task Walker-v0 --random FILE" \
+      "evo-eval --policy FILE r.txt" "evo-eval --task Walker-v0 --actions FILE r.txt" \
+      "evo-train --task Walker-v0 --steps 2048 --init FILE r.txt" "evo-mutate -n 1 FILE"; do
+    fails_with 65 "model.zip: a model of Stable-Baselines3" write_sb3_policy -- ${command/FILE/model.zip}
+    fails_with 65 "net.pt: a file of PyTorch" write_policy -- ${command/FILE/net.pt}
+    fails_with 65 "genome.pkl: a Python pickle" write_policy -- ${command/FILE/genome.pkl}
+  done
+}

@@ -207,7 +207,7 @@ int main(int argc, char** argv) {
   command.section("Controller (default: the policy named by each robot)");
   command.option("--policy", settings.policy, "FILE.h5", "a trained policy, for every robot read");
   command.option("--actions", settings.actions, "FILE",
-                 "replay actions [T, A] of an HDF5 file or rollout, or rows of a CSV");
+                 "replay actions [T, A] of an HDF5 file or rollout, of NumPy, or rows of a CSV");
   command.option("--sine", settings.sine, "A,PERIOD,PHASE",
                  "targets 1.1 + A sin(2 pi t / PERIOD + PHASE i) of actuator i, PERIOD in control "
                  "steps, PHASE in radian");

@@ -17,12 +17,13 @@ namespace evo {
 using WorldWarning = std::function<void(const std::string&)>;
 
 // The objects in file order, each as large as its cells, at its place. Any
-// order of objects and cells; a link counts from whichever end it is listed. Cells
-// above `grid_height` make the grid higher, as in the benchmark, with a warning.
-// Refused, with the JSON path: a missing field, collections of different
-// lengths, a cell outside the grid or listed twice, a neighbour that is no cell
-// of the object or not adjacent, an object without voxels or in several pieces,
-// two objects in one cell. Throws Error(data).
+// order of objects and cells; a link counts from whichever end it is listed. As the
+// benchmark does, with a warning each: cells above `grid_height`, or a `grid_height` that is
+// none, make the grid as high as its cells; a cell listed twice has its last type; neighbours
+// that are not adjacent, and those of no cell, are left out. Refused, with the JSON path: a
+// missing field, collections of different lengths, a cell that is none, a neighbour that is
+// no cell of the object, an object without voxels or in several pieces (which the benchmark
+// leaves out), two objects in one cell. Throws Error(data).
 World evogym_world_from_json(const Json& document, const std::string& where,
                              const WorldWarning& warn = {});
 World read_evogym_world(const std::filesystem::path& path, const WorldWarning& warn = {});

@@ -45,8 +45,6 @@ int main(int argc, char** argv) {
   command.option("--history", history_files, "FILE", "scored robots (repeatable)");
   command.option("--shape", shape_text, "ROWSxCOLS", "of the bodies, while there is no history");
   command.option("--candidates", settings.candidates, "N", "random valid bodies considered");
-  command.option("--ei-jitter", settings.ei_jitter, "X",
-                 "least improvement counted, in standard deviations");
   command.seed_option();
   command.output_option("where the bodies go, one JSON document per line");
   command.jobs_option();

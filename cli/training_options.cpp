@@ -43,8 +43,7 @@ void TrainingOptions::add_to(Command& command) {
                  "robots without one start from scratch");
   command.seed_option();
   command.section("Files");
-  command.option("--out-dir", out_dir, "DIR", "where <id>.policy.h5 goes");
-  command.option("--log-dir", log_dir, "DIR", "where <id>.log goes [--out-dir]");
+  command.option("--out-dir", out_dir, "DIR", "where <id>.policy.h5 and <id>.log go");
   command.option("--curve", curve, "FILE.tsv", "learning curve of one robot as a table");
   command.output_option("where the robots go, with fitness, steps and policy");
   command.flag("--behaviour", behaviour, behaviour_help);
@@ -83,7 +82,7 @@ TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
   // Policies name the tool whose training they hold, whoever started it.
   plan.created_by = created_by("evo-train");
   plan.policies = out_dir;
-  plan.logs = log_dir.value_or(out_dir);
+  plan.logs = out_dir;
   plan.curve = curve;
   plan.init = init;
   plan.checkpoint_every = checkpoint_every;

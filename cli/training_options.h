@@ -23,7 +23,6 @@ struct TrainingOptions {
   std::optional<std::string> steps;
   std::optional<std::string> founder_steps;
   std::string out_dir = ".";
-  std::optional<std::string> log_dir;
   std::optional<std::string> curve;
   int checkpoint_every = 100'000;
   std::optional<int> final_episodes;

@@ -187,15 +187,6 @@ Drawing draw_moments(const Episode& episode, const Moments& moments, const Rende
                                  typesetter);
 }
 
-Drawing draw_world(const Model& model, const std::string& title, const RenderOptions& options) {
-  Rollout rollout;
-  rollout.task = title;
-  rollout.points = model.points();
-  rollout.world = {model.objects(), model.cells()};
-  rollout.episodes.emplace_back().positions = model.initial_positions();
-  return draw_moment({&rollout, 0, ""}, 0, options);
-}
-
 Drawing draw_robot(const Robot& robot, const RenderOptions& options) {
   check_options(options);
   Typesetter typesetter;

@@ -40,8 +40,6 @@ struct Moments {
   Choice choice = Choice::gait;
 };
 Drawing draw_moments(const Episode& episode, const Moments& moments, const RenderOptions& options);
-// A compiled world at rest at its start.
-Drawing draw_world(const Model& model, const std::string& title, const RenderOptions& options);
 Drawing draw_robot(const Robot& robot, const RenderOptions& options);
 Drawing draw_robots(const std::vector<Robot>& robots, const RenderOptions& options);
 // The best `rows` of each generation.

@@ -472,10 +472,6 @@ std::string evogym_world_to_json(const World& world) {
       height, objects);
 }
 
-void write_evogym_world(const fs::path& path, const World& world) {
-  write_file(path, evogym_world_to_json(world));
-}
-
 Robot robot_from_evogym_world(const World& world, const std::string& where, BodyCheck check) {
   const auto acts = [](const Object& object) {
     return std::any_of(object.body.cells.begin(), object.body.cells.end(), is_actuator);

@@ -32,7 +32,6 @@ World read_evogym_world(const std::filesystem::path& path, const WorldWarning& w
 // empty border keeps it, as cells of type 0. Throws Error(data) for a world that
 // the format cannot hold: a name given twice, a negative position.
 std::string evogym_world_to_json(const World& world);
-void write_evogym_world(const std::filesystem::path& path, const World& world);
 
 // The robot of a world: its only object, or its only one with actuators. In the other direction, a
 // world with `robot` in its lower left corner.

@@ -78,7 +78,7 @@ TEST_CASE("EvoGym world: the grid's own size is not kept, the rest comes back") 
   CHECK(written["grid_height"] == 3);
   CHECK(same(world_of(written), world));
   const ScratchFolder folder;
-  write_evogym_world(folder / "w.json", world);
+  write_file(folder / "w.json", evogym_world_to_json(world));
   CHECK(same(read_evogym_world(folder / "w.json"), world));
 }
 

@@ -325,24 +325,4 @@ std::vector<Individual> next_generation(const NeatSettings& settings,
   return population;
 }
 
-NeatState adopt(const NeatSettings& settings, std::span<const Genome> genomes) {
-  NeatState state;
-  state.next_node_key = settings.num_outputs;
-  std::vector<Individual> population;
-  for (const Genome& genome : genomes) {
-    state.next_genome_key = std::max(state.next_genome_key, genome.key + 1);
-    for (const NodeGene& node : genome.nodes)
-      state.next_node_key = std::max(state.next_node_key, node.key + 1);
-    population.push_back({genome, {}});
-  }
-  speciate(settings, population, state);
-  return state;
-}
-
-bool is_solved(const NeatSettings& settings, std::span<const double> fitness) {
-  if (settings.no_fitness_termination || fitness.empty()) return false;
-  return statistic(settings.fitness_criterion, {fitness.begin(), fitness.end()}) >=
-         settings.fitness_threshold;
-}
-
 }  // namespace evo

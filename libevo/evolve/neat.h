@@ -73,13 +73,6 @@ std::vector<Individual> next_generation(const NeatSettings& settings,
                                         std::span<const Scored> scored, const Accept& accept,
                                         NeatState& state, std::uint64_t seed);
 
-// A state for genomes from elsewhere, as generation 0: counters beyond every
-// key in use, species formed.
-NeatState adopt(const NeatSettings& settings, std::span<const Genome> genomes);
-
-// `settings.fitness_threshold` is reached and counts.
-bool is_solved(const NeatSettings& settings, std::span<const double> fitness);
-
 // ---- the steps of a generation --------------------------------------------------
 
 // Brand-new genomes with the next keys of the run.

@@ -10,12 +10,12 @@ PYTHONDONTWRITEBYTECODE=1 PYTHONPATH="$EVO_SOURCE/tests/hostile" /usr/bin/python
 import sys, valid
 valid.make(sys.argv[1], sys.argv[2])' "$folder/valid" "$EVO_SOURCE"
 cd "$folder/valid"
-cp robots.jsonl robot.json robots.yaml letters.txt scored.jsonl genomes.jsonl trained.json ../robots
+cp robots.jsonl robot.json robots.yaml letters.txt numbers.txt lists.json world.json scored.jsonl genomes.jsonl trained.json ../robots
 cp world.json carrier.json ../world
 cp species.json ../neat_state
-cp task.yaml ramp.yaml physics.yaml training.yaml neat.yaml ../yaml
+cp task.yaml ramp.yaml physics.yaml training.yaml neat.yaml neat.cfg ../yaml
 cp run.yaml steady.json ../run
-cp robot.npz "$EVO_SOURCE"/tests/data/formats/*.npz ../npz
+cp robot.npz body.npy actions.npy model.zip "$EVO_SOURCE"/tests/data/formats/*.npz ../npz
 cp rollout.h5 sine.h5 network.h5 actions.csv ../hdf5
 cd ..
 rm -r valid

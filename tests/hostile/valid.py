@@ -2,6 +2,9 @@
 import os
 import shutil
 import subprocess
+import zipfile
+
+import numpy
 
 
 def run(*words, **options):
@@ -32,6 +35,15 @@ def make(folder, source):
             file.write("HVH\nS.R\nHVH\n\nHV\nVH\n")
         with open("one.txt", "w") as file:
             file.write("HV\nVH\n")
+        with open("numbers.txt", "w") as file:
+            file.write("3 3 3\n4 0 4\n\n3.0e+00,4.0e+00\n0.0e+00,1.0e+00\n")
+        with open("lists.json", "w") as file:
+            file.write("[[3, 3, 3], [4, 0, 4]]\n")
+        numpy.save("body.npy", numpy.array([[3, 3, 3], [4, 0, 4]]))
+        numpy.save("actions.npy", numpy.array([[1.0, 1.1, 0.6, 1.6], [0.9, 1.2, 1.1, 1.0]]))
+        with zipfile.ZipFile("model.zip", "w") as file:
+            for member in ("data", "policy.pth", "_stable_baselines3_version"):
+                file.writestr(zipfile.ZipInfo(member), "x" * 40)
         run("evo-sample", "-n", "4", "--shape", "3x3", "--seed", "1", "-o", "robots.jsonl")
         run("evo-convert", "one.txt", "-o", "robot.json")
         run("evo-convert", "robots.jsonl", "--to", "yaml", "-o", "robots.yaml")
@@ -65,6 +77,12 @@ def make(folder, source):
         shutil.copy(f"{source}/tasks/physics/evogym.yaml", "physics.yaml")
         shutil.copy(f"{source}/tasks/training/paper.yaml", "training.yaml")
         shutil.copy(f"{source}/tasks/neat.yaml", "neat.yaml")
+        with open(f"{source}/tasks/neat.yaml") as file, open("neat.cfg", "w") as ini:
+            ini.write("[NEAT]\n")
+            for line in file:
+                key, colon, value = line.partition("#")[0].partition(":")
+                if colon and key not in ("format", "version"):
+                    ini.write(f"{key} = {value.strip(' []') or ''}".rstrip() + "\n")
         with open("config.yaml", "w") as file:
             file.write("format: evo/config\nversion: 1\ncount: 2\nshape: 2x3\nseed: 3\nquiet: true\n")
         with open("actions.csv", "w") as file:

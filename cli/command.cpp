@@ -405,6 +405,14 @@ void Command::require(const std::string& long_name) {
   impl_->app.get_option(long_name)->required();
 }
 
+void Command::only(bool applies, const std::vector<std::string>& long_names,
+                   const std::string& where) const {
+  if (applies) return;
+  for (const std::string& name : long_names)
+    if (impl_->app.get_option(name)->count() > 0)
+      throw error(Failure::usage, "{} goes with {}; here it would mean nothing", name, where);
+}
+
 void Command::example(const std::string& command, const std::string& what) {
   impl_->examples.emplace_back(command, what);
 }

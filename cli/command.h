@@ -79,6 +79,10 @@ class Command {
   void arguments(std::vector<std::string>& target, const std::string& usage,
                  const std::vector<Form>& forms);
   void require(const std::string& long_name);  // the option must be given
+  // Refuses options that were given where they mean nothing: `where` says what they go with.
+  // Throws Error(usage).
+  void only(bool applies, const std::vector<std::string>& long_names,
+            const std::string& where) const;
 
   void example(const std::string& command, const std::string& what);
 

@@ -362,6 +362,9 @@ int main(int argc, char** argv) {
   command.example("evo-inspect --watch runs/walker", "the same, live");
 
   return command.run(argc, argv, [&] {
+    const std::string subject = words.empty() ? "" : words[0];
+    command.only(subject == "tasks", {"--markdown"}, "'tasks'");
+    command.only(subject == "task", {"--shape"}, "'task NAME'");
     const bool colored = cli::use_color(color);
     if (replay && !check) throw error(Failure::usage, "--replay goes with --check");
     if (check) {

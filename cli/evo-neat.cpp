@@ -77,6 +77,9 @@ int main(int argc, char** argv) {
     NeatState state;
     Parents parents;
     std::vector<CppnRobot> made;
+    command.only(!state_in, {"--shape"}, "a first population, without --state-in");
+    if (!state_in && !files.empty())
+      throw error(Failure::usage, "{}: a scored population goes with --state-in", files.front());
     if (state_in) {
       const std::vector<Robot> robots = cli::read_robots(files);
       if (robots.empty()) throw error(Failure::data, "no scored robots were read");

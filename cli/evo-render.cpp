@@ -383,6 +383,17 @@ int main(int argc, char** argv) {
                  hdf5::Reader(file).exists("/episode_0");
         });
     const bool film = rollouts && !settings.grid && !settings.generations;
+    const bool still = is_still(settings);
+    command.only(film,
+                 {"--episode", "--from", "--to", "--follow", "--camera", "--window", "--trail",
+                  "--velocities", "--contacts", "--plot"},
+                 "rollouts");
+    command.only(film && !still, {"--fps", "--speed", "--every"}, "films of rollouts");
+    command.only(settings.sheet.has_value(), {"--panels"}, "--sheet");
+    command.only(settings.sheet || settings.strip, {"--moments"}, "--strip and --sheet");
+    command.only(!still, {"--from", "--to"}, "films");
+    command.only(!settings.at, {"--strip", "--sheet"}, "films and pictures without --at");
+    command.only(!settings.strip, {"--sheet"}, "pictures without --strip");
     choose_format(settings, film && is_animation(command.output), options);
     render::check_options(options);
     if (film) {

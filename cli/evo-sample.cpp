@@ -67,6 +67,7 @@ int main(int argc, char** argv) {
     if (count < 0) throw error(Failure::usage, "--count must not be negative, got {}", count);
     const Shape shape = parse_shape(shape_text);
     const VoxelWeights weights = parse_weights(weights_text);
+    command.only(!painted, {"--weights"}, "--encoding voxel");
     std::set<std::string> seen = cli::read_ids(avoid);
     RobotWriter out(command.output);
     if (painted) {

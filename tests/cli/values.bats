@@ -179,3 +179,26 @@ END
     fails_with 65 "genome.pkl: a Python pickle" write_policy -- ${command/FILE/genome.pkl}
   done
 }
+
+@test "an option where it means nothing is refused" {
+  printf 'HV\nVH\n' > r.txt
+  evo-eval --task Walker-v0 --random --max-steps 3 r.txt --rollout r.h5 > s.json
+  fails_with 2 "--weights goes with --encoding voxel" -- evo-sample --encoding cppn --weights 0,0,0,1,1
+  fails_with 2 "--evaluated goes with --schedule paper" -- evo-select --evaluated 5 s.json
+  fails_with 2 "--of goes with" -- evo-select --keep 1 --of 5 s.json
+  fails_with 2 "--tournament-size goes with --method tournament" -- evo-select --tournament-size 2 s.json
+  fails_with 2 "s.json: a scored population goes with --state-in" -- evo-neat --state-out x.json s.json
+  evo-neat -n 2 --state-out x.json > g.jsonl
+  fails_with 2 "--shape goes with" -- evo-neat --shape 3x3 --state-in x.json --state-out y.json g.jsonl
+  fails_with 2 "--markdown goes with 'tasks'" -- evo-inspect --markdown r.txt
+  fails_with 2 "--shape goes with 'task NAME'" -- evo-inspect --shape 3x3 r.txt
+  fails_with 2 "--episode goes with rollouts" -- evo-render r.txt --episode 1 -o a.png
+  fails_with 2 "--plot goes with rollouts" -- evo-render r.txt --plot return -o a.png
+  fails_with 2 "--fps goes with films" -- evo-render r.h5 --at 2 --fps 5 -o a.png
+  fails_with 2 "--panels goes with --sheet" -- evo-render r.h5 --panels -o a.gif
+  fails_with 2 "--moments goes with" -- evo-render r.h5 --at 2 --moments time -o a.png
+  fails_with 2 "--from goes with films" -- evo-render r.h5 --at 2 --from 1 -o a.png
+  fails_with 2 "--strip goes with" -- evo-render r.h5 --at 2 --strip 2 -o a.png
+  fails_with 2 "--sheet goes with" -- evo-render r.h5 --sheet 2 --strip 2 -o a.png
+  [ -z "$(ls a.* y.json 2> /dev/null)" ]
+}

@@ -88,6 +88,11 @@ FEEDS = {
     "objects": b'{"a":',
     "HDF5": b"\x89HDF\r\n\x1a\n",
     "archive": b"PK\3\4",
+    "array": b"\x93NUMPY\1\0",
+    "pickle": b"\x80\4",
+    "settings": b"[NEAT]\n",
+    "lists": b"[[3,",
+    "kinds": b"3 3 4\n",
 }
 ENDINGS = ["", ".h5", ".npz", ".json", ".yaml"]
 STATUSES = (1, 2, 65, 66, 73)
@@ -133,7 +138,7 @@ def cases():
     for words in INPUTS:
         yield words, "/dev/zero", None
         for kind, piece in FEEDS.items():
-            endings = ENDINGS if "{}" in words and kind in ("zeros", "HDF5") else [""]
+            endings = ENDINGS if "{}" in words and kind in ("zeros", "HDF5", "array") else [""]
             for ending in endings:
                 yield words, ending, piece
 

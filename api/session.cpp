@@ -16,6 +16,11 @@ constexpr std::size_t most_environments = 65536;
 constexpr std::size_t seal_length = 64;  // of a saved state, hexadecimal digits
 constexpr int state_version = 1;         // of what VecEnv saves
 
+void check_jitter(double jitter) {
+  if (!(jitter >= 0.0 && jitter < 0.5))
+    throw error(Failure::usage, "jitter must be between 0 and 0.5 voxels, not {}", jitter);
+}
+
 void check_ranges(const TaskSpec& task, const Draws& draws) {
   for (const DrawnInteger& drawn : task.draws) {
     const auto found = draws.integers.find(drawn.name);
@@ -82,8 +87,7 @@ void Session::check_environment(std::int64_t environment) const {
 void Session::reset(const ResetRequest& request) {
   for (const int e : request.environments) check_environment(e);
   if (request.draws) check_ranges(task_, *request.draws);
-  if (!(request.jitter >= 0.0 && request.jitter < 0.5))
-    throw error(Failure::usage, "jitter must be between 0 and 0.5 voxels, not {}", request.jitter);
+  check_jitter(request.jitter);
 
   for (const int e : request.environments) {
     const auto index = static_cast<std::size_t>(e);
@@ -157,6 +161,15 @@ void Session::restore(std::span<const Restored> states) {
     envs_->load(environment, state.subspan(seal_length));
     progress_[static_cast<std::size_t>(environment)].status = EnvironmentStatus::ok;
   }
+}
+
+void Session::perturb(int environment, double jitter, std::uint64_t seed) {
+  check_environment(environment);
+  check_jitter(jitter);
+  if (status(environment) != EnvironmentStatus::ok)
+    throw error(Failure::usage, "environment {} is {}: there is nothing to move", environment,
+                to_string(status(environment)));
+  envs_->perturb(environment, jitter, seed);
 }
 
 std::span<const double> Session::observation(int environment) const {

@@ -71,6 +71,10 @@ class Session {
   // saved elsewhere or are damaged; nothing is restored then.
   void restore(std::span<const Restored> states);
 
+  // Moves every point of an episode in progress by up to `jitter` voxels; its velocities stay.
+  // Throws Error(usage) for an environment whose status is not ok, and for the jitter.
+  void perturb(int environment, double jitter, std::uint64_t seed);
+
   std::span<const double> observation(int environment) const;
   double reward(int environment) const;  // 0 unless its status is ok
   bool terminated(int environment) const;

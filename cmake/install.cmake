@@ -13,7 +13,7 @@ install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md
 install(DIRECTORY docs examples benchmarks records DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
         USE_SOURCE_PERMISSIONS PATTERN man EXCLUDE)
 install(FILES python/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/python COMPONENT tools)
-install(FILES api/evo/evo.h DESTINATION ${CMAKE_INSTALL_DOCDIR}/api/evo COMPONENT tools)
+install(FILES api/evo/evo.h api/evo/evo.hpp DESTINATION ${CMAKE_INSTALL_DOCDIR}/api/evo COMPONENT tools)
 install(DIRECTORY tasks DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
         FILES_MATCHING PATTERN "physics/*" PATTERN "training/*" PATTERN "examples/*" PATTERN "neat.yaml")
 
@@ -63,7 +63,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libevo-dev)
 set(CPACK_DEBIAN_DEV_DESCRIPTION "${PROJECT_DESCRIPTION} (development files)
- The header of the library, evo/evo.h, with what CMake and pkg-config need.")
+ The headers of the library, evo/evo.h (C) and evo/evo.hpp (C++), with what CMake and pkg-config need.")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${CPACK_DEBIAN_LIBRARY_PACKAGE_NAME} (= ${PROJECT_VERSION})")
 

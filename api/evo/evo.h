@@ -1,271 +1,336 @@
-// The library of evo, in C++20 and with nothing but the standard library in its
-// header: load a task and robots, step environments, train controllers.
-//
-//   libevo::Task task("Walker-v0");
-//   libevo::VectorEnv envs(task, {libevo::Robot({"HV", "VH"})}, 16);
-//   std::vector<double> actions(envs.action_values(), 1.2);
-//   envs.reset();
-//   envs.step(actions);
-//   double first = envs.rewards()[0];
-//
-// The same seeds give the same bits as the tools do, for any number of threads and
-// on any processor.
-//
-// Errors are of one type, Error, and leave their object as it was; what a function of
-// yours throws passes through. Different objects may be used by different threads at
-// once, and the const members of one object too. Objects own what they hold, and keep
-// nothing of their arguments. Of one that was moved from, nothing but assignment and
-// destruction is allowed.
-#pragma once
+/* The library of evo for any language that can call C. For C++ there is evo/evo.hpp.
+ *
+ *   evo_task* task;
+ *   evo_robots* robots;
+ *   evo_envs* envs;
+ *   evo_arrays at;
+ *   if (evo_task_open("Walker-v0", &task) || evo_robots_read("walker.json", &robots) ||
+ *       evo_envs_open(task, robots, 16, 1, &envs) || evo_envs_arrays(envs, &at, sizeof at) ||
+ *       evo_envs_reset(envs, NULL, 0, NULL) ||
+ *       evo_envs_step(envs, actions, at.action_values, NULL, 0))
+ *     puts(evo_error());
+ *   printf("%g\n", at.rewards[0]);
+ *
+ * Every function that can fail returns EVO_OK or what kind of failure it was; evo_error()
+ * then says in one line what went wrong, where, and what to do. A call that failed has
+ * changed nothing. Handles are opaque; one that is NULL, was freed, or is of another kind
+ * is refused with EVO_USAGE, as is NULL where something is to be written. Freeing NULL does
+ * nothing. Handles keep nothing of the arguments they were made from: those may be freed.
+ *
+ * Different handles may be used by different threads at once. A second thread in a function
+ * that changes a handle (a step, a reset) is refused with EVO_USAGE. After fork() a child may
+ * use handles made with one thread; those with more have lost theirs, and it makes its own.
+ *
+ * The same seeds give the same bits as the tools do, for any number of threads and on any
+ * processor. Arrays are double, row by row; positions are [points][2], x and y (upwards), in
+ * the benchmark's raw units: a voxel is 0.1 wide, a control step takes 0.003 of the time in
+ * velocities.
+ */
+#ifndef EVO_EVO_H
+#define EVO_EVO_H
 
-#include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <span>
-#include <stdexcept>
-#include <string>
-#include <vector>
+#include <stddef.h>
+#include <stdint.h>
 
-#define LIBEVO_API __attribute__((visibility("default")))
+#if defined(__GNUC__)
+#define EVO_API __attribute__((visibility("default")))
+#else
+#define EVO_API
+#endif
 
-namespace libevo {
+#ifdef __cplusplus
+extern "C" {
+#endif
 
-LIBEVO_API const char* version() noexcept;  // of the library in use: "0.1.0"
-
-struct Access;  // the library's own way in
-
-// What went wrong, where, and what to do, in one line.
-class LIBEVO_API Error : public std::runtime_error {
- public:
-  // The values are the exit statuses of the tools.
-  enum class Kind : int {
-    work = 1,            // the work itself failed
-    usage = 2,           // an argument makes no sense, or names what does not exist
-    data = 65,           // a file or document makes no sense
-    no_input = 66,       // a file is missing
-    cannot_create = 73,  // a file cannot be created
-    io = 74,             // reading or writing failed halfway
-  };
-
-  Error(Kind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
-  Error(const Error&) = default;
-  Error& operator=(const Error&) = default;
-  ~Error() override;
-
-  Kind kind() const noexcept { return kind_; }
-
- private:
-  Kind kind_;
+/* The values are the exit statuses of the tools. */
+enum {
+  EVO_OK = 0,
+  EVO_WORK = 1,           /* the work itself failed */
+  EVO_USAGE = 2,          /* an argument makes no sense, or names what does not exist */
+  EVO_DATA = 65,          /* a file or document makes no sense */
+  EVO_NO_INPUT = 66,      /* a file is missing */
+  EVO_CANNOT_CREATE = 73, /* a file cannot be created */
+  EVO_IO = 74             /* reading or writing failed halfway */
 };
 
-// ---- tasks and robots ---------------------------------------------------------
+EVO_API const char* evo_version(void); /* of the library in use: "0.1.0" */
+/* The last failure in this thread, until its next one; "" before the first. */
+EVO_API const char* evo_error(void);
+/* What the library gave away: texts and bytes. */
+EVO_API void evo_free(void* given);
 
-// A world, what is observed in it and rewarded, and when an episode ends.
-class LIBEVO_API Task {
- public:
-  // A benchmark task by name, or a YAML file. Names are looked for in the folders of
-  // $EVO_TASKS, then in $EVO_DATA, else where the library was installed.
-  explicit Task(const std::string& name_or_file);
-  Task(const Task&);
-  Task(Task&&) noexcept;
-  Task& operator=(const Task&);
-  Task& operator=(Task&&) noexcept;
-  ~Task();
+/* ---- tasks ---------------------------------------------------------------------------- */
 
-  std::string name() const;
-  int episode_steps() const;  // time limit, control steps
-  // The range of actions: an actuator's target length as a share of its rest length.
-  double action_low() const;
-  double action_high() const;
+/* A world, what is observed in it and rewarded, and when an episode ends. */
+typedef struct evo_task evo_task;
 
-  // As --physics and --set of the tools: "fast", a file; "gravity=50".
-  void set_physics(const std::string& profile_or_file);
-  void set(const std::string& assignment);
+/* A benchmark task by name, or a YAML file. Names are looked for in the folders of $EVO_TASKS,
+ * then in $EVO_DATA, else where the library was installed. */
+EVO_API int evo_task_open(const char* name_or_file, evo_task** task);
+/* A task as YAML text; `origin` begins its errors, and files named in it are beside it. */
+EVO_API int evo_task_parse(const char* yaml, const char* origin, evo_task** task);
+EVO_API int evo_task_copy(const evo_task* task, evo_task** copy);
+EVO_API void evo_task_free(evo_task* task);
 
- private:
-  friend struct Access;
-  struct Impl;
-  explicit Task(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+/* As --physics and --set of the tools: "fast", a file; "gravity=50". */
+EVO_API int evo_task_set_physics(evo_task* task, const char* profile_or_file);
+EVO_API int evo_task_set(evo_task* task, const char* assignment);
+
+typedef struct evo_task_facts {
+  const char* name; /* these two as long as the task is not changed or freed */
+  const char* yaml;
+  int32_t episode_steps; /* time limit, control steps */
+  int32_t reserved;
+  /* The range of actions: an actuator's target length as a share of its rest length. */
+  double action_low;
+  double action_high;
+} evo_task_facts;
+/* `size` is that of the caller's struct: later versions may know more. So in what follows. */
+EVO_API int evo_task_describe(const evo_task* task, evo_task_facts* facts, size_t size);
+
+/* The names of all tasks that evo_task_open finds, one a line; for evo_free. */
+EVO_API int evo_task_names(char** names);
+
+/* ---- robots --------------------------------------------------------------------------- */
+
+/* A list of robots: bodies of voxels, and what is known of them. */
+typedef struct evo_robots evo_robots;
+
+/* All robots of a file or a text: JSON, JSON Lines, YAML, letters or numbers; a policy or
+ * rollout file stands for its robot. */
+EVO_API int evo_robots_read(const char* file, evo_robots** robots);
+EVO_API int evo_robots_parse(const char* text, evo_robots** robots);
+EVO_API int evo_robots_new(evo_robots** robots); /* an empty list */
+EVO_API void evo_robots_free(evo_robots* robots);
+/* Appends robot `index` of another list. */
+EVO_API int evo_robots_append(evo_robots* robots, const evo_robots* others, size_t index);
+EVO_API int evo_robots_count(const evo_robots* robots, size_t* count);
+
+typedef struct evo_robot_facts {
+  const char* id;   /* follows from the body alone; the pointers last until the list changes */
+  const char* json; /* the whole document, one line without its newline */
+  int32_t rows;
+  int32_t columns;
+  const uint8_t* voxels; /* [rows][columns], from the top: evo_voxel */
+} evo_robot_facts;
+EVO_API int evo_robots_describe(const evo_robots* robots, size_t index, evo_robot_facts* facts,
+                                size_t size);
+
+/* The benchmark's numbers. Fixed cells are terrain. */
+enum evo_voxel {
+  EVO_EMPTY = 0,
+  EVO_RIGID = 1,
+  EVO_SOFT = 2,
+  EVO_HORIZONTAL = 3, /* actuators, by the direction in which they stretch */
+  EVO_VERTICAL = 4,
+  EVO_FIXED = 5
 };
 
-// The names of all tasks that Task() finds.
-LIBEVO_API std::vector<std::string> task_names();
+/* ---- environments of tasks ------------------------------------------------------------ */
 
-// A body of voxels, and what is known of it.
-class LIBEVO_API Robot {
- public:
-  // Rows of letters, from the top: . empty, R rigid, S soft, H and V actuators that
-  // stretch horizontally and vertically. Connected, with an actuator.
-  explicit Robot(const std::vector<std::string>& rows);
-  Robot(const Robot&);
-  Robot(Robot&&) noexcept;
-  Robot& operator=(const Robot&);
-  Robot& operator=(Robot&&) noexcept;
-  ~Robot();
+/* Environments, stepped side by side in the processor's vector lanes. What has ended shows it,
+ * and may be stepped on until it is reset. */
+typedef struct evo_envs evo_envs;
 
-  std::string id() const;  // follows from the body alone
-  std::vector<std::string> rows() const;
-  std::string json() const;  // the whole document, one line without its newline
+/* `per_robot` environments for each robot, one robot after the other; robots may differ in
+ * size. `threads` share the work of a step. */
+EVO_API int evo_envs_open(const evo_task* task, const evo_robots* robots, int32_t per_robot,
+                          int32_t threads, evo_envs** envs);
+EVO_API void evo_envs_free(evo_envs* envs);
 
- private:
-  friend struct Access;
-  struct Impl;
-  explicit Robot(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+enum evo_env_status {
+  EVO_ENV_OK = 0,
+  EVO_ENV_UNRESET = 1, /* before its first reset; a step of it is an error */
+  EVO_ENV_UNSTABLE = 2 /* the simulation failed; left out of steps until its next reset */
 };
 
-// All robots of a text or file: JSON, JSON Lines, YAML or letters; a policy or
-// rollout file stands for its robot.
-LIBEVO_API std::vector<Robot> parse_robots(const std::string& text);
-LIBEVO_API std::vector<Robot> read_robots(const std::string& file);
+/* Where the values are: reset, step, restore and perturb write them in place, until the
+ * environments are freed. Those of environment e begin at its offset and end at the next. */
+typedef struct evo_arrays {
+  size_t environments;               /* E */
+  size_t observation_values;         /* of all environments */
+  size_t action_values;              /* */
+  size_t points;                     /* */
+  const size_t* observation_offsets; /* [E + 1] */
+  const size_t* action_offsets;      /* [E + 1] */
+  const size_t* point_offsets;       /* [E + 1] */
+  const double* observations;        /* [observation_values], zeros before the first reset */
+  const double* rewards;             /* [E] of the last step */
+  const uint8_t* terminated;         /* [E] ended by a rule of the task */
+  const uint8_t* truncated;          /* [E] ended by the time limit */
+  const uint8_t* status;             /* [E] evo_env_status */
+  const int32_t* steps;              /* [E] taken in this episode */
+  const double* positions;           /* [points][2] all point masses of the worlds */
+  const double* velocities;          /* [points][2] */
+} evo_arrays;
+EVO_API int evo_envs_arrays(const evo_envs* envs, evo_arrays* arrays, size_t size);
 
-// ---- environments -------------------------------------------------------------
+/* How episodes begin. */
+typedef struct evo_start {
+  int32_t has_seed; /* a seed stays in force until another is given; 0 at first */
+  int32_t has_episode;
+  uint64_t seed;
+  /* Of the seed: what a task draws follows from both, as in the tools. By itself environment i
+   * of N of a robot plays the episodes i, i + N, i + 2 N, .. of its seed, one at each reset; a
+   * seed begins this count anew. */
+  uint64_t episode;
+  double jitter;     /* every start coordinate is moved by up to this, voxels */
+  const char* draws; /* what the task would draw, as JSON; NULL: drawn */
+} evo_start;
 
-// How episodes begin.
-struct Start {
-  // Stays in force until another is given; 0 at first.
-  std::optional<std::uint64_t> seed = {};
-  // Of the seed: what a task draws follows from both, as in the tools. By itself
-  // environment i of N of a robot plays the episodes i, i + N, i + 2 N, .. of its seed,
-  // one at each reset; a seed begins this count anew.
-  std::optional<std::uint64_t> episode = {};
-  double jitter = 0.0;  // every start coordinate is moved by up to this, voxels
+/* Begins episodes in these environments, or in all (NULL). `start` may be NULL. */
+EVO_API int evo_envs_reset(evo_envs* envs, const int32_t* environments, size_t count,
+                           const evo_start* start);
+/* One control step. `actions`: [action_values], clipped to the task's range. `active`: [E], not
+ * 0 for those that take part, or NULL for all; the others stay as they are. Refused, with
+ * nothing stepped: wrong lengths, actions that are not finite, environments never reset. */
+EVO_API int evo_envs_step(evo_envs* envs, const double* actions, size_t values,
+                          const uint8_t* active, size_t active_values);
+
+/* The state of an episode in progress: it goes on from there as often as it is restored, in any
+ * environment of the same robot, task and version, to the same bits. The bytes are opaque, and
+ * for evo_free. */
+EVO_API int evo_envs_save(const evo_envs* envs, int32_t environment, void** bytes, size_t* count);
+EVO_API int evo_envs_restore(evo_envs* envs, int32_t environment, const void* bytes, size_t count);
+/* Moves every point by up to `jitter` voxels in each coordinate; velocities stay. */
+EVO_API int evo_envs_perturb(evo_envs* envs, int32_t environment, double jitter, uint64_t seed);
+
+/* Which points of an environment's world are an object's. The robot's is named "robot". */
+typedef struct evo_object {
+  const char* name;   /* as long as the environments are not reset or freed */
+  size_t first_point; /* of the environment */
+  size_t points;
+} evo_object;
+EVO_API int evo_envs_object_count(const evo_envs* envs, int32_t environment, size_t* count);
+EVO_API int evo_envs_object(const evo_envs* envs, int32_t environment, size_t index,
+                            evo_object* object, size_t size);
+/* The slices of an environment's observation, as JSON: [{"name", "offset", "length"}]; evo_free. */
+EVO_API int evo_envs_observed(const evo_envs* envs, int32_t environment, char** json);
+
+/* ---- worlds built in code ------------------------------------------------------------- */
+
+/* Named objects in a grid of cells: robots, terrain, packages. */
+typedef struct evo_world evo_world;
+
+EVO_API int evo_world_new(evo_world** world);
+/* A world of the benchmark's design tool (JSON): a file, or a text. */
+EVO_API int evo_world_read(const char* file, evo_world** world);
+EVO_API int evo_world_parse(const char* json, evo_world** world);
+EVO_API void evo_world_free(evo_world* world);
+
+/* Puts an object with its lower left corner into cell (x, y), y upwards from the floor.
+ * `voxels`: [rows][columns], from the top. `links`: [link_count][2] pairs of adjacent cells, by
+ * row * columns + column, that are joined; NULL joins all neighbours. */
+EVO_API int evo_world_add(evo_world* world, const char* name, const uint8_t* voxels, int32_t rows,
+                          int32_t columns, const int32_t* links, size_t link_count, int32_t x,
+                          int32_t y);
+/* Moves an object, or takes it out. */
+EVO_API int evo_world_move(evo_world* world, const char* name, int32_t x, int32_t y);
+EVO_API int evo_world_remove(evo_world* world, const char* name);
+EVO_API int evo_world_json(const evo_world* world, char** json); /* for the design tool; evo_free */
+
+/* Simulations of one world, side by side: without task, observation and reward, and with any
+ * number of robots. */
+typedef struct evo_sims evo_sims;
+
+/* `physics`: a profile by name or file, NULL for the benchmark's. */
+EVO_API int evo_sims_open(const evo_world* world, const char* physics, int32_t sims,
+                          int32_t threads, evo_sims** opened);
+EVO_API void evo_sims_free(evo_sims* sims);
+
+enum evo_sim_status {
+  EVO_SIM_OK = 0,
+  EVO_SIM_FOLDED = 1,  /* a robot folded onto itself in the last step, which stopped there */
+  EVO_SIM_UNSTABLE = 2 /* values are not finite any more; all that is left is a reset */
 };
 
-enum class Status : std::uint8_t {
-  ok = 0,
-  unreset = 1,   // before its first reset; a step of it is an error
-  unstable = 2,  // the simulation failed; left out of steps until its next reset
-};
+typedef struct evo_sim_arrays {
+  size_t sims;              /* S */
+  size_t points;            /* P, of one simulation: all point masses of the world */
+  size_t actuators;         /* A, of one simulation: of all robots, in the order of objects */
+  const double* positions;  /* [S][P][2] */
+  const double* velocities; /* [S][P][2] */
+  const uint8_t* status;    /* [S] evo_sim_status */
+  double action_low;        /* targets are clipped to this range */
+  double action_high;
+} evo_sim_arrays;
+EVO_API int evo_sims_arrays(const evo_sims* sims, evo_sim_arrays* arrays, size_t size);
 
-// A place or a velocity in the plane.
-struct Point {
-  double x = 0.0;
-  double y = 0.0;  // upwards
-};
+/* Back to the initial shapes, at rest: one simulation, or all (-1). */
+EVO_API int evo_sims_reset(evo_sims* sims, int32_t sim);
+/* One control step. `targets`: [S][A] lengths of actuators as shares of their rest lengths.
+ * `active` as for evo_envs_step. */
+EVO_API int evo_sims_step(evo_sims* sims, const double* targets, size_t values,
+                          const uint8_t* active, size_t active_values);
+EVO_API int evo_sims_save(const evo_sims* sims, int32_t sim, void** bytes, size_t* count);
+EVO_API int evo_sims_restore(evo_sims* sims, int32_t sim, const void* bytes, size_t count);
 
-// Which points of a world are an object's; the robot's is named "robot".
-struct Object {
-  std::string name;
-  std::size_t first_point = 0;
-  std::size_t points = 0;
-};
+/* Objects in the order of points: those with actuators first, then by name. */
+typedef struct evo_sim_object {
+  const char* name; /* as long as the simulations */
+  size_t first_point;
+  size_t points;
+  size_t first_actuator;
+  size_t actuators;
+} evo_sim_object;
+EVO_API int evo_sims_object_count(const evo_sims* sims, size_t* count);
+EVO_API int evo_sims_object(const evo_sims* sims, size_t index, evo_sim_object* object,
+                            size_t size);
+/* How far an object is turned in each simulation from its initial shape, counter-clockwise,
+ * radians: [S]. As the benchmark measures it. */
+EVO_API int evo_sims_orientation(const evo_sims* sims, size_t object, double* angles, size_t count);
 
-// E environments, stepped side by side in the processor's vector lanes. As
-// Gymnasium's VectorEnv with autoreset disabled: what has ended shows it, and may be
-// stepped on until it is reset. Arrays are environment-major and stay where they are;
-// reset() and step() write them. Not copied, but moved.
-class LIBEVO_API VectorEnv {
- public:
-  // `per_robot` environments for each robot, one robot after the other; robots may
-  // differ in size. `threads` share the work of a step.
-  VectorEnv(const Task& task, const std::vector<Robot>& robots, int per_robot = 1, int threads = 1);
-  VectorEnv(VectorEnv&&) noexcept;
-  VectorEnv& operator=(VectorEnv&&) noexcept;
-  ~VectorEnv();
+/* ---- controllers ---------------------------------------------------------------------- */
 
-  int num_envs() const;
-  int observation_length(int environment) const;
-  int action_length(int environment) const;
-  std::size_t observation_values() const;  // of all environments
-  std::size_t action_values() const;
-  // Where the values of an environment begin in observations() and actions.
-  std::size_t observation_offset(int environment) const;
-  std::size_t action_offset(int environment) const;
+/* A trained controller with what it belongs to. */
+typedef struct evo_policy evo_policy;
 
-  // Begins an episode in every environment, or in one. Throws Error(usage).
-  void reset(const Start& start = {});
-  void reset(int environment, const Start& start = {});
+EVO_API int evo_policy_read(const char* file, evo_policy** policy);
+/* A file for evo-eval, evo-render, evo-convert; appears whole or not at all. */
+EVO_API int evo_policy_write(const evo_policy* policy, const char* file);
+EVO_API int evo_policy_copy(const evo_policy* policy, evo_policy** copy);
+EVO_API void evo_policy_free(evo_policy* policy);
 
-  // One control step. `actions`: [action_values()], clipped to the task's range.
-  // `active`: [E], not 0 for those that take part (all, if empty); the others stay as
-  // they are. Throws Error(usage), with nothing stepped, for wrong lengths, actions that
-  // are not finite, and environments that were never reset.
-  void step(std::span<const double> actions, std::span<const std::uint8_t> active = {});
+/* An evaluation in the course of a training, and the best until then. */
+typedef struct evo_curve_point {
+  int64_t step; /* environment steps */
+  double evaluation;
+  double best;
+} evo_curve_point;
 
-  // The state of an episode in progress: it goes on from there as often as it is restored,
-  // in any environment of the same robot and task, to the same bits. The bytes are opaque and
-  // for this version of the library. Throws Error(usage) for an environment whose status is
-  // not ok; Error(data) for bytes saved elsewhere or damaged, with nothing restored.
-  std::vector<std::uint8_t> save(int environment) const;
-  void restore(int environment, std::span<const std::uint8_t> state);
+typedef struct evo_policy_facts {
+  size_t observation_length; /* D */
+  size_t action_length;      /* A */
+  double fitness;            /* the best evaluation */
+  size_t curve_points;
+  const evo_curve_point* curve; /* as long as the policy */
+} evo_policy_facts;
+EVO_API int evo_policy_describe(const evo_policy* policy, evo_policy_facts* facts, size_t size);
+EVO_API int evo_policy_robot(const evo_policy* policy, evo_robots** robot); /* a list of one */
+EVO_API int evo_policy_task(const evo_policy* policy, evo_task** task);     /* with its physics */
 
-  // After reset, step and restore; zeros before the first reset of an environment.
-  std::span<const double> observations() const;  // [observation_values()]
-  std::span<const double> observation(int environment) const;
-  std::span<const double> rewards() const;           // [E] of the last step
-  std::span<const std::uint8_t> terminated() const;  // [E] ended by a rule of the task
-  std::span<const std::uint8_t> truncated() const;   // [E] ended by the time limit
-  std::span<const Status> status() const;            // [E]
-  std::span<const int> steps() const;                // [E] taken in this episode
+/* The deterministic controller: observations [count][D] at steps [count] of their episodes in,
+ * actions [count][A] out. */
+EVO_API int evo_policy_act(const evo_policy* policy, const double* observations,
+                           const int32_t* steps, size_t count, double* actions,
+                           size_t action_values);
 
-  // All point masses of an environment's world, in the benchmark's raw units: a voxel
-  // is 0.1 wide, a control step takes 0.003 of the time in velocities.
-  std::vector<Point> positions(int environment) const;
-  std::vector<Point> velocities(int environment) const;
-  std::vector<Object> objects(int environment) const;
+typedef struct evo_training {
+  const char* profile;    /* a training profile, by name or file; NULL: "default" */
+  const char* const* set; /* settings of it: "gamma=0.995" */
+  size_t set_count;
+  int64_t steps; /* environment steps; 0: the profile's */
+  uint64_t seed;
+  /* Called after every update with the environment steps so far; 0 ends the training. */
+  int (*go_on)(int64_t step, void* user);
+  void* user;
+} evo_training;
+/* As evo-train, to the same bytes, in the calling thread. `training` may be NULL. EVO_WORK where
+ * the training failed or was ended. */
+EVO_API int evo_train(const evo_task* task, const evo_robots* robots, size_t index,
+                      const evo_training* training, size_t size, evo_policy** policy);
 
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
-
-// ---- controllers --------------------------------------------------------------
-
-struct TrainingOptions {
-  std::string profile = "default";         // a training profile, by name or file
-  std::vector<std::string> set = {};       // settings of it: "gamma=0.995"
-  std::optional<std::int64_t> steps = {};  // environment steps; else the profile's
-  std::uint64_t seed = 0;
-  // Called after every update with the environment steps so far; false ends the
-  // training, as does an exception, which then is the one that train() throws.
-  std::function<bool(std::int64_t step)> go_on = {};
-};
-
-// An evaluation in the course of a training, and the best until then.
-struct CurvePoint {
-  std::int64_t step = 0;  // environment steps
-  double evaluation = 0.0;
-  double best = 0.0;
-};
-
-// A trained controller with what it belongs to.
-class LIBEVO_API Policy {
- public:
-  explicit Policy(const std::string& file);
-  Policy(const Policy&);
-  Policy(Policy&&) noexcept;
-  Policy& operator=(const Policy&);
-  Policy& operator=(Policy&&) noexcept;
-  ~Policy();
-
-  Robot robot() const;
-  Task task() const;       // with its physics
-  double fitness() const;  // the best evaluation
-  std::vector<CurvePoint> curve() const;
-  int observation_length() const;  // D
-  int action_length() const;       // A
-
-  // The deterministic controller: observations [N x D] at steps [N] of their episodes
-  // in, actions [N x A] out. Throws Error(usage) for wrong lengths.
-  void act(std::span<const double> observations, std::span<const int> steps,
-           std::span<double> actions) const;
-
-  // A file for evo-eval, evo-render, evo-convert; appears whole or not at all.
-  void save(const std::string& file) const;
-
- private:
-  friend struct Access;
-  struct Impl;
-  explicit Policy(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
-};
-
-// As evo-train, to the same bytes, in the calling thread. Throws Error(work) where the
-// training failed or `go_on` ended it.
-LIBEVO_API Policy train(const Task& task, const Robot& robot, const TrainingOptions& options = {});
-
-}  // namespace libevo
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,7 +1,7 @@
 // Sixteen starts of one robot, each a little apart, on a wave through its actuators: the
 // mean return and its spread. Then a training, and what its policy earns.
 //   walk [TASK [TRAINING_STEPS]]
-#include <evo/evo.h>
+#include <evo/evo.hpp>
 
 #include <cmath>
 #include <cstdio>

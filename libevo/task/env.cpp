@@ -68,8 +68,9 @@ struct Environment {
   Episode episode;
   std::shared_ptr<const EpisodeWorld> world;
   std::vector<InitialShape> initial_shapes;
-  std::vector<Vec2> positions;  // as queries see them: stale after self-folding
-  std::vector<Vec2> velocities;
+  std::size_t point_offset = 0;
+  std::span<Vec2> positions;  // as queries see them: stale after self-folding
+  std::span<Vec2> velocities;
   std::vector<double> quantities;  // measured in positions
   std::vector<double> previous_quantities;
   std::vector<Vec2> work;
@@ -129,6 +130,11 @@ struct VecEnv::Impl {
         terminated(arenas.size()),
         truncated(arenas.size()) {
     std::size_t observation_lengths = 0;
+    std::size_t points = 0;
+    for (const Arena* arena : arenas) points += static_cast<std::size_t>(arena->model().points());
+    positions.resize(points);
+    velocities.resize(points);
+    points = 0;
     for (std::size_t i = 0; i < arenas.size(); ++i) {
       Environment& e = environments[i];
       e.arena = arenas[i];
@@ -136,6 +142,12 @@ struct VecEnv::Impl {
       e.action_offset = action_lengths;
       observation_lengths += static_cast<std::size_t>(e.arena->observation_length());
       action_lengths += static_cast<std::size_t>(e.arena->action_length());
+      // Draws move objects and leave their number of points.
+      const auto own = static_cast<std::size_t>(e.arena->model().points());
+      e.point_offset = points;
+      e.positions = std::span(positions).subspan(points, own);
+      e.velocities = std::span(velocities).subspan(points, own);
+      points += own;
       place(i, e.arena->compiled().world);
     }
     observations.resize(observation_lengths);
@@ -148,8 +160,8 @@ struct VecEnv::Impl {
     e.world = std::move(world);
     e.status = LaneStatus::done;
     batch.place(index, {e.world, &e.world->model});
-    e.positions = e.world->model.initial_positions();
-    e.velocities.assign(e.positions.size(), {});
+    std::ranges::copy(e.world->model.initial_positions(), e.positions.begin());
+    std::ranges::fill(e.velocities, Vec2{});
     e.quantities.resize(arena.quantities);
     e.previous_quantities.resize(arena.quantities);
     e.initial_shapes = make_initial_shapes(arena, e.positions);
@@ -176,6 +188,8 @@ struct VecEnv::Impl {
   std::vector<double> rewards;
   std::vector<std::uint8_t> terminated;
   std::vector<std::uint8_t> truncated;
+  std::vector<Vec2> positions;
+  std::vector<Vec2> velocities;
 };
 
 namespace {
@@ -209,6 +223,9 @@ std::size_t VecEnv::observation_offset(int environment) const {
 }
 std::size_t VecEnv::action_offset(int environment) const {
   return environment_of(*impl_, environment).action_offset;
+}
+std::size_t VecEnv::point_offset(int environment) const {
+  return environment_of(*impl_, environment).point_offset;
 }
 
 void VecEnv::reset(int environment, const EpisodeStart& start) {
@@ -298,6 +315,8 @@ std::span<const std::uint8_t> VecEnv::truncated() const { return impl_->truncate
 int VecEnv::steps(int environment) const {
   return environment_of(*impl_, environment).episode.steps;
 }
+std::span<const Vec2> VecEnv::positions() const { return impl_->positions; }
+std::span<const Vec2> VecEnv::velocities() const { return impl_->velocities; }
 std::span<const Vec2> VecEnv::positions(int environment) const {
   return environment_of(*impl_, environment).positions;
 }
@@ -320,10 +339,10 @@ class ByteWriter {
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
     bytes_.insert(bytes_.end(), bytes, bytes + sizeof(T));
   }
-  template <typename T>
-  void values(const std::vector<T>& values) {
+  template <typename Range>
+  void values(const Range& values) {
     value(static_cast<std::uint64_t>(values.size()));
-    for (const T& v : values) value(v);
+    for (const auto& v : values) value(v);
   }
   void text(const std::string& text) { values(std::vector<char>(text.begin(), text.end())); }
   std::vector<std::uint8_t> take() { return std::move(bytes_); }
@@ -351,11 +370,12 @@ class ByteReader {
     for (T& v : values) value(v);
   }
   // An array whose length is known.
-  template <typename T>
-  void fill(std::vector<T>& expected) {
-    const std::size_t size = expected.size();
-    values(expected);
-    if (expected.size() != size) refuse();
+  template <typename Range>
+  void fill(Range& expected) {
+    std::uint64_t size = 0;
+    value(size);
+    if (size != expected.size()) refuse();
+    for (auto& v : expected) value(v);
   }
   std::string text() {
     std::vector<char> letters;

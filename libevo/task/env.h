@@ -75,6 +75,7 @@ class VecEnv {
   const Arena& arena(int environment) const;
   std::size_t observation_offset(int environment) const;
   std::size_t action_offset(int environment) const;
+  std::size_t point_offset(int environment) const;
 
   // Throws Error(usage) for draws that are not the task's.
   void reset(int environment, const EpisodeStart& start);
@@ -103,6 +104,9 @@ class VecEnv {
 
   // What queries of the benchmark read: all points of the world in world
   // order, raw units; after self-folding those of the step before (docs/tasks.md, "A step").
+  // Of all environments one after the other, from point_offset(e) on, or of one.
+  std::span<const Vec2> positions() const;
+  std::span<const Vec2> velocities() const;
   std::span<const Vec2> positions(int environment) const;
   std::span<const Vec2> velocities(int environment) const;
   const Model& model(int environment) const;  // of this episode (draws move objects)

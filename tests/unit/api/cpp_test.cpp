@@ -1,5 +1,5 @@
 // The library as another program sees it: nothing here includes more than its header.
-#include "evo/evo.h"
+#include "evo/evo.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -58,7 +58,7 @@ TEST_CASE("api: an environment moves the same alone and among others, on any thr
                                          static_cast<std::size_t>(many.observation_length(5)))));
   CHECK(many.rewards()[5] == one.rewards()[0]);
   CHECK(many.steps()[5] == 30);
-  CHECK(one.status()[0] == libevo::Status::ok);
+  CHECK(one.status(0) == libevo::Status::ok);
 }
 
 TEST_CASE("api: an episode goes on from a state, as often as it is restored, to the same bits") {
@@ -88,7 +88,7 @@ TEST_CASE("api: an episode goes on from a state, as often as it is restored, to 
   CHECK(go_on(envs, 1) == end);
   libevo::VectorEnv fresh(task, {walker});
   fresh.restore(0, state);
-  CHECK(fresh.status()[0] == libevo::Status::ok);
+  CHECK(fresh.status(0) == libevo::Status::ok);
   CHECK(go_on(fresh, 0) == end);
 
   std::vector<std::uint8_t> damaged = state;
@@ -207,7 +207,7 @@ TEST_CASE("api: what makes no sense is refused in words and changes nothing") {
   VectorEnv envs(task, {small}, 2);
   const auto actions = wave(envs.action_values(), 0);
   fails(Error::Kind::usage, "reset", [&] { envs.step(actions); });
-  CHECK(envs.status()[1] == libevo::Status::unreset);
+  CHECK(envs.status(1) == libevo::Status::unreset);
   envs.reset();
   const auto before = copy(envs.observations());
   fails(Error::Kind::usage, "8 actions", [&] { envs.step(std::span(actions).subspan(1)); });

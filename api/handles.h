@@ -1,0 +1,152 @@
+// What every function of evo/evo.h does: handles are looked up, failures become numbers
+// and a text.
+#pragma once
+
+#include <atomic>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "evo/evo.h"
+#include "formats/io/data_folders.h"
+#include "formats/robot/robot.h"
+#include "formats/training/policy.h"
+#include "libevo/base/error.h"
+#include "libevo/task/spec.h"
+
+namespace evo::c {
+
+void remember(const std::string& message);  // for evo_error()
+
+// Runs the work of a function; what it throws is remembered.
+template <typename Work>
+int guarded(const Work& work) {
+  try {
+    work();
+    return EVO_OK;
+  } catch (const Error& failure) {
+    remember(failure.what());
+    return static_cast<int>(failure.kind());
+  } catch (const std::bad_alloc&) {
+    remember("out of memory");
+  } catch (const std::exception& failure) {
+    remember(failure.what());
+  }
+  return EVO_WORK;
+}
+
+// Which handles there are; each is of one kind, a type of evo/evo.h.
+void enter(const void* handle, const char* kind);
+bool leave(const void* handle, const char* kind);  // whether it was one
+void require(const void* handle, const char* kind);
+
+template <typename Handle>
+struct Kind;
+template <>
+struct Kind<evo_task> {
+  static constexpr const char* name = "evo_task";
+};
+template <>
+struct Kind<evo_robots> {
+  static constexpr const char* name = "evo_robots";
+};
+template <>
+struct Kind<evo_envs> {
+  static constexpr const char* name = "evo_envs";
+};
+template <>
+struct Kind<evo_world> {
+  static constexpr const char* name = "evo_world";
+};
+template <>
+struct Kind<evo_sims> {
+  static constexpr const char* name = "evo_sims";
+};
+template <>
+struct Kind<evo_policy> {
+  static constexpr const char* name = "evo_policy";
+};
+
+// The object of a handle. Throws Error(usage) where it is none.
+template <typename Handle>
+Handle& object_of(Handle* handle) {
+  require(handle, Kind<std::remove_const_t<Handle>>::name);
+  return *handle;
+}
+
+template <typename T>
+T& target(T* place, const char* name) {
+  if (place == nullptr) throw error(Failure::usage, "`{}` is NULL", name);
+  return *place;
+}
+
+std::string text_of(const char* text, const char* name);  // refuses NULL
+
+// Makes a handle of what `make` returns, a std::unique_ptr of its object.
+template <typename Handle, typename Make>
+int open(Handle** place, const Make& make) {
+  return guarded([&] {
+    target(place, "place of the handle") = nullptr;
+    std::unique_ptr<Handle> made = make();
+    enter(made.get(), Kind<Handle>::name);
+    *place = made.release();
+  });
+}
+
+template <typename Handle>
+void close(Handle* handle) {
+  if (handle != nullptr && leave(handle, Kind<Handle>::name)) delete handle;
+}
+
+// Facts into the struct of a caller who may know fewer of them.
+template <typename Facts>
+void hand_over(const Facts& facts, Facts* place, std::size_t size) {
+  target(place, "struct to be filled");
+  if (size == 0 || size > sizeof(Facts))
+    throw error(Failure::usage, "a struct of {} bytes is not of this version, in which it has {}",
+                size, sizeof(Facts));
+  std::memcpy(place, &facts, size);
+}
+
+// A copy for evo_free().
+char* given(std::string_view text);
+
+// One thread at a time changes a handle.
+class Busy {
+ public:
+  explicit Busy(std::atomic_flag& flag);
+  ~Busy() { flag_.clear(); }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  std::atomic_flag& flag_;
+};
+
+std::unique_ptr<evo_task> task_of(TaskSpec spec);
+std::unique_ptr<evo_robots> list_of(std::vector<Robot> robots);
+// Throws Error(usage) where the list has no such robot.
+const Robot& robot_at(const evo_robots& robots, std::size_t index);
+
+// Tasks and profiles as the tools find them: installed with this library, or in the checkout
+// it was built in.
+DataFolders data_folders();
+
+}  // namespace evo::c
+
+// What is behind the handles that several files need.
+struct evo_task {
+  evo::TaskSpec spec;
+  std::string yaml;  // of the whole task
+};
+struct evo_robots {
+  std::vector<evo::Robot> list;
+  std::vector<std::string> json;  // of each, its document
+};
+struct evo_policy {
+  evo::PolicyFile file;
+  std::vector<evo_curve_point> curve;
+};

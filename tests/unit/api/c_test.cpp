@@ -1,0 +1,321 @@
+// The library as a program in C sees it: nothing here includes more than its header.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "evo/evo.h"
+
+extern "C" {
+extern const size_t sizes_in_c[];
+extern const size_t sizes_in_c_count;
+}
+
+namespace {
+
+using Catch::Contains;
+
+void fails(int expected, const std::string& text, int result) {
+  CHECK(result == expected);
+  CHECK_THAT(evo_error(), Contains(text));
+}
+
+const std::vector<std::uint8_t> corner{EVO_HORIZONTAL, EVO_VERTICAL, EVO_VERTICAL, EVO_HORIZONTAL};
+
+evo_world* world_of_two() {
+  evo_world* world = nullptr;
+  REQUIRE(evo_world_new(&world) == EVO_OK);
+  const std::vector<std::uint8_t> ground(20, EVO_FIXED);
+  REQUIRE(evo_world_add(world, "ground", ground.data(), 1, 20, nullptr, 0, 0, 0) == EVO_OK);
+  REQUIRE(evo_world_add(world, "right", corner.data(), 2, 2, nullptr, 0, 9, 1) == EVO_OK);
+  REQUIRE(evo_world_add(world, "left", corner.data(), 2, 2, nullptr, 0, 4, 1) == EVO_OK);
+  return world;
+}
+
+std::vector<double> wave(std::size_t count, int t) {
+  std::vector<double> targets(count);
+  for (std::size_t i = 0; i < count; ++i)
+    targets[i] = 1.1 + 0.5 * std::sin(0.3 * t + 0.7 * static_cast<double>(i));
+  return targets;
+}
+
+evo_sim_arrays arrays_of(const evo_sims* sims) {
+  evo_sim_arrays arrays{};
+  REQUIRE(evo_sims_arrays(sims, &arrays, sizeof arrays) == EVO_OK);
+  return arrays;
+}
+
+std::vector<double> positions_of(const evo_sims* sims, std::size_t sim) {
+  const evo_sim_arrays at = arrays_of(sims);
+  const double* first = at.positions + 2 * at.points * sim;
+  return {first, first + 2 * at.points};
+}
+
+struct Session {
+  evo_task* task = nullptr;
+  evo_robots* robots = nullptr;
+  evo_envs* envs = nullptr;
+
+  explicit Session(const char* name, int count = 1, int threads = 1) {
+    REQUIRE(evo_task_open(name, &task) == EVO_OK);
+    REQUIRE(evo_robots_parse("HV\nVH\n", &robots) == EVO_OK);
+    REQUIRE(evo_envs_open(task, robots, count, threads, &envs) == EVO_OK);
+  }
+  ~Session() {
+    evo_envs_free(envs);
+    evo_robots_free(robots);
+    evo_task_free(task);
+  }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+};
+
+}  // namespace
+
+// A program built with this header counts on these (x86-64 and AArch64 alike).
+TEST_CASE("c: the sizes of structs are those that programs were built with") {
+  const std::vector<size_t> pinned{40, 32, 120, 40, 24, 64, 40, 24, 40, 56};
+  CHECK(std::vector<size_t>(sizes_in_c, sizes_in_c + sizes_in_c_count) == pinned);
+}
+
+TEST_CASE("c: environments, their arrays and their states") {
+  const Session s("Carrier-v0", 3, 2);
+  evo_arrays at{};
+  REQUIRE(evo_envs_arrays(s.envs, &at, sizeof at) == EVO_OK);
+  REQUIRE(at.environments == 3);
+  CHECK(at.action_values == 12);
+  CHECK(at.point_offsets[3] == at.points);
+  CHECK(at.status[0] == EVO_ENV_UNRESET);
+  const evo_start start{1, 0, 7, 0, 1e-3, nullptr};
+  REQUIRE(evo_envs_reset(s.envs, nullptr, 0, &start) == EVO_OK);
+  CHECK(at.status[0] == EVO_ENV_OK);
+
+  evo_object robot{};
+  REQUIRE(evo_envs_object(s.envs, 1, 0, &robot, sizeof robot) == EVO_OK);
+  CHECK(std::string(robot.name) == "robot");
+  CHECK(robot.points == 9);
+  const double before = at.positions[2 * (at.point_offsets[1] + robot.first_point)];
+  for (int t = 0; t < 5; ++t) {
+    const auto actions = wave(at.action_values, t);
+    REQUIRE(evo_envs_step(s.envs, actions.data(), actions.size(), nullptr, 0) == EVO_OK);
+  }
+  CHECK(at.positions[2 * (at.point_offsets[1] + robot.first_point)] != before);
+  CHECK(at.steps[2] == 5);
+
+  void* state = nullptr;
+  size_t count = 0;
+  REQUIRE(evo_envs_save(s.envs, 1, &state, &count) == EVO_OK);
+  const double saved = at.positions[2 * at.point_offsets[1]];
+  const auto actions = wave(at.action_values, 9);
+  REQUIRE(evo_envs_step(s.envs, actions.data(), actions.size(), nullptr, 0) == EVO_OK);
+  REQUIRE(evo_envs_restore(s.envs, 1, state, count) == EVO_OK);
+  CHECK(at.positions[2 * at.point_offsets[1]] == saved);
+  CHECK(at.steps[1] == 5);
+  fails(EVO_DATA, "damaged", evo_envs_restore(s.envs, 1, state, count - 1));
+  evo_free(state);
+  REQUIRE(evo_envs_perturb(s.envs, 1, 1e-3, 5) == EVO_OK);
+  CHECK(std::abs(at.positions[2 * at.point_offsets[1]] - saved) <= 1e-4);
+  fails(EVO_USAGE, "jitter", evo_envs_perturb(s.envs, 1, -1, 5));
+
+  char* observed = nullptr;
+  REQUIRE(evo_envs_observed(s.envs, 0, &observed) == EVO_OK);
+  CHECK_THAT(observed, Contains("\"offset\":0"));
+  evo_free(observed);
+}
+
+TEST_CASE("c: what a task draws may be given") {
+  const Session s("Catcher-v0", 2);
+  const int32_t first = 0;
+  evo_start start{1, 0, 3, 0, 0.0, R"({"ox":1,"oy":2})"};
+  REQUIRE(evo_envs_reset(s.envs, &first, 1, &start) == EVO_OK);
+  start.seed = 4;
+  const int32_t second = 1;
+  REQUIRE(evo_envs_reset(s.envs, &second, 1, &start) == EVO_OK);
+  evo_arrays at{};
+  REQUIRE(evo_envs_arrays(s.envs, &at, sizeof at) == EVO_OK);
+  const std::vector<double> all(at.positions, at.positions + 2 * at.points);
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  CHECK(std::equal(all.begin(), middle, middle, all.end()));
+  start.draws = R"({"ox":1000,"oy":2})";
+  fails(EVO_USAGE, "'ox' is 1000", evo_envs_reset(s.envs, &first, 1, &start));
+  start.draws = "{";
+  fails(EVO_DATA, "draws", evo_envs_reset(s.envs, &first, 1, &start));
+}
+
+// The reference's package, 2x2 body on the bare floor (docs/physics.md, "World floor").
+TEST_CASE("c: a world built in code moves as the benchmark's does") {
+  evo_world* world = nullptr;
+  REQUIRE(evo_world_new(&world) == EVO_OK);
+  REQUIRE(evo_world_add(world, "robot", corner.data(), 2, 2, nullptr, 0, 5, 0) == EVO_OK);
+  evo_sims* sims = nullptr;
+  REQUIRE(evo_sims_open(world, nullptr, 2, 1, &sims) == EVO_OK);
+  evo_world_free(world);
+  const evo_sim_arrays at = arrays_of(sims);
+  REQUIRE(at.points == 9);
+  REQUIRE(at.actuators == 4);
+  const std::vector<double> rest(8, 1.0);
+  for (int t = 0; t < 40; ++t)
+    REQUIRE(evo_sims_step(sims, rest.data(), rest.size(), nullptr, 0) == EVO_OK);
+  double x = 0;
+  double y = 0;
+  for (std::size_t i = 0; i < at.points; ++i) {
+    x += at.positions[2 * i];
+    y += at.positions[2 * i + 1];
+  }
+  CHECK(x / 9 / 0.1 == Approx(5.999227935004826).epsilon(1e-15));
+  CHECK(y / 9 / 0.1 == Approx(0.9958063894145683).epsilon(1e-15));
+  evo_sims_free(sims);
+}
+
+TEST_CASE("c: two robots in one world, in simulations of their own") {
+  evo_world* world = world_of_two();
+  evo_sims* sims = nullptr;
+  REQUIRE(evo_sims_open(world, nullptr, 3, 2, &sims) == EVO_OK);
+  const evo_sim_arrays at = arrays_of(sims);
+  REQUIRE(at.sims == 3);
+  REQUIRE(at.actuators == 8);
+  evo_sim_object left{};
+  REQUIRE(evo_sims_object(sims, 0, &left, sizeof left) == EVO_OK);
+  CHECK(std::string(left.name) == "left");
+  CHECK(left.first_actuator == 0);
+  evo_sim_object right{};
+  REQUIRE(evo_sims_object(sims, 1, &right, sizeof right) == EVO_OK);
+  CHECK(right.first_actuator == 4);
+  const auto begin = positions_of(sims, 2);
+  const std::vector<std::uint8_t> active{1, 1, 0};
+  for (int t = 0; t < 30; ++t) {
+    auto targets = wave(24, t);
+    std::copy_n(targets.begin(), 8, targets.begin() + 8);  // the second as the first
+    REQUIRE(evo_sims_step(sims, targets.data(), targets.size(), active.data(), 3) == EVO_OK);
+  }
+  CHECK(positions_of(sims, 0) == positions_of(sims, 1));
+  CHECK(positions_of(sims, 2) == begin);
+
+  void* state = nullptr;
+  size_t count = 0;
+  REQUIRE(evo_sims_save(sims, 0, &state, &count) == EVO_OK);
+  REQUIRE(evo_sims_restore(sims, 2, state, count) == EVO_OK);
+  CHECK(positions_of(sims, 2) == positions_of(sims, 0));
+  double angles[3] = {9, 9, 9};
+  REQUIRE(evo_sims_orientation(sims, 0, angles, 3) == EVO_OK);
+  CHECK(angles[0] == angles[1]);
+  REQUIRE(evo_sims_reset(sims, -1) == EVO_OK);
+  CHECK(positions_of(sims, 0) == begin);
+  fails(EVO_DATA, "damaged", evo_sims_restore(sims, 0, state, 3));
+  evo_free(state);
+
+  // The same world by way of the design tool's JSON.
+  char* json = nullptr;
+  REQUIRE(evo_world_json(world, &json) == EVO_OK);
+  evo_world* again = nullptr;
+  REQUIRE(evo_world_parse(json, &again) == EVO_OK);
+  evo_free(json);
+  evo_sims* others = nullptr;
+  REQUIRE(evo_sims_open(again, nullptr, 1, 1, &others) == EVO_OK);
+  CHECK(positions_of(others, 0) == begin);
+  evo_sims_free(others);
+  evo_sims* of_another_world = nullptr;
+  REQUIRE(evo_world_move(again, "left", 5, 1) == EVO_OK);
+  REQUIRE(evo_sims_open(again, "fast", 1, 1, &of_another_world) == EVO_OK);
+  REQUIRE(evo_sims_save(sims, 0, &state, &count) == EVO_OK);
+  fails(EVO_DATA, "another world", evo_sims_restore(of_another_world, 0, state, count));
+  evo_free(state);
+  evo_sims_free(of_another_world);
+  evo_world_free(again);
+  evo_world_free(world);
+  evo_sims_free(sims);
+}
+
+TEST_CASE("c: objects that cannot stand in a world are refused") {
+  evo_world* world = world_of_two();
+  fails(EVO_USAGE, "already", evo_world_add(world, "left", corner.data(), 2, 2, nullptr, 0, 1, 5));
+  fails(EVO_USAGE, "name", evo_world_add(world, "", corner.data(), 2, 2, nullptr, 0, 1, 5));
+  fails(EVO_USAGE, "outside", evo_world_add(world, "x", corner.data(), 2, 2, nullptr, 0, -1, 5));
+  fails(EVO_USAGE, "rows", evo_world_add(world, "x", corner.data(), 0, 2, nullptr, 0, 1, 5));
+  fails(EVO_USAGE, "rows",
+        evo_world_add(world, "x", corner.data(), 1 << 30, 1 << 30, nullptr, 0, 1, 5));
+  const std::uint8_t unknown = 9;
+  fails(EVO_USAGE, "voxel 0 is 9", evo_world_add(world, "x", &unknown, 1, 1, nullptr, 0, 1, 5));
+  const std::int32_t far[] = {0, 3};
+  fails(EVO_USAGE, "", evo_world_add(world, "x", corner.data(), 2, 2, far, 1, 1, 5));
+  fails(EVO_USAGE, "did you mean 'left'", evo_world_move(world, "lift", 1, 1));
+  fails(EVO_USAGE, "no object", evo_world_remove(world, "nothing"));
+  REQUIRE(evo_world_move(world, "left", 9, 1) == EVO_OK);
+  evo_sims* sims = nullptr;
+  CHECK(evo_sims_open(world, nullptr, 1, 1, &sims) == EVO_DATA);  // in one cell
+  CHECK(sims == nullptr);
+  REQUIRE(evo_world_remove(world, "left") == EVO_OK);
+  fails(EVO_USAGE, "simulations", evo_sims_open(world, nullptr, 0, 1, &sims));
+  fails(EVO_USAGE, "thread", evo_sims_open(world, nullptr, 1, 0, &sims));
+  fails(EVO_USAGE, "fast", evo_sims_open(world, "fats", 1, 1, &sims));
+  evo_world_free(world);
+}
+
+TEST_CASE("c: misuse is answered, not died of") {
+  const Session s("Walker-v0", 2);
+  evo_arrays at{};
+  fails(EVO_USAGE, "evo_task is expected, not NULL",
+        evo_task_copy(nullptr, nullptr) == EVO_USAGE ? evo_task_set(nullptr, "gravity=1") : EVO_OK);
+  fails(EVO_USAGE, "NULL", evo_task_open(nullptr, nullptr));
+  evo_task* task = nullptr;
+  fails(EVO_USAGE, "`name_or_file` is NULL", evo_task_open(nullptr, &task));
+  fails(EVO_USAGE, "`assignment` is NULL", evo_task_set(s.task, nullptr));
+  fails(EVO_USAGE, "not of evo_robots",
+        evo_task_set(reinterpret_cast<evo_task*>(s.robots), "gravity=1"));
+  fails(EVO_USAGE, "struct", evo_envs_arrays(s.envs, nullptr, sizeof at));
+  fails(EVO_USAGE, "bytes is not of this version", evo_envs_arrays(s.envs, &at, sizeof at + 8));
+  fails(EVO_USAGE, "bytes is not of this version", evo_envs_arrays(s.envs, &at, 0));
+  CHECK(evo_envs_arrays(s.envs, &at, 16) == EVO_OK);  // of a caller who knows less
+  fails(EVO_USAGE, "8 actions are expected", evo_envs_step(s.envs, nullptr, 0, nullptr, 0));
+  fails(EVO_USAGE, "`actions` is NULL", evo_envs_step(s.envs, nullptr, 8, nullptr, 0));
+  const std::vector<double> actions(8, 1.0);
+  fails(EVO_USAGE, "needs a reset", evo_envs_step(s.envs, actions.data(), 8, nullptr, 0));
+  const std::uint8_t active[1] = {1};
+  fails(EVO_USAGE, "`active` has 1", evo_envs_step(s.envs, actions.data(), 8, active, 1));
+  const std::int32_t none[] = {2};
+  fails(EVO_USAGE, "no environment 2", evo_envs_reset(s.envs, none, 1, nullptr));
+  fails(EVO_USAGE, "no environment -1", evo_envs_restore(s.envs, -1, actions.data(), 8));
+  fails(EVO_USAGE, "`bytes` is NULL", evo_envs_restore(s.envs, 0, nullptr, 8));
+  void* bytes = nullptr;
+  size_t count = 0;
+  fails(EVO_USAGE, "unreset", evo_envs_save(s.envs, 0, &bytes, &count));
+  fails(EVO_USAGE, "no environment 9", evo_envs_object_count(s.envs, 9, &count));
+  evo_object object{};
+  fails(EVO_USAGE, "no object 99", evo_envs_object(s.envs, 0, 99, &object, sizeof object));
+  evo_robot_facts robot{};
+  fails(EVO_USAGE, "no robot 1", evo_robots_describe(s.robots, 1, &robot, sizeof robot));
+  fails(EVO_USAGE, "no robot 5",
+        evo_train(s.task, s.robots, 5, nullptr, 0, nullptr) == EVO_USAGE
+            ? evo_robots_append(s.robots, s.robots, 5)
+            : EVO_OK);
+  evo_envs* envs = nullptr;
+  fails(EVO_USAGE, "thread", evo_envs_open(s.task, s.robots, 1, 0, &envs));
+  fails(EVO_USAGE, "environments", evo_envs_open(s.task, s.robots, 0, 1, &envs));
+  evo_policy* policy = nullptr;
+  fails(EVO_NO_INPUT, "none.h5", evo_policy_read("none.h5", &policy));
+  CHECK(policy == nullptr);
+  const char* const settings[] = {nullptr};
+  const evo_training training{nullptr, settings, 1, 1024, 0, nullptr, nullptr};
+  fails(EVO_USAGE, "`set` is NULL",
+        evo_train(s.task, s.robots, 0, &training, sizeof training, &policy));
+
+  evo_task* freed = nullptr;
+  REQUIRE(evo_task_copy(s.task, &freed) == EVO_OK);
+  evo_task_free(freed);
+  evo_task_free(freed);  // again
+  fails(EVO_USAGE, "was freed", evo_task_set(freed, "gravity=1"));
+  evo_task_free(nullptr);
+  evo_envs_free(reinterpret_cast<evo_envs*>(s.task));  // of another kind: left alone
+  evo_task_facts facts{};
+  CHECK(evo_task_describe(s.task, &facts, sizeof facts) == EVO_OK);
+  CHECK(std::string(facts.name) == "Walker-v0");
+}
+
+TEST_CASE("c: the last error is the thread's own") {
+  CHECK(evo_task_set(nullptr, "x") == EVO_USAGE);
+  const std::string mine = evo_error();
+  std::thread([] { CHECK(std::string(evo_error()).empty()); }).join();
+  CHECK(evo_error() == mine);
+}

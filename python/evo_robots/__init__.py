@@ -12,9 +12,10 @@ from .robots import (VOXEL_TYPES, get_full_connectivity, has_actuator, is_connec
                      robot_document, sample_robot)
 from .simulator import EvoError, Simulator, State, find_tool
 from .tasks import TASKS, register
+from .worlds import Simulations, World
 
 __version__ = "0.1.0"
-__all__ = ["TASKS", "VOXEL_TYPES", "EvoError", "Simulator", "State", "find_tool", "get_full_connectivity",
+__all__ = ["TASKS", "VOXEL_TYPES", "EvoError", "Simulations", "Simulator", "State", "World", "find_tool", "get_full_connectivity",
            "has_actuator", "is_connected", "register", "robot_arrays", "robot_document",
            "sample_robot"]
 

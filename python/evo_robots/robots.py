@@ -84,7 +84,7 @@ def is_matrix(rows: Any) -> bool:
         all(isinstance(cell, (int, float, np.number)) for cell in row) for row in rows)
 
 
-def _pairs(connections: Any, cells: np.ndarray) -> list[list[int]]:
+def cell_pairs(connections: Any, cells: np.ndarray) -> list[list[int]]:
     """Of [2, n]; another shape would put together what does not belong together."""
     links = np.asarray(connections)
     if links.size == 0:
@@ -114,7 +114,7 @@ def robot_document(robot: Any) -> dict[str, Any]:
         "format": "evo/robot", "version": 1,
         "body": ["".join(LETTERS[int(kind)] for kind in row) for row in cells]}
     if connections is not None:
-        document["connections"] = _pairs(connections, cells)
+        document["connections"] = cell_pairs(connections, cells)
     return document
 
 

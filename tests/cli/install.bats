@@ -144,6 +144,7 @@ build_example() {
   depends "$library" | grep -q 'evo (= '
   depends libevo-dev | grep -q "^$library (= "
   depends python3-evo-robots | grep -q python3-numpy
+  depends python3-evo-robots | grep -q "$library (= "
   dpkg-deb -f packages/python3-evo-robots_*_all.deb Architecture | grep -qx all
   # Each file is in one of them.
   for deb in packages/*.deb; do dpkg-deb -c "$deb" | awk '$1 !~ /^d/ { print $6 }'; done | sort | uniq -d > twice
@@ -157,5 +158,8 @@ build_example() {
   PATH="$PWD/root/usr/bin:/usr/bin:/bin" PYTHONPATH=root/usr/lib/python3/dist-packages EVO_BIN='' /usr/bin/python3 -c '
 import evo_robots
 with evo_robots.Simulator("Walker-v0", [[3, 4], [4, 3]]) as simulator:
-    print(simulator.reset().observations.shape)'
+    print(simulator.reset().observations.shape)
+world = evo_robots.World()
+world.add("robot", [[3, 4], [4, 3]], 0, 0)
+print(evo_robots.Simulations(world).positions.shape)'
 }

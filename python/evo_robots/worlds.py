@@ -1,0 +1,186 @@
+"""Worlds built in Python, with any number of robots, and simulations of them within this
+process. They have no task: what is observed and rewarded is computed from positions.
+
+    world = World()
+    world.add("ground", np.full((1, 40), 5), 0, 0)
+    world.add("left", [[3, 4], [4, 3]], 5, 1)
+    world.add("right", [[3, 4], [4, 3]], 20, 1)
+    sims = Simulations(world, 16)
+    for t in range(100):
+        sims.step(np.full((16, 8), 1.0))
+    centres = sims.positions[:, sims.objects["left"].points].mean(axis=1)  # [16, 2]
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .library import Handle, SimArrays, SimObject, array_at, call, library, text_given
+from .robots import cell_pairs
+
+__all__ = ["SIM_STATUS", "Object", "Simulations", "World"]
+
+SIM_STATUS = ("ok", "folded", "unstable")
+
+
+def _text(value: Any) -> bytes:
+    return os.fspath(value).encode()
+
+
+class World:
+    """Named objects in a grid of cells; x and y count cells from the lower left corner."""
+
+    def __init__(self, handle: Handle | None = None) -> None:
+        self._handle = handle or Handle("world", "evo_world_new")
+
+    @classmethod
+    def read(cls, file: str | os.PathLike) -> "World":
+        """A world of the benchmark's design tool."""
+        return cls(Handle("world", "evo_world_read", _text(file)))
+
+    @classmethod
+    def from_json(cls, text: str) -> "World":
+        return cls(Handle("world", "evo_world_parse", text.encode()))
+
+    def add(self, name: str, body: Any, x: int, y: int, connections: Any = None) -> None:
+        """Puts an object with its lower left corner into cell (x, y). body: a matrix of 0
+        (empty), 1 (rigid), 2 (soft), 3 and 4 (horizontal and vertical actuators), 5
+        (fixed), [rows, columns]. connections: [2, n] pairs of neighbouring cells that are
+        joined, as row-major indices [all neighbours]."""
+        given = np.asarray(body)
+        if given.ndim != 2 or given.size == 0 or not np.isin(given, range(6)).all():
+            raise ValueError(f"body of {name!r}: a matrix of the numbers 0 to 5 is expected")
+        voxels = np.ascontiguousarray(given, np.uint8)
+        links = None
+        if connections is not None:
+            links = np.array(cell_pairs(connections, voxels), np.int32).reshape(-1, 2)
+        call("evo_world_add", self._handle, _text(name), voxels.ctypes.data, *voxels.shape,
+             None if links is None else links.ctypes.data, 0 if links is None else len(links),
+             int(x), int(y))
+
+    def move(self, name: str, x: int, y: int) -> None:
+        call("evo_world_move", self._handle, _text(name), int(x), int(y))
+
+    def remove(self, name: str) -> None:
+        call("evo_world_remove", self._handle, _text(name))
+
+    def json(self) -> str:
+        """The world in the form of the benchmark's design tool."""
+        return text_given("evo_world_json", self._handle)
+
+    def __getstate__(self) -> str:
+        return self.json()
+
+    def __setstate__(self, text: str) -> None:
+        self._handle = Handle("world", "evo_world_parse", text.encode())
+
+
+@dataclass(frozen=True)
+class Object:
+    """Which points and which actuators of a world are an object's."""
+
+    index: int
+    points: slice
+    actuators: slice
+
+
+class Simulations:
+    """``count`` simulations of a world, stepped side by side by ``jobs`` threads.
+    physics: a profile by name or file [the benchmark's].
+
+    The arrays are the simulator's own: they show what is after every step, and are copied
+    by whoever wants to keep them. Raw units: a voxel is 0.1 wide.
+    """
+
+    positions: np.ndarray  # [count, P, 2]
+    velocities: np.ndarray  # [count, P, 2]
+    status: np.ndarray  # [count] uint8, an index of SIM_STATUS
+    objects: dict[str, Object]  # robots first, then by name
+    num_actuators: int  # A, of one simulation
+    action_low: float  # targets are clipped to this range
+    action_high: float
+
+    def __init__(self, world: World, count: int = 1, *, physics: Any = None, jobs: int = 1) -> None:
+        self._handle = Handle("sims", "evo_sims_open", world._handle,
+                              None if physics is None else _text(physics), count, jobs)
+        at = SimArrays()
+        call("evo_sims_arrays", self._handle, ctypes.byref(at), ctypes.sizeof(at))
+        shape = (at.sims, at.points, 2)
+        self.positions = array_at(self._handle, at.positions, shape, ctypes.c_double)
+        self.velocities = array_at(self._handle, at.velocities, shape, ctypes.c_double)
+        self.status = array_at(self._handle, at.status, (at.sims,), ctypes.c_uint8)
+        self.num_sims, self.num_actuators = at.sims, at.actuators
+        self.action_low, self.action_high = at.action_low, at.action_high
+        self.objects = dict(self._object(k) for k in range(self._object_count()))
+
+    def reset(self, sim: int | None = None) -> None:
+        """Back to the initial shapes, at rest: one simulation, or all."""
+        call("evo_sims_reset", self._handle, -1 if sim is None else self._number(sim))
+
+    def step(self, targets: Any, mask: Any = None) -> None:
+        """One control step. targets: [count, A], lengths of the actuators as shares of
+        their rest lengths. mask: [count], those that take part [all]."""
+        values = np.ascontiguousarray(targets, np.float64)
+        if values.shape != (self.num_sims, self.num_actuators):
+            raise ValueError(f"targets of shape {values.shape}; expected "
+                             f"{(self.num_sims, self.num_actuators)}")
+        active = None
+        if mask is not None:
+            active = np.ascontiguousarray(mask, np.uint8)
+            if active.shape != (self.num_sims,):
+                raise ValueError(f"a mask of shape {active.shape}; expected {(self.num_sims,)}")
+        call("evo_sims_step", self._handle, values.ctypes.data, values.size,
+             None if active is None else active.ctypes.data, 0 if active is None else active.size)
+
+    def save(self, sim: int = 0) -> bytes:
+        """The state of a simulation: opaque, for restore() in any of the same world."""
+        place, count = ctypes.c_void_p(), ctypes.c_size_t()
+        call("evo_sims_save", self._handle, self._number(sim), ctypes.byref(place),
+             ctypes.byref(count))
+        try:
+            return ctypes.string_at(place, count.value)
+        finally:
+            library().evo_free(place)
+
+    def restore(self, state: bytes, sim: int = 0) -> None:
+        """The simulation goes on from a state, to the same bits."""
+        call("evo_sims_restore", self._handle, self._number(sim), bytes(state), len(state))
+
+    def orientation(self, name: str) -> np.ndarray:
+        """How far an object is turned from its initial shape, counter-clockwise, radians:
+        [count]. As the benchmark measures it."""
+        angles = np.zeros(self.num_sims)
+        call("evo_sims_orientation", self._handle, self._known(name).index, angles.ctypes.data,
+             angles.size)
+        return angles
+
+    def __reduce__(self) -> Any:
+        raise TypeError("simulations cannot be pickled; save() gives the state of one")
+
+    def _known(self, name: str) -> Object:
+        if name not in self.objects:
+            raise ValueError(f"no object {name!r} in this world; there are: "
+                             + ", ".join(self.objects))
+        return self.objects[name]
+
+    def _number(self, sim: int) -> int:
+        if not 0 <= sim < self.num_sims:
+            raise ValueError(f"there is no simulation {sim}: they are 0 to {self.num_sims - 1}")
+        return int(sim)
+
+    def _object_count(self) -> int:
+        count = ctypes.c_size_t()
+        call("evo_sims_object_count", self._handle, ctypes.byref(count))
+        return count.value
+
+    def _object(self, index: int) -> tuple[str, Object]:
+        found = SimObject()
+        call("evo_sims_object", self._handle, index, ctypes.byref(found), ctypes.sizeof(found))
+        return found.name.decode(), Object(
+            index, slice(found.first_point, found.first_point + found.points),
+            slice(found.first_actuator, found.first_actuator + found.actuators))

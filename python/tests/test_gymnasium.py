@@ -167,8 +167,8 @@ class Readme(unittest.TestCase):
         text = (Path(__file__).parents[1] / "README.md").read_text()
         blocks = [b for b in re.findall(r"```python\n(.*?)```", text, re.S)
                   if "stable_baselines3" not in b]
-        self.assertEqual(len(blocks), 3)
-        for program in ("\n".join(blocks[:2]), blocks[2]):
+        self.assertEqual(len(blocks), 4)
+        for program in ("\n".join(blocks[:2]), *blocks[2:]):
             subprocess.run([sys.executable, "-c", program], check=True)
 
 

@@ -294,21 +294,27 @@ int evo_sims_object(const evo_sims* sims, size_t index, evo_sim_object* object, 
   });
 }
 
-int evo_sims_orientation(const evo_sims* sims, size_t object, double* angles, size_t count) {
+int evo_sims_orientation(const evo_sims* sims, size_t object, const double* positions,
+                         double* angles, size_t count) {
   return guarded([&] {
     const evo_sims& all = object_of(sims);
     if (object >= all.shapes.size())
       throw evo::error(Failure::usage, "there is no object {}: the world has {}", object,
                        all.shapes.size());
-    if (count != all.count())
+    if (positions == nullptr && count != all.count())
       throw evo::error(Failure::usage, "{} angles are expected, not {}", all.count(), count);
     target(angles, "angles");
     const evo::ModelObject& found = all.model.objects()[object];
     const auto own = static_cast<std::size_t>(all.model.points());
-    for (std::size_t i = 0; i < count; ++i)
-      angles[i] =
-          evo::orientation(all.shapes[object], evo::PointRange{found.first_point, found.points}.of(
-                                                   std::span(all.positions).subspan(i * own, own)));
+    std::vector<evo::Vec2> shape(own);
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t p = 0; p < own; ++p)
+        shape[p] = positions == nullptr
+                       ? all.positions[i * own + p]
+                       : evo::Vec2{positions[2 * (i * own + p)], positions[2 * (i * own + p) + 1]};
+      angles[i] = evo::orientation(all.shapes[object],
+                                   evo::PointRange{found.first_point, found.points}.of(shape));
+    }
   });
 }
 

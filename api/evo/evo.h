@@ -276,9 +276,11 @@ typedef struct evo_sim_object {
 EVO_API int evo_sims_object_count(const evo_sims* sims, size_t* count);
 EVO_API int evo_sims_object(const evo_sims* sims, size_t index, evo_sim_object* object,
                             size_t size);
-/* How far an object is turned in each simulation from its initial shape, counter-clockwise,
- * radians: [S]. As the benchmark measures it. */
-EVO_API int evo_sims_orientation(const evo_sims* sims, size_t object, double* angles, size_t count);
+/* How far an object is turned from its initial shape, counter-clockwise, radians, as the
+ * benchmark measures it: [count], of each simulation's present positions (NULL), or of
+ * these, [count][P][2]. */
+EVO_API int evo_sims_orientation(const evo_sims* sims, size_t object, const double* positions,
+                                 double* angles, size_t count);
 
 /* ---- controllers ---------------------------------------------------------------------- */
 

@@ -45,7 +45,7 @@ SIGNATURES = {
     "evo_sims_restore": [c_void_p, c_int32, c_char_p, c_size_t],
     "evo_sims_object_count": [c_void_p, POINTER(c_size_t)],
     "evo_sims_object": [c_void_p, c_size_t, POINTER(SimObject), c_size_t],
-    "evo_sims_orientation": [c_void_p, c_size_t, c_void_p, c_size_t],
+    "evo_sims_orientation": [c_void_p, c_size_t, c_void_p, c_void_p, c_size_t],
 }
 FREES = ("evo_world_free", "evo_sims_free", "evo_free")
 

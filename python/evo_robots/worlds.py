@@ -151,12 +151,18 @@ class Simulations:
         """The simulation goes on from a state, to the same bits."""
         call("evo_sims_restore", self._handle, self._number(sim), bytes(state), len(state))
 
-    def orientation(self, name: str) -> np.ndarray:
-        """How far an object is turned from its initial shape, counter-clockwise, radians:
-        [count]. As the benchmark measures it."""
-        angles = np.zeros(self.num_sims)
-        call("evo_sims_orientation", self._handle, self._known(name).index, angles.ctypes.data,
-             angles.size)
+    def orientation(self, name: str, positions: Any = None) -> np.ndarray:
+        """How far an object is turned from its initial shape, counter-clockwise, radians, as
+        the benchmark measures it: [count], now, or in positions [count, P, 2] kept before."""
+        given = None
+        if positions is not None:
+            given = np.ascontiguousarray(positions, np.float64)
+            if given.shape[1:] != self.positions.shape[1:]:
+                raise ValueError(f"positions of shape {given.shape}; expected "
+                                 f"(n, {self.positions.shape[1]}, 2)")
+        angles = np.zeros(self.num_sims if given is None else len(given))
+        call("evo_sims_orientation", self._handle, self._known(name).index,
+             None if given is None else given.ctypes.data, angles.ctypes.data, angles.size)
         return angles
 
     def __reduce__(self) -> Any:

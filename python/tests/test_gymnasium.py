@@ -162,12 +162,69 @@ class Many(unittest.TestCase):
         envs.close()
 
 
+class OwnTask(unittest.TestCase):
+    """A task as the benchmark's tutorial writes one, by its names."""
+
+    def test_a_task_of_ones_own_is_an_environment(self):
+        from evo_robots.evogym import EvoWorld
+        from evo_robots.evogym.envs import EvoGymBase
+
+        class Walk(EvoGymBase):
+            def __init__(self):
+                world = EvoWorld()
+                world.add_from_array("ground", np.full((1, 100), 5), 0, 0)
+                world.add_from_array("robot", WALKER, 1, 1)
+                super().__init__(world)
+                size = self.observe().size
+                self.action_space = gymnasium.spaces.Box(
+                    0.6, 1.6, (self.get_dim_action_space("robot"),), np.float64)
+                self.observation_space = gymnasium.spaces.Box(-1e4, 1e4, (size,), np.float64)
+
+            def observe(self):
+                return np.concatenate([
+                    self.get_vel_com_obs("robot"), self.get_ort_obs("robot"),
+                    self.get_relative_pos_obs("robot"),
+                    self.get_floor_obs("robot", ["ground"], 3), self.get_ceil_obs("robot", ["ground"], 1)])
+
+            def reset(self, *, seed=None, options=None):
+                gymnasium.Env.reset(self, seed=seed)
+                super().reset()
+                return self.observe(), {}
+
+            def step(self, action):
+                before = self.get_pos_com_obs("robot")
+                done = super().step({"robot": action})
+                gained = self.get_pos_com_obs("robot")[0] - before[0]
+                return self.observe(), gained, done, False, {}
+
+        env = Walk()
+        observation, _ = env.reset(seed=1)
+        # Its centre is between two columns: corners of the ground on their edges are in neither.
+        self.assertAlmostEqual(observation[-10:-3].min(), env.get_pos_com_obs("robot")[1] - 1)
+        self.assertEqual(observation[-3:].tolist(), [5.0] * 3)  # no ceiling
+        check_env(env, skip_render_check=True)
+        # The world of the benchmark's own environment, built by hand.
+        other = gymnasium.make("evo/Walker-v0", body=WALKER).unwrapped
+        env.reset()
+        other.reset()
+        actions = np.random.default_rng(3).uniform(0.6, 1.6, (30, env.action_space.shape[0]))
+        for action in actions:
+            env.step(action)
+            other.step(action)
+        np.testing.assert_allclose(env.object_pos_at_time(env.get_time(), "robot") * 0.1,
+                                   other.object_pos_at_time("robot"), rtol=0, atol=1e-14)
+        other.close()
+        with self.assertRaisesRegex(ValueError, "render_mode"):
+            EvoGymBase(EvoWorld(), render_mode="human")
+        env.close()
+
+
 class Readme(unittest.TestCase):
     def test_what_the_readme_shows_runs(self):
         text = (Path(__file__).parents[1] / "README.md").read_text()
         blocks = [b for b in re.findall(r"```python\n(.*?)```", text, re.S)
                   if "stable_baselines3" not in b]
-        self.assertEqual(len(blocks), 4)
+        self.assertEqual(len(blocks), 5)
         for program in ("\n".join(blocks[:2]), *blocks[2:]):
             subprocess.run([sys.executable, "-c", program], check=True)
 

@@ -199,7 +199,10 @@ TEST_CASE("c: two robots in one world, in simulations of their own") {
   REQUIRE(evo_sims_restore(sims, 2, state, count) == EVO_OK);
   CHECK(positions_of(sims, 2) == positions_of(sims, 0));
   double angles[3] = {9, 9, 9};
-  REQUIRE(evo_sims_orientation(sims, 0, angles, 3) == EVO_OK);
+  REQUIRE(evo_sims_orientation(sims, 0, nullptr, angles, 3) == EVO_OK);
+  double again_at[1] = {9};
+  REQUIRE(evo_sims_orientation(sims, 0, arrays_of(sims).positions, again_at, 1) == EVO_OK);
+  CHECK(again_at[0] == angles[0]);
   CHECK(angles[0] == angles[1]);
   REQUIRE(evo_sims_reset(sims, -1) == EVO_OK);
   CHECK(positions_of(sims, 0) == begin);

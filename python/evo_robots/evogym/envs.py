@@ -1,0 +1,154 @@
+"""The base classes for tasks of one's own. Needs Gymnasium."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping, Sequence
+
+import gymnasium
+import numpy as np
+
+from .sim import EvoSim
+from .world import EvoWorld
+
+__all__ = ["BenchmarkBase", "EvoGymBase"]
+
+
+class EvoGymBase(gymnasium.Env):
+    """A world to be stepped, and helpers for observations, in voxels. ``render_mode`` is
+    None: evo-render draws rollouts, and this class draws nothing."""
+
+    metadata = {"render_modes": []}
+
+    def __init__(self, world: EvoWorld, render_mode: str | None = None,
+                 render_options: Mapping[str, Any] | None = None) -> None:
+        if render_mode is not None:
+            raise ValueError(f"render_mode: {render_mode!r} is not None, and nothing else is drawn here")
+        self._sim = EvoSim(world)
+
+    @property
+    def sim(self) -> EvoSim:
+        return self._sim
+
+    def step(self, action: Mapping[str, np.ndarray]) -> bool:
+        """By names of robots, their actions, clipped to 0.6 to 1.6. True where a robot folded
+        onto itself, and the episode cannot go on."""
+        for name, values in action.items():
+            self._sim.set_action(name, np.clip(values, 0.6, 1.6))
+        return self._sim.step()
+
+    def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> None:
+        self._sim.reset()
+
+    def render(self) -> None:
+        return None
+
+    def close(self) -> None:
+        self.__dict__.pop("_sim", None)
+
+    def get_actuator_indices(self, robot_name: str) -> np.ndarray:
+        return self._sim.get_actuator_indices(robot_name)
+
+    def get_dim_action_space(self, robot_name: str) -> int:
+        return self._sim.get_dim_action_space(robot_name)
+
+    def get_time(self) -> int:
+        return self._sim.get_time()
+
+    def pos_at_time(self, time: int) -> np.ndarray:
+        return self._sim.pos_at_time(time)
+
+    def vel_at_time(self, time: int) -> np.ndarray:
+        return self._sim.vel_at_time(time)
+
+    def object_pos_at_time(self, time: int, object_name: str) -> np.ndarray:
+        return self._sim.object_pos_at_time(time, object_name)
+
+    def object_vel_at_time(self, time: int, object_name: str) -> np.ndarray:
+        return self._sim.object_vel_at_time(time, object_name)
+
+    def object_orientation_at_time(self, time: int, object_name: str) -> float:
+        return self._sim.object_orientation_at_time(time, object_name)
+
+    # ---- observations, now ---------------------------------------------------------
+
+    def get_pos_com_obs(self, object_name: str) -> np.ndarray:
+        """[2], the mean of the object's points."""
+        return self._positions(object_name).mean(axis=1)
+
+    def get_vel_com_obs(self, object_name: str) -> np.ndarray:
+        """[2]"""
+        return self._sim.object_vel_at_time(self.get_time(), object_name).mean(axis=1)
+
+    def get_relative_pos_obs(self, object_name: str) -> np.ndarray:
+        """[2 n], all x, then all y, from the mean."""
+        positions = self._positions(object_name)
+        return (positions - positions.mean(axis=1)[:, None]).ravel()
+
+    def get_ort_obs(self, object_name: str) -> np.ndarray:
+        """[1]"""
+        return np.array([self._sim.object_orientation_at_time(self.get_time(), object_name)])
+
+    def get_floor_obs(self, object_name: str, terrain_list: Sequence[str], sight_dist: int,
+                      sight_range: float = 5) -> np.ndarray | None:
+        """[2 sight_dist + 1]: how far below the object's centre the highest point of the terrain is, in
+        columns a voxel wide to its left and right; sight_range where there is none."""
+        return self._clearance(object_name, terrain_list, sight_dist, sight_range, -1)
+
+    def get_ceil_obs(self, object_name: str, terrain_list: Sequence[str], sight_dist: int,
+                     sight_range: float = 5) -> np.ndarray | None:
+        """The same above it."""
+        return self._clearance(object_name, terrain_list, sight_dist, sight_range, 1)
+
+    def _positions(self, name: str) -> np.ndarray:
+        return self._sim.object_pos_at_time(self.get_time(), name)
+
+    def _clearance(self, name: str, terrain: Sequence[str], distance: int, reach: float,
+                   side: int) -> np.ndarray | None:
+        centre = self._positions(name).mean(axis=1)
+        if len(terrain) == 0:
+            return None
+        points = np.concatenate([self._positions(one) for one in terrain], axis=1)
+        points = points[:, side * points[1] > side * centre[1]]
+        found = np.full(2 * distance + 1, centre[1] + side * reach)
+        for k, offset in enumerate(range(-distance, distance + 1)):
+            column = points[1, (points[0] > centre[0] + (offset - 0.5)) &
+                            (points[0] < centre[0] + (offset + 0.5))]
+            if column.size:
+                found[k] = column.min() if side > 0 else column.max()
+        return np.clip(side * (found - centre[1]), 0, reach)
+
+
+class BenchmarkBase(EvoGymBase):
+    """The same in raw units, as the benchmark's own tasks observe and reward: a voxel
+    is 0.1."""
+
+    VOXEL_SIZE = 0.1
+
+    def pos_at_time(self, time: int) -> np.ndarray:
+        return super().pos_at_time(time) * self.VOXEL_SIZE
+
+    def vel_at_time(self, time: int) -> np.ndarray:
+        return super().vel_at_time(time) * self.VOXEL_SIZE
+
+    def object_pos_at_time(self, time: int, object_name: str) -> np.ndarray:
+        return super().object_pos_at_time(time, object_name) * self.VOXEL_SIZE
+
+    def object_vel_at_time(self, time: int, object_name: str) -> np.ndarray:
+        return super().object_vel_at_time(time, object_name) * self.VOXEL_SIZE
+
+    def get_pos_com_obs(self, object_name: str) -> np.ndarray:
+        return super().get_pos_com_obs(object_name) * self.VOXEL_SIZE
+
+    def get_vel_com_obs(self, object_name: str) -> np.ndarray:
+        return super().get_vel_com_obs(object_name) * self.VOXEL_SIZE
+
+    def get_relative_pos_obs(self, object_name: str) -> np.ndarray:
+        return super().get_relative_pos_obs(object_name) * self.VOXEL_SIZE
+
+    def get_floor_obs(self, object_name, terrain_list, sight_dist, sight_range=5):
+        seen = super().get_floor_obs(object_name, terrain_list, sight_dist, sight_range)
+        return None if seen is None else seen * self.VOXEL_SIZE
+
+    def get_ceil_obs(self, object_name, terrain_list, sight_dist, sight_range=5):
+        seen = super().get_ceil_obs(object_name, terrain_list, sight_dist, sight_range)
+        return None if seen is None else seen * self.VOXEL_SIZE

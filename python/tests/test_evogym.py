@@ -1,0 +1,135 @@
+"""The benchmark's own names; needs numpy alone."""
+import copy
+import json
+import os
+import random
+import tempfile
+import unittest
+
+import numpy as np
+
+from evo_robots import evogym
+from evo_robots.evogym import EvoSim, EvoWorld, Pair, WorldObject
+
+BODY = np.array([[3, 4], [4, 3]])
+
+
+class Utils(unittest.TestCase):
+    def test_seeds_draw_the_benchmarks_robots(self):
+        random.seed(3)
+        # Of evogym 2.0.0 after the same seed.
+        bodies = [evogym.hashable(evogym.sample_robot((2, 3))[0]) for _ in range(4)]
+        self.assertEqual(bodies, EXPECTED_BODIES)
+
+    def test_draw_and_shares(self):
+        np.testing.assert_allclose(evogym.get_uniform(4), [0.25] * 4)
+        self.assertEqual([evogym.draw(w) for w in ([0.2], [0.2, 0], [0, 15])], [0, 0, 1])
+        for wrong in ([], [0, 0], [-1, 2]):
+            with self.assertRaises(AssertionError):
+                evogym.draw(wrong)
+        with self.assertRaises(ValueError):
+            evogym.sample_robot((5, 5), np.array([1, 1, 1, 0, 0]))
+
+    def test_names(self):
+        self.assertEqual(len(evogym.BASELINE_ENV_NAMES), 32)
+        self.assertEqual(evogym.BASELINE_ENV_NAMES[:2], ["Walker-v0", "BridgeWalker-v0"])
+        self.assertEqual(evogym.VOXEL_TYPES["FIXED"], 5)
+
+
+class Worlds(unittest.TestCase):
+    def test_objects_from_arrays(self):
+        made = WorldObject.from_array("robot", [[3, 0], [4, 1]])
+        self.assertEqual(made.get_structure().tolist(), [[3, 0], [4, 1]])
+        self.assertEqual(made.grid.tolist(), [[4, 1], [3, 0]])  # upwards
+        self.assertEqual(made.voxels, [Pair(0, 0), Pair(1, 0), Pair(0, 1)])
+        links = {tuple(sorted(link)) for link in made.get_connections().T.tolist()}
+        self.assertEqual(links, {(0, 2), (2, 3)})
+        with self.assertRaisesRegex(ValueError, "no voxels"):
+            WorldObject.from_array("robot", [[3, 0], [4, 1]], np.array([[0], [1]]))
+        other = copy.copy(made)
+        other.rename("other")
+        other.set_pos(4, 5)
+        self.assertEqual((made.get_name(), made.get_pos(), other.get_pos()), ("robot", (0, 0), (4, 5)))
+        with self.assertRaisesRegex(ValueError, "outside"):
+            other.translate(-5, 0)
+
+    def test_worlds_grow_and_refuse_what_overlaps(self):
+        world = EvoWorld()
+        world.add_from_array("ground", np.full((1, 6), 5), 0, 0)
+        world.add_from_array("robot", BODY, 1, 1)
+        self.assertEqual((world.grid_size.x, world.grid_size.y), (6, 3))
+        with self.assertRaisesRegex(ValueError, "overlaps"):
+            world.add_from_array("box", [[2]], 2, 2)
+        with self.assertRaisesRegex(ValueError, "already"):
+            world.add_from_array("robot", BODY, 9, 1)
+        with self.assertRaisesRegex(ValueError, "overlaps"):
+            world.translate_object("robot", 0, -1)
+        self.assertEqual(world.objects["robot"].get_pos(), (1, 1))  # as before
+        world.move_object("robot", 3, 1)
+        self.assertEqual(world.grid[1].tolist(), [0, 0, 0, 4, 3, 0])
+        self.assertEqual(world.remove_object("robot").get_pos(), (3, 1))
+        self.assertEqual(world.grid[1:].sum(), 0)
+        with self.assertRaisesRegex(ValueError, "no object robot; there are: ground"):
+            world.remove_object("robot")
+
+    def test_the_design_tools_files(self):
+        document = {"grid_width": 5, "grid_height": 3, "objects": {"box": {
+            "indices": [6, 7, 11], "types": [1, 2, 3],
+            "neighbors": {"6": [7, 11], "7": [6], "11": [6]}}}}
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "world.json")
+            with open(path, "w") as file:
+                json.dump(document, file)
+            box = WorldObject.from_json(path)
+            self.assertEqual((box.get_pos(), box.grid.tolist()), ((1, 1), [[1, 2], [3, 0]]))
+            world = EvoWorld.from_json(path)
+            with self.assertRaisesRegex(ValueError, "already"):
+                world.add_from_json(path)
+
+
+class Sims(unittest.TestCase):
+    def sim(self):
+        world = EvoWorld()
+        world.add_from_array("ground", np.full((1, 30), 5), 0, 0)
+        world.add_from_array("b", BODY, 15, 1)
+        world.add_from_array("a", [[3, 0], [4, 4]], 5, 1)
+        return EvoSim(world)
+
+    def test_a_body_on_the_bare_floor_moves_as_in_the_benchmark(self):
+        world = EvoWorld()
+        world.add_from_array("robot", BODY, 5, 0)
+        sim = EvoSim(world)
+        for _ in range(40):
+            self.assertFalse(sim.step())
+        x, y = sim.object_pos_at_time(40, "robot").mean(axis=1)
+        self.assertAlmostEqual(x, 5.999227935004826, delta=1e-13)
+        self.assertAlmostEqual(y, 0.9958063894145683, delta=1e-13)
+
+    def test_history_and_actions_of_several_robots(self):
+        sim = self.sim()
+        self.assertEqual(sim.get_dim_action_space("a"), 3)
+        self.assertEqual(sim.get_actuator_indices("a").tolist(), [0, 2, 3])
+        begin = sim.pos_at_time(0)
+        sim.set_action("a", [1.6, 0.6, 1.6])
+        for _ in range(10):
+            sim.step()
+        self.assertEqual(sim.get_time(), 10)
+        np.testing.assert_array_equal(sim.pos_at_time(0), begin)
+        self.assertEqual(sim.pos_at_time(10).shape, (2, begin.shape[1]))
+        self.assertTrue((sim.object_vel_at_time(10, "a") != 0).any())
+        self.assertNotEqual(sim.object_orientation_at_time(10, "a"),
+                            sim.object_orientation_at_time(0, "a"))
+        sim.reset()
+        self.assertEqual(sim.get_time(), 0)
+        for wrong, kind in ((lambda: sim.pos_at_time(1), ValueError),
+                            (lambda: sim.pos_at_time(0.0), TypeError),
+                            (lambda: sim.object_pos_at_time(0, "c"), ValueError),
+                            (lambda: sim.set_action("ground", []), ValueError),
+                            (lambda: sim.set_action("a", [1, 1]), ValueError)):
+            self.assertRaises(kind, wrong)
+
+
+EXPECTED_BODIES = ["030041", "312024", "132032", "004134"]
+
+if __name__ == "__main__":
+    unittest.main()

@@ -19,6 +19,7 @@
 #include "formats/training/policy.h"
 #include "formats/training/training.h"
 #include "libevo/control/evaluate.h"
+#include "libevo/control/method.h"
 
 namespace evo::cli {
 namespace {
@@ -47,9 +48,7 @@ class Policies {
     const TaskSpec task = parse_task(policy.task_yaml, name + ": task");
     const TrainingSettings training = training_from_yaml(
         YamlNode::parse(policy.training_yaml, name + ": training"), "", data_folders());
-    EvaluationSettings evaluation;
-    evaluation.episodes = training.evaluation_episodes;
-    evaluation.seed = policy.seed;
+    const EvaluationSettings evaluation = evaluation_of(training, policy.seed);
     const Arena arena(task, policy.robot.body);
     const double again = evaluate(arena, to_controller(policy.controller), evaluation).mean();
     if (again != policy.fitness)

@@ -7,13 +7,15 @@
 
 namespace evo {
 
-EvaluationSettings TrainingJob::evaluation() const {
+EvaluationSettings evaluation_of(const TrainingSettings& settings, std::uint64_t seed) {
   EvaluationSettings evaluation;
   evaluation.episodes = settings.evaluation_episodes;
   evaluation.seed = seed;
   evaluation.jitter = settings.evaluation_jitter;
   return evaluation;
 }
+
+EvaluationSettings TrainingJob::evaluation() const { return evaluation_of(settings, seed); }
 
 void Findings::evaluated(double value, const TrainedController& controller) {
   if (!fitness || value > *fitness) {

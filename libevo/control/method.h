@@ -15,6 +15,9 @@
 
 namespace evo {
 
+// How a training with these settings evaluates: the fitness of its best comes from this.
+EvaluationSettings evaluation_of(const TrainingSettings& settings, std::uint64_t seed);
+
 struct TrainingJob {
   const Arena& arena;
   TrainingSettings settings;

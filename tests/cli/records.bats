@@ -70,6 +70,16 @@ evolve() {
   [[ $output == *"is of Walker-v0"* ]]
 }
 
+@test "a record that was judged from perturbed starts is what it earns from the start itself" {
+  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=calm TASK=Walker-v0 POP=4 EVALS=4 STEPS=2048 SEED=1 \
+    TRAIN_OPTIONS='--train-set evaluation_jitter=1e-2 --train-set evaluation_episodes=4' -s calm/history.jsonl
+  evo-inspect --check --replay calm
+  "$EVO_SOURCE/scripts/add-record" calm
+  best=$(evo-select --keep 1 calm/history.jsonl | jq .fitness)
+  jq -e --argjson best "$best" '.fitness != $best' records/Walker-v0/record.json
+  "$EVO_SOURCE/scripts/verify-records"
+}
+
 @test "a record whose founders came from another run says so, and counts what that took" {
   evolve scout 1
   make -f "$EVO_SOURCE/scripts/ga.mk" RUN=next TASK=Walker-v0 POP=4 EVALS=6 ALGO=gait STEPS=4000 SEED=2 \

@@ -19,7 +19,7 @@ thread_local std::string last_error;
 
 struct Handles {
   std::shared_mutex mutex;
-  std::unordered_map<const void*, const char*> kinds;
+  std::unordered_map<const void*, std::string_view> kinds;
 };
 
 // Never destroyed: handles may be freed while a program ends.
@@ -32,12 +32,12 @@ Handles& handles() {
 
 void remember(const std::string& message) { last_error = message; }
 
-void enter(const void* handle, const char* kind) {
+void enter(const void* handle, std::string_view kind) {
   const std::unique_lock lock(handles().mutex);
   handles().kinds[handle] = kind;
 }
 
-bool leave(const void* handle, const char* kind) {
+bool leave(const void* handle, std::string_view kind) {
   const std::unique_lock lock(handles().mutex);
   const auto found = handles().kinds.find(handle);
   if (found == handles().kinds.end() || found->second != kind) return false;
@@ -45,7 +45,7 @@ bool leave(const void* handle, const char* kind) {
   return true;
 }
 
-void require(const void* handle, const char* kind) {
+void require(const void* handle, std::string_view kind) {
   if (handle == nullptr) throw error(Failure::usage, "a handle of {} is expected, not NULL", kind);
   const std::shared_lock lock(handles().mutex);
   const auto found = handles().kinds.find(handle);

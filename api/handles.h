@@ -39,9 +39,9 @@ int guarded(const Work& work) {
 }
 
 // Which handles there are; each is of one kind, a type of evo/evo.h.
-void enter(const void* handle, const char* kind);
-bool leave(const void* handle, const char* kind);  // whether it was one
-void require(const void* handle, const char* kind);
+void enter(const void* handle, std::string_view kind);
+bool leave(const void* handle, std::string_view kind);  // whether it was one
+void require(const void* handle, std::string_view kind);
 
 template <typename Handle>
 struct Kind;

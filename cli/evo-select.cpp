@@ -187,7 +187,8 @@ int main(int argc, char** argv) {
   return command.run(argc, argv, [&] {
     command.only(settings.schedule.has_value(), {"--evaluated", "--of", "--population"},
                  "--schedule paper");
-    command.only(settings.method == Method::tournament, {"--tournament-size"}, "--method tournament");
+    command.only(settings.method == Method::tournament, {"--tournament-size"},
+                 "--method tournament");
     if (settings.plan) {
       if (!files.empty())
         throw error(Failure::usage, "--plan reads no robots; leave '{}' out", files.front());

@@ -44,36 +44,24 @@ bool leave(const void* handle, std::string_view kind);  // whether it was one
 void require(const void* handle, std::string_view kind);
 
 template <typename Handle>
-struct Kind;
+constexpr const char* kind_of = nullptr;
 template <>
-struct Kind<evo_task> {
-  static constexpr const char* name = "evo_task";
-};
+inline constexpr const char* kind_of<evo_task> = "evo_task";
 template <>
-struct Kind<evo_robots> {
-  static constexpr const char* name = "evo_robots";
-};
+inline constexpr const char* kind_of<evo_robots> = "evo_robots";
 template <>
-struct Kind<evo_envs> {
-  static constexpr const char* name = "evo_envs";
-};
+inline constexpr const char* kind_of<evo_envs> = "evo_envs";
 template <>
-struct Kind<evo_world> {
-  static constexpr const char* name = "evo_world";
-};
+inline constexpr const char* kind_of<evo_world> = "evo_world";
 template <>
-struct Kind<evo_sims> {
-  static constexpr const char* name = "evo_sims";
-};
+inline constexpr const char* kind_of<evo_sims> = "evo_sims";
 template <>
-struct Kind<evo_policy> {
-  static constexpr const char* name = "evo_policy";
-};
+inline constexpr const char* kind_of<evo_policy> = "evo_policy";
 
 // The object of a handle. Throws Error(usage) where it is none.
 template <typename Handle>
 Handle& object_of(Handle* handle) {
-  require(handle, Kind<std::remove_const_t<Handle>>::name);
+  require(handle, kind_of<std::remove_const_t<Handle>>);
   return *handle;
 }
 
@@ -91,14 +79,14 @@ int open(Handle** place, const Make& make) {
   return guarded([&] {
     target(place, "place of the handle") = nullptr;
     std::unique_ptr<Handle> made = make();
-    enter(made.get(), Kind<Handle>::name);
+    enter(made.get(), kind_of<Handle>);
     *place = made.release();
   });
 }
 
 template <typename Handle>
 void close(Handle* handle) {
-  if (handle != nullptr && leave(handle, Kind<Handle>::name)) delete handle;
+  if (handle != nullptr && leave(handle, kind_of<Handle>)) delete handle;
 }
 
 // Facts into the struct of a caller who may know fewer of them.

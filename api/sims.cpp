@@ -83,7 +83,7 @@ std::string doubles(const std::vector<double>& values) {
 
 struct evo_sims {
   evo_sims(const evo::World& world, const evo::Physics& physics, std::size_t count, int threads)
-      : model(world, physics), batch(count), pool(threads), status(count) {
+      : model(world, physics), batch(count), pool(threads), status(count), moving(count) {
     const auto own = static_cast<std::size_t>(model.points());
     positions.resize(count * own);
     velocities.resize(count * own);
@@ -139,6 +139,7 @@ struct evo_sims {
   std::vector<evo::Vec2> velocities;
   std::vector<ActuatorRange> actuators;   // of each object
   std::vector<evo::InitialShape> shapes;  // of each object
+  std::vector<std::uint8_t> moving;       // in the step being taken
   std::string seal;                       // of world and physics
   std::atomic_flag busy;
 };
@@ -160,17 +161,6 @@ int change(evo_sims* sims, const Work& work) {
 // A state and the seal of what it belongs to, so that damage is seen.
 std::string sealed(const evo_sims& sims, const std::string& state) {
   return evo::sha256_hex(sims.seal + state) + state;
-}
-
-template <typename State, typename Visit>
-void for_each_array(State& state, Visit visit) {
-  visit(state.x);
-  visit(state.y);
-  visit(state.vx);
-  visit(state.vy);
-  visit(state.previous_x);
-  visit(state.previous_y);
-  visit(state.targets);
 }
 
 }  // namespace
@@ -220,7 +210,7 @@ int evo_sims_step(evo_sims* sims, const double* targets, size_t values, const ui
       throw evo::error(Failure::usage, "`active` has {} values for {} simulations", active_values,
                        all.count());
     if (values > 0) target(targets, "targets");
-    std::vector<std::uint8_t> moving(all.count());
+    std::vector<std::uint8_t>& moving = all.moving;
     for (std::size_t i = 0; i < all.count(); ++i) {
       moving[i] = (active == nullptr || active[i] != 0) && all.status[i] != EVO_SIM_UNSTABLE;
       if (moving[i] == 0) continue;
@@ -306,14 +296,15 @@ int evo_sims_orientation(const evo_sims* sims, size_t object, const double* posi
     target(angles, "angles");
     const evo::ModelObject& found = all.model.objects()[object];
     const auto own = static_cast<std::size_t>(all.model.points());
-    std::vector<evo::Vec2> shape(own);
+    const evo::PointRange points{found.first_point, found.points};
+    std::vector<evo::Vec2> given(positions == nullptr ? 0 : own);
     for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t p = 0; p < own; ++p)
-        shape[p] = positions == nullptr
-                       ? all.positions[i * own + p]
-                       : evo::Vec2{positions[2 * (i * own + p)], positions[2 * (i * own + p) + 1]};
-      angles[i] = evo::orientation(all.shapes[object],
-                                   evo::PointRange{found.first_point, found.points}.of(shape));
+      for (std::size_t p = 0; p < given.size(); ++p)
+        given[p] = {positions[2 * (i * own + p)], positions[2 * (i * own + p) + 1]};
+      const std::span<const evo::Vec2> shape =
+          positions == nullptr ? std::span<const evo::Vec2>(all.positions).subspan(i * own, own)
+                               : std::span<const evo::Vec2>(given);
+      angles[i] = evo::orientation(all.shapes[object], points.of(shape));
     }
   });
 }

@@ -433,15 +433,14 @@ void Command::output_option(const std::string& what) {
 }
 
 void Command::progress_option() {
+  static const std::vector<std::string> words{"auto", "always", "lines", "never"};
   impl_
       ->add("--progress", progress, "WHEN",
             "auto, always, lines (one every ten seconds) or never; auto draws on a terminal, "
             "writes a line a minute elsewhere, and nothing under make",
             "auto", true)
-      ->check(CLI::IsMember({"auto", "always", "lines", "never"}));
-  suggestions("--progress", [] {
-    return std::vector<std::string>{"auto", "always", "lines", "never"};
-  });
+      ->check(CLI::IsMember(words));
+  suggestions("--progress", [] { return words; });
 }
 
 Progress Command::progress_style() const {

@@ -20,6 +20,18 @@ struct State {
   bool operator==(const State&) const = default;
 };
 
+// Calls `visit` with each of its arrays: one list for all who save, load or compare a state.
+template <typename AnyState, typename Visit>
+void for_each_array(AnyState& state, const Visit& visit) {
+  visit(state.x);
+  visit(state.y);
+  visit(state.vx);
+  visit(state.vy);
+  visit(state.previous_x);
+  visit(state.previous_y);
+  visit(state.targets);
+}
+
 // At rest at the model's initial positions (docs/physics.md, "Reset").
 State initial_state(const Model& model);
 

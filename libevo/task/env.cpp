@@ -423,13 +423,7 @@ Episode load_episode(ByteReader& in) {
 // and contact candidates, which are found again. One list for both directions.
 template <typename State, typename Environment, typename Visit>
 void for_each_array(State& state, Environment& e, Visit visit) {
-  visit(state.x);
-  visit(state.y);
-  visit(state.vx);
-  visit(state.vy);
-  visit(state.previous_x);
-  visit(state.previous_y);
-  visit(state.targets);
+  for_each_array(state, visit);
   visit(e.positions);
   visit(e.velocities);
   visit(e.quantities);

@@ -259,8 +259,8 @@ TEST_CASE("c: objects that cannot stand in a world are refused") {
 TEST_CASE("c: misuse is answered, not died of") {
   const Session s("Walker-v0", 2);
   evo_arrays at{};
-  fails(EVO_USAGE, "evo_task is expected, not NULL",
-        evo_task_copy(nullptr, nullptr) == EVO_USAGE ? evo_task_set(nullptr, "gravity=1") : EVO_OK);
+  fails(EVO_USAGE, "NULL", evo_task_copy(nullptr, nullptr));
+  fails(EVO_USAGE, "evo_task is expected, not NULL", evo_task_set(nullptr, "gravity=1"));
   fails(EVO_USAGE, "NULL", evo_task_open(nullptr, nullptr));
   evo_task* task = nullptr;
   fails(EVO_USAGE, "`name_or_file` is NULL", evo_task_open(nullptr, &task));
@@ -289,10 +289,8 @@ TEST_CASE("c: misuse is answered, not died of") {
   fails(EVO_USAGE, "no object 99", evo_envs_object(s.envs, 0, 99, &object, sizeof object));
   evo_robot_facts robot{};
   fails(EVO_USAGE, "no robot 1", evo_robots_describe(s.robots, 1, &robot, sizeof robot));
-  fails(EVO_USAGE, "no robot 5",
-        evo_train(s.task, s.robots, 5, nullptr, 0, nullptr) == EVO_USAGE
-            ? evo_robots_append(s.robots, s.robots, 5)
-            : EVO_OK);
+  fails(EVO_USAGE, "NULL", evo_train(s.task, s.robots, 5, nullptr, 0, nullptr));
+  fails(EVO_USAGE, "no robot 5", evo_robots_append(s.robots, s.robots, 5));
   evo_envs* envs = nullptr;
   fails(EVO_USAGE, "thread", evo_envs_open(s.task, s.robots, 1, 0, &envs));
   fails(EVO_USAGE, "environments", evo_envs_open(s.task, s.robots, 0, 1, &envs));

@@ -17,7 +17,7 @@ void TaskOptions::add_to(Command& command, const std::string& otherwise) {
                  "a benchmark task by name, or a task file of your own" +
                      (task ? " [" + *task + "]" : otherwise));
   command.option("--physics", physics, "PROFILE",
-                 "physics profile by name or file (evogym, paper, fast) [the task's]");
+                 "physics profile by name or file (evogym, package, paper, fast) [the task's]");
   command.flag("--fast", fast,
                "as --physics fast: the same physics, but single precision within a substep");
   command.option(

@@ -1,5 +1,5 @@
 """Random worlds in evogym's simulator and in evo-env, side by side, as tab-separated
-values: worlds.py [WORLDS [STEPS [FIRST]]]
+values: worlds.py [WORLDS [STEPS [FIRST [PHYSICS]]]]     PHYSICS: package
 World w of a seed is the same on every machine. Its kind is w mod 5: what the 32 tasks
 hardly reach. Every point's position and velocity is compared after every control step,
 until a robot folds. Worlds that differ by more than 1e-9 are named on standard error,
@@ -99,7 +99,7 @@ def task_text(objects):
                               "reward: [{displacement: {of: robot, axis: x}}]", ""])
 
 
-def compare(number, steps):
+def compare(number, steps, physics):
     """Steps compared, largest differences of positions and velocities, the first step
     that differs at all and the first beyond LIMIT (0: none), whether both folded alike."""
     objects, actuators, rng = world(number)
@@ -111,7 +111,7 @@ def compare(number, steps):
     with tempfile.NamedTemporaryFile("w", suffix=".yaml") as task:
         task.write(task_text(objects))
         task.flush()
-        with evo_robots.Simulator(task.name, (objects[0][1], objects[0][2])) as ours:
+        with evo_robots.Simulator(task.name, (objects[0][1], objects[0][2]), physics=physics) as ours:
             ours.reset()
             position = velocity = 0.0
             first = beyond = 0
@@ -133,12 +133,13 @@ def compare(number, steps):
 
 
 def main():
-    count, steps, start = (int(a) for a in (sys.argv[1:] + ["2000", "100", "0"][len(sys.argv) - 1:]))
+    given = sys.argv[1:] + ["2000", "100", "0", "package"][len(sys.argv) - 1:]
+    count, steps, start = map(int, given[:3])
     print("kind", "worlds", "steps", "same bits", "within 1e-9", "largest difference",
           "of a velocity", "folded differently", sep="\t", file=TABLE)
     results = {kind: [] for kind in KINDS}
     for number in range(start, start + count):
-        result = compare(number, steps)
+        result = compare(number, steps, given[3])
         results[KINDS[number % len(KINDS)]].append(result)
         if result[4] or not result[5]:
             print(f"world {number} ({KINDS[number % len(KINDS)]}): {result}", file=sys.stderr)

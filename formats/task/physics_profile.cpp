@@ -26,6 +26,16 @@ constexpr const char* word(Arithmetic value) {
   return nullptr;
 }
 
+constexpr const char* word(ContactRounding value) {
+  switch (value) {
+    case ContactRounding::cells:
+      return "cells";
+    case ContactRounding::package:
+      return "package";
+  }
+  return nullptr;
+}
+
 namespace {
 
 // ---- the constants, by name ---------------------------------------------------
@@ -43,7 +53,8 @@ constexpr Range substep_count{1.0, false, 10'000.0};
 // A stiffness has two parts, `edge` and `diagonal`, and so has its baseline.
 struct Constant {
   const char* key;
-  std::variant<double Physics::*, int Physics::*, SpringStiffness Physics::*, Arithmetic Physics::*>
+  std::variant<double Physics::*, int Physics::*, SpringStiffness Physics::*, Arithmetic Physics::*,
+               ContactRounding Physics::*>
       member;
   Range range;
   const char* unit;
@@ -56,7 +67,7 @@ struct Constant {
 
 // In the order of libevo/sim/physics.h. All that is said, checked and written of
 // the constants comes from here.
-constexpr std::array<Constant, 24> constants{{
+constexpr std::array<Constant, 25> constants{{
     {"voxel_length", &Physics::voxel_length, positive, "length", "side of a voxel", {0.1}},
     {"substep", &Physics::substep, positive, "time", "one step of the integrator", {1e-4}},
     {"substeps", &Physics::substeps, substep_count, "count", "substeps in a control step", {30}},
@@ -171,6 +182,12 @@ constexpr std::array<Constant, 24> constants{{
      "largest actuator target",
      {1.6}},
     {"arithmetic", &Physics::arithmetic, {}, "", "roots and sums rounded in another way", {0}},
+    {"contact_rounding",
+     &Physics::contact_rounding,
+     {},
+     "",
+     "contact forces rounded and added up as the package does",
+     {0}},
 }};
 
 // One value of a constant: a stiffness has two, the others one.
@@ -205,15 +222,34 @@ std::optional<double> parse_quotient(std::string_view text) {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
+// Calls f with the type that the constant has.
+template <class F>
+auto with_type(const Value& value, F f) {
+  return std::visit(
+      [&](auto member) {
+        return f(std::type_identity<std::remove_cvref_t<decltype(Physics{}.*member)>>{});
+      },
+      value.constant.member);
+}
+
+// The words that it may be; none for a number.
+std::vector<std::string> words(const Value& value) {
+  return with_type(value, []<class Held>(std::type_identity<Held>) {
+    if constexpr (Worded<Held>)
+      return words_of<Held>();
+    else
+      return std::vector<std::string>();
+  });
+}
 bool is_word(const Value& value) {
-  return std::holds_alternative<Arithmetic Physics::*>(value.constant.member);
+  return with_type(value, []<class Held>(std::type_identity<Held>) { return Worded<Held>; });
 }
 bool is_count(const Value& value) {
   return std::holds_alternative<int Physics::*>(value.constant.member);
 }
 
 std::string expectation(const Value& value) {
-  if (is_word(value)) return fmt::format("{}", fmt::join(words_of<Arithmetic>(), " or "));
+  if (is_word(value)) return fmt::format("{}", fmt::join(words(value), " or "));
   const Range& range = value.constant.range;
   if (is_count(value)) return fmt::format("a whole number from {} to {}", range.low, range.high);
   return fmt::format("a number {} {}, or a quotient of two like 3e8/3.5,",
@@ -246,8 +282,8 @@ void set(Physics& physics, const Value& value, double number) {
         using Held = std::remove_reference_t<decltype(held)>;
         if constexpr (std::is_same_v<Held, SpringStiffness>)
           (value.part == 0 ? held.edge : held.diagonal) = number;
-        else if constexpr (std::is_same_v<Held, Arithmetic>)
-          held = static_cast<Arithmetic>(static_cast<int>(number));
+        else if constexpr (Worded<Held>)
+          held = static_cast<Held>(static_cast<int>(number));
         else
           held = static_cast<Held>(number);
       },
@@ -256,14 +292,16 @@ void set(Physics& physics, const Value& value, double number) {
 
 std::string text_of(const Physics& physics, const Value& value) {
   const double number = get(physics, value);
-  return is_word(value) ? word(static_cast<Arithmetic>(static_cast<int>(number)))
+  return is_word(value) ? words(value)[static_cast<std::size_t>(number)]
                         : fmt::format("{}", number);
 }
 
 std::optional<double> parse_value(const Value& value, const std::string& text) {
   if (is_word(value)) {
-    const std::optional<Arithmetic> named = from_word<Arithmetic>(text);
-    return named ? std::optional(static_cast<double>(*named)) : std::nullopt;
+    const std::vector<std::string> all = words(value);
+    const auto named = std::find(all.begin(), all.end(), text);
+    return named == all.end() ? std::nullopt
+                              : std::optional(static_cast<double>(named - all.begin()));
   }
   const Range& range = value.constant.range;
   const std::optional<double> number = parse_quotient(text);

@@ -25,7 +25,8 @@ struct Built {
     int col = 0;
     std::array<int, 4> corners{none, none, none, none};
     std::array<int, 4> edges{none, none, none, none};
-    std::array<bool, 4> linked{};
+    std::array<bool, 4> linked{};           // by Side
+    std::array<bool, 4> linked_diagonal{};  // by Corner
   };
   std::vector<Cell> cells;  // scan order
   std::vector<Vec2> points;
@@ -78,6 +79,11 @@ class Builder {
   bool horizontal_link(int row, int col, int across) const {
     return across > 0 ? right_of(row, col) : right_of(row, col - 1);
   }
+  // Whether two links lead to its diagonal neighbour, either way round.
+  bool diagonal_link(int row, int col, int down, int across) const {
+    return (vertical_link(row, col, down) && horizontal_link(row + down, col, across)) ||
+           (horizontal_link(row, col, across) && vertical_link(row, col + across, down));
+  }
   Built::Cell& cell(int row, int col) {
     return built_.cells[static_cast<std::size_t>(cell_at_[index(row, col)])];
   }
@@ -94,32 +100,36 @@ class Builder {
         made.linked[bottom] = vertical_link(row, col, +1);
         made.linked[left] = horizontal_link(row, col, -1);
         made.linked[right] = horizontal_link(row, col, +1);
+        for (std::size_t corner = 0; corner < 4; ++corner)
+          made.linked_diagonal[corner] = diagonal_link(row, col, down(static_cast<int>(corner)),
+                                                       across(static_cast<int>(corner)));
         cell_at_[index(row, col)] = static_cast<int>(built_.cells.size());
         built_.cells.push_back(made);
       }
     }
   }
 
+  // The way to the diagonal neighbour at a corner.
+  static int down(int corner) { return corner == bottom_left || corner == bottom_right ? +1 : -1; }
+  static int across(int corner) { return corner == top_right || corner == bottom_right ? +1 : -1; }
+
   // The point that the linked neighbours already have for a corner; the last
   // of vertical, horizontal, diagonal that counts gives it.
   int shared_point(const Built::Cell& c, int corner) {
-    const int down = corner == bottom_left || corner == bottom_right ? +1 : -1;
-    const int across = corner == top_right || corner == bottom_right ? +1 : -1;
     const int flip_vertical = corner ^ 2;  // the same corner seen from above or below
     const int flip_horizontal = corner ^ 1;
-    const bool vertical = vertical_link(c.row, c.col, down);
-    const bool horizontal = horizontal_link(c.row, c.col, across);
-    const bool diagonal = (vertical && horizontal_link(c.row + down, c.col, across)) ||
-                          (horizontal && vertical_link(c.row, c.col + across, down));
+    const bool vertical = vertical_link(c.row, c.col, down(corner));
+    const bool horizontal = horizontal_link(c.row, c.col, across(corner));
+    const bool diagonal = c.linked_diagonal[static_cast<std::size_t>(corner)];
     int point = none;
     const auto take = [&](bool counts, int row, int col, int their_corner) {
       if (!counts) return;
       const int theirs = cell(row, col).corners[static_cast<std::size_t>(their_corner)];
       if (theirs != none) point = theirs;
     };
-    take(vertical, c.row + down, c.col, flip_vertical);
-    take(horizontal, c.row, c.col + across, flip_horizontal);
-    take(diagonal, c.row + down, c.col + across, corner ^ 3);
+    take(vertical, c.row + down(corner), c.col, flip_vertical);
+    take(horizontal, c.row, c.col + across(corner), flip_horizontal);
+    take(diagonal, c.row + down(corner), c.col + across(corner), corner ^ 3);
     return point;
   }
 
@@ -250,6 +260,10 @@ void check(const World& world) {
   }
 }
 
+bool is_on_surface(const Built::Cell& c) {
+  return !(c.linked[top] && c.linked[right] && c.linked[bottom] && c.linked[left]);
+}
+
 // Adds the finished object's points, springs and cells to the world.
 void append(Model::Compiled& world, const Object& object, const Built& built) {
   ModelObject info;
@@ -279,7 +293,7 @@ void append(Model::Compiled& world, const Object& object, const Built& built) {
 
   SurfaceRange range{static_cast<int>(world.surface.size()), 0};
   for (const Built::Cell& c : built.cells) {
-    if (c.linked[top] && c.linked[right] && c.linked[bottom] && c.linked[left]) continue;
+    if (!is_on_surface(c)) continue;
     SurfaceCell s;
     s.object = object_index;
     s.row = c.row;
@@ -355,6 +369,31 @@ void list_contact_cells(Model::Compiled& world) {
   }
 }
 
+// The tree of an object over its surface cells, at the start.
+BoundingTree tree_of(const Object& object, const Built& built) {
+  std::vector<TreeCell> cells;
+  for (std::size_t i = 0; i < built.cells.size(); ++i) {
+    const Built::Cell& c = built.cells[i];
+    if (!is_on_surface(c)) continue;
+    TreeCell cell{static_cast<int>(i), c.row, c.col, c.linked, c.linked_diagonal};
+    const auto corner = [&](Corner at) {
+      return built.points[static_cast<std::size_t>(c.corners[at])];
+    };
+    const Vec2 low = corner(bottom_left);
+    const Vec2 high = corner(top_right);
+    cell.left = low.x;
+    cell.right = high.x;
+    cell.bottom = low.y;
+    cell.top = high.y;
+    cells.push_back(cell);
+  }
+  if (cells.size() > max_tree_cells)
+    throw error(Failure::data,
+                "object '{}' has {} cells on its surface; contact_rounding: package takes {}",
+                object.name, cells.size(), max_tree_cells);
+  return make_bounding_tree(cells);
+}
+
 TerrainGrid map_terrain(const Model::Compiled& world, const std::vector<const Object*>& order) {
   const auto world_x = [&](const SurfaceCell& c) {
     return order[static_cast<std::size_t>(c.object)]->x + c.col;
@@ -408,6 +447,8 @@ Model::Compiled compile(const World& world, const Physics& physics) {
   for (std::size_t i = 0; i < order.size(); ++i) {
     append(compiled, *order[i], built[i]);
     if (i == 0) compiled.actuators = compiled.dynamics.actuators;
+    if (physics.contact_rounding == ContactRounding::package)
+      compiled.trees.push_back(tree_of(*order[i], built[i]));
   }
   if (compiled.objects.size() > max_objects || compiled.surface.size() > max_surface_cells)
     throw error(Failure::data,

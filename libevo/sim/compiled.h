@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "libevo/sim/bounding_tree.h"
 #include "libevo/sim/model.h"
 #include "libevo/sim/plan.h"
 
@@ -111,6 +112,7 @@ struct Model::Compiled {
   Plan plan;
   std::vector<ContactCell> contact_cells;  // as `surface`
   TerrainGrid terrain;
+  std::vector<BoundingTree> trees;  // [objects], with ContactRounding::package alone
 };
 
 }  // namespace evo

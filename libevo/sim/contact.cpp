@@ -6,15 +6,19 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "libevo/base/elementary.h"
 #include "libevo/sim/contact_geometry.h"
+#include "libevo/sim/contact_order.h"
 
 namespace evo {
 namespace {
 
 using contact::cell_of;
 using contact::Points;
+using contact::SearchOrder;
+using contact::TouchingCells;
 using contact::Vector;
 
 // ---- pushing -------------------------------------------------------------------------
@@ -32,10 +36,12 @@ class Pusher {
       : world_(world),
         physics_(world.physics),
         points_(world, view),
+        as_package_(world.physics.contact_rounding == ContactRounding::package),
         parallel_determinant_(parallel_determinant * world.length_scale * world.length_scale) {}
 
   // Whether any of them pushed.
   bool push(Candidates inside) const {
+    if (as_package_) return push_as_package(inside);
     bool any = false;
     while (!inside.empty()) {
       const ContactCandidate& candidate = *inside.front();
@@ -68,6 +74,23 @@ class Pusher {
     return world_.surface[candidate.corner / 4].object == world_.surface[candidate.cell].object;
   }
 
+  const SurfaceCell& cell_with(const ContactCandidate& candidate) const {
+    return world_.surface[candidate.corner / 4];
+  }
+  const SurfaceCell& cell_hit(const ContactCandidate& candidate) const {
+    return world_.surface[candidate.cell];
+  }
+
+  // How many of the first belong to one pair of objects.
+  std::size_t of_first_objects(Candidates inside) const {
+    const auto objects = [&](const ContactCandidate& candidate) {
+      return std::minmax(cell_with(candidate).object, cell_hit(candidate).object);
+    };
+    std::size_t count = 1;
+    while (count < inside.size() && objects(*inside[count]) == objects(*inside.front())) ++count;
+    return count;
+  }
+
   // How many of the first belong to one pair of cells.
   static std::size_t of_first_cells(Candidates inside) {
     const auto cells = [](const ContactCandidate& candidate) {
@@ -93,6 +116,74 @@ class Pusher {
     for (std::size_t i = later; i < count; ++i) apply(pushes[i]);
     for (std::size_t i = 0; i < later; ++i) apply(pushes[i]);
     return count > 0;
+  }
+
+  // Pushes between two cells: those of corners of `first`, then those of the other's.
+  struct PairPushes {
+    std::uint32_t first = 0;
+    std::uint32_t second = 0;
+    std::vector<Push> of_first;
+    std::vector<Push> of_second;
+  };
+
+  bool push_as_package(Candidates inside) const {
+    bool any = false;
+    while (!inside.empty()) {
+      const std::size_t count = of_first_objects(inside);
+      any |= push_objects_as_package(inside.first(count));
+      inside = inside.subspan(count);
+    }
+    return any;
+  }
+
+  // Of one pair of objects, or of one with itself: there the search meets a pair of cells
+  // twice, once either way round.
+  bool push_objects_as_package(Candidates inside) const {
+    std::vector<PairPushes> pairs;
+    while (!inside.empty()) {
+      const std::size_t count = of_first_cells(inside);
+      if (PairPushes pushes = pushes_of_cells(inside.first(count));
+          !pushes.of_first.empty() || !pushes.of_second.empty())
+        pairs.push_back(std::move(pushes));
+      inside = inside.subspan(count);
+    }
+    if (pairs.empty()) return false;
+
+    const int i = world_.surface[pairs.front().first].object;
+    const int j = world_.surface[pairs.front().second].object;
+    const auto place = [&](std::uint32_t cell, int object) {
+      return static_cast<std::int32_t>(cell) -
+             world_.surface_ranges[static_cast<std::size_t>(object)].first;
+    };
+    std::vector<TouchingCells> touching;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const std::int32_t a = place(pairs[k].first, i);
+      const std::int32_t b = place(pairs[k].second, j);
+      touching.push_back({a, b, 2 * k});
+      if (i == j) touching.push_back({b, a, 2 * k + 1});
+    }
+    SearchOrder(world_, points_, i, j).sort(touching);
+    for (const TouchingCells& cells : touching) {
+      const PairPushes& pair = pairs[cells.number / 2];
+      const bool is_turned = cells.number % 2 != 0;
+      for (const Push& push : is_turned ? pair.of_second : pair.of_first) apply(push);
+      for (const Push& push : is_turned ? pair.of_first : pair.of_second) apply(push);
+    }
+    return true;
+  }
+
+  // `inside` are the corners of one pair of cells: the first is of the earlier object.
+  PairPushes pushes_of_cells(Candidates inside) const {
+    const ContactCandidate& one = *inside.front();
+    PairPushes pair{one.corner / 4, one.cell, {}, {}};
+    if (cell_with(one).object > cell_hit(one).object) std::swap(pair.first, pair.second);
+    // Round the cell: the package's order of corners.
+    for (const Corner corner : {top_left, top_right, bottom_right, bottom_left})
+      for (const ContactCandidate* candidate : inside)
+        if (candidate->corner % 4 == static_cast<std::uint32_t>(corner))
+          if (const std::optional<Push> push = push_of(*candidate))
+            (candidate->corner / 4 == pair.first ? pair.of_first : pair.of_second).push_back(*push);
+    return pair;
   }
 
   std::optional<Push> push_of(const ContactCandidate& candidate) const {
@@ -154,7 +245,10 @@ class Pusher {
     const Vector n = Vector{-along.y, along.x} / norm(along);
     const Vector force = n * physics_.contact_stiffness * (depth + physics_.contact_margin);
     const Vector velocity = true_velocity(point);
-    const auto damping = [&](Vector v) { return n * dot(n, v) * physics_.contact_damping; };
+    const Vector direction = as_package_ ? n / norm(n) : n;  // the package rounds it twice
+    const auto damping = [&](Vector v) {
+      return direction * dot(direction, v) * physics_.contact_damping;
+    };
 
     Vector t{-n.y, n.x};
     t = t / norm(t);
@@ -164,7 +258,8 @@ class Pusher {
       t = t * -1.0;
     }
     const double pressure = norm(force);
-    const double grip = math::tanh(slip / (physics_.friction_coefficient * pressure));
+    const double sliding = slip / (physics_.friction_coefficient * pressure);
+    const double grip = as_package_ ? math::reference_tanh(sliding) : math::tanh(sliding);
     return {
         point,
         edge,
@@ -188,6 +283,7 @@ class Pusher {
   const Model::Compiled& world_;
   const Physics& physics_;
   Points points_;
+  bool as_package_;
   double parallel_determinant_;
 };
 

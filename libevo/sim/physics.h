@@ -12,6 +12,11 @@ namespace evo {
 // positions and velocities in single precision (docs/fast.md says what that costs).
 enum class Arithmetic : std::uint8_t { exact, fast };
 
+// How contact forces are rounded and added up. `package`: as the benchmark's package does,
+// to the last bit. `cells`: the order of cells, and a tanh of our own in the friction; what
+// the records and the pinned hashes were made with (docs/physics.md, "The package's order").
+enum class ContactRounding : std::uint8_t { cells, package };
+
 struct SpringStiffness {
   double edge;      // force per length, the four sides of a cell
   double diagonal;  // the two diagonals
@@ -49,6 +54,7 @@ struct Physics {
   double max_target = 1.6;
 
   Arithmetic arithmetic = Arithmetic::exact;
+  ContactRounding contact_rounding = ContactRounding::cells;
 
   bool operator==(const Physics&) const = default;
 };

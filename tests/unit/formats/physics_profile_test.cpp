@@ -99,7 +99,10 @@ TEST_CASE("a written profile is read back to the same bits") {
 TEST_CASE("every constant can be overridden") {
   for (const std::string& key : physics_keys()) {
     Physics physics;
-    const std::string value = key == "min_target" ? "1" : key == "arithmetic" ? "fast" : "7";
+    const std::string value = key == "min_target"         ? "1"
+                              : key == "arithmetic"       ? "fast"
+                              : key == "contact_rounding" ? "package"
+                                                          : "7";
     apply_override(physics, key + "=" + value);
     INFO(key);
     CHECK_FALSE(physics == Physics{});
@@ -135,7 +138,7 @@ TEST_CASE("mistakes in profiles are named with their place") {
                   "'edge'?)") == 0);
   CHECK(message("base: papper\n")
             .find("p.yaml:1:7: unknown physics profile 'papper' (did you mean "
-                  "'paper'?); allowed: evogym, fast, paper") == 0);
+                  "'paper'?); allowed: evogym, fast, package, paper") == 0);
   CHECK(message("base: ./nowhere.yaml\n").find("p.yaml:1:7: ") == 0);
   CHECK(message("format: evo/task\n") ==
         "p.yaml:1:9: format 'evo/physics' is expected, found 'evo/task'");

@@ -18,8 +18,8 @@ double largest_difference(std::span<const Vec2> a, std::span<const Vec2> b) {
 }
 
 // Of any position over all steps; a folded step leaves the snapshot before it.
-double error_of(const ReferenceCase& reference) {
-  const Model model(reference.world, Physics{});
+double error_of(const ReferenceCase& reference, const Physics& physics = {}) {
+  const Model model(reference.world, physics);
   REQUIRE(model.points() == reference.points);
   State state = initial_state(model);
   std::vector<Vec2> positions(static_cast<std::size_t>(model.points()));
@@ -48,6 +48,15 @@ TEST_CASE("reference trajectories are reproduced") {
   for (const std::string& name : names) {
     INFO(name);
     CHECK(error_of(read_reference(name)) < 1e-10);
+  }
+}
+
+TEST_CASE("with the package's rounding, every reference trajectory is reproduced to the last bit") {
+  Physics physics;
+  physics.contact_rounding = ContactRounding::package;
+  for (const std::string& name : reference_names()) {
+    INFO(name);
+    CHECK(error_of(read_reference(name), physics) == 0.0);
   }
 }
 

@@ -84,8 +84,8 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             episode = replayed(record, policy, pathlib.Path(folder))
         earned, apart = same_actions(record, episode)
-        own = acting(record, policy) if record["controller"] == "network" else ""
-        print(name, record["controller"], record["fitness"], episode.rewards.sum(), earned, apart, own,
+        own = acting(record, policy) if record.get("controller", "gait") == "network" else ""
+        print(name, record.get("controller", "gait"), record["fitness"], episode.rewards.sum(), earned, apart, own,
               sep="\t", file=TABLE)
 
 

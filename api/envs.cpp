@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "api/handles.h"
+#include "api/pictures.h"
 #include "api/session.h"
 #include "training/episodes.h"
 
@@ -11,7 +12,7 @@ using evo::Failure;
 
 struct evo_envs {
   evo_envs(const evo::TaskSpec& task, std::vector<evo::Robot> robots, int per_robot, int threads)
-      : session(task, std::move(robots), per_robot, 0, threads) {
+      : owner(threads), session(task, std::move(robots), per_robot, 0, threads) {
     const auto count = static_cast<std::size_t>(session.environments());
     rewards.resize(count);
     status.resize(count);
@@ -38,6 +39,7 @@ struct evo_envs {
     }
   }
 
+  Owner owner;
   evo::Session session;
   std::vector<double> rewards;
   std::vector<std::uint8_t> status;
@@ -57,6 +59,7 @@ template <typename Work>
 int change(evo_envs* envs, const Work& work) {
   return guarded([&] {
     evo_envs& all = object_of(envs);
+    all.owner.check();
     const Busy busy(all.busy);
     work(all.session);
     all.refresh();
@@ -195,5 +198,20 @@ int evo_envs_observed(const evo_envs* envs, int32_t environment, char** json) {
     for (const evo::ObservationSlice& slice : session.envs().arena(environment).layout())
       slices.push_back({{"name", slice.name}, {"offset", slice.offset}, {"length", slice.length}});
     target(json, "json") = given(slices.dump());
+  });
+}
+
+int evo_envs_render(const evo_envs* envs, int32_t environment, const double* positions,
+                    const evo_view* view, size_t size, uint8_t* pixels, size_t bytes) {
+  return guarded([&] {
+    const evo::Session& session = object_of(envs).session;
+    session.check_environment(environment);
+    if (session.status(environment) != evo::EnvironmentStatus::ok)
+      throw evo::error(Failure::usage, "environment {} is {}: reset it first", environment,
+                       evo::to_string(session.status(environment)));
+    const evo::Model& model = session.envs().model(environment);
+    const auto now = session.envs().positions().subspan(session.envs().point_offset(environment),
+                                                        static_cast<std::size_t>(model.points()));
+    draw(model, now, positions, &session.task(), view, size, pixels, bytes);
   });
 }

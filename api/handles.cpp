@@ -1,6 +1,7 @@
 #include "api/handles.h"
 
 #include <dlfcn.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -71,6 +72,17 @@ char* given(std::string_view text) {
 Busy::Busy(std::atomic_flag& flag) : flag_(flag) {
   if (flag_.test_and_set())
     throw Error(Failure::usage, "another thread is changing what this handle stands for");
+}
+
+Owner::Owner(int threads) : process_(threads > 1 ? getpid() : 0) {}
+
+bool Owner::lost() const { return process_ != 0 && process_ != getpid(); }
+
+void Owner::check() const {
+  if (lost())
+    throw Error(Failure::usage,
+                "this was made with several threads, which a forked process does not have; make it "
+                "anew, or with one thread");
 }
 
 DataFolders data_folders() {

@@ -86,7 +86,10 @@ int open(Handle** place, const Make& make) {
 
 template <typename Handle>
 void close(Handle* handle) {
-  if (handle != nullptr && leave(handle, kind_of<Handle>)) delete handle;
+  if (handle == nullptr || !leave(handle, kind_of<Handle>)) return;
+  if constexpr (requires { handle->owner; })
+    if (handle->owner.lost()) return;  // its destructor would wait for threads that are not here
+  delete handle;
 }
 
 // Facts into the struct of a caller who may know fewer of them.
@@ -114,6 +117,17 @@ class Busy {
   std::atomic_flag& flag_;
 };
 
+// The process that threads were started in: a child forked from it has none of them.
+class Owner {
+ public:
+  explicit Owner(int threads);
+  bool lost() const;   // this process is such a child
+  void check() const;  // throws Error(usage) if it is
+
+ private:
+  int process_ = 0;  // 0: no threads, so that any will do
+};
+
 std::unique_ptr<evo_task> task_of(TaskSpec spec);
 std::unique_ptr<evo_robots> list_of(std::vector<Robot> robots);
 // Throws Error(usage) where the list has no such robot.
@@ -128,7 +142,8 @@ DataFolders data_folders();
 // What is behind the handles that several files need.
 struct evo_task {
   evo::TaskSpec spec;
-  std::string yaml;  // of the whole task
+  std::string yaml;     // of the whole task
+  std::string physics;  // the same
 };
 struct evo_robots {
   std::vector<evo::Robot> list;

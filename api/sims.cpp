@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "api/handles.h"
+#include "api/pictures.h"
 #include "formats/foreign/evogym.h"
 #include "formats/io/json.h"
 #include "formats/task/physics_profile.h"
@@ -83,7 +84,12 @@ std::string doubles(const std::vector<double>& values) {
 
 struct evo_sims {
   evo_sims(const evo::World& world, const evo::Physics& physics, std::size_t count, int threads)
-      : model(world, physics), batch(count), pool(threads), status(count), moving(count) {
+      : owner(threads),
+        model(world, physics),
+        batch(count),
+        pool(threads),
+        status(count),
+        moving(count) {
     const auto own = static_cast<std::size_t>(model.points());
     positions.resize(count * own);
     velocities.resize(count * own);
@@ -131,6 +137,7 @@ struct evo_sims {
     status[sim] = static_cast<std::uint8_t>(batch.status(sim));
   }
 
+  Owner owner;
   evo::Model model;
   evo::Batch batch;
   evo::ThreadPool pool;
@@ -153,6 +160,7 @@ template <typename Work>
 int change(evo_sims* sims, const Work& work) {
   return guarded([&] {
     evo_sims& all = object_of(sims);
+    all.owner.check();
     const Busy busy(all.busy);
     work(all);
   });
@@ -306,6 +314,16 @@ int evo_sims_orientation(const evo_sims* sims, size_t object, const double* posi
                                : std::span<const evo::Vec2>(given);
       angles[i] = evo::orientation(all.shapes[object], points.of(shape));
     }
+  });
+}
+
+int evo_sims_render(const evo_sims* sims, int32_t sim, const double* positions,
+                    const evo_view* view, size_t size, uint8_t* pixels, size_t bytes) {
+  return guarded([&] {
+    const evo_sims& all = object_of(sims);
+    const auto own = static_cast<std::size_t>(all.model.points());
+    const auto now = std::span<const evo::Vec2>(all.positions).subspan(all.checked(sim) * own, own);
+    draw(all.model, now, positions, nullptr, view, size, pixels, bytes);
   });
 }
 

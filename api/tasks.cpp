@@ -12,7 +12,8 @@ namespace evo::c {
 
 std::unique_ptr<evo_task> task_of(TaskSpec spec) {
   std::string yaml = task_to_yaml(spec);
-  return std::make_unique<evo_task>(evo_task{std::move(spec), std::move(yaml)});
+  std::string physics = physics_to_yaml(spec.physics);
+  return std::make_unique<evo_task>(evo_task{std::move(spec), std::move(yaml), std::move(physics)});
 }
 
 std::unique_ptr<evo_robots> list_of(std::vector<Robot> robots) {
@@ -77,9 +78,9 @@ int evo_task_set(evo_task* task, const char* assignment) {
 
 int evo_task_describe(const evo_task* task, evo_task_facts* facts, size_t size) {
   return guarded([&] {
-    const auto& [spec, yaml] = object_of(task);
+    const auto& [spec, yaml, physics] = object_of(task);
     hand_over({spec.name.c_str(), yaml.c_str(), spec.episode_steps, 0, spec.physics.min_target,
-               spec.physics.max_target},
+               spec.physics.max_target, physics.c_str()},
               facts, size);
   });
 }

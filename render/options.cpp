@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "libevo/base/error.h"
-#include "render/painters/painter.h"
+#include "render/painters/drawing.h"
 #include "render/scene/theme.h"
 
 namespace evo::render {

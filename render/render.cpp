@@ -151,17 +151,6 @@ Drawing draw_moment(const Episode& episode, double step, const RenderOptions& op
   return film.frame(step, typesetter);
 }
 
-Viewer::Viewer() : painter_(std::make_unique<Painter>()) {}
-Viewer::~Viewer() = default;
-
-Image Viewer::draw(const Episode& episode, double step, const RenderOptions& options) {
-  const RenderOptions whole = without_range(options);
-  const Film film = film_at(episode, step, whole);
-  Image image(options.size);
-  painter_->paint(film.frame(step, painter_->typesetter()), target(image));
-  return image;
-}
-
 Drawing draw_moments(const Episode& episode, const Moments& moments, const RenderOptions& options) {
   check_options(options);
   constexpr int most = 100;

@@ -1,9 +1,8 @@
-// Pictures and videos: the whole of this room from outside. Drawing happens in
+// Pictures and videos: the whole of this room from outside but for still.h. Drawing happens in
 // processes of its own (workers.h), so that these functions may be called from
 // any program, with any number of threads.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,8 +18,6 @@
 #include "render/scene/moments.h"
 
 namespace evo::render {
-
-class Painter;
 
 // ---- still pictures ---------------------------------------------------------------
 // Errors: usage for options out of range, data for what cannot be drawn. Strips,
@@ -52,22 +49,6 @@ Image paint(const Drawing& drawing);
 // another. `title` is what vector formats say the picture shows.
 std::string encode_picture(const Drawing& drawing, const std::string& title,
                            const std::string& name);
-
-// Moments one after the other, drawn in this process with a GL context that is
-// kept: milliseconds each. A process that owns one must not call the functions
-// above and below (painter.h says why).
-class Viewer {
- public:
-  Viewer();  // throws Error(work) where OSMesa gives no context
-  ~Viewer();
-  Viewer(const Viewer&) = delete;
-  Viewer& operator=(const Viewer&) = delete;
-
-  Image draw(const Episode& episode, double step, const RenderOptions& options);
-
- private:
-  std::unique_ptr<Painter> painter_;
-};
 
 // ---- moving pictures ----------------------------------------------------------------
 

@@ -19,7 +19,8 @@
  *
  * Different handles may be used by different threads at once. A second thread in a function
  * that changes a handle (a step, a reset) is refused with EVO_USAGE. After fork() a child may
- * use handles made with one thread; those with more have lost theirs, and it makes its own.
+ * use handles made with one thread; those with more have lost theirs: there they are refused with
+ * EVO_USAGE, and the child makes its own.
  *
  * The same seeds give the same bits as the tools do, for any number of threads and on any
  * processor. Arrays are double, row by row; positions are [points][2], x and y (upwards), in
@@ -84,6 +85,7 @@ typedef struct evo_task_facts {
   /* The range of actions: an actuator's target length as a share of its rest length. */
   double action_low;
   double action_high;
+  const char* physics_yaml; /* the whole profile in force; as long as `yaml` */
 } evo_task_facts;
 /* `size` is that of the caller's struct: later versions may know more. So in what follows. */
 EVO_API int evo_task_describe(const evo_task* task, evo_task_facts* facts, size_t size);
@@ -207,6 +209,21 @@ EVO_API int evo_envs_object(const evo_envs* envs, int32_t environment, size_t in
 /* The slices of an environment's observation, as JSON: [{"name", "offset", "length"}]; evo_free. */
 EVO_API int evo_envs_observed(const evo_envs* envs, int32_t environment, char** json);
 
+/* What a picture shows; all zeros, or NULL in its place: what moves, at 600 x 300 pixels. */
+typedef struct evo_view {
+  int32_t width;    /* pixels, 16 to 4096 */
+  int32_t height;   /* */
+  int32_t plain;    /* not 0: without grid and distances along the floor */
+  int32_t reserved; /* 0 */
+  double window[4]; /* of the world, voxels: its centre, x and y, its width and height */
+} evo_view;
+/* Draws an environment into `pixels`, [height][width][3], red, green, blue, rows from the top; no
+ * display is needed. `positions`: its points, [n][2], kept before, or NULL for those it has now. */
+EVO_API int evo_envs_render(const evo_envs* envs, int32_t environment, const double* positions,
+                            const evo_view* view, size_t size, uint8_t* pixels, size_t bytes);
+/* A robot's body with its id, as an SVG document `width` pixels wide; for evo_free. */
+EVO_API int evo_robots_svg(const evo_robots* robots, size_t index, int32_t width, char** svg);
+
 /* ---- worlds built in code ------------------------------------------------------------- */
 
 /* Named objects in a grid of cells: robots, terrain, packages. */
@@ -281,6 +298,10 @@ EVO_API int evo_sims_object(const evo_sims* sims, size_t index, evo_sim_object* 
  * these, [count][P][2]. */
 EVO_API int evo_sims_orientation(const evo_sims* sims, size_t object, const double* positions,
                                  double* angles, size_t count);
+
+/* As evo_envs_render. */
+EVO_API int evo_sims_render(const evo_sims* sims, int32_t sim, const double* positions,
+                            const evo_view* view, size_t size, uint8_t* pixels, size_t bytes);
 
 /* ---- controllers ---------------------------------------------------------------------- */
 

@@ -198,10 +198,9 @@ Answer Requests::draw(const Json& wanted) {
   const VecEnv& envs = session_.envs();
   Recorder recorder(envs.arena(e), session_.robot(e), 0, false, cli::created_by("evo-env"));
   recorder.record({0, envs, e, {}, false, {}});
-  if (!viewer_) viewer_ = std::make_unique<render::Viewer>();
   Answer answer;
   answer.kind = Answer::Kind::picture;
-  answer.picture = viewer_->draw({&recorder.rollout(), 0, ""}, 0, options);
+  answer.picture = render::draw_still({&recorder.rollout(), 0, ""}, options);
   return answer;
 }
 

@@ -7,7 +7,7 @@
 
 #include "api/session.h"
 #include "formats/io/json.h"
-#include "render/render.h"
+#include "render/still.h"
 
 namespace evo::cli {
 
@@ -40,7 +40,6 @@ class Requests {
   Session& session_;
   std::vector<double> actions_;       // of all environments
   std::vector<std::uint8_t> active_;  // of all environments
-  std::unique_ptr<render::Viewer> viewer_;
 };
 
 // The state of some environments as an object of rows.

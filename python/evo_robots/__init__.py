@@ -1,4 +1,4 @@
-"""Robots made of voxels on the tasks of Evolution Gym, simulated by evo-env.
+"""Robots made of voxels on the tasks of Evolution Gym, simulated in this process.
 
     import gymnasium, evo_robots
     body, connections = evo_robots.sample_robot((5, 5))
@@ -8,14 +8,15 @@ Reading files (evo_robots.files) needs h5py; everything else numpy and, for the
 environments, Gymnasium.
 """
 
-from .robots import (VOXEL_TYPES, get_full_connectivity, has_actuator, is_connected, robot_arrays,
+from .library import EvoError, find_tool
+from .robots import (VOXEL_TYPES, Robot, get_full_connectivity, has_actuator, is_connected, robot_arrays,
                      robot_document, sample_robot)
-from .simulator import EvoError, Simulator, State, find_tool
+from .simulator import Simulator, State
 from .tasks import TASKS, register
 from .worlds import Simulations, World
 
 __version__ = "0.1.0"
-__all__ = ["TASKS", "VOXEL_TYPES", "EvoError", "Simulations", "Simulator", "State", "World", "find_tool", "get_full_connectivity",
+__all__ = ["TASKS", "VOXEL_TYPES", "EvoError", "Robot", "Simulations", "Simulator", "State", "World", "find_tool", "get_full_connectivity",
            "has_actuator", "is_connected", "register", "robot_arrays", "robot_document",
            "sample_robot"]
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import Any, Mapping
 
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Box
 
-from .simulator import STATUS, EvoError, Simulator
+from .library import EvoError
+from .simulator import STATUS, Simulator
+from .video import MOST_STEPS, STEPS_PER_SECOND, Video
 
 __all__ = ["Environment", "action_box", "observation_box", "unlimited"]
 
@@ -23,7 +26,7 @@ def action_box(simulator: Simulator, length: int) -> Box:
     return Box(simulator.info["action_low"], simulator.info["action_high"], (length,), np.float64)
 
 
-RENDERING = {"render_modes": ["rgb_array"], "render_fps": 50}
+RENDERING = {"render_modes": ["rgb_array"], "render_fps": STEPS_PER_SECOND}
 
 
 def the_robot(body: Any, connections: Any, robot: Any) -> Any:
@@ -49,10 +52,9 @@ def time_limit(max_episode_steps: int | None, simulator: Simulator) -> float:
 
 
 def only_robot(simulator: Simulator, envs: int) -> Simulator:
-    """Refuses, and closes, a simulator of more than one robot."""
+    """Refuses a simulator of more than one robot."""
     robots = simulator.num_envs // envs
     if robots != 1:
-        simulator.close()
         raise ValueError(f"one robot is expected, not {robots}; Simulator takes several")
     return simulator
 
@@ -70,6 +72,9 @@ class Environment(gymnasium.Env):
     reset(options=...) takes ``draws``, ``episode`` and ``jitter``. Without a
     seed the environment goes on in the episodes of the one before (first 0), so
     that two runs of a program are the same.
+
+    A copy (copy.deepcopy, pickle) goes on from where the environment is. ``video()`` shows the
+    episode so far.
     """
 
     metadata = RENDERING
@@ -96,7 +101,8 @@ class Environment(gymnasium.Env):
             Simulator(task, the_robot(body, connections, robot), seed=seed, fast=fast,
                       physics=physics, settings=settings), 1)
         self._limit = time_limit(max_episode_steps, self.simulator)
-        self._steps = 0
+        self._steps, self._return = 0, 0.0
+        self._film: deque[np.ndarray] = deque(maxlen=MOST_STEPS + 1)  # positions of the episode
         self.observation_space = observation_box(int(self.simulator.observation_lengths[0]))
         self.action_space = action_box(self.simulator, int(self.simulator.action_lengths[0]))
         self._size = (width, height)
@@ -109,15 +115,21 @@ class Environment(gymnasium.Env):
         if unknown:
             raise ValueError(f"options: {sorted(unknown)} are not known")
         state = self.simulator.reset(seed=seed, **{"jitter": self._jitter, **options})
-        self._steps = 0
+        self._steps, self._return = 0, 0.0
+        self._film.clear()
+        self._film.append(self.simulator.positions[0].copy())
         return state.observations[0], {}
 
     def step(self, action):
-        state = self.simulator.step(action)
-        if state.status[0] != 0:
-            raise EvoError(f"the environment is {STATUS[state.status[0]]}: reset it")
+        simulator = self.simulator
+        simulator.advance(action)
+        if simulator.status[0] != 0:
+            raise EvoError(f"the environment is {STATUS[simulator.status[0]]}: reset it")
         self._steps += 1
-        return (state.observations[0], float(state.rewards[0]), bool(state.terminated[0]),
+        reward = float(simulator.rewards[0])
+        self._return += reward
+        self._film.append(simulator.positions[0].copy())
+        return (simulator.observations[0].copy(), reward, bool(simulator.terminated[0]),
                 self._steps >= self._limit, {})
 
     def render(self) -> np.ndarray | None:
@@ -126,8 +138,21 @@ class Environment(gymnasium.Env):
             return None
         return self.simulator.picture(0, *self._size)
 
+    def video(self, width: int = 480, height: int = 240, fps: float = 25.0,
+              speed: float = 1.0) -> Video:
+        """The episode so far (its last 2000 steps): plays in a notebook, ``save(path)`` writes it."""
+        return Video.of(list(self._film), lambda positions: self.simulator.picture(
+            0, width, height, positions=positions), fps=fps, speed=speed, says=repr(self))
+
     def close(self) -> None:
         self.simulator.close()
+
+    def __repr__(self) -> str:
+        info = self.simulator.info
+        return (f"<{info['task']}, robot {info['robots'][0]['id']}, step {self._steps}, "
+                f"return {self._return:.3f}>")
+
+    __str__ = __repr__
 
     # ---- what the benchmark's environments are asked beyond Gymnasium ---------
 
@@ -139,11 +164,10 @@ class Environment(gymnasium.Env):
         return self._points_of("velocities", object_name)
 
     def _points_of(self, what: str, name: str) -> np.ndarray:
-        world = self.simulator.positions(0)
-        if name not in world["objects"]:
-            raise ValueError(f"no object {name!r} in this task; there are: "
-                             + ", ".join(world["objects"]))
-        return world[what][world["objects"][name]].T
+        objects = self.simulator.objects()
+        if name not in objects:
+            raise ValueError(f"no object {name!r} in this task; there are: " + ", ".join(objects))
+        return getattr(self.simulator, what)[0, objects[name]].T.copy()
 
 
 def unlimited(**arguments: Any) -> Environment:

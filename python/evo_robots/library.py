@@ -5,71 +5,163 @@ from __future__ import annotations
 import ctypes
 import ctypes.util
 import functools
+import json
 import os
 import shutil
-from ctypes import POINTER, byref, c_char_p, c_double, c_int32, c_size_t, c_uint8, c_void_p
+import sys
+from ctypes import (POINTER, Structure, byref, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t,
+                    c_uint8, c_uint64, c_void_p)
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .simulator import EvoError
+__all__ = ["EnvArrays", "EvoError", "Handle", "PolicyFacts", "RobotFacts", "SimArrays", "SimObject",
+           "Start", "TaskFacts", "address", "array_at", "bytes_given", "call", "facts", "find_tool",
+           "library", "text_given", "text_of"]
 
-__all__ = ["Handle", "SimArrays", "SimObject", "array_at", "call", "library", "text_given"]
+
+class EvoError(RuntimeError):
+    """What the library or a tool could not do: what, where, and what to do about it."""
 
 
-class SimArrays(ctypes.Structure):
+class TaskFacts(Structure):
+    _fields_ = [("name", c_char_p), ("yaml", c_char_p), ("episode_steps", c_int32),
+                ("reserved", c_int32), ("action_low", c_double), ("action_high", c_double),
+                ("physics_yaml", c_char_p)]
+
+
+class RobotFacts(Structure):
+    _fields_ = [("id", c_char_p), ("json", c_char_p), ("rows", c_int32), ("columns", c_int32),
+                ("voxels", c_void_p)]
+
+
+class EnvArrays(Structure):
+    _fields_ = [*[(name, c_size_t) for name in (
+                    "environments", "observation_values", "action_values", "points")],
+                *[(name, c_void_p) for name in (
+                    "observation_offsets", "action_offsets", "point_offsets", "observations",
+                    "rewards", "terminated", "truncated", "status", "steps", "positions",
+                    "velocities")]]
+
+
+class EnvObject(Structure):
+    _fields_ = [("name", c_char_p), ("first_point", c_size_t), ("points", c_size_t)]
+
+
+class Start(Structure):
+    _fields_ = [("has_seed", c_int32), ("has_episode", c_int32), ("seed", c_uint64),
+                ("episode", c_uint64), ("jitter", c_double), ("draws", c_char_p)]
+
+
+class View(Structure):
+    _fields_ = [("width", c_int32), ("height", c_int32), ("plain", c_int32), ("reserved", c_int32),
+                ("window", c_double * 4)]
+
+
+class SimArrays(Structure):
     _fields_ = [("sims", c_size_t), ("points", c_size_t), ("actuators", c_size_t),
                 ("positions", c_void_p), ("velocities", c_void_p), ("status", c_void_p),
                 ("action_low", c_double), ("action_high", c_double)]
 
 
-class SimObject(ctypes.Structure):
+class SimObject(Structure):
     _fields_ = [("name", c_char_p), ("first_point", c_size_t), ("points", c_size_t),
                 ("first_actuator", c_size_t), ("actuators", c_size_t)]
 
 
+class PolicyFacts(Structure):
+    _fields_ = [("observation_length", c_size_t), ("action_length", c_size_t),
+                ("fitness", c_double), ("curve_points", c_size_t), ("curve", c_void_p)]
+
+
+_HANDLE, _OPENED = c_void_p, POINTER(c_void_p)
+_STATE = [_HANDLE, c_int32, POINTER(c_void_p), POINTER(c_size_t)]
+_RENDER = [_HANDLE, c_int32, c_void_p, POINTER(View), c_size_t, c_void_p, c_size_t]
 SIGNATURES = {
-    "evo_world_new": [POINTER(c_void_p)],
-    "evo_world_read": [c_char_p, POINTER(c_void_p)],
-    "evo_world_parse": [c_char_p, POINTER(c_void_p)],
-    "evo_world_add": [c_void_p, c_char_p, c_void_p, c_int32, c_int32, c_void_p, c_size_t, c_int32,
+    "evo_task_open": [c_char_p, _OPENED],
+    "evo_task_parse": [c_char_p, c_char_p, _OPENED],
+    "evo_task_set_physics": [_HANDLE, c_char_p],
+    "evo_task_set": [_HANDLE, c_char_p],
+    "evo_task_describe": [_HANDLE, POINTER(TaskFacts), c_size_t],
+    "evo_robots_new": [_OPENED],
+    "evo_robots_read": [c_char_p, _OPENED],
+    "evo_robots_parse": [c_char_p, _OPENED],
+    "evo_robots_append": [_HANDLE, _HANDLE, c_size_t],
+    "evo_robots_count": [_HANDLE, POINTER(c_size_t)],
+    "evo_robots_describe": [_HANDLE, c_size_t, POINTER(RobotFacts), c_size_t],
+    "evo_robots_svg": [_HANDLE, c_size_t, c_int32, POINTER(c_void_p)],
+    "evo_envs_open": [_HANDLE, _HANDLE, c_int32, c_int32, _OPENED],
+    "evo_envs_arrays": [_HANDLE, POINTER(EnvArrays), c_size_t],
+    "evo_envs_reset": [_HANDLE, c_void_p, c_size_t, POINTER(Start)],
+    "evo_envs_step": [_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t],
+    "evo_envs_save": _STATE,
+    "evo_envs_restore": [_HANDLE, c_int32, c_char_p, c_size_t],
+    "evo_envs_perturb": [_HANDLE, c_int32, c_double, c_uint64],
+    "evo_envs_object_count": [_HANDLE, c_int32, POINTER(c_size_t)],
+    "evo_envs_object": [_HANDLE, c_int32, c_size_t, POINTER(EnvObject), c_size_t],
+    "evo_envs_observed": [_HANDLE, c_int32, POINTER(c_void_p)],
+    "evo_envs_render": _RENDER,
+    "evo_world_new": [_OPENED],
+    "evo_world_read": [c_char_p, _OPENED],
+    "evo_world_parse": [c_char_p, _OPENED],
+    "evo_world_add": [_HANDLE, c_char_p, c_void_p, c_int32, c_int32, c_void_p, c_size_t, c_int32,
                       c_int32],
-    "evo_world_move": [c_void_p, c_char_p, c_int32, c_int32],
-    "evo_world_remove": [c_void_p, c_char_p],
-    "evo_world_json": [c_void_p, POINTER(c_void_p)],
-    "evo_sims_open": [c_void_p, c_char_p, c_int32, c_int32, POINTER(c_void_p)],
-    "evo_sims_arrays": [c_void_p, POINTER(SimArrays), c_size_t],
-    "evo_sims_reset": [c_void_p, c_int32],
-    "evo_sims_step": [c_void_p, c_void_p, c_size_t, c_void_p, c_size_t],
-    "evo_sims_save": [c_void_p, c_int32, POINTER(c_void_p), POINTER(c_size_t)],
-    "evo_sims_restore": [c_void_p, c_int32, c_char_p, c_size_t],
-    "evo_sims_object_count": [c_void_p, POINTER(c_size_t)],
-    "evo_sims_object": [c_void_p, c_size_t, POINTER(SimObject), c_size_t],
-    "evo_sims_orientation": [c_void_p, c_size_t, c_void_p, c_void_p, c_size_t],
+    "evo_world_move": [_HANDLE, c_char_p, c_int32, c_int32],
+    "evo_world_remove": [_HANDLE, c_char_p],
+    "evo_world_json": [_HANDLE, POINTER(c_void_p)],
+    "evo_sims_open": [_HANDLE, c_char_p, c_int32, c_int32, _OPENED],
+    "evo_sims_arrays": [_HANDLE, POINTER(SimArrays), c_size_t],
+    "evo_sims_reset": [_HANDLE, c_int32],
+    "evo_sims_step": [_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t],
+    "evo_sims_save": _STATE,
+    "evo_sims_restore": [_HANDLE, c_int32, c_char_p, c_size_t],
+    "evo_sims_object_count": [_HANDLE, POINTER(c_size_t)],
+    "evo_sims_object": [_HANDLE, c_size_t, POINTER(SimObject), c_size_t],
+    "evo_sims_orientation": [_HANDLE, c_size_t, c_void_p, c_void_p, c_size_t],
+    "evo_sims_render": _RENDER,
 }
-FREES = ("evo_world_free", "evo_sims_free", "evo_free")
+FREES = ("evo_task_free", "evo_robots_free", "evo_envs_free", "evo_world_free", "evo_sims_free",
+         "evo_free")
+PACKAGE = Path(__file__).parent  # a wheel has the tools and the library within
+
+
+def find_tool(name: str) -> str:
+    """The path of one of the tools: in the folder $EVO_BIN, in this package, beside this Python, or
+    in PATH."""
+    for folder in (os.environ.get("EVO_BIN"), str(PACKAGE / "suite" / "bin"),
+                   os.path.dirname(sys.executable)):
+        if folder and os.access(os.path.join(folder, name), os.X_OK):
+            return os.path.join(folder, name)
+    found = shutil.which(name)
+    if found is None:
+        raise EvoError(f"{name} is not in PATH; install evo, or name its folder in EVO_BIN")
+    return found
 
 
 def _candidates() -> list[str]:
-    """In $EVO_LIBRARY, beside the tools (built or installed), where the system looks."""
+    """In $EVO_LIBRARY, in this package, beside the tools (built or installed)."""
     found = [os.environ.get("EVO_LIBRARY", "")]
-    tool = os.environ.get("EVO_BIN") or os.path.dirname(shutil.which("evo-eval") or "")
-    if tool:
-        found += [os.path.join(tool, os.pardir, folder, "libevo.so.0.1")
-                  for folder in ("lib", "lib64", "lib/x86_64-linux-gnu", "lib/aarch64-linux-gnu")]
+    tools = [os.environ.get("EVO_BIN") or str(PACKAGE / "suite" / "bin"),
+             os.path.dirname(shutil.which("evo-eval") or "")]
+    found += [os.path.join(folder, os.pardir, libraries, "libevo.so.0.1") for folder in tools if folder
+              for libraries in ("lib", "lib64", "lib/x86_64-linux-gnu", "lib/aarch64-linux-gnu")]
     return [path for path in found if path and os.path.exists(path)]
 
 
-@functools.cache
+@functools.lru_cache(maxsize=None)
 def library() -> ctypes.CDLL:
     """The library, loaded once. Throws EvoError where there is none."""
     path = next(iter(_candidates()), None) or ctypes.util.find_library("evo")
     if path is None:
         raise EvoError("libevo.so is not beside the tools; install evo, or name it in EVO_LIBRARY")
     loaded = ctypes.CDLL(path)
-    for name, arguments in SIGNATURES.items():
-        getattr(loaded, name).argtypes = arguments
-        getattr(loaded, name).restype = ctypes.c_int
+    try:
+        for name, arguments in SIGNATURES.items():
+            getattr(loaded, name).argtypes = arguments
+            getattr(loaded, name).restype = c_int
+    except AttributeError:
+        raise EvoError(f"{path} is of an older version than this package: it has no {name}") from None
     for name in FREES:
         getattr(loaded, name).argtypes = [c_void_p]
         getattr(loaded, name).restype = None
@@ -80,17 +172,60 @@ def library() -> ctypes.CDLL:
 def call(name: str, *arguments: Any) -> None:
     """A function of the library; its error becomes an EvoError."""
     if getattr(library(), name)(*arguments) != 0:
-        raise EvoError(library().evo_error().decode(errors="replace"))
+        raise failure()
 
 
-def text_given(name: str, handle: "Handle") -> str:
+def failure() -> EvoError:
+    """The last one of this thread."""
+    return EvoError(library().evo_error().decode(errors="replace"))
+
+
+def text_of(value: Any) -> bytes:
+    return os.fspath(value).encode()
+
+
+def address(values: np.ndarray) -> int:
+    return values.__array_interface__["data"][0]
+
+
+def text_given(name: str, *arguments: Any) -> str:
     """A text that a function gives away."""
     place = c_void_p()
-    call(name, handle, byref(place))
+    call(name, *arguments, byref(place))
     try:
         return ctypes.string_at(place).decode()
     finally:
         library().evo_free(place)
+
+
+def bytes_given(name: str, *arguments: Any) -> bytes:
+    place, count = c_void_p(), c_size_t()
+    call(name, *arguments, byref(place), byref(count))
+    try:
+        return ctypes.string_at(place, count.value)
+    finally:
+        library().evo_free(place)
+
+
+def facts(name: str, kind: Any, *arguments: Any) -> Any:
+    """A struct that a function fills."""
+    found = kind()
+    call(name, *arguments, byref(found), ctypes.sizeof(found))
+    return found
+
+
+def picture(function: str, handle: "Handle", index: int, width: int, height: int, *,
+            positions: Any = None, window: Any = None, plain: bool = False) -> np.ndarray:
+    """[height, width, 3] uint8, what a function of the library draws. positions: [n, 2], kept
+    before [now]. window: centre x and y, width and height, voxels [what moves]."""
+    view = View(width, height, int(plain))
+    if window is not None:
+        view.window[:] = [float(value) for value in window]
+    given = None if positions is None else np.ascontiguousarray(positions, np.float64)
+    pixels = np.empty((max(0, height), max(0, width), 3), np.uint8)
+    call(function, handle, index, None if given is None else address(given), byref(view),
+         ctypes.sizeof(view), address(pixels), pixels.nbytes)
+    return pixels
 
 
 class Handle:
@@ -106,17 +241,50 @@ class Handle:
             self._free(self._as_parameter_)
 
     def __reduce__(self) -> Any:
-        raise TypeError("what a simulation holds cannot be pickled; save() gives its state")
+        raise TypeError("a handle of the library cannot be pickled")
 
 
-def array_at(owner: Handle, address: int, shape: tuple[int, ...], kind: Any) -> np.ndarray:
+def array_at(owner: Handle, place: int, shape: tuple, kind: Any) -> np.ndarray:
     """The library's own values, not copied and not to be written to. The owner lives as
     long as the array does."""
     count = int(np.prod(shape))
     if count == 0:
         return np.zeros(shape, kind)
-    memory = (kind * count).from_address(address)
+    memory = (kind * count).from_address(place)
     memory._owner = owner
     values = np.frombuffer(memory, np.dtype(kind)).reshape(shape)
     values.flags.writeable = False
     return values
+
+
+def robots_of(robots: Any) -> Handle:
+    """A list of robots: see ``evo_robots.robots.listed``."""
+    from .robots import listed, robot_document
+
+    found = Handle("robots", "evo_robots_new")
+    for robot in listed(robots):
+        if isinstance(robot, (str, os.PathLike)):
+            part = Handle("robots", "evo_robots_read", text_of(robot))
+        else:
+            part = Handle("robots", "evo_robots_parse", json.dumps(robot_document(robot)).encode())
+        for index in range(count_of("evo_robots_count", part)):
+            call("evo_robots_append", found, part, index)
+    return found
+
+
+def count_of(name: str, *arguments: Any) -> int:
+    count = c_size_t()
+    call(name, *arguments, byref(count))
+    return count.value
+
+
+def task_of(task: Any, fast: bool, physics: Any, settings: Any) -> Handle:
+    """A task by name or file, with its physics changed as --fast, --physics and --set do."""
+    if fast and physics not in (None, "fast"):
+        raise ValueError(f"fast means physics='fast' and does not go with {physics!r}")
+    opened = Handle("task", "evo_task_open", text_of(task))
+    if fast or physics is not None:
+        call("evo_task_set_physics", opened, b"fast" if fast else text_of(physics))
+    for key, value in (settings or {}).items():
+        call("evo_task_set", opened, f"{key}={value}".encode())
+    return opened

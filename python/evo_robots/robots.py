@@ -3,11 +3,13 @@ of voxel kinds, connections are pairs of row-major cell indices, [2, n]."""
 
 from __future__ import annotations
 
-from typing import Any, Mapping, Sequence
+import json
+import os
+from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
 
-__all__ = ["VOXEL_TYPES", "get_full_connectivity", "has_actuator", "is_connected",
+__all__ = ["Robot", "VOXEL_TYPES", "get_full_connectivity", "has_actuator", "is_connected",
            "robot_document", "robot_arrays", "sample_robot"]
 
 VOXEL_TYPES = {"EMPTY": 0, "RIGID": 1, "SOFT": 2, "H_ACT": 3, "V_ACT": 4}
@@ -103,6 +105,8 @@ def cell_pairs(connections: Any, cells: np.ndarray) -> list[list[int]]:
 def robot_document(robot: Any) -> dict[str, Any]:
     """A robot as the tools read it, from a body, a tuple ``(body, connections)``, or a
     document."""
+    if isinstance(robot, Robot):
+        robot = robot.document
     if isinstance(robot, Mapping):
         return dict(robot)
     is_pair = isinstance(robot, tuple) and len(robot) == 2 and not is_matrix(robot)
@@ -127,3 +131,58 @@ def robot_arrays(document: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     links = np.array(document["connections"], int)
     # Pairs; a document may also have the two rows of the benchmark.
     return body, links if len(links) == 2 and links.shape != (2, 2) else links.reshape(-1, 2).T
+
+
+def listed(robots: Any) -> list:
+    """One robot or a list of them."""
+    if isinstance(robots, (str, os.PathLike, Mapping, np.ndarray, Robot)):
+        return [robots]
+    robots = robots if isinstance(robots, tuple) else list(robots)
+    if is_matrix(robots):
+        return [np.asarray(robots)]
+    if isinstance(robots, tuple) and len(robots) == 2:
+        return [robots]  # (body, connections)
+    return list(robots)
+
+
+class Robot:
+    """A robot that shows itself in notebooks. From a body, a tuple ``(body, connections)``, a
+    document, or a file of one robot; ``body, connections = robot`` gives them back."""
+
+    def __init__(self, robot: Any, connections: Any = None) -> None:
+        from .library import RobotFacts, count_of, facts, robots_of
+
+        given = robot if connections is None else (np.asarray(robot), connections)
+        self._handle = robots_of(given)
+        count = count_of("evo_robots_count", self._handle)
+        if count != 1:
+            raise ValueError(f"one robot is expected, not {count}; files.read_robots reads several")
+        found = facts("evo_robots_describe", RobotFacts, self._handle, 0)
+        self.id: str = found.id.decode()
+        self.document: dict[str, Any] = json.loads(found.json)
+        self.body, self.connections = robot_arrays(self.document)
+
+    def svg(self, width: int = 240) -> str:
+        """A picture, with the robot's id below."""
+        from .library import text_given
+
+        return text_given("evo_robots_svg", self._handle, 0, width)
+
+    def _repr_svg_(self) -> str:
+        return self.svg()
+
+    def __repr__(self) -> str:
+        rows = "\n".join("".join(LETTERS[int(kind)] for kind in row) for row in self.body)
+        return f"Robot {self.id}\n{rows}"
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        return iter((self.body, self.connections))
+
+    def __eq__(self, other: Any) -> bool:
+        return isinstance(other, Robot) and self.id == other.id
+
+    def __hash__(self) -> int:
+        return hash(self.id)
+
+    def __reduce__(self) -> Any:
+        return Robot, (self.document,)

@@ -38,10 +38,10 @@ class Sb3Environments(VecEnv):
         return self.inner.reset(seed=seed)[0]
 
     def step_async(self, actions: np.ndarray) -> None:
-        self.inner.step_async(actions)
+        self._actions = actions
 
     def step_wait(self):
-        observations, rewards, terminated, truncated, found = self.inner.step_wait()
+        observations, rewards, terminated, truncated, found = self.inner.step(self._actions)
         self._returns += rewards
         self._lengths += 1
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]

@@ -73,25 +73,20 @@ class VectorEnvironment(VectorEnv):
         state = self._reset(environments, seed=seed, **options)
         return state.observations, {}
 
-    def step_async(self, actions: Any) -> None:
-        """The first half of step(): returns while the environments move."""
+    def step(self, actions: Any):
+        moving = None
         if self.autoreset_mode == AutoresetMode.NEXT_STEP and self._ended.any():
-            self._moving = ~self._ended
+            moving = ~self._ended
             self._reset(np.flatnonzero(self._ended))
-        else:
-            self._moving = None
-        self.simulator.send_step(actions, self._moving)
-
-    def step_wait(self):
-        state = self.simulator.receive_step()
+        state = self.simulator.step(actions, moving)
         unstable = state.status != 0
         rewards, terminated = state.rewards, state.terminated
-        self._steps += 1 if self._moving is None else self._moving
+        self._steps += 1 if moving is None else moving
         truncated = (self._steps >= self._limit) | unstable
-        if self._moving is not None:  # those reset show their start
-            rewards = np.where(self._moving, rewards, 0.0)
-            terminated = terminated & self._moving
-            truncated = truncated & self._moving
+        if moving is not None:  # those reset show their start
+            rewards = np.where(moving, rewards, 0.0)
+            terminated = terminated & moving
+            truncated = truncated & moving
         infos: dict[str, Any] = {"unstable": unstable} if unstable.any() else {}
         observations = state.observations
         self._ended = terminated | truncated
@@ -102,10 +97,6 @@ class VectorEnvironment(VectorEnv):
             infos.update(final_obs=final, _final_obs=self._ended.copy())
             observations = self._reset(np.flatnonzero(self._ended)).observations
         return observations, rewards, terminated, truncated, infos
-
-    def step(self, actions: Any):
-        self.step_async(actions)
-        return self.step_wait()
 
     def render(self) -> tuple[np.ndarray, ...] | None:
         if self.render_mode is None:

@@ -20,16 +20,14 @@ from typing import Any
 
 import numpy as np
 
-from .library import Handle, SimArrays, SimObject, array_at, call, library, text_given
+from .library import (Handle, SimArrays, SimObject, address, array_at, bytes_given, call, count_of,
+                      facts, failure, library, picture, text_given, text_of)
 from .robots import cell_pairs
+from .simulator import env_mask
 
 __all__ = ["SIM_STATUS", "Object", "Simulations", "World"]
 
 SIM_STATUS = ("ok", "folded", "unstable")
-
-
-def _text(value: Any) -> bytes:
-    return os.fspath(value).encode()
 
 
 class World:
@@ -41,7 +39,7 @@ class World:
     @classmethod
     def read(cls, file: str | os.PathLike) -> "World":
         """A world of the benchmark's design tool."""
-        return cls(Handle("world", "evo_world_read", _text(file)))
+        return cls(Handle("world", "evo_world_read", text_of(file)))
 
     @classmethod
     def from_json(cls, text: str) -> "World":
@@ -59,15 +57,15 @@ class World:
         links = None
         if connections is not None:
             links = np.array(cell_pairs(connections, voxels), np.int32).reshape(-1, 2)
-        call("evo_world_add", self._handle, _text(name), voxels.ctypes.data, *voxels.shape,
-             None if links is None else links.ctypes.data, 0 if links is None else len(links),
+        call("evo_world_add", self._handle, text_of(name), address(voxels), *voxels.shape,
+             None if links is None else address(links), 0 if links is None else len(links),
              int(x), int(y))
 
     def move(self, name: str, x: int, y: int) -> None:
-        call("evo_world_move", self._handle, _text(name), int(x), int(y))
+        call("evo_world_move", self._handle, text_of(name), int(x), int(y))
 
     def remove(self, name: str) -> None:
-        call("evo_world_remove", self._handle, _text(name))
+        call("evo_world_remove", self._handle, text_of(name))
 
     def json(self) -> str:
         """The world in the form of the benchmark's design tool."""
@@ -94,7 +92,8 @@ class Simulations:
     physics: a profile by name or file [the benchmark's].
 
     The arrays are the simulator's own: they show what is after every step, and are copied
-    by whoever wants to keep them. Raw units: a voxel is 0.1 wide.
+    by whoever wants to keep them. Raw units: a voxel is 0.1 wide. Copied, pickled, forked and
+    used by threads as a Simulator is.
     """
 
     positions: np.ndarray  # [count, P, 2]
@@ -107,16 +106,18 @@ class Simulations:
 
     def __init__(self, world: World, count: int = 1, *, physics: Any = None, jobs: int = 1) -> None:
         self._handle = Handle("sims", "evo_sims_open", world._handle,
-                              None if physics is None else _text(physics), count, jobs)
-        at = SimArrays()
-        call("evo_sims_arrays", self._handle, ctypes.byref(at), ctypes.sizeof(at))
+                              None if physics is None else text_of(physics), count, jobs)
+        self._do_step = library().evo_sims_step
+        at = facts("evo_sims_arrays", SimArrays, self._handle)
         shape = (at.sims, at.points, 2)
         self.positions = array_at(self._handle, at.positions, shape, ctypes.c_double)
         self.velocities = array_at(self._handle, at.velocities, shape, ctypes.c_double)
         self.status = array_at(self._handle, at.status, (at.sims,), ctypes.c_uint8)
         self.num_sims, self.num_actuators = at.sims, at.actuators
         self.action_low, self.action_high = at.action_low, at.action_high
-        self.objects = dict(self._object(k) for k in range(self._object_count()))
+        self.objects = dict(self._object(k) for k in range(
+            count_of("evo_sims_object_count", self._handle)))
+        self._made = (world.json(), count, physics, jobs)
 
     def reset(self, sim: int | None = None) -> None:
         """Back to the initial shapes, at rest: one simulation, or all."""
@@ -129,23 +130,18 @@ class Simulations:
         if values.shape != (self.num_sims, self.num_actuators):
             raise ValueError(f"targets of shape {values.shape}; expected "
                              f"{(self.num_sims, self.num_actuators)}")
-        active = None
-        if mask is not None:
-            active = np.ascontiguousarray(mask, np.uint8)
-            if active.shape != (self.num_sims,):
-                raise ValueError(f"a mask of shape {active.shape}; expected {(self.num_sims,)}")
-        call("evo_sims_step", self._handle, values.ctypes.data, values.size,
-             None if active is None else active.ctypes.data, 0 if active is None else active.size)
+        if mask is None:
+            failed = self._do_step(self._handle, address(values), values.size, None, 0)
+        else:
+            active = env_mask(mask, self.num_sims)
+            failed = self._do_step(self._handle, address(values), values.size, address(active),
+                                   active.size)
+        if failed:
+            raise failure()
 
     def save(self, sim: int = 0) -> bytes:
         """The state of a simulation: opaque, for restore() in any of the same world."""
-        place, count = ctypes.c_void_p(), ctypes.c_size_t()
-        call("evo_sims_save", self._handle, self._number(sim), ctypes.byref(place),
-             ctypes.byref(count))
-        try:
-            return ctypes.string_at(place, count.value)
-        finally:
-            library().evo_free(place)
+        return bytes_given("evo_sims_save", self._handle, self._number(sim))
 
     def restore(self, state: bytes, sim: int = 0) -> None:
         """The simulation goes on from a state, to the same bits."""
@@ -162,11 +158,18 @@ class Simulations:
                                  f"(n, {self.positions.shape[1]}, 2)")
         angles = np.zeros(self.num_sims if given is None else len(given))
         call("evo_sims_orientation", self._handle, self._known(name).index,
-             None if given is None else given.ctypes.data, angles.ctypes.data, angles.size)
+             None if given is None else address(given), address(angles), angles.size)
         return angles
 
+    def picture(self, sim: int = 0, width: int = 600, height: int = 300, **view: Any) -> np.ndarray:
+        """[height, width, 3] uint8. ``positions``: kept before, [P, 2] [now]; ``window``: centre x
+        and y, width and height, voxels [the first object]; ``plain``: without a grid."""
+        return picture("evo_sims_render", self._handle, self._number(sim), width, height, **view)
+
     def __reduce__(self) -> Any:
-        raise TypeError("simulations cannot be pickled; save() gives the state of one")
+        return _rebuilt, (self._made, [
+            self.save(sim) if self.status[sim] != SIM_STATUS.index("unstable") else None
+            for sim in range(self.num_sims)])
 
     def _known(self, name: str) -> Object:
         if name not in self.objects:
@@ -179,14 +182,17 @@ class Simulations:
             raise ValueError(f"there is no simulation {sim}: they are 0 to {self.num_sims - 1}")
         return int(sim)
 
-    def _object_count(self) -> int:
-        count = ctypes.c_size_t()
-        call("evo_sims_object_count", self._handle, ctypes.byref(count))
-        return count.value
-
     def _object(self, index: int) -> tuple[str, Object]:
-        found = SimObject()
-        call("evo_sims_object", self._handle, index, ctypes.byref(found), ctypes.sizeof(found))
+        found = facts("evo_sims_object", SimObject, self._handle, index)
         return found.name.decode(), Object(
             index, slice(found.first_point, found.first_point + found.points),
             slice(found.first_actuator, found.first_actuator + found.actuators))
+
+
+def _rebuilt(made: tuple, states: list) -> Simulations:
+    text, count, physics, jobs = made
+    sims = Simulations(World.from_json(text), count, physics=physics, jobs=jobs)
+    for sim, state in enumerate(states):
+        if state is not None:
+            sims.restore(state, sim)
+    return sims

@@ -1,5 +1,8 @@
 """Gymnasium's interface; needs gymnasium."""
+import copy
+import functools
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -89,6 +92,56 @@ class One(unittest.TestCase):
         env.reset(seed=0)
         with self.assertRaisesRegex(ValueError, "'box'.*robot.*package|'box'.*package.*robot"):
             env.unwrapped.object_pos_at_time("box")
+        env.close()
+
+    def test_a_copy_plans_ahead(self):
+        env = gymnasium.make("evo/Walker-v0", body=WALKER)
+        env.reset(seed=3)
+        env.step(np.full(13, 1.2))
+        ahead = copy.deepcopy(env)
+        for _ in range(20):
+            seen = ahead.step(np.full(13, 1.4))
+        for _ in range(20):
+            here = env.step(np.full(13, 1.4))
+        np.testing.assert_array_equal(seen[0], here[0])
+        self.assertEqual(seen[1:4], here[1:4])
+        env.close()
+
+    def test_environments_in_processes_of_their_own(self):
+        for context in ("fork", "spawn"):
+            envs = gymnasium.vector.AsyncVectorEnv(
+                [functools.partial(gymnasium.make, "evo_robots:evo/Walker-v0", body=SMALL)] * 2, context=context)
+            observations, _ = envs.reset(seed=1)
+            one = gymnasium.make("evo/Walker-v0", body=SMALL)
+            np.testing.assert_array_equal(observations[0], one.reset(seed=1)[0])
+            envs.close()
+
+    def test_an_episode_is_a_video(self):
+        env = gymnasium.make("evo/Walker-v0", body=WALKER).unwrapped
+        with self.assertRaisesRegex(ValueError, "reset"):
+            env.video()
+        env.reset(seed=0)
+        for _ in range(10):
+            env.step(np.full(13, 1.5))
+        self.assertRegex(repr(env), "Walker-v0, robot 0e0f80c736de, step 10, return")
+        video = env.video(160, 80)
+        self.assertEqual((len(video), video[0].shape), (6, (80, 160, 3)))
+        self.assertFalse(np.array_equal(video[0], video[5]))
+        np.testing.assert_array_equal(video[5], env.simulator.picture(0, 160, 80))
+        self.assertIn("data:image/png;base64,", video._repr_html_())
+        with tempfile.TemporaryDirectory() as folder:
+            video.save(Path(folder, "walk.png"))
+            with self.assertRaisesRegex(ValueError, "ends in .png"):
+                video.save(Path(folder, "walk.avi"))
+            self.assertEqual([p.name for p in Path(folder).iterdir()], ["walk.png"])
+            if shutil.which("ffmpeg"):  # reads the frames back
+                seen = subprocess.run(
+                    ["ffmpeg", "-loglevel", "error", "-i", Path(folder, "walk.png"), "-f", "rawvideo",
+                     "-pix_fmt", "rgb24", "-"], capture_output=True, check=True).stdout
+                np.testing.assert_array_equal(np.frombuffer(seen, np.uint8).reshape(6, 80, 160, 3),
+                                              np.stack([video[k] for k in range(6)]))
+                video.save(Path(folder, "walk.mp4"))
+                self.assertGreater(Path(folder, "walk.mp4").stat().st_size, 500)
         env.close()
 
     def test_settings_reach_the_simulator(self):

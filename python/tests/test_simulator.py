@@ -1,6 +1,8 @@
-"""The client itself; needs numpy alone."""
+"""Environments without Gymnasium; needs numpy alone."""
+import copy
 import json
 import os
+import pickle
 import signal
 import subprocess
 import tempfile
@@ -152,15 +154,20 @@ class Stepping(unittest.TestCase):
     def test_positions_and_pictures(self):
         with Simulator("Carrier-v0", WALKER) as simulator:
             simulator.reset()
-            world = simulator.positions()
-            self.assertEqual(world["positions"].shape, world["velocities"].shape)
-            self.assertIn("package", world["objects"])
+            self.assertEqual(simulator.positions.shape, simulator.velocities.shape)
+            package = simulator.objects()["package"]
+            self.assertEqual(simulator.positions[0, package].shape[1], 2)
             at_start = simulator.picture(width=200, height=100)
             self.assertEqual((at_start.shape, at_start.dtype), ((100, 200, 3), np.uint8))
             self.assertGreater(len(np.unique(at_start.reshape(-1, 3), axis=0)), 5)
             for _ in range(30):
                 simulator.step(np.full(13, 1.6))
             self.assertFalse(np.array_equal(at_start, simulator.picture(width=200, height=100)))
+            closer = simulator.picture(width=200, height=100, window=(3, 3, 8, 4), plain=True)
+            self.assertFalse(np.array_equal(at_start, closer))
+            for size in ({"width": 0}, {"height": 9999}, {"window": (0, 0, -1, 1)}):
+                with self.assertRaises(EvoError):
+                    simulator.picture(**size)
 
 
 class States(unittest.TestCase):
@@ -229,68 +236,155 @@ class Failures(unittest.TestCase):
                 simulator.step(np.ones(5))
             with self.assertRaisesRegex(EvoError, "no environment|from 0 to 0"):
                 simulator.reset([4])
-            with self.assertRaisesRegex(EvoError, "under way"):
-                simulator.send_step(np.ones(4))
-                simulator.send_step(np.ones(4))
-            self.assertEqual(simulator.receive_step().status[0], 0)
+            for wrong in ({"seed": -1}, {"episode": 1 << 64}):
+                with self.assertRaises(ValueError):
+                    simulator.reset(**wrong)
+            with self.assertRaises(ValueError):
+                Simulator("Walker-v0", SMALL, fast=True, physics="paper")
+            self.assertEqual(simulator.step(np.ones(4)).status[0], 0)
 
-    def test_what_evo_env_says_at_its_start_is_the_error(self):
+    def test_what_cannot_be_simulated_is_named(self):
         with self.assertRaisesRegex(EvoError, "Walkr-v0.*Walker-v0"):
             Simulator("Walkr-v0", SMALL)
-        with self.assertRaisesRegex(EvoError, "robots given.*actuator"):
+        with self.assertRaisesRegex(EvoError, "robots.*actuator"):
             Simulator("Walker-v0", np.ones((2, 2)))
         with self.assertRaises(ValueError):
             Simulator("Walker-v0", np.full((2, 2), 9))
 
-    def test_a_forked_process_makes_its_own(self):
-        with Simulator("Walker-v0", SMALL) as simulator:
+    def test_a_closed_one_says_so_and_its_arrays_stay(self):
+        simulator = Simulator("Walker-v0", SMALL)
+        simulator.reset()
+        positions = simulator.positions
+        kept = positions.copy()
+        simulator.close()
+        simulator.close()
+        with self.assertRaisesRegex(EvoError, "closed"):
+            simulator.step(np.ones(4))
+        np.testing.assert_array_equal(positions, kept)
+        with self.assertRaises(ValueError):
+            positions[:] = 0
+
+
+class Habits(unittest.TestCase):
+    """What a process goes through: forks, copies, threads, Ctrl-C."""
+
+    def test_a_forked_process_goes_on_or_says_why_not(self):
+        actions = np.full(8, 1.3)
+        for jobs in (1, 2):
+            simulator = Simulator("Walker-v0", SMALL, 2, jobs=jobs)
             simulator.reset()
             child = os.fork()
             if child == 0:
                 try:
-                    simulator.step(np.ones(4))
+                    found = simulator.step(actions).observations.tobytes()
                 except EvoError as error:
-                    simulator.close()
-                    os._exit(0 if "forked" in str(error) else 1)
-                os._exit(2)
+                    os._exit(0 if jobs == 2 and "forked" in str(error) else 1)
+                else:
+                    os._exit(0 if jobs == 1 and found else 1)
             self.assertEqual(os.waitpid(child, 0)[1], 0)
-            self.assertEqual(simulator.step(np.ones(4)).status[0], 0)
+            self.assertEqual(simulator.step(actions).status[0], 0)
 
-    def test_an_interrupted_request_closes(self):
-        simulator = Simulator("Walker-v0", SMALL)
+    def test_copies_go_on_from_where_they_are(self):
+        rng = np.random.default_rng(0)
+        simulator = Simulator("Catcher-v0", [SMALL, WALKER], 2, seed=5, settings={"gravity": 60})
+        simulator.reset([0, 1, 2])
+        mask = [True, True, True, False]
+        for _ in range(7):
+            simulator.step(rng.uniform(0.6, 1.6, 34), mask)
+        for other in (copy.copy(simulator), copy.deepcopy(simulator),
+                      pickle.loads(pickle.dumps(simulator))):
+            self.assertEqual(other.steps.tolist(), [7, 7, 7, 0])
+            original = pickle.loads(pickle.dumps(simulator))
+            actions = rng.uniform(0.6, 1.6, 34)
+            np.testing.assert_array_equal(original.step(actions, mask).observations,
+                                          other.step(actions, mask).observations)
+            # Their next episodes are the same, too.
+            np.testing.assert_array_equal(original.reset().observations, other.reset().observations)
+
+    def test_a_second_thread_in_a_step_is_refused_and_others_go_on(self):
+        shared = Simulator("Walker-v0", WALKER, 64)
+        shared.reset()
+        actions = np.full((64, 13), 1.2)
+        refused, unlike = [], []
+
+        def on_shared():
+            for _ in range(60):
+                try:
+                    shared.step(actions)
+                except EvoError as error:
+                    refused.append(str(error))
+
+        def on_own():
+            with Simulator("Walker-v0", SMALL) as own:
+                own.reset(seed=1)
+                for _ in range(200):
+                    state = own.step(np.full(4, 1.4))
+                unlike.append(state.observations)
+
+        threads = [threading.Thread(target=on_shared) for _ in range(2)]
+        threads += [threading.Thread(target=on_own) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertTrue(all("another thread" in message for message in refused))
+        self.assertEqual(int(shared.steps[0]) + len(refused), 120)
+        for other in unlike[1:]:
+            np.testing.assert_array_equal(unlike[0], other)
+
+    def test_ctrl_c_comes_between_two_steps(self):
+        simulator = Simulator("Walker-v0", WALKER)
+        twin = Simulator("Walker-v0", WALKER)
         simulator.reset()
-        os.kill(simulator.pid, signal.SIGSTOP)
-        signal.signal(signal.SIGALRM, lambda *_: signal.raise_signal(signal.SIGINT))
-        signal.setitimer(signal.ITIMER_REAL, 0.2)
-        process = simulator.pid
-        resume = threading.Timer(0.4, os.kill, (process, signal.SIGCONT))
-        resume.start()
-        with self.assertRaises(KeyboardInterrupt):
-            simulator.step(np.ones(4))
-        with self.assertRaisesRegex(EvoError, "interrupted"):
-            simulator.step(np.ones(4))
-        resume.join()
+        twin.reset()
+        action = np.full(13, 1.3)
+        before = signal.signal(signal.SIGALRM, lambda *_: signal.raise_signal(signal.SIGINT))
+        try:
+            signal.setitimer(signal.ITIMER_REAL, 0.1)
+            with self.assertRaises(KeyboardInterrupt):
+                while True:
+                    simulator.step(action)
+        finally:
+            signal.signal(signal.SIGALRM, before)
+        for _ in range(int(simulator.steps[0])):
+            twin.step(action)
+        np.testing.assert_array_equal(simulator.step(action).observations,
+                                      twin.step(action).observations)
 
-    def test_requests_wait_for_a_step(self):
-        with Simulator("Walker-v0", SMALL) as simulator:
-            start = simulator.reset()
-            simulator.send_step(np.full(4, 1.5))
-            for other in (simulator.reset, simulator.positions, simulator.task):
-                with self.assertRaisesRegex(EvoError, "under way"):
-                    other()
-            self.assertFalse(np.array_equal(simulator.receive_step().observations,
-                                            start.observations))
+    def test_no_memory_is_left_behind(self):
+        simulator = Simulator("Catcher-v0", SMALL, 4)
 
-    def test_a_process_that_dies_is_an_error_not_a_hang(self):
-        simulator = Simulator("Walker-v0", SMALL)
-        simulator.reset()
-        os.kill(simulator.pid, signal.SIGKILL)
-        with self.assertRaisesRegex(EvoError, "ended with status -9"):
-            for _ in range(3):
-                simulator.step(np.ones(4))
-        with self.assertRaisesRegex(EvoError, "closed"):
-            simulator.reset()
-        simulator.close()
+        def work(resets):
+            for _ in range(resets):
+                simulator.reset()
+                for _ in range(10):
+                    simulator.step(np.ones(16))
+                simulator.restore(simulator.save([0]), [3])
+                Simulator("Walker-v0", SMALL).close()
+
+        def resident():
+            with open("/proc/self/statm") as statm:
+                return int(statm.read().split()[1]) * 4096
+
+        work(30)
+        before = resident()
+        work(300)
+        self.assertLess(resident() - before, 4 << 20)
+
+
+class Robots(unittest.TestCase):
+    def test_a_robot_shows_itself_and_is_a_body(self):
+        robot = evo_robots.Robot(WALKER)
+        self.assertIn("<svg", robot._repr_svg_())
+        self.assertIn("RHHHR\nVSSSV", repr(robot))
+        body, connections = robot
+        np.testing.assert_array_equal(body, WALKER)
+        self.assertEqual(pickle.loads(pickle.dumps(robot)), robot)
+        self.assertEqual(evo_robots.Robot(body, connections).id, robot.id)
+        with Simulator("Walker-v0", [robot, SMALL]) as simulator:
+            self.assertEqual(simulator.info["robots"][0]["id"], robot.id)
+        with self.assertRaisesRegex(ValueError, "not 2"):
+            evo_robots.Robot([WALKER, SMALL])
 
 
 if __name__ == "__main__":

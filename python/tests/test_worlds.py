@@ -91,7 +91,7 @@ class Worlds(unittest.TestCase):
         with self.assertRaises(ValueError):
             positions[0, 0, 0] = 1
 
-    def test_worlds_are_copied_and_pickled_simulations_are_not(self):
+    def test_worlds_are_copied_and_pickled(self):
         world = two_robots()
         for other in (pickle.loads(pickle.dumps(world)), copy.deepcopy(world),
                       World.from_json(world.json())):
@@ -99,8 +99,26 @@ class Worlds(unittest.TestCase):
             np.testing.assert_array_equal(Simulations(other).positions, Simulations(world).positions)
             other.move("left", 6, 1)
             self.assertNotEqual(other.json(), world.json())
-        with self.assertRaisesRegex(TypeError, "save"):
-            pickle.dumps(Simulations(world))
+
+    def test_simulations_are_copied_where_they_are(self):
+        sims = Simulations(two_robots(), 2)
+        for t in range(5):
+            sims.step(wave(sims, t))
+        for other in (pickle.loads(pickle.dumps(sims)), copy.deepcopy(sims)):
+            np.testing.assert_array_equal(other.positions, sims.positions)
+            again = copy.deepcopy(sims)
+            again.step(wave(sims, 9))
+            other.step(wave(sims, 9))
+            np.testing.assert_array_equal(other.positions, again.positions)
+
+    def test_a_picture(self):
+        sims = Simulations(two_robots())
+        start, kept = sims.picture(0, 200, 100), sims.positions[0].copy()
+        self.assertEqual((start.shape, start.dtype), ((100, 200, 3), np.uint8))
+        for t in range(10):
+            sims.step(wave(sims, t))
+        self.assertFalse(np.array_equal(sims.picture(0, 200, 100), start))
+        np.testing.assert_array_equal(sims.picture(0, 200, 100, positions=kept), start)
 
     def test_a_forked_child_goes_on(self):
         sims = Simulations(two_robots())

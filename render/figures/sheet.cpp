@@ -6,8 +6,8 @@
 #include "libevo/base/error.h"
 #include "render/figures/key.h"
 #include "render/figures/legend.h"
+#include "render/painters/drawing.h"
 #include "render/painters/label.h"
-#include "render/painters/painter.h"
 
 namespace evo::render {
 namespace {

@@ -8,8 +8,8 @@
 #include "libevo/task/spec.h"
 #include "render/figures/key.h"
 #include "render/figures/legend.h"
+#include "render/painters/drawing.h"
 #include "render/painters/label.h"
-#include "render/painters/painter.h"
 #include "render/scene/projection.h"
 
 namespace evo::render {

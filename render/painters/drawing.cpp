@@ -1,6 +1,15 @@
 #include "render/painters/drawing.h"
 
+#include "libevo/base/error.h"
+
 namespace evo::render {
+
+void check_size(Size size) {
+  if (size.width < 1 || size.height < 1 || size.width > largest_side || size.height > largest_side)
+    throw error(Failure::usage,
+                "a picture of {}x{} pixels cannot be drawn: each side must be 1 to {}", size.width,
+                size.height, largest_side);
+}
 
 void Drawing::triangle(const std::array<Point, 3>& corners, Color color) {
   add(Polygon{{corners[0], corners[1], corners[2], corners[2]}, 3, color});

@@ -13,6 +13,12 @@
 
 namespace evo::render {
 
+// Largest side of a picture, pixels.
+inline constexpr int largest_side = 8192;
+
+// Throws Error(usage) unless both sides are in [1, largest_side].
+void check_size(Size size);
+
 struct Point {
   float x = 0;
   float y = 0;

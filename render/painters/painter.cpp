@@ -129,13 +129,6 @@ bool scissor(const Rect& clip, int tile_x, int tile_y, Size tile) {
 
 }  // namespace
 
-void check_size(Size size) {
-  if (size.width < 1 || size.height < 1 || size.width > largest_side || size.height > largest_side)
-    throw error(Failure::usage,
-                "a picture of {}x{} pixels cannot be drawn: each side must be 1 to {}", size.width,
-                size.height, largest_side);
-}
-
 struct Painter::Gl {
   OSMesaContext context = create_context();
   Size tile;

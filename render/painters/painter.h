@@ -8,12 +8,6 @@
 
 namespace evo::render {
 
-// Largest side of a picture, pixels.
-inline constexpr int largest_side = 8192;
-
-// Throws Error(usage) unless both sides are in [1, largest_side].
-void check_size(Size size);
-
 // One GL context, current in the thread that made it. Mesa's software
 // rasteriser does not survive fork(): a process that owns a Painter must not
 // start Workers (workers.h), which is why they own the Painters.

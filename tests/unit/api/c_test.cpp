@@ -1,4 +1,8 @@
 // The library as a program in C sees it: nothing here includes more than its header.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -76,7 +80,7 @@ struct Session {
 
 // A program built with this header counts on these (x86-64 and AArch64 alike).
 TEST_CASE("c: the sizes of structs are those that programs were built with") {
-  const std::vector<size_t> pinned{40, 32, 120, 40, 24, 64, 40, 24, 40, 56};
+  const std::vector<size_t> pinned{48, 32, 120, 40, 24, 64, 40, 24, 40, 56, 48};
   CHECK(std::vector<size_t>(sizes_in_c, sizes_in_c + sizes_in_c_count) == pinned);
 }
 
@@ -319,4 +323,86 @@ TEST_CASE("c: the last error is the thread's own") {
   const std::string mine = evo_error();
   std::thread([] { CHECK(std::string(evo_error()).empty()); }).join();
   CHECK(evo_error() == mine);
+}
+
+TEST_CASE("c: pictures of environments, simulations and robots, and the same in a child") {
+  const Session s("Walker-v0", 2);
+  evo_view view{160, 80, 0, 0, {0, 0, 0, 0}};
+  std::vector<std::uint8_t> pixels(std::size_t{160} * 80 * 3);
+  const auto draw = [&](const double* positions) {
+    return evo_envs_render(s.envs, 1, positions, &view, sizeof view, pixels.data(), pixels.size());
+  };
+  fails(EVO_USAGE, "reset", draw(nullptr));
+  REQUIRE(evo_envs_reset(s.envs, nullptr, 0, nullptr) == EVO_OK);
+  REQUIRE(draw(nullptr) == EVO_OK);
+  const std::vector<std::uint8_t> start = pixels;
+  CHECK(std::count(start.begin(), start.end(), start[0]) < 160 * 80 * 2);
+  evo_arrays at{};
+  REQUIRE(evo_envs_arrays(s.envs, &at, sizeof at) == EVO_OK);
+  const double* own = at.positions + 2 * at.point_offsets[1];
+  const std::vector<double> kept(own, at.positions + 2 * at.points);
+  for (int t = 0; t < 8; ++t) {
+    const auto actions = wave(at.action_values, t);
+    REQUIRE(evo_envs_step(s.envs, actions.data(), actions.size(), nullptr, 0) == EVO_OK);
+  }
+  REQUIRE(draw(nullptr) == EVO_OK);
+  CHECK(pixels != start);
+  REQUIRE(draw(kept.data()) == EVO_OK);
+  CHECK(pixels == start);
+
+  // No OpenGL, so that a forked process draws, too.
+  const pid_t child = fork();
+  if (child == 0) _exit(draw(kept.data()) == EVO_OK && pixels == start ? 0 : 1);
+  int status = -1;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(status == 0);
+
+  evo_world* world = world_of_two();
+  evo_sims* sims = nullptr;
+  REQUIRE(evo_sims_open(world, nullptr, 1, 1, &sims) == EVO_OK);
+  const auto watch = [&] {
+    return evo_sims_render(sims, 0, nullptr, &view, sizeof view, pixels.data(), pixels.size());
+  };
+  view.window[2] = view.window[3] = 20;
+  CHECK(watch() == EVO_OK);
+  view.window[3] = 0;
+  fails(EVO_USAGE, "shows nothing", watch());
+  view.window[3] = std::nan("");
+  fails(EVO_USAGE, "window", watch());
+  view.window[3] = 20;
+  view.width = 200;
+  fails(EVO_USAGE, "bytes", watch());
+  view.width = -1;
+  fails(EVO_USAGE, "each side may be", watch());
+  fails(EVO_USAGE, "struct of",
+        evo_sims_render(sims, 0, nullptr, &view, sizeof view + 1, pixels.data(), pixels.size()));
+  fails(EVO_USAGE, "pixels",
+        evo_sims_render(sims, 0, nullptr, nullptr, 0, nullptr, std::size_t{600} * 300 * 3));
+  evo_sims_free(sims);
+  evo_world_free(world);
+
+  char* svg = nullptr;
+  REQUIRE(evo_robots_svg(s.robots, 0, 200, &svg) == EVO_OK);
+  CHECK_THAT(svg, Contains("<svg") && Contains("</svg>"));
+  evo_free(svg);
+  fails(EVO_USAGE, "pixels wide", evo_robots_svg(s.robots, 0, 0, &svg));
+}
+
+TEST_CASE(
+    "c: what has threads is refused in a child, and is freed there without waiting for them") {
+  Session s("Walker-v0", 4, 2);
+  REQUIRE(evo_envs_reset(s.envs, nullptr, 0, nullptr) == EVO_OK);
+  const std::vector<double> actions(16, 1.0);
+  const auto step = [&] { return evo_envs_step(s.envs, actions.data(), 16, nullptr, 0); };
+  const pid_t child = fork();
+  if (child == 0) {
+    const bool refused =
+        step() == EVO_USAGE && std::strstr(evo_error(), "forked process") != nullptr;
+    evo_envs_free(s.envs);
+    _exit(refused ? 0 : 1);
+  }
+  int status = -1;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(status == 0);
+  CHECK(step() == EVO_OK);
 }

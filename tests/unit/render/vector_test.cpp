@@ -7,6 +7,7 @@
 
 #include "formats/io/files.h"
 #include "render/film/race.h"
+#include "render/painters/raster.h"
 #include "render/render.h"
 #include "tests/unit/render/example.h"
 #include "tests/unit/render/expect_error.h"
@@ -49,6 +50,19 @@ TEST_CASE("a gradient is defined once") {
   const std::string text = svg(drawing);
   CHECK_THAT(text, Contains("<path fill=\"url(#g1)\" d=\"M0 0h20v20h-20zM20 0h20v20h-20z\"/>"));
   CHECK(text.find("<linearGradient") == text.rfind("<linearGradient"));
+}
+
+TEST_CASE("cairo paints what OpenGL does, but for the borders") {
+  const Rollout rollout = example::simulate("Walker-v0", example::walker, 30);
+  const Drawing drawing = draw_moment({&rollout, 0, ""}, 25, {.size = {320, 180}});
+  const Image by_gl = paint(drawing);
+  Image by_cairo(drawing.size());
+  rasterise(drawing, target(by_cairo));
+  std::size_t far = 0;
+  for (std::size_t i = 0; i < by_gl.rgba.size(); ++i)
+    far += std::abs(by_gl.rgba[i] - by_cairo.rgba[i]) > 40 ? 1 : 0;
+  CAPTURE(far);
+  CHECK(far < by_gl.rgba.size() / 100);
 }
 
 // Pictures as text; UPDATE_GOLDEN=1 writes them anew, then look at them.

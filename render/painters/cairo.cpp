@@ -1,10 +1,13 @@
+// Drawings by cairo: PDF, and pixels where OpenGL is not wanted.
 #include <cairo-ft.h>
 #include <cairo-pdf.h>
 
+#include <cstring>
 #include <memory>
 
 #include "libevo/base/error.h"
 #include "render/painters/font_data.h"
+#include "render/painters/raster.h"
 #include "render/painters/vector.h"
 
 namespace evo::render {
@@ -49,9 +52,23 @@ class Fonts {
   FontFace regular_, bold_;
 };
 
+// Shapes on a surface of cairo's.
 class Page {
  public:
-  explicit Page(cairo_t* context) : cairo_(context) {}
+  enum class Borders {
+    smooth,  // of fills
+    sharp,   // fills beside each other have no seam, as when OpenGL paints them
+  };
+  Page(cairo_t* context, Borders borders) : cairo_(context), borders_(borders) {
+    cairo_set_miter_limit(cairo_, 2.0);
+  }
+
+  void shapes(const Drawing& drawing) {
+    for (const Drawing::Item& item : drawing.items()) {
+      clip(item.clip);
+      std::visit(*this, item.shape);
+    }
+  }
 
   void clip(const Rect& area) {
     cairo_reset_clip(cairo_);
@@ -65,7 +82,9 @@ class Page {
       k == 0 ? cairo_move_to(cairo_, p.x, p.y) : cairo_line_to(cairo_, p.x, p.y);
     }
     cairo_close_path(cairo_);
+    if (borders_ == Borders::sharp) cairo_set_antialias(cairo_, CAIRO_ANTIALIAS_NONE);
     fill(shape.color, 1.0);
+    cairo_set_antialias(cairo_, CAIRO_ANTIALIAS_DEFAULT);
   }
 
   void operator()(const Gradient& shape) {
@@ -144,7 +163,14 @@ class Page {
   }
 
   cairo_t* cairo_;
+  Borders borders_;
 };
+
+void check(const cairo_surface_t* surface, const char* what) {
+  if (const cairo_status_t status = cairo_surface_status(const_cast<cairo_surface_t*>(surface));
+      status != CAIRO_STATUS_SUCCESS)
+    throw error(Failure::work, "cairo cannot make {}: {}", what, cairo_status_to_string(status));
+}
 
 cairo_status_t append(void* bytes, const unsigned char* data, unsigned length) {
   static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data),  // NOLINT: bytes
@@ -166,20 +192,38 @@ std::string encode_pdf(const Drawing& drawing, const std::string& title, Typeset
   {
     const Context context(cairo_create(surface.get()));
     cairo_scale(context.get(), points_a_pixel, points_a_pixel);
-    cairo_set_miter_limit(context.get(), 2.0);
-    Page page(context.get());
-    for (const Drawing::Item& item : drawing.items()) {
-      page.clip(item.clip);
-      std::visit(page, item.shape);
-    }
+    Page page(context.get(), Page::Borders::smooth);
+    page.shapes(drawing);
     for (const Text& text : drawing.texts()) page.text(text, typesetter);
     cairo_show_page(context.get());
   }
   cairo_surface_finish(surface.get());
-  if (const cairo_status_t status = cairo_surface_status(surface.get());
-      status != CAIRO_STATUS_SUCCESS)
-    throw error(Failure::work, "cairo cannot make a PDF: {}", cairo_status_to_string(status));
+  check(surface.get(), "a PDF");
   return bytes;
+}
+
+void rasterise(const Drawing& drawing, PixelTarget target) {
+  const auto [width, height] = drawing.size();
+  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+  check(surface.get(), "a picture");
+  {
+    const Context context(cairo_create(surface.get()));
+    Page(context.get(), Page::Borders::sharp).shapes(drawing);
+  }
+  cairo_surface_flush(surface.get());
+  const unsigned char* const rows = cairo_image_surface_get_data(surface.get());
+  const int stride = cairo_image_surface_get_stride(surface.get());
+  std::size_t at = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      std::uint32_t pixel = 0;  // cairo's own order: 0x00RRGGBB
+      std::memcpy(&pixel, rows + static_cast<std::ptrdiff_t>(y) * stride + 4 * x, sizeof pixel);
+      for (const unsigned shift : {16U, 8U, 0U})
+        target.rgba[at++] = static_cast<std::uint8_t>(pixel >> shift);
+      target.rgba[at++] = 255;
+    }
+  Typesetter typesetter;
+  for (const Text& text : drawing.texts()) typesetter.draw(text, target);
 }
 
 }  // namespace evo::render

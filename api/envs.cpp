@@ -5,6 +5,7 @@
 #include "api/handles.h"
 #include "api/pictures.h"
 #include "api/session.h"
+#include "libevo/task/measure.h"
 #include "training/episodes.h"
 
 using namespace evo::c;  // NOLINT(google-build-using-namespace)
@@ -187,6 +188,28 @@ int evo_envs_object(const evo_envs* envs, int32_t environment, size_t index, evo
     hand_over({found.name.c_str(), static_cast<std::size_t>(found.first_point),
                static_cast<std::size_t>(found.points)},
               object, size);
+  });
+}
+
+int evo_envs_orientation(const evo_envs* envs, int32_t environment, size_t object,
+                         const double* positions, double* angles, size_t count) {
+  return guarded([&] {
+    const evo_envs& all = object_of(envs);
+    const evo::ModelObject& found = object_at(all, environment, object);
+    const evo::VecEnv& shown = all.session.envs();
+    if (positions == nullptr && count != 1)
+      throw evo::error(Failure::usage, "1 angle is expected, not {}", count);
+    target(angles, "angles");
+    const evo::Model& model = shown.model(environment);
+    const evo::PointRange points{found.first_point, found.points};
+    const evo::InitialShape initial(points.of(model.initial_positions()));
+    const auto own = static_cast<std::size_t>(model.points());
+    const std::vector<evo::Vec2> given =
+        points_of(positions, positions == nullptr ? 0 : count * own);
+    const std::span<const evo::Vec2> moments =
+        positions == nullptr ? shown.positions(environment) : given;
+    for (std::size_t i = 0; i < count; ++i)
+      angles[i] = evo::orientation(initial, points.of(moments.subspan(i * own, own)));
   });
 }
 

@@ -61,6 +61,12 @@ std::string text_of(const char* text, const char* name) {
   return text;
 }
 
+std::vector<Vec2> points_of(const double* positions, std::size_t count) {
+  std::vector<Vec2> points(count);
+  for (std::size_t p = 0; p < count; ++p) points[p] = {positions[2 * p], positions[2 * p + 1]};
+  return points;
+}
+
 char* given(std::string_view text) {
   auto* const copy = static_cast<char*>(std::malloc(text.size() + 1));
   if (copy == nullptr) throw std::bad_alloc();

@@ -15,6 +15,7 @@
 #include "formats/robot/robot.h"
 #include "formats/training/policy.h"
 #include "libevo/base/error.h"
+#include "libevo/sim/model.h"
 #include "libevo/task/spec.h"
 
 namespace evo::c {
@@ -72,6 +73,9 @@ T& target(T* place, const char* name) {
 }
 
 std::string text_of(const char* text, const char* name);  // refuses NULL
+
+// Points that a caller gives as pairs of numbers.
+std::vector<Vec2> points_of(const double* positions, std::size_t count);
 
 // Makes a handle of what `make` returns, a std::unique_ptr of its object.
 template <typename Handle, typename Make>

@@ -70,9 +70,10 @@ void draw(const Model& model, std::span<const Vec2> now, const double* given, co
   moment.world.objects.assign(model.objects().begin(), model.objects().end());
   moment.world.cells.assign(model.cells().begin(), model.cells().end());
   RolloutEpisode& episode = moment.episodes.emplace_back();
-  episode.positions.assign(now.begin(), now.end());
-  for (std::size_t p = 0; given != nullptr && p < now.size(); ++p)
-    episode.positions[p] = {given[2 * p], given[2 * p + 1]};
+  if (given == nullptr)
+    episode.positions.assign(now.begin(), now.end());
+  else
+    episode.positions = points_of(given, now.size());
   const render::Image image = render::draw_still({&moment, 0, ""}, options_of(wanted));
   for (std::size_t i = 0; i < count; ++i) std::copy_n(&image.rgba[4 * i], 3, pixels + 3 * i);
 }

@@ -302,18 +302,15 @@ int evo_sims_orientation(const evo_sims* sims, size_t object, const double* posi
     if (positions == nullptr && count != all.count())
       throw evo::error(Failure::usage, "{} angles are expected, not {}", all.count(), count);
     target(angles, "angles");
-    const evo::ModelObject& found = all.model.objects()[object];
+    const evo::PointRange points{all.model.objects()[object].first_point,
+                                 all.model.objects()[object].points};
     const auto own = static_cast<std::size_t>(all.model.points());
-    const evo::PointRange points{found.first_point, found.points};
-    std::vector<evo::Vec2> given(positions == nullptr ? 0 : own);
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t p = 0; p < given.size(); ++p)
-        given[p] = {positions[2 * (i * own + p)], positions[2 * (i * own + p) + 1]};
-      const std::span<const evo::Vec2> shape =
-          positions == nullptr ? std::span<const evo::Vec2>(all.positions).subspan(i * own, own)
-                               : std::span<const evo::Vec2>(given);
-      angles[i] = evo::orientation(all.shapes[object], points.of(shape));
-    }
+    const std::vector<evo::Vec2> given =
+        points_of(positions, positions == nullptr ? 0 : count * own);
+    const std::span<const evo::Vec2> shown =
+        positions == nullptr ? std::span(all.positions) : given;
+    for (std::size_t i = 0; i < count; ++i)
+      angles[i] = evo::orientation(all.shapes[object], points.of(shown.subspan(i * own, own)));
   });
 }
 

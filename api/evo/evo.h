@@ -206,6 +206,11 @@ typedef struct evo_object {
 EVO_API int evo_envs_object_count(const evo_envs* envs, int32_t environment, size_t* count);
 EVO_API int evo_envs_object(const evo_envs* envs, int32_t environment, size_t index,
                             evo_object* object, size_t size);
+/* How far an object is turned from where its episode began, counter-clockwise, radians, as the
+ * benchmark measures it: [count], in `positions` [count][points of the environment][2], or in the
+ * present ones (NULL; count is 1). */
+EVO_API int evo_envs_orientation(const evo_envs* envs, int32_t environment, size_t object,
+                                 const double* positions, double* angles, size_t count);
 /* The slices of an environment's observation, as JSON: [{"name", "offset", "length"}]; evo_free. */
 EVO_API int evo_envs_observed(const evo_envs* envs, int32_t environment, char** json);
 

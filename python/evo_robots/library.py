@@ -100,6 +100,7 @@ SIGNATURES = {
     "evo_envs_perturb": [_HANDLE, c_int32, c_double, c_uint64],
     "evo_envs_object_count": [_HANDLE, c_int32, POINTER(c_size_t)],
     "evo_envs_object": [_HANDLE, c_int32, c_size_t, POINTER(EnvObject), c_size_t],
+    "evo_envs_orientation": [_HANDLE, c_int32, c_size_t, c_void_p, POINTER(c_double), c_size_t],
     "evo_envs_observed": [_HANDLE, c_int32, POINTER(c_void_p)],
     "evo_envs_render": _RENDER,
     "evo_world_new": [_OPENED],

@@ -1,16 +1,16 @@
 """Evolution Gym's own names over this simulator: ``EvoWorld``, ``WorldObject``, ``EvoSim``,
-the helpers for robots, and in ``evo_robots.evogym.envs`` the base classes for tasks of
-one's own. They mean what they mean there, to the last bits of the physics.
+``EvoViewer``, the helpers for robots, and in ``evo_robots.evogym.envs`` the 32 environments
+and the base classes for tasks of one's own. They mean what they mean there, to the last bits of
+the physics. Targets of actuators outside of 0.6 to 1.6 are clipped, which there the base classes do.
 
-Not here: ``EvoViewer`` and render modes (evo-render draws), the 32 environments (they
-are ``evo/NAME`` in Gymnasium). Targets of actuators outside of 0.6 to 1.6 are clipped,
-which there the base classes do."""
+    python -m evo_robots.evogym script.py    runs a script that says "import evogym"."""
 
 from .sim import EvoSim
 from .utils import (BASELINE_ENV_NAMES, VOXEL_TYPES, Pair, draw, get_full_connectivity,
                     get_uniform, has_actuator, hashable, is_connected, sample_robot)
+from .viewer import EvoViewer
 from .world import EvoWorld, WorldObject
 
-__all__ = ["BASELINE_ENV_NAMES", "VOXEL_TYPES", "EvoSim", "EvoWorld", "Pair", "WorldObject", "draw",
-           "get_full_connectivity", "get_uniform", "has_actuator", "hashable", "is_connected",
+__all__ = ["BASELINE_ENV_NAMES", "VOXEL_TYPES", "EvoSim", "EvoViewer", "EvoWorld", "Pair", "WorldObject",
+           "draw", "get_full_connectivity", "get_uniform", "has_actuator", "hashable", "is_connected",
            "sample_robot"]

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..simulator import Simulator
 from ..worlds import Simulations, World
 from .utils import VOXEL_TYPES
 from .world import EvoWorld
@@ -30,6 +31,7 @@ class EvoSim:
             if np.isin(structure, ACTUATORS).any():
                 self._actuators[name] = np.flatnonzero(np.isin(structure, ACTUATORS))
         self._sims = Simulations(built)
+        self._objects = {name: found.points for name, found in self._sims.objects.items()}
         self._targets = np.ones((1, self._sims.num_actuators))
         self._history: list[tuple[np.ndarray, np.ndarray]] = []
         self.reset()
@@ -81,7 +83,13 @@ class EvoSim:
     def object_orientation_at_time(self, time: int, object_name: str) -> float:
         """Radians, counter-clockwise from the initial shape."""
         self._points(object_name)
-        return float(self._sims.orientation(object_name, self._at(time)[0][None])[0])
+        return self._orientation(object_name, self._at(time)[0])
+
+    def _orientation(self, name: str, positions: np.ndarray) -> float:
+        return float(self._sims.orientation(name, positions[None])[0])
+
+    def _picture(self, width: int, height: int, **view: Any) -> np.ndarray:
+        return self._sims.picture(0, width, height, **view)
 
     def _now(self) -> tuple[np.ndarray, np.ndarray]:
         return self._sims.positions[0].copy(), self._sims.velocities[0].copy()
@@ -99,6 +107,54 @@ class EvoSim:
         return self._actuators[name]
 
     def _points(self, name: str) -> slice:
-        if name not in self._sims.objects:
-            raise ValueError(f"there is no object {name}; there are: " + ", ".join(self._sims.objects))
-        return self._sims.objects[name].points
+        if name not in self._objects:
+            raise ValueError(f"there is no object {name}; there are: " + ", ".join(self._objects))
+        return self._objects[name]
+
+
+class TaskSim(EvoSim):
+    """The same of a robot in one of the tasks, with what the task observes and rewards."""
+
+    def __init__(self, task: str, body: Any, connections: Any) -> None:
+        structure = np.asarray(body).astype(int)
+        self.simulator = Simulator(task, (structure, connections))
+        self._actuators = {"robot": np.flatnonzero(np.isin(structure, ACTUATORS))}
+        self._targets = np.ones((1, len(self._actuators["robot"])))
+        self._history = []
+
+    def begin(self, seed: int | None, draws: Any) -> None:
+        """An episode; its draws follow from the seed where none are given."""
+        self.simulator.reset(seed=seed, draws=draws)
+        self._objects = self.simulator.objects()
+        self._names = list(self._objects)
+        self._history = [self._now()]
+
+    def reset(self) -> None:
+        self.begin(None, None)
+
+    def set_action(self, robot_name: str, action: Any) -> None:
+        values = np.asarray(action, float).ravel()
+        if values.size != len(self._robot(robot_name)):
+            raise ValueError(f"{robot_name} takes {len(self._robot(robot_name))} values, not "
+                             f"{values.size}")
+        self._targets[0] = values
+
+    def step(self) -> bool:
+        self.simulator.advance(self._targets)
+        if self.simulator.status[0] != 0:
+            return True
+        now = self._now()
+        # A robot that folds onto itself ends there: everything is where it was.
+        if self.simulator.terminated[0] and np.array_equal(now[0], self._history[-1][0]):
+            return True
+        self._history.append(now)
+        return False
+
+    def _now(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.simulator.positions[0].copy(), self.simulator.velocities[0].copy()
+
+    def _orientation(self, name: str, positions: np.ndarray) -> float:
+        return self.simulator.orientation(self._names.index(name), positions)
+
+    def _picture(self, width: int, height: int, **view: Any) -> np.ndarray:
+        return self.simulator.picture(0, width, height, **view)

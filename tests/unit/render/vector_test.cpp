@@ -54,7 +54,9 @@ TEST_CASE("a gradient is defined once") {
 
 TEST_CASE("cairo paints what OpenGL does, but for the borders") {
   const Rollout rollout = example::simulate("Walker-v0", example::walker, 30);
-  const Drawing drawing = draw_moment({&rollout, 0, ""}, 25, {.size = {320, 180}});
+  RenderOptions options;
+  options.size = {320, 180};
+  const Drawing drawing = draw_moment({&rollout, 0, ""}, 25, options);
   const Image by_gl = paint(drawing);
   Image by_cairo(drawing.size());
   rasterise(drawing, target(by_cairo));

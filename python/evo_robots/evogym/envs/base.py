@@ -7,43 +7,74 @@ from typing import Any, Mapping, Sequence
 import gymnasium
 import numpy as np
 
-from .sim import EvoSim
-from .world import EvoWorld
+from ...video import Video
+from ..sim import EvoSim
+from ..viewer import MODES, EvoViewer
+from ..world import EvoWorld
 
 __all__ = ["BenchmarkBase", "EvoGymBase"]
 
 
 class EvoGymBase(gymnasium.Env):
-    """A world to be stepped, and helpers for observations, in voxels. ``render_mode`` is
-    None: evo-render draws rollouts, and this class draws nothing."""
+    """A world to be stepped, and helpers for observations, in voxels. ``render_mode``: ``img`` or
+    ``rgb_array``, which render() returns, or ``screen`` or ``human``, which every step shows in a
+    window. render_options: as of EvoViewer.render."""
 
-    metadata = {"render_modes": []}
+    metadata = {"render_modes": list(MODES)}
 
     def __init__(self, world: EvoWorld, render_mode: str | None = None,
                  render_options: Mapping[str, Any] | None = None) -> None:
-        if render_mode is not None:
-            raise ValueError(f"render_mode: {render_mode!r} is not None, and nothing else is drawn here")
-        self._sim = EvoSim(world)
+        self._begin(EvoSim(world), render_mode, render_options)
+
+    def _begin(self, sim: EvoSim, render_mode: str | None,
+               render_options: Mapping[str, Any] | None) -> None:
+        if render_mode is not None and render_mode not in MODES:
+            raise ValueError(f"render_mode: {render_mode!r} is none of {', '.join(MODES)}")
+        self._sim = sim
+        self._default_viewer = EvoViewer(sim)
+        self.render_mode = render_mode
+        self._render_options = dict(render_options or {})
 
     @property
     def sim(self) -> EvoSim:
         return self._sim
+
+    @property
+    def default_viewer(self) -> EvoViewer:
+        return self._default_viewer
 
     def step(self, action: Mapping[str, np.ndarray]) -> bool:
         """By names of robots, their actions, clipped to 0.6 to 1.6. True where a robot folded
         onto itself, and the episode cannot go on."""
         for name, values in action.items():
             self._sim.set_action(name, np.clip(values, 0.6, 1.6))
-        return self._sim.step()
+        done = self._sim.step()
+        self._show()
+        return done
 
     def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> None:
         self._sim.reset()
 
-    def render(self) -> None:
-        return None
+    def render(self) -> np.ndarray | None:
+        """[height, width, 3] uint8 of ``img`` and ``rgb_array``."""
+        if self.render_mode is None:
+            return None
+        return self._default_viewer.render(self.render_mode, **self._render_options)
+
+    def _show(self) -> None:
+        if self.render_mode in ("screen", "human"):
+            self.render()
+
+    def video(self, width: int = 480, height: int = 240, fps: float = 25.0,
+              speed: float = 1.0) -> Video:
+        """The episode so far: plays in a notebook, ``save(path)`` writes it."""
+        return self._default_viewer.video(width, height, fps, speed)
 
     def close(self) -> None:
-        self.__dict__.pop("_sim", None)
+        if "_default_viewer" in self.__dict__:
+            self._default_viewer.close()
+        for name in ("_default_viewer", "_sim"):
+            self.__dict__.pop(name, None)
 
     def get_actuator_indices(self, robot_name: str) -> np.ndarray:
         return self._sim.get_actuator_indices(robot_name)

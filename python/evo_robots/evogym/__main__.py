@@ -1,0 +1,39 @@
+"""python -m evo_robots.evogym SCRIPT [ARGUMENT]..., or -m MODULE [ARGUMENT]...: runs a program that
+says ``import evogym`` on this simulator, without changing a letter."""
+
+from __future__ import annotations
+
+import os
+import runpy
+import sys
+from pathlib import Path
+
+
+def main(arguments: list[str]) -> None:
+    as_module = arguments[:1] == ["-m"]
+    if as_module:
+        arguments = arguments[1:]
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print("usage: python -m evo_robots.evogym SCRIPT [ARGUMENT]...\n"
+              "       python -m evo_robots.evogym -m MODULE [ARGUMENT]...\n"
+              'runs a program that says "import evogym" on this simulator')
+        sys.exit(0 if arguments else 2)
+    stand_in = str(Path(__file__).parent / "shim")
+    # Processes that it starts find the stand-in, too.
+    os.environ["PYTHONPATH"] = os.pathsep.join(
+        [stand_in, str(Path(__file__).parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])])
+    sys.path.insert(0, stand_in)
+    import evogym  # noqa: F401
+
+    sys.argv = arguments
+    if as_module:
+        sys.path.insert(0, os.getcwd())
+        runpy.run_module(arguments[0], run_name="__main__", alter_sys=True)
+    elif not os.path.isfile(arguments[0]):
+        sys.exit(f"python -m evo_robots.evogym: there is no file {arguments[0]}")
+    else:
+        sys.path.insert(0, str(Path(arguments[0]).resolve().parent))
+        runpy.run_path(arguments[0], run_name="__main__")
+
+
+main(sys.argv[1:])

@@ -1,6 +1,8 @@
 """Gymnasium's interface; needs gymnasium."""
 import copy
 import functools
+import os
+import random
 import re
 import shutil
 import subprocess
@@ -16,6 +18,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 import evo_robots
+from evo_robots import EvoError
 from evo_robots.environment import Environment
 
 WALKER = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
@@ -267,9 +270,122 @@ class OwnTask(unittest.TestCase):
         np.testing.assert_allclose(env.object_pos_at_time(env.get_time(), "robot") * 0.1,
                                    other.object_pos_at_time("robot"), rtol=0, atol=1e-14)
         other.close()
-        with self.assertRaisesRegex(ValueError, "render_mode"):
-            EvoGymBase(EvoWorld(), render_mode="human")
         env.close()
+
+
+class Benchmark(unittest.TestCase):
+    """The benchmark's 32 environments by its names."""
+
+    def test_they_are_the_tasks(self):
+        from evo_robots.evogym import envs
+
+        self.assertEqual(sorted(envs.CLASSES), sorted(evo_robots.TASKS))
+        rng = np.random.default_rng(0)
+        actions = rng.uniform(0.6, 1.6, (20, 13))
+        for name, kind in envs.CLASSES.items():
+            env = gymnasium.make(name, body=WALKER)
+            self.assertIs(type(env.unwrapped), kind)
+            random.seed(7)
+            observation, _ = env.reset(seed=1)
+            random.seed(7)
+            draws = kind._draws(env.unwrapped)
+            twin = evo_robots.Simulator(name, WALKER)
+            seen = twin.reset(draws=draws)
+            np.testing.assert_array_equal(observation, seen.observations[0])
+            for action in actions:
+                observation, reward, terminated, _, _ = env.step(action)
+                seen = twin.step(action)
+                np.testing.assert_array_equal(observation, seen.observations[0])
+                self.assertEqual((reward, terminated), (seen.rewards[0], bool(seen.terminated[0])))
+                if terminated:
+                    break
+            base = env.unwrapped
+            np.testing.assert_allclose(base.object_pos_at_time(base.get_time(), "robot"),
+                                       twin.positions[0, twin.objects()["robot"]].T, rtol=1e-15)
+            self.assertTrue(np.isfinite(base.get_ort_obs("robot")).all())
+            env.close()
+
+    def test_seeds_instead_of_pythons_random(self):
+        from evo_robots.evogym.envs import tasks
+
+        env = gymnasium.make("Catcher-v0", body=SMALL)
+        tasks.DRAWS = "seed"
+        try:
+            first, again = (env.reset(seed=3)[0] for _ in range(2))
+            np.testing.assert_array_equal(first, again)
+            self.assertFalse(np.array_equal(first, env.reset()[0]))
+        finally:
+            tasks.DRAWS = "random"
+        env.close()
+
+    def test_pictures_off_screen_and_a_clear_line_without_a_display(self):
+        import evo_robots.evogym.envs  # noqa: F401
+        from evo_robots.evogym import EvoSim, EvoViewer, EvoWorld
+
+        for mode in ("img", "rgb_array"):
+            env = gymnasium.make("Carrier-v0", body=SMALL, render_mode=mode, render_options={"hide_grid": True})
+            env.reset()
+            picture = env.render()
+            self.assertEqual((picture.shape, picture.dtype), ((600, 1200, 3), np.uint8))
+            env.close()
+        with self.assertRaisesRegex(ValueError, "none of screen"):
+            gymnasium.make("Carrier-v0", body=SMALL, render_mode="ansi")
+        world = EvoWorld()
+        world.add_from_array("ground", np.full((1, 60), 5), 0, 0)
+        world.add_from_array("robot", SMALL, 3, 1)
+        sim = EvoSim(world)
+        viewer = EvoViewer(sim, resolution=(200, 100))
+        viewer.track_objects("robot")
+        viewer.set_tracking_settings(lock_width=20.0, padding=(2, 2))
+        self.assertEqual(viewer.render("img").shape, (100, 200, 3))
+        self.assertEqual(viewer.view_size[0], 20.0)
+        for wrong in ({"lock_x": True}, {"colour": 1}):
+            with self.assertRaises(ValueError):
+                viewer.set_tracking_settings(**wrong)
+        sim.step()
+        self.assertEqual(len(viewer.video(120, 60)), 2)
+        display = os.environ.pop("DISPLAY", None)
+        try:
+            with self.assertRaisesRegex(EvoError, "DISPLAY is not set"):
+                viewer.render("screen")
+        finally:
+            if display is not None:
+                os.environ["DISPLAY"] = display
+
+    def test_a_program_of_the_benchmark_runs_unchanged(self):
+        program = """
+import multiprocessing, sys
+import gymnasium as gym
+import numpy as np
+import evogym.envs
+from evogym import EvoWorld, WorldObject, EvoSim, EvoViewer, sample_robot
+from evogym.utils import hashable, VOXEL_TYPES
+from evogym.envs.walk import WalkingFlat
+from evogym.envs import BenchmarkBase, EvoGymBase
+
+def shape(_):
+    body, connections = sample_robot((3, 3))
+    env = gym.make("Walker-v0", body=body, connections=connections)
+    return env.reset()[0].shape[0] > 0
+
+if __name__ == "__main__":
+    assert issubclass(WalkingFlat, BenchmarkBase) and issubclass(BenchmarkBase, EvoGymBase)
+    assert sys.argv[1:] == ["--steps", "3"], sys.argv
+    for context in ("fork", "spawn"):
+        with multiprocessing.get_context(context).Pool(2) as pool:
+            assert pool.map(shape, range(2)) == [True, True]
+    print("ran")
+"""
+        with tempfile.TemporaryDirectory() as folder:
+            script = Path(folder, "script.py")
+            script.write_text(program)
+            said = subprocess.run([sys.executable, "-m", "evo_robots.evogym", script, "--steps", "3"],
+                                  capture_output=True, text=True)
+            self.assertEqual((said.stdout, said.returncode), ("ran\n", 0), said.stderr)
+            missing = subprocess.run([sys.executable, "-m", "evo_robots.evogym", "no.py"],
+                                     capture_output=True, text=True)
+            self.assertRegex(missing.stderr, "there is no file no.py")
+            self.assertEqual(missing.returncode, 1)
 
 
 class Readme(unittest.TestCase):

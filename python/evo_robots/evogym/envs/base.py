@@ -7,7 +7,7 @@ from typing import Any, Mapping, Sequence
 import gymnasium
 import numpy as np
 
-from ...video import Video
+from ...video import STEPS_PER_SECOND, Video
 from ..sim import EvoSim
 from ..viewer import MODES, EvoViewer
 from ..world import EvoWorld
@@ -20,7 +20,7 @@ class EvoGymBase(gymnasium.Env):
     ``rgb_array``, which render() returns, or ``screen`` or ``human``, which every step shows in a
     window. render_options: as of EvoViewer.render."""
 
-    metadata = {"render_modes": list(MODES)}
+    metadata = {"render_modes": list(MODES), "render_fps": STEPS_PER_SECOND}
 
     def __init__(self, world: EvoWorld, render_mode: str | None = None,
                  render_options: Mapping[str, Any] | None = None) -> None:

@@ -39,7 +39,7 @@ class TaskBase(BenchmarkBase):
         sim.begin(None, self._draws())
         self._begin(sim, render_mode, render_options)
         follow = re.search(r"^follow: \[(.*)\]", sim.simulator.task()["task_yaml"], re.M)
-        self.default_viewer.track_objects(*(follow[1].split(", ") if follow else ["robot"]))
+        self.default_viewer.track_objects(*(re.findall(r"\w+", follow[1]) if follow else ["robot"]))
         actuators = self.get_dim_action_space("robot")
         length = int(sim.simulator.observation_lengths[0])
         self.action_space = Box(0.6, 1.6, (actuators,), np.float64)

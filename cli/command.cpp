@@ -148,25 +148,14 @@ void occupy_standard_streams() {
 }
 
 // What other programs call it, and what it is called here.
-constexpr std::array<std::pair<const char*, const char*>, 18> other_names{{
-    {"--top", "--keep"},
-    {"--best", "--keep"},
-    {"--number", "--count"},
-    {"--num", "--count"},
-    {"--population", "--count"},
-    {"--size", "--shape"},
-    {"--env", "--task"},
-    {"--environment", "--task"},
-    {"--threads", "--jobs"},
-    {"--workers", "--jobs"},
-    {"--cores", "--jobs"},
-    {"--out", "--output"},
-    {"--outfile", "--output"},
-    {"--dir", "--out-dir"},
-    {"--output-dir", "--out-dir"},
-    {"--timesteps", "--steps"},
-    {"--algorithm", "--algo"},
-    {"--mutation-rate", "--rate"},
+constexpr std::array<std::pair<const char*, const char*>, 20> other_names{{
+    {"--top", "--keep"},         {"--best", "--keep"},          {"--number", "--count"},
+    {"--num", "--count"},        {"--population", "--pop"},     {"--population", "--count"},
+    {"--of", "--evals"},         {"--size", "--shape"},         {"--env", "--task"},
+    {"--environment", "--task"}, {"--threads", "--jobs"},       {"--workers", "--jobs"},
+    {"--cores", "--jobs"},       {"--out", "--output"},         {"--outfile", "--output"},
+    {"--dir", "--out-dir"},      {"--output-dir", "--out-dir"}, {"--timesteps", "--steps"},
+    {"--algorithm", "--algo"},   {"--mutation-rate", "--rate"},
 }};
 
 // "follow, world or fixed"

@@ -62,7 +62,8 @@ class Command {
         if (word == chosen) target = meaning;
     });
   }
-  // Words that an option may have as its value among others, for the shell to complete.
+  // Words that an option may have as its value among others, or a command among its
+  // arguments, for the shell to complete.
   void suggestions(const std::string& long_name,
                    const std::function<std::vector<std::string>()>& words);
   // The next option begins a group with this title in the help.

@@ -7,6 +7,7 @@
 #include "cli/command.h"
 #include "cli/data.h"
 #include "formats/io/data_folders.h"
+#include "formats/run/setting_table.h"
 #include "formats/task/task.h"
 #include "libevo/base/error.h"
 
@@ -42,12 +43,15 @@ int main(int argc, char** argv) {
   cli::Command command("evo-data");
   std::vector<std::string> paths;
   std::optional<std::string> names;
+  std::optional<std::string> schema;
   command.arguments(paths, "PATH",
                     "files and folders within the data folder, such as scripts/ga.mk or "
                     "tasks/Walker-v0.yaml [the data folder itself]");
   command.option("--names", names, "KIND",
                  "instead of paths: the names of all tasks, or of the profiles in physics or "
                  "training, one a line");
+  command.option("--schema", schema, "NAME",
+                 "instead of paths: the JSON Schema of a format whose settings are a table: run");
   command.example("make -f \"$(evo-data scripts/ga.mk)\" RUN=runs/walker TASK=Walker-v0 -j8",
                   "a pipeline, from any folder");
   command.example("cp \"$(evo-data tasks/Walker-v0.yaml)\" my-walker.yaml",
@@ -55,6 +59,11 @@ int main(int argc, char** argv) {
   return command.run(argc, argv, [&] {
     if (names) {
       for (const std::string& name : names_of(*names)) fmt::print("{}\n", name);
+      return 0;
+    }
+    if (schema) {
+      if (*schema != "run") throw error(Failure::usage, "--schema: '{}' is not run", *schema);
+      fmt::print("{}\n", run_schema().dump(2));
       return 0;
     }
     const fs::path root = cli::data_root();

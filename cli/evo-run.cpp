@@ -21,6 +21,7 @@
 #include "formats/robot/writer.h"
 #include "formats/run/option_words.h"
 #include "formats/run/run.h"
+#include "formats/run/setting_table.h"
 #include "formats/training/training_log.h"
 #include "libevo/sim/isa.h"
 
@@ -116,6 +117,7 @@ void check_training(const RunSettings& settings) {
 
 int init(const std::string& folder, const std::vector<std::string>& words) {
   const RunSettings settings = RunSettings::from_words(words);
+  settings.check();
   check_training(settings);
   RunFolder::create(folder, settings);
   return 0;
@@ -350,6 +352,33 @@ int print_command(const std::string& folder, const std::vector<std::string>& cha
   return 0;
 }
 
+// ---- settings -------------------------------------------------------------------------
+
+int print_settings(const std::string& pipeline) {
+  const std::string text = settings_help(pipeline);
+  if (text.empty()) {
+    std::vector<std::string> pipelines;
+    for (const SettingEntry& entry : setting_table())
+      for (const std::string& owner : entry.pipelines)
+        if (owner != "all" &&
+            std::find(pipelines.begin(), pipelines.end(), owner) == pipelines.end())
+          pipelines.push_back(owner);
+    std::sort(pipelines.begin(), pipelines.end());
+    throw error(Failure::usage, "settings: {}", unknown_name("pipeline", pipeline, pipelines));
+  }
+  fmt::print("{}", text);
+  return 0;
+}
+
+// As `init` takes them, "pop=", or as `command` does, "POP=".
+std::vector<std::string> setting_beginnings(bool as_variables) {
+  std::vector<std::string> words;
+  for (const SettingEntry& entry : setting_table())
+    if (entry.kept != Kept::no || (as_variables && entry.name == "run"))
+      words.push_back((as_variables ? entry.variable() : entry.name) + "=");
+  return words;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -362,6 +391,7 @@ int main(int argc, char** argv) {
        {"propose RUN", "the next robots of a run without generations"},
        {"train RUN", "the robots of a generation"},
        {"fail RUN", "count slots that cannot be trained as failed"},
+       {"settings [PIPELINE]", "what the settings are, in make's capital letters"},
        {"slots RUN", "a table of all slots, with state and fitness, share done or what failed"},
        {"command RUN [VARIABLE=VALUE]...",
         "the make command that began the run, with these variables instead"}});
@@ -375,6 +405,8 @@ int main(int argc, char** argv) {
   command.option("--isa", options.isa, "NAME",
                  "train: no newer instruction set than this, e.g. x86-64-v3; the results are the "
                  "same [the processor's]");
+  command.suggestions("init", [] { return setting_beginnings(false); });
+  command.suggestions("command", [] { return setting_beginnings(true); });
   command.jobs_option();
   command.progress_option();
   command.example("evo-run train runs/walker --generation 3 --slot $SLURM_ARRAY_TASK_ID -j1",
@@ -385,11 +417,16 @@ int main(int argc, char** argv) {
                   "trainings that failed, with the reason");
 
   return command.run(argc, argv, [&] {
-    const std::vector<std::string> verbs{"init", "propose", "train", "fail", "slots", "command"};
+    const std::vector<std::string> verbs{"init",     "propose", "train",  "fail",
+                                         "settings", "slots",   "command"};
     if (words.empty()) throw error(Failure::usage, "one of {} is needed", fmt::join(verbs, ", "));
     if (std::find(verbs.begin(), verbs.end(), words[0]) == verbs.end())
       throw error(Failure::usage, "'{}' is none of {}{}", words[0], fmt::join(verbs, ", "),
                   did_you_mean(words[0], verbs));
+    if (words[0] == "settings") {
+      if (words.size() > 2) throw error(Failure::usage, "settings: name one pipeline");
+      return print_settings(words.size() == 2 ? words[1] : "");
+    }
     if (words.size() < 2) throw error(Failure::usage, "{}: name a run folder", words[0]);
     const std::string folder = words[1];
     if (words[0] == "init") return init(folder, {words.begin() + 2, words.end()});

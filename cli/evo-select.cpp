@@ -32,11 +32,11 @@ struct Settings {
 // what was created up to each, how many of it survive, how many children follow.
 void print_plan(const Settings& settings) {
   if (settings.schedule != "paper" || !settings.population || !settings.maximum)
-    throw error(Failure::usage, "--plan needs --schedule paper, --population and --of");
+    throw error(Failure::usage, "--plan needs --schedule paper, --pop and --evals");
   const int population = *settings.population;
   const int maximum = *settings.maximum;
   if (population > maximum)
-    throw error(Failure::usage, "--population {} is larger than --of {}", population, maximum);
+    throw error(Failure::usage, "--pop {} is larger than --evals {}", population, maximum);
   std::string plan = "generation\trobots\tcreated\tsurvivors\tchildren\n";
   int created = population;
   for (int generation = 0, robots = population;; ++generation) {
@@ -48,7 +48,7 @@ void print_plan(const Settings& settings) {
     if (last) break;
     if (children <= 0)
       throw error(Failure::usage,
-                  "--population {} leaves no room for children beside {} survivors; at least 3 is "
+                  "--pop {} leaves no room for children beside {} survivors; at least 3 is "
                   "needed",
                   population, kept);
     created += children;
@@ -79,8 +79,9 @@ std::size_t survivors(const Settings& settings, std::size_t population) {
       throw error(Failure::usage, "--schedule: unknown schedule '{}'; there is: paper",
                   *settings.schedule);
     if (!settings.evaluated || !settings.maximum)
-      throw error(Failure::usage,
-                  "--schedule paper needs --evaluated (robots so far) and --of (of the whole run)");
+      throw error(
+          Failure::usage,
+          "--schedule paper needs --evaluated (robots so far) and --evals (of the whole run)");
     if (population == 0) return 0;
     return static_cast<std::size_t>(
         paper_survivors(settings.population.value_or(static_cast<int>(population)),
@@ -159,9 +160,9 @@ int main(int argc, char** argv) {
   command.option("--fraction", settings.fraction, "X", "this share, rounded up");
   command.option("--schedule", settings.schedule, "NAME",
                  "paper: the shrinking share of the benchmark's genetic algorithm");
-  command.option("--evaluated", settings.evaluated, "E", "robots created so far in the run");
-  command.option("--of", settings.maximum, "MAX", "robots the whole run may create");
-  command.option("--population", settings.population, "P",
+  command.option("--evaluated", settings.evaluated, "N", "robots created so far in the run");
+  command.option("--evals", settings.maximum, "N", "robots the whole run may create");
+  command.option("--pop", settings.population, "N",
                  "full population size of the schedule [robots read]");
   command.flag("--plan", settings.plan,
                "print the whole schedule as a table instead of reading robots");
@@ -179,13 +180,13 @@ int main(int argc, char** argv) {
   command.seed_option();
   command.output_option("where the survivors go, one JSON document per line");
   command.example("evo-select --keep 5 scores.jsonl", "the five best");
-  command.example("evo-select --schedule paper --evaluated 36 --of 250 scores.jsonl",
+  command.example("evo-select --schedule paper --evaluated 36 --evals 250 scores.jsonl",
                   "what the benchmark's genetic algorithm keeps");
   command.example("evo-select --method pareto --objectives=fitness,-actuators scores.jsonl",
                   "good robots with few actuators first");
 
   return command.run(argc, argv, [&] {
-    command.only(settings.schedule.has_value(), {"--evaluated", "--of", "--population"},
+    command.only(settings.schedule.has_value(), {"--evaluated", "--evals", "--pop"},
                  "--schedule paper");
     command.only(settings.method == Method::tournament, {"--tournament-size"},
                  "--method tournament");

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 RunStatus::RunStatus(const fs::path& folder)
     : history_(RunFolder(folder)), made_(fs::file_time_type::clock::now()) {
   const RunSettings& settings = history_.folder().settings();
-  evaluations_ = settings.number("evaluations");
+  evaluations_ = settings.number("evals");
 }
 
 std::vector<double> RunStatus::best_so_far() const {

@@ -4,7 +4,7 @@ set(EVO_DATA_DIR ${CMAKE_INSTALL_DATADIR}/evo)
 install(DIRECTORY tasks DESTINATION ${EVO_DATA_DIR} COMPONENT tools)
 install(DIRECTORY scripts/ DESTINATION ${EVO_DATA_DIR}/scripts COMPONENT tools
         USE_SOURCE_PERMISSIONS
-        FILES_MATCHING PATTERN "*.mk" PATTERN "*.gnuplot" PATTERN "*.jq" PATTERN "*.awk"
+        FILES_MATCHING PATTERN "*.mk" PATTERN "*.gnuplot" PATTERN "*.jq" PATTERN "*.awk" PATTERN "*.tsv"
         PATTERN "*-slots" PATTERN "rank" PATTERN "seen" PATTERN "places" PATTERN "ssh-run" PATTERN "carr*"
         PATTERN "slurm/*" PATTERN "completion" EXCLUDE)
 # The links of the documents lead to what is there.

@@ -37,9 +37,9 @@ Settings read_settings(const RunFolder& run, const Breeding& breeding, const Dat
                 run.path().string());
   Settings settings;
   settings.method = given.text("method");
-  settings.population = given.number("population");
+  settings.population = given.number("pop");
   settings.window = given.number("window");
-  settings.evaluations = given.number("evaluations");
+  settings.evaluations = given.number("evals");
   settings.shape = parse_shape(given.text("shape"));
   // The seed of a pipeline's first stage, so that the first robots are the same.
   settings.seed = static_cast<std::uint64_t>(given.number("seed")) * 1'000'000;

@@ -9,7 +9,7 @@
 //         had the expected ones, the W robots that are pending; its parameters are
 //         fitted anew once a population
 //
-// Robots are filed as generations of `population` robots each, by number.
+// Robots are filed as generations of `pop` robots each, by number.
 #pragma once
 
 #include "evolution/breeding.h"

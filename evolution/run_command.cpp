@@ -2,44 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
+#include "formats/run/setting_table.h"
+
 namespace evo {
 namespace {
-
-// A variable of the pipelines, the setting it becomes, and the value it has by itself.
-struct Variable {
-  const char* name;
-  const char* setting;
-  const char* own = "";
-};
-
-std::vector<Variable> variables_of(bool steady, const std::string& profile) {
-  std::vector<Variable> variables{{"RUN", ""}};
-  if (steady) variables.push_back({"METHOD", "method"});
-  const bool ours = profile == "default" || profile == "paper" || profile == "release2";
-  variables.insert(variables.end(), {{"TASK", "task"},
-                                     {"POP", "population"},
-                                     {"EVALS", "evaluations"},
-                                     {"STEPS", "steps"},
-                                     {"FOUNDER_STEPS", "founder_steps"},
-                                     {"RUNGS", "rungs", "3"},
-                                     {"PARENTS", "parents"},
-                                     {"SEED", "seed"},
-                                     {"SHAPE", "shape"},
-                                     {"ALGO", "algo", ours ? "ppo" : "profile"},  // evolve.mk
-                                     {"TRAIN", "train", "default"},
-                                     {"PHYSICS", "physics", "task"},
-                                     {"TRAIN_OPTIONS", "train_options"},
-                                     {"FOUNDERS", "founders"},
-                                     {"SAMPLE_OPTIONS", "sample_options"},
-                                     {"MUTATE", "mutate"},
-                                     {"MUTATE_OPTIONS", "mutate_options"},
-                                     {"INHERIT", "inherit"},
-                                     {"FEATURES", "features"},
-                                     {"NEAT", "neat", "default"},
-                                     {"WINDOW", "window"},
-                                     {"EVALUATE", "evaluate"}});
-  return variables;
-}
 
 // As a word of a shell's command line, for make, to which a dollar is "$$".
 std::string shell_word(const std::string& value) {
@@ -56,13 +24,24 @@ std::string shell_word(const std::string& value) {
 std::string run_command(const std::function<std::string(const std::string&)>& setting,
                         const std::vector<std::pair<std::string, std::string>>& variables) {
   const bool steady = setting("layout") == "steady";
-  std::string line = fmt::format("make -f scripts/{}.mk", steady ? "steady" : setting("method"));
-  for (const Variable& variable : variables_of(steady, setting("train"))) {
-    std::string value = *variable.setting == '\0' ? "" : setting(variable.setting);
+  const std::string pipeline = steady ? "steady" : setting("method");
+  const auto changed = [&](const std::string& variable) -> std::optional<std::string> {
+    std::optional<std::string> value;
     for (const auto& [name, instead] : variables)
-      if (name == variable.name) value = instead;
-    if (value.empty() || value == variable.own) continue;
-    line += fmt::format(" {}={}", variable.name, shell_word(value));
+      if (name == variable) value = instead;
+    return value;
+  };
+  std::string line = fmt::format("make -f scripts/{}.mk", pipeline);
+  const auto add = [&](const std::string& variable, const std::string& value) {
+    if (!value.empty()) line += fmt::format(" {}={}", variable, shell_word(value));
+  };
+  add("RUN", changed("RUN").value_or(""));
+  if (steady) add("METHOD", changed("METHOD").value_or(setting("method")));
+  for (const SettingEntry& entry : setting_table()) {
+    if (entry.kept == Kept::no) continue;
+    const std::string value = changed(entry.variable()).value_or(setting(entry.name));
+    if (entry.kept == Kept::quiet && value == entry.value_without(setting)) continue;
+    add(entry.variable(), value);
   }
   return line + " -j8";
 }

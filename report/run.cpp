@@ -102,7 +102,7 @@ std::string Run::setting(const std::string& name) const {
 }
 
 std::optional<std::size_t> Run::evaluations() const {
-  const std::string text = setting("evaluations");
+  const std::string text = setting("evals");
   std::size_t value = 0;
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
   if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size())

@@ -116,7 +116,7 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
   if (over && !bad && !settled)
     add("evolve on: it was still improving",
         run_command(run,
-                    {{"RUN", folder + "-more"}, {"EVALS", times(2, run.setting("evaluations"))}}));
+                    {{"RUN", folder + "-more"}, {"EVALS", times(2, run.setting("evals"))}}));
   if (over && !bad && settled && !rising)
     add("enough: see whether another seed agrees",
         run_command(run, {{"RUN", folder + "-again"},

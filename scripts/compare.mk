@@ -18,13 +18,8 @@ MAKEFLAGS += --no-builtin-rules --no-print-directory
 SCRIPTS := $(dir $(lastword $(MAKEFILE_LIST)))
 include $(SCRIPTS)tools.mk
 
-RUN     ?= $(error give RUN=folder, such as RUN=runs/compare)
 include $(SCRIPTS)command-line.mk
-TASKS   ?= Walker-v0
-METHODS ?= ga neat bo
-SEEDS   ?= 1 2 3
-# svg, png or pdf
-PLOT    ?= svg
+TASKS ?= Walker-v0
 
 known := ga neat bo map race steady-ga steady-neat steady-bo
 unknown := $(filter-out $(known),$(METHODS))

@@ -37,58 +37,16 @@ list_seen = '$(SCRIPTS)seen' '$(RUN)' $(GEN) > '$@.seen.tmp'
 # The number of lines of a file, or a number where there is none yet.
 lines_or = $(if $(wildcard $(1)),$(shell wc -l < '$(1)'),$(2))
 
-RUN    ?= $(error give RUN=folder, such as RUN=runs/first)
+SETTINGS = method=$(METHOD) $(METHOD_SETTINGS)
 include $(SCRIPTS)command-line.mk
-TASK   ?= Walker-v0
-POP    ?= 25
-EVALS  ?= 250
-STEPS  ?= 512000
-# Steps of the robots of the first generation, which have no parents [STEPS].
-FOUNDER_STEPS ?=
-SEED   ?= 0
-# Refuses a variable whose value is not a number from 1.
-must_count = $(if $(shell [ '$($(1))' -ge 1 ] 2> /dev/null && echo yes),,$(error $(1) is a number from 1, not '$($(1))'))
-SHAPE  ?= $(if $(filter Lifter-v0,$(TASK)),5x7,5x5)
-TRAIN  ?= default
-# What trains: a name of evo-train --algo, or the profile's own.
-ALGO   ?= $(if $(filter default paper release2,$(TRAIN)),ppo,profile)
-PHYSICS ?=
-TRAIN_OPTIONS ?=
-# yes: a child's training starts from its parent's controller, carried over to its
-# body. Short trainings then add up along a line of descent. all: and that of a founder
-# from the controller it has in FOUNDERS.
-INHERIT ?= no
-# Format of the champion's video, and options of evo-render for it.
-VIDEO  ?= mp4
-VIDEO_OPTIONS ?=
-# A program that scores robots in the place of training: it reads a robot (one
-# line of JSON) and writes it with its `fitness`, such as EVALUATE='evo-eval --task
-# Walker-v0 --sine 0.5,20,0.7'. TASK, STEPS and the like are then left to it.
-EVALUATE ?=
-# Put in front of every training, such as LAUNCH='srun --exact -n1 -c1'.
-LAUNCH ?=
-# Robots that one launch trains, and cores that it has for them. They change no result.
-CHUNK  ?= 1
-CORES  ?= 1
-# How often a training may die before it is recorded as failed.
-TRIES  ?= 3
-$(foreach name,POP EVALS CHUNK CORES TRIES,$(call must_count,$(name)))
-$(if $(filter mp4 webm gif apng,$(VIDEO)),,$(error VIDEO is mp4, webm, gif or apng, not '$(VIDEO)'))
 # The tool that trains slots; scripts/train-slots says what it is given.
 TRAINER ?= $(if $(EVALUATE),$(SCRIPTS)evaluate-slots,evo-run train -j $(CORES))
 export LAUNCH TRAINER TRIES
 train_slots = exec '$(SCRIPTS)train-slots' '$(RUN)'
 rank_generation = '$(SCRIPTS)rank' '$(RUN)'
 
-SETTINGS := method=$(METHOD) task=$(TASK) population=$(POP) evaluations=$(EVALS) steps=$(STEPS) \
-  $(if $(FOUNDER_STEPS),founder_steps=$(FOUNDER_STEPS)) \
-  seed=$(SEED) shape=$(SHAPE) algo=$(ALGO) train=$(TRAIN) physics=$(if $(PHYSICS),$(PHYSICS),task) \
-  $(if $(filter-out no,$(INHERIT)),inherit=$(INHERIT)) $(METHOD_SETTINGS)
-$(if $(FOUNDERS),$(if $(findstring founders=,$(METHOD_SETTINGS)),,$(error FOUNDERS is a setting of ga.mk)))
-$(if $(filter yes no all,$(INHERIT)),,$(error INHERIT is yes, no or all, not '$(INHERIT)'))
 $(if $(filter all,$(INHERIT)),$(if $(FOUNDERS),,$(error INHERIT=all is for FOUNDERS that have controllers)))
-# Given as they are, quotes and all.
-export EVO_TRAIN_OPTIONS := $(TRAIN_OPTIONS)
+# Given as it is, quotes and all.
 export EVO_EVALUATE := $(EVALUATE)
 
 BEST := $(RUN)/best.json $(if $(EVALUATE),,$(RUN)/best.policy.h5 $(RUN)/best.$(VIDEO) $(RUN)/report.html)
@@ -137,8 +95,7 @@ generations: | $(RUN)/run.yaml
 # TRIAL is what the method does for that, without making a robot.
 $(RUN)/run.yaml: FORCE
 	@[ -e '$@' ] || { evo-sample -n 0 --shape '$(SHAPE)'; $(TRIAL) } < /dev/null > /dev/null
-	@evo-run init '$(RUN)' $(SETTINGS) "train_options=$$EVO_TRAIN_OPTIONS" \
-	  $(if $(EVALUATE),"evaluate=$$EVO_EVALUATE")
+	@evo-run init '$(RUN)' $(SETTINGS)
 FORCE:
 
 $(RUN)/history.jsonl: | generations

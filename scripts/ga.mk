@@ -7,17 +7,6 @@
 # no body is trained twice; the run ends at exactly EVALS trained robots.
 
 METHOD := ga
-# Of evo-sample, such as --encoding cppn, and of evo-mutate.
-SAMPLE_OPTIONS ?=
-MUTATE_OPTIONS ?=
-# The first generation: the POP best robots of another run (its folder, or a file of scored
-# robots), trained anew (INHERIT=all: further), instead of sampled ones.
-FOUNDERS ?=
-# Any program that takes the options of evo-mutate used below can make the children.
-MUTATE ?= evo-mutate
-METHOD_SETTINGS = $(if $(FOUNDERS),founders='$(FOUNDERS)') \
-  $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') mutate_options='$(MUTATE_OPTIONS)' $(if $(filter evo-mutate,$(MUTATE)),,mutate='$(MUTATE)')
-
 TRIAL = $(if $(FOUNDERS),$(try_founders),evo-sample -n 0 $(SAMPLE_OPTIONS)); \
   $(if $(filter evo-mutate,$(MUTATE)),evo-mutate -n 0 $(MUTATE_OPTIONS);)
 founders = evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)' | evo-select --keep $(POP)
@@ -27,7 +16,7 @@ try_founders = [ '$(INHERIT)' != all ] || [ -d '$(FOUNDERS)/policies' ] || \
   [ $$found -eq $(POP) ] || { echo "$(FOUNDERS): has $$found different robots, not POP=$(POP)" >&2; exit 65; }
 
 # A row per generation: generation, robots, created, survivors, children.
-plan = $(shell PATH='$(PATH)' evo-select --schedule paper --population $(POP) --of $(EVALS) --plan | $(1))
+plan = $(shell PATH='$(PATH)' evo-select --schedule paper --pop $(POP) --evals $(EVALS) --plan | $(1))
 GENERATIONS = $(or $(filter-out 0,$(call plan,sed 1d | wc -l)),$(error no plan for POP=$(POP) EVALS=$(EVALS)))
 slots = $(call counting,$(call plan,awk '$$1 == "$(GEN)" { print $$2 }'))
 
@@ -50,7 +39,7 @@ before := $(call plan,awk '$$1 == $(GEN) - 1')
 # Survivors keep their fitness and policy; their children are new to the run.
 $(POPULATION):
 	@mkdir -p '$(@D)'
-	@evo-select --schedule paper --population $(POP) --evaluated $(word 3,$(before)) --of $(EVALS) \
+	@evo-select --schedule paper --pop $(POP) --evals $(EVALS) --evaluated $(word 3,$(before)) \
 	  '$(PREVIOUS)/scores.jsonl' -o '$@.survivors.tmp'
 	@$(list_seen)
 	@$(MUTATE) -n $(word 5,$(before)) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \

@@ -9,10 +9,6 @@
 # usual files and archive.jsonl, the elites by cells; archive.tsv is their map.
 
 METHOD := map
-FEATURES ?= filled:5,actuated:5
-SAMPLE_OPTIONS ?=
-MUTATE_OPTIONS ?=
-METHOD_SETTINGS = $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') features='$(FEATURES)' mutate_options='$(MUTATE_OPTIONS)'
 TRIAL = evo-sample -n 0 $(SAMPLE_OPTIONS); evo-mutate -n 0 $(MUTATE_OPTIONS); evo-archive -q --features '$(FEATURES)';
 GENERATIONS = $(call batches,$(EVALS),$(POP))
 slots = $(call counting,$(call batch_size,$(GEN)))

@@ -4,9 +4,8 @@
 #   make -f scripts/neat.mk RUN=runs/walker-neat TASK=Walker-v0 POP=25 EVALS=250 STEPS=512000 SEED=1 -j8
 
 METHOD := neat
-NEAT ?=
-METHOD_SETTINGS = neat=$(if $(NEAT),$(NEAT),default)
-TRIAL = evo-neat -n $(POP) $(if $(NEAT),--neat '$(NEAT)') --state-out /dev/null;
+own_settings = $(if $(filter-out default,$(NEAT)),--neat '$(NEAT)')
+TRIAL = evo-neat -n $(POP) $(own_settings) --state-out /dev/null;
 GENERATIONS = $(call batches,$(EVALS),$(POP))
 # Whole populations: EVALS is rounded up to a multiple of POP, as in the benchmark.
 # Reproduction may yield a few robots more, all of which are kept.
@@ -17,7 +16,7 @@ all:
 include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
 
 ifdef GEN
-NEAT_OPTIONS := -n $(POP) --seed $(call stage_seed,$(GEN)) $(if $(NEAT),--neat '$(NEAT)')
+NEAT_OPTIONS := -n $(POP) --seed $(call stage_seed,$(GEN)) $(own_settings)
 
 # The population's file comes last, so that where it is, the species are too.
 ifeq ($(GEN),0)

@@ -12,13 +12,7 @@
 # interruption and --resume do, with the policy of the shorter one beside it meanwhile.
 
 METHOD := race
-RUNGS   ?= 3
 PARENTS ?= $(shell echo $$(( ($(POP) + 7) / 8 )))
-# Of evo-sample, such as --encoding cppn, and of evo-mutate.
-SAMPLE_OPTIONS ?=
-MUTATE_OPTIONS ?=
-METHOD_SETTINGS = rungs=$(RUNGS) parents=$(PARENTS) \
-  $(if $(SAMPLE_OPTIONS),sample_options='$(SAMPLE_OPTIONS)') mutate_options='$(MUTATE_OPTIONS)'
 TRIAL = evo-sample -n 0 $(SAMPLE_OPTIONS); evo-mutate -n 0 $(MUTATE_OPTIONS);
 GENERATIONS = $(shell echo $$(( $(call batches,$(EVALS),$(POP)) * $(RUNGS) )))
 # As many as the population has: of trainings that failed none goes on.
@@ -28,7 +22,6 @@ all:
 
 include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
 
-$(call must_count,RUNGS)$(call must_count,PARENTS)
 $(if $(FOUNDER_STEPS),$(error FOUNDER_STEPS is no setting of race.mk: every race has the same rungs))
 $(if $(EVALUATE),$(error EVALUATE is no setting of race.mk: what is not trained cannot go on))
 

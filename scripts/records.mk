@@ -17,10 +17,8 @@ SHELL := /bin/bash
 MAKEFLAGS += --no-builtin-rules --no-print-directory
 
 SCRIPTS  := $(dir $(lastword $(MAKEFILE_LIST)))
-RUN      ?= $(error give RUN=folder, such as RUN=runs/records)
 include $(SCRIPTS)command-line.mk
 TASKS    ?= $(shell grep -v '^\#' '$(SCRIPTS)../records/published.tsv' | tail -n +2 | cut -f 1)
-PIPELINE ?= ga
 POP      ?= 25
 EVALS    ?= 1000
 STEPS    ?= 8000

@@ -26,10 +26,7 @@ SHELL := /bin/bash
 MAKEFLAGS += --no-builtin-rules --no-print-directory
 
 SCRIPTS := $(dir $(lastword $(MAKEFILE_LIST)))
-RUN     ?= $(error give RUN=folder, such as RUN=runs/rounds)
 include $(SCRIPTS)command-line.mk
-SEED    ?= 0
-RECIPE  ?= network
 
 few_changes := MUTATE_OPTIONS='--attempts 1'
 lines := TRAIN=lineage INHERIT=yes $(few_changes)

@@ -10,23 +10,19 @@
 # [1], at most WINDOW of them; the result does not depend on it.
 
 METHOD ?= ga
-MUTATE_OPTIONS ?=
-NEAT   ?=
 WINDOW ?= $(POP)
-METHOD_SETTINGS = layout=steady window=$(WINDOW) \
-  $(if $(filter ga,$(METHOD)),mutate_options='$(MUTATE_OPTIONS)') \
-  $(if $(filter neat,$(METHOD)),neat=$(or $(NEAT),default))
+METHOD_SETTINGS = layout=steady
 TRIAL = $(if $(filter ga,$(METHOD)),evo-mutate -n 0 $(MUTATE_OPTIONS);) \
-  $(if $(filter neat,$(METHOD)),evo-neat -n $(POP) $(if $(NEAT),--neat '$(NEAT)') --state-out /dev/null;)
+  $(if $(filter neat,$(METHOD)),evo-neat -n $(POP) $(if $(filter-out default,$(NEAT)),--neat '$(NEAT)') --state-out /dev/null;)
 GENERATIONS = $(call batches,$(EVALS),$(POP))
 all_generations = $(make_part) GRAPH=yes graph
 
 all:
 
 include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
+SETTINGS := $(filter-out $(if $(filter neat,$(METHOD)),,neat=%) $(if $(filter ga,$(METHOD)),,mutate_options=''),$(SETTINGS))
 
 $(if $(filter ga neat bo,$(METHOD)),,$(error METHOD may be ga, neat or bo; there is no '$(METHOD)'))
-$(call must_count,WINDOW)
 $(if $(shell [ '$(CHUNK)' -le '$(WINDOW)' ] && echo yes),,\
   $(error CHUNK is a number from 1 to WINDOW, which is $(WINDOW), not '$(CHUNK)'))
 

@@ -17,6 +17,7 @@
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/yaml.h"
+#include "formats/run/setting_table.h"
 #include "formats/training/training_log.h"
 
 namespace evo {
@@ -157,6 +158,8 @@ RunSettings RunSettings::from_words(const std::vector<std::string>& words) {
     if (equals == std::string::npos || !is_setting_name(name) || name == "format" ||
         name == "version")
       throw error(Failure::usage, "'{}' is not a setting KEY=VALUE, such as task=Walker-v0", word);
+    if (present_name(name) != name)
+      throw error(Failure::usage, "the setting '{}' is called '{}'", name, present_name(name));
     if (settings.find(name) != nullptr)
       throw error(Failure::usage, "the setting '{}' is given twice", name);
     if (!is_line(word))
@@ -177,7 +180,7 @@ RunSettings RunSettings::parse(std::string_view text, const std::string& where) 
   settings.file_ = where;
   check_format(document, format::run, Head::required);
   for (const auto& [key, value] : document.entries()) {
-    const std::string name = key.string();
+    const std::string name = present_name(key.string());
     if (name == "format" || name == "version") continue;
     if (!is_setting_name(name))
       throw key.error(
@@ -189,6 +192,13 @@ RunSettings RunSettings::parse(std::string_view text, const std::string& where) 
     settings.list_.push_back({name, text});
   }
   return settings;
+}
+
+void RunSettings::check() const {
+  for (const auto& [name, value] : list_)
+    if (const SettingEntry* entry = find_setting_entry(name))
+      if (const auto defect = entry->defect(value))
+        throw error(Failure::usage, "{} {}", name, *defect);
 }
 
 const std::string* RunSettings::find(const std::string& name) const {
@@ -281,7 +291,7 @@ fs::path RunFolder::slot(SlotAddress address) const {
 }
 
 SlotAddress RunFolder::address(int number) const {
-  const int population = std::max(1, settings_.number("population"));
+  const int population = std::max(1, settings_.number("pop"));
   return {number / population, number % population};
 }
 

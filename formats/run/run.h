@@ -51,11 +51,14 @@ class RunSettings {
  public:
   RunSettings() = default;
   // "key=value" each. Throws Error(usage) for other words, a name that is no
-  // plain word, a name given twice.
+  // plain word, a name given twice or of an earlier version.
   static RunSettings from_words(const std::vector<std::string>& words);
-  // Throws Error(no_input, data); a newer version is refused by name.
+  // Throws Error(no_input, data); a newer version is refused by name. Settings of earlier
+  // versions have their present names.
   static RunSettings read(const std::filesystem::path& file);
   static RunSettings parse(std::string_view text, const std::string& where);
+  // Throws Error(usage) for a value that is none of its setting (formats/run/setting_table.h).
+  void check() const;
 
   const std::vector<RunSetting>& list() const { return list_; }
   const std::string* find(const std::string& name) const;
@@ -83,7 +86,7 @@ class RunSettings {
 // How a run numbers its slots, the setting `layout`; without one, by generation.
 enum class Layout {
   generations,  // a population is proposed at once, from the scores of the one before
-  // Robot k is slot k % P of generation k / P, P the setting `population`. Populations
+  // Robot k is slot k % P of generation k / P, P the setting `pop`. Populations
   // grow robot by robot; `window` says which scores a robot is proposed from, and
   // `policies` and `logs` are split by the first two digits of ids.
   steady,

@@ -23,6 +23,11 @@ _evo() {
     help) words=$(_evo_words "$tool" '  ()([a-z]+) ') ;;
     --*) words=$("$tool" --values-of "$previous" 2> /dev/null) ;;
   esac
+  # What follows the folder: settings.
+  case ${tool##*/}:${COMP_WORDS[COMP_CWORD - at + 1]} in
+    evo*run:init | evo*run:command)
+      ((at < 3)) || words=$("$tool" --values-of "${COMP_WORDS[COMP_CWORD - at + 1]}" 2> /dev/null) ;;
+  esac
   if [[ -z $words ]]; then
     local kind=--
     if [[ $word != -* ]]; then

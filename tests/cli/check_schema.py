@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """check_schema.py KIND < DOCUMENTS: every document of standard input, JSON Lines or YAML,
-fits docs/formats/schema/KIND.schema.json."""
+fits docs/formats/schema/KIND.schema.json, or what evo-data --schema KIND prints."""
 import json
 import os
 import pathlib
+import subprocess
 import sys
 
 import jsonschema
@@ -11,7 +12,8 @@ import yaml
 
 folder = pathlib.Path(os.environ["EVO_SOURCE"]) / "docs/formats/schema"
 schemas = {path.name: json.loads(path.read_text()) for path in folder.glob("*.json")}
-schema = schemas[sys.argv[1] + ".schema.json"]
+kind = sys.argv[1]
+schema = schemas.get(f"{kind}.schema.json") or json.loads(subprocess.check_output(["evo-data", "--schema", kind]))
 jsonschema.Draft202012Validator.check_schema(schema)
 resolver = jsonschema.RefResolver("", schema, store=schemas)
 validator = jsonschema.Draft202012Validator(schema, resolver=resolver)

@@ -271,7 +271,7 @@ steps_and_fitness() { jq -c 'select(.id == "'"$2"'") | [.steps, .fitness]' "$1";
   settings+=(EVALS=12 RUNGS=2 INHERIT=yes)
   run_make race run EVALS=4 -j2 # a race alone, to have its first generations
   mkdir again && cp -r run/gen-000 run/gen-001 run/policies run/logs run/timings again
-  sed 's/^evaluations: .*/evaluations: 12/' run/run.yaml > again/run.yaml
+  sed 's/^evals: .*/evals: 12/' run/run.yaml > again/run.yaml
   run_make race again GEN=2 again/gen-002/population.jsonl
   evo-run fail again --generation 2 --slot 0-3 --why "its machine was taken away"
   run_make race again -j2
@@ -376,7 +376,7 @@ refused_at_once() {
   # A makefile of one's own may have settings of its own.
   printf 'all:\n\t+@$(MAKE) -s -n -f "$(EVO_SOURCE)/scripts/ga.mk" RUN=run\n' > Makefile
   make EVAL=8 > plan
-  grep -q evaluations=250 plan
+  grep -q "evals='250'" plan
 }
 
 @test "what a tool is asked for only later is refused at the beginning" {

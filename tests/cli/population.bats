@@ -67,12 +67,12 @@ J
 }
 
 @test "selection: the schedule of the paper" {
-  evo-select --schedule paper --population 25 --of 250 --plan | golden plan-25-250.tsv
+  evo-select --schedule paper --pop 25 --evals 250 --plan | golden plan-25-250.tsv
   fails_with 2 "no room for children" "at least 3" -- \
-    evo-select --schedule paper --population 2 --of 42 --plan
+    evo-select --schedule paper --pop 2 --evals 42 --plan
   evo-sample -n 25 | jq -c '.fitness = 1' > scored
-  evo-select --schedule paper --evaluated 25 --of 250 scored | wc -l | grep -qx 14
-  evo-select --schedule paper --evaluated 235 --of 250 scored | wc -l | grep -qx 2
+  evo-select --schedule paper --evaluated 25 --evals 250 scored | wc -l | grep -qx 14
+  evo-select --schedule paper --evaluated 235 --evals 250 scored | wc -l | grep -qx 2
 }
 
 @test "unknown fields of a robot stay, whatever it passes through" {

@@ -1,7 +1,7 @@
 # evo-run: what a scheduler's array needs of a run folder.
 load helpers
 
-settings=(method=ga task=Walker-v0 population=3 evaluations=3 steps=4096 seed=1 shape=3x3 algo=ppo train=default physics=task)
+settings=(method=ga task=Walker-v0 pop=3 evals=3 steps=4096 seed=1 shape=3x3 algo=ppo train=default physics=task)
 
 begin() { evo-run init run "${settings[@]}" "$@"; }
 populate() { mkdir -p run/gen-000 && evo-sample -n 3 --shape 3x3 --seed 1 -o run/gen-000/population.jsonl; }
@@ -18,11 +18,29 @@ populate() { mkdir -p run/gen-000 && evo-sample -n 3 --shape 3x3 --seed 1 -o run
   # What could train nothing is refused before anything is there to stand in the way.
   fails_with 2 "unknown training profile 'nope'" -- evo-run init other "${settings[@]/train=default/train=nope}"
   fails_with 2 "unknown task" -- evo-run init other "${settings[@]/Walker-v0/Walker-v9}"
-  fails_with 2 "founder-steps" "'0'" -- evo-run init other "${settings[@]}" founder_steps=0
+  fails_with 2 "founder_steps is a number from 1, not '0'" -- evo-run init other "${settings[@]}" founder_steps=0
+  fails_with 2 "inherit is yes, no or all, not 'maybe'" -- evo-run init other "${settings[@]}" inherit=maybe
+  fails_with 2 "'population' is called 'pop'" -- evo-run init other "${settings[@]/pop=/population=}"
   fails_with 2 "nothing" -- evo-run init other "${settings[@]}" train_options="--train-set nothing=1"
   fails_with 65 "train_options" -- evo-run init other "${settings[@]}" train_options="--train-set 'hidden=8"
   [ ! -e other ]
   evo-run init other "${settings[@]/Walker-v0/my-own-task}" evaluate=./score
+}
+
+@test "settings: what pipelines have, each with its default; runs of earlier versions have them" {
+  evo-run settings race > race
+  grep -q '^RUNGS=N .*how often' race
+  run ! grep -q '^FEATURES' race
+  make -s -f "$EVO_SOURCE/scripts/race.mk" help | cmp - race
+  make -s -f "$EVO_SOURCE/scripts/compare.mk" help | grep -q '^SEEDS=LIST .*\[1 2 3\]$'
+  run ! grep -E '^.{81}' <(evo-run settings)
+  [ "$(evo-run settings | grep -c '^[A-Z]')" -eq "$(grep -vc '^#\|^name' "$EVO_SOURCE/scripts/settings.tsv")" ]
+  fails_with 2 "rase" "did you mean 'race'" -- evo-run settings rase
+  begin
+  sed -i 's/^pop:/population:/; s/^evals:/evaluations:/' run/run.yaml
+  begin
+  evo-inspect run | grep -q '0 of 3 trained'
+  [[ $(evo-run command run) == *" POP=3 EVALS=3 "* ]]
 }
 
 @test "train: a slot, then those that are left, as evo-train does" {

@@ -185,7 +185,7 @@ END
   evo-eval --task Walker-v0 --random --max-steps 3 r.txt --rollout r.h5 > s.json
   fails_with 2 "--weights goes with --encoding voxel" -- evo-sample --encoding cppn --weights 0,0,0,1,1
   fails_with 2 "--evaluated goes with --schedule paper" -- evo-select --evaluated 5 s.json
-  fails_with 2 "--of goes with" -- evo-select --keep 1 --of 5 s.json
+  fails_with 2 "--evals goes with" -- evo-select --keep 1 --evals 5 s.json
   fails_with 2 "--tournament-size goes with --method tournament" -- evo-select --tournament-size 2 s.json
   fails_with 2 "s.json: a scored population goes with --state-in" -- evo-neat --state-out x.json s.json
   evo-neat -n 2 --state-out x.json > g.jsonl

@@ -70,7 +70,7 @@ END
 }
 
 @test "a robot that failed is given back as it is by a generation that it survives" {
-  evo-run init run method=ga task=Walker-v0 population=1 evaluations=2 steps=1000000000 seed=1 algo=ppo train=default physics=task
+  evo-run init run method=ga task=Walker-v0 pop=1 evals=2 steps=1000000000 seed=1 algo=ppo train=default physics=task
   mkdir run/gen-001
   evo-sample -n 1 | jq -c '. + {fitness: null, failure: {why: "diverged"}}' > run/gen-001/population.jsonl
   evo-run train run --generation 1 --slot 0

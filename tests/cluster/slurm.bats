@@ -174,7 +174,7 @@ n2_returns() {
   scancel "$held"
   run -2 "$EVO_SOURCE/scripts/slurm/submit" run -- "${settings[@]}" METHOD=nix
   [[ $output == *"there is no 'nix'"* ]]
-  evo-run init run method=ga task=Walker-v0 population=1 evaluations=2 steps=1 seed=1
+  evo-run init run method=ga task=Walker-v0 pop=1 evals=2 steps=1 seed=1
   run -2 "$EVO_SOURCE/scripts/slurm/submit" run -- "${settings[@]}"
   [[ $output == *"steps: 1 there, steps: 4096 asked for"* ]]
   # (%F: elements of an array get numbers of their own, %A, when they begin.)

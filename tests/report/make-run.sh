@@ -13,8 +13,8 @@ format: evo/run
 version: 1
 method: $method
 task: Walker-v0
-population: $population
-evaluations: 1000
+pop: $population
+evals: 1000
 steps: 512
 seed: $seed
 shape: 5x5

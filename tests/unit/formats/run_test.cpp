@@ -14,8 +14,8 @@ namespace {
 
 const std::vector<std::string> words{"method=ga",
                                      "task=Walker-v0",
-                                     "population=2",
-                                     "evaluations=4",
+                                     "pop=2",
+                                     "evals=4",
                                      "steps=1000",
                                      "physics=task",
                                      "mutate_options=--rate 0.2",
@@ -50,7 +50,7 @@ TEST_CASE("a run's settings are written as they always were, and read back") {
   const RunSettings settings = RunSettings::from_words(words);
   const std::string text = settings.to_yaml();
   CHECK(text ==
-        "format: evo/run\nversion: 1\nmethod: ga\ntask: Walker-v0\npopulation: 2\nevaluations: 4\n"
+        "format: evo/run\nversion: 1\nmethod: ga\ntask: Walker-v0\npop: 2\nevals: 4\n"
         "steps: 1000\nphysics: task\nmutate_options: --rate 0.2\nnone: \n"
         "train_options: '--train-set ''hidden=8,8'''\n");
   const test::ScratchFolder scratch;

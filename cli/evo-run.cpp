@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "cli/breeding_options.h"
@@ -18,6 +19,7 @@
 #include "formats/io/files.h"
 #include "formats/io/lock.h"
 #include "formats/io/values.h"
+#include "formats/io/yaml.h"
 #include "formats/robot/writer.h"
 #include "formats/run/option_words.h"
 #include "formats/run/run.h"
@@ -355,18 +357,14 @@ int print_command(const std::string& folder, const std::vector<std::string>& cha
 // ---- settings -------------------------------------------------------------------------
 
 int print_settings(const std::string& pipeline) {
-  const std::string text = settings_help(pipeline);
-  if (text.empty()) {
-    std::vector<std::string> pipelines;
-    for (const SettingEntry& entry : setting_table())
-      for (const std::string& owner : entry.pipelines)
-        if (owner != "all" &&
-            std::find(pipelines.begin(), pipelines.end(), owner) == pipelines.end())
-          pipelines.push_back(owner);
-    std::sort(pipelines.begin(), pipelines.end());
-    throw error(Failure::usage, "settings: {}", unknown_name("pipeline", pipeline, pipelines));
-  }
-  fmt::print("{}", text);
+  std::set<std::string> pipelines{"bo"};
+  for (const SettingEntry& entry : setting_table())
+    pipelines.insert(entry.pipelines.begin(), entry.pipelines.end());
+  pipelines.erase("all");
+  if (!pipeline.empty() && !pipelines.contains(pipeline))
+    throw error(Failure::usage, "settings: {}",
+                unknown_name("pipeline", pipeline, {pipelines.begin(), pipelines.end()}));
+  fmt::print("{}", settings_help(pipeline));
   return 0;
 }
 

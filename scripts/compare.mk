@@ -25,7 +25,7 @@ known := ga neat bo map race steady-ga steady-neat steady-bo
 unknown := $(filter-out $(known),$(METHODS))
 $(if $(unknown),$(error METHODS may be ga, neat, bo, map and race, with generations, and steady-ga, steady-neat and steady-bo, without; there is no '$(unknown)'))
 # The pipeline of a method.
-pipeline = $(if $(filter steady-%,$(1)),'$(SCRIPTS)steady.mk' METHOD=$(patsubst steady-%,%,$(1)),'$(SCRIPTS)$(1).mk')
+pipeline_of = $(if $(filter steady-%,$(1)),'$(SCRIPTS)steady.mk' METHOD=$(patsubst steady-%,%,$(1)),'$(SCRIPTS)$(1).mk')
 
 RUNS := $(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach seed,$(SEEDS),$(RUN)/$(task)/$(method)-$(seed))))
 
@@ -42,7 +42,7 @@ all: $(RUN)/compare.$(PLOT) $(RUN)/compare.html
 # of them draws live curves; evo-inspect shows how far one is.
 define run
 $(1):
-	+@$$(MAKE) -s -f $$(call pipeline,$(3)) RUN='$(1)' TASK='$(2)' SEED='$(4)'
+	+@$$(MAKE) -s -f $$(call pipeline_of,$(3)) RUN='$(1)' TASK='$(2)' SEED='$(4)'
 	@jq -r '"$(2)  $(3)-$(4)  best \(.fitness)"' '$(1)/best.json'
 endef
 $(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach seed,$(SEEDS),\

@@ -75,7 +75,7 @@ std::string describe_steady_state(const std::string& text, const std::string& na
   const SteadyState state = parse_steady_state(text, name);
   return fmt::format(
       "{}: state of a run without generations, {} robots proposed, {} scores known\n",
-      printable(name), state.robots, state.scores);
+      printable(name), state.robots, state.method.told);
 }
 
 std::string describe_config(const std::string& text, const std::string& name) {

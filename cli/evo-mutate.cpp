@@ -1,5 +1,6 @@
 // evo-mutate: children of the robots read.
 #include <set>
+#include <utility>
 
 #include "cli/breeding_options.h"
 #include "cli/command.h"
@@ -27,7 +28,7 @@ int main(int argc, char** argv) {
   return command.run(argc, argv, [&] {
     if (count.value_or(0) < 0)
       throw error(Failure::usage, "--count must not be negative, got {}", *count);
-    breeding.check();
+    check(breeding);
     const std::vector<Robot> robots = cli::read_robots(files);
     const int children = count.value_or(static_cast<int>(robots.size()));
     if (robots.empty() && children > 0)
@@ -35,8 +36,15 @@ int main(int argc, char** argv) {
     std::set<std::string> seen = cli::read_ids(avoid);
     for (const Robot& robot : robots) seen.insert(robot.id);
     RobotWriter out(command.output);
-    for (int i = 0; i < children; ++i)
-      out.write(breed_robot(robots, breeding, command.seed, i, seen));
+    std::vector<Body> bodies;
+    bodies.reserve(robots.size());
+    for (const Robot& robot : robots) bodies.push_back(robot.body);
+    for (int i = 0; i < children; ++i) {
+      Child child = breed_new(bodies, breeding, command.seed, i, seen);
+      Proposal proposal{std::move(child.body), MadeBy::mutation};
+      for (const std::size_t parent : child.parents) proposal.parents.push_back(robots[parent].id);
+      out.write(robot_of(std::move(proposal), command.seed, i));
+    }
     out.finish();
     return 0;
   });

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "cli/command.h"
 #include "cli/data.h"
@@ -99,7 +100,8 @@ int main(int argc, char** argv) {
     for (const CppnRobot& robot : made) {
       std::vector<std::string> ids;
       for (const int key : robot.parents) ids.push_back(parents.ids.at(key));
-      out.write(cppn_robot(robot, ids, command.seed, index++));
+      out.write(robot_of({robot.body, MadeBy::neat, std::move(ids), robot.genome}, command.seed,
+                         index++));
     }
     out.finish();
     return 0;

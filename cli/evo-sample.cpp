@@ -5,7 +5,6 @@
 #include "cli/robots.h"
 #include "evolution/breeding.h"
 #include "formats/io/values.h"
-#include "formats/robot/genome.h"
 #include "formats/robot/writer.h"
 #include "libevo/evolve/cppn_neat.h"
 
@@ -33,10 +32,8 @@ void sample_cppn(const Shape& shape, int count, std::uint64_t seed, std::set<std
   int index = 0;
   for (const CppnRobot& made : first_robots(settings, shape.rows, shape.cols, seen, state, seed)) {
     if (index == count) break;
-    Robot robot =
-        make_child(made.body, {}, "evo-sample", seed, static_cast<std::uint64_t>(index++));
-    robot.document["genome"] = genome_to_json(made.genome);
-    out.write(std::move(robot));
+    out.write(robot_of({made.body, MadeBy::sampling, {}, made.genome}, seed, index));
+    ++index;
   }
 }
 
@@ -76,7 +73,9 @@ int main(int argc, char** argv) {
     }
     // Output k comes from the stream of its own number, so that -n 10 prints the
     // first ten lines of -n 100.
-    for (int i = 0; i < count; ++i) out.write(sample_robot(shape, weights, command.seed, i, seen));
+    for (int i = 0; i < count; ++i)
+      out.write(robot_of({sample_new(shape.rows, shape.cols, weights, command.seed, i, seen)},
+                         command.seed, i));
     out.finish();
     return 0;
   });

@@ -3,6 +3,7 @@
 
 #include "cli/command.h"
 #include "cli/robots.h"
+#include "evolution/breeding.h"
 #include "formats/io/values.h"
 #include "formats/robot/writer.h"
 #include "libevo/evolve/suggest.h"
@@ -66,8 +67,7 @@ int main(int argc, char** argv) {
     RobotWriter out(command.output);
     int index = 0;
     for (const Suggestion& suggestion : batch.designs) {
-      Robot robot = make_child(suggestion.body, {}, "evo-suggest", command.seed,
-                               static_cast<std::uint64_t>(index++));
+      Robot robot = robot_of({suggestion.body, MadeBy::suggestion}, command.seed, index++);
       if (batch.from_model)
         command.detail(fmt::format("{}: expected {:.4g} +- {:.2g}", robot.id, suggestion.mean,
                                    suggestion.stddev));

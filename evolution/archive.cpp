@@ -83,20 +83,26 @@ std::string feature_title(const std::string& name) {
   return is_in(name, body_features()) ? name + " (body), share" : name;
 }
 
+std::vector<double> features_of(const Robot& robot, const std::vector<FeatureAxis>& axes) {
+  std::vector<double> features;
+  features.reserve(axes.size());
+  for (const FeatureAxis& axis : axes) {
+    features.push_back(feature_of(robot, axis.name));
+    if (std::isnan(features.back()) && axis.name.starts_with(behaviour) && robot.fitness())
+      throw error(Failure::data,
+                  "robot {} has no '{}'; evo-train and evo-eval write it with --behaviour",
+                  robot.id, axis.name);
+  }
+  return features;
+}
+
 void fill(GridArchive& archive, const std::vector<Robot>& robots) {
   std::vector<bool> known(archive.axes().size(), robots.empty());
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const Robot& robot = robots[i];
-    std::vector<double> features;
-    for (std::size_t k = 0; k < archive.axes().size(); ++k) {
-      const std::string& name = archive.axes()[k].name;
-      features.push_back(feature_of(robot, name));
-      known[k] = known[k] || !std::isnan(features.back());
-      if (std::isnan(features.back()) && name.starts_with(behaviour) && robot.fitness())
-        throw error(Failure::data,
-                    "robot {} has no '{}'; evo-train and evo-eval write it with --behaviour",
-                    robot.id, name);
-    }
+    const std::vector<double> features = features_of(robot, archive.axes());
+    for (std::size_t k = 0; k < features.size(); ++k)
+      known[k] = known[k] || !std::isnan(features[k]);
     archive.add(i, features, robot.fitness().value_or(nothing));
   }
   for (std::size_t k = 0; k < known.size(); ++k)

@@ -20,6 +20,9 @@ double feature_of(const Robot& robot, const std::string& name);
 // With what it is measured in: "behaviour.distance, voxels".
 std::string feature_title(const std::string& name);
 
+// On each axis. Throws Error(data) for a behaviour that a robot with a fitness does not have.
+std::vector<double> features_of(const Robot& robot, const std::vector<FeatureAxis>& axes);
+
 // Adds the robots by their place in the list. Throws Error(data) for a feature that none
 // of them has, and for a behaviour that one with a fitness does not have.
 void fill(GridArchive& archive, const std::vector<Robot>& robots);

@@ -3,11 +3,7 @@
 // run is the same on one core and on a thousand, in whatever order its trainings
 // end, and nobody waits for a generation. Until then W robots may be in training.
 //
-//   ga    a child of the best so far, whose number shrinks as in the paper
-//   neat  a child within a species (libevo/evolve/neat_steady.h)
-//   bo    what the Gaussian process expects most of, given the scores and, as if they
-//         had the expected ones, the W robots that are pending; its parameters are
-//         fitted anew once a population
+// The methods are those of libevo/evolve/methods.h.
 //
 // Robots are filed as generations of `pop` robots each, by number.
 #pragma once

@@ -1,7 +1,10 @@
 #include "formats/run/steady.h"
 
+#include <limits>
+
 #include "formats/io/format.h"
 #include "formats/io/json_object.h"
+#include "formats/robot/genome.h"
 #include "formats/run/neat.h"
 
 namespace evo {
@@ -10,12 +13,25 @@ namespace {
 constexpr int largest_count = 1 << 30;
 
 // What a parent needs, and nothing else of its document.
-Json member_to_json(const Robot& robot) {
+Json member_to_json(const ScoredRobot& robot) {
   Robot member(robot.body);
-  for (const char* field : {"fitness", "genome"})
-    if (const auto found = robot.document.find(field); found != robot.document.end())
-      member.document[field] = *found;
+  member.document["fitness"] = robot.fitness;
+  if (robot.genome) member.document["genome"] = genome_to_json(*robot.genome);
+  if (!robot.features.empty()) member.document["features"] = robot.features;
   return Json::parse(robot_to_line(member));
+}
+
+ScoredRobot member_from_json(const Json& json, const std::string& where) {
+  const Robot robot = robot_from_json(json, where, BodyCheck::any);
+  ScoredRobot member = scored_robot(robot);
+  if (!robot.fitness()) throw error(Failure::data, "{}: a member has a fitness", where);
+  if (!json.contains("features")) return member;
+  const JsonObject object(json, "");
+  const Json& features = object.array("features");
+  for (std::size_t i = 0; i < features.size(); ++i)
+    member.features.push_back(
+        json_number(features[i], fmt::format("{}/{}", object.path_of("features"), i)));
+  return member;
 }
 
 SteadyState from_json(const Json& document, const std::string& where) {
@@ -23,38 +39,49 @@ SteadyState from_json(const Json& document, const std::string& where) {
   const JsonObject object(document, "");
   SteadyState state;
   state.robots = object.integer("robots", 0, largest_count);
-  state.scores = object.integer("scores", 0, state.robots);
+  MethodState& method = state.method;
+  method.told = object.integer("scores", 0, state.robots);
   if (document.contains("parameters")) {
     const JsonObject parameters(object.at("parameters"), "/parameters");
-    state.fitted = parameters.integer("fitted", 1, state.scores);
-    state.parameters = GpParameters{parameters.number("variance"),
-                                    parameters.number("length_scale"), parameters.number("noise")};
+    method.fitted = parameters.integer("fitted", 1, method.told);
+    method.parameters = GpParameters{parameters.number("variance"),
+                                     parameters.number("length_scale"), parameters.number("noise")};
   }
-  state.species = parse_neat_state(compact(object.at("species")), where);
+  method.species = parse_neat_state(compact(object.at("species")), where);
   const Json& members = object.array("members");
   for (std::size_t i = 0; i < members.size(); ++i)
-    state.members.push_back(
-        robot_from_json(members[i], fmt::format("{}: /members/{}", where, i), BodyCheck::any));
+    method.members.push_back(
+        member_from_json(members[i], fmt::format("{}: /members/{}", where, i)));
   return state;
 }
 
 }  // namespace
 
 std::string steady_state_to_text(const SteadyState& state) {
+  const MethodState& method = state.method;
   Json document;
   document["format"] = format::steady.name;
   document["version"] = format::steady.version;
   document["robots"] = state.robots;
-  document["scores"] = state.scores;
-  if (state.parameters)
-    document["parameters"] = {{"fitted", state.fitted},
-                              {"variance", state.parameters->variance},
-                              {"length_scale", state.parameters->length_scale},
-                              {"noise", state.parameters->noise}};
-  document["species"] = Json::parse(neat_state_to_text(state.species));
+  document["scores"] = method.told;
+  if (method.parameters)
+    document["parameters"] = {{"fitted", method.fitted},
+                              {"variance", method.parameters->variance},
+                              {"length_scale", method.parameters->length_scale},
+                              {"noise", method.parameters->noise}};
+  document["species"] = Json::parse(neat_state_to_text(method.species));
   document["members"] = Json::array();
-  for (const Robot& robot : state.members) document["members"].push_back(member_to_json(robot));
+  for (const ScoredRobot& robot : method.members)
+    document["members"].push_back(member_to_json(robot));
   return compact(document) + "\n";
+}
+
+ScoredRobot scored_robot(const Robot& robot) {
+  return {robot.id,
+          robot.body,
+          robot.fitness().value_or(std::numeric_limits<double>::quiet_NaN()),
+          genome_of(robot, "robot " + robot.id),
+          {}};
 }
 
 SteadyState parse_steady_state(std::string_view text, const std::string& where) {

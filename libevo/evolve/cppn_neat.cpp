@@ -1,5 +1,8 @@
 #include "libevo/evolve/cppn_neat.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "libevo/base/error.h"
 #include "libevo/evolve/cppn.h"
 
@@ -51,13 +54,62 @@ std::vector<CppnRobot> next_robots(const NeatSettings& settings, int rows, int c
                      rows, cols);
 }
 
-CppnRobot next_robot(const NeatSettings& settings, int rows, int cols,
-                     std::span<const Scored> population, std::set<std::string>& seen,
-                     NeatState& state, int number, std::uint64_t seed) {
-  check_ports(settings);
-  return with_body(
-      next_individual(settings, population, new_robot(rows, cols, seen), state, number, seed), rows,
-      cols);
+// ---- the method ---------------------------------------------------------------------
+
+namespace {
+
+Scored scored(const ScoredRobot& robot) {
+  if (!robot.genome) throw error(Failure::data, "robot {} has no genome", robot.id);
+  return {*robot.genome, robot.fitness};
+}
+
+}  // namespace
+
+CppnNeat::CppnNeat(const EvolutionSettings& settings) : settings_(settings) {
+  check_ports(settings.neat);
+}
+
+Proposal CppnNeat::propose(int number, std::span<const Body> /*pending*/,
+                           std::set<std::string>& seen) {
+  const bool is_first = number < settings_.pop;
+  const CppnRobot made = with_body(
+      next_individual(settings_.neat,
+                      is_first ? std::span<const Scored>{} : std::span<const Scored>(population_),
+                      new_robot(settings_.rows, settings_.cols, seen), species_, number,
+                      settings_.seed),
+      settings_.rows, settings_.cols);
+  Proposal proposal{made.body, MadeBy::neat, {}, made.genome};
+  for (const int key : made.parents)
+    for (const ScoredRobot& member : members_)
+      if (member.genome->key == key) proposal.parents.push_back(member.id);
+  return proposal;
+}
+
+void CppnNeat::tell(const ScoredRobot& robot) {
+  ++told_;
+  join(settings_.neat, scored(robot), population_, species_);
+  members_.push_back(robot);
+  std::erase_if(members_, [&](const ScoredRobot& member) {
+    return std::none_of(population_.begin(), population_.end(), [&](const Scored& other) {
+      return other.genome.key == member.genome->key;
+    });
+  });
+}
+
+MethodState CppnNeat::save() const {
+  MethodState state;
+  state.told = told_;
+  state.members = members_;
+  state.species = species_;
+  return state;
+}
+
+void CppnNeat::load(MethodState state) {
+  population_.clear();
+  for (const ScoredRobot& robot : state.members) population_.push_back(scored(robot));
+  members_ = std::move(state.members);
+  species_ = std::move(state.species);
+  told_ = state.told;
 }
 
 }  // namespace evo

@@ -196,13 +196,16 @@ std::vector<double> adjusted_fitness(std::span<const std::vector<double>> specie
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (const std::vector<double>& fitness : species) {
+    if (fitness.empty()) continue;
     low = std::min(low, *std::min_element(fitness.begin(), fitness.end()));
     high = std::max(high, *std::max_element(fitness.begin(), fitness.end()));
   }
   std::vector<double> adjusted;
   adjusted.reserve(species.size());
   for (const std::vector<double>& fitness : species)
-    adjusted.push_back((statistic(Statistic::mean, fitness) - low) / std::max(1.0, high - low));
+    adjusted.push_back(fitness.empty() ? 0.0
+                                       : (statistic(Statistic::mean, fitness) - low) /
+                                             std::max(1.0, high - low));
   return adjusted;
 }
 

@@ -88,7 +88,8 @@ Individual child_of(const Member& a, const Member& b, const NeatSettings& settin
 std::size_t parents_among(const NeatSettings& settings, std::size_t members);
 
 // The species means of fitness scaled by the range of all values, which is taken to
-// be at least 1 (neat-python's choice): 0 for the worst there is. No species is empty.
+// be at least 1 (neat-python's choice): 0 for the worst there is, and for a species without
+// members.
 std::vector<double> adjusted_fitness(std::span<const std::vector<double>> species);
 
 // Children of the species that are not stagnant; the others leave the state.

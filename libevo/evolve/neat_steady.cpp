@@ -42,6 +42,16 @@ Species& home_of(const NeatSettings& settings, const Genome& genome, NeatState& 
   return state.species.emplace_back(std::move(founded));
 }
 
+// Members that are not in the population count as gone, as do species without any.
+void remove_absent(std::span<const Scored> population, NeatState& state) {
+  for (Species& species : state.species)
+    std::erase_if(species.members, [&](int key) {
+      return std::none_of(population.begin(), population.end(),
+                          [&](const Scored& s) { return s.genome.key == key; });
+    });
+  std::erase_if(state.species, [](const Species& species) { return species.members.empty(); });
+}
+
 // The worst member of the species that exceeds its share most goes.
 void remove_one(const NeatSettings& settings, std::vector<Scored>& population, NeatState& state) {
   const std::vector<double> shares = species_shares(settings, population, state);
@@ -62,6 +72,11 @@ void remove_one(const NeatSettings& settings, std::vector<Scored>& population, N
     state.species.erase(state.species.begin() + static_cast<std::ptrdiff_t>(largest));
 }
 
+double best_of(const Species& species) {
+  return species.fitness_history.empty() ? -std::numeric_limits<double>::infinity()
+                                         : species.fitness_history.back();
+}
+
 // Whether each species has gone too long without a better member. The
 // `species_elitism` species with the best members are never stagnant.
 std::vector<bool> stagnant_species(const NeatSettings& settings, const NeatState& state) {
@@ -73,7 +88,7 @@ std::vector<bool> stagnant_species(const NeatSettings& settings, const NeatState
   std::vector<std::size_t> order(state.species.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return state.species[a].fitness_history.back() > state.species[b].fitness_history.back();
+    return best_of(state.species[a]) > best_of(state.species[b]);
   });
   const auto spared = std::min(order.size(), static_cast<std::size_t>(settings.species_elitism));
   for (std::size_t i = 0; i < spared; ++i) stagnant[order[i]] = false;
@@ -102,11 +117,11 @@ std::vector<double> species_shares(const NeatSettings& settings, std::span<const
   std::vector<std::size_t> living;
   std::vector<std::vector<double>> fitness;
   for (std::size_t i = 0; i < state.species.size(); ++i) {
-    if (stagnant[i]) continue;
+    const std::vector<Member> members = members_of(state.species[i], population);
+    if (stagnant[i] || members.empty()) continue;
     living.push_back(i);
     fitness.emplace_back();
-    for (const Member& member : members_of(state.species[i], population))
-      fitness.back().push_back(member.fitness);
+    for (const Member& member : members) fitness.back().push_back(member.fitness);
   }
   const std::vector<double> adjusted = adjusted_fitness(fitness);
   const double sum = std::accumulate(adjusted.begin(), adjusted.end(), 0.0);
@@ -124,6 +139,7 @@ void join(const NeatSettings& settings, const Scored& scored, std::vector<Scored
     if (s.genome.key == scored.genome.key)
       throw error(Failure::data, "genome {} is there twice", scored.genome.key);
   ++state.generation;
+  remove_absent(population, state);
   if (!std::isfinite(scored.fitness)) return;
   Species& species = home_of(settings, scored.genome, state);
   species.members.push_back(scored.genome.key);

@@ -33,7 +33,7 @@ Individual next_individual(const NeatSettings& settings, std::span<const Scored>
                            const Accept& accept, NeatState& state, int key, std::uint64_t seed);
 
 // The share of each species in a population of `pop_size`, in their order: at least
-// `min_species_size` for those that are not stagnant, 0 for those that are.
+// `min_species_size` for those that are not stagnant, 0 for those that are or have no member left.
 std::vector<double> species_shares(const NeatSettings& settings, std::span<const Scored> population,
                                    const NeatState& state);
 

@@ -112,6 +112,24 @@ TEST_CASE("steady NEAT: the species beyond its share gives up its worst member")
   CHECK(run.population.size() == 6);
 }
 
+TEST_CASE("steady NEAT: a species whose members are gone has no share and goes") {
+  Run run{small_settings(), {}, {}};
+  for (int k = 0; k < 3; ++k) run.tell(k, 0.0, k);
+  for (int k = 3; k < 5; ++k) run.tell(k, 20.0, k);
+  Species lost;
+  lost.key = 9;
+  lost.members = {77, 78};
+  lost.representative = run.population.front().genome;
+  run.state.species.push_back(lost);
+  CHECK(species_shares(run.settings, run.population, run.state).back() == 0.0);
+  for (int key = 20; key < 30; ++key)
+    next_individual(run.settings, run.population, accept_all, run.state, key, 1);
+  run.tell(5, 0.0, 1.0);
+  CHECK(run.members() == std::vector<std::vector<int>>{{0, 1, 2, 5}, {3, 4}});
+  CHECK(adjusted_fitness(std::vector<std::vector<double>>{{}, {1.0, 3.0}}) ==
+        std::vector<double>{0.0, 0.5});
+}
+
 TEST_CASE("steady NEAT: what does not improve has no children and dies out") {
   Run run{small_settings(), {}, {}};
   run.settings.max_stagnation = 1;  // 6 scores

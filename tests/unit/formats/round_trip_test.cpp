@@ -184,26 +184,27 @@ Rollout any_rollout(Stream& stream) {
 }
 
 SteadyState any_steady_state(Stream& stream) {
-  NeatSettings settings;
-  settings.pop_size = stream.integer(2, 6);
-  SteadyState state;
+  EvolutionSettings settings;
+  settings.pop = settings.neat.pop_size = stream.integer(2, 6);
+  settings.rows = settings.cols = 4;
+  settings.seed = stream.bits();
+  CppnNeat neat(settings);
   std::set<std::string> seen;
-  std::vector<Scored> population;
   const int members = stream.integer(0, 6);
   for (int k = 0; k < members; ++k) {
-    const CppnRobot made =
-        next_robot(settings, 4, 4, population, seen, state.species, k, stream.bits());
-    Robot robot(made.body);
-    robot.document["genome"] = genome_to_json(made.genome);
-    robot.document["fitness"] = any_number(stream);
-    state.members.push_back(robot);
-    join(settings, {made.genome, stream.gaussian()}, population, state.species);
+    const Proposal made = neat.propose(k, {}, seen);
+    neat.tell({identity(made.body), made.body, any_number(stream), made.genome, {}});
   }
-  state.scores = members + stream.integer(0, 5);
-  state.robots = state.scores + stream.integer(0, 9);
-  if (state.scores > 0 && stream.below(2) == 0) {
-    state.parameters = GpParameters{stream.uniform() + 1e-3, stream.uniform() + 1e-2, 1e-9};
-    state.fitted = stream.integer(1, state.scores);
+  SteadyState state;
+  state.method = neat.save();
+  for (ScoredRobot& member : state.method.members)
+    for (std::uint32_t axes = stream.below(3); axes > 0; --axes)
+      member.features.push_back(any_number(stream));
+  state.method.told = members + stream.integer(0, 5);
+  state.robots = state.method.told + stream.integer(0, 9);
+  if (state.method.told > 0 && stream.below(2) == 0) {
+    state.method.parameters = GpParameters{stream.uniform() + 1e-3, stream.uniform() + 1e-2, 1e-9};
+    state.method.fitted = stream.integer(1, state.method.told);
   }
   return state;
 }
@@ -339,12 +340,12 @@ TEST_CASE("random steady states come back to the last bit") {
     const SteadyState back = parse_steady_state(text, "steady.json");
     REQUIRE(steady_state_to_text(back) == text);
     REQUIRE(back.robots == state.robots);
-    REQUIRE(back.scores == state.scores);
-    REQUIRE(back.species == state.species);
-    REQUIRE(back.parameters.has_value() == state.parameters.has_value());
-    REQUIRE(back.members.size() == state.members.size());
-    for (std::size_t m = 0; m < state.members.size(); ++m)
-      REQUIRE(robot_to_line(back.members[m]) == robot_to_line(state.members[m]));
+    REQUIRE(back.method.told == state.method.told);
+    REQUIRE(back.method.species == state.method.species);
+    REQUIRE(back.method.parameters.has_value() == state.method.parameters.has_value());
+    REQUIRE(back.method.members.size() == state.method.members.size());
+    for (std::size_t m = 0; m < state.method.members.size(); ++m)
+      REQUIRE(back.method.members[m].features == state.method.members[m].features);
   }
 }
 

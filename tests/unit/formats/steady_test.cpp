@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "formats/robot/genome.h"
 #include "libevo/evolve/cppn_neat.h"
 
 using namespace evo;
@@ -10,23 +9,22 @@ using namespace evo;
 namespace {
 
 SteadyState some_state() {
+  EvolutionSettings settings;
+  settings.pop = settings.neat.pop_size = 5;
+  settings.rows = settings.cols = 4;
+  settings.seed = 7;
+  CppnNeat neat(settings);
+  std::set<std::string> seen;
+  for (int k = 0; k < 4; ++k) {
+    const Proposal made = neat.propose(k, {}, seen);
+    neat.tell({identity(made.body), made.body, 0.1 * k, made.genome, {}});
+  }
   SteadyState state;
   state.robots = 9;
-  state.scores = 4;
-  state.fitted = 3;
-  state.parameters = GpParameters{0.1, 2.5, 1e-7};
-  NeatSettings settings;
-  settings.pop_size = 5;
-  std::set<std::string> seen;
-  std::vector<Scored> population;
-  for (int k = 0; k < 4; ++k) {
-    const CppnRobot made = next_robot(settings, 4, 4, population, seen, state.species, k, 7);
-    Robot robot(made.body);
-    robot.document["genome"] = genome_to_json(made.genome);
-    robot.document["fitness"] = 0.1 * k;
-    state.members.push_back(robot);
-    join(settings, {made.genome, 0.1 * k}, population, state.species);
-  }
+  state.method = neat.save();
+  state.method.fitted = 3;
+  state.method.parameters = GpParameters{0.1, 2.5, 1e-7};
+  state.method.members.back().features = {0.25, -1.0 / 3.0};
   return state;
 }
 
@@ -37,15 +35,17 @@ TEST_CASE("a steady state comes back to the last bit") {
   const std::string text = steady_state_to_text(state);
   const SteadyState back = parse_steady_state(text, "steady.json");
   CHECK(back.robots == 9);
-  CHECK(back.scores == 4);
-  CHECK(back.fitted == 3);
-  CHECK(back.parameters->noise == 1e-7);
-  CHECK(back.species == state.species);
-  REQUIRE(back.members.size() == 4);
+  CHECK(back.method.told == 4);
+  CHECK(back.method.fitted == 3);
+  CHECK(back.method.parameters->noise == 1e-7);
+  CHECK(back.method.species == state.method.species);
+  const auto& members = state.method.members;
+  REQUIRE(back.method.members.size() == 4);
   for (std::size_t i = 0; i < 4; ++i) {
-    CHECK(back.members[i].id == state.members[i].id);
-    CHECK(*back.members[i].fitness() == *state.members[i].fitness());
-    CHECK(genome_of(back.members[i], "") == genome_of(state.members[i], ""));
+    CHECK(back.method.members[i].id == members[i].id);
+    CHECK(back.method.members[i].fitness == members[i].fitness);
+    CHECK(back.method.members[i].genome == members[i].genome);
+    CHECK(back.method.members[i].features == members[i].features);
   }
   CHECK(steady_state_to_text(back) == text);
 }

@@ -55,12 +55,6 @@ DataFolders data_folders(const fs::path& root) {
   return folders;
 }
 
-bool is_file_name(const std::string& name_or_file) {
-  const fs::path path(name_or_file);
-  return name_or_file.find('/') != std::string::npos || path.extension() == ".yaml" ||
-         path.extension() == ".yml";
-}
-
 std::optional<fs::path> find_data_file(const DataFolders& folders, const std::string& subfolder,
                                        const std::string& name) {
   for (const fs::path& folder : folders) {

@@ -20,7 +20,11 @@ std::filesystem::path data_root(const std::vector<std::filesystem::path>& candid
 DataFolders data_folders(const std::filesystem::path& root);
 
 // "my/walk.yaml", "./walk", "walk.yml": a file rather than a name.
-bool is_file_name(const std::string& name_or_file);
+inline bool is_file_name(const std::string& name_or_file) {
+  const std::filesystem::path path(name_or_file);
+  return name_or_file.find('/') != std::string::npos || path.extension() == ".yaml" ||
+         path.extension() == ".yml";
+}
 
 // SUBFOLDER/NAME.yaml in the first folder that has it.
 std::optional<std::filesystem::path> find_data_file(const DataFolders& folders,

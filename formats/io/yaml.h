@@ -65,6 +65,7 @@ class YamlNode {
  private:
   friend class YamlBuilder;
   struct Data;
+  static void check_keys(const std::vector<Entry>& entries);
   std::shared_ptr<const Data> data_;
 };
 

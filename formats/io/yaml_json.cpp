@@ -26,7 +26,8 @@ Json plain_value(const YamlNode& node) {
   if (auto value = whole(std::int64_t{0})) return *value;
   const auto value = whole(0.0);
   if (value && text.find_first_not_of("+-0123456789") == text.npos &&
-      std::string_view(begin, end) != fmt::format("{:.0f}", value->get<double>()))
+      std::string_view(begin, static_cast<std::size_t>(end - begin)) !=
+          fmt::format("{:.0f}", value->get<double>()))
     throw node.error(fmt::format("the whole number {} has more than 64 bits; write it as text",
                                  shown(Json(text))));
   if (value && std::isfinite(value->get<double>())) return *value;

@@ -229,7 +229,8 @@ void Batch::Impl::deal(std::vector<std::size_t> waiting, bool singly) {
     const auto others = std::stable_partition(
         waiting.begin(), waiting.end(), [&](std::size_t i) { return lanes[i].kind.get() == kind; });
     const std::size_t most = singly ? 1 : most_lanes(kind->physics().arithmetic);
-    std::span<const std::size_t> alike(waiting.begin(), others);
+    std::span<const std::size_t> alike(waiting.data(),
+                                       static_cast<std::size_t>(others - waiting.begin()));
     while (!alike.empty()) {
       std::size_t count = std::min(most, alike.size());
       if (count < fewest_side_by_side) count = 1;

@@ -160,8 +160,9 @@ struct VecEnv::Impl {
     e.world = std::move(world);
     e.status = LaneStatus::done;
     batch.place(index, {e.world, &e.world->model});
-    std::ranges::copy(e.world->model.initial_positions(), e.positions.begin());
-    std::ranges::fill(e.velocities, Vec2{});
+    const std::vector<Vec2>& initial = e.world->model.initial_positions();
+    std::copy(initial.begin(), initial.end(), e.positions.begin());
+    std::fill(e.velocities.begin(), e.velocities.end(), Vec2{});
     e.quantities.resize(arena.quantities);
     e.previous_quantities.resize(arena.quantities);
     e.initial_shapes = make_initial_shapes(arena, e.positions);

@@ -8,6 +8,7 @@
 #include "formats/io/hdf5.h"
 #include "formats/io/json.h"
 #include "formats/task/task.h"
+#include "formats/training/controller_json.h"
 #include "formats/training/policy_json.h"
 #include "formats/training/training.h"
 #include "libevo/control/evaluate.h"
@@ -132,6 +133,37 @@ TEST_CASE("policies come back as they were written, and twice the same bytes") {
   const auto again = scratch.folder / "b.policy.h5";
   write_policy(again, file);
   CHECK(read_file(path) == read_file(again));
+}
+
+TEST_CASE("a controller comes back from a policy's JSON with the same bits", "[formats][policy]") {
+  const std::vector<TrainedController> all{policy_on_gait(), network_policy(), shifted_wave(),
+                                           ReplayController{{0.6, 1.1, 1.6, 1.0}, 2}};
+  for (const TrainedController& controller : all)
+    CHECK(controller_from_json(parse_json(policy_to_json(example(controller)), "policy"),
+                               "policy") == controller);
+}
+
+TEST_CASE("a JSON controller that does not fit together is refused with its place",
+          "[formats][policy]") {
+  const auto problem = [](const std::function<void(Json&)>& change) -> std::string {
+    Json document = parse_json(policy_to_json(example(network_policy())), "policy");
+    change(document);
+    try {
+      controller_from_json(document, "policy");
+    } catch (const Error& failure) {
+      return failure.what();
+    }
+    return "";
+  };
+  CHECK(problem([](Json& d) { d["kind"] = "dream"; }) ==
+        "policy: /kind: network, sine or sequence is expected, found \"dream\"");
+  CHECK(problem([](Json& d) { d["actor"][0]["bias"].push_back(1.0); }).find("/actor/0/bias") !=
+        std::string::npos);
+  CHECK(problem([](Json& d) { d["actor"][0]["weight"][0].erase(0); }).find("/actor/0/weight/1") !=
+        std::string::npos);
+  CHECK(problem([](Json& d) { d["normalizer"]["mean"].push_back(1.0); }).find("/normalizer") !=
+        std::string::npos);
+  CHECK(problem([](Json& d) { d.erase("action"); }) == "policy: 'action' is missing");
 }
 
 TEST_CASE("as JSON a policy keeps its clock, its gait and the shifts of its waves") {

@@ -1,0 +1,167 @@
+#include "formats/training/controller_json.h"
+
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/io/format.h"
+
+namespace evo {
+namespace {
+
+const Json& member(const Json& value, const char* name, const std::string& path) {
+  if (!value.is_object()) throw refusal(path, "an object is expected, found {}", shown(value));
+  const auto found = value.find(name);
+  if (found == value.end()) throw refusal(path, "'{}' is missing", name);
+  return *found;
+}
+
+double number(const Json& value, const std::string& path) {
+  if (!value.is_number()) throw refusal(path, "a number is expected, found {}", shown(value));
+  return value.get<double>();
+}
+
+double number(const Json& object, const char* name, const std::string& path) {
+  return number(member(object, name, path), path + "/" + name);
+}
+
+std::vector<double> numbers(const Json& value, const std::string& path) {
+  if (!value.is_array())
+    throw refusal(path, "a list of numbers is expected, found {}", shown(value));
+  std::vector<double> list;
+  for (std::size_t i = 0; i < value.size(); ++i)
+    list.push_back(number(value[i], fmt::format("{}/{}", path, i)));
+  return list;
+}
+
+std::vector<double> numbers(const Json& object, const char* name, const std::string& path) {
+  return numbers(member(object, name, path), path + "/" + name);
+}
+
+// A row after the other, equally long; `columns` is told.
+std::vector<double> rows(const Json& value, const std::string& path, std::size_t& columns) {
+  if (!value.is_array() || value.empty())
+    throw refusal(path, "a list of rows is expected, found {}", shown(value));
+  std::vector<double> all;
+  for (std::size_t r = 0; r < value.size(); ++r) {
+    const std::string at = fmt::format("{}/{}", path, r);
+    const std::vector<double> row = numbers(value[r], at);
+    if (r == 0) columns = row.size();
+    if (row.empty() || row.size() != columns)
+      throw refusal(at, "the row has {} numbers, the first has {}", row.size(), columns);
+    all.insert(all.end(), row.begin(), row.end());
+  }
+  return all;
+}
+
+Layer layer(const Json& value, const std::string& path, Eigen::Index inputs) {
+  std::size_t columns = 0;
+  const std::vector<double> weight = rows(member(value, "weight", path), path + "/weight", columns);
+  const std::vector<double> bias = numbers(value, "bias", path);
+  const auto outputs = static_cast<Eigen::Index>(weight.size() / columns);
+  const auto width = static_cast<Eigen::Index>(columns);
+  if (inputs != 0 && width != inputs)
+    throw refusal(path + "/weight", "rows of {} numbers after a layer of {} outputs", width,
+                  inputs);
+  if (static_cast<Eigen::Index>(bias.size()) != outputs)
+    throw refusal(path + "/bias", "{} numbers for {} rows of weights", bias.size(), outputs);
+  Layer made{Matrix(outputs, width), Vector(outputs)};
+  for (std::size_t i = 0; i < weight.size(); ++i)
+    made.weight.data()[i] = static_cast<float>(weight[i]);
+  for (std::size_t i = 0; i < bias.size(); ++i)
+    made.bias[static_cast<Eigen::Index>(i)] = static_cast<float>(bias[i]);
+  return made;
+}
+
+Network network(const Json& value, const std::string& path) {
+  if (!value.is_array() || value.empty())
+    throw refusal(path, "a list of layers is expected, found {}", shown(value));
+  Network made;
+  for (std::size_t l = 0; l < value.size(); ++l)
+    made.layers.push_back(layer(value[l], fmt::format("{}/{}", path, l),
+                                l == 0 ? 0 : made.layers.back().weight.rows()));
+  return made;
+}
+
+SineController sine(const Json& value, const std::string& path) {
+  SineController made;
+  made.amplitude = numbers(value, "amplitude", path);
+  made.phase = numbers(value, "phase", path);
+  made.period = number(value, "period", path);
+  if (value.contains("middle")) made.middle = number(value, "middle", path);
+  if (value.contains("shift")) made.shift = numbers(value, "shift", path);
+  if (!(made.period > 0.0)) throw refusal(path + "/period", "a number greater than 0 is expected");
+  return made;
+}
+
+Eigen::VectorXd vector(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+Policy policy(const Json& document) {
+  Policy made;
+  made.actor = network(member(document, "actor", ""), "/actor");
+  const Json& normalizer = member(document, "normalizer", "");
+  made.normalizer.mean = vector(numbers(normalizer, "mean", "/normalizer"));
+  made.normalizer.variance = vector(numbers(normalizer, "var", "/normalizer"));
+  made.normalizer.count = number(normalizer, "count", "/normalizer");
+  made.normalizer.clip = number(normalizer, "clip", "/normalizer");
+  made.normalizer.epsilon = number(normalizer, "epsilon", "/normalizer");
+  const Json& action = member(document, "action", "");
+  const Json& map = member(action, "map", "/action");
+  if (map != "offset" && map != "squash")
+    throw refusal("/action/map", "offset or squash is expected, found {}", shown(map));
+  made.action_map = map == "offset" ? ActionMap::offset : ActionMap::squash;
+  made.action_offset = number(action, "offset", "/action");
+  const std::vector<double> bounds = numbers(action, "bounds", "/action");
+  if (bounds.size() != 2) throw refusal("/action/bounds", "[low, high] is expected");
+  made.low = bounds[0];
+  made.high = bounds[1];
+  if (document.contains("clock")) made.clock = numbers(document, "clock", "");
+  if (document.contains("gait")) made.gait = sine(document["gait"], "/gait");
+  if (document.contains("critic")) made.critic = network(document["critic"], "/critic");
+  const Eigen::Index outputs = made.actor.layers.back().weight.rows();
+  made.log_std = document.contains("log_std")
+                     ? Vector(vector(numbers(document, "log_std", "")).cast<float>())
+                     : Vector(Vector::Zero(outputs));
+  if (made.log_std.size() != outputs)
+    throw refusal("/log_std", "{} numbers for {} outputs", made.log_std.size(), outputs);
+  const Eigen::Index inputs = made.actor.layers.front().weight.cols();
+  const auto clock = static_cast<Eigen::Index>(2 * made.clock.size());
+  if (made.normalizer.mean.size() + clock != inputs ||
+      made.normalizer.variance.size() != made.normalizer.mean.size())
+    throw refusal("/normalizer",
+                  "of {} and {} values, where the network takes {} from observations",
+                  made.normalizer.mean.size(), made.normalizer.variance.size(), inputs - clock);
+  return made;
+}
+
+ReplayController sequence(const Json& document) {
+  ReplayController made;
+  std::size_t columns = 0;
+  made.actions = rows(member(document, "actions", ""), "/actions", columns);
+  made.actuators = static_cast<int>(columns);
+  return made;
+}
+
+TrainedController read(const Json& document) {
+  const Json& kind = member(document, "kind", "");
+  if (document.contains("format")) check_format(document, format::policy);
+  if (kind == "network") return policy(document);
+  if (kind == "sine") return sine(member(document, "sine", ""), "/sine");
+  if (kind == "sequence") return sequence(document);
+  throw refusal("/kind", "network, sine or sequence is expected, found {}", shown(kind));
+}
+
+}  // namespace
+
+TrainedController controller_from_json(const Json& document, const std::string& where) {
+  try {
+    return read(document);
+  } catch (const Refusal& refused) {
+    throw refused.at(where);
+  }
+}
+
+}  // namespace evo

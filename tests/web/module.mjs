@@ -1,0 +1,70 @@
+// module.mjs ROOT BUILD CASES: the WebAssembly build against the tools, bit for bit (CASES is
+// what tests/web/cases wrote). Says what differs; status 1 then.
+import { readFileSync } from 'node:fs';
+import { dataFiles, loadScripts, read } from './native.mjs';
+
+const [root, build, cases] = process.argv.slice(2);
+loadScripts(root);
+const lines = (path) => readFileSync(path, 'utf8').trim().split('\n');
+const bytes = (name) => readFileSync(`${build}/web/${name}.wasm`);
+const files = dataFiles(root);
+const slow = Boolean(process.env.EVO_SLOW);
+
+let failed = 0;
+const check = (what, found, expected) => {
+  if (found === expected) return;
+  console.log(`NOT OK: ${what}: ${found}, expected ${expected}`);
+  ++failed;
+};
+
+const asked = WebAssembly.Module.imports(new WebAssembly.Module(bytes('player'))).map(({ module, name }) => `${module} ${name}`);
+const allowed = ['env __syscall_stat64', 'env emscripten_notify_memory_growth', 'env evo_page_read_yaml',
+  'wasi_snapshot_preview1 environ_get', 'wasi_snapshot_preview1 environ_sizes_get', 'wasi_snapshot_preview1 proc_exit'];
+check('what the module asks of a page', asked.sort().join(', '), allowed.join(', '));
+
+const pinned = await Evo.start(bytes('pinned'), files);
+const table = lines(`${root}/tests/data/pinned/trajectories.tsv`).slice(1).map((line) => line.split('\t'));
+for (const [task, quick, whole] of table) {
+  const found = pinned.ask('evo_pinned', task, slow ? 500 : 100);
+  check(`${task}: hash of positions, velocities, observations and rewards`, found[0], quick);
+  if (slow) check(`${task}: hash after 500 steps`, found[1], whole);
+}
+console.log(`${table.length} tasks: the pinned hashes`);
+
+const evo = await Evo.load(bytes('player'), files);
+let steps = 0, spent = 0;
+const played = {};
+for (const line of lines(`${cases}/cases.jsonl`)) {
+  const { name, task, robot, controller, seed, draws, return: expected } = JSON.parse(line);
+  try {
+    if (name.startsWith('random')) check(`${name}: its id`, evo.robot(JSON.stringify(robot)).id, name.split(' ')[1]);
+    const player = evo.open(task, robot);
+    player.control(controller);
+    player.reset({ seed, draws });
+    const began = performance.now();
+    player.step(1e6);
+    spent += performance.now() - began;
+    const { total, steps: taken, rules, terms, ended, folding } = player.counts();
+    steps += taken;
+    check(name, total, expected);
+    const parts = terms.reduce((sum, term) => sum + term, rules + folding);
+    check(`${name}: its parts add up`, Math.abs(parts - total) < 1e-9, true);
+    check(`${name}: it ends`, ended > 0, true);
+    player.close();
+  } catch (failure) {
+    check(name, failure.message, expected);
+  }
+  const kind = name.split(' ')[0];
+  played[kind] = (played[kind] ?? 0) + 1;
+}
+console.log(Object.entries(played).map(([kind, count]) => `${kind}: ${count}`).join(', '));
+console.log(`${steps} control steps in ${Math.round(spent)} ms: ${Math.round(1000 * steps / spent)} a second`);
+check('records were played', played.record >= 40 && played.reference === 64 && played.random >= 100, true);
+
+for (const line of lines(`${cases}/refused.jsonl`)) {
+  const { what, text, error } = JSON.parse(line);
+  let said = 'nothing';
+  try { evo[what](text); } catch (failure) { said = failure.message; }
+  check(`a refused ${what}`, said, error);
+}
+process.exit(failed ? 1 : 0);

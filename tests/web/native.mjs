@@ -1,0 +1,16 @@
+// What Node and a browser need to run the modules, and the cases that both have to play as the
+// tools do.
+import { readFileSync, readdirSync } from 'node:fs';
+import vm from 'node:vm';
+
+export const read = (root, path) => readFileSync(`${root}/${path}`, 'utf8');
+export const scripts = ['/usr/share/nodejs/js-yaml/dist/js-yaml.min.js'];
+
+// The files that tasks are found in, as the site embeds them.
+export const dataFiles = (root) => Object.fromEntries(['tasks', 'tasks/physics'].flatMap((folder) =>
+  readdirSync(`${root}/${folder}`).filter((name) => name.endsWith('.yaml')).map((name) => [`${folder}/${name}`, read(root, `${folder}/${name}`)])));
+
+export const loadScripts = (root) => {
+  for (const path of [...scripts, `${root}/web/site/yaml.js`, `${root}/web/site/module.js`])
+    vm.runInThisContext(readFileSync(path, 'utf8'), { filename: path });
+};

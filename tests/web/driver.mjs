@@ -1,0 +1,109 @@
+// A page in a real browser as a user meets it, over the DevTools protocol.
+import { spawn } from 'node:child_process';
+import { writeFileSync } from 'node:fs';
+
+export const launch = async (program, profile, { offline = false } = {}) => {
+  const browser = spawn(program, ['--headless=new', '--no-sandbox', '--disable-gpu', '--remote-debugging-pipe', `--user-data-dir=${profile}`],
+    { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
+  const answers = new Map();
+  const complaints = [], requests = [];
+  let session, count = 0, received = '';
+  // JSON messages that end with a zero byte.
+  const call = (method, params = {}) => new Promise((resolve, reject) => {
+    answers.set(++count, { resolve, reject });
+    browser.stdio[3].write(JSON.stringify({ id: count, method, params, sessionId: session }) + '\0');
+  });
+  const hear = (message) => {
+    if (message.id) {
+      const { resolve, reject } = answers.get(message.id);
+      answers.delete(message.id);
+      if (message.error) reject(new Error(message.error.message));
+      else resolve(message.result);
+    } else if (message.method === 'Runtime.exceptionThrown') {
+      complaints.push(message.params.exceptionDetails.exception?.description ?? message.params.exceptionDetails.text);
+    } else if (message.method === 'Runtime.consoleAPICalled') {
+      complaints.push(message.params.args.map((arg) => arg.value).join(' '));
+    } else if (message.method === 'Log.entryAdded') {
+      complaints.push(message.params.entry.text);
+    } else if (message.method === 'Network.requestWillBeSent') {
+      requests.push(message.params.request.url);
+    }
+  };
+  const parts = [];
+  browser.stdio[4].on('data', (data) => {
+    let rest = data;
+    for (let at; (at = rest.indexOf(0)) >= 0; rest = rest.subarray(at + 1)) {
+      parts.push(rest.subarray(0, at));
+      received = Buffer.concat(parts.splice(0)).toString();
+      hear(JSON.parse(received));
+    }
+    if (rest.length) parts.push(rest);
+  });
+
+  const { targetId } = await call('Target.createTarget', { url: 'about:blank' });
+  ({ sessionId: session } = await call('Target.attachToTarget', { targetId, flatten: true }));
+  for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await call(`${domain}.enable`);
+  if (offline) await call('Network.emulateNetworkConditions', { offline: true, latency: 0, downloadThroughput: -1, uploadThroughput: -1 });
+
+  const evaluate = async (expression) => {
+    const { result, exceptionDetails } = await call('Runtime.evaluate', { expression, returnByValue: true, awaitPromise: true });
+    if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? expression);
+    return result.value;
+  };
+  // The value of an expression once it is true, within so many seconds.
+  const until = async (expression, seconds = 10) => {
+    for (const end = Date.now() + 1000 * seconds; Date.now() < end;) {
+      const value = await evaluate(expression);
+      if (value) return value;
+      await new Promise((done) => setTimeout(done, 60));
+    }
+    return evaluate(expression);
+  };
+  const emulate = async ({ width = 1280, height = 900, scheme = 'light', calm = false, media = '' } = {}) => {
+    await call('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: 1, mobile: width < 600 });
+    await call('Emulation.setTouchEmulationEnabled', { enabled: width < 600 });
+    await call('Emulation.setEmulatedMedia', { media, features: [{ name: 'prefers-color-scheme', value: scheme },
+      { name: 'prefers-reduced-motion', value: calm ? 'reduce' : 'no-preference' }] });
+  };
+  const open = async (url) => {
+    await call('Page.navigate', { url: 'about:blank' });
+    await call('Page.navigate', { url });
+    await until(`document.readyState === 'complete'`);
+  };
+  const picture = async (path, whole = true) => {
+    const { cssContentSize: { width, height } } = await call('Page.getLayoutMetrics');
+    const clip = whole ? { clip: { x: 0, y: 0, width, height: Math.min(height, 7000), scale: 1 }, captureBeyondViewport: true } : {};
+    writeFileSync(path, Buffer.from((await call('Page.captureScreenshot', clip)).data, 'base64'));
+  };
+  const place = (selector) => evaluate(`(() => {
+    const found = document.querySelector(${JSON.stringify(selector)});
+    found.scrollIntoView({ block: 'center', behavior: 'instant' });
+    const { left, top, width, height } = found.getBoundingClientRect();
+    return { x: left + width / 2, y: top + height / 2 };
+  })()`);
+  const click = async (selector) => {
+    const { x, y } = await place(selector);
+    for (const type of ['mousePressed', 'mouseReleased']) await call('Input.dispatchMouseEvent', { type, x, y, button: 'left', buttons: 1, clickCount: 1 });
+  };
+  const press = async (key, text) => {
+    const code = { Enter: 13, Tab: 9, ArrowLeft: 37, ArrowUp: 38, ArrowRight: 39, ArrowDown: 40, Delete: 46, Home: 36 }[key] ?? key.toUpperCase().charCodeAt(0);
+    await call('Input.dispatchKeyEvent', { type: 'keyDown', key, windowsVirtualKeyCode: code, ...(text ? { text } : {}) });
+    await call('Input.dispatchKeyEvent', { type: 'keyUp', key, windowsVirtualKeyCode: code });
+  };
+  // A finger along the middles of elements.
+  const swipe = async (selectors) => {
+    const { x, y } = await place(selectors[0]);
+    await call('Input.dispatchTouchEvent', { type: 'touchStart', touchPoints: [{ x, y }] });
+    for (const selector of selectors.slice(1)) {
+      const at = await evaluate(`(({ left, top, width, height }) => ({ x: left + width / 2, y: top + height / 2 }))(document.querySelector(${JSON.stringify(selector)}).getBoundingClientRect())`);
+      await call('Input.dispatchTouchEvent', { type: 'touchMove', touchPoints: [at] });
+    }
+    await call('Input.dispatchTouchEvent', { type: 'touchEnd', touchPoints: [] });
+  };
+  const close = async () => {
+    session = undefined;
+    await Promise.race([call('Browser.close').catch(() => {}), new Promise((done) => setTimeout(done, 3000))]);
+    browser.kill();
+  };
+  return { call, evaluate, until, emulate, open, picture, place, click, press, swipe, close, complaints, requests };
+};

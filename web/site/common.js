@@ -1,0 +1,48 @@
+// What the pages share.
+'use strict';
+Evo.element = (name, attributes = {}, ...children) => {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+};
+Evo.id = (name) => document.getElementById(name);
+Evo.number = (value) => {
+  if (!Number.isFinite(value)) return '–';
+  const rounded = Math.round(value * 1000) / 1000;
+  return (Object.is(rounded, -0) ? 0 : rounded).toString().replace('-', '−');
+};
+Evo.calm = matchMedia('(prefers-reduced-motion: reduce)');
+// The module unpacked, for this page and for Workers.
+Evo.moduleBytes = () => Evo.unpacked ??= (async () => {
+  const packed = Uint8Array.from(atob(Evo.packedModule), (c) => c.charCodeAt(0));
+  return new Uint8Array(await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'))).arrayBuffer());
+})();
+// A script of this site; records come this way, as pages from disk may not read files.
+Evo.loaded = {};
+Evo.loadScript = (path) => Evo.loaded[path] ??= new Promise((done, failed) => {
+  const script = Evo.element('script', { src: path });
+  script.onload = done;
+  script.onerror = () => failed(new Error(`${path}: cannot be loaded; the folder of this site is not complete`));
+  document.head.append(script);
+});
+// Calls once with an element when it comes near the view, and with `away` when it leaves.
+Evo.whenSeen = (node, seen, away) => new IntersectionObserver((entries) => {
+  for (const entry of entries) if (entry.isIntersecting) seen(); else away?.();
+}, { rootMargin: '120px' }).observe(node);
+Evo.copy = async (button, text) => {
+  const label = button.textContent;
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    const area = Evo.element('textarea', { class: 'hidden', 'aria-hidden': 'true' });
+    area.value = text;
+    document.body.append(area);
+    area.select();
+    document.execCommand('copy');  // the clipboard of a page from disk
+    area.remove();
+  }
+  button.textContent = 'Copied';
+  setTimeout(() => { button.textContent = label; }, 1400);
+};
+Evo.fullBody = ['RHHHR', 'VSSSV', 'VHRHV', 'V...V', 'V...V'];

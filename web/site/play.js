@@ -1,0 +1,464 @@
+// Play: a body drawn, a rhythm set, a task chosen, and what comes of it.
+'use strict';
+Evo.playPage = (evo) => {
+  const { element, id, number } = Evo;
+  const materials = [['R', 'Rigid'], ['S', 'Soft'], ['H', 'Muscle, sideways'], ['V', 'Muscle, upright'], ['.', 'Nothing']];
+  const className = (letter) => 'block-' + (letter === '.' ? 'none' : letter);
+  const nameOf = Object.fromEntries(materials.map(([letter, name]) => [letter, name.toLowerCase()]));
+  const begin = { task: 'Walker-v0', body: Evo.firstRobot.body, gait: Evo.firstRobot.gait };
+  const state = { ...begin, other: null, start: {}, material: 'H' };
+  const message = id('message');
+  let worker = null;
+
+  // ---- the theatre -----------------------------------------------------------------------
+
+  const told = (theatre) => {
+    const { total, steps, ended, terms, rules, folding } = theatre.player.counts();
+    id('return').textContent = number(total);
+    id('moment').textContent = `step ${steps} of ${theatre.player.steps}` + (ended ? ` · over: ${Evo.endings[ended]}` : '');
+    id('play').textContent = theatre.playing ? 'Pause' : 'Play';
+    [...terms, rules, folding].forEach((value, k) => { if (cells[k]) cells[k].textContent = number(value); });
+  };
+  const theatre = new Evo.Player(id('stage'), told);
+  let cells = [];
+  const showTerms = (facts) => {
+    cells = [];
+    const row = (what, more) => {
+      const value = element('td', { class: 'number' }, '0');
+      cells.push(value);
+      return element('tr', {}, element('td', {}, what, ...(more ? [element('br'), element('small', {}, more)] : [])), value);
+    };
+    const weighted = ({ formula, weight }) => weight === 1 ? formula : `${weight} × ${formula}`.replace('-', '−');
+    id('terms').replaceChildren(
+      ...facts.reward.map((term) => row(term.words, weighted(term) + (term.when ? `, when ${term.when}` : ''))),
+      row(facts.rules.length ? 'rules' : 'rules (this task has none)', facts.rules.map((rule) =>
+        `${rule.when}: ${rule.reward >= 0 ? '+' : '−'}${Math.abs(rule.reward)}${rule.ends ? ' and the end' : ''}`).join('; ')),
+      row('folding onto itself', `${facts.folding}`.replace('-', '−') + ' and the end'));
+  };
+
+  const controller = () => state.other ?? { kind: 'wave', amplitude: state.gait[0], period: state.gait[1], phase: state.gait[2] };
+  const say = (text) => { message.textContent = text; };
+  // Everything anew from the state. What cannot be built is said, and the old robot stays.
+  const build = ({ keepMessage = false } = {}) => {
+    let player;
+    try {
+      const facts = evo.task(state.task);
+      player = evo.open(state.task, { body: state.body });
+      player.control(controller());
+      const was = theatre.playing;
+      theatre.show(player, state.start);
+      state.facts = facts;
+      id('stage').setAttribute('aria-label', `The robot at ${facts.name}`);
+      id('task-about').textContent = facts.description;
+      showTerms(facts);
+      theatre.draw();
+      if (was) theatre.play();
+      if (!keepMessage) say('');
+    } catch (failure) {
+      if (failure.name !== 'Refusal') throw failure;
+      if (player && theatre.player !== player) player.close();
+      say(failure.message.replace(/^robot: (\/body: )?/, 'This body cannot be used: '));
+      return false;
+    }
+    remember();
+    return true;
+  };
+  const rhythm = () => {  // a change of the rhythm alone: from the start, without a new world
+    theatre.player?.control(controller());
+    theatre.restart();
+    remember();
+  };
+
+  id('play').addEventListener('click', () => theatre.playing ? theatre.pause() : theatre.play());
+  id('stage').addEventListener('click', () => theatre.playing ? theatre.pause() : theatre.play());
+  id('restart').addEventListener('click', () => theatre.restart());
+  id('step').addEventListener('click', () => theatre.step());
+  id('speed').addEventListener('change', () => { theatre.speed = Number(id('speed').value); });
+  id('zoom').addEventListener('change', () => { theatre.zoom = Number(id('zoom').value); theatre.view.reset(); theatre.draw(); });
+  addEventListener('unhandledrejection', ({ reason }) => { if (reason?.name === 'Refusal') say(reason.message); });
+  addEventListener('error', ({ error }) => { if (error?.name === 'Refusal') say(error.message); });
+
+  // ---- the body ---------------------------------------------------------------------------
+
+  const picks = materials.map(([letter, name], k) => {
+    const pick = element('button', { type: 'button', role: 'radio', class: className(letter), 'aria-checked': 'false', tabindex: '-1' }, name);
+    pick.addEventListener('click', () => choose(letter));
+    pick.addEventListener('keydown', (event) => {
+      const move = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+      if (!move) return;
+      event.preventDefault();
+      const next = (k + move + materials.length) % materials.length;
+      choose(materials[next][0]);
+      picks[next].focus();
+    });
+    return pick;
+  });
+  id('materials').append(...picks);
+  const choose = (letter) => {
+    state.material = letter;
+    picks.forEach((pick, k) => {
+      pick.setAttribute('aria-checked', String(materials[k][0] === letter));
+      pick.tabIndex = materials[k][0] === letter ? 0 : -1;
+    });
+  };
+  choose('H');
+
+  const grid = id('grid');
+  let focused = [0, 0];
+  const cell = (r, c) => grid.children[r]?.children[c];
+  const label = (r, c) => `row ${r + 1}, column ${c + 1}: ${nameOf[state.body[r][c]]}`;
+  const drawGrid = () => {
+    grid.replaceChildren(...state.body.map((row, r) => element('div', { role: 'row' }, ...[...row].map((letter, c) =>
+      element('button', { type: 'button', role: 'gridcell', class: className(letter), tabindex: '-1', 'data-r': r, 'data-c': c, 'aria-label': label(r, c) })))));
+    focused = [Math.min(focused[0], state.body.length - 1), Math.min(focused[1], state.body[0].length - 1)];
+    cell(...focused).tabIndex = 0;
+    id('rows').value = state.body.length;
+    id('columns').value = state.body[0].length;
+  };
+  const put = (r, c, letter) => {
+    if (state.body[r]?.[c] === undefined || state.body[r][c] === letter) return false;
+    state.body = state.body.map((row, k) => k === r ? row.slice(0, c) + letter + row.slice(c + 1) : row);
+    cell(r, c).className = className(letter);
+    cell(r, c).setAttribute('aria-label', label(r, c));
+    return true;
+  };
+  const changed = () => {
+    dropOther();
+    stopEvolving();
+    build();
+  };
+  let drawing = false;
+  const under = (event) => document.elementFromPoint(event.clientX, event.clientY)?.closest?.('#grid button');
+  const drawAt = (event) => {
+    const hit = under(event);
+    if (hit && put(Number(hit.dataset.r), Number(hit.dataset.c), state.material)) drawing = 'changed';
+  };
+  grid.addEventListener('pointerdown', (event) => {
+    if (!under(event)) return;
+    grid.setPointerCapture(event.pointerId);
+    drawing = drawing || 'begun';
+    drawAt(event);
+  });
+  grid.addEventListener('pointermove', (event) => { if (drawing) drawAt(event); });
+  const endDrawing = () => { if (drawing === 'changed') changed(); drawing = false; };
+  grid.addEventListener('pointerup', endDrawing);
+  grid.addEventListener('pointercancel', endDrawing);
+  grid.addEventListener('keydown', (event) => {
+    const [r, c] = focused;
+    const move = { ArrowRight: [0, 1], ArrowLeft: [0, -1], ArrowDown: [1, 0], ArrowUp: [-1, 0], Home: [0, -99], End: [0, 99] }[event.key];
+    if (move) {
+      const to = [Math.min(state.body.length - 1, Math.max(0, r + move[0])), Math.min(state.body[0].length - 1, Math.max(0, c + move[1]))];
+      cell(r, c).tabIndex = -1;
+      focused = to;
+      cell(...to).tabIndex = 0;
+      cell(...to).focus();
+    } else {
+      const key = event.key.toUpperCase();
+      const letter = event.ctrlKey || event.metaKey || event.altKey ? null
+        : 'RSHV.'.includes(key) && key.length === 1 ? key : ['Delete', 'Backspace', '0'].includes(event.key) ? '.' : [' ', 'Enter'].includes(event.key) ? state.material : null;
+      if (letter === null) return;
+      if (put(r, c, letter)) changed();
+    }
+    event.preventDefault();
+  });
+  grid.addEventListener('focusin', ({ target }) => {
+    if (!target.dataset.r) return;
+    cell(...focused).tabIndex = -1;
+    focused = [Number(target.dataset.r), Number(target.dataset.c)];
+    target.tabIndex = 0;
+  });
+  for (const name of ['rows', 'columns']) for (let k = 1; k <= 10; ++k) id(name).append(element('option', { value: k }, k));
+  const resize = () => {
+    const rows = Number(id('rows').value), columns = Number(id('columns').value);
+    const body = state.body.map((row) => row.slice(0, columns).padEnd(columns, '.'));
+    while (body.length < rows) body.unshift('.'.repeat(columns));  // grows upwards, feet stay
+    state.body = body.slice(body.length - rows);
+    drawGrid();
+    changed();
+  };
+  id('rows').addEventListener('change', resize);
+  id('columns').addEventListener('change', resize);
+  const seed = () => Math.floor(Math.random() * 2 ** 31);
+  const take = (body) => { state.body = body; drawGrid(); changed(); };
+  id('random').addEventListener('click', () => {
+    try { take(evo.sample(state.body.length, state.body[0].length, seed()).body); } catch (failure) { say(failure.message); }
+  });
+  id('mutate').addEventListener('click', () => {
+    try { take(evo.mutate({ body: state.body }, 0.1, seed()).body); } catch (failure) { say(failure.message); }
+  });
+
+  // ---- the rhythm -------------------------------------------------------------------------
+
+  const sliders = ['amplitude', 'period', 'phase'];
+  const units = [(v) => `±${Math.round(100 * v)} %`, (v) => `${v} steps`, (v) => `${Math.round(v * 180 / Math.PI)}°`];
+  const showGait = () => sliders.forEach((name, k) => {
+    id(name).value = state.gait[k];
+    id(`${name}-value`).textContent = units[k](state.gait[k]);
+  });
+  sliders.forEach((name, k) => id(name).addEventListener('input', () => {
+    state.gait = state.gait.map((value, n) => n === k ? Number(id(name).value) : value);
+    id(`${name}-value`).textContent = units[k](state.gait[k]);
+    stopEvolving();
+    rhythm();
+  }));
+  const useOther = (document, about, record = null) => {
+    Object.assign(state, { other: document, record });
+    id('gait-wave').hidden = true;
+    id('gait-other').hidden = false;
+    id('gait-about').textContent = about;
+  };
+  const dropOther = () => {
+    if (!state.other) return;
+    Object.assign(state, { other: null, record: null, start: {} });
+    id('gait-wave').hidden = false;
+    id('gait-other').hidden = true;
+    showGait();
+  };
+  id('gait-back').addEventListener('click', () => { dropOther(); build(); });
+
+  // ---- the task ---------------------------------------------------------------------------
+
+  const groups = { easy: element('optgroup', { label: 'Easy' }), medium: element('optgroup', { label: 'Medium' }), hard: element('optgroup', { label: 'Hard' }) };
+  for (const { name, difficulty } of Evo.tasks) groups[difficulty].append(element('option', { value: name }, name));
+  const ownOption = element('option', { value: '', hidden: '' }, 'your own');
+  id('task').append(...Object.values(groups), ownOption);
+  const showTask = () => {
+    const known = Evo.tasks.some(({ name }) => name === state.task);
+    ownOption.hidden = known;
+    id('task').value = known ? state.task : '';
+  };
+  const useTask = (text) => {
+    const before = state.task;
+    state.task = text;
+    stopEvolving();
+    dropOther();
+    if (!build()) { state.task = before; showTask(); return false; }
+    showTask();
+    return true;
+  };
+  id('task').addEventListener('change', () => { if (id('task').value) useTask(id('task').value); });
+  id('own-use').addEventListener('click', () => {
+    const text = id('own-text').value;
+    if (!text.trim()) { say('There is no task yet: paste one into the field.'); return; }
+    useTask(text.trimEnd() + '\n');
+  });
+
+  // ---- evolve for me ------------------------------------------------------------------------
+
+  const says = id('evolve-says'), curve = id('evolve-curve');
+  let progress = [];
+  const drawCurve = () => {
+    const ratio = devicePixelRatio || 1, width = curve.clientWidth, height = curve.clientHeight;
+    if (!width || progress.length === 0) return;
+    curve.width = width * ratio;
+    curve.height = height * ratio;
+    const g = curve.getContext('2d'), colors = Evo.Stage.look();
+    g.setTransform(ratio, 0, 0, ratio, 0, 0);
+    const most = progress[progress.length - 1][0], low = progress[0][1], high = progress[progress.length - 1][1];
+    const X = (tried) => 4 + (width - 8) * (tried - 1) / Math.max(1, most - 1), Y = (total) => height - 20 - (height - 38) * (high > low ? (total - low) / (high - low) : 0.5);
+    g.strokeStyle = colors.grid;
+    g.beginPath(); g.moveTo(4, height - 19.5); g.lineTo(width - 4, height - 19.5); g.stroke();
+    g.strokeStyle = colors.mark;
+    g.lineWidth = 2;
+    g.lineJoin = 'round';
+    g.beginPath();
+    progress.forEach(([tried, total], k) => {
+      if (k === 0) g.moveTo(X(tried), Y(total));
+      else { g.lineTo(X(tried), Y(progress[k - 1][1])); g.lineTo(X(tried), Y(total)); }
+    });
+    g.stroke();
+    g.fillStyle = colors.text;
+    g.font = colors.font;
+    g.textAlign = 'right'; g.fillText(`${most} robots`, width - 4, height - 5);
+    g.textAlign = 'left'; g.fillText(number(low), 4, Math.min(height - 24, Y(low) - 5));
+    g.textAlign = 'right'; g.fillText(number(high), width - 4, Y(high) - 5);
+  };
+  const stopEvolving = () => {
+    if (!worker) return;
+    worker.terminate();
+    worker = null;
+    id('evolve').textContent = 'Evolve';
+  };
+  const evolve = async () => {
+    dropOther();
+    if (!build()) return;
+    id('evolve').textContent = 'Stop';
+    says.textContent = 'Starting…';
+    const first = { body: state.body, gait: state.gait };
+    progress = [];
+    const source = URL.createObjectURL(new Blob([Evo.workerSource], { type: 'text/javascript' }));
+    const mine = worker = new Worker(source);
+    URL.revokeObjectURL(source);
+    let shown = 0, began = null;
+    mine.onmessage = ({ data }) => {
+      if (mine !== worker) return;
+      if (data.failed) { say(data.failed); stopEvolving(); return; }
+      if (data.done) {
+        stopEvolving();
+        const { body, gait, total, tried } = shown;
+        says.textContent = tried > 1 ? `From ${number(began)} to ${number(total)}, found as robot ${tried} of ${progress[progress.length - 1][0]}. It is the one you see.`
+          : `None of ${progress[progress.length - 1][0]} robots earned more than the first.`;
+        return;
+      }
+      const { tried, best, seconds } = data;
+      began ??= best.total;
+      if (progress.length && progress[progress.length - 1][1] === best.total) progress.push([tried, best.total]);
+      else progress.push([tried, best.total]);
+      curve.hidden = false;
+      drawCurve();
+      says.textContent = `${tried} tried in ${Math.round(seconds)} s; from ${number(began)} to ${number(best.total)}.`;
+      if (shown?.tried !== best.tried) {
+        shown = best;
+        if (best.tried === 1) return;
+        Object.assign(state, { body: best.body, gait: best.gait });
+        drawGrid();
+        showGait();
+        build();
+        theatre.play();
+      }
+    };
+    mine.onerror = (event) => { say(event.message); stopEvolving(); };
+    mine.postMessage({ module: await Evo.moduleBytes(), files: Evo.files,
+      search: { task: state.task, ...first, seed: 1, seconds: Number(id('evolve-time').value), most: 100000 } });
+    if (!Evo.calm.matches) theatre.play();
+  };
+  id('evolve').addEventListener('click', () => { if (worker) { stopEvolving(); says.textContent += ' Stopped.'; } else evolve(); });
+
+  // ---- keeping and opening ------------------------------------------------------------------
+
+  const isNamed = () => Evo.tasks.some(({ name }) => name === state.task);
+  const address = () => {
+    if (state.record) return `#play?record=${state.record}`;
+    const task = isNamed() ? `task=${state.task}` : `own=${encodeURIComponent(state.task)}`;
+    return `#play?${task}&body=${state.body.join('-')}&gait=${state.gait.join(',')}`;
+  };
+  const command = () => {
+    if (state.record) return `evo-eval --policy records/${state.record}/policy.h5 records/${state.record}/policy.h5`;
+    if (state.other) return 'evo-eval --policy FILE.policy.h5 FILE.policy.h5';
+    const task = isNamed() ? state.task : './task.yaml';
+    return `printf '${state.body.join('\\n')}\\n' |\n  evo-eval --task ${task} --sine ${state.gait.join(',')}`;
+  };
+  const remember = () => {
+    id('command').textContent = command();
+    id('command-about').textContent = isNamed() || state.other ? 'The same robot with the tools:' : 'The same robot with the tools, once the task is saved as task.yaml:';
+    if (location.hash !== address() && Evo.page === 'play') history.replaceState(null, '', address());
+  };
+  // The robot as evo-eval would write it, with the return of a whole episode.
+  const robotDocument = () => {
+    const player = evo.open(state.task, { body: state.body });
+    try {
+      player.control(controller());
+      player.reset(state.start);
+      player.step(1e7);
+      const made = { ...evo.robot(JSON.stringify({ body: state.body })) };
+      made.origin = state.other ? { tool: 'evo page', controller: state.other.kind } : { tool: 'evo page', sine: state.gait };
+      return { ...made, fitness: player.counts().total, task: player.task };
+    } finally { player.close(); }
+  };
+  id('copy-link').addEventListener('click', () => Evo.copy(id('copy-link'), location.href.split('#')[0] + address()));
+  id('copy-json').addEventListener('click', () => {
+    try { Evo.copy(id('copy-json'), JSON.stringify(robotDocument())); } catch (failure) { say(failure.message); }
+  });
+  id('download').addEventListener('click', () => {
+    try {
+      const made = robotDocument();
+      const url = URL.createObjectURL(new Blob([JSON.stringify(made) + '\n'], { type: 'application/json' }));
+      element('a', { href: url, download: `${made.id}.json` }).click();
+      setTimeout(() => URL.revokeObjectURL(url), 1000);
+    } catch (failure) { say(failure.message); }
+  });
+
+  // Whatever a file holds: a policy, a robot, a world, a task.
+  const usePolicy = (document, about, record = null, seed = 0) => {
+    stopEvolving();
+    const before = { ...state };
+    Object.assign(state, { task: document.task_yaml ?? document.task, body: document.robot.body, start: { seed } });
+    useOther(document, about, record);
+    if (record) state.task = document.task_yaml;
+    drawGrid();
+    if (!build()) Object.assign(state, before);
+    const named = Evo.tasks.find(({ name }) => name === document.task);
+    ownOption.hidden = Boolean(named);
+    id('task').value = named ? named.name : '';
+  };
+  const useRobot = (text) => {
+    const robot = evo.robot(text);
+    stopEvolving();
+    dropOther();
+    state.body = robot.body;
+    if (Array.isArray(robot.origin?.sine) && robot.origin.sine.length === 3) state.gait = robot.origin.sine;
+    if (Evo.tasks.some(({ name }) => name === robot.task)) state.task = robot.task;
+    showTask();
+    drawGrid();
+    showGait();
+    build();
+  };
+  const useText = (name, text) => {
+    let json = null;
+    try { json = JSON.parse(text); } catch { /* YAML, letters or several lines of JSON */ }
+    if (json?.format === 'evo/policy') usePolicy(json, `Driven by the ${json.kind} of ${name}.`);
+    else if (json?.objects && json?.grid_width) { useTask(text); id('own').open = true; id('own-text').value = state.facts?.yaml ?? text; }
+    else if (!json && /^(format: *evo\/task|world:|observation:)/m.test(text)) { id('own').open = true; id('own-text').value = text; useTask(text); }
+    else useRobot(text);
+  };
+  const useFile = async (file) => {
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    const isHdf5 = bytes.length > 8 && [0x89, 0x48, 0x44, 0x46].every((value, k) => bytes[k] === value);
+    try {
+      if (isHdf5) say(`${file.name} is an HDF5 file; evo-convert ${file.name} --to json -o policy.json makes of a policy what this page reads.`);
+      else useText(file.name, new TextDecoder().decode(bytes));
+    } catch (failure) {
+      if (failure.name !== 'Refusal') throw failure;
+      say(`${file.name}: ${failure.message}`);
+    }
+  };
+  id('open').addEventListener('change', () => { if (id('open').files[0]) useFile(id('open').files[0]); id('open').value = ''; });
+  let over = 0;
+  addEventListener('dragenter', (event) => { event.preventDefault(); ++over; document.body.classList.add('dropping'); });
+  addEventListener('dragleave', () => { if (--over <= 0) document.body.classList.remove('dropping'); });
+  addEventListener('dragover', (event) => event.preventDefault());
+  addEventListener('drop', (event) => {
+    event.preventDefault();
+    over = 0;
+    document.body.classList.remove('dropping');
+    const file = event.dataTransfer.files[0];
+    if (file) { location.hash = '#play'; useFile(file); }
+  });
+
+  // ---- addresses ------------------------------------------------------------------------------
+
+  let current = null;
+  const restore = async (query) => {
+    if (query === current && theatre.player) return;
+    current = query;
+    const given = new URLSearchParams(query);
+    const record = given.get('record');
+    if (record) {
+      const known = Evo.records.find(({ name }) => name === record);
+      if (!known) { say(`There is no record '${record}'.`); return; }
+      await Evo.loadScript(`records/${record}.js`);
+      usePolicy(Evo.controllers[record], `Driven by the ${known.controller} of the record ${record}.`, record, known.seed ?? 0);
+    } else {
+      dropOther();
+      state.task = given.get('own') ?? given.get('task') ?? state.task;
+      if (given.get('body')) state.body = given.get('body').split('-');
+      const gait = given.get('gait')?.split(',').map(Number);
+      if (gait?.length === 3 && gait.every(Number.isFinite) && gait[1] > 0) state.gait = gait;
+      const width = state.body[0].length;
+      const sound = state.body.length <= 10 && width >= 1 && width <= 10 && state.body.every((row) => row.length === width && /^[.RSHV]+$/.test(row));
+      if (!sound) { state.body = begin.body; drawGrid(); showGait(); showTask(); build(); say('The body in this address is none of 1x1 to 10x10 blocks of . R S H V.'); return; }
+      drawGrid();
+      showGait();
+      showTask();
+      if (!build()) {  // an address that does not work shows why, beside a robot that does
+        const why = message.textContent;
+        Object.assign(state, begin);
+        drawGrid(); showGait(); showTask();
+        build();
+        say(why);
+      }
+    }
+    if (!Evo.calm.matches) theatre.play();
+  };
+  return { show: restore, hide: () => { theatre.pause(); stopEvolving(); } };
+};

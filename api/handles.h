@@ -15,6 +15,7 @@
 #include "formats/robot/robot.h"
 #include "formats/training/policy.h"
 #include "libevo/base/error.h"
+#include "libevo/control/settings.h"
 #include "libevo/sim/model.h"
 #include "libevo/task/spec.h"
 
@@ -58,6 +59,8 @@ template <>
 inline constexpr const char* kind_of<evo_sims> = "evo_sims";
 template <>
 inline constexpr const char* kind_of<evo_policy> = "evo_policy";
+template <>
+inline constexpr const char* kind_of<evo_learner> = "evo_learner";
 
 // The object of a handle. Throws Error(usage) where it is none.
 template <typename Handle>
@@ -134,6 +137,13 @@ class Owner {
 
 std::unique_ptr<evo_task> task_of(TaskSpec spec);
 std::unique_ptr<evo_robots> list_of(std::vector<Robot> robots);
+std::unique_ptr<evo_policy> policy_of(PolicyFile file);
+
+// What a caller says of a training, who may know less of it; NULL: nothing.
+evo_training training_of(const evo_training* given, std::size_t size);
+// The profile that it names, changed as it says. Throws Error for what makes no sense.
+TrainingSettings settings_of(const evo_training& training);
+
 // Throws Error(usage) where the list has no such robot.
 const Robot& robot_at(const evo_robots& robots, std::size_t index);
 

@@ -26,6 +26,10 @@ std::size_t action_length(const evo::TrainedController& controller) {
   return std::get<evo::SineController>(controller).amplitude.size();
 }
 
+}  // namespace
+
+namespace evo::c {
+
 std::unique_ptr<evo_policy> policy_of(evo::PolicyFile file) {
   std::vector<evo_curve_point> curve;
   for (const evo::CurvePoint& p : file.curve) curve.push_back({p.step, p.evaluation, p.best});
@@ -44,7 +48,17 @@ evo::TrainingSettings settings_of(const evo_training& training) {
   return settings;
 }
 
-}  // namespace
+evo_training training_of(const evo_training* given, std::size_t size) {
+  evo_training training{};
+  if (given == nullptr) return training;
+  if (size == 0 || size > sizeof training)
+    throw error(Failure::usage, "a struct of {} bytes is not of this version, in which it has {}",
+                size, sizeof training);
+  std::memcpy(&training, given, size);
+  return training;
+}
+
+}  // namespace evo::c
 
 int evo_policy_read(const char* file, evo_policy** policy) {
   return open(policy, [&] { return policy_of(evo::read_policy(text_of(file, "file"))); });
@@ -111,14 +125,7 @@ int evo_policy_act(const evo_policy* policy, const double* observations, const i
 int evo_train(const evo_task* task, const evo_robots* robots, size_t index,
               const evo_training* training, size_t size, evo_policy** policy) {
   return open(policy, [&] {
-    evo_training wanted{};
-    if (training != nullptr) {
-      if (size == 0 || size > sizeof wanted)
-        throw evo::error(Failure::usage,
-                         "a struct of {} bytes is not of this version, in which it has {}", size,
-                         sizeof wanted);
-      std::memcpy(&wanted, training, size);
-    }
+    const evo_training wanted = training_of(training, size);
     const evo::TaskSpec& spec = object_of(task).spec;
     const evo::Robot& robot = robot_at(object_of(robots), index);
     const evo::TrainingSettings settings = settings_of(wanted);

@@ -358,6 +358,52 @@ typedef struct evo_training {
 EVO_API int evo_train(const evo_task* task, const evo_robots* robots, size_t index,
                       const evo_training* training, size_t size, evo_policy** policy);
 
+/* ---- a learner for environments of one's own ------------------------------------------ */
+
+/* The suite's PPO, for whoever has environments of which the suite knows nothing, and tells it what
+ * was seen and earned:
+ *
+ *   evo_learner_observe(l, observations, ..)          the first states
+ *   for each update, and in it `rollout` times:
+ *     evo_learner_act(l, actions, ..)                 targets for all environments
+ *     evo_learner_reward(l, rewards, .., reached, ..) what they earned, before ended ones are reset
+ *     evo_learner_observe(l, observations, ..)        and after
+ *   evo_learner_learn(l)                              after each rollout
+ *
+ * With a task of the suite, and its seeds, this gives the policy that evo_train does, to the last
+ * bit. A call out of turn is EVO_USAGE; EVO_WORK, numbers that are not finite any more, ends it. */
+typedef struct evo_learner evo_learner;
+
+typedef struct evo_learner_facts {
+  int32_t environments; /* E, that it learns from side by side */
+  int32_t rollout;
+  int64_t updates; /* of the whole training */
+  int32_t evaluation_interval; /* updates, after which the suite would evaluate the policy */
+  int32_t reserved;
+} evo_learner_facts;
+
+/* `training` as for evo_train; D observations and A actions, from `low` to `high`, of an environment.
+ * `name` is part of the seed; evo_train's is the robot's id. */
+EVO_API int evo_learner_open(const evo_training* training, size_t size, int32_t observation_length,
+                             int32_t action_length, double low, double high, const char* name,
+                             evo_learner** learner);
+EVO_API void evo_learner_free(evo_learner* learner);
+EVO_API int evo_learner_describe(const evo_learner* learner, evo_learner_facts* facts, size_t size);
+/* observations: [E][D], `values` of them; steps: [E], of the episodes. */
+EVO_API int evo_learner_observe(evo_learner* learner, const double* observations, size_t values,
+                                const int32_t* steps, size_t environments);
+EVO_API int evo_learner_act(evo_learner* learner, double* actions, size_t values); /* [E][A] */
+/* rewards, terminated, truncated: [E]; reached: [E][D] after `steps` [E]. */
+EVO_API int evo_learner_reward(evo_learner* learner, const double* rewards,
+                               const uint8_t* terminated, const uint8_t* truncated,
+                               const double* reached, size_t values, const int32_t* steps,
+                               size_t environments);
+EVO_API int evo_learner_learn(evo_learner* learner);
+/* The present policy, with a robot and a curve [points] to be kept with it. The tools evaluate it
+ * where they know the task; evo_policy_act does anywhere. */
+EVO_API int evo_learner_policy(const evo_learner* learner, const evo_robots* robots, size_t index,
+                               const evo_curve_point* curve, size_t points, evo_policy** policy);
+
 #ifdef __cplusplus
 }
 #endif

@@ -16,11 +16,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["EnvArrays", "EvoError", "Handle", "PolicyFacts", "RobotFacts", "SimArrays", "SimObject",
-           "Start", "TaskFacts", "address", "array_at", "bytes_given", "call", "facts", "find_tool",
-           "library", "text_given", "text_of"]
-
-
 class EvoError(RuntimeError):
     """What the library or a tool could not do: what, where, and what to do about it."""
 
@@ -75,6 +70,21 @@ class PolicyFacts(Structure):
                 ("fitness", c_double), ("curve_points", c_size_t), ("curve", c_void_p)]
 
 
+class CurvePoint(Structure):
+    _fields_ = [("step", c_int64), ("evaluation", c_double), ("best", c_double)]
+
+
+class Training(Structure):
+    GO_ON = ctypes.CFUNCTYPE(c_int, c_int64, c_void_p)
+    _fields_ = [("profile", c_char_p), ("set", POINTER(c_char_p)), ("set_count", c_size_t),
+                ("steps", c_int64), ("seed", c_uint64), ("go_on", GO_ON), ("user", c_void_p)]
+
+
+class LearnerFacts(Structure):
+    _fields_ = [("environments", c_int32), ("rollout", c_int32), ("updates", c_int64),
+                ("evaluation_interval", c_int32), ("reserved", c_int32)]
+
+
 _HANDLE, _OPENED = c_void_p, POINTER(c_void_p)
 _STATE = [_HANDLE, c_int32, POINTER(c_void_p), POINTER(c_size_t)]
 _RENDER = [_HANDLE, c_int32, c_void_p, POINTER(View), c_size_t, c_void_p, c_size_t]
@@ -121,9 +131,22 @@ SIGNATURES = {
     "evo_sims_object": [_HANDLE, c_size_t, POINTER(SimObject), c_size_t],
     "evo_sims_orientation": [_HANDLE, c_size_t, c_void_p, c_void_p, c_size_t],
     "evo_sims_render": _RENDER,
+    "evo_policy_describe": [_HANDLE, POINTER(PolicyFacts), c_size_t],
+    "evo_policy_act": [_HANDLE, c_void_p, c_void_p, c_size_t, c_void_p, c_size_t],
+    "evo_policy_write": [_HANDLE, c_char_p],
+    "evo_train": [_HANDLE, _HANDLE, c_size_t, POINTER(Training), c_size_t, _OPENED],
+    "evo_learner_open": [POINTER(Training), c_size_t, c_int32, c_int32, c_double, c_double, c_char_p,
+                         _OPENED],
+    "evo_learner_describe": [_HANDLE, POINTER(LearnerFacts), c_size_t],
+    "evo_learner_observe": [_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t],
+    "evo_learner_act": [_HANDLE, c_void_p, c_size_t],
+    "evo_learner_reward": [_HANDLE, c_void_p, c_void_p, c_void_p, c_void_p, c_size_t, c_void_p,
+                           c_size_t],
+    "evo_learner_learn": [_HANDLE],
+    "evo_learner_policy": [_HANDLE, _HANDLE, c_size_t, POINTER(CurvePoint), c_size_t, _OPENED],
 }
 FREES = ("evo_task_free", "evo_robots_free", "evo_envs_free", "evo_world_free", "evo_sims_free",
-         "evo_free")
+         "evo_policy_free", "evo_learner_free", "evo_free")
 PACKAGE = Path(__file__).parent  # a wheel has the tools and the library within
 
 

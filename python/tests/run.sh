@@ -13,7 +13,7 @@ run() { "$@" -m unittest discover -s "$source/tests" -p "$pattern"; }
 if [ "$kind" = client ]; then
   cd "$source"
   export PYTHONPATH="$source" PYTHONDONTWRITEBYTECODE=1
-  for pattern in test_simulator.py test_worlds.py test_evogym.py test_files.py; do run /usr/bin/python3; done
+  for pattern in test_simulator.py test_worlds.py test_evogym.py test_files.py test_own.py; do run /usr/bin/python3; done
   exit
 fi
 

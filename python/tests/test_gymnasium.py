@@ -273,6 +273,37 @@ class OwnTask(unittest.TestCase):
         env.close()
 
 
+class OwnBatch(unittest.TestCase):
+    """evo_robots.Task for Gymnasium."""
+
+    class Walk(evo_robots.Task):
+        steps = 20
+
+        def observe(self, now):
+            return np.concatenate([now.mean_velocity("robot"), now.shape("robot")], axis=1)
+
+        def reward(self, before, now):
+            return now.centre("robot")[:, 0] - before.centre("robot")[:, 0]
+
+    def test_one(self):
+        env = self.Walk().env(SMALL, render_mode="rgb_array")
+        check_env(env)
+        env.reset()
+        ends = [env.step(np.ones(4))[2:4] for _ in range(20)]
+        self.assertEqual((ends[-1], set(ends[:-1])), ((False, True), {(False, False)}))
+        self.assertEqual(len(env.video(120, 60, fps=50)), 21)
+
+    def test_many(self):
+        envs = self.Walk().vector_env(SMALL, 3)
+        start, _ = envs.reset(seed=1)
+        for t in range(20):
+            observations, rewards, terminated, truncated, _ = envs.step(np.full((3, 4), 1.4))
+        self.assertTrue(truncated.all())
+        observations, rewards, _, truncated, _ = envs.step(np.full((3, 4), 1.4))
+        np.testing.assert_array_equal(observations, start)
+        self.assertEqual((rewards.tolist(), truncated.tolist()), ([0] * 3, [False] * 3))
+
+
 class Benchmark(unittest.TestCase):
     """The benchmark's 32 environments by its names."""
 
@@ -393,7 +424,7 @@ class Readme(unittest.TestCase):
         text = (Path(__file__).parents[1] / "README.md").read_text()
         blocks = [b for b in re.findall(r"```python\n(.*?)```", text, re.S)
                   if "stable_baselines3" not in b]
-        self.assertEqual(len(blocks), 5)
+        self.assertEqual(len(blocks), 6)
         for program in ("\n".join(blocks[:2]), *blocks[2:]):
             subprocess.run([sys.executable, "-c", program], check=True)
 

@@ -1,0 +1,352 @@
+"""Tasks in Python: a class with observe, reward and done over a batch of environments.
+
+    class Walk(Task):
+        def observe(self, now):
+            return np.concatenate([now.shape("robot"), now.mean_velocity("robot")], axis=1)
+        def reward(self, before, now):
+            return now.centre("robot")[:, 0] - before.centre("robot")[:, 0]
+
+    trained = evo_robots.train(Walk(), body, steps=100_000, seed=1)
+    env = Walk().env(body)                      # for Gymnasium, if it is installed
+"""
+
+from __future__ import annotations
+
+import copy
+import ctypes
+import os
+from dataclasses import dataclass, field
+from typing import Any, Callable, Mapping
+
+import numpy as np
+
+from .library import (CurvePoint, EvoError, Handle, LearnerFacts, PolicyFacts, Training,
+                      address, call, facts, library, robots_of, task_of, text_of)
+from .robots import Robot
+from .worlds import SIM_STATUS, Simulations, World
+
+__all__ = ["Moment", "Task", "TaskEnvironments", "Trained", "train"]
+
+
+class Moment:
+    """What is in E environments of P points each at one time; raw units (a voxel is 0.1 wide)."""
+
+    def __init__(self, sims: Simulations, steps: np.ndarray) -> None:
+        self._sims = sims
+        self.positions = sims.positions  # [E, P, 2]; now: the simulator's own, before: kept
+        self.velocities = sims.velocities  # [E, P, 2]
+        self.steps = steps  # [E] taken in the episodes
+
+    def points(self, name: str) -> np.ndarray:
+        """[E, n, 2] of an object."""
+        return self.positions[:, self._sims._known(name).points]
+
+    def velocity(self, name: str) -> np.ndarray:
+        """[E, n, 2]"""
+        return self.velocities[:, self._sims._known(name).points]
+
+    def centre(self, name: str) -> np.ndarray:
+        """[E, 2], the mean of its points."""
+        return self.points(name).mean(axis=1)
+
+    def mean_velocity(self, name: str) -> np.ndarray:
+        """[E, 2]"""
+        return self.velocity(name).mean(axis=1)
+
+    def shape(self, name: str) -> np.ndarray:
+        """[E, 2 n], its points from its centre."""
+        points = self.points(name)
+        return (points - points.mean(axis=1, keepdims=True)).reshape(len(points), -1)
+
+    def orientation(self, name: str) -> np.ndarray:
+        """[E], radians, counter-clockwise from the initial shape."""
+        return self._sims.orientation(name, self.positions)
+
+    def _keep(self, into: "Moment | None") -> "Moment":
+        """A copy, which the next step does not change."""
+        if into is None:
+            into = copy.copy(self)
+            into.positions, into.velocities, into.steps = (
+                self.positions.copy(), self.velocities.copy(), self.steps.copy())
+        else:
+            np.copyto(into.positions, self.positions)
+            np.copyto(into.velocities, self.velocities)
+            np.copyto(into.steps, self.steps)
+        return into
+
+
+class Task:
+    """A task of one's own: derive from it, and define observe and reward."""
+
+    steps = 500  # time limit of an episode
+    folded = -3.0  # added to the reward where a robot folds onto itself, which ends its episode
+    physics: Any = None  # a profile by name or file [the benchmark's]
+
+    def world(self, body: np.ndarray, connections: np.ndarray) -> World:
+        """Where the robot stands. [Flat ground of 100 cells, the robot at its left end.]"""
+        world = World()
+        world.add("ground", np.full((1, 100), 5), 0, 0)
+        world.add("robot", body, 1, 1, connections)
+        return world
+
+    def observe(self, now: Moment) -> np.ndarray:
+        """[E, D]"""
+        raise NotImplementedError(f"{type(self).__name__} has no observe()")
+
+    def reward(self, before: Moment, now: Moment) -> np.ndarray:
+        """[E], of the step from before to now."""
+        raise NotImplementedError(f"{type(self).__name__} has no reward()")
+
+    def done(self, now: Moment) -> np.ndarray:
+        """[E] bool, whose episode is over."""
+        return np.zeros(len(now.steps), bool)
+
+    def envs(self, robot: Any, count: int, jobs: int = 1) -> "TaskEnvironments":
+        return TaskEnvironments(self, robot, count, jobs=jobs)
+
+    def env(self, robot: Any, **arguments: Any) -> Any:
+        """For Gymnasium: one environment."""
+        from .own_gymnasium import OneEnvironment
+
+        return OneEnvironment(self, robot, **arguments)
+
+    def vector_env(self, robot: Any, num_envs: int, jobs: int = 1) -> Any:
+        """For Gymnasium: many, stepped together."""
+        from .own_gymnasium import ManyEnvironments
+
+        return ManyEnvironments(self, robot, num_envs, jobs)
+
+
+class TaskEnvironments:
+    """``count`` environments of a robot in a task of one's own, stepped side by side. What has ended
+    shows it until it is reset."""
+
+    def __init__(self, task: Task, robot: Any, count: int = 1, *, jobs: int = 1) -> None:
+        self.task = task
+        self.robot = robot if isinstance(robot, Robot) else Robot(robot)
+        self.sims = Simulations(task.world(self.robot.body, self.robot.connections), count,
+                                physics=task.physics, jobs=jobs)
+        self.num_envs = count
+        self.num_actuators = self.sims.num_actuators
+        self.action_low, self.action_high = self.sims.action_low, self.sims.action_high
+        if self.num_actuators == 0:
+            raise ValueError(f"the world of {type(task).__name__} has no robot in it")
+        self._all = np.ones(count, bool)
+        self._steps = np.zeros(count, np.int32)
+        self._now = Moment(self.sims, self._steps)
+        self._before: Moment | None = None
+        self.num_observations = self.observe().shape[1]
+
+    def reset(self, mask: Any = None) -> np.ndarray:
+        """Begins episodes, all or those of mask [E]; the observations of all, [E, D]."""
+        if mask is None:
+            self.sims.reset()
+            self._steps[:] = 0
+        else:
+            for index in np.flatnonzero(mask):
+                self.sims.reset(int(index))
+                self._steps[index] = 0
+        return self.observe()
+
+    def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Observations [E, D], rewards [E], terminated [E], truncated [E]."""
+        self._before = self._now._keep(self._before)
+        self.sims.step(actions)
+        self._steps += 1
+        folded = self.sims.status != SIM_STATUS.index("ok")
+        rewards = self._values("reward", self.task.reward(self._before, self._now), float)
+        terminated = self._values("done", self.task.done(self._now), bool) | folded
+        if folded.any():
+            rewards = rewards + self.task.folded * folded
+        return self.observe(), rewards, terminated, self._steps >= self.task.steps
+
+    def observe(self) -> np.ndarray:
+        values = np.asarray(self.task.observe(self._now), np.float64)
+        if values.ndim != 2 or len(values) != self.num_envs or values.shape[1] == 0:
+            raise ValueError(f"{type(self.task).__name__}.observe gave shape {values.shape}; expected "
+                             f"({self.num_envs}, D): a row for each environment")
+        # The simulator's own arrays would change under whoever keeps them.
+        return values.copy() if np.shares_memory(values, self.sims.positions) or np.shares_memory(
+            values, self.sims.velocities) else values
+
+    @property
+    def steps(self) -> np.ndarray:
+        """[E] taken in the episodes."""
+        return self._steps
+
+    def _values(self, name: str, values: Any, kind: type) -> np.ndarray:
+        found = np.asarray(values, kind)
+        if found.shape != (self.num_envs,):
+            raise ValueError(f"{type(self.task).__name__}.{name} gave shape {found.shape}; expected "
+                             f"({self.num_envs},): a value for each environment")
+        return found
+
+
+# ---- training ---------------------------------------------------------------------------
+
+
+@dataclass
+class Trained:
+    """A controller with what is known of its training."""
+
+    robot: Robot
+    fitness: float  # the best evaluation
+    curve: np.ndarray  # [n, 3]: environment steps, evaluation, the best until then
+    _policy: Handle = field(repr=False)
+
+    def act(self, observations: Any, steps: Any = 0) -> np.ndarray:
+        """Deterministic targets [n, A] of observations [n, D] at these steps of their episodes."""
+        known = facts("evo_policy_describe", PolicyFacts, self._policy)
+        values = np.ascontiguousarray(observations, np.float64).reshape(-1, known.observation_length)
+        at = np.ascontiguousarray(np.broadcast_to(np.asarray(steps, np.int32), len(values)))
+        actions = np.empty((len(values), known.action_length))
+        call("evo_policy_act", self._policy, address(values), address(at), len(values),
+             address(actions), actions.size)
+        return actions
+
+    def save(self, path: str | os.PathLike) -> None:
+        """A policy file. evo-eval and evo-render take those of the suite's tasks."""
+        call("evo_policy_write", self._policy, text_of(path))
+
+
+def train(task: Any, robot: Any, *, steps: int | None = None, seed: int = 0,
+          profile: str | os.PathLike = "default", settings: Mapping[str, Any] | None = None,
+          progress: bool | Callable[[int], Any] = False, **physics: Any) -> Trained:
+    """Trains a robot by the suite's own learner: with a task of the suite (a name or a file) as
+    evo-train does, to the same bytes; with a Task of one's own by the same PPO.
+
+    steps: environment steps [the profile's]. profile, settings: as --train and --train-set of
+    evo-train. fast, physics, settings of the physics as ``physics_settings``: for tasks of the suite.
+    progress: True shows a bar by tqdm; a function is called with the steps so far. Ctrl-C ends it.
+    """
+    known = robot if isinstance(robot, Robot) else Robot(robot)
+    wanted = _Wanted(profile, settings, steps, seed)
+    report, close = _reporter(progress)
+    try:
+        if isinstance(task, type) and issubclass(task, Task):
+            task = task()
+        if isinstance(task, Task):
+            if physics:
+                raise TypeError(f"a Task says its physics itself: {', '.join(physics)} has no place here")
+            return _train_own(task, known, wanted, report)
+        opened = task_of(task, physics.pop("fast", False), physics.pop("physics", None),
+                         physics.pop("physics_settings", None))
+        if physics:
+            raise TypeError(f"train() does not know {', '.join(physics)}")
+        return _train_known(opened, known, wanted, report)
+    finally:
+        close()
+
+
+class _Wanted:
+    """An evo_training, and what it points to."""
+
+    def __init__(self, profile: Any, settings: Mapping[str, Any] | None, steps: int | None,
+                 seed: int) -> None:
+        texts = [f"{name}={value}".encode() for name, value in (settings or {}).items()]
+        self._texts = (ctypes.c_char_p * max(1, len(texts)))(*texts)
+        self._profile = text_of(profile)
+        if steps is not None and steps < 1:
+            raise ValueError(f"steps: {steps} is not above 0")
+        self.struct = Training(self._profile, self._texts, len(texts), steps or 0, seed)
+
+
+def _reporter(progress: Any) -> tuple[Callable[[int], Any], Callable[[], Any]]:
+    if callable(progress):
+        return progress, lambda: None
+    if not progress:
+        return lambda step: None, lambda: None
+    from tqdm.auto import tqdm
+
+    bar = tqdm(unit=" steps")
+    return lambda step: bar.update(step - bar.n), bar.close
+
+
+def _train_known(task: Handle, robot: Robot, wanted: _Wanted, report: Callable) -> Trained:
+    raised: list[BaseException] = []
+
+    def go_on(step: int, _: Any) -> int:
+        try:
+            report(step)
+        except BaseException as error:  # Ctrl-C, too: ctypes would drop it
+            raised.append(error)
+        return 0 if raised else 1
+
+    wanted.struct.go_on = Training.GO_ON(go_on)
+    try:
+        policy = Handle("policy", "evo_train", task, robot._handle, 0, ctypes.byref(wanted.struct),
+                        ctypes.sizeof(wanted.struct))
+    except EvoError:
+        if raised:
+            raise raised[0] from None
+        raise
+    return _trained(robot, policy)
+
+
+def _trained(robot: Robot, policy: Handle) -> Trained:
+    known = facts("evo_policy_describe", PolicyFacts, policy)
+    points = (CurvePoint * known.curve_points).from_address(known.curve) if known.curve_points else []
+    return Trained(robot, known.fitness,
+                   np.array([(p.step, p.evaluation, p.best) for p in points]).reshape(-1, 3), policy)
+
+
+def _train_own(task: Task, robot: Robot, wanted: _Wanted, report: Callable) -> Trained:
+    one = TaskEnvironments(task, robot)  # for evaluations
+    learner = Handle("learner", "evo_learner_open", ctypes.byref(wanted.struct),
+                     ctypes.sizeof(wanted.struct), one.num_observations, one.num_actuators,
+                     one.action_low, one.action_high, robot.id.encode())
+    plan = facts("evo_learner_describe", LearnerFacts, learner)
+    count = plan.environments
+    envs = TaskEnvironments(task, robot, count)
+    actions = np.empty((count, envs.num_actuators))
+    observe, act, reward = (getattr(library(), f"evo_learner_{name}")
+                            for name in ("observe", "act", "reward"))
+
+    def checked(failed: int) -> None:
+        if failed:
+            raise EvoError(library().evo_error().decode(errors="replace"))
+
+    def tell(observations: np.ndarray) -> None:
+        values = np.ascontiguousarray(observations)
+        checked(observe(learner, address(values), values.size, address(envs.steps), count))
+
+    tell(envs.reset())
+    best: Handle | None = None
+    curve: list[tuple[int, float, float]] = []
+    for update in range(1, plan.updates + 1):
+        for _ in range(plan.rollout):
+            checked(act(learner, address(actions), actions.size))
+            reached, rewards, terminated, truncated = envs.step(actions)
+            reached, rewards = np.ascontiguousarray(reached), np.ascontiguousarray(rewards)
+            checked(reward(learner, address(rewards), address(terminated), address(truncated),
+                           address(reached), reached.size, address(envs.steps), count))
+            ended = terminated | truncated
+            tell(envs.reset(ended) if ended.any() else reached)
+        call("evo_learner_learn", learner)
+        step = update * plan.rollout * count
+        if update % plan.evaluation_interval == 0 or update == plan.updates:
+            now = _snapshot(learner, robot, [])
+            score = _evaluate(one, Trained(robot, 0.0, np.empty((0, 3)), now))
+            highest = max([score, *(point[2] for point in curve[-1:])])
+            curve.append((step, score, highest))
+            if len(curve) == 1 or score > curve[-2][2]:
+                best = _snapshot(learner, robot, curve)
+        report(step)
+    found = _trained(robot, best)
+    return Trained(robot, found.fitness, np.array(curve), best)
+
+
+def _snapshot(learner: Handle, robot: Robot, curve: list[tuple[int, float, float]]) -> Handle:
+    points = (CurvePoint * max(1, len(curve)))(*curve)
+    return Handle("policy", "evo_learner_policy", learner, robot._handle, 0, points, len(curve))
+
+
+def _evaluate(one: TaskEnvironments, policy: Trained) -> float:
+    """The return of one deterministic episode."""
+    observations, total = one.reset(), 0.0
+    while True:
+        observations, rewards, terminated, truncated = one.step(
+            policy.act(observations, one.steps))
+        total += float(rewards[0])
+        if terminated[0] or truncated[0]:
+            return total

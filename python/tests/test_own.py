@@ -1,0 +1,183 @@
+"""Tasks in Python, and the suite's learner on them; needs numpy alone."""
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import evo_robots
+from evo_robots import EvoError, Simulator, Task, World
+from evo_robots.own import TaskEnvironments
+
+WALKER = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
+                   [4, 0, 0, 0, 4]])
+FEW = {"environments": 4, "rollout": 32, "minibatches": 4, "evaluation_interval": 4}
+WALK = '''
+import numpy as np
+from evo_robots import Task
+
+class Walk(Task):
+    """Walker-v0, written in Python."""
+
+    def observe(self, now):
+        shape = now.shape("robot").reshape(len(now.steps), -1, 2)
+        return np.concatenate([now.mean_velocity("robot"), shape[:, :, 0], shape[:, :, 1]], axis=1)
+
+    def reward(self, before, now):
+        return now.centre("robot")[:, 0] - before.centre("robot")[:, 0]
+
+    def done(self, now):
+        return now.centre("robot")[:, 0] > 9.9
+'''
+exec(WALK)  # the same text is a file below
+Walk = globals()["Walk"]
+
+
+class Environments(unittest.TestCase):
+    def test_a_task_written_again_observes_and_rewards_the_same(self):
+        own, known = TaskEnvironments(Walk(), WALKER, 3), Simulator("Walker-v0", WALKER, 3)
+        np.testing.assert_allclose(own.reset(), known.reset().observations, atol=1e-12)
+        rng = np.random.default_rng(0)
+        for _ in range(100):
+            actions = rng.uniform(0.6, 1.6, (3, 13))
+            observations, rewards, terminated, _ = own.step(actions)
+            state = known.step(actions)
+            np.testing.assert_allclose(observations, state.observations, atol=1e-8)
+            np.testing.assert_allclose(rewards, state.rewards, atol=1e-10)
+            np.testing.assert_array_equal(terminated, state.terminated)
+
+    def test_limits_and_resets_of_some(self):
+        class Short(Walk):
+            steps = 3
+
+        envs = TaskEnvironments(Short(), WALKER, 2)
+        start = envs.reset()
+        envs.step(np.full((2, 13), 1.3))
+        envs.reset([True, False])
+        observations, _, _, truncated = envs.step(np.full((2, 13), 1.3))
+        self.assertEqual((envs.steps.tolist(), truncated.tolist()), ([1, 2], [False, False]))
+        truncated = envs.step(np.full((2, 13), 1.3))[3]
+        self.assertEqual(truncated.tolist(), [False, True])
+        self.assertFalse(np.array_equal(observations, start))
+
+    def test_a_robot_that_folds_ends_its_episode(self):
+        class Fall(Walk):
+            def world(self, body, connections):
+                world = World()
+                world.add("robot", body, 1, 300, connections)
+                return world
+
+        robot = np.full((3, 3), 2)
+        robot[1, 1] = 3
+        envs = TaskEnvironments(Fall(), robot)
+        for _ in range(500):
+            _, rewards, terminated, _ = envs.step(np.ones((1, 1)))
+            if terminated[0]:
+                break
+        if envs.sims.status[0] != 0:
+            self.assertLess(rewards[0], -2.5)
+
+    def test_what_a_task_gives_is_checked(self):
+        class Flat(Walk):
+            def observe(self, now):
+                return now.positions.mean()
+
+        class Single(Walk):
+            def reward(self, before, now):
+                return 0.0
+
+        class Nobody(Walk):
+            def world(self, body, connections):
+                world = World()
+                world.add("ground", np.full((1, 100), 5), 0, 0)
+                return world
+
+        with self.assertRaisesRegex(ValueError, "Flat.observe gave shape"):
+            TaskEnvironments(Flat(), WALKER)
+        with self.assertRaisesRegex(ValueError, "Single.reward gave shape"):
+            TaskEnvironments(Single(), WALKER, 2).step(np.ones((2, 13)))
+        with self.assertRaisesRegex(ValueError, "no robot"):
+            TaskEnvironments(Nobody(), WALKER)
+        with self.assertRaisesRegex(NotImplementedError, "no observe"):
+            TaskEnvironments(Task(), WALKER)
+
+
+class Training(unittest.TestCase):
+    def test_ours_learns_a_task_in_python(self):
+        trained = evo_robots.train(Walk, WALKER, steps=51_200, seed=1)
+        self.assertGreater(trained.fitness, 1.5)
+        once, again = (evo_robots.train(Walk(), WALKER, steps=2048, seed=2, settings=FEW) for _ in range(2))
+        np.testing.assert_array_equal(once.curve, again.curve)
+        envs = TaskEnvironments(Walk(), WALKER)
+        observations, total = envs.reset(), 0.0
+        for _ in range(500):
+            observations, rewards, terminated, _ = envs.step(trained.act(observations, envs.steps))
+            total += rewards[0]
+        self.assertEqual(total, trained.fitness)
+        with tempfile.TemporaryDirectory() as folder:
+            trained.save(Path(folder, "walk.policy.h5"))
+            self.assertEqual(os.listdir(folder), ["walk.policy.h5"])
+
+    def test_a_task_of_the_suite_is_trained_as_evo_train_does(self):
+        seen = []
+        trained = evo_robots.train("Walker-v0", WALKER, steps=2048, seed=3, settings=FEW, progress=seen.append)
+        self.assertEqual(seen[-1], 2048)
+        with tempfile.TemporaryDirectory() as folder:
+            robot = Path(folder, "robot.json")
+            robot.write_text(json.dumps(evo_robots.robot_document(WALKER)))
+            said = subprocess.run(
+                [evo_robots.find_tool("evo-train"), robot, "--task", "Walker-v0", "--steps", "2048", "--seed",
+                 "3", "--out-dir", folder, *[f"--train-set={k}={v}" for k, v in FEW.items()]],
+                capture_output=True, text=True, check=True).stdout
+            self.assertEqual(json.loads(said)["fitness"], trained.fitness)
+
+    def test_ctrl_c_ends_a_training(self):
+        def interrupt(step):
+            signal.raise_signal(signal.SIGINT)
+
+        for task in ("Walker-v0", Walk):
+            with self.assertRaises(KeyboardInterrupt):
+                evo_robots.train(task, WALKER, steps=100_000, settings=FEW, progress=interrupt)
+
+    def test_what_makes_no_sense_is_refused(self):
+        class Wild(Walk):
+            def reward(self, before, now):
+                return np.full(len(now.steps), np.nan)
+
+        for wrong, message in (
+                (lambda: evo_robots.train(Walk, WALKER, settings={"gama": 1}), "gamma"),
+                (lambda: evo_robots.train(Walk, WALKER, profile="sequence"), "PPO"),
+                (lambda: evo_robots.train(Walk, WALKER, steps=1), "less than one rollout"),
+                (lambda: evo_robots.train(Wild, WALKER, steps=1024, settings=FEW), "finite"),
+                (lambda: evo_robots.train("Walkr-v0", WALKER), "Walker-v0")):
+            with self.assertRaisesRegex(EvoError, message):
+                wrong()
+        with self.assertRaises(TypeError):
+            evo_robots.train(Walk, WALKER, fast=True)
+
+    def test_in_a_pipeline(self):
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "walk.py").write_text(WALK)
+            command = [sys.executable, "-m", "evo_robots", f"{folder}/walk.py:Walk", "--steps", "512", "--out-dir",
+                       folder, *[f"--train-set={k}={v}" for k, v in FEW.items()]]
+            robots = subprocess.run([evo_robots.find_tool("evo-sample"), "-n", "2", "--seed", "1"],
+                                    capture_output=True, text=True, check=True).stdout
+            said = subprocess.run(command, input=robots, capture_output=True, text=True, check=True).stdout
+            found = [json.loads(line) for line in said.splitlines()]
+            self.assertEqual([robot["id"] for robot in found],
+                             [json.loads(line)["id"] for line in robots.splitlines()])
+            for robot in found:
+                self.assertTrue(np.isfinite(robot["fitness"]) and os.path.exists(robot["policy"]))
+            command[3] = f"{folder}/walk.py:Run"
+            said = subprocess.run(command, input=robots, capture_output=True, text=True)
+            self.assertEqual(said.returncode, 2)
+            self.assertRegex(said.stderr, "^evo_robots: .*no evo_robots.Task; there are: Walk\n$")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -14,6 +15,7 @@
 #include "cli/breeding_options.h"
 #include "cli/data.h"
 #include "cli/training_options.h"
+#include "evolution/plan.h"
 #include "evolution/propose.h"
 #include "evolution/run_command.h"
 #include "formats/io/files.h"
@@ -354,10 +356,34 @@ int print_command(const std::string& folder, const std::vector<std::string>& cha
   return 0;
 }
 
+// ---- plan -------------------------------------------------------------------------------
+
+// Of a run that need not be there yet: make -n plans, too.
+int print_plan(const std::string& folder, const std::vector<std::string>& words) {
+  PlanSettings plan;
+  const RunSettings settings = RunSettings::from_words(words);
+  for (const RunSetting& setting : settings.list()) {
+    int* const number = setting.name == "pop"      ? &plan.pop
+                        : setting.name == "evals"  ? &plan.evals
+                        : setting.name == "window" ? &plan.window
+                        : setting.name == "chunk"  ? &plan.chunk
+                                                   : nullptr;
+    if (number == nullptr)
+      throw error(Failure::usage, "plan: '{}' is none of pop, evals, window, chunk", setting.name);
+    *number = static_cast<int>(
+        parse_whole(setting.value, setting.name, 1, std::numeric_limits<int>::max() / 2));
+  }
+  const auto is_finished = [&](int generation) {
+    return fs::exists(fs::path(folder) / fmt::format("gen-{:03}", generation) / "ranking.tsv");
+  };
+  fmt::print("{}", plan_rules(folder, plan, is_finished));
+  return 0;
+}
+
 // ---- settings -------------------------------------------------------------------------
 
 int print_settings(const std::string& pipeline) {
-  std::set<std::string> pipelines{"bo"};
+  std::set<std::string> pipelines;
   for (const SettingEntry& entry : setting_table())
     pipelines.insert(entry.pipelines.begin(), entry.pipelines.end());
   pipelines.erase("all");
@@ -386,6 +412,8 @@ int main(int argc, char** argv) {
   command.arguments(
       words, "COMMAND RUN [KEY=VALUE]...",
       {{"init RUN KEY=VALUE...", "begin a run with these settings, or make sure that it has them"},
+       {"plan RUN pop=N evals=N window=N [chunk=N]",
+        "the graph of a run without generations, as rules of make"},
        {"propose RUN", "the next robots of a run without generations"},
        {"train RUN", "the robots of a generation"},
        {"fail RUN", "count slots that cannot be trained as failed"},
@@ -415,7 +443,7 @@ int main(int argc, char** argv) {
                   "trainings that failed, with the reason");
 
   return command.run(argc, argv, [&] {
-    const std::vector<std::string> verbs{"init",     "propose", "train",  "fail",
+    const std::vector<std::string> verbs{"init", "plan",    "propose", "train",  "fail",
                                          "settings", "slots",   "command"};
     if (words.empty()) throw error(Failure::usage, "one of {} is needed", fmt::join(verbs, ", "));
     if (std::find(verbs.begin(), verbs.end(), words[0]) == verbs.end())
@@ -428,6 +456,7 @@ int main(int argc, char** argv) {
     if (words.size() < 2) throw error(Failure::usage, "{}: name a run folder", words[0]);
     const std::string folder = words[1];
     if (words[0] == "init") return init(folder, {words.begin() + 2, words.end()});
+    if (words[0] == "plan") return print_plan(folder, {words.begin() + 2, words.end()});
     if (words[0] == "command") return print_command(folder, {words.begin() + 2, words.end()});
     if (words.size() > 2) throw error(Failure::usage, "{}: name one run folder", words[0]);
     if (options.isa) select_isa(*options.isa);

@@ -23,20 +23,17 @@ std::string shell_word(const std::string& value) {
 
 std::string run_command(const std::function<std::string(const std::string&)>& setting,
                         const std::vector<std::pair<std::string, std::string>>& variables) {
-  const bool steady = setting("layout") == "steady";
-  const std::string pipeline = steady ? "steady" : setting("method");
   const auto changed = [&](const std::string& variable) -> std::optional<std::string> {
     std::optional<std::string> value;
     for (const auto& [name, instead] : variables)
       if (name == variable) value = instead;
     return value;
   };
-  std::string line = fmt::format("make -f scripts/{}.mk", pipeline);
+  std::string line = fmt::format("make -f scripts/{}.mk", setting("method"));
   const auto add = [&](const std::string& variable, const std::string& value) {
     if (!value.empty()) line += fmt::format(" {}={}", variable, shell_word(value));
   };
   add("RUN", changed("RUN").value_or(""));
-  if (steady) add("METHOD", changed("METHOD").value_or(setting("method")));
   for (const SettingEntry& entry : setting_table()) {
     if (entry.kept == Kept::no) continue;
     const std::string value = changed(entry.variable()).value_or(setting(entry.name));

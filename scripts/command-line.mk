@@ -4,13 +4,17 @@
 pipeline := $(basename $(notdir $(firstword $(MAKEFILE_LIST))))
 # Settings of other pipelines that go on to those.
 others_rounds := ga
-others_compare := ga map race neat bo steady
+others_compare := ga map race neat bo
 others_records := rounds compare $(others_compare)
 
 define line_break
 
 
 endef
+# GNU screen has a variable of this name for every shell.
+ifeq ($(origin WINDOW),environment)
+WINDOW :=
+endif
 $(eval $(subst @@,$(line_break),$(shell awk -v pipeline=$(pipeline) -v evolves=$(if $(METHOD),yes) \
   -f '$(SCRIPTS)settings.awk' '$(SCRIPTS)settings.tsv')))
 
@@ -24,7 +28,7 @@ must_be_count = $(if $(filter-out 0,$(if $(call is_number,$($(1))),$($(1)))),,$(
 # Make by itself ignores a name that is mistyped, and a long run is not what was asked for.
 # Below another makefile the command line is that one's.
 ifeq ($(MAKELEVEL),0)
-ifneq ($(filter $(pipeline),bo $(foreach name,$(known),$(owners_$(name)))),)
+ifneq ($(filter $(pipeline),$(foreach name,$(known),$(owners_$(name)))),)
 belongs = $(filter $(pipeline) $(others_$(pipeline)) $(if $(METHOD)$(others_$(pipeline)),all),$(owners_$(1)))
 settings := $(foreach name,$(known),$(if $(call belongs,$(name)),$(name)))
 parts := GEN GRAPH

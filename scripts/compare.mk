@@ -21,11 +21,12 @@ include $(SCRIPTS)tools.mk
 include $(SCRIPTS)command-line.mk
 TASKS ?= Walker-v0
 
-known := ga neat bo map race steady-ga steady-neat steady-bo
+known := ga neat bo map race steady-ga steady-neat steady-bo steady-map
 unknown := $(filter-out $(known),$(METHODS))
-$(if $(unknown),$(error METHODS may be ga, neat, bo, map and race, with generations, and steady-ga, steady-neat and steady-bo, without; there is no '$(unknown)'))
+$(if $(unknown),$(error METHODS may be ga, neat, bo, map and race, with generations, and steady-ga, steady-neat, steady-bo and steady-map, without; there is no '$(unknown)'))
 # The pipeline of a method.
-pipeline_of = $(if $(filter steady-%,$(1)),'$(SCRIPTS)steady.mk' METHOD=$(patsubst steady-%,%,$(1)),'$(SCRIPTS)$(1).mk')
+window := $(or $(WINDOW),$(POP),$(initial_POP))
+pipeline_of = '$(SCRIPTS)$(patsubst steady-%,%,$(1)).mk' WINDOW=$(if $(filter steady-%,$(1)),$(window))
 
 RUNS := $(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach seed,$(SEEDS),$(RUN)/$(task)/$(method)-$(seed))))
 

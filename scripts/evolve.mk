@@ -2,6 +2,12 @@
 # final files. A pipeline sets METHOD and GENERATIONS, their number, gives `slots` and a
 # rule for $(POPULATION), and includes this file.
 #
+# With WINDOW there are no generations, but one static graph: robot k is proposed from
+# exactly the scores of robots 0 .. k-WINDOW-1, so nobody waits for a generation, and the
+# run is the same on one core and on a thousand, in any order of finishing. Robots are filed
+# as generations of POP, by number; CHUNK of them are proposed and launched together, which
+# changes nothing. The first POP come from `first_population`, where a pipeline has it.
+#
 # A generation is one recursive make, so that a long run stays as quick as a
 # short one. Rules ask only whether a file exists (order-only prerequisites);
 # every file appears under its name when it is whole. Killing the run at any
@@ -54,8 +60,39 @@ BEST := $(RUN)/best.json $(if $(EVALUATE),,$(RUN)/best.policy.h5 $(RUN)/best.$(V
 # One seed per purpose and generation.
 stage_seed = $$(( $(SEED) * 1000000 + $(1) ))
 
+ifneq ($(WINDOW),)
+GENERATIONS = $(call batches,$(EVALS),$(POP))
+all_generations = $(make_part) GRAPH=yes graph
+$(if $(shell [ '$(CHUNK)' -le '$(WINDOW)' ] && echo yes),,\
+  $(error CHUNK is a number from 1 to WINDOW, which is $(WINDOW), not '$(CHUNK)'))
+endif
+
 ifdef GRAPH
-# ---- the robots of a run without generations: steady.mk has the rules --------------
+# ---- the robots of a run without generations ---------------------------------
+
+ifneq ($(strip $(first_population)),)
+founders := $(RUN)/gen-000/population.jsonl
+$(founders):
+	@$(first_population)
+endif
+
+# Proposals of robots 0 .. $(1)-1 are quick and stay here, one after another.
+propose = mkdir -p '$(@D)' && evo-run propose '$(RUN)' --robots $(1) && : > '$@'
+
+# Generation $(1), slots $(2)
+train = $(train_slots) $(1) $(2)
+
+# Generation $(1) of $(2) robots is over: one file each instead of several per robot.
+rank = slots=$$(seq -f '$(@D)/%02.0f.json' 0 $$(( $(2) - 1 ))) && \
+  cat $$slots > '$(@D)/scores.jsonl.tmp' && mv '$(@D)/scores.jsonl.tmp' '$(@D)/scores.jsonl' && \
+  $(rank_generation) $(1) && rm -f $$slots '$(@D)'/*.proposed '$(@D)'/*.trained '$(@D)'/*.tmp
+
+$(eval $(subst @@,$(line_break),$(shell PATH='$(PATH)' evo-run plan '$(RUN)' \
+  pop=$(POP) evals=$(EVALS) window=$(WINDOW) chunk=$(CHUNK) | sed 's/$$/@@/')))
+
+.PHONY: graph
+graph: | $(shell printf '$(RUN)/gen-%03d/ranking.tsv ' $$(seq 0 $$(( $(GENERATIONS) - 1 ))))
+
 else ifndef GEN
 # ---- the whole run -----------------------------------------------------------
 

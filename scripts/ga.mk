@@ -10,6 +10,10 @@ METHOD := ga
 TRIAL = $(if $(FOUNDERS),$(try_founders),evo-sample -n 0 $(SAMPLE_OPTIONS)); \
   $(if $(filter evo-mutate,$(MUTATE)),evo-mutate -n 0 $(MUTATE_OPTIONS);)
 founders = evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)' | evo-select --keep $(POP)
+unscored = jq -c '{format, version, id, body}'
+first_population = mkdir -p '$(@D)' && \
+  $(if $(FOUNDERS),$(founders) | $(unscored) > '$@.tmp' && mv '$@.tmp' '$@',\
+    evo-sample -n $(POP) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,0) -o '$@')
 try_founders = [ '$(INHERIT)' != all ] || [ -d '$(FOUNDERS)/policies' ] || \
     { echo '$(FOUNDERS): has no policies to go on from; INHERIT=yes trains founders anew' >&2; exit 66; }; \
   found=$$($(founders) | wc -l); \
@@ -24,16 +28,12 @@ all:
 
 include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
 
+$(if $(WINDOW),$(if $(filter evo-mutate,$(MUTATE)),,$(error MUTATE makes the children of generations; WINDOW does without)))
+
 ifdef GEN
 ifeq ($(GEN),0)
 $(POPULATION):
-	@mkdir -p '$(@D)'
-ifneq ($(FOUNDERS),)
-	@$(founders) | jq -c '{format, version, id, body}' > '$@.tmp'
-	@mv '$@.tmp' '$@'
-else
-	@evo-sample -n $(POP) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,$(GEN)) -o '$@'
-endif
+	@$(first_population)
 else
 before := $(call plan,awk '$$1 == $(GEN) - 1')
 # Survivors keep their fitness and policy; their children are new to the run.

@@ -10,6 +10,8 @@
 
 METHOD := map
 TRIAL = evo-sample -n 0 $(SAMPLE_OPTIONS); evo-mutate -n 0 $(MUTATE_OPTIONS); evo-archive -q --features '$(FEATURES)';
+first_population = mkdir -p '$(@D)' && \
+  evo-sample -n $(call batch_size,0) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,0) -o '$@'
 GENERATIONS = $(call batches,$(EVALS),$(POP))
 slots = $(call counting,$(call batch_size,$(GEN)))
 
@@ -28,11 +30,12 @@ ifdef GEN
 # Elites stay until a new robot is better.
 to_file = $(if $(wildcard $(PREVIOUS)/elites.jsonl),cat elites.jsonl scores.jsonl,$(all_scores))
 
+ifeq ($(GEN),0)
+$(POPULATION):
+	@$(first_population)
+else
 $(POPULATION):
 	@mkdir -p '$(@D)'
-ifeq ($(GEN),0)
-	@evo-sample -n $(call batch_size,$(GEN)) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,$(GEN)) -o '$@'
-else
 	@cd '$(PREVIOUS)' && $(to_file) | evo-archive -q --features '$(FEATURES)' -o '../$(notdir $(GENERATION))/elites.jsonl'
 	@$(list_seen)
 	@evo-mutate -n $(call batch_size,$(GEN)) --seed $(call stage_seed,$(GEN)) $(MUTATE_OPTIONS) \

@@ -5,6 +5,7 @@
 #
 #   owners_POP := all          which pipelines have the setting
 #   type_POP := count
+#   initial_POP := 25
 #   POP ?= 25                  and, of those of this pipeline, default, check and line of run.yaml
 #   checks += ..
 #   SETTINGS += pop='$(POP)'
@@ -42,6 +43,7 @@ function either(words) {
   variable = toupper($1)
   put("known += " variable)
   put("owners_" variable " := " $2)
+  if ($4 !~ /[(;]/) put("initial_" variable " := " $4)
   put("type_" variable " := " $3)
   if (index(" " $2 " ", " " pipeline " ") == 0 && !(evolves && $2 ~ /(^| )all( |$)/)) next
 

@@ -108,14 +108,6 @@ std::string differences(const RunSettings& there, const RunSettings& asked) {
   return text;
 }
 
-Layout layout_of(const RunSettings& settings, const fs::path& file) {
-  const std::string* layout = settings.find("layout");
-  if (layout == nullptr || *layout == "generations") return Layout::generations;
-  if (*layout == "steady") return Layout::steady;
-  throw error(Failure::data, "{}: {}", file.string(),
-              unknown_name("layout of a run", *layout, {"generations", "steady"}));
-}
-
 // ---- timings --------------------------------------------------------------------
 
 std::ifstream open_population(const fs::path& file) {
@@ -158,6 +150,9 @@ RunSettings RunSettings::from_words(const std::vector<std::string>& words) {
     if (equals == std::string::npos || !is_setting_name(name) || name == "format" ||
         name == "version")
       throw error(Failure::usage, "'{}' is not a setting KEY=VALUE, such as task=Walker-v0", word);
+    if (name == "layout")
+      throw Error(Failure::usage,
+                  "there is no setting 'layout'; a run without generations has window=N");
     if (present_name(name) != name)
       throw error(Failure::usage, "the setting '{}' is called '{}'", name, present_name(name));
     if (settings.find(name) != nullptr)
@@ -182,6 +177,13 @@ RunSettings RunSettings::parse(std::string_view text, const std::string& where) 
   for (const auto& [key, value] : document.entries()) {
     const std::string name = present_name(key.string());
     if (name == "format" || name == "version") continue;
+    // Earlier versions said so beside `window`.
+    if (name == "layout") {
+      if (value.string() != "generations" && value.string() != "steady")
+        throw value.error(
+            unknown_name("layout of a run", value.string(), {"generations", "steady"}));
+      continue;
+    }
     if (!is_setting_name(name))
       throw key.error(
           fmt::format("{} is not the name of a setting, such as task", shown(Json(name))));
@@ -248,7 +250,7 @@ std::string RunSettings::to_yaml() const {
 RunFolder::RunFolder(fs::path path, RunSettings settings)
     : path_(std::move(path)),
       settings_(std::move(settings)),
-      layout_(layout_of(settings_, path_ / settings_name)) {}
+      layout_(settings_.find("window") == nullptr ? Layout::generations : Layout::steady) {}
 
 RunFolder::RunFolder(fs::path path) : path_(std::move(path)) {
   if (!fs::exists(path_))
@@ -260,7 +262,7 @@ RunFolder::RunFolder(fs::path path) : path_(std::move(path)) {
     throw error(Failure::data, "{}: a folder without {} is not a run", path_.string(),
                 settings_name);
   settings_ = RunSettings::read(file);
-  layout_ = layout_of(settings_, file);
+  if (settings_.find("window") != nullptr) layout_ = Layout::steady;
 }
 
 RunFolder RunFolder::create(const fs::path& path, const RunSettings& settings) {

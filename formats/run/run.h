@@ -83,12 +83,12 @@ class RunSettings {
 
 // ---- slots and times --------------------------------------------------------------
 
-// How a run numbers its slots, the setting `layout`; without one, by generation.
+// How a run numbers its slots.
 enum class Layout {
   generations,  // a population is proposed at once, from the scores of the one before
-  // Robot k is slot k % P of generation k / P, P the setting `pop`. Populations
-  // grow robot by robot; `window` says which scores a robot is proposed from, and
-  // `policies` and `logs` are split by the first two digits of ids.
+  // With the setting `window`. Robot k is slot k % P of generation k / P, P the setting
+  // `pop`. Populations grow robot by robot; `window` says which scores a robot is proposed
+  // from, and `policies` and `logs` are split by the first two digits of ids.
   steady,
 };
 

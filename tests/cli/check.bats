@@ -102,7 +102,7 @@ with h5py.File(sys.argv[1], 'r+') as f:
   evo-inspect "$EVO_SOURCE/tasks/neat.yaml" "$EVO_SOURCE/tasks/Walker-v0.yaml" "$EVO_SOURCE/tasks/physics/paper.yaml" "$EVO_SOURCE/tasks/training/default.yaml"
   evo-inspect - < "$(ls ./*.policy.h5)" | grep -q 2x2
   evo-inspect - < walk.h5 | grep -q 2x2
-  evo-run init run method=ga layout=steady pop=2 evals=4 window=2 shape=2x2 seed=1 task=Walker-v0 mutate_options=
+  evo-run init run method=ga pop=2 evals=4 window=2 shape=2x2 seed=1 task=Walker-v0 mutate_options=
   evo-run propose run --robots 2
   evo-inspect run/run.yaml | grep -qx 'task  *Walker-v0'
   evo-inspect run/steady.json | grep -q '2 robots proposed, 0 scores known'

@@ -47,7 +47,7 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
 @test "runs fit their schemas: settings, and the state of a steady run" {
   local method
   for method in ga neat bo; do
-    make -s -f "$EVO_SOURCE/scripts/steady.mk" METHOD=$method RUN=$method POP=4 EVALS=9 WINDOW=2 SHAPE=3x3 SEED=1 \
+    make -s -f "$EVO_SOURCE/scripts/$method.mk" RUN=$method POP=4 EVALS=9 WINDOW=2 SHAPE=3x3 SEED=1 \
       EVALUATE='evo-eval --task Walker-v0 --random --max-steps 3'
     schema run < $method/run.yaml
     schema steady < $method/steady.json

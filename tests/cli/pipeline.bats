@@ -7,7 +7,8 @@ settings=(TASK=Walker-v0 POP=4 EVALS=9 STEPS=4096 SEED=1 VIDEO=gif VIDEO_OPTIONS
 run_make() {
   local method=$1 folder=$2
   shift 2
-  make -f "$EVO_SOURCE/scripts/$method.mk" RUN="$folder" "${settings[@]}" "$@"
+  pipeline_words "$method" "${settings[@]}" "$@"
+  make "${pipeline[@]}" RUN="$folder" "${settings[@]}" "$@"
 }
 
 # Everything of a run that must not depend on how it came about.
@@ -73,7 +74,7 @@ kill_and_repeat() {
   run_make ga calm "${inherit[@]}" -j2 calm/history.jsonl
   run_make ga other "${inherit[@]}" other/history.jsonl
   diff calm/history.jsonl other/history.jsonl
-  run_make steady steady "${inherit[@]}" -j2 steady/history.jsonl
+  run_make steady-ga steady "${inherit[@]}" -j2 steady/history.jsonl
   # A child's policy names its parent's, the first robots' name none.
   for folder in calm steady; do
     child=$(tail -n 1 $folder/history.jsonl)
@@ -102,7 +103,7 @@ kill_and_repeat() {
     calm/history.jsonl
   jq -e '.genome.kind == "cppn"' calm/gen-000/00.json
   grep -q "FOUNDER_STEPS=8192" calm/report.html
-  run_make steady steady FOUNDER_STEPS=8192 -s -j2 steady/history.jsonl
+  run_make steady-ga steady FOUNDER_STEPS=8192 -s -j2 steady/history.jsonl
   [ "$(jq -s 'map(.steps) | unique | length' steady/history.jsonl)" -eq 2 ]
 }
 
@@ -139,7 +140,7 @@ kill_and_repeat() {
   [ ! -e too-few/gen-000/population.jsonl ]
   run -2 --separate-stderr run_make ga nothing FOUNDERS=none -s
   [[ $stderr == *"none"* ]]
-  for pipeline in steady neat; do
+  for pipeline in map neat; do
     run -2 --separate-stderr run_make $pipeline $pipeline FOUNDERS=scout
     [[ $stderr == *"no setting FOUNDERS (a setting of ga.mk)"* ]]
   done
@@ -213,6 +214,21 @@ kill_and_repeat() {
   [ "$(jq -r .id calm/history.jsonl | sort -u | wc -l)" -eq 9 ]
   [ "$(wc -l < calm/archive.tsv)" -eq $(($(wc -l < calm/archive.jsonl) + 1)) ]
   [ "$(jq -s 'map(.fitness) | max' calm/archive.jsonl)" = "$(jq .fitness calm/best.json)" ]
+}
+
+@test "map without generations: an archive of kinds, from founders as sampled, any -j" {
+  local features=(FEATURES=filled:3,behaviour.distance:4:-2:2 SAMPLE_OPTIONS="--encoding cppn")
+  run_make steady-map one "${features[@]}" -s -j2
+  run_make steady-map two "${features[@]}" CHUNK=2 -s two/history.jsonl
+  diff one/history.jsonl two/history.jsonl
+  jq -es '.[0].genome.kind == "cppn"' one/gen-000/scores.jsonl
+  [ "$(jq -r .id one/history.jsonl | sort -u | wc -l)" -eq 9 ]
+  [ "$(wc -l < one/archive.tsv)" -eq $(($(wc -l < one/archive.jsonl) + 1)) ]
+  # Children descend from the elites among the scores that their numbers know.
+  jq -r .id one/history.jsonl > ids
+  robot=8
+  head -n $((robot - 4)) one/history.jsonl | evo-archive -q --features filled:3,behaviour.distance:4:-2:2 | jq -r .id > elites
+  grep -qxF "$(sed -n $((robot + 1))p one/history.jsonl | jq -r '.parents[0]')" elites
 }
 
 @test "map: behaviours as axes are measured, kept and drawn" {
@@ -366,7 +382,8 @@ refused_at_once() {
   refused_at_once ga EVAL=8 "ga.mk has no setting EVAL; it has EVALS EVALUATE"
   refused_at_once ga POPULATION=8 "ga.mk has no setting POPULATION; it has POP"
   refused_at_once ga evals=8 "ga.mk has no setting evals; it has ALGO CHUNK"
-  refused_at_once steady FOUNDERS=lost "steady.mk has no setting FOUNDERS (a setting of ga.mk); it has ALGO"
+  refused_at_once race WINDOW=5 "race.mk has no setting WINDOW (a setting of ga.mk neat.mk bo.mk map.mk)"
+  refused_at_once neat FOUNDERS=lost "neat.mk has no setting FOUNDERS (a setting of ga.mk); it has ALGO"
   refused_at_once neat SEEDS=1 "neat.mk has no setting SEEDS; it has SEED."
   for pipeline in compare rounds records; do
     run -2 make -f "$EVO_SOURCE/scripts/$pipeline.mk" RUN=run STEP=8
@@ -380,11 +397,11 @@ refused_at_once() {
 }
 
 @test "what a tool is asked for only later is refused at the beginning" {
-  for method in ga map neat bo race steady; do refused_at_once $method SHAPE=5 "--shape: '5'"; done
+  for method in ga map neat bo race steady-ga steady-neat; do refused_at_once $method SHAPE=5 "--shape: '5'"; done
   for method in ga map race; do
     refused_at_once $method SAMPLE_OPTIONS='--weights 1' "evo-sample: --weights: expected 5"
   done
-  for method in ga map race steady; do
+  for method in ga map race steady-ga; do
     refused_at_once $method MUTATE_OPTIONS='--rate 5' "evo-mutate: --rate must be"
   done
   refused_at_once map FEATURES=height "evo-archive: --features: 'height'"
@@ -394,7 +411,7 @@ refused_at_once() {
 
 @test "numbers that are none, quotes and line breaks are refused at once" {
   local name value pipeline
-  for pipeline in ga neat bo map race steady; do
+  for pipeline in ga neat bo map race steady-map; do
     for name in CHUNK POP EVALS CORES TRIES; do
       for value in -1 0 x '' "3'"; do
         run --separate-stderr timeout 10 make -f "$EVO_SOURCE/scripts/$pipeline.mk" RUN=run "${settings[@]}" "$name=$value"
@@ -409,7 +426,15 @@ refused_at_once() {
     refused_at_once $pipeline VIDEO=mpeg "VIDEO is mp4, webm, gif or apng, not 'mpeg'"
   done
   refused_at_once ga MUTATE_OPTIONS=$'--rate\ntouch broken' "MUTATE_OPTIONS has a line break in it"
-  refused_at_once steady WINDOW=x "WINDOW is a number from 1, not 'x'"
+  refused_at_once bo WINDOW=x "WINDOW is a number from 1, not 'x'"
+  run -2 --separate-stderr run_make ga run WINDOW=2 CHUNK=3
+  [[ $stderr == *"CHUNK is a number from 1 to WINDOW, which is 2, not '3'"* ]]
+  run -2 --separate-stderr run_make ga run WINDOW=2 MUTATE=mine
+  [[ $stderr == *"MUTATE makes the children of generations"* ]]
+  # GNU screen sets a variable of this name.
+  WINDOW=0 run_make ga run -n run/run.yaml > plan
+  run ! grep window= plan
+  rm plan
   for value in "a'b" 'a"b' 'a b' $'a\nb' 'a&b' 'a`b' 'a<b' 'a>b' 'a!b' 'a;b' 'a|b'; do
     run --separate-stderr timeout 10 make -f "$EVO_SOURCE/scripts/ga.mk" "${settings[@]}" "RUN=$value"
     [ "$status" -eq 2 ]
@@ -423,7 +448,7 @@ refused_at_once() {
   local least="training: 4096 steps are too few for a sequence here; give at least 5000"
   settings+=(TRAIN=sequence)
   refused_at_once ga STEPS=4096 "$least"
-  refused_at_once steady STEPS=4096 "$least"
+  refused_at_once steady-ga STEPS=4096 "$least"
   refused_at_once ga FOUNDER_STEPS=8192 "$least"
   refused_at_once ga TRAIN=moments "moments need a controller to start from"
   # A child that begins with its parent's controller needs fewer.
@@ -459,6 +484,9 @@ refused_at_once() {
 @test "make -n shows the plan by slots" {
   run_make ga run -n > plan
   [ "$(grep -c 'train-slots' plan)" -ge 9 ]
+  run_make bo run WINDOW=3 -n > plan
+  [ "$(grep -c 'train-slots' plan)" -eq 9 ]
+  [ "$(grep -c 'evo-run propose' plan)" -eq 9 ]
   [ ! -e run ] || [ ! -e run/gen-000 ]
 }
 

@@ -6,9 +6,11 @@ settings=(TASK=Walker-v0 STEPS=4096 SEED=1)
 
 # A pipeline of scripts/ in a session of its own, so that it can be killed.
 run_make() {
-  local pipeline=$1 folder=$2
+  local name=$1 folder=$2
   shift 2
-  make -f "$EVO_SOURCE/scripts/$pipeline.mk" RUN="$folder" "${settings[@]}" "$@"
+  local pipeline
+  pipeline_words "$name" "${settings[@]}" "$@"
+  make "${pipeline[@]}" RUN="$folder" "${settings[@]}" "$@"
 }
 
 # Only the evolution, trained by the stand-in: no video, no report.
@@ -20,9 +22,10 @@ evolve() {
 
 # The same in the background, and the end of make alone.
 evolve_behind() {
-  local pipeline=$1 folder=$2
+  local name=$1 folder=$2 pipeline
   shift 2
-  (exec make -f "$EVO_SOURCE/scripts/$pipeline.mk" RUN="$folder" "${settings[@]}" -s TRAINER="$stand_in" "$@" \
+  pipeline_words "$name" "${settings[@]}" "$@"
+  (exec make "${pipeline[@]}" RUN="$folder" "${settings[@]}" -s TRAINER="$stand_in" "$@" \
     "$folder/history.jsonl" > /dev/null 2>&1 3>&-) &
   make=$!
 }

@@ -8,7 +8,7 @@ busy() { pgrep -f "$BATS_TEST_TMPDIR/$1" > /dev/null; }
 idle() { ! busy "$1"; }
 
 @test "killing only make leaves no training behind, and the trainings save checkpoints" {
-  for pipeline in steady ga; do
+  for pipeline in steady-ga ga; do
     make -f "$EVO_SOURCE/scripts/$pipeline.mk" RUN="$BATS_TEST_TMPDIR/$pipeline" "${settings[@]/STEPS=4096/STEPS=100000000}" \
       "${small[@]}" -s -j3 > /dev/null 2>&1 3>&- &
     make=$!
@@ -24,7 +24,7 @@ idle() { ! busy "$1"; }
 
 @test "a training that dies is tried again; one that always dies is recorded, and the run goes on" {
   export SECONDS_EACH=0.01 DIE_ALWAYS=0.3
-  for pipeline in steady ga; do
+  for pipeline in steady-ga ga; do
     evolve $pipeline calm "${small[@]}" -j3
     DIE_ONCE=0.4 evolve $pipeline lively "${small[@]}" -j3 2> messages
     diff <(essence calm) <(essence lively)
@@ -50,7 +50,7 @@ idle() { ! busy "$1"; }
   cp "$EVO_SOURCE/tasks/training/default.yaml" mine.yaml
   printf '#!/bin/bash\nrm -f mine.yaml\nexec "$@"\n' > vanish
   chmod +x vanish
-  run evolve steady run "${small[@]}" TRAIN=mine.yaml LAUNCH="$PWD/vanish" TRAINER="evo-run train"
+  run evolve steady-ga run "${small[@]}" TRAIN=mine.yaml LAUNCH="$PWD/vanish" TRAINER="evo-run train"
   [ "$status" -ne 0 ]
   [ "$(grep -c "mine.yaml" <<< "$output")" -eq 1 ]
   [[ $output != *train-slots* ]]
@@ -64,7 +64,7 @@ echo x >> starts
 exec "$@"
 END
   chmod +x not-today
-  SECONDS_EACH=0 evolve steady run "${small[@]}" LAUNCH="$PWD/not-today" 2> messages
+  SECONDS_EACH=0 evolve steady-ga run "${small[@]}" LAUNCH="$PWD/not-today" 2> messages
   [ "$(jq -s 'map(select(.fitness == null)) | length' run/history.jsonl)" -eq 0 ]
   grep -q "started again" messages
 }
@@ -91,7 +91,7 @@ END
 
 @test "a generation in which every training fails does not end a run" {
   failing_trainer
-  for method in ga neat bo map "steady METHOD=ga" "steady METHOD=neat" "steady METHOD=bo"; do
+  for method in ga neat bo map steady-ga steady-neat steady-bo steady-map; do
     read -ra words <<< "$method"
     FAILING=1 run_make "${words[0]}" run "${words[@]:1}" "${small[@]}" -s -j2 TRAINER="$PWD/failing" run/history.jsonl run/best.json
     jq -se '(map(select(.failure.why? == "as the test wants")) | length) > 1 and length == 12' run/history.jsonl
@@ -103,7 +103,7 @@ END
 
 @test "a run in which every training fails ends with a line that says why" {
   failing_trainer
-  for pipeline in ga steady; do
+  for pipeline in ga steady-ga; do
     FAILING="0 1 2 3" run -2 run_make $pipeline run "${small[@]}" -s -j2 TRAINER="$PWD/failing" run/history.jsonl
     [ "$(grep -c "^run: every training of generation 0 has failed (4 x as the test wants)" <<< "$output")" -eq 1 ]
     [ ! -e run/gen-000/ranking.tsv ]
@@ -133,8 +133,8 @@ mv "$file" "$file.late"
 END
   chmod +x late
   export SECONDS_EACH=0 EVO_SOURCE
-  evolve steady calm POP=3 EVALS=4 SHAPE=4x4
-  PATIENCE=10 run_make steady run -s POP=3 EVALS=4 SHAPE=4x4 -j3 TRAINER="$PWD/late" run/history.jsonl 2> messages
+  evolve steady-ga calm POP=3 EVALS=4 SHAPE=4x4
+  PATIENCE=10 run_make steady-ga run -s POP=3 EVALS=4 SHAPE=4x4 -j3 TRAINER="$PWD/late" run/history.jsonl 2> messages
   diff <(essence calm) <(essence run)
   [ "$(grep -c "gave no result within 10 s" messages)" -eq 1 ]
 }

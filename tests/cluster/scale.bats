@@ -10,7 +10,7 @@ all_there() {
 @test "no training is lost or done twice" {
   if [ -n "${EVO_SLOW:-}" ]; then size=(100 10000 1000 CHUNK=10); else size=(8 90 30 CHUNK=3); fi
   export SECONDS_EACH=0.1 DIE_ONCE=0.1 DIE_ALWAYS=0.01
-  for pipeline in steady ga; do all_there "$("$EVO_SOURCE/tests/cluster/scale" $pipeline "${size[@]}")"; done
+  for window in "" WINDOW=${size[2]}; do all_there "$("$EVO_SOURCE/tests/cluster/scale" ga "${size[@]}" $window)"; done
 }
 
 @test "a run folder of many robots is resumed, selected from, inspected and reported" {

@@ -6,19 +6,19 @@ small=(POP=5 EVALS=22 WINDOW=7 SHAPE=4x4)
 
 # Robot k is proposed from exactly the scores of robots 0 .. k-W-1: with all others
 # changed it is the same robot.
-@test "ga, neat and bo: 1, 2 and 7 workers, any chunks, killed or not, end the same" {
-  for method in ga neat bo; do
-    SECONDS_EACH=0 evolve steady one METHOD=$method "${small[@]}"
+@test "ga, neat, bo and map: 1, 2 and 7 workers, any chunks, killed or not, end the same" {
+  for method in ga neat bo map; do
+    SECONDS_EACH=0 evolve $method one "${small[@]}"
     [ "$(wc -l < one/history.jsonl)" -eq 22 ]
     [ "$(jq -r .id one/history.jsonl | sort -u | wc -l)" -eq 22 ]
-    SECONDS_EACH=0.01 evolve steady two METHOD=$method "${small[@]}" -j2
-    SECONDS_EACH=0.03 evolve steady seven METHOD=$method "${small[@]}" -j7 CHUNK=2
+    SECONDS_EACH=0.01 evolve $method two "${small[@]}" -j2
+    SECONDS_EACH=0.03 evolve $method seven "${small[@]}" -j7 CHUNK=2
     for ((kills = 0; kills < 3; kills++)); do
-      SECONDS_EACH=0.03 evolve_behind steady stormy METHOD=$method "${small[@]}" -j5 CHUNK=4
+      SECONDS_EACH=0.03 evolve_behind $method stormy "${small[@]}" -j5 CHUNK=4
       random_pause
       kill_make
     done
-    SECONDS_EACH=0 evolve steady stormy METHOD=$method "${small[@]}" -j3 CHUNK=3
+    SECONDS_EACH=0 evolve $method stormy "${small[@]}" -j3 CHUNK=3
     for other in two seven stormy; do diff <(essence one) <(essence $other); done
     rm -r one two seven stormy
   done
@@ -26,7 +26,7 @@ small=(POP=5 EVALS=22 WINDOW=7 SHAPE=4x4)
 
 @test "nothing that is not needed is waited for, nothing is trained twice" {
   # The first robot takes long; the others of its window go on meanwhile.
-  SECONDS_EACH=0.05 evolve steady run "${small[@]}" -j4
+  SECONDS_EACH=0.05 evolve steady-ga run "${small[@]}" -j4
   [ "$(grep -c ^end run/stand-in.log)" -eq 22 ]
   [ "$(grep -c ^start run/stand-in.log)" -eq 22 ]
   # A finished generation is four files, whatever its robots were.
@@ -36,13 +36,13 @@ small=(POP=5 EVALS=22 WINDOW=7 SHAPE=4x4)
 }
 
 @test "the state may be lost: the same robots are proposed again" {
-  for method in ga neat bo; do
-    SECONDS_EACH=0 evolve steady calm METHOD=$method "${small[@]}"
-    SECONDS_EACH=0.05 evolve_behind steady lost METHOD=$method "${small[@]}" -j2
+  for method in ga neat bo map; do
+    SECONDS_EACH=0 evolve $method calm "${small[@]}"
+    SECONDS_EACH=0.05 evolve_behind $method lost "${small[@]}" -j2
     sleep 2
     kill_make
     rm -f lost/steady.json
-    SECONDS_EACH=0 evolve steady lost METHOD=$method "${small[@]}"
+    SECONDS_EACH=0 evolve $method lost "${small[@]}"
     diff <(essence calm) <(essence lost)
     rm -r calm lost
   done
@@ -64,7 +64,7 @@ echo "$isa" >> used
 exec evo-run train --isa "$isa" "$@"
 END
   chmod +x mixed
-  for pipeline in steady ga; do
+  for pipeline in steady-ga ga; do
     rm -f used
     run_make $pipeline pure-$pipeline POP=4 EVALS=10 SHAPE=4x4 -s -j2 pure-$pipeline/history.jsonl
     run_make $pipeline mixed-$pipeline POP=4 EVALS=10 SHAPE=4x4 -s -j2 \

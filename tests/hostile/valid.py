@@ -14,7 +14,7 @@ def run(*words, **options):
 def make_run(folder):
     """A run without generations: some robots scored, others proposed from the scores."""
     run("evo-run", "init", folder, "method=neat", "task=Walker-v0", "pop=3",
-        "evals=6", "steps=8", "seed=1", "shape=2x2", "neat=default", "layout=steady",
+        "evals=6", "steps=8", "seed=1", "shape=2x2", "neat=default",
         "window=3")
     run("evo-run", "propose", folder, "--robots", "3")
     with open(f"{folder}/gen-000/population.jsonl", "rb") as file:

@@ -57,7 +57,7 @@ offers() {
   offers evo-train --physics f | diff - <(echo fast)
   offers evo-train --train pap | diff - <(echo paper)
   [ -z "$(offers evo-eval walk)" ]
-  offers evo-run '' | diff - <(printf '%s\n' init propose train fail settings slots command)
+  offers evo-run '' | diff - <(printf '%s\n' init plan propose train fail settings slots command)
   offers evo-inspect ta | diff - <(printf '%s\n' tasks task)
   offers evo-inspect task Walk | diff - <(echo Walker-v0)
   [ -z "$(offers evo-run slots runs/wal)" ]
@@ -102,5 +102,5 @@ END
   zsh -f offers.zsh evo '' | grep -qx train
   zsh -f offers.zsh evo eval -- | grep -qx -- --rollout-dir
   zsh -f offers.zsh evo-eval walk | diff - <(echo files)
-  zsh -f offers.zsh evo-run '' | diff - <(printf '%s\n' init propose train fail settings slots command files)
+  zsh -f offers.zsh evo-run '' | diff - <(printf '%s\n' init plan propose train fail settings slots command files)
 }

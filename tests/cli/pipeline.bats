@@ -396,6 +396,22 @@ refused_at_once() {
   grep -q "evals='250'" plan
 }
 
+@test "a new setting is a line of the table" {
+  cp -r "$EVO_SOURCE/scripts" .
+  printf 'mood\tga map\tcalm|wild\tcalm\tchanged\tof its own\n' >> scripts/settings.tsv
+  printf 'vigour\tall\tcount\t7\tyes\tof its own\n' >> scripts/settings.tsv
+  make -n -f scripts/ga.mk RUN=run "MOOD=wild" run/run.yaml | grep "evo-run init .* mood='wild' vigour='7'"
+  make -n -f scripts/map.mk RUN=run VIGOUR=8 run/run.yaml | grep "evo-run init .* vigour='8'" | grep -v mood=
+  run -2 make -f scripts/bo.mk RUN=run MOOD=calm
+  [[ $output == *"bo.mk has no setting MOOD (a setting of ga.mk map.mk)"* ]]
+  run -2 make -f scripts/ga.mk RUN=run MOOD=sad
+  [[ $output == *"MOOD is calm or wild, not 'sad'"* ]]
+  run -2 make -f scripts/ga.mk RUN=run VIGOUR=none
+  [[ $output == *"VIGOUR is a number from 1, not 'none'"* ]]
+  awk -f "$EVO_SOURCE/docs/man/settings.awk" scripts/settings.tsv "$EVO_SOURCE/docs/man/evo-pipelines.7.scd" | grep -A1 -F '*MOOD*=_calm|wild_'
+  [ ! -e run ]
+}
+
 @test "what a tool is asked for only later is refused at the beginning" {
   for method in ga map neat bo race steady-ga steady-neat; do refused_at_once $method SHAPE=5 "--shape: '5'"; done
   for method in ga map race; do
@@ -410,20 +426,21 @@ refused_at_once() {
 }
 
 @test "numbers that are none, quotes and line breaks are refused at once" {
-  local name value pipeline
-  for pipeline in ga neat bo map race steady-map; do
+  local name value method
+  for method in ga neat bo map race steady-map; do
     for name in CHUNK POP EVALS CORES TRIES; do
       for value in -1 0 x '' "3'"; do
-        run --separate-stderr timeout 10 make -f "$EVO_SOURCE/scripts/$pipeline.mk" RUN=run "${settings[@]}" "$name=$value"
+        pipeline_words $method "${settings[@]}"
+        run --separate-stderr timeout 10 make "${pipeline[@]}" RUN=run "${settings[@]}" "$name=$value"
         [ "$status" -eq 2 ]
         [[ $stderr == *"$name is a number from 1"* || $stderr == *"$name=3' has a quote in it"* ]]
       done
     done
     for name in TASK SHAPE TRAIN PHYSICS FOUNDER_STEPS; do
-      refused_at_once $pipeline "$name=a'b" "$name=a'b has a quote in it"
-      refused_at_once $pipeline "$name=a"$'\n'"touch broken" "$name has a line break in it"
+      refused_at_once $method "$name=a'b" "$name=a'b has a quote in it"
+      refused_at_once $method "$name=a"$'\n'"touch broken" "$name has a line break in it"
     done
-    refused_at_once $pipeline VIDEO=mpeg "VIDEO is mp4, webm, gif or apng, not 'mpeg'"
+    refused_at_once $method VIDEO=mpeg "VIDEO is mp4, webm, gif or apng, not 'mpeg'"
   done
   refused_at_once ga MUTATE_OPTIONS=$'--rate\ntouch broken' "MUTATE_OPTIONS has a line break in it"
   refused_at_once bo WINDOW=x "WINDOW is a number from 1, not 'x'"

@@ -8,17 +8,19 @@ busy() { pgrep -f "$BATS_TEST_TMPDIR/$1" > /dev/null; }
 idle() { ! busy "$1"; }
 
 @test "killing only make leaves no training behind, and the trainings save checkpoints" {
-  for pipeline in steady-ga ga; do
-    make -f "$EVO_SOURCE/scripts/$pipeline.mk" RUN="$BATS_TEST_TMPDIR/$pipeline" "${settings[@]/STEPS=4096/STEPS=100000000}" \
+  local name pipeline
+  for name in steady-ga ga; do
+    pipeline_words $name "${small[@]}"
+    make "${pipeline[@]}" RUN="$BATS_TEST_TMPDIR/$name" "${settings[@]/STEPS=4096/STEPS=100000000}" \
       "${small[@]}" -s -j3 > /dev/null 2>&1 3>&- &
     make=$!
-    training() { [ "$(ls $pipeline/gen-000/*.running 2> /dev/null | wc -l)" -eq 3 ]; }
+    training() { [ "$(ls $name/gen-000/*.running 2> /dev/null | wc -l)" -eq 3 ]; }
     within 30 training
     sleep 1
     kill -KILL $make
-    within 20 idle $pipeline
-    [ "$(find $pipeline/policies -name '*.checkpoint.h5' | wc -l)" -eq 3 ]
-    [ -z "$(ls $pipeline/gen-000/*.running 2> /dev/null)" ]
+    within 20 idle $name
+    [ "$(find $name/policies -name '*.checkpoint.h5' | wc -l)" -eq 3 ]
+    [ -z "$(ls $name/gen-000/*.running 2> /dev/null)" ]
   done
 }
 

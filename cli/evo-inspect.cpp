@@ -48,6 +48,20 @@ std::string kinds(const Body& body) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+// Beside a fitness, which may be luck.
+void print_perturbed(double mean, double error, int episodes) {
+  fmt::print("perturbed {:.6g} +- {:.2g} over {} episodes from perturbed starts\n", mean, error,
+             episodes);
+}
+
+void print_perturbed(const Json& document) {
+  const Json final = document.value("final", Json::object());
+  const auto has = [&](const char* key) { return final.contains(key) && final[key].is_number(); };
+  if (final.is_object() && has("mean") && has("standard_error") && has("episodes"))
+    print_perturbed(final["mean"].get<double>(), final["standard_error"].get<double>(),
+                    final["episodes"].get<int>());
+}
+
 void print_robot(const Robot& robot, bool color) {
   const Body& body = robot.body;
   fmt::print("{}", cli::draw_body(body, color));
@@ -66,6 +80,7 @@ void print_robot(const Robot& robot, bool color) {
                cli::printable(found->is_string() ? found->get<std::string>() : compact(*found)));
   };
   print_field("fitness", "fitness");
+  print_perturbed(document);
   print_field("failure", "failure");
   print_field("task", "task");
   print_field("steps", "steps");
@@ -149,9 +164,8 @@ void print_policy(const std::string& path, bool color) {
   fmt::print("trained   on {}, {} steps, seed {}, best evaluation {:.6g} at step {}\n",
              cli::printable(file.task), file.steps, file.seed, file.fitness, file.best_step);
   if (file.final_score)
-    fmt::print("final     {:.6g} +- {:.2g} over {} episodes from shifted starts\n",
-               file.final_score->mean, file.final_score->standard_error,
-               file.final_score->episodes);
+    print_perturbed(file.final_score->mean, file.final_score->standard_error,
+                    file.final_score->episodes);
   std::vector<double> evaluations;
   for (const CurvePoint& point : file.curve) evaluations.push_back(point.evaluation);
   fmt::print("curve     {}\n", cli::sparkline(evaluations, 60));

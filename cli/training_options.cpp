@@ -35,9 +35,9 @@ void TrainingOptions::add_to(Command& command) {
   command.option("--founder-steps", founder_steps, "N",
                  "environment steps of robots without parents [--steps]");
   command.option("--final-episodes", final_episodes, "N",
-                 "episodes of the best policy from shifted starts, after training [the profile's]");
+                 "episodes of the best policy from perturbed starts, after training [the profile's]");
   command.option("--jitter", jitter, "VOXELS",
-                 "how far their start coordinates are shifted [the profile's]");
+                 "how far their start coordinates are perturbed [the profile's]");
   command.option("--init", init, "POLICY|DIR",
                  "start from this policy, or in a folder from the parent's (<id>.policy.h5); "
                  "robots without one start from scratch");

@@ -129,7 +129,7 @@ std::string champion_facts(const Run& run) {
   facts += fact("id", fmt::format("<span class=\"id\">{}</span>", entry.robot.id));
   facts += fact("fitness", shown(entry.fitness));
   if (const auto& score = entry.training.final_score)
-    facts += fact("from shifted starts",
+    facts += fact("from perturbed starts",
                   fmt::format("{} (mean of {}, standard error)",
                               with_error(score->mean, score->standard_error),
                               count_of(static_cast<std::size_t>(score->episodes), "episode")));
@@ -351,7 +351,7 @@ std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
                   [](const Entry& entry) { return genes(entry.robot, "nodes").has_value(); });
   std::vector<Column> columns{{"robot", "", nullptr},
                               {"fitness", "n", "descending", true},
-                              {"shifted starts"},
+                              {"perturbed starts"},
                               {"number", "n", "ascending"},
                               {"generation", "n", "ascending"},
                               {"voxels"},

@@ -197,7 +197,7 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
                   {"method", "", "ascending"},
                   {"seed", "", "ascending"},
                   {"best fitness"},
-                  {"shifted starts"},
+                  {"perturbed starts"},
                   {"robot", "n", "ascending"},
                   {"trained"},
                   {"generations"},

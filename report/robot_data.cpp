@@ -26,7 +26,7 @@ Json facts_of(const Run& run, std::size_t k) {
   };
   add("fitness", entry.fitness ? shown(entry.fitness) : "failed: " + entry.failure);
   if (const auto& score = entry.training.final_score)
-    add("from shifted starts", with_error(score->mean, score->standard_error));
+    add("from perturbed starts", with_error(score->mean, score->standard_error));
   add("trained as",
       fmt::format("robot {} of {}, in generation {}", k + 1, run.robots.size(), entry.generation));
   if (entry.training.steps > 0)

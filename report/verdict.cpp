@@ -71,14 +71,14 @@ void say_progress(const Run& run, double best, double gained, Verdict& verdict) 
                                             replay->second["ending"].get<std::string>()));
 }
 
-// Luck in the evaluation that made it champion shows from shifted starts.
+// Luck in the evaluation that made it champion shows from perturbed starts.
 bool say_robustness(const Run& run, double best, Verdict& verdict) {
   const auto& score = run.robots[*run.champion].training.final_score;
   if (!score) return true;
   constexpr double fair = 0.8;  // of the fitness
   const bool robust = score->mean >= best - (1 - fair) * std::abs(best);
   verdict.sentences.push_back(
-      fmt::format("From shifted starts the champion earns {}{}.",
+      fmt::format("From perturbed starts the champion earns {}{}.",
                   with_error(score->mean, score->standard_error),
                   robust ? "" : ", much less: part of its fitness is luck"));
   return robust;

@@ -1,4 +1,4 @@
-"""Random worlds in evogym's simulator and in evo-env, side by side, as tab-separated
+"""Random worlds in evogym's simulator and in evo's, side by side, as tab-separated
 values: worlds.py [WORLDS [STEPS [FIRST [PHYSICS]]]]     PHYSICS: package
 World w of a seed is the same on every machine. Its kind is w mod 5: what the 32 tasks
 hardly reach. Every point's position and velocity is compared after every control step,
@@ -123,10 +123,9 @@ def compare(number, steps, physics):
                 if folded or state.terminated[0] or state.status[0]:
                     same = bool(folded) == bool(state.terminated[0])
                     return step, position, velocity, first, beyond, same
-                here = ours.positions()
-                apart = np.abs(Sim.pos_at_time(simulator, step).T - here["positions"]).max()
+                apart = np.abs(Sim.pos_at_time(simulator, step).T - ours.positions[0]).max()
                 position = max(position, apart)
-                velocity = max(velocity, np.abs(Sim.vel_at_time(simulator, step).T - here["velocities"]).max())
+                velocity = max(velocity, np.abs(Sim.vel_at_time(simulator, step).T - ours.velocities[0]).max())
                 first = first or (step if apart > 0 else 0)
                 beyond = beyond or (step if not apart <= LIMIT else 0)
     return steps, position, velocity, first, beyond, True

@@ -13,7 +13,7 @@ import numpy as np
 
 from .simulator import Simulator
 
-__all__ = ["Episode", "Policy", "read_policy", "read_robots", "read_rollout", "read_run",
+__all__ = ["Episode", "Policy", "read_history", "read_policy", "read_robots", "read_rollout", "read_run",
            "write_actions", "write_policy"]
 
 
@@ -29,6 +29,19 @@ def read_robots(path: str | os.PathLike) -> list[dict[str, Any]]:
 def read_run(folder: str | os.PathLike) -> list[dict[str, Any]]:
     """All robots that a run has evaluated, in order."""
     return read_robots(Path(folder) / "history.jsonl")
+
+
+def read_history(folder: str | os.PathLike) -> Any:
+    """The robots that a run has evaluated as a pandas frame, a row each in order: id, fitness, best (so
+    far), and whatever else of numbers and texts their documents say."""
+    import pandas
+
+    frame = pandas.DataFrame([
+        {key: value for key, value in robot.items()
+         if key not in ("format", "version") and isinstance(value, (str, int, float))}
+        for robot in read_run(folder)])
+    frame.insert(min(2, frame.shape[1]), "best", frame["fitness"].cummax())
+    return frame
 
 
 # ---- rollouts -----------------------------------------------------------------

@@ -36,6 +36,7 @@ class Moment:
         self.positions = sims.positions  # [E, P, 2]; now: the simulator's own, before: kept
         self.velocities = sims.velocities  # [E, P, 2]
         self.steps = steps  # [E] taken in the episodes
+        self._centres: dict[str, np.ndarray] = {}  # those asked for since the last step
 
     def points(self, name: str) -> np.ndarray:
         """[E, n, 2] of an object."""
@@ -47,16 +48,20 @@ class Moment:
 
     def centre(self, name: str) -> np.ndarray:
         """[E, 2], the mean of its points."""
-        return self.points(name).mean(axis=1)
+        if name not in self._centres:
+            points = self.points(name)
+            self._centres[name] = np.add.reduce(points, axis=1) / points.shape[1]
+        return self._centres[name].copy()
 
     def mean_velocity(self, name: str) -> np.ndarray:
         """[E, 2]"""
-        return self.velocity(name).mean(axis=1)
+        velocity = self.velocity(name)
+        return np.add.reduce(velocity, axis=1) / velocity.shape[1]
 
     def shape(self, name: str) -> np.ndarray:
         """[E, 2 n], its points from its centre."""
         points = self.points(name)
-        return (points - points.mean(axis=1, keepdims=True)).reshape(len(points), -1)
+        return (points - self.centre(name)[:, None]).reshape(len(points), -1)
 
     def orientation(self, name: str) -> np.ndarray:
         """[E], radians, counter-clockwise from the initial shape."""
@@ -72,6 +77,7 @@ class Moment:
             np.copyto(into.positions, self.positions)
             np.copyto(into.velocities, self.velocities)
             np.copyto(into.steps, self.steps)
+        into._centres, self._centres = self._centres, {}
         return into
 
 
@@ -139,6 +145,7 @@ class TaskEnvironments:
 
     def reset(self, mask: Any = None) -> np.ndarray:
         """Begins episodes, all or those of mask [E]; the observations of all, [E, D]."""
+        self._now._centres = {}
         if mask is None:
             self.sims.reset()
             self._steps[:] = 0
@@ -153,11 +160,11 @@ class TaskEnvironments:
         self._before = self._now._keep(self._before)
         self.sims.step(actions)
         self._steps += 1
-        folded = self.sims.status != SIM_STATUS.index("ok")
-        rewards = self._values("reward", self.task.reward(self._before, self._now), float)
-        terminated = self._values("done", self.task.done(self._now), bool) | folded
-        if folded.any():
-            rewards = rewards + self.task.folded * folded
+        rewards = self._values("reward", self.task.reward(self._before, self._now), np.float64)
+        terminated = self._values("done", self.task.done(self._now), np.bool_)
+        if self.sims.status.any():
+            folded = self.sims.status != SIM_STATUS.index("ok")
+            terminated, rewards = terminated | folded, rewards + self.task.folded * folded
         return self.observe(), rewards, terminated, self._steps >= self.task.steps
 
     def observe(self) -> np.ndarray:
@@ -166,8 +173,8 @@ class TaskEnvironments:
             raise ValueError(f"{type(self.task).__name__}.observe gave shape {values.shape}; expected "
                              f"({self.num_envs}, D): a row for each environment")
         # The simulator's own arrays would change under whoever keeps them.
-        return values.copy() if np.shares_memory(values, self.sims.positions) or np.shares_memory(
-            values, self.sims.velocities) else values
+        return values.copy() if np.may_share_memory(values, self.sims.positions) or (
+            np.may_share_memory(values, self.sims.velocities)) else values
 
     @property
     def steps(self) -> np.ndarray:

@@ -20,7 +20,7 @@ fi
 skip() { echo "skipped: $1"; exit 77; }
 venv="$build/python-$kind"
 packages=(gymnasium)
-[ "$kind" = gymnasium ] || packages+=(stable-baselines3)
+[ "$kind" = gymnasium ] || packages+=(stable-baselines3 pyarrow h5py)
 if [ ! -e "$venv/complete" ]; then
   rm -rf "$venv"
   /usr/bin/python3 -m venv --system-site-packages "$venv" 2> /dev/null || skip "python3-venv is not installed"
@@ -34,6 +34,21 @@ trap 'rm -rf "$copy"' EXIT
 cp -r "$source" "$copy/python"
 "$venv/bin/pip" install -q --disable-pip-version-check --force-reinstall --no-deps "$copy/python" ||
   skip "setuptools cannot be had from PyPI"
-pattern=test_${kind//-/_}.py
 cd "$copy"
-run "$venv/bin/python"
+patterns=("test_${kind//-/_}.py")
+[ "$kind" = gymnasium ] || patterns+=(test_datasets.py)
+for pattern in "${patterns[@]}"; do run "$venv/bin/python"; done
+[ "$kind" = gymnasium ] || exit 0
+
+# The gallery.
+mkdir run
+"$EVO_BIN/evo-sample" -n 3 --seed 1 | "$EVO_BIN/evo-eval" --task Walker-v0 --sine 0.5,20,0.7 > run/history.jsonl
+for script in "$source"/../examples/python/*.py; do
+  case $script in
+    *own_reward.py) arguments=(4096) ;;
+    *reading_a_run.py) arguments=(run) ;;
+    *) arguments=() ;;
+  esac
+  "$venv/bin/python" "$script" "${arguments[@]}" > said || { echo "$script failed" >&2; exit 1; }
+  [ -s said ] || { echo "$script says nothing" >&2; exit 1; }
+done

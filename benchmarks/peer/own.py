@@ -4,9 +4,12 @@ values: own.py [SECONDS]
 A random 5x5 robot on flat ground; the observation is all its points' positions relative to
 their centre and their velocities, the reward how far the centre came. Both are measured in
 turn, in processor time of this process. Of evo, one and sixteen simulations at once, with
-observation and reward of one's own and without. Needs evogym and evo_robots, as
+observation and reward of one's own, in a loop and as an evo_robots.Task, and without. Then
+Walker-v0, through gymnasium.make of both, and from evo_robots.Simulator, with the speed of
+evo-bench, which is without Python, beside it. Needs evogym and evo_robots, as
 benchmarks/peer/run installs them."""
 import os
+import subprocess
 import sys
 import time
 
@@ -74,6 +77,54 @@ def evo_steps(count, own):
         yield count
 
 
+class Walk(evo_robots.Task):
+    steps = 1 << 30
+
+    def observe(self, now):
+        return np.concatenate([now.shape("robot"), now.velocity("robot").reshape(len(now.steps), -1)],
+                              axis=1)
+
+    def reward(self, before, now):
+        return now.centre("robot")[:, 0] - before.centre("robot")[:, 0]
+
+
+def task_steps(count):
+    envs = Walk().envs((BODY, LINKS), count)
+    envs.reset()
+    for t in range(1 << 40):
+        envs.step(ACTIONS[t % 1000, :count])
+        yield count
+
+
+def gym_steps(name, actions):
+    import evogym.envs  # noqa: F401
+    import gymnasium
+
+    env = gymnasium.make(name, body=BODY, connections=LINKS)
+    env.reset(seed=1)
+    for t in range(1 << 40):
+        _, _, terminated, truncated, _ = env.step(actions[t % 1000, 0])
+        if terminated or truncated:
+            env.reset()
+        yield 1
+
+
+def simulator_steps(count):
+    simulator = evo_robots.Simulator("Walker-v0", (BODY, LINKS), count)
+    for t in range(1 << 40):
+        if t % 500 == 0:
+            simulator.reset()
+        simulator.step(ACTIONS[t % 1000, :count])
+        yield count
+
+
+def bench(count):
+    """Of evo-bench, with a body of this size."""
+    said = subprocess.run([evo_robots.find_tool("evo-bench"), "--sizes", "5", "--envs", str(count)],
+                          capture_output=True, text=True, check=True).stdout.splitlines()
+    return float(dict(zip(said[0].split(), said[1].split()))["steps/s"])
+
+
 def measure(steps):
     for _ in range(100):
         next(steps)
@@ -92,6 +143,16 @@ def main():
         for count in (1, 16):
             speed = measure(evo_steps(count, own))
             print(f"{what}, evo\t{count}\t{speed:.0f}\t{speed / package:.1f}", file=TABLE)
+    for count in (1, 16):
+        speed = measure(task_steps(count))
+        print(f"the same as an evo_robots.Task\t{count}\t{speed:.0f}\t{speed / package:.1f}", file=TABLE)
+    package = measure(gym_steps("Walker-v0", ACTIONS))
+    print(f"Walker-v0, evogym\t1\t{package:.0f}\t1", file=TABLE)
+    for what, count, speed in (
+            ("gymnasium.make", 1, measure(gym_steps("evo/Walker-v0", ACTIONS))),
+            *(("Simulator", count, measure(simulator_steps(count))) for count in (1, 16)),
+            *(("evo-bench", count, bench(count)) for count in (1, 16))):
+        print(f"Walker-v0, evo, {what}\t{count}\t{speed:.0f}\t{speed / package:.1f}", file=TABLE)
 
 
 main()

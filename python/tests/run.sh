@@ -20,7 +20,7 @@ fi
 skip() { echo "skipped: $1"; exit 77; }
 venv="$build/python-$kind"
 packages=(gymnasium)
-[ "$kind" = gymnasium ] || packages+=(stable-baselines3 pyarrow h5py)
+[ "$kind" = gymnasium ] || packages+=(stable-baselines3 'pyarrow<20') # the last for Debian's numpy
 if [ ! -e "$venv/complete" ]; then
   rm -rf "$venv"
   /usr/bin/python3 -m venv --system-site-packages "$venv" 2> /dev/null || skip "python3-venv is not installed"

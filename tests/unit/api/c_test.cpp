@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -479,4 +480,154 @@ TEST_CASE("c: the learner, asked from outside, gives the policy that a training 
   evo_policy_free(expected);
   evo_policy_free(found);
   evo_learner_free(learner);
+}
+
+TEST_CASE("c: every function refuses what is no handle of its kind, and NULL where it writes") {
+  const Session s("Walker-v0");
+  evo_world* freed = nullptr;
+  REQUIRE(evo_world_new(&freed) == EVO_OK);
+  evo_world_free(freed);
+  double number = 0;
+  std::vector<std::uint8_t> bytes(64);
+  const std::int32_t step = 0;
+  const std::int32_t nowhere = 99;
+  const std::uint8_t no = 0;
+
+  // With a handle that is none, and places to write to; or with a good one, and no places.
+  using Call = std::function<int(void* handle, bool places)>;
+  char* text = nullptr;
+  void* state = nullptr;
+  size_t count = 0;
+  evo_policy* policy = nullptr;
+  const auto place = [](bool places, auto* at) { return places ? at : nullptr; };
+  const auto as = []<typename H>(void* handle, H*) { return static_cast<H*>(handle); };
+  evo_task* const t = nullptr;
+  evo_robots* const r = nullptr;
+  evo_envs* const e = nullptr;
+  evo_world* const w = nullptr;
+  evo_sims* const sims = nullptr;
+  evo_policy* const p = nullptr;
+  evo_learner* const l = nullptr;
+  evo_task* task = nullptr;
+  evo_robots* robots = nullptr;
+  evo_envs* envs = nullptr;
+  evo_sims* opened = nullptr;
+  evo_arrays at{};
+  evo_task_facts task_facts{};
+  evo_robot_facts robot{};
+  evo_object object{};
+  evo_sim_arrays sim_arrays{};
+  evo_sim_object sim_object{};
+  evo_policy_facts policy_facts{};
+  evo_learner_facts learner_facts{};
+  const std::vector<Call> calls{
+      [&](void* h, bool y) { return evo_task_copy(as(h, t), place(y, &task)); },
+      [&](void* h, bool) { return evo_task_set(as(h, t), nullptr); },
+      [&](void* h, bool) { return evo_task_set_physics(as(h, t), nullptr); },
+      [&](void* h, bool y) {
+        return evo_task_describe(as(h, t), place(y, &task_facts), sizeof task_facts);
+      },
+      [&](void* h, bool y) { return evo_robots_count(as(h, r), place(y, &count)); },
+      [&](void* h, bool) { return evo_robots_append(as(h, r), nullptr, 0); },
+      [&](void* h, bool y) {
+        return evo_robots_describe(as(h, r), 0, place(y, &robot), sizeof robot);
+      },
+      [&](void* h, bool y) { return evo_robots_svg(as(h, r), 0, 100, place(y, &text)); },
+      [&](void* h, bool y) { return evo_envs_open(as(h, t), s.robots, 1, 1, place(y, &envs)); },
+      [&](void* h, bool y) { return evo_envs_open(s.task, as(h, r), 1, 1, place(y, &envs)); },
+      [&](void* h, bool y) { return evo_envs_arrays(as(h, e), place(y, &at), sizeof at); },
+      [&](void* h, bool) { return evo_envs_reset(as(h, e), &nowhere, 1, nullptr); },
+      [&](void* h, bool) { return evo_envs_step(as(h, e), nullptr, 4, nullptr, 0); },
+      [&](void* h, bool y) { return evo_envs_save(as(h, e), 0, place(y, &state), &count); },
+      [&](void* h, bool) { return evo_envs_restore(as(h, e), 0, nullptr, 9); },
+      [&](void* h, bool) { return evo_envs_perturb(as(h, e), 0, -1.0, 0); },
+      [&](void* h, bool y) { return evo_envs_object_count(as(h, e), 0, place(y, &count)); },
+      [&](void* h, bool y) {
+        return evo_envs_object(as(h, e), 0, 0, place(y, &object), sizeof object);
+      },
+      [&](void* h, bool y) {
+        return evo_envs_orientation(as(h, e), 0, 0, nullptr, place(y, &number), 1);
+      },
+      [&](void* h, bool y) { return evo_envs_observed(as(h, e), 0, place(y, &text)); },
+      [&](void* h, bool) {
+        return evo_envs_render(as(h, e), 0, nullptr, nullptr, 0, nullptr, 600 * 300 * 3);
+      },
+      [&](void* h, bool) { return evo_world_add(as(h, w), "a", nullptr, 1, 1, nullptr, 0, 0, 0); },
+      [&](void* h, bool) { return evo_world_move(as(h, w), nullptr, 0, 0); },
+      [&](void* h, bool) { return evo_world_remove(as(h, w), nullptr); },
+      [&](void* h, bool y) { return evo_world_json(as(h, w), place(y, &text)); },
+      [&](void* h, bool y) { return evo_sims_open(as(h, w), nullptr, 1, 1, place(y, &opened)); },
+      [&](void* h, bool y) {
+        return evo_sims_arrays(as(h, sims), place(y, &sim_arrays), sizeof sim_arrays);
+      },
+      [&](void* h, bool) { return evo_sims_reset(as(h, sims), 99); },
+      [&](void* h, bool) { return evo_sims_step(as(h, sims), nullptr, 8, nullptr, 0); },
+      [&](void* h, bool y) { return evo_sims_save(as(h, sims), 0, place(y, &state), &count); },
+      [&](void* h, bool) { return evo_sims_restore(as(h, sims), 0, nullptr, 9); },
+      [&](void* h, bool y) { return evo_sims_object_count(as(h, sims), place(y, &count)); },
+      [&](void* h, bool y) {
+        return evo_sims_object(as(h, sims), 0, place(y, &sim_object), sizeof sim_object);
+      },
+      [&](void* h, bool y) {
+        return evo_sims_orientation(as(h, sims), 0, nullptr, place(y, &number), 1);
+      },
+      [&](void* h, bool) {
+        return evo_sims_render(as(h, sims), 0, nullptr, nullptr, 0, nullptr, 600 * 300 * 3);
+      },
+      [&](void* h, bool) { return evo_policy_write(as(h, p), nullptr); },
+      [&](void* h, bool y) { return evo_policy_copy(as(h, p), place(y, &policy)); },
+      [&](void* h, bool y) {
+        return evo_policy_describe(as(h, p), place(y, &policy_facts), sizeof policy_facts);
+      },
+      [&](void* h, bool y) { return evo_policy_robot(as(h, p), place(y, &robots)); },
+      [&](void* h, bool y) { return evo_policy_task(as(h, p), place(y, &task)); },
+      [&](void* h, bool) { return evo_policy_act(as(h, p), nullptr, nullptr, 1, nullptr, 4); },
+      [&](void* h, bool y) {
+        return evo_train(as(h, t), s.robots, 0, nullptr, 0, place(y, &policy));
+      },
+      [&](void* h, bool y) {
+        return evo_train(s.task, as(h, r), 0, nullptr, 0, place(y, &policy));
+      },
+      [&](void* h, bool y) {
+        return evo_learner_describe(as(h, l), place(y, &learner_facts), sizeof learner_facts);
+      },
+      [&](void* h, bool) { return evo_learner_observe(as(h, l), nullptr, 1, &step, 1); },
+      [&](void* h, bool) { return evo_learner_act(as(h, l), nullptr, 1); },
+      [&](void* h, bool) {
+        return evo_learner_reward(as(h, l), &number, &no, &no, nullptr, 1, &step, 1);
+      },
+      [&](void* h, bool) { return evo_learner_learn(as(h, l)); },
+      [&](void* h, bool y) {
+        return evo_learner_policy(as(h, l), s.robots, 0, nullptr, 0, place(y, &policy));
+      },
+  };
+  int misuses = 0;
+  for (std::size_t k = 0; k < calls.size(); ++k) {
+    // None, one that was freed, bytes that never were one, and one of another kind: a world is
+    // none of a task, and the other way round.
+    for (void* handle : {static_cast<void*>(nullptr), static_cast<void*>(freed),
+                         static_cast<void*>(bytes.data())}) {
+      CAPTURE(k, handle);
+      CHECK(calls[k](handle, true) == EVO_USAGE);
+      CHECK(std::strlen(evo_error()) > 10);
+      ++misuses;
+    }
+  }
+  evo_learner* learner = nullptr;
+  const evo_training training{"default", nullptr, 0, 1 << 20, 0, nullptr, nullptr};
+  REQUIRE(evo_learner_open(&training, sizeof training, 3, 2, 0.6, 1.6, "x", &learner) == EVO_OK);
+  evo_world* world = world_of_two();
+  REQUIRE(evo_sims_open(world, nullptr, 1, 1, &opened) == EVO_OK);
+  for (std::size_t k = 0; k < calls.size(); ++k)
+    for (void* handle :
+         {static_cast<void*>(s.task), static_cast<void*>(s.robots), static_cast<void*>(s.envs),
+          static_cast<void*>(world), static_cast<void*>(opened), static_cast<void*>(learner)}) {
+      CAPTURE(k);
+      CHECK(calls[k](handle, false) != EVO_OK);  // of another kind, or with nowhere to write to
+      ++misuses;
+    }
+  CHECK(misuses > 400);
+  evo_learner_free(learner);
+  evo_sims_free(opened);
+  evo_world_free(world);
 }

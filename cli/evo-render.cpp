@@ -377,6 +377,9 @@ int main(int argc, char** argv) {
       render_evolution(*settings.evolution, options, command.output, command.progress_style());
       return 0;
     }
+    for (const std::string& file : files)
+      if (file != standard_stream && !std::filesystem::exists(file))
+        throw error(Failure::no_input, "{}: cannot be opened: No such file or directory", file);
     const bool rollouts =
         !files.empty() && std::all_of(files.begin(), files.end(), [](const std::string& file) {
           return file != standard_stream && hdf5::is_hdf5(file) &&

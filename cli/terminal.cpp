@@ -56,7 +56,9 @@ std::size_t utf8_length(std::string_view text) {
 bool use_color(ColorWhen when) {
   if (when == ColorWhen::always) return true;
   if (when == ColorWhen::never) return false;
-  return isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
+  const char* terminal = std::getenv("TERM");
+  const bool dumb = terminal != nullptr && std::string_view(terminal) == "dumb";
+  return isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr && !dumb;
 }
 
 std::string draw_body(const Body& body, bool color) {

@@ -9,17 +9,23 @@
 namespace evo {
 namespace {
 
-// As a word of a shell's command line, for make, to which a dollar is "$$".
-std::string shell_word(const std::string& value) {
-  constexpr const char* plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./,:=+";
-  if (value.find_first_not_of(plain) == std::string::npos) return value;
-  std::string word = "'";
-  for (const char c : value) word += c == '\'' ? "'\\''" : c == '$' ? "$$" : std::string(1, c);
-  return word + "'";
+// For make, to which a dollar is "$$".
+std::string make_word(const std::string& value) {
+  std::string word;
+  for (const char c : shell_word(value)) word += c == '$' ? "$$" : std::string(1, c);
+  return word;
 }
 
 }  // namespace
+
+std::string shell_word(const std::string& text) {
+  constexpr const char* plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./,:=+";
+  if (text.find_first_not_of(plain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
+}
 
 std::string run_command(const std::function<std::string(const std::string&)>& setting,
                         const std::vector<std::pair<std::string, std::string>>& variables) {
@@ -31,7 +37,7 @@ std::string run_command(const std::function<std::string(const std::string&)>& se
   };
   std::string line = fmt::format("make -f scripts/{}.mk", setting("method"));
   const auto add = [&](const std::string& variable, const std::string& value) {
-    if (!value.empty()) line += fmt::format(" {}={}", variable, shell_word(value));
+    if (!value.empty()) line += fmt::format(" {}={}", variable, make_word(value));
   };
   add("RUN", changed("RUN").value_or(""));
   for (const SettingEntry& entry : setting_table()) {

@@ -18,6 +18,7 @@ EVO_EMBED(evo_report_page, EVO_REPORT_PAGE);
 EVO_EMBED(evo_report_style, EVO_REPORT_STYLE);
 EVO_EMBED(evo_report_script, EVO_REPORT_SCRIPT);
 EVO_EMBED(evo_report_charts, EVO_REPORT_CHARTS);
+EVO_EMBED(evo_report_stage, EVO_REPORT_STAGE);
 EVO_EMBED(evo_report_replay, EVO_REPORT_REPLAY);
 
 namespace evo::report {
@@ -33,6 +34,7 @@ std::string_view page_template() { return between(evo_report_page, evo_report_pa
 std::string_view style() { return between(evo_report_style, evo_report_style_end); }
 std::string_view script() { return between(evo_report_script, evo_report_script_end); }
 std::string_view charts_script() { return between(evo_report_charts, evo_report_charts_end); }
+std::string_view stage_script() { return between(evo_report_stage, evo_report_stage_end); }
 std::string_view replay_script() { return between(evo_report_replay, evo_report_replay_end); }
 
 }  // namespace evo::report

@@ -8,6 +8,7 @@ namespace evo::report {
 std::string_view page_template();  // page.html
 std::string_view style();          // report.css
 std::string_view charts_script();  // charts.js
+std::string_view stage_script();   // web/site/stage.js
 std::string_view replay_script();  // replay.js
 std::string_view script();         // report.js
 

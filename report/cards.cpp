@@ -28,6 +28,15 @@ std::string verdict_card(const Run& run) {
   std::string html = fmt::format("<section class=\"card verdict {}\">\n<h3>{}</h3>\n<p>{}</p>\n",
                                  look, escape(verdict.headline),
                                  escape(fmt::format("{}", fmt::join(verdict.sentences, " "))));
+  return html + "</section>\n";
+}
+
+std::string next_card(const Run& run, const std::string& anchor) {
+  const Verdict verdict = judge(run);
+  if (verdict.commands.empty()) return "";
+  std::string html = "<section class=\"card\">\n" +
+                     heading(anchor + "-next", "What to do next",
+                             "Commands for the folder in which this page was made.");
   for (const Verdict::Command& command : verdict.commands)
     html += fmt::format(
         "<div class=\"command\"><span>{0}</span><code>{1}</code><button type=\"button\" "
@@ -141,13 +150,37 @@ std::string champion_facts(const Run& run) {
   return facts + "</dl>\n";
 }
 
+// For whoever sees such a page for the first time.
+std::string introduction(const Run& run) {
+  std::string purpose = run.purpose;
+  while (!purpose.empty() && purpose.back() == '.') purpose.pop_back();
+  if (!purpose.empty() && purpose.front() >= 'A' && purpose.front() <= 'Z')
+    purpose.front() = static_cast<char>(purpose.front() - 'A' + 'a');
+  const std::string task = run.setting("task");
+  const std::size_t tried = run.robots.size();
+  std::string text = fmt::format(
+      "This robot was evolved {}: {}. ", purpose.empty() ? "for " + task : "to " + purpose,
+      tried == 1
+          ? "the only one tried"
+          : fmt::format("the best of {} that were tried", grouped(static_cast<long long>(tried))));
+  if (const auto replay = run.replays.find(*run.champion); replay != run.replays.end())
+    text += fmt::format("Its episode takes {} steps: {}. ", replay->second["steps"].get<int>(),
+                        replay->second["ending"].get<std::string>());
+  return text +
+         fmt::format("Its fitness, {}, is what {} paid it in its best episode during training.",
+                     shown(run.robots[*run.champion].fitness),
+                     purpose.empty() ? "the task" : "the task " + task);
+}
+
 }  // namespace
 
 std::string champion_card(const Run& run, const std::string& anchor, Page& page) {
   const Robot& robot = run.robots[*run.champion].robot;
   const bool moving = run.replays.contains(*run.champion);
   std::string html =
-      fmt::format("<section class=\"card\">\n<h3 id=\"{}-champion\">Champion</h3>\n", anchor);
+      "<section class=\"card\">\n" +
+      fmt::format("<h3 id=\"{}-champion\">Champion</h3>\n<p class=\"introduction\">{}</p>\n",
+                  anchor, escape(introduction(run)));
   html += fmt::format("<div class=\"champion{}\">\n", moving ? "" : " still");
   if (moving)
     html += fmt::format("<div class=\"replay\" data-replay=\"{}\" data-run=\"{}\"></div>\n<div>{}",

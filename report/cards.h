@@ -8,8 +8,10 @@
 
 namespace evo::report {
 
-// What the run says and what to do next; nothing for runs beside others.
+// What the run says.
 std::string verdict_card(const Run& run);
+// Commands that go on from it; nothing where there are none.
+std::string next_card(const Run& run, const std::string& anchor);
 // The figures of a run in one row.
 std::string tiles(const Run& run);
 std::string badge(const Run& run);    // finished or not

@@ -12,6 +12,7 @@
 #include "report/charts.h"
 #include "report/markup.h"
 #include "report/robot_data.h"
+#include "report/verdict.h"
 
 namespace evo::report {
 namespace {
@@ -53,8 +54,8 @@ std::string features_card(const Run& run, const std::string& anchor, Page& page)
   return "<section class=\"card long\">\n" +
          heading(anchor + "-body", "Fitness and the body",
                  points_of(run, anchor,
-                           "Every robot a point, the champion in orange. Hover over a point to "
-                           "see its robot; a click opens its card.")) +
+                           "Every robot a point, the champion in orange. Point at one to "
+                           "see its robot; a click or tap opens its card.")) +
          "<div class=\"three\">\n" + charts + "</div>\n</section>\n";
 }
 
@@ -120,6 +121,16 @@ void link_parts(const Run& run, const std::string& anchor, Page& page) {
   }
   page.navigate("settings", "Settings");
   if (!run.robots.empty()) page.navigate(anchor + "-robots", "Robots");
+  if (!judge(run).commands.empty()) page.navigate(anchor + "-next", "What next");
+}
+
+// Cards begin with h3, being parts of a run among several; on a page of their own, with h2.
+std::string one_level_up(std::string html) {
+  for (const auto& [from, to] :
+       {std::pair{"<h3", "<h2"}, {"</h3>", "</h2>"}, {"<h4", "<h3"}, {"</h4>", "</h3>"}})
+    for (std::size_t at = html.find(from); at != std::string::npos; at = html.find(from, at))
+      html.replace(at, std::string_view(from).size(), to);
+  return html;
 }
 
 void add_run(const Run& run, const std::string& anchor, bool alone, Page& page) {
@@ -128,11 +139,11 @@ void add_run(const Run& run, const std::string& anchor, bool alone, Page& page) 
   if (!alone)
     html += fmt::format("<details id=\"{}\">\n<summary><h2>{} {}</h2></summary>\n", anchor,
                         escape(run.label), badge(run));
+  page.runs[anchor] = robots_data(run);
+  if (run.champion) html += champion_card(run, anchor, page);
   html += verdict_card(run);
   html += tiles(run);
-  page.runs[anchor] = robots_data(run);
   if (run.champion) {
-    html += champion_card(run, anchor, page);
     html += curves(run, anchor, page);
     html += evolution_card(run, anchor, page);
     html += lineage_card(run, anchor, page);
@@ -149,8 +160,9 @@ void add_run(const Run& run, const std::string& anchor, bool alone, Page& page) 
     if (alone) html += settings_card({&run});
   }
   if (!run.robots.empty()) html += robots_card(run, anchor, page);
+  html += next_card(run, anchor);
   if (!alone) html += "</details>\n";
-  page.sections += html;
+  page.sections += alone ? one_level_up(std::move(html)) : html;
 }
 
 std::string anchor_of(std::size_t run) { return fmt::format("run-{}", run + 1); }
@@ -187,7 +199,7 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
     if (known == tasks.end()) known = tasks.insert(tasks.end(), {task, {}});
     known->second.push_back(&runs[k]);
   }
-  page.sections += fmt::format(
+  std::string html = fmt::format(
       "<section class=\"card\">\n{}<div class=\"scroll\"><table class=\"data sortable\">\n{}"
       "<tbody>\n{}</tbody></table></div>\n</section>\n",
       heading("", "Runs", "The champion of each run, and the robot of the run it was."),
@@ -204,12 +216,12 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
                   {"failed"}}),
       rows);
   for (const auto& [task, group] : tasks)
-    page.sections += chart_card(
+    html += chart_card(
         "", "Best fitness so far on " + escape(task),
         "By robots trained. Runs that differ in nothing but their seed are one curve, their mean "
         "with its standard deviation as far as all of them have come; each can be added.",
         page.chart(comparison_chart(group), "", "best-so-far-" + task));
-  page.sections += settings_card(all);
+  page.sections += one_level_up(html + settings_card(all));
 }
 
 // ---- the whole ---------------------------------------------------------------------
@@ -277,6 +289,7 @@ std::string make_page(const std::vector<Run>& runs, const PageOptions& options) 
                {"generator", escape(options.generator)},
                {"style", std::string(style())},
                {"charts_script", std::string(charts_script())},
+               {"stage_script", std::string(stage_script())},
                {"replay_script", std::string(replay_script())},
                {"script", std::string(script())},
                {"symbols", page.symbols},

@@ -1,8 +1,8 @@
-// Episodes drawn by the page itself: sharp at any size, in the page's colours, a few
-// kilobytes each. Data: see replay.h.
+// Episodes that the page has with it, a few kilobytes each (replay.h), drawn as the site draws
+// them (web/site/stage.js).
 'use strict';
 const Replays = (() => {
-  const { element, css, number } = Charts;
+  const { element, number } = Charts;
   const frames_per_second = 50;  // control steps of a second at speed 1
 
   // Numbers as replay.cpp packs them: second differences, zigzag, 7 bits a byte.
@@ -59,77 +59,16 @@ const Replays = (() => {
     return { x, y, cameraX: smooth(x), cameraY: smooth(y) };
   };
 
-  const kinds = { R: '--rigid', S: '--soft', H: '--horizontal', V: '--vertical', '#': '--fixed' };
-  const colors = () => {
-    const of = Object.fromEntries(Object.entries(kinds).map(([kind, name]) => [kind, css(name)]));
-    return { of, object: css('--object'), softObject: css('--soft-object'), sky: css('--sky'), earth: css('--earth'), line: css('--outline'), grid: css('--line'), text: css('--muted'), trail: css('--mark'), font: '12px system-ui, sans-serif' };
-  };
-  const mix = (hex, other, share) => {
-    const read = (text) => [1, 3, 5].map((k) => parseInt(text.slice(k, k + 2), 16));
-    const [a, b] = [read(hex), read(other)];
-    return `rgb(${a.map((v, k) => Math.round(v + (b[k] - v) * share)).join()})`;
-  };
-
   // The moment `at` (in frames, fractions between) onto a canvas.
-  const paint = (canvas, data, world, episode, way, at, zoom, look) => {
-    const ratio = devicePixelRatio || 1;
+  const paint = (canvas, data, world, episode, way, at, zoom, colors) => {
     const width = canvas.clientWidth, height = canvas.clientHeight;
     if (!width) return;
-    if (canvas.width !== Math.round(width * ratio)) { canvas.width = Math.round(width * ratio); canvas.height = Math.round(height * ratio); }
-    const g = canvas.getContext('2d');
-    g.setTransform(ratio, 0, 0, ratio, 0, 0);
     const f = Math.min(Math.floor(at), data.frames - 1), n = Math.min(f + 1, data.frames - 1), s = at - f;
     const between = (of) => of[f] + (of[n] - of[f]) * s;
     const scale = Math.max(width / 26, height / 15) * zoom;
-    const rows = height / scale;
-    const left = between(way.cameraX) - width / scale / 2;
-    const low = Math.max(-1.6, between(way.cameraY) - rows * 0.45);
-    const X = (x) => (x - left) * scale, Y = (y) => height - (y - low) * scale;
-    g.fillStyle = look.sky;
-    g.fillRect(0, 0, width, height);
-    g.lineWidth = 1;
-    g.strokeStyle = look.grid;
-    g.beginPath();
-    for (let k = Math.ceil(left); k < left + width / scale; ++k) { g.moveTo(X(k), 0); g.lineTo(X(k), Y(0)); }
-    for (let k = Math.max(0, Math.ceil(low)); k < low + rows; ++k) { g.moveTo(0, Y(k)); g.lineTo(width, Y(k)); }
-    g.globalAlpha = 0.35; g.stroke(); g.globalAlpha = 1;
-    if (low < 0) { g.fillStyle = look.earth; g.fillRect(0, Y(0), width, height); }
-    g.font = look.font;
-    g.fillStyle = look.text;
-    g.textAlign = 'center';
-    if (low < -0.8) for (let k = Math.ceil(left / 5) * 5; k < left + width / scale; k += 5) g.fillText(k, X(k), Y(0) + 16);
-
-    const cell = (corners, fill) => {
-      g.beginPath();
-      corners.forEach(([x, y], k) => k ? g.lineTo(X(x), Y(y)) : g.moveTo(X(x), Y(y)));
-      g.closePath();
-      g.fillStyle = fill;
-      g.fill();
-      g.lineWidth = Math.max(0.6, 0.03 * scale);
-      g.strokeStyle = look.line;
-      g.globalAlpha = 0.45; g.stroke(); g.globalAlpha = 1;
-    };
-    for (const [x, y, w, h] of world.fixed)
-      if (x + w > left && x < left + width / scale) cell([[x, y], [x + w, y], [x + w, y + h], [x, y + h]], look.of['#']);
-    const px = episode.x.map(between), py = episode.y.map(between);
-    const draw = ([kind, tl, tr, bl, br], robot) => {
-      const corners = [tl, tr, br, bl].map((p) => [px[p], py[p]]);
-      let fill = robot || kind === '#' ? look.of[kind] : kind === 'S' ? look.softObject : look.object;
-      if (robot && (kind === 'H' || kind === 'V')) {
-        const length = (a, b) => Math.hypot(px[a] - px[b], py[a] - py[b]);
-        const now = kind === 'H' ? (length(tl, tr) + length(bl, br)) / 2 : (length(tl, bl) + length(tr, br)) / 2;
-        fill = now < 1 ? mix(fill, '#28181e', 0.55 * Math.min(1, (1 - now) / 0.4)) : mix(fill, '#ffffff', 0.55 * Math.min(1, (now - 1) / 0.6));
-      }
-      cell(corners, fill);
-    };
-    data.objects.forEach((each) => draw(each, false));
-    data.body.forEach((each) => draw(each, true));
-    g.strokeStyle = look.line;
-    g.lineWidth = Math.max(1.2, 0.11 * scale);
-    g.lineJoin = g.lineCap = 'round';
-    g.beginPath();
-    for (const [a, b] of data.outline) { g.moveTo(X(px[a]), Y(py[a])); g.lineTo(X(px[b]), Y(py[b])); }
-    g.stroke();
+    const camera = { scale, left: between(way.cameraX) - width / scale / 2, low: Math.max(-1.6, between(way.cameraY) - height / scale * 0.45) };
+    const scene = { fixed: world.fixed, objects: data.objects, body: data.body, outline: data.outline };
+    Evo.Stage.paint(canvas, scene, episode.x.map(between), episode.y.map(between), camera, colors);
   };
 
   const watched = new Set();
@@ -146,7 +85,7 @@ const Replays = (() => {
     for (const [value, label] of [[0.5, 'far'], [1, 'near'], [1.8, 'close']]) zoom.append(element('option', value === 1 ? { value, selected: '' } : { value }, label));
     const bar = element('div', { class: 'controls' }, play, scrub, says, speed, zoom);
     holder.replaceChildren(canvas, bar);
-    let episode, way, at = 0, playing = false, last = 0, gone = false, look = colors();
+    let episode, way, at = 0, playing = false, last = 0, gone = false, look = Evo.Stage.look();
     const draw = () => {
       if (!episode || gone) return;
       paint(canvas, data, world, episode, way, at, Number(zoom.value), look);
@@ -177,13 +116,13 @@ const Replays = (() => {
     canvas.addEventListener('click', () => playing ? stop() : start());
     scrub.addEventListener('input', () => { stop(); at = Number(scrub.value); draw(); });
     zoom.addEventListener('change', draw);
-    const refresh = () => { look = colors(); draw(); };
+    const refresh = () => { look = Evo.Stage.look(); draw(); };
     watched.add(refresh);
     const size = new ResizeObserver(draw);
     size.observe(canvas);
     const ready = decode(data).then((decoded) => { episode = decoded; way = path(data, decoded); draw(); })
       .catch(() => says.replaceChildren('This browser cannot unpack the replay; a newer one can.'));
-    return { ready, end: () => { gone = true; playing = false; size.disconnect(); watched.delete(refresh); } };
+    return { ready, start, end: () => { gone = true; playing = false; size.disconnect(); watched.delete(refresh); } };
   };
 
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => watched.forEach((refresh) => refresh()));

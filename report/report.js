@@ -15,7 +15,14 @@
     playing = null;
     dialog.replaceChildren();
   };
-  dialog.addEventListener('close', leave);
+  // The address names the robot whose card is open, so that it can be passed on.
+  let addressBefore = null;
+  const name = (hash) => history.replaceState(null, '', hash || location.pathname + location.search);
+  dialog.addEventListener('close', () => {
+    leave();
+    name(addressBefore);
+    addressBefore = null;
+  });
   dialog.addEventListener('click', (event) => { if (event.target === dialog) dialog.close(); });
 
   const link = (run, id) => {
@@ -76,6 +83,8 @@
       element('div', { class: 'top' }, shown, facts), ...(robot.replay ? [stage] : []),
       relatives(run, 'Parents', robot.parents), relatives(run, 'Children', robot.children), charts,
       element('div', { class: 'commands' }, ...robot.commands.map(copyable)));
+    addressBefore ??= robotOf(location.hash) ? '' : location.hash;
+    name(`#${run}-${id}`);
     if (!dialog.open) dialog.showModal();
     dialog.scrollTop = 0;
     if (robot.replay) playing = Replays.player(stage, robot.replay, page.runs[run].world, 'Robot ' + id);
@@ -93,7 +102,8 @@
   };
   document.addEventListener('click', (event) => {
     const anchor = event.target.closest('a[href^="#"]');
-    const robot = anchor && robotOf(anchor.getAttribute('href'));
+    const row = event.target.closest('table.robots tbody tr');  // anywhere in it
+    const robot = robotOf(anchor ? anchor.getAttribute('href') : row?.id ?? '');
     if (!robot) return;
     event.preventDefault();
     openRobot(...robot);
@@ -124,7 +134,10 @@
   const drawReplays = () => document.querySelectorAll('[data-replay]').forEach((holder) => {
     if (holder.offsetWidth === 0 || stages.has(holder)) return;
     const { run, replay } = holder.dataset;
-    stages.set(holder, Replays.player(holder, page.runs[run].robots[replay].replay, page.runs[run].world, 'The champion'));
+    const stage = Replays.player(holder, page.runs[run].robots[replay].replay, page.runs[run].world, 'The champion');
+    stages.set(holder, stage);
+    const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    if (Object.keys(page.runs).length === 1 && !calm) stage.ready.then(stage.start);
   });
   const drawVisible = () => { drawCharts(); drawReplays(); };
 

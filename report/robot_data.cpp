@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "evolution/run_command.h"
 #include "report/lineage.h"
 #include "report/markup.h"
 #include "report/parts.h"
@@ -13,8 +14,8 @@ namespace {
 
 Json rounded(double value) {
   if (!std::isfinite(value)) return nullptr;
-  // Five digits are more than a chart shows.
-  return Json::parse(fmt::format("{:.5g}", value), nullptr, false);
+  // More than a chart shows, and enough to be rounded once more as the page's text was.
+  return Json::parse(fmt::format("{:.7g}", value), nullptr, false);
 }
 
 Json facts_of(const Run& run, std::size_t k) {
@@ -41,8 +42,7 @@ Json facts_of(const Run& run, std::size_t k) {
 
 Json robot_data(const Run& run, std::size_t k, const std::vector<std::string>& children) {
   const Entry& entry = run.robots[k];
-  const std::string folder = "runs/" + run.label;
-  const std::string policy = fmt::format("{}/policies/{}.policy.h5", folder, entry.robot.id);
+  const std::string policy = shell_word(run.folder + "/" + entry.policy);
   Json robot{{"fitness", entry.fitness ? rounded(*entry.fitness) : Json()},
              {"facts", facts_of(run, k)},
              {"parents", entry.robot.parents()},
@@ -59,7 +59,7 @@ Json robot_data(const Run& run, std::size_t k, const std::vector<std::string>& c
   }
   robot["log"] = std::move(log);
   robot["commands"] =
-      entry.training.curve.empty()
+      entry.policy.empty()
           ? Json::array()
           : Json::array(
                 {fmt::format("evo-inspect {}", policy),

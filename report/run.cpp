@@ -8,6 +8,7 @@
 
 #include "formats/rollout/rollout.h"
 #include "formats/run/run.h"
+#include "formats/task/yaml.h"
 #include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
 #include "report/choice.h"
@@ -23,6 +24,18 @@ namespace fs = std::filesystem;
 fs::path full_path(const fs::path& folder) {
   const fs::path path = fs::absolute(folder).lexically_normal();
   return path.has_filename() ? path : path.parent_path();
+}
+
+std::string folder_in_commands(const fs::path& folder) {
+  const fs::path given = folder.lexically_normal();
+  const bool here = given.is_relative() && *given.begin() != ".." && *given.begin() != ".";
+  if (!here) return full_path(folder).filename().string();
+  return (given.has_filename() ? given : given.parent_path()).string();
+}
+
+std::string purpose_of(const PolicyFile& policy) {
+  const auto text = value_of(YamlNode::parse(policy.task_yaml, "task of a policy"), "description");
+  return text && text->is_scalar() ? text->text() : "";
 }
 
 std::vector<Setting> masked(const RunSettings& settings) {
@@ -47,12 +60,18 @@ void add_history(const RunHistory& history, Run& run) {
 
 // ---- trainings and episodes --------------------------------------------------------
 
+struct StoredPolicy {
+  PolicyFile policy;
+  std::string path;  // within the run's folder
+};
+
 // The robot's own file, or the champion's copy.
-std::optional<PolicyFile> policy_of(const RunFolder& folder, const std::string& id) {
+std::optional<StoredPolicy> policy_of(const RunFolder& folder, const std::string& id) {
   for (const fs::path& file : {folder.policy(id), folder.path() / "best.policy.h5"}) {
     if (!fs::exists(file)) continue;
     PolicyFile policy = read_policy(file);
-    if (policy.robot.id == id) return policy;
+    if (policy.robot.id == id)
+      return StoredPolicy{std::move(policy), file.lexically_relative(folder.path()).string()};
   }
   return std::nullopt;
 }
@@ -62,20 +81,25 @@ void read_trainings(const RunFolder& folder, std::size_t replays, int threads, R
   const std::set<std::size_t> moving = shown_moving(run, replays);
   std::vector<Json> episodes(run.shown.size());
   std::vector<Json> worlds(run.shown.size());
+  std::vector<std::string> purposes(run.shown.size());
   ThreadPool pool(threads);
   pool.run(run.shown.size(), [&](std::size_t k, int /*worker*/) {
     Entry& entry = run.robots[run.shown[k]];
-    const std::optional<PolicyFile> policy = policy_of(folder, entry.robot.id);
-    if (!policy) return;
-    entry.training = training_of(*policy);
+    const std::optional<StoredPolicy> stored = policy_of(folder, entry.robot.id);
+    if (!stored) return;
+    const PolicyFile& policy = stored->policy;
+    entry.policy = stored->path;
+    entry.training = training_of(policy);
+    purposes[k] = purpose_of(policy);
     add_log(folder.log(entry.robot.id), entry.training);
     if (!moving.contains(run.shown[k])) return;
-    const Rollout rollout = play(*policy, "evo-report");
+    const Rollout rollout = play(policy, "evo-report");
     episodes[k] = replay_of(rollout);
     worlds[k] = world_of(rollout);
   });
   for (std::size_t k = 0; k < run.shown.size(); ++k) {
     if (!episodes[k].is_null()) run.replays.emplace(run.shown[k], std::move(episodes[k]));
+    if (run.purpose.empty()) run.purpose = purposes[k];
     if (run.world.is_null() && !worlds[k].is_null()) run.world = std::move(worlds[k]);
   }
 }
@@ -123,6 +147,7 @@ Run read_run(const fs::path& folder, const Extent& extent, int threads) {
   const RunHistory history{RunFolder(folder)};
   Run run;
   run.label = full_path(folder).filename().string();
+  run.folder = folder_in_commands(folder);
   run.settings = masked(history.folder().settings());
   add_history(history, run);
   run.seconds = history.seconds();

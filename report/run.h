@@ -29,6 +29,7 @@ struct Entry {
   std::optional<double> fitness;  // nothing: its training failed
   std::string failure;            // why, if it did
   Training training;              // empty without a policy file
+  std::string policy = {};        // that file, within the run's folder; empty: there is none
 };
 
 struct Generation {
@@ -39,6 +40,11 @@ struct Generation {
 
 struct Run {
   std::string label;  // the folder's name
+  // As commands name it: as it was given, from the folder in which the page was made; by its
+  // name alone where that would say something about the machine ("/home/..", "..").
+  std::string folder;
+  // What the task is for, "Walk to the right over flat ground."; empty where no policy says it.
+  std::string purpose;
   std::vector<Setting> settings;
   std::vector<Entry> robots;  // in the order they were trained
   std::map<std::string, std::size_t> by_id;

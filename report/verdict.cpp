@@ -92,7 +92,6 @@ bool still_rising(const Run& run) {
 }
 
 void advise(const Run& run, bool robust, Verdict& verdict) {
-  const std::string folder = "runs/" + run.label;
   const auto add = [&](const std::string& why, const std::string& line) {
     verdict.commands.push_back({why, line});
   };
@@ -103,7 +102,7 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
   const bool settled = 4 * since >= run.robots.size();  // nothing better for a quarter of the run
   const auto longer = [&](long factor) {
     std::vector<std::pair<std::string, std::string>> changed{
-        {"RUN", folder + "-longer"}, {"STEPS", times(factor, run.setting("steps"))}};
+        {"RUN", run.folder + "-longer"}, {"STEPS", times(factor, run.setting("steps"))}};
     if (const std::string founders = run.setting("founder_steps"); !founders.empty())
       changed.emplace_back("FOUNDER_STEPS", times(factor, founders));
     return run_command(run, changed);
@@ -116,23 +115,24 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
   if (over && !bad && !settled)
     add("evolve on: it was still improving",
         run_command(run,
-                    {{"RUN", folder + "-more"}, {"EVALS", times(2, run.setting("evals"))}}));
+                    {{"RUN", run.folder + "-more"}, {"EVALS", times(2, run.setting("evals"))}}));
   if (over && !bad && settled && !rising)
     add("enough: see whether another seed agrees",
-        run_command(run, {{"RUN", folder + "-again"},
+        run_command(run, {{"RUN", run.folder + "-again"},
                           {"SEED", fmt::format("{}", 1 + std::strtol(run.setting("seed").c_str(),
                                                                      nullptr, 10))}}));
   if (!robust || !run.robots[*run.champion].training.final_score)
     add("measure the champion from other starts",
-        fmt::format("evo-eval {}/best.json --episodes 20 --jitter 1e-3 -o -", folder));
-  add("its way as a figure",
-      fmt::format("evo-render {}/best.rollout.h5 --strip 6 --theme paper -o champion.pdf", folder));
+        fmt::format("evo-eval {} --episodes 20 --jitter 1e-3 -o -",
+                    shell_word(run.folder + "/best.json")));
+  add("its way as a figure", fmt::format("evo-render {} --strip 6 --theme paper -o champion.pdf",
+                                         shell_word(run.folder + "/best.rollout.h5")));
 }
 
 }  // namespace
 
 std::string run_command(const Run& run, std::vector<std::pair<std::string, std::string>> changed) {
-  changed.insert(changed.begin(), {"RUN", "runs/" + run.label});  // a later one counts
+  changed.insert(changed.begin(), {"RUN", run.folder});  // a later one counts
   return evo::run_command([&](const std::string& name) { return run.setting(name); }, changed);
 }
 

@@ -158,6 +158,7 @@ print(np.abs(a - b).mean())" "$1" "$2"
   fails_with 2 "-o" -- evo-render r.h5
   fails_with 2 "walk.xyz" -- evo-render r.h5 -o walk.xyz
   fails_with 66 "none.h5" -- evo-render none.h5 -o x.mp4
+  fails_with 66 "none.h5: cannot be opened" -- evo-render none.h5 --strip 6 -o x.png
   [ -z "$(ls x.* 2>/dev/null)" ]
 }
 
@@ -270,4 +271,13 @@ h5py.File('similar.h5', 'w')['episode_0/rewards'] = [1.0, 2.0]"
   script -qec "evo-render r.h5 --size 320x180 -o x.mp4" /dev/null > raw
   [ -s raw ]
   [ "$(tail -c 4 raw)" = $'\r\x1b[K' ]
+}
+
+@test "a terminal that knows no colours gets none" {
+  needs_terminal
+  evo-sample -n 1 --seed 1 > robot.jsonl
+  TERM=xterm-256color script -qec "evo-inspect robot.jsonl" /dev/null > coloured
+  TERM=dumb script -qec "evo-inspect robot.jsonl" /dev/null > plain
+  grep -q $'\e\[' coloured
+  if grep -q $'\e\[' plain; then false; fi
 }

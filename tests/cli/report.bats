@@ -30,10 +30,13 @@ count() { grep -o -- "$1" "$2" | wc -l; }
 @test "the same run gives the same bytes, wherever its folder is" {
   make_run here/run ga 1 3 6
   mkdir elsewhere
-  cp -r here/run elsewhere/run
+  cp -r here elsewhere/here
   evo-report here/run -o one.html
-  (cd elsewhere/run && evo-report .) > two.html
+  (cd elsewhere && evo-report ./here/run/) > two.html
   cmp one.html two.html
+  (cd here/run && evo-report .) > three.html
+  evo-report "$PWD/elsewhere/here/run" -o four.html
+  cmp three.html four.html
 }
 
 @test "the page needs no network and names no folder of this machine" {
@@ -125,7 +128,7 @@ PY
   evo-report run > page.html
   grep -q 'class="card verdict doubt"' page.html  # not over: 1000 robots were asked for
   grep -q 'Improved from' page.html
-  grep -q 'make -f scripts/ga.mk RUN=runs/run TASK=Walker-v0 POP=8 EVALS=1000' page.html
+  grep -q 'make -f scripts/ga.mk RUN=run TASK=Walker-v0 POP=8 EVALS=1000' page.html
   # A run in which all robots are alike bad has learnt nothing.
   for scores in run/gen-*/scores.jsonl; do
     jq -c 'if .fitness then .fitness = 0.08 else . end' "$scores" > new && mv new "$scores"
@@ -133,6 +136,35 @@ PY
   evo-report run > page.html
   grep -q 'class="card verdict bad"' page.html
   grep -q 'Nothing was learnt' page.html
+}
+
+@test "commands name the run's folder and files, wherever they are" {
+  make_run "some runs/walker" ga 1 3 6 trained
+  evo-report "some runs/walker" -o page.html
+  id=$(jq -r .id "some runs/walker/best.json")
+  data_of page.html | jq -r --arg id "$id" '.runs["run-1"].robots[$id].commands[]' > commands
+  [ "$(head -1 commands)" = "evo-inspect 'some runs/walker/policies/$id.policy.h5'" ]
+  bash -c "$(head -1 commands)" | grep -q "$id"
+  grep -q "evo-render &#39;some runs/walker/best.rollout.h5&#39; --strip 6" page.html ||
+    grep -q "evo-render 'some runs/walker/best.rollout.h5' --strip 6" page.html
+  # A steady run keeps its policies in subfolders.
+  make -s -f "$EVO_SOURCE/scripts/steady.mk" METHOD=ga RUN=steady POP=2 EVALS=2 STEPS=2048 SHAPE=3x3 SEED=1 > /dev/null
+  evo-report steady -o steady.html
+  id=$(jq -r .id steady/best.json)
+  data_of steady.html | jq -r --arg id "$id" '.runs["run-1"].robots[$id].commands[0]' > command
+  [[ $(cat command) == "evo-inspect steady/policies/"*"/$id.policy.h5" ]]
+  bash -c "$(cat command)" | grep -q "$id"
+}
+
+@test "the first screen says what this is, in words for anyone" {
+  make_run run ga 1 3 6 trained
+  evo-report run -o page.html
+  grep -q 'This robot was evolved to walk to the right over flat ground: the best of [0-9]* that were tried' page.html
+  champion=$(grep -n 'This robot was evolved' page.html | cut -d: -f1)
+  commands=$(grep -n 'What to do next</h2>' page.html | cut -d: -f1)
+  [ "$champion" -lt "$(grep -n 'class="card verdict' page.html | cut -d: -f1)" ]
+  [ "$commands" -gt "$(grep -n 'id="run-1-robots"' page.html | cut -d: -f1)" ]
+  lacks '<h4' page.html  # from h1 over h2 to h3
 }
 
 @test "several runs: methods side by side, repetitions as their mean" {

@@ -55,10 +55,11 @@ const evaluate = async (expression) => {
 };
 const painted = 'new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))';
 
-const open = async (width, height, scheme) => {
+const open = async (width, height, scheme, calm = true) => {
   await call('Emulation.setDeviceMetricsOverride',
     { width, height, deviceScaleFactor: 1, mobile: width < 600 });
-  await call('Emulation.setEmulatedMedia', { features: [{ name: 'prefers-color-scheme', value: scheme }] });
+  await call('Emulation.setEmulatedMedia', { features: [{ name: 'prefers-color-scheme', value: scheme },
+    { name: 'prefers-reduced-motion', value: calm ? 'reduce' : 'no-preference' }] });
   await call('Page.navigate', { url: pathToFileURL(file).href });
   await evaluate(`new Promise((done) => document.readyState === 'complete' ? done() : addEventListener('load', done))`);
   await evaluate(painted);
@@ -115,6 +116,17 @@ const checkParts = async () => {
   check('verdict, generations, lineage and champion are there', missing.length === 0, missing);
 };
 
+// Who opens the page sees the champion move, unless they want less motion.
+const checkMotion = async () => {
+  await open(1280, 1000, 'light', false);
+  await evaluate(settled);
+  const moved = await text('[data-replay] .moment');
+  check('the champion moves at once', /^step [1-9]/.test(moved), moved);
+  await open(1280, 1000, 'light');
+  const levels = await evaluate(`[...document.querySelectorAll('main :is(h1, h2, h3, h4)')].map((it) => Number(it.tagName[1]))`);
+  check('headings go down by one', levels[0] === 2 && levels.every((level, k) => k === 0 || level <= levels[k - 1] + 1), levels);
+};
+
 // How many colours the middle of a canvas shows.
 const colors = (selector) => evaluate(`(() => {
   const canvas = document.querySelector(${JSON.stringify(selector)});
@@ -152,9 +164,18 @@ const checkCard = async () => {
   check('with body, facts, replay, curves and commands', parts.length === 0, parts);
   await checkReplay('dialog');
   await photograph('card.png');
+  const address = await evaluate('location.hash');
+  check('the address is the robot', /^#run-1-[0-9a-f]{12}$/.test(address), address);
   await call('Input.dispatchKeyEvent', { type: 'keyDown', key: 'Escape', code: 'Escape', windowsVirtualKeyCode: 27 });
   await evaluate(painted);
   check('Escape closes it', !(await evaluate(`document.querySelector('dialog').open`)));
+  check('and the address with it', (await evaluate('location.hash')) === '', await evaluate('location.hash'));
+  await click('table.robots tbody tr:nth-child(2) td:nth-child(2)');
+  await evaluate(painted);
+  check('a click anywhere in a row opens its robot', await evaluate(`document.querySelector('dialog').open &&
+    location.hash.slice(1) === document.querySelector('table.robots tbody tr:nth-child(2)').id`), await evaluate('location.hash'));
+  await call('Input.dispatchKeyEvent', { type: 'keyDown', key: 'Escape', code: 'Escape', windowsVirtualKeyCode: 27 });
+  await evaluate(painted);
 };
 
 // Text against what is behind it, names of what can be pressed, and the tab key.
@@ -324,6 +345,7 @@ try {
   } else {
     await checkCharts();
     await checkParts();
+    await checkMotion();
     await checkReplay('[data-replay]');
     await checkAccess('light');
     await checkKeyboard();

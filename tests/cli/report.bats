@@ -148,7 +148,7 @@ PY
   grep -q "evo-render &#39;some runs/walker/best.rollout.h5&#39; --strip 6" page.html ||
     grep -q "evo-render 'some runs/walker/best.rollout.h5' --strip 6" page.html
   # A steady run keeps its policies in subfolders.
-  make -s -f "$EVO_SOURCE/scripts/steady.mk" METHOD=ga RUN=steady POP=2 EVALS=2 STEPS=2048 SHAPE=3x3 SEED=1 > /dev/null
+  make -s -f "$EVO_SOURCE/scripts/ga.mk" WINDOW=2 RUN=steady POP=2 EVALS=2 STEPS=2048 SHAPE=3x3 SEED=1 > /dev/null
   evo-report steady -o steady.html
   id=$(jq -r .id steady/best.json)
   data_of steady.html | jq -r --arg id "$id" '.runs["run-1"].robots[$id].commands[0]' > command

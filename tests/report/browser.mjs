@@ -327,6 +327,13 @@ const checkPhone = async () => {
 };
 
 const checkPaper = async () => {
+  const map = await evaluate(`(() => {
+    dispatchEvent(new Event('beforeprint'));
+    const width = document.querySelector('.five > div')?.offsetWidth ?? Infinity;
+    dispatchEvent(new Event('afterprint'));
+    return width;
+  })()`);
+  check('on paper, too, the maps of voxels can be read', map === null || map >= 180, map);
   const { data } = await call('Page.printToPDF', { printBackground: true });
   keep('paper.pdf', data);
   const pages = Buffer.from(data, 'base64').toString('latin1').match(/\/Type\s*\/Page\b/g)?.length ?? 0;

@@ -156,6 +156,17 @@ PY
   bash -c "$(cat command)" | grep -q "$id"
 }
 
+@test "cards and charts round the same number as the page's text" {
+  make_run run ga 1 1 4
+  for scores in run/gen-*/scores.jsonl; do
+    jq -c 'if .fitness then .fitness = 6.82649 else . end' "$scores" > new && mv new "$scores"
+  done
+  evo-report run -o page.html
+  grep -q '<dd>6.826</dd>' page.html
+  # Five digits, 6.8265, would be shown as 6.827.
+  data_of page.html | jq -e '[.runs["run-1"].robots[].fitness | select(. != null)] | all(. == 6.82649) and length > 0'
+}
+
 @test "the first screen says what this is, in words for anyone" {
   make_run run ga 1 3 6 trained
   evo-report run -o page.html

@@ -9,6 +9,7 @@
 #include "formats/io/data_folders.h"
 #include "formats/run/setting_table.h"
 #include "formats/task/task.h"
+#include "formats/training/training.h"
 #include "libevo/base/error.h"
 
 namespace {
@@ -50,8 +51,9 @@ int main(int argc, char** argv) {
   command.option("--names", names, "KIND",
                  "instead of paths: the names of all tasks, or of the profiles in physics or "
                  "training, one a line");
-  command.option("--schema", schema, "NAME",
-                 "instead of paths: the JSON Schema of a format whose settings are a table: run");
+  command.option(
+      "--schema", schema, "NAME",
+      "instead of paths: the JSON Schema of a format whose settings are a table: run or training");
   command.example("make -f \"$(evo-data scripts/ga.mk)\" RUN=runs/walker TASK=Walker-v0 -j8",
                   "a pipeline, from any folder");
   command.example("cp \"$(evo-data tasks/Walker-v0.yaml)\" my-walker.yaml",
@@ -62,8 +64,9 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (schema) {
-      if (*schema != "run") throw error(Failure::usage, "--schema: '{}' is not run", *schema);
-      fmt::print("{}\n", run_schema().dump(2));
+      if (*schema != "run" && *schema != "training")
+        throw error(Failure::usage, "--schema: '{}' is not run or training", *schema);
+      fmt::print("{}\n", (*schema == "run" ? run_schema() : training_schema()).dump(2));
       return 0;
     }
     const fs::path root = cli::data_root();

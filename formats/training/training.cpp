@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "formats/io/format.h"
+#include "formats/io/json.h"
 #include "libevo/base/words.h"
 
 namespace evo {
@@ -122,91 +123,23 @@ using Member = std::variant<double T::*, int T::*, std::int64_t T::*, bool T::*,
 struct Setting {
   const char* key;
   Member member;
-  // What no line of an identity means (formats/training/identity.h): frozen for ever,
-  // whatever becomes of the default. A new setting's is what leaves trainings as
-  // they were.
   const char* baseline;
   const char* meaning;
   // The paper knows nothing of it: written only where it differs from what is built
   // in, so that profiles without it keep their text.
-  bool ours = false;
+  bool ours;
+  NumberRange range;
 };
 
-// In the order of libevo/control/settings.h. All that is said and written of the
-// settings comes from here; what they may be is checked there.
 const std::vector<Setting>& all_settings() {
+  using namespace number_range;
+  constexpr bool yes = true;
+  constexpr bool no = false;
   static const std::vector<Setting> list{
-      {"algorithm", &T::algorithm, "ppo", "network: ppo; open loop: gait, sequence, sine, random"},
-      {"steps", &T::steps, "512000", "environment steps in all"},
-      {"environments", &T::environments, "4", "episodes side by side"},
-      {"rollout", &T::rollout, "128", "steps of each environment between updates"},
-      {"epochs", &T::epochs, "4", "passes over a rollout"},
-      {"minibatches", &T::minibatches, "4", "of each pass"},
-      {"gamma", &T::gamma, "0.99", "discount"},
-      {"lambda", &T::lambda, "0.95", "of generalised advantage estimation"},
-      {"clip", &T::clip, "0.1", "range of the probability ratio about 1"},
-      {"clip_value_loss", &T::clip_value_loss, "true",
-       "keep values within `clip` of the old ones, too"},
-      {"value_coefficient", &T::value_coefficient, "0.5", "weight of half the squared value error"},
-      {"entropy_coefficient", &T::entropy_coefficient, "0.01", "weight of the entropy bonus"},
-      {"entropy_schedule", &T::entropy_schedule, "constant",
-       "constant; linear: to 0 at the last update"},
-      {"max_gradient_norm", &T::max_gradient_norm, "0.5",
-       "of all parameters together; 0: no limit"},
-      {"standardize_advantages", &T::standardize_advantages, "batch", "none, batch or minibatch"},
-      {"time_limit", &T::time_limit, "end", "end: ends the episode; bootstrap: its value goes on"},
-      {"learning_rate", &T::learning_rate, "0.00025", "of Adam"},
-      {"learning_rate_schedule", &T::learning_rate_schedule, "linear", "constant; linear: to 0"},
-      {"learning_rate_horizon", &T::learning_rate_horizon, "19531",
-       "updates until 0; 0: the training's"},
-      {"adam_epsilon", &T::adam_epsilon, "1e-05", "added to the root of the second moment"},
-      {"hidden", &T::hidden, "[64, 64]", "widths of the tanh layers, actor and critic each"},
-      {"head_gain", &T::head_gain, "1", "of the initial layer of action means"},
-      {"initial_log_std", &T::initial_log_std, "0",
-       "log standard deviation of actions at the start"},
-      {"action_map", &T::action_map, "offset", "offset: clip(offset + a); squash: tanh(a), scaled"},
-      {"action_offset", &T::action_offset, "1", "actuator target at action 0 (map offset)"},
-      {"clock", &T::clock, "[]", "periods, control steps, whose phases networks see", true},
-      {"noise_correlation", &T::noise_correlation, "0", "of one step's exploration with the next",
-       true},
-      {"failure_weight", &T::failure_weight, "1", "of what a bad end costs, for the learner", true},
-      {"gait_log_std", &T::gait_log_std, "-1.2", "initial_log_std of actions added to a gait",
-       true},
-      {"inherited_log_std", &T::inherited_log_std, "-1", "initial_log_std of an inherited policy",
-       true},
-      {"start_jitter", &T::start_jitter, "0", "of start coordinates in training, voxels (ppo)",
-       true},
-      {"moment_share", &T::moment_share, "0",
-       "of episodes: begin at a moment of the inherited controller's (ppo)", true},
-      {"moment_jitter", &T::moment_jitter, "0.01", "of coordinates at a moment, voxels (ppo)",
-       true},
-      {"normalize_observations", &T::normalize_observations, "true",
-       "by running mean and deviation"},
-      {"normalize_rewards", &T::normalize_rewards, "true",
-       "by the deviation of discounted returns"},
-      {"observation_clip", &T::observation_clip, "10", "of normalised observations"},
-      {"reward_clip", &T::reward_clip, "10", "of normalised rewards"},
-      {"evaluation_interval", &T::evaluation_interval, "50", "updates; one more after the last"},
-      {"evaluation_episodes", &T::evaluation_episodes, "1", "of the deterministic controller"},
-      {"evaluation_jitter", &T::evaluation_jitter, "0", "of their start coordinates, voxels", true},
-      {"final_episodes", &T::final_episodes, "8", "of the best controller, jittered; 0: none"},
-      {"final_jitter", &T::final_jitter, "0.0001", "of start coordinates, voxels"},
-      {"population", &T::population, "16", "candidates of a generation (sine, random)"},
-      {"initial_sigma", &T::initial_sigma, "0.5", "step size at the start (sine)"},
-      {"shortest_period", &T::shortest_period, "8", "of waves, control steps (sine, random)"},
-      {"longest_period", &T::longest_period, "100", "of waves, control steps (sine, random)"},
-      {"wave_share", &T::wave_share, "0.33", "of the search: waves over the whole body (gait)",
-       true},
-      {"actuator_sigma", &T::actuator_sigma, "0.15",
-       "step size of each actuator's own search (gait)", true},
-      {"gait_share", &T::gait_share, "0.2", "of the steps: a search for a gait first (sequence)",
-       true},
-      {"attempts", &T::attempts, "[go_on, begin, change, borrow, repeat, push, hold]",
-       "what exploration tries, drawn alike (sequence)", true},
-      {"time_share", &T::time_share, "0.5", "of attempts: from the best of a time (sequence)",
-       true},
-      {"rest_share", &T::rest_share, "0.03", "of attempts: once more after a rest (sequence)",
-       true},
+#define SETTING(type, name, initial, baseline, range, paper, meaning) \
+  {#name, &T::name, baseline, meaning, !(paper), range},
+#include "libevo/control/training_settings.def"
+#undef SETTING
   };
   return list;
 }
@@ -300,6 +233,33 @@ std::string kind_of(const Setting& setting) {
       setting.member);
 }
 
+Json schema_of(const Setting& setting) {
+  return std::visit(
+      [&](auto member) -> Json {
+        using Value = std::remove_reference_t<decltype(std::declval<T&>().*member)>;
+        const NumberRange& range = setting.range;
+        const auto bounded = [&](Json number) {
+          if (std::isfinite(range.least))
+            number[range.open ? "exclusiveMinimum" : "minimum"] = range.least;
+          if (std::isfinite(range.most)) number["maximum"] = range.most;
+          return number;
+        };
+        if constexpr (std::is_same_v<Value, bool>)
+          return {{"type", "boolean"}};
+        else if constexpr (IsWord<Value>)
+          return {{"enum", Words<Value>::all()}};
+        else if constexpr (std::is_arithmetic_v<Value>)
+          return bounded({{"$ref", "#/$defs/number"}});
+        else if constexpr (IsWord<typename Value::value_type>)
+          return {{"type", "array"},
+                  {"minItems", 1},
+                  {"items", {{"enum", Words<typename Value::value_type>::all()}}}};
+        else
+          return {{"type", "array"}, {"items", bounded({{"type", "integer"}})}};
+      },
+      setting.member);
+}
+
 // ---- reading ------------------------------------------------------------------------
 
 // A scalar as written, a list as "1,2,3".
@@ -384,6 +344,26 @@ std::vector<std::string> training_identity(const TrainingSettings& settings) {
     if (const std::string value = value_text(settings, setting); value != setting.baseline)
       lines.push_back(fmt::format("training.{}={}", setting.key, value));
   return lines;
+}
+
+Json training_schema() {
+  Json properties = {{"format", {{"const", format::training.name}}},
+                     {"version", {{"const", format::training.version}}}};
+  for (const char* text : {"name", "description", "base"}) properties[text] = {{"type", "string"}};
+  for (const Setting& setting : all_settings()) {
+    Json property = schema_of(setting);
+    property["description"] = setting.meaning;
+    properties[setting.key] = std::move(property);
+  }
+  const Json number = {
+      {"description", "YAML 1.1 readers take 1e-4 for text"},
+      {"anyOf", {{{"type", "number"}}, {{"type", "string"}, {"pattern", "^[-+0-9.eE]+$"}}}}};
+  return {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+          {"title", fmt::format("{} {}", format::training.name, format::training.version)},
+          {"type", "object"},
+          {"additionalProperties", false},
+          {"properties", std::move(properties)},
+          {"$defs", {{"number", number}}}};
 }
 
 }  // namespace evo

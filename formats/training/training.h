@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/io/data_folders.h"
+#include "formats/io/json.h"
 #include "formats/io/profile.h"
 #include "formats/io/yaml.h"
 #include "libevo/control/settings.h"
@@ -37,6 +38,9 @@ std::vector<std::string> training_keys();
 
 // Every setting with what there is to know of it, in the order of the profile.
 std::vector<SettingRow> training_table(const TrainingSettings& settings);
+
+// The JSON Schema of a profile.
+Json training_schema();
 
 // "training.gamma=0.995": what decides a result, one line per setting that is not
 // at its frozen baseline (formats/training/identity.h).

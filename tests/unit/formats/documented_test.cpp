@@ -48,16 +48,40 @@ TEST_CASE("schema and manual of tasks know every piece") {
   check_pieces<Condition>("/$defs/condition");
 }
 
-TEST_CASE("the schema of training profiles knows every setting and algorithm") {
-  const Json schema =
-      parse_json(document("formats/schema/training.schema.json"), "training schema");
-  for (const std::string& key : training_keys()) {
-    INFO(key);
-    CHECK(schema.at("properties").contains(key));
+// What a new line of training_settings.def brings by itself.
+TEST_CASE(
+    "a setting of training stands in one table, and is read, written, checked and identified") {
+  const Json schema = training_schema();
+  for (const SettingRow& row : training_table(TrainingSettings{})) {
+    INFO(row.key);
+    const Json& property = schema.at("properties").at(row.key);
+    CHECK(property.at("description") == row.meaning);
+    // Another value, of its kind.
+    std::string other = row.value == "true" ? "false" : row.value == "false" ? "true" : "0.5";
+    if (property.contains("enum"))
+      for (const Json& word : property.at("enum"))
+        if (word != row.value) other = word.get<std::string>();
+    if (row.range == "whole") other = "12";
+    if (row.range == "list") other = row.key == "attempts" ? "hold" : "7, 8";
+    if (other == row.value) other = "0.25";
+    TrainingSettings changed;
+    apply_override(changed, row.key + "=" + other);
+    CHECK(!(changed == TrainingSettings{}));
+    CHECK(training_identity(changed).size() == 1);
+    CHECK_THAT(training_to_yaml(changed), Catch::Contains("\n" + row.key + ": "));
+    // What the schema has for the least is the least.
+    const Json& number = row.range == "list" && property.at("items").contains("minimum")
+                             ? property.at("items")
+                             : property;
+    for (const char* bound : {"minimum", "exclusiveMinimum"})
+      if (number.contains(bound)) {
+        TrainingSettings low;
+        apply_override(low, fmt::format("{}={}", row.key,
+                                        number.at(bound).get<double>() -
+                                            (row.range == "number" ? 1e-3 : 1.0)));
+        CHECK_THROWS_WITH(check(low), Catch::Contains(row.key));
+      }
   }
   std::vector<std::string> listed = schema.at("properties").at("algorithm").at("enum");
-  std::vector<std::string> names = algorithm_names();
-  std::sort(listed.begin(), listed.end());
-  std::sort(names.begin(), names.end());
-  CHECK(listed == names);
+  CHECK(listed == algorithm_names());
 }

@@ -443,8 +443,8 @@ int main(int argc, char** argv) {
                   "trainings that failed, with the reason");
 
   return command.run(argc, argv, [&] {
-    const std::vector<std::string> verbs{"init", "plan",    "propose", "train",  "fail",
-                                         "settings", "slots",   "command"};
+    const std::vector<std::string> verbs{"init", "plan",     "propose", "train",
+                                         "fail", "settings", "slots",   "command"};
     if (words.empty()) throw error(Failure::usage, "one of {} is needed", fmt::join(verbs, ", "));
     if (std::find(verbs.begin(), verbs.end(), words[0]) == verbs.end())
       throw error(Failure::usage, "'{}' is none of {}{}", words[0], fmt::join(verbs, ", "),

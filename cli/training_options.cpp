@@ -34,8 +34,9 @@ void TrainingOptions::add_to(Command& command) {
   command.option("--steps", steps, "N", "environment steps [the profile's]");
   command.option("--founder-steps", founder_steps, "N",
                  "environment steps of robots without parents [--steps]");
-  command.option("--final-episodes", final_episodes, "N",
-                 "episodes of the best policy from perturbed starts, after training [the profile's]");
+  command.option(
+      "--final-episodes", final_episodes, "N",
+      "episodes of the best policy from perturbed starts, after training [the profile's]");
   command.option("--jitter", jitter, "VOXELS",
                  "how far their start coordinates are perturbed [the profile's]");
   command.option("--init", init, "POLICY|DIR",

@@ -377,13 +377,13 @@ typedef struct evo_learner evo_learner;
 typedef struct evo_learner_facts {
   int32_t environments; /* E, that it learns from side by side */
   int32_t rollout;
-  int64_t updates; /* of the whole training */
+  int64_t updates;             /* of the whole training */
   int32_t evaluation_interval; /* updates, after which the suite would evaluate the policy */
   int32_t reserved;
 } evo_learner_facts;
 
-/* `training` as for evo_train; D observations and A actions, from `low` to `high`, of an environment.
- * `name` is part of the seed; evo_train's is the robot's id. */
+/* `training` as for evo_train; D observations and A actions, from `low` to `high`, of an
+ * environment. `name` is part of the seed; evo_train's is the robot's id. */
 EVO_API int evo_learner_open(const evo_training* training, size_t size, int32_t observation_length,
                              int32_t action_length, double low, double high, const char* name,
                              evo_learner** learner);

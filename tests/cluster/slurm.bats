@@ -173,7 +173,7 @@ n2_returns() {
   held=$(grep -o '^job [0-9]*' said | cut -d' ' -f 2)
   scancel "$held"
   run -2 "$EVO_SOURCE/scripts/slurm/submit" run -- "${settings[@]}" METHOD=nix
-  [[ $output == *"there is no 'nix'"* ]]
+  [[ $output == *"ga.mk has no setting METHOD; it has "* ]]
   evo-run init run method=ga task=Walker-v0 pop=1 evals=2 steps=1 seed=1
   run -2 "$EVO_SOURCE/scripts/slurm/submit" run -- "${settings[@]}"
   [[ $output == *"steps: 1 there, steps: 4096 asked for"* ]]

@@ -105,6 +105,24 @@ class Sims(unittest.TestCase):
         self.assertAlmostEqual(x, 5.999227935004826, delta=1e-13)
         self.assertAlmostEqual(y, 0.9958063894145683, delta=1e-13)
 
+    def test_two_robots_and_a_box_have_the_bits_of_the_benchmarks_package(self):
+        world = EvoWorld()
+        world.add_from_array("ground", np.full((1, 40), 5), 0, 0)
+        world.add_from_array("left", [[3, 3, 3], [4, 1, 4], [4, 0, 4]], 3, 1)
+        world.add_from_array("right", [[3, 4, 3], [2, 2, 2], [4, 0, 4]], 6, 1)
+        world.add_from_array("box", [[2, 2], [2, 2]], 4, 4)
+        sim = EvoSim(world)
+        for t in range(100):
+            for name in ("left", "right"):
+                sim.set_action(name, [1.1 + ((7 * t + 3 * k) % 11 - 5) / 10
+                                      for k in range(sim.get_dim_action_space(name))])
+            self.assertFalse(sim.step())
+        # Of each one's first point, as evogym 2.0.0 has them.
+        for name, point in (("left", [2.664310187503588, 4.245726666431066]),
+                            ("right", [6.793620732533455, 4.151254781225121]),
+                            ("box", [3.0297282341572753, 6.287109547251052])):
+            self.assertEqual(sim.object_pos_at_time(100, name)[:, 0].tolist(), point)
+
     def test_history_and_actions_of_several_robots(self):
         sim = self.sim()
         self.assertEqual(sim.get_dim_action_space("a"), 3)

@@ -13,7 +13,7 @@ from gymnasium.spaces import Box
 from ..sim import TaskSim
 from .base import BenchmarkBase
 
-__all__ = ["DRAWS", "TaskBase", 
+__all__ = ["DRAWS", "TaskBase",
            "Balance", "BalanceJump", "BiWalk", "BlockSoup", "CarrySmallRect", "CarrySmallRectToTable",
            "CatchSmallRect", "Climb0", "Climb1", "Climb2", "Duck", "Flipping",
            "FloatingPlatform", "Gaps", "LiftSmallRect", "MaximizeShape", "MaximizeXShape",

@@ -183,8 +183,7 @@ int evo_learner_policy(const evo_learner* learner, const evo_robots* robots, siz
     if (curve == nullptr && points > 0) throw evo::Error(Failure::usage, "`curve` is NULL");
     evo::PolicyFile file;
     file.robot = robot_at(object_of(robots), index);
-    file.task = "own";
-    file.task_yaml = "# a task of a program's own";
+    file.task = "own";  // without task_yaml: see policy_task
     file.physics_yaml = evo::physics_to_yaml(evo::Physics());
     file.training_yaml = evo::training_to_yaml(own.settings);
     file.layout = {{"own", 0, static_cast<int>(own.observations)}};

@@ -88,9 +88,8 @@ int evo_policy_robot(const evo_policy* policy, evo_robots** robot) {
 }
 
 int evo_policy_task(const evo_policy* policy, evo_task** task) {
-  return open(task, [&] {
-    return task_of(evo::parse_task(object_of(policy).file.task_yaml, "the policy's task"));
-  });
+  return open(task,
+              [&] { return task_of(evo::policy_task(object_of(policy).file, "the policy")); });
 }
 
 int evo_policy_act(const evo_policy* policy, const double* observations, const int32_t* steps,

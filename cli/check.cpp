@@ -45,7 +45,7 @@ class Policies {
  private:
   static void replay(const fs::path& path, const PolicyFile& policy) {
     const std::string name = path.string();
-    const TaskSpec task = parse_task(policy.task_yaml, name + ": task");
+    const TaskSpec task = policy_task(policy, name);
     const TrainingSettings training = training_from_yaml(
         YamlNode::parse(policy.training_yaml, name + ": training"), "", data_folders());
     const EvaluationSettings evaluation = evaluation_of(training, policy.seed);

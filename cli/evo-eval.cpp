@@ -61,7 +61,7 @@ Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task
   if (task) {
     trial.task = *task;
   } else {
-    trial.task = parse_task(file.task_yaml, path + ": task");
+    trial.task = policy_task(file, path);
     settings.task.change_physics(trial.task);
   }
   trial.controller = [controller = to_controller(file.controller)](const Arena&) {

@@ -79,8 +79,7 @@ Json BehaviourGauge::mean() const {
 }
 
 Rollout play(const PolicyFile& policy, const std::string& created_by) {
-  const Arena arena(parse_task(policy.task_yaml, "task of robot " + policy.robot.id),
-                    policy.robot.body);
+  const Arena arena(policy_task(policy, "robot " + policy.robot.id), policy.robot.body);
   EvaluationSettings settings;
   settings.seed = policy.seed;
   Recorder recorder(arena, policy.robot, policy.seed, false, created_by);

@@ -338,6 +338,15 @@ PolicyFile read_policy(const std::filesystem::path& path) {
   return policy;
 }
 
+TaskSpec policy_task(const PolicyFile& policy, const std::string& where) {
+  if (policy.task_yaml.empty())
+    throw error(Failure::data,
+                "{}: the policy is of a program's own task, which no tool knows; that program "
+                "can evaluate it",
+                where);
+  return parse_task(policy.task_yaml, where + ": task");
+}
+
 std::string read_policy_identity(const std::filesystem::path& path) {
   const hdf5::Reader file(path);
   check_format(file, format::policy, Head::required);

@@ -14,13 +14,14 @@
 #include "formats/training/identity.h"
 #include "libevo/control/trainer.h"
 #include "libevo/task/env.h"
+#include "libevo/task/spec.h"
 
 namespace evo {
 
 struct PolicyFile {
   Robot robot;
   std::string task;           // name
-  std::string task_yaml;      // the whole task
+  std::string task_yaml;      // the whole task; empty: see policy_task
   std::string physics_yaml;   // the whole profile in force
   std::string training_yaml;  // the whole profile in force
   std::vector<ObservationSlice> layout;
@@ -50,6 +51,9 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy,
                   Existing existing = Existing::replaced);
 // Throws Error(no_input), or Error(data) naming file and HDF5 path.
 PolicyFile read_policy(const std::filesystem::path& path);
+// The task that it was trained on. Throws Error(data), beginning with `where`, if that is of
+// a program's own environments (evo_learner_policy in evo/evo.h), of which a file has nothing.
+TaskSpec policy_task(const PolicyFile& policy, const std::string& where);
 // Only the lines of its identity, to see whether the work is done already.
 std::string read_policy_identity(const std::filesystem::path& path);
 

@@ -122,6 +122,12 @@ class Training(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             trained.save(Path(folder, "walk.policy.h5"))
             self.assertEqual(os.listdir(folder), ["walk.policy.h5"])
+            policy = Path(folder, "walk.policy.h5")
+            subprocess.run([evo_robots.find_tool("evo-inspect"), policy], check=True, stdout=subprocess.DEVNULL)
+            refused = subprocess.run([evo_robots.find_tool("evo-eval"), "--policy", policy, policy],
+                                     capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 65)
+            self.assertRegex(refused.stderr, "^evo-eval: .*of a program's own task, which no tool knows.*\n$")
 
     def test_a_task_of_the_suite_is_trained_as_evo_train_does(self):
         seen = []

@@ -2,91 +2,29 @@
 // it, in a real browser (with its profile in that folder) driven over the DevTools
 // protocol. Says what fails; status 1 then. With a folder for PICTURES, the page is
 // left there as it looks on a desk, on a phone, in the dark and printed.
-import { spawn } from 'node:child_process';
 import { writeFileSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
+import { accessFaults, launch } from '../browser/driver.mjs';
 
 const [program, file, profile, pictures] = process.argv.slice(2);
-const browser = spawn(program, ['--headless=new', '--no-sandbox', '--disable-gpu',
-  '--remote-debugging-pipe', `--user-data-dir=${profile}`],
-  { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
-
-// ---- the protocol: JSON messages that end with a zero byte --------------------------
-
-const answers = new Map();
-const complaints = [];
-const requests = [];
-let session, count = 0, received = '';
-
-const call = (method, params = {}) => new Promise((resolve, reject) => {
-  answers.set(++count, { resolve, reject });
-  browser.stdio[3].write(JSON.stringify({ id: count, method, params, sessionId: session }) + '\0');
-});
-
-const hear = (message) => {
-  if (message.id) {
-    const { resolve, reject } = answers.get(message.id);
-    if (message.error) reject(new Error(message.error.message));
-    else resolve(message.result);
-  } else if (message.method === 'Runtime.exceptionThrown') {
-    complaints.push(message.params.exceptionDetails.exception?.description ?? 'exception');
-  } else if (message.method === 'Runtime.consoleAPICalled') {
-    complaints.push(message.params.args.map((arg) => arg.value).join(' '));
-  } else if (message.method === 'Log.entryAdded') {
-    complaints.push(message.params.entry.text);
-  } else if (message.method === 'Network.requestWillBeSent') {
-    requests.push(message.params.request.url);
-  }
-};
-
-browser.stdio[4].on('data', (data) => {
-  const messages = (received + data).split('\0');
-  received = messages.pop();
-  messages.forEach((message) => hear(JSON.parse(message)));
-});
+const browser = await launch(program, profile);
+const { call, evaluate, emulate, place, click, press, complaints, requests } = browser;
 
 // ---- what a user does -----------------------------------------------------------------
 
-const evaluate = async (expression) => {
-  const { result, exceptionDetails } =
-    await call('Runtime.evaluate', { expression, returnByValue: true, awaitPromise: true });
-  if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? expression);
-  return result.value;
-};
 const painted = 'new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))';
 
 const open = async (width, height, scheme, calm = true) => {
-  await call('Emulation.setDeviceMetricsOverride',
-    { width, height, deviceScaleFactor: 1, mobile: width < 600 });
-  await call('Emulation.setEmulatedMedia', { features: [{ name: 'prefers-color-scheme', value: scheme },
-    { name: 'prefers-reduced-motion', value: calm ? 'reduce' : 'no-preference' }] });
-  await call('Page.navigate', { url: pathToFileURL(file).href });
-  await evaluate(`new Promise((done) => document.readyState === 'complete' ? done() : addEventListener('load', done))`);
+  await emulate({ width, height, scheme, calm });
+  await browser.open(pathToFileURL(file).href);
   await evaluate(painted);
 };
 
 const keep = (name, data) => pictures && writeFileSync(`${pictures}/${name}`, Buffer.from(data, 'base64'));
-const photograph = async (name) => {
-  if (!pictures) return;
-  const { cssContentSize: { width, height } } = await call('Page.getLayoutMetrics');
-  const clip = { x: 0, y: 0, width, height: Math.min(height, 8000), scale: 1 };
-  keep(name, (await call('Page.captureScreenshot', { captureBeyondViewport: true, clip })).data);
-};
+const photograph = async (name) => pictures && browser.picture(`${pictures}/${name}`);
 
-// The rectangle of what a selector finds, scrolled into view.
-const place = (selector) => evaluate(`(() => {
-  const found = document.querySelector(${JSON.stringify(selector)});
-  found.scrollIntoView({ block: 'center', behavior: 'instant' });
-  const { left, top, width, height } = found.getBoundingClientRect();
-  return { left, top, width, height };
-})()`);
 const mouse = (type, x, y, buttons = 0) => call('Input.dispatchMouseEvent',
   { type, x, y, button: type === 'mouseMoved' ? 'none' : 'left', buttons, clickCount: type === 'mouseMoved' ? 0 : 1 });
-const click = async (selector) => {
-  const { left, top, width, height } = await place(selector);
-  await mouse('mousePressed', left + width / 2, top + height / 2, 1);
-  await mouse('mouseReleased', left + width / 2, top + height / 2);
-};
 const text = (selector) => evaluate(`document.querySelector(${JSON.stringify(selector)}).textContent`);
 
 let failed = 0;
@@ -166,7 +104,7 @@ const checkCard = async () => {
   await photograph('card.png');
   const address = await evaluate('location.hash');
   check('the address is the robot', /^#run-1-[0-9a-f]{12}$/.test(address), address);
-  await call('Input.dispatchKeyEvent', { type: 'keyDown', key: 'Escape', code: 'Escape', windowsVirtualKeyCode: 27 });
+  await press('Escape');
   await evaluate(painted);
   check('Escape closes it', !(await evaluate(`document.querySelector('dialog').open`)));
   check('and the address with it', (await evaluate('location.hash')) === '', await evaluate('location.hash'));
@@ -174,53 +112,25 @@ const checkCard = async () => {
   await evaluate(painted);
   check('a click anywhere in a row opens its robot', await evaluate(`document.querySelector('dialog').open &&
     location.hash.slice(1) === document.querySelector('table.robots tbody tr:nth-child(2)').id`), await evaluate('location.hash'));
-  await call('Input.dispatchKeyEvent', { type: 'keyDown', key: 'Escape', code: 'Escape', windowsVirtualKeyCode: 27 });
+  await press('Escape');
   await evaluate(painted);
 };
 
 // Text against what is behind it, names of what can be pressed, and the tab key.
 const checkAccess = async (theme) => {
-  const pale = await evaluate(`(() => {
-    const read = (text) => (text.match(/[\\d.]+/g) ?? []).map(Number);
-    const luminance = ([r, g, b]) => [r, g, b].map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
-      .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
-    const behind = (node) => {
-      for (let at = node; at; at = at.parentElement) {
-        const color = read(getComputedStyle(at).backgroundColor);
-        if (color.length === 3 || color[3] === 1) return color;
-      }
-      return [255, 255, 255];
-    };
-    const bad = [];
-    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-    for (let node; (node = walker.nextNode());) {
-      const parent = node.parentElement;
-      if (!node.textContent.trim() || !parent.getClientRects().length || parent.closest('script, style, title, option')) continue;
-      const style = getComputedStyle(parent);
-      const ink = read(parent.closest('svg') ? style.fill : style.color);
-      const [a, b] = [luminance(ink), luminance(behind(parent))].sort((x, y) => y - x);
-      if ((a + 0.05) / (b + 0.05) < 4.5) bad.push([node.textContent.trim().slice(0, 30), ((a + 0.05) / (b + 0.05)).toFixed(2)]);
-    }
-    return bad.slice(0, 8);
-  })()`);
+  const { pale, nameless, twice } = await accessFaults(evaluate);
   check(`text can be read (4.5 to 1), ${theme}`, pale.length === 0, pale);
-  const nameless = await evaluate(`[...document.querySelectorAll('button, input, select, a, img, [role=img], summary')].filter((it) => it.getClientRects().length)
-    .filter((it) => !(it.getAttribute('aria-label') || it.alt || it.textContent.trim() || it.labels?.length || it.querySelector('[aria-label]'))).map((it) => it.outerHTML.slice(0, 80))`);
   check('what can be pressed or seen has a name', nameless.length === 0, nameless);
-  const twice = await evaluate(`(() => { const ids = [...document.querySelectorAll('[id]')].map((it) => it.id); return ids.filter((id, k) => ids.indexOf(id) !== k); })()`);
-  check('no id is there twice', twice.length === 0, twice.slice(0, 5));
+  check('no id is there twice', twice.length === 0, twice);
 };
 
-const press = async (key, windowsVirtualKeyCode) => {
-  for (const type of ['keyDown', 'keyUp']) await call('Input.dispatchKeyEvent', { type, key, code: key, windowsVirtualKeyCode });
-};
 const checkKeyboard = async () => {
   await evaluate(`document.querySelector('.chart .plot').focus()`);
-  await press('ArrowRight', 39);
+  await press('ArrowRight');
   const said = await text('.chart .readout');
   check('arrow keys read a chart', /robots trained \d/.test(said), said);
   await evaluate(`document.querySelector('.controls .play').focus()`);
-  await press('Tab', 9);
+  await press('Tab');
   const next = await evaluate(`document.activeElement.getAttribute('aria-label')`);
   check('the tab key goes on', next === 'Moment', next);
 };
@@ -342,9 +252,6 @@ const checkPaper = async () => {
 };
 
 try {
-  const { targetId } = await call('Target.createTarget', { url: 'about:blank' });
-  session = (await call('Target.attachToTarget', { targetId, flatten: true })).sessionId;
-  for (const domain of ['Runtime', 'Log', 'Page', 'Network']) await call(`${domain}.enable`);
   await open(1280, 1000, 'light');
   await photograph('desk.png');
   if (await evaluate(`document.querySelector('details') !== null`)) {
@@ -369,12 +276,8 @@ try {
   check('no complaint on the console', complaints.length === 0, complaints);
   const outside = requests.filter((url) => !url.startsWith('data:') && !url.startsWith('file:'));
   check('nothing is asked of the network', outside.length === 0, outside);
-  session = undefined;
-  const gone = new Promise((done) => browser.on('exit', done));
-  await call('Browser.close');
-  await gone;
 } catch (error) {
   check('the browser can be driven', false, String(error));
-  browser.kill();
 }
+await browser.close();
 process.exit(failed ? 1 : 0);

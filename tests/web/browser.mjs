@@ -3,7 +3,7 @@
 // left there as they look on a desk, on a phone, in the dark, and printed.
 import { readFileSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
-import { launch } from './driver.mjs';
+import { accessFaults, launch } from '../browser/driver.mjs';
 
 const [program, site, profile, pictures] = process.argv.slice(2);
 const browser = await launch(program, profile, { offline: true });
@@ -194,33 +194,9 @@ const checkSpeed = async () => {
 const checkAccess = async (hash, theme) => {
   await open(hash);
   await until(`document.querySelectorAll('main > section:not([hidden]) h1').length === 1`);
-  const pale = await evaluate(`(() => {
-    const read = (text) => (text.match(/[\\d.]+/g) ?? []).map(Number);
-    const luminance = ([r, g, b]) => [r, g, b].map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
-      .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
-    const behind = (node) => {
-      for (let at = node; at; at = at.parentElement) {
-        const text = getComputedStyle(at).backgroundColor, color = read(text);
-        if (text.startsWith('color(srgb')) return color.slice(0, 3).map((v) => v * 255);
-        if (color.length === 3 || color[3] === 1) return color;
-      }
-      return [255, 255, 255];
-    };
-    const bad = [];
-    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-    for (let node; (node = walker.nextNode());) {
-      const parent = node.parentElement;
-      if (!node.textContent.trim() || !parent.getClientRects().length || parent.closest('script, style, noscript, option')) continue;
-      const [a, b] = [luminance(read(getComputedStyle(parent).color)), luminance(behind(parent))].sort((x, y) => y - x);
-      if ((a + 0.05) / (b + 0.05) < 4.5) bad.push([node.textContent.trim().slice(0, 30), ((a + 0.05) / (b + 0.05)).toFixed(2)]);
-    }
-    return bad.slice(0, 8);
-  })()`);
+  const { pale, nameless, twice } = await accessFaults(evaluate);
   check(`text can be read (4.5 to 1), ${hash}, ${theme}`, pale.length === 0, pale);
-  const nameless = await evaluate(`[...document.querySelectorAll('button, input, select, textarea, a, [role=img], summary')].filter((it) => it.getClientRects().length)
-    .filter((it) => !(it.getAttribute('aria-label') || it.textContent.trim() || it.labels?.length)).map((it) => it.outerHTML.slice(0, 80))`);
   check(`what can be pressed or seen has a name, ${hash}`, nameless.length === 0, nameless);
-  const twice = await evaluate(`(() => { const ids = [...document.querySelectorAll('[id]')].map((it) => it.id); return ids.filter((id, k) => ids.indexOf(id) !== k); })()`);
   check(`no id is there twice, ${hash}`, twice.length === 0, twice);
   const headings = await evaluate(`[...document.querySelectorAll('main > section:not([hidden]) :is(h1, h2, h3)')].map((it) => Number(it.tagName[1]))`);
   check(`headings go down by one, ${hash}`, headings[0] === 1 && headings.every((level, k) => k === 0 || level <= headings[k - 1] + 1), headings);

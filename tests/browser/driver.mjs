@@ -75,18 +75,19 @@ export const launch = async (program, profile, { offline = false } = {}) => {
     const clip = whole ? { clip: { x: 0, y: 0, width, height: Math.min(height, 7000), scale: 1 }, captureBeyondViewport: true } : {};
     writeFileSync(path, Buffer.from((await call('Page.captureScreenshot', clip)).data, 'base64'));
   };
+  // The rectangle of what a selector finds, and its middle, scrolled into view.
   const place = (selector) => evaluate(`(() => {
     const found = document.querySelector(${JSON.stringify(selector)});
     found.scrollIntoView({ block: 'center', behavior: 'instant' });
     const { left, top, width, height } = found.getBoundingClientRect();
-    return { x: left + width / 2, y: top + height / 2 };
+    return { left, top, width, height, x: left + width / 2, y: top + height / 2 };
   })()`);
   const click = async (selector) => {
     const { x, y } = await place(selector);
     for (const type of ['mousePressed', 'mouseReleased']) await call('Input.dispatchMouseEvent', { type, x, y, button: 'left', buttons: 1, clickCount: 1 });
   };
   const press = async (key, text) => {
-    const code = { Enter: 13, Tab: 9, ArrowLeft: 37, ArrowUp: 38, ArrowRight: 39, ArrowDown: 40, Delete: 46, Home: 36 }[key] ?? key.toUpperCase().charCodeAt(0);
+    const code = { Enter: 13, Tab: 9, ArrowLeft: 37, ArrowUp: 38, ArrowRight: 39, ArrowDown: 40, Delete: 46, Home: 36, Escape: 27 }[key] ?? key.toUpperCase().charCodeAt(0);
     await call('Input.dispatchKeyEvent', { type: 'keyDown', key, windowsVirtualKeyCode: code, ...(text ? { text } : {}) });
     await call('Input.dispatchKeyEvent', { type: 'keyUp', key, windowsVirtualKeyCode: code });
   };
@@ -107,3 +108,34 @@ export const launch = async (program, profile, { offline = false } = {}) => {
   };
   return { call, evaluate, until, emulate, open, picture, place, click, press, swipe, close, complaints, requests };
 };
+
+// What is hard to use on the page that is open: text too pale for what is behind it (below 4.5
+// to 1), what can be pressed or seen and has no name, ids that are there twice.
+export const accessFaults = (evaluate) => evaluate(`(() => {
+  const read = (text) => (text.match(/[\\d.]+/g) ?? []).map(Number);
+  const luminance = ([r, g, b]) => [r, g, b].map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
+  const behind = (node) => {
+    for (let at = node; at; at = at.parentElement) {
+      const text = getComputedStyle(at).backgroundColor, color = read(text);
+      if (text.startsWith('color(srgb')) return color.slice(0, 3).map((v) => v * 255);
+      if (color.length === 3 || color[3] === 1) return color;
+    }
+    return [255, 255, 255];
+  };
+  const pale = [];
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node; (node = walker.nextNode());) {
+    const parent = node.parentElement;
+    if (!node.textContent.trim() || !parent.getClientRects().length || parent.closest('script, style, noscript, title, option')) continue;
+    const style = getComputedStyle(parent);
+    const ink = read(parent.closest('svg') ? style.fill : style.color);
+    const [a, b] = [luminance(ink), luminance(behind(parent))].sort((x, y) => y - x);
+    if ((a + 0.05) / (b + 0.05) < 4.5) pale.push([node.textContent.trim().slice(0, 30), ((a + 0.05) / (b + 0.05)).toFixed(2)]);
+  }
+  const nameless = [...document.querySelectorAll('button, input, select, textarea, a, img, [role=img], summary')]
+    .filter((it) => it.getClientRects().length && !(it.getAttribute('aria-label') || it.alt || it.textContent.trim() || it.labels?.length || it.querySelector('[aria-label]')))
+    .map((it) => it.outerHTML.slice(0, 80));
+  const ids = [...document.querySelectorAll('[id]')].map((it) => it.id);
+  return { pale: pale.slice(0, 8), nameless, twice: ids.filter((id, k) => ids.indexOf(id) !== k).slice(0, 5) };
+})()`);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "libevo/sim/compiled.h"
@@ -101,9 +102,9 @@ std::vector<Draft> draft_leaves(std::span<const TreeCell> cells) {
   return nodes;
 }
 
-// The pair of free nodes whose common box is smallest, the first of equals: of neighbours
-// if there are any, else of all.
-std::pair<int, int> next_pair(const std::vector<Draft>& nodes) {
+// The pair of `free` nodes, which are in their order, whose common box is smallest, the first
+// of equals: of neighbours if there are any, else of all.
+std::pair<int, int> next_pair(const std::vector<Draft>& nodes, const std::vector<int>& free) {
   std::pair<int, int> pair{-1, -1};
   double smallest = std::numeric_limits<double>::max();
   const auto consider = [&](int i, int j) {
@@ -115,15 +116,12 @@ std::pair<int, int> next_pair(const std::vector<Draft>& nodes) {
       pair = {i, j};
     }
   };
-  const int count = static_cast<int>(nodes.size());
-  for (int i = 0; i < count; ++i)
-    if (const Draft& node = nodes[static_cast<std::size_t>(i)]; node.is_free)
-      for (const int j : node.neighbours.numbers()) consider(i, j);
+  for (const int i : free)
+    for (const int j : nodes[static_cast<std::size_t>(i)].neighbours.numbers()) consider(i, j);
   if (pair.first >= 0) return pair;
-  for (int i = 0; i < count; ++i)
-    if (nodes[static_cast<std::size_t>(i)].is_free)
-      for (int j = 0; j < count; ++j)
-        if (i != j) consider(i, j);
+  for (const int i : free)
+    for (const int j : free)
+      if (i != j) consider(i, j);
   return pair;
 }
 
@@ -155,8 +153,15 @@ void merge(std::vector<Draft>& nodes, int i, int j) {
 
 BoundingTree make_bounding_tree(std::span<const TreeCell> cells) {
   std::vector<Draft> drafts = draft_leaves(cells);
-  for (auto pair = next_pair(drafts); pair.first >= 0; pair = next_pair(drafts))
-    merge(drafts, pair.first, pair.second);
+  std::vector<int> free(drafts.size());
+  std::iota(free.begin(), free.end(), 0);
+  while (free.size() > 1) {
+    const auto [i, j] = next_pair(drafts, free);
+    free.erase(std::find(free.begin(), free.end(), i));
+    free.erase(std::find(free.begin(), free.end(), j));
+    free.push_back(static_cast<int>(drafts.size()));
+    merge(drafts, i, j);
+  }
 
   BoundingTree tree;
   tree.nodes.resize(drafts.size());

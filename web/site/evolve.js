@@ -18,12 +18,18 @@
       player?.close();
     }
   };
-  // Uniform numbers (Mulberry32, by Tommy Ettinger).
-  const numbers = (seed) => () => {
-    seed = (seed + 0x6d2b79f5) | 0;
-    let t = Math.imul(seed ^ (seed >>> 15), 1 | seed);
-    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
-    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
+  // Uniform numbers: the xorshift generator of 32 bits (Marsaglia, 2003), its first ones left
+  // out since those of neighbouring seeds are alike.
+  const numbers = (seed) => {
+    let bits = Math.imul(seed, 2654435769) | 1;
+    const next = () => {
+      bits ^= bits << 13;
+      bits ^= bits >>> 17;
+      bits ^= bits << 5;
+      return (bits >>> 0) / 2 ** 32;
+    };
+    for (let k = 0; k < 8; ++k) next();
+    return next;
   };
   const round = (value) => Math.round(value * 1000) / 1000;
   const clamp = (value, low, high) => Math.min(high, Math.max(low, value));

@@ -9,6 +9,14 @@ work=$(mktemp -d)
 trap 'rm -rf "$work" || { sleep 2; rm -rf "$work"; }' EXIT
 export PATH="$EVO_BIN:$PATH"
 "$here/../../scripts/site" "$work/site" > "$work/log" || { cat "$work/log"; exit 1; }
-EVO_EXPECTED=$(printf 'VVV\nHHH\nV.V\n' | evo-eval --task Jumper-v0 --sine 0.31,17.5,1.25 | jq .fitness)
-export EVO_EXPECTED
+# Files to drop, and what they earn.
+export EVO_FILES=$work/files
+mkdir "$EVO_FILES"
+cp "$here/../../records/Walker-v0/policy.h5" "$EVO_FILES/policy.h5"
+head -c 30000 "$EVO_FILES/policy.h5" > "$EVO_FILES/cut.h5"
+printf 'VVV\nHHH\nV.V\n' > "$work/body.txt"
+roll() { evo-eval -q "$work/body.txt" --task Jumper-v0 --sine 0.31,17.5,1.25 --rollout "$EVO_FILES/$1.h5" "${@:2}"; }
+EVO_EXPECTED=$(roll walk | jq .fitness)
+EVO_SHIFTED=$(roll shifted --episodes 2 --jitter 1e-3 | jq '.returns[0]')
+export EVO_EXPECTED EVO_SHIFTED
 node "$here/browser.mjs" "$browser" "$work/site" "$work/profile" ${EVO_PICTURES:+"$EVO_PICTURES"}

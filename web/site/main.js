@@ -29,4 +29,19 @@
   };
   addEventListener('hashchange', () => { show(); scrollTo(0, 0); });
   show();
+
+  // A file dropped anywhere opens in Play.
+  let over = 0;
+  addEventListener('dragenter', (event) => { event.preventDefault(); ++over; document.body.classList.add('dropping'); });
+  addEventListener('dragleave', () => { if (--over <= 0) document.body.classList.remove('dropping'); });
+  addEventListener('dragover', (event) => event.preventDefault());
+  addEventListener('drop', (event) => {
+    event.preventDefault();
+    over = 0;
+    document.body.classList.remove('dropping');
+    const file = event.dataTransfer.files[0];
+    if (!file) return;
+    if (Evo.page !== 'play') { history.pushState(null, '', '#play'); show(); }
+    pages.play.open(file);
+  });
 })();

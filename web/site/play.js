@@ -6,7 +6,9 @@ Evo.playPage = (evo) => {
   const className = (letter) => 'block-' + (letter === '.' ? 'none' : letter);
   const nameOf = Object.fromEntries(materials.map(([letter, name]) => [letter, name.toLowerCase()]));
   const begin = { task: 'Walker-v0', body: Evo.firstRobot.body, gait: Evo.firstRobot.gait };
-  const state = { ...begin, other: null, start: {}, material: 'H' };
+  // `other`: a policy or recorded actions instead of the rhythm, from a record or a `file`; `recorded`:
+  // an episode that is shown and not simulated; `rollout`: the task that its command names.
+  const state = { ...begin, other: null, about: '', record: null, file: null, recorded: null, rollout: null, start: {}, material: 'H' };
   const message = id('message');
   let worker = null;
 
@@ -43,8 +45,12 @@ Evo.playPage = (evo) => {
     let player;
     try {
       const facts = evo.task(state.task);
-      player = evo.open(state.task, { body: state.body });
-      player.control(controller());
+      if (state.recorded) {
+        player = Evo.recorded(state.recorded, facts, state.recorded.follow);
+      } else {
+        player = evo.open(state.task, { body: state.body });
+        player.control(controller());
+      }
       const was = theatre.playing;
       theatre.show(player, state.start);
       state.facts = facts;
@@ -201,17 +207,20 @@ Evo.playPage = (evo) => {
     stopEvolving();
     rhythm();
   }));
-  const useOther = (document, about, record = null) => {
-    Object.assign(state, { other: document, record });
-    id('gait-wave').hidden = true;
-    id('gait-other').hidden = false;
-    id('gait-about').textContent = about;
+  const showOther = () => {
+    id('gait-wave').hidden = Boolean(state.other);
+    id('gait-other').hidden = !state.other;
+    id('gait-about').textContent = state.about;
+    id('episode-row').hidden = true;
+  };
+  const useOther = (document, about, { record = null, file = null, recorded = null } = {}) => {
+    Object.assign(state, { other: document, about, record, file, recorded, rollout: null });
+    showOther();
   };
   const dropOther = () => {
     if (!state.other) return;
-    Object.assign(state, { other: null, record: null, start: {} });
-    id('gait-wave').hidden = false;
-    id('gait-other').hidden = true;
+    useOther(null, '');
+    state.start = {};
     showGait();
   };
   id('gait-back').addEventListener('click', () => { dropOther(); build(); });
@@ -329,22 +338,31 @@ Evo.playPage = (evo) => {
   const isNamed = () => Evo.tasks.some(({ name }) => name === state.task);
   const address = () => {
     if (state.record) return `#play?record=${state.record}`;
+    if (state.other) return '#play';  // a file is more than an address holds
     const task = isNamed() ? `task=${state.task}` : `own=${encodeURIComponent(state.task)}`;
     return `#play?${task}&body=${state.body.join('-')}&gait=${state.gait.join(',')}`;
   };
   const command = () => {
     if (state.record) return `evo-eval --policy records/${state.record}/policy.h5 records/${state.record}/policy.h5`;
-    if (state.other) return 'evo-eval --policy FILE.policy.h5 FILE.policy.h5';
+    if (state.recorded) return `evo-render ${state.file} -o robot.mp4`;
+    if (state.rollout) return `evo-eval --task ${state.rollout} --actions ${state.file}${state.start.draws ? ` --draws ${state.file}` : ''} ${state.file}`;
+    if (state.other) return `evo-eval --policy ${state.file} ${state.file}`;
     const task = isNamed() ? state.task : './task.yaml';
     return `printf '${state.body.join('\\n')}\\n' |\n  evo-eval --task ${task} --sine ${state.gait.join(',')}`;
   };
   const remember = () => {
     id('command').textContent = command();
-    id('command-about').textContent = isNamed() || state.other ? 'The same robot with the tools:' : 'The same robot with the tools, once the task is saved as task.yaml:';
+    id('copy-link').disabled = Boolean(state.other && !state.record);
+    id('copy-link').title = id('copy-link').disabled ? 'A link cannot carry a file; pass the file on.' : '';
+    id('command-about').textContent = state.recorded ? 'The same episode with the tools:' : isNamed() || state.other ? 'The same robot with the tools:' : 'The same robot with the tools, once the task is saved as task.yaml:';
     if (location.hash !== address() && Evo.page === 'play') history.replaceState(null, '', address());
   };
   // The robot as evo-eval would write it, with the return of a whole episode.
   const robotDocument = () => {
+    if (state.recorded) {
+      const { robot, task, earned } = state.recorded;
+      return { ...evo.robot(JSON.stringify({ body: robot.body })), origin: { tool: 'evo page', controller: 'rollout' }, fitness: earned, task };
+    }
     const player = evo.open(state.task, { body: state.body });
     try {
       player.control(controller());
@@ -369,17 +387,54 @@ Evo.playPage = (evo) => {
   });
 
   // Whatever a file holds: a policy, a robot, a world, a task.
-  const usePolicy = (document, about, record = null, seed = 0) => {
+  const usePolicy = (document, about, { start = {}, ...from }) => {
     stopEvolving();
     const before = { ...state };
-    Object.assign(state, { task: document.task_yaml ?? document.task, body: document.robot.body, start: { seed } });
-    useOther(document, about, record);
-    if (record) state.task = document.task_yaml;
+    Object.assign(state, { task: document.task_yaml ?? document.task, body: document.robot.body, start });
+    useOther(document, about, from);
     drawGrid();
-    if (!build()) Object.assign(state, before);
+    if (!build()) {  // what stood there before stays, and why it does
+      const why = message.textContent;
+      Object.assign(state, before);
+      showOther();
+      drawGrid();
+      build();
+      say(why);
+    }
     const named = Evo.tasks.find(({ name }) => name === document.task);
     ownOption.hidden = Boolean(named);
     id('task').value = named ? named.name : '';
+  };
+  // An episode of a rollout: its actions simulated again, and where that gives another return (a
+  // perturbed start, other physics) what was recorded.
+  const useRollout = async (rollout, file, k = 0) => {
+    const episode = await rollout.episode(k);
+    const { task, task_yaml, robot } = rollout;
+    const document = { kind: 'sequence', task, task_yaml, robot, actions: episode.actions };
+    const start = Object.keys(episode.draws).length ? { draws: episode.draws } : {};
+    let again = NaN, follow = ['robot'];
+    try {
+      const player = evo.open(task_yaml, robot);
+      follow = player.follow;
+      try {
+        player.control(document);
+        player.reset(start);
+        player.step(episode.rewards.length);
+        again = player.counts().total;
+      } finally { player.close(); }
+    } catch (failure) { if (failure.name !== 'Refusal') throw failure; }
+    const same = again === episode.earned;
+    usePolicy(document, same ? `The ${episode.rewards.length} actions of ${file}, simulated again: they earn the ${number(episode.earned)} of the file, to the last bit.`
+      : `The episode as ${file} has it, not simulated: from the usual start its actions earn ${number(again)}, in the file ${number(episode.earned)}.`,
+    { start, file, recorded: same ? null : { ...rollout, ...episode, follow } });
+    if (rollout.episodes > 1 && state.file === file) {
+      const pick = id('episode');
+      pick.replaceChildren(...Array.from({ length: rollout.episodes }, (_, n) => element('option', { value: n, ...(n === k ? { selected: '' } : {}) }, `${n + 1} of ${rollout.episodes}`)));
+      pick.onchange = () => useRollout(rollout, file, Number(pick.value));
+      id('episode-row').hidden = false;
+    }
+    state.rollout = Evo.tasks.some(({ name }) => name === task) ? task : './task.yaml';
+    remember();
   };
   const useRobot = (text) => {
     const robot = evo.robot(text);
@@ -396,34 +451,28 @@ Evo.playPage = (evo) => {
   const useText = (name, text) => {
     let json = null;
     try { json = JSON.parse(text); } catch { /* YAML, letters or several lines of JSON */ }
-    if (json?.format === 'evo/policy') usePolicy(json, `Driven by the ${json.kind} of ${name}.`);
+    if (json?.format === 'evo/policy') usePolicy(json, `Driven by the ${json.kind} of ${name}.`, { file: name });
     else if (json?.objects && json?.grid_width) { useTask(text); id('own').open = true; id('own-text').value = state.facts?.yaml ?? text; }
     else if (!json && /^(format: *evo\/task|world:|observation:)/m.test(text)) { id('own').open = true; id('own-text').value = text; useTask(text); }
     else useRobot(text);
   };
   const useFile = async (file) => {
     const bytes = new Uint8Array(await file.arrayBuffer());
-    const isHdf5 = bytes.length > 8 && [0x89, 0x48, 0x44, 0x46].every((value, k) => bytes[k] === value);
     try {
-      if (isHdf5) say(`${file.name} is an HDF5 file; evo-convert ${file.name} --to json -o policy.json makes of a policy what this page reads.`);
-      else useText(file.name, new TextDecoder().decode(bytes));
+      if (Evo.isHdf5(bytes)) {
+        const { policy, rollout } = await Evo.openHdf5(bytes);
+        if (policy) usePolicy(policy, `Driven by the ${policy.kind} of ${file.name}, which earned ${number(policy.fitness)} in training.`, { file: file.name });
+        else await useRollout(rollout, file.name);
+      } else {
+        useText(file.name, new TextDecoder().decode(bytes));
+      }
+      if (state.other && !Evo.calm.matches) theatre.play();
     } catch (failure) {
       if (failure.name !== 'Refusal') throw failure;
       say(`${file.name}: ${failure.message}`);
     }
   };
   id('open').addEventListener('change', () => { if (id('open').files[0]) useFile(id('open').files[0]); id('open').value = ''; });
-  let over = 0;
-  addEventListener('dragenter', (event) => { event.preventDefault(); ++over; document.body.classList.add('dropping'); });
-  addEventListener('dragleave', () => { if (--over <= 0) document.body.classList.remove('dropping'); });
-  addEventListener('dragover', (event) => event.preventDefault());
-  addEventListener('drop', (event) => {
-    event.preventDefault();
-    over = 0;
-    document.body.classList.remove('dropping');
-    const file = event.dataTransfer.files[0];
-    if (file) { location.hash = '#play'; useFile(file); }
-  });
 
   // ---- addresses ------------------------------------------------------------------------------
 
@@ -437,7 +486,7 @@ Evo.playPage = (evo) => {
       const known = Evo.records.find(({ name }) => name === record);
       if (!known) { say(`There is no record '${record}'.`); return; }
       await Evo.loadScript(`records/${record}.js`);
-      usePolicy(Evo.controllers[record], `Driven by the ${known.controller} of the record ${record}.`, record, known.seed ?? 0);
+      usePolicy(Evo.controllers[record], `Driven by the ${known.controller} of the record ${record}.`, { record, start: { seed: known.seed ?? 0 } });
     } else {
       dropOther();
       state.task = given.get('own') ?? given.get('task') ?? state.task;
@@ -460,5 +509,5 @@ Evo.playPage = (evo) => {
     }
     if (!Evo.calm.matches) theatre.play();
   };
-  return { show: restore, hide: () => { theatre.pause(); stopEvolving(); } };
+  return { show: restore, hide: () => { theatre.pause(); stopEvolving(); }, open: useFile };
 };

@@ -1,4 +1,6 @@
-// A robot at its task on a canvas: steps libevo in time with the screen and draws it.
+// A robot at its task on a canvas: steps libevo in time with the screen and draws it. Between two
+// steps it draws what lies between them, so that every frame of the screen shows another moment,
+// in slow motion, too.
 'use strict';
 Evo.stepsPerSecond = 50;  // control steps at speed 1
 Evo.Player = class {
@@ -25,6 +27,7 @@ Evo.Player = class {
     this.player.reset(this.start);
     this.due = 0;
     this.rest = 0;
+    this.before = null;
     this.draw();
   }
   play() {
@@ -35,8 +38,8 @@ Evo.Player = class {
     requestAnimationFrame(this.tick);
     this.told(this);
   }
-  pause() { this.playing = false; if (this.player) this.told(this); }
-  step() { this.pause(); this.player?.step(1); this.draw(); }
+  pause() { this.playing = false; if (this.player) this.draw(); }
+  step() { this.playing = false; this.player?.step(1); this.before = null; this.draw(); }
   get over() { return this.player !== null && this.player.counts().ended !== 0; }
   tick(now) {
     if (!this.playing) return;
@@ -50,17 +53,21 @@ Evo.Player = class {
       const steps = Math.min(Math.floor(this.due), 60);
       this.due = Math.min(this.due - steps, 1);
       try {
-        if (steps > 0) { this.player.step(steps); this.draw(); }
+        if (steps > 1) this.player.step(steps - 1);
+        if (steps > 0) { this.before = this.player.positions().slice(); this.player.step(1); }
+        this.draw(this.over ? 1 : this.due);
       } catch (refusal) { this.failed = refusal; this.pause(); throw refusal; }
     }
     requestAnimationFrame(this.tick);
   }
-  draw() {
-    const { player, canvas } = this;
+  // `share`: of the way from the step before to the last one.
+  draw(share = 1) {
+    const { player, canvas, before } = this;
     if (!player || !canvas.clientWidth) return;
     const raw = player.positions(), voxel = player.voxel;
     const x = new Float64Array(player.points), y = new Float64Array(player.points);
-    for (let p = 0; p < player.points; ++p) { x[p] = raw[2 * p] / voxel; y[p] = raw[2 * p + 1] / voxel; }
+    const at = before && share < 1 ? (k) => (before[k] + (raw[k] - before[k]) * share) / voxel : (k) => raw[k] / voxel;
+    for (let p = 0; p < player.points; ++p) { x[p] = at(2 * p); y[p] = at(2 * p + 1); }
     const centre = ({ first, points }) => {
       let cx = 0, cy = 0;
       for (let p = first; p < first + points; ++p) { cx += x[p]; cy += y[p]; }

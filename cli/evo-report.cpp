@@ -13,6 +13,8 @@ using namespace evo;
 
 constexpr std::size_t most_robots = 4000;   // of several runs, one by one
 constexpr std::size_t fewest_robots = 100;  // of each of them
+constexpr std::size_t most_replays = 1500;  // likewise
+constexpr std::size_t fewest_replays = 20;
 
 }  // namespace
 
@@ -21,7 +23,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> names;
   report::PageOptions options;
   std::optional<int> robots;
-  int replays = 20;
+  std::optional<int> replays;
   command.arguments(names, "RUN_DIR",
                     "run folders, finished or not; several are compared on one page");
   command.option("--title", options.title, "TEXT", "of the page [the task and the folder's name]");
@@ -30,7 +32,7 @@ int main(int argc, char** argv) {
                  "ancestors, and others evenly spread [1500, of several runs 4000 altogether]");
   command.option("--replays", replays, "N",
                  "episodes to play on the page: of a run's N fittest robots, beside the champion "
-                 "and its ancestors");
+                 "and its ancestors [all that are shown; of several runs 1500 altogether]");
   command.output_option("where the page goes, HTML that needs no other file and no network");
   command.jobs_option();
   command.example("evo-report runs/walker -o report.html", "one run, at any time");
@@ -39,11 +41,15 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     if (names.empty()) throw error(Failure::usage, "name at least one run folder");
-    if (replays < 0) throw error(Failure::usage, "--replays must be at least 0, got {}", replays);
+    if (replays && *replays < 0)
+      throw error(Failure::usage, "--replays must be at least 0, got {}", *replays);
     if (robots && *robots < 1)
       throw error(Failure::usage, "--robots must be at least 1, got {}", *robots);
     report::Extent extent;
-    extent.replays = static_cast<std::size_t>(replays);
+    if (replays)
+      extent.replays = static_cast<std::size_t>(*replays);
+    else if (names.size() > 1)
+      extent.replays = std::max(fewest_replays, most_replays / names.size());
     extent.robots =
         robots ? static_cast<std::size_t>(*robots)
                : std::min(extent.robots, std::max(fewest_robots, most_robots / names.size()));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "formats/io/values.h"
 #include "report/choice.h"
@@ -17,6 +18,14 @@ constexpr std::size_t changes_listed = 4;  // of one mutation, in words
 constexpr std::array kinds{Voxel::rigid, Voxel::soft, Voxel::horizontal, Voxel::vertical};
 
 }  // namespace
+
+std::string purpose_in_words(const Run& run) {
+  std::string purpose = run.purpose;
+  while (!purpose.empty() && purpose.back() == '.') purpose.pop_back();
+  if (!purpose.empty() && purpose.front() >= 'A' && purpose.front() <= 'Z')
+    purpose.front() = static_cast<char>(purpose.front() - 'A' + 'a');
+  return purpose;
+}
 
 // ---- the verdict ------------------------------------------------------------------------
 
@@ -150,12 +159,22 @@ std::string champion_facts(const Run& run) {
   return facts + "</dl>\n";
 }
 
+// "In 9.9 s it moves 98 voxels to the right; goal reached: robot beyond x = 99. "
+std::string what_happened(const Json& replay) {
+  constexpr double steps_a_second = 50.0;  // as the page plays them
+  constexpr int far = 5;                   // voxels; less is no travel
+  const double seconds = replay["steps"].get<double>() / steps_a_second;
+  const auto moved = std::lround(replay["moved"].get<double>());
+  const std::string way = std::abs(moved) < far
+                              ? fmt::format("Its episode lasts {:.3g} s", seconds)
+                              : fmt::format("In {:.3g} s it moves {} voxels to the {}", seconds,
+                                            std::abs(moved), moved > 0 ? "right" : "left");
+  return fmt::format("{}; {}. ", way, replay["ending"].get<std::string>());
+}
+
 // For whoever sees such a page for the first time.
 std::string introduction(const Run& run) {
-  std::string purpose = run.purpose;
-  while (!purpose.empty() && purpose.back() == '.') purpose.pop_back();
-  if (!purpose.empty() && purpose.front() >= 'A' && purpose.front() <= 'Z')
-    purpose.front() = static_cast<char>(purpose.front() - 'A' + 'a');
+  const std::string purpose = purpose_in_words(run);
   const std::string task = run.setting("task");
   const std::size_t tried = run.robots.size();
   std::string text = fmt::format(
@@ -164,8 +183,7 @@ std::string introduction(const Run& run) {
           ? "the only one tried"
           : fmt::format("the best of {} that were tried", grouped(static_cast<long long>(tried))));
   if (const auto replay = run.replays.find(*run.champion); replay != run.replays.end())
-    text += fmt::format("Its episode takes {} steps: {}. ", replay->second["steps"].get<int>(),
-                        replay->second["ending"].get<std::string>());
+    text += what_happened(replay->second);
   return text +
          fmt::format("Its fitness, {}, is what {} paid it in its best episode during training.",
                      shown(run.robots[*run.champion].fitness),
@@ -179,12 +197,14 @@ std::string champion_card(const Run& run, const std::string& anchor, Page& page)
   const bool moving = run.replays.contains(*run.champion);
   std::string html =
       "<section class=\"card\">\n" +
-      fmt::format("<h3 id=\"{}-champion\">Champion</h3>\n<p class=\"introduction\">{}</p>\n",
-                  anchor, escape(introduction(run)));
+      fmt::format(
+          "<h3 id=\"{}-champion\">Champion</h3>\n<p class=\"introduction\">{}</p>\n"
+          "<p class=\"about on-screen\">Every picture of a robot opens its card, where it "
+          "moves, if wanted beside its parent. Commands to go on with are at the end.</p>\n",
+          anchor, escape(introduction(run)));
   html += fmt::format("<div class=\"champion{}\">\n", moving ? "" : " still");
   if (moving)
-    html += fmt::format("<div class=\"replay\" data-replay=\"{}\" data-run=\"{}\"></div>\n<div>{}",
-                        robot.id, anchor, page.link(robot, anchor));
+    html += stage({{anchor, robot.id, "The champion"}}) + "<div>" + page.link(robot, anchor);
   else
     html += fmt::format("<div>{}</div>\n<div>", page.link(robot, anchor));
   html += champion_facts(run) + "</div>\n</div>\n";
@@ -284,12 +304,18 @@ std::string lineage_step(const Run& run, const Entry& entry, const Entry* from,
                          const std::string& anchor, Page& page) {
   std::optional<std::vector<Change>> changed;
   if (from != nullptr) changed = changes(from->robot.body, entry.robot.body);
+  const std::string moving = run.replays.contains(run.by_id.at(entry.robot.id))
+                                 ? fmt::format(
+                                       "<canvas class=\"ancestor\" data-robot=\"{0}\" role=\"img\" "
+                                       "aria-label=\"robot {0} moving\"></canvas>",
+                                       entry.robot.id)
+                                 : "";
   return fmt::format(
-      "<li><div class=\"step\"><a href=\"#{}-{}\">{}</a><div><span class=\"score\">{}</span>{}"
+      "<li><div class=\"step\"><a href=\"#{}-{}\">{}{}</a><div><span class=\"score\">{}</span>{}"
       "<div class=\"note\">generation {}</div></div></div></li>\n",
-      anchor, entry.robot.id, page.body(entry.robot, changed.value_or(std::vector<Change>{})),
-      shown(entry.fitness), from != nullptr ? descent(run, entry, *from, changed) : "",
-      entry.generation);
+      anchor, entry.robot.id, moving,
+      page.body(entry.robot, changed.value_or(std::vector<Change>{})), shown(entry.fitness),
+      from != nullptr ? descent(run, entry, *from, changed) : "", entry.generation);
 }
 
 }  // namespace
@@ -304,15 +330,16 @@ std::string lineage_card(const Run& run, const std::string& anchor, Page& page) 
                         : "Its parents are not in this run.");
   } else {
     html += heading(anchor + "-lineage", "Lineage of the champion",
-                    fmt::format("{} from the first ancestor; voxels that differ from the robot "
-                                "before are outlined, and the gain in fitness stands beside it.",
+                    fmt::format("{} from the first ancestor. Voxels that differ from the robot "
+                                "before are outlined, and flash while it moves; the gain in "
+                                "fitness stands below.",
                                 count_of(line.size() - 1, "step")));
   }
-  html += "<ol class=\"line\">\n";
+  html += fmt::format("<ol class=\"line\" data-run=\"{}\">\n", anchor);
   for (std::size_t k = 0; k < line.size(); ++k)
     html += lineage_step(run, run.robots[line[k]], k > 0 ? &run.robots[line[k - 1]] : nullptr,
                          anchor, page);
-  return html + "</ol>\n</section>\n";
+  return html + "</ol>\n<div class=\"replay\"></div>\n</section>\n";
 }
 
 namespace {
@@ -402,14 +429,15 @@ std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
   return fmt::format(
       "<section class=\"card long\">\n{}<div class=\"scroll\">"
       "<table class=\"data robots sortable\">\n{}<tbody>\n{}</tbody></table></div>\n</section>\n",
-      heading(anchor + "-robots", run.shown.size() < run.robots.size() ? "Robots" : "All robots",
-              fmt::format("{}. A click on a heading sorts by it, one on a robot opens its card. "
-                          "&ldquo;Shifted starts&rdquo; is the mean return from slightly moved "
-                          "starts, with its standard error. Numbers are the order of training, "
-                          "generations where a robot was new; &ldquo;changed&rdquo; counts the "
-                          "voxels that differ from its parent{}.",
-                          which_robots(run),
-                          has_genomes ? ", nodes and links the genes of its network" : "")),
+      heading(
+          anchor + "-robots", run.shown.size() < run.robots.size() ? "Robots" : "All robots",
+          fmt::format("{}. A click on a heading sorts by it, one on a robot opens its card. "
+                      "&ldquo;Perturbed starts&rdquo; is the mean return from slightly "
+                      "moved starts, with its standard error. Numbers are the order of training, "
+                      "generations where a robot was new; &ldquo;changed&rdquo; counts the "
+                      "voxels that differ from its parent{}.",
+                      which_robots(run),
+                      has_genomes ? ", nodes and links the genes of its network" : "")),
       table_head(columns), rows);
 }
 

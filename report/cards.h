@@ -8,6 +8,9 @@
 
 namespace evo::report {
 
+// "walk to the right over flat ground"; empty where no policy says it.
+std::string purpose_in_words(const Run& run);
+
 // What the run says.
 std::string verdict_card(const Run& run);
 // Commands that go on from it; nothing where there are none.

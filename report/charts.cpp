@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
+#include <set>
 
 #include "evolution/archive.h"
 #include "libevo/base/error.h"
 #include "report/lineage.h"
+#include "report/repetitions.h"
+#include "report/statistics.h"
 
 namespace evo::report {
 namespace {
@@ -49,13 +52,11 @@ struct Chart {
               {"series", Json::array()},
               {"rows", Json::array()}}) {}
 
-  void series(const std::string& label, const char* kind, const char* band = nullptr,
-              bool off = false) {
+  Json& series(const std::string& label, const char* kind, const char* band = nullptr) {
     json["labels"].push_back(label);
     Json look{{"kind", kind}};
     if (band != nullptr) look["band"] = band;
-    if (off) look["off"] = true;
-    json["series"].push_back(std::move(look));
+    return json["series"].emplace_back(std::move(look));
   }
   void row(double x, const std::vector<Point>& points) {
     Json cells = Json::array({x});
@@ -66,98 +67,55 @@ struct Chart {
 
 // ---- statistics ---------------------------------------------------------------------
 
-// Between the two nearest values, linearly (type 7 of Hyndman and Fan, 1996).
-double quantile(const std::vector<double>& sorted, double share) {
-  const double place = share * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return sorted[below] + (place - std::floor(place)) * (sorted[above] - sorted[below]);
-}
-
 Point median_and_quartiles(std::vector<double> values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   return {quantile(values, 0.25), quantile(values, 0.5), quantile(values, 0.75)};
 }
 
-Point mean_and_deviation(const std::vector<double>& values) {
-  if (values.empty()) return {};
-  const auto count = static_cast<double>(values.size());
-  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
-  double squares = 0.0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  const double deviation = values.size() > 1 ? std::sqrt(squares / (count - 1.0)) : 0.0;
-  return {mean - deviation, mean, mean + deviation};
+// Of few runs quartiles would be guesses: their range says all there is.
+constexpr std::size_t few_runs = 8;
+Point median_and_range(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return {values.front(), quantile(values, 0.5), values.back()};
 }
 
 double better(double best, double value) { return std::isnan(best) || value > best ? value : best; }
 
-// After each robot trained; NaN while all have failed.
-std::vector<double> best_so_far(const Run& run) {
-  std::vector<double> curve;
-  double best = nothing;
-  for (const Entry& entry : run.robots) {
-    if (entry.fitness) best = better(best, *entry.fitness);
-    curve.push_back(best);
-  }
-  return curve;
-}
-
 // ---- runs that are repetitions of each other ------------------------------------------
 
-// All settings but the seed, as text.
-std::string without_seed(const Run& run) {
-  std::string key;
-  for (const Setting& setting : run.settings)
-    if (setting.name != "seed") key += setting.name + "=" + setting.value + "\n";
-  return key;
-}
-
-struct Repetitions {
-  std::string label;
-  std::vector<const Run*> runs;
-};
-
-// Names the settings that tell a group from the others of the same method.
-std::string name_of(const Run& run, const std::vector<Repetitions>& groups) {
-  const std::string method = run.setting("method");
-  std::string name = method;
-  for (const Setting& setting : run.settings) {
-    const bool differs = std::any_of(groups.begin(), groups.end(), [&](const Repetitions& other) {
-      return other.runs[0]->setting("method") == method &&
-             other.runs[0]->setting(setting.name) != setting.value;
-    });
-    if (differs && setting.name != "seed")
-      name += fmt::format(", {} {}", setting.name, setting.value);
-  }
-  return name;
-}
-
-std::vector<Repetitions> repetitions(const std::vector<const Run*>& runs) {
-  std::vector<Repetitions> groups;
-  std::map<std::string, std::size_t> known;
-  for (const Run* run : runs) {
-    const auto [group, is_new] = known.emplace(without_seed(*run), groups.size());
-    if (is_new) groups.emplace_back();
-    groups[group->second].runs.push_back(run);
-  }
-  for (Repetitions& group : groups)
-    group.label = fmt::format("{}, mean of {}", name_of(*group.runs[0], groups), group.runs.size());
-  return groups;
-}
-
-// The mean of the runs' curves as far as all of them have come.
-std::vector<Point> mean_curve(const Repetitions& group,
-                              const std::map<const Run*, std::vector<double>>& curves) {
+// The median of the runs' curves as far as all of them have come.
+std::vector<Point> median_curve(const Repetitions& group,
+                                const std::map<const Run*, std::vector<double>>& curves) {
   std::size_t length = std::numeric_limits<std::size_t>::max();
   for (const Run* run : group.runs) length = std::min(length, curves.at(run).size());
-  std::vector<Point> mean;
+  std::vector<Point> middle;
   for (std::size_t k = 0; k < length; ++k) {
     std::vector<double> values;
-    for (const Run* run : group.runs) values.push_back(curves.at(run)[k]);
-    mean.push_back(mean_and_deviation(values));
+    for (const Run* run : group.runs)
+      if (const double value = curves.at(run)[k]; !std::isnan(value)) values.push_back(value);
+    middle.push_back(values.size() < few_runs
+                         ? (values.empty() ? Point() : median_and_range(values))
+                         : median_and_quartiles(values));
   }
-  return mean;
+  return middle;
+}
+
+// Of the palette in charts.js: every method has its own on every page and in compare.svg
+// (scripts/compare.gnuplot); what is not known, or there twice, the next that is free.
+std::vector<int> colors_of(const std::vector<Repetitions>& groups) {
+  constexpr std::array known{"ga", "bo", "neat", "map", "race"};
+  constexpr int palette = 8;
+  std::set<int> taken;
+  std::vector<int> colors;
+  for (const Repetitions& group : groups) {
+    const auto method = std::find(known.begin(), known.end(), group.method);
+    auto color = static_cast<int>(method - known.begin());
+    while (taken.contains(color) && std::ssize(taken) < palette) color = (color + 1) % palette;
+    taken.insert(color);
+    colors.push_back(color);
+  }
+  return colors;
 }
 
 // ---- features of bodies ------------------------------------------------------------------
@@ -227,7 +185,6 @@ Json generation_chart(const Run& run) {
   chart.series("best so far", "thick");
   chart.series("best", "line");
   chart.series("median of new ones", "line", "quartiles");
-  chart.series("mean of new ones", "line", "s.d.", true);
   double best = nothing;
   for (const Generation& generation : run.generations) {
     if (generation.members.empty()) continue;
@@ -240,8 +197,7 @@ Json generation_chart(const Run& run) {
       if (entry.generation == generation.number) fresh.push_back(*entry.fitness);
     }
     if (!std::isnan(highest)) best = better(best, highest);
-    chart.row(generation.number, {Point(best), Point(highest), median_and_quartiles(fresh),
-                                  mean_and_deviation(fresh)});
+    chart.row(generation.number, {Point(best), Point(highest), median_and_quartiles(fresh)});
   }
   return chart.json;
 }
@@ -253,13 +209,19 @@ Json comparison_chart(const std::vector<const Run*>& runs) {
   for (const Run* run : runs) longest = std::max(longest, (curves[run] = best_so_far(*run)).size());
 
   std::vector<std::vector<Point>> columns;
-  for (const Repetitions& group : repetitions(runs)) {
+  const std::vector<Repetitions> groups = repetitions(runs);
+  const std::vector<int> colors = colors_of(groups);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const Repetitions& group = groups[g];
     if (group.runs.size() > 1) {
-      chart.series(group.label, "step", "s.d.");
-      columns.push_back(mean_curve(group, curves));
+      chart.series(fmt::format("{}, median of {}", group.label, group.runs.size()), "step",
+                   group.runs.size() < few_runs ? "range" : "quartiles")["color"] = colors[g];
+      columns.push_back(median_curve(group, curves));
     }
     for (const Run* run : group.runs) {
-      chart.series(run->label, "step", nullptr, group.runs.size() > 1);
+      Json& look = chart.series(run->label, "step");
+      look["color"] = colors[g];
+      if (group.runs.size() > 1) look["off"] = look["thin"] = true;
       columns.emplace_back();
       for (const double value : curves[run]) columns.back().emplace_back(value);
     }

@@ -1,8 +1,8 @@
 // The figures of a page as data for charts.js. A chart is a JSON object
 //   {"x","y": axis titles, "labels": [x, series..], "rows": [[x, [low,mid,high]..]..],
 //    "series": [{"kind": "line"|"thick"|"step"|"points"|"best", "band": its name, "off": hidden at
-//    first}..], "whole": x has no fractions, "robots": [id of each row],
-//    "edges": [[row, row, the champion's?]..] lines between rows}
+//    first, "thin", "color": of the palette in charts.js}..], "whole": x has no fractions,
+//    "robots": [id of each row], "edges": [[row, row, the champion's?]..] lines between rows}
 // where a missing value is [null,null,null], or a table of colours
 //   {"kind": "heat", "x", "y": titles, "columns", "lines": their names, from the top, or
 //    "ends": [numbers between and around the columns, the same of the lines, or none],
@@ -21,13 +21,13 @@ namespace evo::report {
 // Best so far, and every robot, against the number of robots trained.
 Json progress_chart(const Run& run);
 
-// Best so far and best of every generation's scored robots; median with quartiles and
-// mean with standard deviation of those that were new in it: survivors, which are the
-// better half, thin out as a run goes on, and would make medians jump.
+// Best so far and best of every generation's scored robots; median with quartiles of those
+// that were new in it: survivors, which are the better half, thin out as a run goes on, and
+// would make medians jump.
 Json generation_chart(const Run& run);
 
 // Best so far of several runs on one task. Runs that differ in nothing but their
-// seed give one curve, their mean with its standard deviation, and each its own.
+// seed give one curve, their median with its range (quartiles of many), and each its own.
 Json comparison_chart(const std::vector<const Run*>& runs);
 
 // All robots' evaluations during their trainings; rows, robots and edges are left to

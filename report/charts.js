@@ -40,8 +40,8 @@ const Charts = (() => {
   const lookOfPage = { text: 'var(--muted)', grid: 'var(--line)', paper: 'var(--card)', font: 12 };
   const lookOfFile = { text: '#444', grid: '#ddd', paper: '#fff', font: 12 };
 
-  const colorsOf = (chart) => chart.series.map((series, k) =>
-    series.kind === 'best' ? palette[0] : series.kind === 'points' ? palette[1]
+  const colorsOf = (chart) => chart.series.map((series, k) => series.color !== undefined ? palette[series.color]
+    : series.kind === 'best' ? palette[0] : series.kind === 'points' ? palette[1]
       : series.kind === 'edges' ? [palette[7], palette[0]][k] : palette[k % palette.length]);
 
   // What is in sight: x from a zoom or all of it, y from the rows within.
@@ -106,8 +106,8 @@ const Charts = (() => {
       const path = (of) => points.map((p, n) => n === 0 ? `M${place(p.x)} ${place(of(p))}`
         : step ? `H${place(p.x)}V${place(of(p))}` : `L${place(p.x)} ${place(of(p))}`).join('');
       if (series.band && points.length > 1) {
-        const up = points.map((p) => `${place(p.x)} ${place(p.high)}`);
-        const down = points.map((p) => `${place(p.x)} ${place(p.low)}`).reverse();
+        const corners = (of) => points.flatMap((p, n) => [...(step && n ? [`${place(p.x)} ${place(of(points[n - 1]))}`] : []), `${place(p.x)} ${place(of(p))}`]);
+        const up = corners((p) => p.high), down = corners((p) => p.low).reverse();
         marks.append(svg('path', { d: 'M' + [...up, ...down].join('L') + 'z', fill: colors[k], 'fill-opacity': 0.16 }));
       }
       if (series.kind === 'points' || series.kind === 'best') {
@@ -116,7 +116,7 @@ const Charts = (() => {
           ...(series.kind === 'best' ? { stroke: look.paper, 'stroke-width': 1.5 } : { 'fill-opacity': 0.75 }) }));
         return;
       }
-      marks.append(svg('path', { d: path((p) => p.y), stroke: colors[k], 'stroke-width': series.kind === 'thick' ? 4 : 2 }));
+      marks.append(svg('path', { d: path((p) => p.y), stroke: colors[k], 'stroke-width': series.kind === 'thick' ? 4 : series.thin ? 1 : 2 }));
       if (points.length === 1 || (series.kind === 'line' && points.length < 80))
         for (const p of points) marks.append(svg('circle', { cx: place(p.x), cy: place(p.y), r: 2.4, fill: colors[k] }));
     });

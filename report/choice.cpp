@@ -80,7 +80,7 @@ std::vector<std::size_t> shown_one_by_one(const Run& run, std::size_t most) {
   return {chosen.begin(), chosen.end()};
 }
 
-std::set<std::size_t> shown_moving(const Run& run, std::size_t most) {
+std::set<std::size_t> looked_at_first(const Run& run, std::size_t most) {
   std::set<std::size_t> chosen;
   if (!run.champion) return chosen;
   for (const std::size_t robot : spread(lineage(run, *run.champion), moving_ancestors))

@@ -31,8 +31,8 @@ std::vector<SheetColumn> sheet(const Run& run);
 // those of the sheet.
 std::vector<std::size_t> shown_one_by_one(const Run& run, std::size_t most);
 
-// Those whose episode can be played: the champion, the `most` fittest, and ancestors of
-// the champion, evenly chosen of a long line.
-std::set<std::size_t> shown_moving(const Run& run, std::size_t most);
+// Those that are looked at first: the champion, the `most` fittest, and ancestors of the
+// champion, evenly chosen of a long line.
+std::set<std::size_t> looked_at_first(const Run& run, std::size_t most);
 
 }  // namespace evo::report

@@ -10,6 +10,7 @@
 #include "report/assets.h"
 #include "report/cards.h"
 #include "report/charts.h"
+#include "report/comparison.h"
 #include "report/markup.h"
 #include "report/robot_data.h"
 #include "report/verdict.h"
@@ -41,8 +42,8 @@ std::string curves(const Run& run, const std::string& anchor, Page& page) {
                      page.chart(progress_chart(run), anchor, "fitness-by-robots"));
   html += chart_card(
       "", "Fitness by generation",
-      "Best over all robots of the generation; median and mean over those that were new in "
-      "it, so that they do not jump as survivors thin out; the bands show the spread.",
+      "Best over all robots of the generation; the median over those that were new in it, so "
+      "that it does not jump as survivors thin out, with its quartiles.",
       page.chart(generation_chart(run), anchor, "fitness-by-generation"));
   return html + "</div>\n";
 }
@@ -186,6 +187,89 @@ std::string comparison_row(const Run& run, std::size_t number, Page& page) {
   return row + "</tr>\n";
 }
 
+// Of the best run of each method, up to four, side by side.
+std::string champions_of(const Comparison& comparison, const std::vector<Run>& runs) {
+  constexpr std::size_t most = 4;
+  std::vector<Actor> cast;
+  for (const MethodResult& method : comparison.methods) {
+    const Run* best = nullptr;
+    for (const Run* run : method.group.runs)
+      if (run->champion && run->replays.contains(*run->champion) &&
+          (best == nullptr ||
+           *run->robots[*run->champion].fitness > *best->robots[*best->champion].fitness))
+        best = run;
+    if (best == nullptr || cast.size() == most) continue;
+    cast.push_back({anchor_of(static_cast<std::size_t>(best - runs.data())),
+                    best->robots[*best->champion].robot.id, "Champion of " + best->label});
+  }
+  return cast.empty() ? "" : stage(cast);
+}
+
+std::string method_row(const Comparison& comparison, std::size_t k) {
+  const MethodResult& method = comparison.methods[k];
+  std::string row = "<tr>" + cell(method.group.label, escape(method.group.label), "");
+  row += cell(method.best.size());
+  row += cell(fmt::to_string(method.median),
+              fmt::format("<b>{}</b> <small>({} to {})</small>", shown(method.median),
+                          shown(method.interval.low), shown(method.interval.high)));
+  row += method.needed ? cell(*method.needed)
+                       : cell("", fmt::format("more than {}", comparison.robots));
+  if (comparison.methods.size() > 1) {
+    row += k == 0 ? cell("", "&ndash;")
+                  : cell(fmt::to_string(method.leader_ahead),
+                         fmt::format("{:.0f} %", 100.0 * method.leader_ahead));
+    row += k == 0 ? cell("", "&ndash;")
+                  : cell(fmt::to_string(method.p),
+                         method.p < 0.001 ? "&lt; 0.001" : fmt::format("{:.2g}", method.p));
+  }
+  return row + "</tr>\n";
+}
+
+// What the runs on one task say about the methods.
+std::string answer_card(const std::string& task, const std::vector<const Run*>& group,
+                        const std::vector<Run>& runs) {
+  const Comparison comparison = compare(group);
+  if (comparison.methods.empty()) return "";
+  std::string purpose;
+  for (const Run* run : group)
+    if (purpose.empty()) purpose = purpose_in_words(*run);
+  const std::string best = "median best fitness (95 %)";
+  const std::string needed = "robots for " + shown(comparison.target);
+  const std::string ahead = escape(comparison.methods.front().group.label) + " ahead in";
+  std::vector<Column> columns{
+      {"method", "", "ascending"}, {"runs"}, {best.c_str()}, {needed.c_str(), "n", "ascending"}};
+  if (comparison.methods.size() > 1)
+    columns.insert(columns.end(), {{ahead.c_str()}, {"p", "n", "ascending"}});
+  std::string rows;
+  for (std::size_t k = 0; k < comparison.methods.size(); ++k) rows += method_row(comparison, k);
+  return fmt::format(
+      "<section class=\"card answer\">\n<h3>{}</h3>\n<p class=\"introduction\">{}{}</p>\n{}"
+      "<div class=\"scroll\"><table class=\"data sortable\">\n{}<tbody>\n{}</tbody></table></div>\n"
+      "<p class=\"about\">{}</p>\n</section>\n",
+      escape(task + ": " + comparison.headline),
+      escape(purpose.empty() ? ""
+                             : fmt::format("Each run evolves robots to {}; what counts is the "
+                                           "fitness of its best robot. ",
+                                           purpose)),
+      escape(fmt::format("{}", fmt::join(comparison.sentences, " "))),
+      champions_of(comparison, runs), table_head(columns), rows,
+      "Runs count as far as the shortest of them goes. In brackets the 95 % interval of the median "
+      "(percentile bootstrap, 10 000 resamples); &ldquo;ahead in&rdquo; is Vargha and "
+      "Delaney&rsquo;s A, 50 % where there is no difference; p is of Mann and Whitney&rsquo;s U "
+      "test, two-sided, with Holm&rsquo;s correction for several methods; robots are those until "
+      "half of the runs had that fitness.");
+}
+
+std::string curve_of_task(const std::string& task, const std::vector<const Run*>& group,
+                          Page& page) {
+  return chart_card(
+      "", "Best fitness so far on " + escape(task),
+      "By robots trained. Runs that differ in nothing but their seed are one curve, their "
+      "median with its range (quartiles of eight runs or more), as far as all of them have "
+      "come; each can be added.",
+      page.chart(comparison_chart(group), "", "best-so-far-" + task));
+}
+
 void add_comparison(const std::vector<Run>& runs, Page& page) {
   std::string rows;
   std::vector<const Run*> all;
@@ -199,7 +283,12 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
     if (known == tasks.end()) known = tasks.insert(tasks.end(), {task, {}});
     known->second.push_back(&runs[k]);
   }
-  std::string html = fmt::format(
+  std::string html;
+  for (const auto& [task, group] : tasks) {
+    html += answer_card(task, group, runs);
+    html += curve_of_task(task, group, page);
+  }
+  html += fmt::format(
       "<section class=\"card\">\n{}<div class=\"scroll\"><table class=\"data sortable\">\n{}"
       "<tbody>\n{}</tbody></table></div>\n</section>\n",
       heading("", "Runs", "The champion of each run, and the robot of the run it was."),
@@ -215,12 +304,6 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
                   {"generations"},
                   {"failed"}}),
       rows);
-  for (const auto& [task, group] : tasks)
-    html += chart_card(
-        "", "Best fitness so far on " + escape(task),
-        "By robots trained. Runs that differ in nothing but their seed are one curve, their mean "
-        "with its standard deviation as far as all of them have come; each can be added.",
-        page.chart(comparison_chart(group), "", "best-so-far-" + task));
   page.sections += one_level_up(html + settings_card(all));
 }
 

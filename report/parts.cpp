@@ -30,6 +30,12 @@ void Page::navigate(const std::string& anchor, const std::string& text) {
   navigation += fmt::format("<a href=\"#{}\">{}</a>\n", anchor, escape(text));
 }
 
+std::string stage(const std::vector<Actor>& cast) {
+  Json list = Json::array();
+  for (const Actor& actor : cast) list.push_back({actor.anchor, actor.id, actor.name});
+  return fmt::format("<div class=\"replay\" data-cast=\"{}\"></div>\n", escape(compact(list)));
+}
+
 std::string heading(const std::string& id, const std::string& title, const std::string& about) {
   return fmt::format("<h3{}>{}</h3>\n<p class=\"about\">{}</p>\n",
                      id.empty() ? "" : fmt::format(" id=\"{}\"", id), title, about);

@@ -29,6 +29,14 @@ struct Page {
   void navigate(const std::string& anchor, const std::string& text);
 };
 
+// The place where report.js plays episodes side by side.
+struct Actor {
+  std::string anchor;  // of its run
+  std::string id;
+  std::string name;  // as the page calls it
+};
+std::string stage(const std::vector<Actor>& cast);
+
 std::string heading(const std::string& id, const std::string& title, const std::string& about);
 std::string count_of(std::size_t count, const std::string& thing);
 std::string fact(const std::string& name, const std::string& html);

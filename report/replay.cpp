@@ -14,7 +14,6 @@
 namespace evo::report {
 namespace {
 
-constexpr int stride = 2;        // control steps a frame; the page draws what lies between
 constexpr double scale = 100.0;  // units a voxel
 constexpr double returns = 1000.0;
 
@@ -76,7 +75,7 @@ std::vector<int> moving_points(const render::Mesh& mesh, std::size_t& robot_poin
 
 }  // namespace
 
-Json replay_of(const Rollout& rollout) {
+Json replay_of(const Rollout& rollout, int stride) {
   const render::Clip clip({&rollout, 0, ""}, {}, 1.5);
   const render::Mesh& mesh = clip.mesh();
   std::size_t robot_points = 0;
@@ -99,6 +98,13 @@ Json replay_of(const Rollout& rollout) {
     pack([&](int step) { return scale * clip.points(step)[k].x; });
     pack([&](int step) { return scale * clip.points(step)[k].y; });
   }
+
+  double moved = 0.0;
+  for (std::size_t k = 0; k < robot_points; ++k) {
+    const auto point = static_cast<std::size_t>(points[k]);
+    moved += clip.points(clip.steps())[point].x - clip.points(0)[point].x;
+  }
+  moved = std::round(moved / static_cast<double>(std::max<std::size_t>(1, robot_points)));
 
   Json body = Json::array();
   Json objects = Json::array();
@@ -125,6 +131,7 @@ Json replay_of(const Rollout& rollout) {
           {"body", std::move(body)},
           {"objects", std::move(objects)},
           {"outline", std::move(outline)},
+          {"moved", moved},
           {"ending", ending(rollout, rollout.episodes.front()).text},
           {"packed", base64(packer.finish())}};
 }

@@ -65,6 +65,29 @@
     return charts;
   };
 
+  const actor = (run, id, name, more = {}) => ({ data: page.runs[run].robots[id].replay, world: page.runs[run].world, name, ...more });
+  // The robot's episode, and on demand its parent's beside it.
+  const stageOf = (run, id) => {
+    const robot = page.runs[run].robots[id];
+    const stage = element('div', { class: 'replay' });
+    const parent = robot.parents.find((other) => page.runs[run].robots[other]?.replay);
+    const show = (beside) => {
+      playing?.end();
+      const child = actor(run, id, beside ? 'This robot' : 'Robot ' + id);
+      const cast = [child];
+      if (beside) {
+        cast.unshift(actor(run, parent, 'Its parent'));
+        child.parent = cast[0];
+      }
+      playing = Replays.player(stage, cast);
+      if (!parent) return;
+      const other = element('button', { type: 'button', class: 'beside' }, beside ? 'Alone' : 'Beside its parent');
+      other.addEventListener('click', () => { show(!beside); stage.querySelector('.beside').focus(); });
+      stage.append(other);
+    };
+    return { stage, show };
+  };
+
   const openRobot = (run, id) => {
     const robot = page.runs[run]?.robots[id];
     if (!robot) return;
@@ -77,17 +100,17 @@
     shown.append(picture);
     const facts = element('dl', { class: 'facts' });
     for (const [name, value] of robot.facts) facts.append(element('dt', {}, name), element('dd', {}, value));
-    const stage = element('div', { class: 'replay' });
+    const moving = robot.replay && stageOf(run, id);
     const charts = element('div', { class: 'three' });
     dialog.append(close, element('h3', {}, 'Robot ', element('span', { class: 'id' }, id)),
-      element('div', { class: 'top' }, shown, facts), ...(robot.replay ? [stage] : []),
+      element('div', { class: 'top' }, shown, facts), ...(moving ? [moving.stage] : []),
       relatives(run, 'Parents', robot.parents), relatives(run, 'Children', robot.children), charts,
       element('div', { class: 'commands' }, ...robot.commands.map(copyable)));
     addressBefore ??= robotOf(location.hash) ? '' : location.hash;
     name(`#${run}-${id}`);
     if (!dialog.open) dialog.showModal();
     dialog.scrollTop = 0;
-    if (robot.replay) playing = Replays.player(stage, robot.replay, page.runs[run].world, 'Robot ' + id);
+    moving?.show(false);
     for (const [name, chart] of learning(robot)) {
       const holder = element('div', { class: 'chart small' });
       charts.append(holder);
@@ -130,15 +153,37 @@
     if (chart?.champion) addCurves(chart, page.runs[holder.dataset.run].robots);
     if (chart && (chart.cells || chart.rows).length > 0) draw(holder, chart, (id) => openRobot(holder.dataset.run, id), holder.dataset.name);
   });
-  const stages = new Map();
-  const drawReplays = () => document.querySelectorAll('[data-replay]').forEach((holder) => {
-    if (holder.offsetWidth === 0 || stages.has(holder)) return;
-    const { run, replay } = holder.dataset;
-    const stage = Replays.player(holder, page.runs[run].robots[replay].replay, page.runs[run].world, 'The champion');
-    stages.set(holder, stage);
-    const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
-    if (Object.keys(page.runs).length === 1 && !calm) stage.ready.then(stage.start);
-  });
+  // Who comes into view moves, unless the user wants less of it or has stopped it.
+  const stages = new Set();
+  const perform = (holder, cast) => {
+    stages.add(holder);
+    const stage = Replays.player(holder, cast);
+    let stopped = false;
+    holder.addEventListener('click', () => { stopped = holder.querySelector('.play').getAttribute('aria-label') === 'Play'; });
+    new IntersectionObserver(([{ isIntersecting }]) => {
+      if (!isIntersecting) stage.stop();
+      else if (!stopped && !Replays.calm()) stage.ready.then(stage.start);
+    }).observe(cast[0].canvas);
+  };
+  const drawReplays = () => {
+    document.querySelectorAll('[data-cast]').forEach((holder) => {
+      if (holder.offsetWidth === 0 || stages.has(holder)) return;
+      perform(holder, JSON.parse(holder.dataset.cast).map(([run, id, name]) => actor(run, id, name)));
+    });
+    // Ancestors, each a small stage of its own, with one clock.
+    document.querySelectorAll('.line').forEach((line) => {
+      const holder = line.nextElementSibling;
+      if (line.offsetWidth === 0 || stages.has(holder)) return;
+      const canvases = [...line.querySelectorAll('canvas')];
+      if (canvases.length === 0) return;
+      const cast = canvases.map((canvas) => actor(line.dataset.run, canvas.dataset.robot, 'Robot ' + canvas.dataset.robot, { canvas, close: true }));
+      const steps = [...line.children];
+      cast.forEach((child, k) => {  // a parent is the step before, if it moves
+        if (k > 0 && steps.indexOf(child.canvas.closest('.line > li')) === steps.indexOf(cast[k - 1].canvas.closest('.line > li')) + 1) child.parent = cast[k - 1];
+      });
+      perform(holder, cast);
+    });
+  };
   const drawVisible = () => { drawCharts(); drawReplays(); };
 
   document.querySelectorAll('[data-copy]').forEach((button) => button.addEventListener('click', () => copy(button, button.dataset.copy)));

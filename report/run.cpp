@@ -78,7 +78,9 @@ std::optional<StoredPolicy> policy_of(const RunFolder& folder, const std::string
 
 // Each on its own, whatever the number of threads.
 void read_trainings(const RunFolder& folder, std::size_t replays, int threads, Run& run) {
-  const std::set<std::size_t> moving = shown_moving(run, replays);
+  constexpr std::size_t smooth = 20;  // beside the champion and its ancestors
+  const std::set<std::size_t> moving = looked_at_first(run, replays);
+  const std::set<std::size_t> first = looked_at_first(run, std::min(smooth, replays));
   std::vector<Json> episodes(run.shown.size());
   std::vector<Json> worlds(run.shown.size());
   std::vector<std::string> purposes(run.shown.size());
@@ -94,7 +96,7 @@ void read_trainings(const RunFolder& folder, std::size_t replays, int threads, R
     add_log(folder.log(entry.robot.id), entry.training);
     if (!moving.contains(run.shown[k])) return;
     const Rollout rollout = play(policy, "evo-report");
-    episodes[k] = replay_of(rollout);
+    episodes[k] = replay_of(rollout, first.contains(run.shown[k]) ? fine_stride : coarse_stride);
     worlds[k] = world_of(rollout);
   });
   for (std::size_t k = 0; k < run.shown.size(); ++k) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -56,8 +57,8 @@ struct Run {
   // The fittest robot, the first of equals, and pictures of its way.
   std::optional<std::size_t> champion;
   std::optional<Film> film;
-  // Episodes (replay.h) of the champion, its ancestors and the fittest robots, where
-  // their policies are there; and what stands still around them.
+  // Episodes (replay.h) of robots whose policies are there, and what stands still around
+  // them. An episode takes a tenth of the policy it came from, so that all of them fit a page.
   std::map<std::size_t, Json> replays;
   Json world;
 
@@ -79,8 +80,8 @@ struct Run {
 // How much of a run is shown.
 struct Extent {
   std::size_t robots = 1500;  // one by one; of more a choice
-  std::size_t replays = 20;   // episodes of its fittest robots, beside those of the
-                              // champion and its ancestors
+  // Episodes: of the fittest of those robots, beside the champion and its ancestors.
+  std::size_t replays = std::numeric_limits<std::size_t>::max();
 };
 
 // Finished or not; episodes are run again on `threads` threads. Throws

@@ -22,7 +22,7 @@ count() { grep -o -- "$1" "$2" | wc -l; }
   done
   [ "$(count '<div class="step">' page.html)" -eq "$line" ]
   grep -q "<dd>$(jq -r '.fitness * 1000 | round / 1000' run/best.json)</dd>" page.html
-  for part in 'data:image/svg' 'training steps' 'share of soft voxels' 'data-replay='; do
+  for part in 'data:image/svg' 'training steps' 'share of soft voxels' 'data-cast='; do
     grep -q "$part" page.html
   done
 }
@@ -178,19 +178,59 @@ PY
   lacks '<h4' page.html  # from h1 over h2 to h3
 }
 
-@test "several runs: methods side by side, repetitions as their mean" {
+@test "several runs: methods side by side, repetitions as their median" {
   for seed in 1 2; do make_run "ga-$seed" ga "$seed" 3 6; done
   make_run neat neat 1 3 6
   make_run bo bo 1 2 6
   evo-report ga-1 ga-2 neat bo -o page.html
   data_of page.html | jq .charts > charts.json
-  jq -e '.["chart-1"].labels == ["robots trained", "ga, mean of 2", "ga-1", "ga-2", "neat", "bo"]' charts.json
-  # The mean after the third robot, by hand.
+  jq -e '.["chart-1"].labels == ["robots trained", "ga, median of 2", "ga-1", "ga-2", "neat", "bo"]' charts.json
+  # The median of two after the third robot is their mean, the band their range.
   mean=$(for seed in 1 2; do head -3 "ga-$seed/history.jsonl" | jq -s 'map(.fitness // empty) | max'; done | jq -s 'add / 2')
-  jq -e --argjson mean "$mean" '.["chart-1"].rows[2][1][1] - $mean | fabs < 1e-12' charts.json
+  jq -e --argjson mean "$mean" '.["chart-1"].rows[2] | (.[1][1] - $mean | fabs < 1e-12)
+    and .[1][0] == ([.[2][1], .[3][1]] | min) and .[1][2] == ([.[2][1], .[3][1]] | max)' charts.json
   [ "$(count '<details id=' page.html)" -eq 4 ]
   grep -q 'It has no parents' page.html
   grep -q '>nodes</th>' page.html
+}
+
+@test "the answer: medians, effect size, rank test, robots for the same fitness" {
+  # Twelve robots each, of which one run after the other begins a little higher; bo is far ahead.
+  for method in ga bo; do
+    for seed in 1 2 3 4; do
+      make_run "$method-$seed" $method $seed 2 6
+      head=$([ $method = bo ] && echo 5 || echo 0)
+      for scores in "$method-$seed"/gen-*/scores.jsonl; do
+        jq -c --argjson base "$head" --argjson seed "$seed" 'if .fitness then .fitness = $base + $seed / 10 else . end' "$scores" > new && mv new "$scores"
+      done
+    done
+  done
+  evo-report ga-? bo-? -o page.html
+  grep -q '<h2>Walker-v0: bo finds fitter robots than ga</h2>' page.html
+  # Medians of 0.1 to 0.4 and 5.1 to 5.4; all 16 pairs; 2 of 70 orders are as extreme.
+  grep -q 'a fitness of 5.25 with bo and 0.25 with ga\.' page.html
+  grep -q 'A run of bo beats one of ga in 100 % of all pairs; by chance alone a difference as large comes up with p = 0.029 (rank test)\.' page.html
+  grep -q 'To reach a fitness of 0.25, half of the runs of each took: bo 1 robot and ga 1 robot\.' page.html
+  grep -q '<b>5.25</b> <small>(5.1 to 5.4)</small>' page.html
+  # Three seeds cannot show a difference, however large it is.
+  evo-report ga-[123] bo-[123] -o page.html
+  grep -q 'Too few runs to tell bo and ga apart' page.html
+  grep -q 'compare 4 seeds or more of each' page.html
+  # Names of settings are text.
+  for seed in 1 2 3 4; do sed 's/^train_options:.*/train_options: "--note <b>x"/' bo-$seed/run.yaml > new && mv new bo-$seed/run.yaml; sed 's/^method: bo/method: ga/' bo-$seed/run.yaml > new && mv new bo-$seed/run.yaml; done
+  evo-report ga-? bo-? -o page.html
+  lacks '<b>x' page.html
+  [ "$(data_of page.html | jq '[.charts["chart-1"].series[].color] | unique | length')" -eq 2 ]
+}
+
+@test "every robot of a run can be played" {
+  make_run run ga 1 3 6 all
+  evo-report run -o page.html
+  data_of page.html | jq -e '.runs["run-1"].robots | [.[] | select(.fitness != null)] | length > 8 and all(.replay != null)'
+  [ "$(stat -c %s page.html)" -lt 2000000 ]
+  # Of few, the rest are as the tables have them.
+  evo-report run --replays 2 -o fewer.html
+  data_of fewer.html | jq -e '[.runs["run-1"].robots[] | select(.replay)] | length as $n | $n >= 2 and $n < 9'
 }
 
 @test "curves: best so far and the quartiles of a generation" {

@@ -50,7 +50,7 @@ const checkCharts = async () => {
 
 // The evolution sheet, the champion's ancestors, and its film.
 const checkParts = async () => {
-  const missing = await evaluate(`['.verdict', '.generation', '.step', '.film', '[data-replay] canvas'].filter((s) => !document.querySelector(s))`);
+  const missing = await evaluate(`['.verdict', '.generation', '.step', '.film', '[data-cast] canvas'].filter((s) => !document.querySelector(s))`);
   check('verdict, generations, lineage and champion are there', missing.length === 0, missing);
 };
 
@@ -58,11 +58,37 @@ const checkParts = async () => {
 const checkMotion = async () => {
   await open(1280, 1000, 'light', false);
   await evaluate(settled);
-  const moved = await text('[data-replay] .moment');
+  const moved = await text('[data-cast] .moment');
   check('the champion moves at once', /^step [1-9]/.test(moved), moved);
   await open(1280, 1000, 'light');
   const levels = await evaluate(`[...document.querySelectorAll('main :is(h1, h2, h3, h4)')].map((it) => Number(it.tagName[1]))`);
   check('headings go down by one', levels[0] === 2 && levels.every((level, k) => k === 0 || level <= levels[k - 1] + 1), levels);
+};
+
+// The champion's ancestors, each on a stage of its own, with one clock.
+const checkLineage = async () => {
+  await open(1280, 1000, 'light', false);
+  const clock = `document.querySelector('.line + .replay .moment')?.textContent ?? ''`;
+  await evaluate(`document.querySelector('.line').scrollIntoView()`);
+  await evaluate(settled);
+  await evaluate(settled);
+  check('ancestors move when they come into view', /^step [1-9]/.test(await evaluate(clock)), await evaluate(clock));
+  const stages = await evaluate(`[...document.querySelectorAll('.line canvas')].length`);
+  const few = [];
+  for (let k = 1; k <= stages; ++k) if (await colors(`.line > li:nth-child(${k}) canvas`) < 8) few.push(k);
+  check('each on its own stage', stages >= 1 && few.length === 0, [stages, few]);
+  await open(1280, 1000, 'light');
+  // Changed voxels are marked: the mark's colour is on every stage but the first.
+  const marked = await evaluate(`(async () => {
+    document.querySelector('.line').scrollIntoView();
+    await new Promise((done) => setTimeout(done, 500));
+    return [...document.querySelectorAll('.line canvas')].map((canvas) => {
+      const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+      for (let k = 0; k < data.length; k += 4) if (data[k] === 0xc2 && data[k + 1] === 0x25 && data[k + 2] === 0x5c) return true;
+      return false;
+    });
+  })()`);
+  check('what changed since the parent is marked', marked[0] === false && marked.slice(1).every(Boolean), marked);
 };
 
 // How many colours the middle of a canvas shows.
@@ -102,6 +128,20 @@ const checkCard = async () => {
   check('with body, facts, replay, curves and commands', parts.length === 0, parts);
   await checkReplay('dialog');
   await photograph('card.png');
+  // A robot that has a parent is shown beside it, with one scrubber.
+  const child = await evaluate(`(() => { const page = JSON.parse(document.getElementById('data').textContent).runs['run-1'].robots;
+    return Object.keys(page).find((id) => page[id].replay && page[id].parents.some((parent) => page[parent]?.replay)) ?? null; })()`);
+  if (child) {
+    await evaluate(`document.querySelector('a[href="#run-1-${child}"]').click()`);
+    await evaluate(settled);
+    await click('dialog .beside');
+    await evaluate(settled);
+    check('a robot moves beside its parent', await evaluate(`document.querySelectorAll('dialog figure canvas').length === 2 && document.querySelectorAll('dialog input[type=range]').length === 1`));
+    await evaluate(`(() => { const s = document.querySelector('dialog input'); s.value = s.max; s.dispatchEvent(new Event('input')); })()`);
+    const ends = await evaluate(`[...document.querySelectorAll('dialog figcaption output')].map((it) => it.textContent)`);
+    check('both go to their end', ends.length === 2 && ends.every((it) => /^return -?\d.* . \w/.test(it)), ends);
+    await photograph('beside.png');
+  } else check('a robot has a parent to stand beside', false);
   const address = await evaluate('location.hash');
   check('the address is the robot', /^#run-1-[0-9a-f]{12}$/.test(address), address);
   await press('Escape');
@@ -210,6 +250,14 @@ const checkSorting = async () => {
 
 // Several runs: their curves side by side, each run folded until it is asked for.
 const checkComparison = async () => {
+  const answer = await evaluate(`({ says: document.querySelector('.answer h2')?.textContent, rows: document.querySelectorAll('.answer tbody tr').length })`);
+  check('the page gives an answer', /cannot be told apart|finds fitter robots|Too few runs/.test(answer.says ?? '') && answer.rows >= 2, answer);
+  check('champions are side by side', await evaluate(`document.querySelectorAll('.answer figure canvas').length >= 2 && document.querySelectorAll('.answer input[type=range]').length === 1`));
+  await evaluate(settled);
+  check('and are drawn', await colors('.answer figure:last-child canvas') > 8);
+  const levels = await evaluate(`[...document.querySelectorAll('main :is(h1, h2, h3, h4)')].map((it) => Number(it.tagName[1]))`);
+  check('headings go down by one', levels[0] === 2 && levels.every((level, k) => k === 0 || level <= levels[k - 1] + 1), levels);
+  await checkAccess('light');
   const curve = await place('.chart .plot');
   await mouse('mouseMoved', curve.left + curve.width / 2, curve.top + curve.height / 2);
   const said = await text('.chart .readout');
@@ -231,7 +279,7 @@ const checkPhone = async () => {
   const paper = await evaluate('getComputedStyle(document.body).backgroundColor');
   check('dark where the user wants it', paper === 'rgb(18, 22, 28)', paper);
   await checkCharts();
-  await checkReplay('[data-replay]');
+  await checkReplay('[data-cast]');
   await checkAccess('dark');
   await photograph('phone.png');
 };
@@ -260,7 +308,8 @@ try {
     await checkCharts();
     await checkParts();
     await checkMotion();
-    await checkReplay('[data-replay]');
+    await checkReplay('[data-cast]');
+    await checkLineage();
     await checkAccess('light');
     await checkKeyboard();
     await checkHovering();

@@ -3,7 +3,7 @@
 # A run folder as the pipelines leave it, with fitness made up from the bodies
 # (so that nothing is trained): the more horizontal actuators, the fitter; the
 # second robot of all has failed. METHOD is ga, neat or bo. "trained" adds what
-# there is of a champion: policy and rollout.
+# there is of a champion: policy and rollout; "all" the policies of all, too.
 set -eu
 folder=$1 method=$2 seed=$3 generations=$4 population=$5 champion=${6:-}
 
@@ -59,9 +59,12 @@ rm -f "$folder"/seen.tmp "$folder"/gen-*/survivors.tmp
 evo-convert --unique "$folder"/gen-*/scores.jsonl -o "$folder/history.jsonl"
 evo-select --keep 1 "$folder/history.jsonl" -o "$folder/best.json"
 
-[ "$champion" = trained ] || exit 0
+[ -n "$champion" ] || exit 0
 id=$(jq -r .id "$folder/best.json")
-evo-train -q --task Walker-v0 --steps 8192 --out-dir "$folder/policies" "$folder/best.json" > /dev/null
+if [ "$champion" = all ]; then
+  evo-train -q --task Walker-v0 --algo sine --steps 8000 --out-dir "$folder/policies" "$folder/history.jsonl" > /dev/null
+fi
+evo-train -q --force --task Walker-v0 --steps 8192 --out-dir "$folder/policies" "$folder/best.json" > /dev/null
 cp "$folder/policies/$id.policy.h5" "$folder/best.policy.h5"
 evo-eval -q --policy "$folder/best.policy.h5" --max-steps 60 --rollout "$folder/best.rollout.h5" \
   "$folder/best.json" > /dev/null

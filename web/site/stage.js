@@ -32,8 +32,9 @@
 
   // `scene`: {fixed: [[x, y, width, height]..], objects and body: [[letter, top left, top right,
   // bottom left, bottom right]..] by number of point, outline: [[a, b]..] surfaces of the robot}.
-  // `x` and `y`: of the points. `camera`: {left, low, scale: pixels a voxel}.
-  const paint = (canvas, scene, x, y, camera, colors, { marks = [] } = {}) => {
+  // `x` and `y`: of the points. `camera`: {left, low, scale: pixels a voxel}. `outlined`: voxels of
+  // the body, by number, that are marked with that `strength`.
+  const paint = (canvas, scene, x, y, camera, colors, { marks = [], outlined = [], strength = 1 } = {}) => {
     const ready = prepare(canvas);
     if (!ready) return;
     const { g, width, height } = ready;
@@ -97,6 +98,19 @@
     g.beginPath();
     for (const [a, b] of scene.outline) { g.moveTo(X(x[a]), Y(y[a])); g.lineTo(X(x[b]), Y(y[b])); }
     g.stroke();
+    if (outlined.length) {
+      g.strokeStyle = colors.mark;
+      g.lineWidth = Math.max(2, 0.16 * scale);
+      g.globalAlpha = strength;
+      for (const k of outlined) {
+        const [, tl, tr, bl, br] = scene.body[k];
+        g.beginPath();
+        [tl, tr, br, bl].forEach((p, n) => n ? g.lineTo(X(x[p]), Y(y[p])) : g.moveTo(X(x[p]), Y(y[p])));
+        g.closePath();
+        g.stroke();
+      }
+      g.globalAlpha = 1;
+    }
   };
 
   // The scene of a player (module.js) at its start.

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -103,9 +104,30 @@ TrainingPlan training_plan(const RunFolder& run, int generation) {
   return plan;
 }
 
+// FILE.py:CLASS, of the package evo_robots; scripts/python-task trains in it.
+bool is_python(const RunSettings& settings) {
+  const std::string* task = settings.find("task");
+  return task != nullptr && task->find(".py:") != std::string::npos;
+}
+
+// A class says itself what it is about, and is trained by PPO from the beginning.
+void check_python_task(const RunSettings& settings) {
+  const std::map<std::string, std::vector<std::string>> allowed{{"algo", {"ppo", "profile"}},
+                                                                {"physics", {"task"}},
+                                                                {"inherit", {"no"}},
+                                                                {"founder_steps", {}}};
+  for (const auto& [name, values] : allowed) {
+    const std::string* value = settings.find(name);
+    if (value == nullptr || std::ranges::find(values, *value) != values.end()) continue;
+    throw error(Failure::usage, "{}={} is for tasks of the suite: {} is a class in Python, {}",
+                name, *value, settings.text("task"), "trained by PPO from the beginning");
+  }
+}
+
 // Whether these settings could train anything: a run that is begun keeps them.
 void check_training(const RunSettings& settings) {
   if (const std::string* other = settings.find("evaluate"); other && !other->empty()) return;
+  if (is_python(settings)) return check_python_task(settings);
   for (const char* needed : {"task", "steps", "algo", "train", "physics", "seed"})
     if (settings.find(needed) == nullptr) return;
   const TrainingPlan plan = training_plan(settings, 0, "");
@@ -243,6 +265,11 @@ class RunningMark {
 
 int train(const cli::Command& command, const std::string& folder, const Options& options) {
   const RunFolder run(folder);
+  if (is_python(run.settings()))
+    throw error(Failure::usage,
+                "{}: its task is a class in Python, in which the pipelines train "
+                "(scripts/evaluate-slots); give its make again",
+                folder);
   if (fs::exists(run.scores(options.generation))) return 0;
   const int population = run.population_size(options.generation);  // which must be there
   std::vector<int> slots = slot_numbers(options.slots, population);

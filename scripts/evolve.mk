@@ -45,17 +45,24 @@ lines_or = $(if $(wildcard $(1)),$(shell wc -l < '$(1)'),$(2))
 
 SETTINGS = method=$(METHOD) $(METHOD_SETTINGS)
 include $(SCRIPTS)command-line.mk
+# A task may be a class in Python, FILE.py:CLASS: a program that stands as EVALUATE trains in it.
+python_task := $(if $(EVALUATE),,$(if $(findstring .py:,$(TASK)),'$(SCRIPTS)python-task' '$(TASK)'))
+train_in_python := $(python_task) --run '$(RUN)' --steps $(STEPS) --seed $(SEED) --train '$(TRAIN)' \
+  --failures skip $(TRAIN_OPTIONS)
+evaluate := $(or $(EVALUATE),$(if $(python_task),$(train_in_python)))
+$(if $(python_task),$(if $(VIDEO_OPTIONS),$(error VIDEO_OPTIONS are of evo-render, which knows no task in Python)))
 # The tool that trains slots; scripts/train-slots says what it is given.
-TRAINER ?= $(if $(EVALUATE),$(SCRIPTS)evaluate-slots,evo-run train -j $(CORES))
+TRAINER ?= $(if $(evaluate),$(SCRIPTS)evaluate-slots,evo-run train -j $(CORES))
 export LAUNCH TRAINER TRIES
 train_slots = exec '$(SCRIPTS)train-slots' '$(RUN)'
 rank_generation = '$(SCRIPTS)rank' '$(RUN)'
 
 $(if $(filter all,$(INHERIT)),$(if $(FOUNDERS),,$(error INHERIT=all is for FOUNDERS that have controllers)))
 # Given as it is, quotes and all.
-export EVO_EVALUATE := $(EVALUATE)
+export EVO_EVALUATE := $(evaluate)
 
-BEST := $(RUN)/best.json $(if $(EVALUATE),,$(RUN)/best.policy.h5 $(RUN)/best.$(VIDEO) $(RUN)/report.html)
+BEST := $(RUN)/best.json $(if $(EVALUATE),,$(RUN)/best.policy.h5 $(RUN)/best.$(VIDEO) \
+  $(if $(python_task),,$(RUN)/report.html))
 
 # One seed per purpose and generation.
 stage_seed = $$(( $(SEED) * 1000000 + $(1) ))
@@ -131,7 +138,7 @@ generations: | $(RUN)/run.yaml
 # is given only later, generations later perhaps, are tried before the run keeps them:
 # TRIAL is what the method does for that, without making a robot.
 $(RUN)/run.yaml: FORCE
-	@[ -e '$@' ] || { evo-sample -n 0 --shape '$(SHAPE)'; $(TRIAL) } < /dev/null > /dev/null
+	@[ -e '$@' ] || { evo-sample -n 0 --shape '$(SHAPE)'; $(TRIAL) $(if $(python_task),$(train_in_python);) } < /dev/null > /dev/null
 	@evo-run init '$(RUN)' $(SETTINGS)
 FORCE:
 
@@ -147,9 +154,10 @@ $(RUN)/best.policy.h5: | $(RUN)/best.json
 $(RUN)/best.rollout.h5: | $(RUN)/best.policy.h5
 	@evo-eval --policy '$(RUN)/best.policy.h5' --seed $(SEED) --rollout '$@' '$(RUN)/best.json' > /dev/null
 
-$(RUN)/best.$(VIDEO): | $(RUN)/best.rollout.h5
+$(RUN)/best.$(VIDEO): | $(RUN)/best.$(if $(python_task),policy,rollout).h5
 	$(if $(dry_run)$(silent),,@echo 'rendering $@...' >&2)
-	@evo-render '$(RUN)/best.rollout.h5' $(VIDEO_OPTIONS) -o '$@'
+	@$(if $(python_task),$(python_task) --video '$(RUN)/best.policy.h5' '$@',\
+	  evo-render '$(RUN)/best.rollout.h5' $(VIDEO_OPTIONS) -o '$@')
 
 $(RUN)/report.html: | $(RUN)/best.$(VIDEO)
 	@evo-report '$(RUN)' -o '$@'

@@ -24,6 +24,7 @@ include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
 
 $(if $(FOUNDER_STEPS),$(error FOUNDER_STEPS is no setting of race.mk: every race has the same rungs))
 $(if $(EVALUATE),$(error EVALUATE is no setting of race.mk: what is not trained cannot go on))
+$(if $(python_task),$(error TASK=$(TASK): trainings in Python cannot go on, which races need))
 
 ifdef GEN
 race := $(shell echo $$(( $(GEN) / $(RUNGS) )))

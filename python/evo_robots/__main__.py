@@ -1,6 +1,6 @@
 """python -m evo_robots FILE.py:CLASS [OPTION]... < robots: trains each robot of standard input in a
-task in Python, and writes it with its fitness to standard output, as evo-train does. In pipelines:
-EVALUATE='python3 -m evo_robots my_task.py:Task --steps 65536 --seed 1'."""
+task in Python, and writes it with its fitness to standard output, as evo-train does. In pipelines
+TASK=FILE.py:CLASS is this (scripts/python-task)."""
 
 from __future__ import annotations
 
@@ -9,11 +9,14 @@ import importlib.util
 import json
 import os
 import sys
+import traceback
 from pathlib import Path
 
-from .library import EvoError
-from .own import Task, train
+from .library import PACKAGE, EvoError
+from .own import Task, Trained, check_training, train
 from .robots import Robot
+
+WRONG, BAD_DATA, INTERRUPTED = 2, 65, 130  # exit statuses, as the tools have them
 
 
 def task_class(named: str) -> type:
@@ -24,6 +27,7 @@ def task_class(named: str) -> type:
         raise ValueError(f"{file}: there is no such file")
     spec = importlib.util.spec_from_file_location(Path(file).stem, file)
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
     sys.path.insert(0, str(Path(file).resolve().parent))
     spec.loader.exec_module(module)
     found = getattr(module, name, None)
@@ -34,11 +38,11 @@ def task_class(named: str) -> type:
     return found
 
 
-def main() -> int:
+def options() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="python -m evo_robots",
+        prog="evo_robots", usage="python3 -m evo_robots FILE.py:CLASS [OPTION]... < robots",
         description="Trains each robot of standard input (documents, one a line) in a task in Python; "
-        "writes it with its fitness to standard output. Stands in a pipeline as EVALUATE.")
+        "writes it with its fitness to standard output. Pipelines do this where TASK=FILE.py:CLASS.")
     parser.add_argument("task", metavar="FILE.py:CLASS", help="a class derived from evo_robots.Task")
     parser.add_argument("--steps", type=int, metavar="N", help="environment steps [the profile's]")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="[0]")
@@ -47,24 +51,55 @@ def main() -> int:
     parser.add_argument("--train-set", action="append", default=[], metavar="KEY=VALUE",
                         help="one setting of the profile (repeatable)")
     parser.add_argument("--out-dir", metavar="DIR", help="where <id>.policy.h5 goes [nowhere]")
-    given = parser.parse_args()
+    parser.add_argument("--run", metavar="RUN", help="a run's folder in the place of --out-dir: policies go "
+                        "where those of runs are, and robots name them as runs do")
+    parser.add_argument("--video", nargs=2, metavar=("POLICY", "FILE"), help="instead: a policy's episode as a "
+                        "video, by its ending (.mp4, .webm, .gif, .apng)")
+    parser.add_argument("--failures", choices=("stop", "skip"), default="stop",
+                        help="a training that diverges: stop, or skip (fitness null, go on) [stop]")
+    return parser
+
+
+def main() -> int:
+    given = options().parse_args()
+    folder = given.out_dir if given.run is None else os.path.join(given.run, "policies")
+    named = folder if given.run is None else os.path.join(os.pardir, "policies")
     try:
+        wrong = [text for text in given.train_set if "=" not in text]
+        if wrong:
+            raise ValueError(f"--train-set {wrong[0]}: KEY=VALUE is expected")
+        training = {"steps": given.steps, "seed": given.seed, "profile": given.train,
+                    "settings": dict(text.split("=", 1) for text in given.train_set)}
+        check_training(**training)
         task = task_class(given.task)()
-        settings = dict(text.split("=", 1) for text in given.train_set)
+        if given.video is not None:
+            Trained.read(given.video[0]).video(task).save(given.video[1])
+            return 0
         for line in filter(str.strip, sys.stdin):
             document = json.loads(line)
             robot = Robot(document)
-            trained = train(task, robot, steps=given.steps, seed=given.seed, profile=given.train,
-                            settings=settings)
-            document.update(fitness=trained.fitness, steps=int(trained.curve[-1, 0]))
-            if given.out_dir is not None:
-                os.makedirs(given.out_dir, exist_ok=True)
-                document["policy"] = os.path.join(given.out_dir, f"{robot.id}.policy.h5")
-                trained.save(document["policy"])
+            try:
+                trained = train(task, robot, **training)
+            except EvoError as error:
+                if not error.diverged or given.failures == "stop":
+                    raise
+                document.update(fitness=None, failure={"why": str(error)})
+            else:
+                document.update(fitness=trained.fitness, steps=int(trained.curve[-1, 0]))
+                if folder is not None:
+                    os.makedirs(folder, exist_ok=True)
+                    document["policy"] = os.path.join(named, f"{robot.id}.policy.h5")
+                    trained.save(os.path.join(folder, f"{robot.id}.policy.h5"))
             print(json.dumps(document), flush=True)
-    except (EvoError, ValueError) as error:
-        print(f"evo_robots: {error}", file=sys.stderr)
-        return 2
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except Exception as error:
+        ours = Path(traceback.extract_tb(error.__traceback__)[-1].filename).parent == PACKAGE
+        if isinstance(error, (EvoError, ValueError, NotImplementedError)) and ours:
+            print(f"evo_robots: {error}", file=sys.stderr)
+            return WRONG
+        traceback.print_exc()  # of the task: its author wants to know where
+        return BAD_DATA
     return 0
 
 

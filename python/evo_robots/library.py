@@ -12,12 +12,17 @@ import sys
 from ctypes import (POINTER, Structure, byref, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t,
                     c_uint8, c_uint64, c_void_p)
 from pathlib import Path
-from typing import Any
+from typing import Any, Sequence
 
 import numpy as np
 
 class EvoError(RuntimeError):
-    """What the library or a tool could not do: what, where, and what to do about it."""
+    """What the library or a tool could not do: what, where, and what to do about it. diverged: the
+    work itself came to numbers that are not finite; nothing was wrong with the call."""
+
+    def __init__(self, text: str, diverged: bool = False) -> None:
+        super().__init__(text)
+        self.diverged = diverged
 
 
 class TaskFacts(Structure):
@@ -50,7 +55,7 @@ class Start(Structure):
 
 
 class View(Structure):
-    _fields_ = [("width", c_int32), ("height", c_int32), ("plain", c_int32), ("reserved", c_int32),
+    _fields_ = [("width", c_int32), ("height", c_int32), ("hide", c_int32), ("reserved", c_int32),
                 ("window", c_double * 4)]
 
 
@@ -85,6 +90,7 @@ class LearnerFacts(Structure):
                 ("evaluation_interval", c_int32), ("reserved", c_int32)]
 
 
+EVO_WORK = 1
 _HANDLE, _OPENED = c_void_p, POINTER(c_void_p)
 _STATE = [_HANDLE, c_int32, POINTER(c_void_p), POINTER(c_size_t)]
 _RENDER = [_HANDLE, c_int32, c_void_p, POINTER(View), c_size_t, c_void_p, c_size_t]
@@ -108,6 +114,7 @@ SIGNATURES = {
     "evo_envs_save": _STATE,
     "evo_envs_restore": [_HANDLE, c_int32, c_char_p, c_size_t],
     "evo_envs_perturb": [_HANDLE, c_int32, c_double, c_uint64],
+    "evo_envs_translate": [_HANDLE, c_int32, c_size_t, c_double, c_double],
     "evo_envs_object_count": [_HANDLE, c_int32, POINTER(c_size_t)],
     "evo_envs_object": [_HANDLE, c_int32, c_size_t, POINTER(EnvObject), c_size_t],
     "evo_envs_orientation": [_HANDLE, c_int32, c_size_t, c_void_p, POINTER(c_double), c_size_t],
@@ -127,10 +134,12 @@ SIGNATURES = {
     "evo_sims_step": [_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t],
     "evo_sims_save": _STATE,
     "evo_sims_restore": [_HANDLE, c_int32, c_char_p, c_size_t],
+    "evo_sims_translate": [_HANDLE, c_int32, c_size_t, c_double, c_double],
     "evo_sims_object_count": [_HANDLE, POINTER(c_size_t)],
     "evo_sims_object": [_HANDLE, c_size_t, POINTER(SimObject), c_size_t],
     "evo_sims_orientation": [_HANDLE, c_size_t, c_void_p, c_void_p, c_size_t],
     "evo_sims_render": _RENDER,
+    "evo_policy_read": [c_char_p, _OPENED],
     "evo_policy_describe": [_HANDLE, POINTER(PolicyFacts), c_size_t],
     "evo_policy_act": [_HANDLE, c_void_p, c_void_p, c_size_t, c_void_p, c_size_t],
     "evo_policy_write": [_HANDLE, c_char_p],
@@ -189,19 +198,20 @@ def library() -> ctypes.CDLL:
     for name in FREES:
         getattr(loaded, name).argtypes = [c_void_p]
         getattr(loaded, name).restype = None
-    loaded.evo_error.restype = c_char_p
+    loaded.evo_error.restype = loaded.evo_version.restype = c_char_p
     return loaded
 
 
 def call(name: str, *arguments: Any) -> None:
     """A function of the library; its error becomes an EvoError."""
-    if getattr(library(), name)(*arguments) != 0:
-        raise failure()
+    status = getattr(library(), name)(*arguments)
+    if status != 0:
+        raise failure(status)
 
 
-def failure() -> EvoError:
+def failure(status: int) -> EvoError:
     """The last one of this thread."""
-    return EvoError(library().evo_error().decode(errors="replace"))
+    return EvoError(library().evo_error().decode(errors="replace"), diverged=status == EVO_WORK)
 
 
 def text_of(value: Any) -> bytes:
@@ -238,11 +248,17 @@ def facts(name: str, kind: Any, *arguments: Any) -> Any:
     return found
 
 
+HIDDEN = ("grid", "background", "edges", "voxels")  # evo_hide, 1 << k
+
+
 def picture(function: str, handle: "Handle", index: int, width: int, height: int, *,
-            positions: Any = None, window: Any = None, plain: bool = False) -> np.ndarray:
+            positions: Any = None, window: Any = None, hide: Sequence[str] = ()) -> np.ndarray:
     """[height, width, 3] uint8, what a function of the library draws. positions: [n, 2], kept
-    before [now]. window: centre x and y, width and height, voxels [what moves]."""
-    view = View(width, height, int(plain))
+    before [now]. window: centre x and y, width and height, voxels [what moves]. hide: of HIDDEN."""
+    unknown = set(hide) - set(HIDDEN)
+    if unknown:
+        raise ValueError(f"hide: {unknown.pop()!r} is none of {', '.join(HIDDEN)}")
+    view = View(width, height, sum(1 << HIDDEN.index(part) for part in set(hide)))
     if window is not None:
         view.window[:] = [float(value) for value in window]
     given = None if positions is None else np.ascontiguousarray(positions, np.float64)

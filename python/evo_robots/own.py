@@ -21,8 +21,9 @@ from typing import Any, Callable, Mapping
 import numpy as np
 
 from .library import (CurvePoint, EvoError, Handle, LearnerFacts, PolicyFacts, Training,
-                      address, call, facts, library, robots_of, task_of, text_of)
+                      address, call, facts, failure, library, robots_of, task_of, text_of)
 from .robots import Robot
+from .video import Video
 from .worlds import SIM_STATUS, Simulations, World
 
 __all__ = ["Moment", "Task", "TaskEnvironments", "Trained", "train"]
@@ -201,6 +202,11 @@ class Trained:
     curve: np.ndarray  # [n, 3]: environment steps, evaluation, the best until then
     _policy: Handle = field(repr=False)
 
+    @classmethod
+    def read(cls, path: str | os.PathLike) -> "Trained":
+        """From a policy file."""
+        return _trained(Robot(path), Handle("policy", "evo_policy_read", text_of(path)))
+
     def act(self, observations: Any, steps: Any = 0) -> np.ndarray:
         """Deterministic targets [n, A] of observations [n, D] at these steps of their episodes."""
         known = facts("evo_policy_describe", PolicyFacts, self._policy)
@@ -214,6 +220,20 @@ class Trained:
     def save(self, path: str | os.PathLike) -> None:
         """A policy file. evo-eval and evo-render take those of the suite's tasks."""
         call("evo_policy_write", self._policy, text_of(path))
+
+    def video(self, task: Task | type[Task], width: int = 480, height: int = 240, fps: float = 25.0,
+              speed: float = 1.0) -> Video:
+        """Its episode in a Task of one's own: plays in a notebook, ``save(path)`` writes it."""
+        envs = TaskEnvironments(_task(task), self.robot)
+        film: list[np.ndarray] = []
+        _evaluate(envs, self, film)
+        return Video.of(film, lambda positions: envs.sims.picture(0, width, height, positions=positions),
+                        fps=fps, speed=speed)
+
+
+def _task(task: Any) -> Any:
+    """A class stands for one of its kind."""
+    return task() if isinstance(task, type) and issubclass(task, Task) else task
 
 
 def train(task: Any, robot: Any, *, steps: int | None = None, seed: int = 0,
@@ -230,8 +250,7 @@ def train(task: Any, robot: Any, *, steps: int | None = None, seed: int = 0,
     wanted = _Wanted(profile, settings, steps, seed)
     report, close = _reporter(progress)
     try:
-        if isinstance(task, type) and issubclass(task, Task):
-            task = task()
+        task = _task(task)
         if isinstance(task, Task):
             if physics:
                 raise TypeError(f"a Task says its physics itself: {', '.join(physics)} has no place here")
@@ -297,6 +316,15 @@ def _trained(robot: Robot, policy: Handle) -> Trained:
                    np.array([(p.step, p.evaluation, p.best) for p in points]).reshape(-1, 3), policy)
 
 
+def check_training(*, steps: int | None = None, seed: int = 0,
+                   profile: str | os.PathLike = "default",
+                   settings: Mapping[str, Any] | None = None) -> None:
+    """Raises what ``train`` with a Task of one's own would raise of these."""
+    wanted = _Wanted(profile, settings, steps, seed)
+    Handle("learner", "evo_learner_open", ctypes.byref(wanted.struct), ctypes.sizeof(wanted.struct),
+           1, 1, 0.0, 1.0, b"")
+
+
 def _train_own(task: Task, robot: Robot, wanted: _Wanted, report: Callable) -> Trained:
     one = TaskEnvironments(task, robot)  # for evaluations
     learner = Handle("learner", "evo_learner_open", ctypes.byref(wanted.struct),
@@ -309,9 +337,9 @@ def _train_own(task: Task, robot: Robot, wanted: _Wanted, report: Callable) -> T
     observe, act, reward = (getattr(library(), f"evo_learner_{name}")
                             for name in ("observe", "act", "reward"))
 
-    def checked(failed: int) -> None:
-        if failed:
-            raise EvoError(library().evo_error().decode(errors="replace"))
+    def checked(status: int) -> None:
+        if status != 0:
+            raise failure(status)
 
     def tell(observations: np.ndarray) -> None:
         values = np.ascontiguousarray(observations)
@@ -348,10 +376,12 @@ def _snapshot(learner: Handle, robot: Robot, curve: list[tuple[int, float, float
     return Handle("policy", "evo_learner_policy", learner, robot._handle, 0, points, len(curve))
 
 
-def _evaluate(one: TaskEnvironments, policy: Trained) -> float:
-    """The return of one deterministic episode."""
+def _evaluate(one: TaskEnvironments, policy: Trained, film: list[np.ndarray] | None = None) -> float:
+    """The return of one deterministic episode, whose positions go to ``film``."""
     observations, total = one.reset(), 0.0
     while True:
+        if film is not None:
+            film.append(one.sims.positions[0].copy())
         observations, rewards, terminated, truncated = one.step(
             policy.act(observations, one.steps))
         total += float(rewards[0])

@@ -200,7 +200,7 @@ class Simulator:
             failed = self._do_step(self._running(), address(values), self._actions, address(active),
                                    self.num_envs)
         if failed:
-            raise failure()
+            raise failure(failed)
 
     def state(self) -> State:
         """What the environments show now."""
@@ -252,10 +252,17 @@ class Simulator:
              None if given is None else address(given), ctypes.byref(angle), 1)
         return angle.value
 
+    def translate(self, name: str, by: tuple[float, float], environment: int = 0) -> None:
+        """Moves an object, as it is, by (x, y), raw units; velocities stay, no reward counts it."""
+        objects = list(self.objects(environment))
+        if name not in objects:
+            raise ValueError(f"there is no object {name}; there are: " + ", ".join(objects))
+        call("evo_envs_translate", self._running(), environment, objects.index(name), *by)
+
     def picture(self, environment: int = 0, width: int = 600, height: int = 300,
                 **view: Any) -> np.ndarray:
         """[height, width, 3] uint8. ``positions``: kept before [now]; ``window``: centre x and y,
-        width and height, voxels [what moves]; ``plain``: without a grid."""
+        width and height, voxels [what moves]; ``hide``: of grid, background, edges, voxels."""
         return picture("evo_envs_render", self._running(), environment, width, height, **view)
 
     def task(self) -> dict[str, str]:

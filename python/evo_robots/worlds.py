@@ -137,7 +137,7 @@ class Simulations:
             failed = self._do_step(self._handle, address(values), values.size, address(active),
                                    active.size)
         if failed:
-            raise failure()
+            raise failure(failed)
 
     def save(self, sim: int = 0) -> bytes:
         """The state of a simulation: opaque, for restore() in any of the same world."""
@@ -161,9 +161,13 @@ class Simulations:
              None if given is None else address(given), address(angles), angles.size)
         return angles
 
+    def translate(self, name: str, by: tuple[float, float], sim: int = 0) -> None:
+        """Moves an object, as it is, by (x, y), raw units; velocities stay."""
+        call("evo_sims_translate", self._handle, self._number(sim), self._known(name).index, *by)
+
     def picture(self, sim: int = 0, width: int = 600, height: int = 300, **view: Any) -> np.ndarray:
         """[height, width, 3] uint8. ``positions``: kept before, [P, 2] [now]; ``window``: centre x
-        and y, width and height, voxels [the first object]; ``plain``: without a grid."""
+        and y, width and height, voxels [the first object]; ``hide``: of grid, background, edges, voxels."""
         return picture("evo_sims_render", self._handle, self._number(sim), width, height, **view)
 
     def __reduce__(self) -> Any:

@@ -299,6 +299,77 @@ steps_and_fitness() { jq -c 'select(.id == "'"$2"'") | [.steps, .fitness]' "$1";
   done
 }
 
+# A task in Python; Debian's has numpy.
+own_task() {
+  export EVO_PYTHON=/usr/bin/python3
+  "$EVO_PYTHON" -c 'import numpy' 2> /dev/null || skip "$EVO_PYTHON has no numpy"
+  settings=(TASK=hop.py:Hop POP=3 EVALS=6 STEPS=512 SHAPE=3x3 SEED=1 VIDEO=apng
+    TRAIN_OPTIONS='--train-set environments=4 --train-set rollout=32 --train-set minibatches=4')
+  cat > hop.py <<'END'
+import numpy as np
+import evo_robots
+
+class Hop(evo_robots.Task):
+    steps = 60
+
+    def observe(self, now):
+        return np.concatenate([now.mean_velocity("robot"), now.shape("robot")], axis=1)
+
+    def reward(self, before, now):
+        return now.mean_velocity("robot")[:, 1]
+END
+}
+
+@test "a task in Python: the same bytes by any -j, killed or not, by generations and without" {
+  own_task
+  run_make ga calm -j2
+  [ "$(jq -s 'map(.fitness) | unique | length' calm/history.jsonl)" -gt 3 ]
+  for file in best.json best.policy.h5 best.apng; do [ -s "calm/$file" ]; done
+  [ ! -e calm/best.rollout.h5 ]
+  [ "$(jq -r .policy calm/best.json)" = "policies/$(jq -r .id calm/best.json).policy.h5" ]
+  [ -z "$(find calm -name '*.running' -o -name '*.tmp')" ]
+  kill_and_repeat ga stormy 4
+  diff <(essence calm) <(essence stormy)
+  run_make steady-ga window -s
+  [ "$(wc -l < window/history.jsonl)" -eq 6 ]
+}
+
+@test "a task in Python: what it cannot do is refused in a line, before anything is made" {
+  own_task
+  local word said
+  while IFS='|' read -r word said; do
+    run --separate-stderr run_make ga run "$word"
+    [ "$status" -eq 2 ]
+    [[ "$stderr" == *"$said"* ]]
+    [ ! -e run ]
+  done <<'END'
+INHERIT=yes|inherit=yes is for tasks of the suite: hop.py:Hop is a class in Python
+PHYSICS=fast|physics=fast is for tasks of the suite
+TRAIN=sequence|algorithm sequence needs a task of the suite
+STEPS=100|100 steps are less than one rollout
+TASK=hop.py:Run|hop.py: 'Run' is no evo_robots.Task; there are: Hop
+TASK=none.py:Hop|none.py: there is no such file
+VIDEO_OPTIONS=--grid|VIDEO_OPTIONS are of evo-render
+END
+  printf 'raise ImportError("No module named numpy")\n' > numpy.py
+  PYTHONPATH=. run --separate-stderr run_make ga run
+  [[ "$stderr" == *"TASK=hop.py:Hop needs the package evo_robots, which /usr/bin/python3 cannot load (No module named numpy)"* ]]
+  EVO_PYTHON=no-python run --separate-stderr run_make ga run
+  [[ "$stderr" == *"there is no no-python; install it, or name it in EVO_PYTHON"* ]]
+  [ ! -e run ]
+  # A mistake in the task shows where it is, and ends the run, which goes on when it is mended.
+  rm numpy.py
+  sed -i 's/return now.mean_velocity/return now.speed/' hop.py
+  run --separate-stderr run_make ga run
+  [ "$status" -eq 2 ]
+  [[ "$stderr" == *'hop.py", line '*"no attribute 'speed'"* ]]
+  [ -z "$(find run -name '*.running')" ]
+  sed -i 's/return now.speed/return now.mean_velocity/' hop.py
+  run_make ga run -s run/best.json
+  run -2 evo-run train run --slot 0
+  [[ $output == *"run: its task is a class in Python"* ]]
+}
+
 @test "race: the same bytes, killed or not" {
   settings+=(RUNGS=2 INHERIT=yes)
   kill_and_repeat race killed 12

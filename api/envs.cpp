@@ -173,6 +173,14 @@ int evo_envs_perturb(evo_envs* envs, int32_t environment, double jitter, uint64_
   return change(envs, [&](evo::Session& session) { session.perturb(environment, jitter, seed); });
 }
 
+int evo_envs_translate(evo_envs* envs, int32_t environment, size_t object, double x, double y) {
+  return change(envs, [&](evo::Session& session) {
+    session.check_environment(environment);
+    check_translation(object_at(object_of(envs), environment, object), x, y);
+    session.translate(environment, object, {x, y});
+  });
+}
+
 int evo_envs_object_count(const evo_envs* envs, int32_t environment, size_t* count) {
   return guarded([&] {
     const evo::Session& session = object_of(envs).session;

@@ -67,6 +67,14 @@ std::vector<Vec2> points_of(const double* positions, std::size_t count) {
   return points;
 }
 
+void check_translation(const ModelObject& object, double x, double y) {
+  if (object.is_static)
+    throw error(Failure::usage, "object '{}' is terrain, which stays where it is", object.name);
+  constexpr double largest = 1e6;
+  if (!(std::abs(x) <= largest && std::abs(y) <= largest))
+    throw error(Failure::usage, "object '{}' cannot be moved by ({}, {})", object.name, x, y);
+}
+
 char* given(std::string_view text) {
   auto* const copy = static_cast<char*>(std::malloc(text.size() + 1));
   if (copy == nullptr) throw std::bad_alloc();

@@ -144,6 +144,9 @@ evo_training training_of(const evo_training* given, std::size_t size);
 // The profile that it names, changed as it says. Throws Error for what makes no sense.
 TrainingSettings settings_of(const evo_training& training);
 
+// Throws Error(usage) where an object cannot be moved by so much.
+void check_translation(const ModelObject& object, double x, double y);
+
 // Throws Error(usage) where the list has no such robot.
 const Robot& robot_at(const evo_robots& robots, std::size_t index);
 

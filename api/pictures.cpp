@@ -39,7 +39,13 @@ render::RenderOptions options_of(const evo_view& view) {
   render::RenderOptions options;
   options.size = {view.width, view.height};
   options.overlays.labels = false;  // there is no episode to tell of
-  options.overlays.grid = view.plain == 0;
+  constexpr int all = EVO_HIDE_GRID | EVO_HIDE_BACKGROUND | EVO_HIDE_EDGES | EVO_HIDE_VOXELS;
+  if ((view.hide & ~all) != 0)
+    throw error(Failure::usage, "`hide` is {}, which is no sum of evo_hide", view.hide);
+  options.overlays.grid = (view.hide & EVO_HIDE_GRID) == 0;
+  options.overlays.background = (view.hide & EVO_HIDE_BACKGROUND) == 0;
+  options.overlays.edges = (view.hide & EVO_HIDE_EDGES) == 0;
+  options.overlays.voxels = (view.hide & EVO_HIDE_VOXELS) == 0;
   const std::span window(view.window);
   if (std::ranges::all_of(window, [](double value) { return value == 0.0; })) return options;
   constexpr double largest = 1e6;  // voxels

@@ -163,13 +163,22 @@ void Session::restore(std::span<const Restored> states) {
   }
 }
 
-void Session::perturb(int environment, double jitter, std::uint64_t seed) {
+void Session::check_moves(int environment) const {
   check_environment(environment);
-  check_jitter(jitter);
   if (status(environment) != EnvironmentStatus::ok)
     throw error(Failure::usage, "environment {} is {}: there is nothing to move", environment,
                 to_string(status(environment)));
+}
+
+void Session::perturb(int environment, double jitter, std::uint64_t seed) {
+  check_jitter(jitter);
+  check_moves(environment);
   envs_->perturb(environment, jitter, seed);
+}
+
+void Session::translate(int environment, std::size_t object, Vec2 by) {
+  check_moves(environment);
+  envs_->translate(environment, object, by);
 }
 
 std::span<const double> Session::observation(int environment) const {

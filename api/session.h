@@ -74,6 +74,7 @@ class Session {
   // Moves every point of an episode in progress by up to `jitter` voxels; its velocities stay.
   // Throws Error(usage) for an environment whose status is not ok, and for the jitter.
   void perturb(int environment, double jitter, std::uint64_t seed);
+  void translate(int environment, std::size_t object, Vec2 by);
 
   std::span<const double> observation(int environment) const;
   double reward(int environment) const;  // 0 unless its status is ok
@@ -83,6 +84,7 @@ class Session {
 
   // Refuses numbers that are not environments. Throws Error(usage).
   void check_environment(std::int64_t environment) const;
+  void check_moves(int environment) const;  // that its episode is in progress
 
  private:
   // Of one environment through its episodes.

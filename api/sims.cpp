@@ -120,6 +120,13 @@ struct evo_sims {
     return static_cast<std::size_t>(sim);
   }
 
+  const evo::ModelObject& object(std::size_t index) const {
+    if (index >= shapes.size())
+      throw evo::error(Failure::usage, "there is no object {}: the world has {}", index,
+                       shapes.size());
+    return model.objects()[index];
+  }
+
   std::span<evo::Vec2> points(std::vector<evo::Vec2>& of, std::size_t sim) const {
     const auto own = static_cast<std::size_t>(model.points());
     return std::span(of).subspan(sim * own, own);
@@ -274,6 +281,20 @@ int evo_sims_restore(evo_sims* sims, int32_t sim, const void* bytes, size_t coun
   });
 }
 
+int evo_sims_translate(evo_sims* sims, int32_t sim, size_t object, double x, double y) {
+  return change(sims, [&](evo_sims& all) {
+    const std::size_t i = all.checked(sim);
+    check_translation(all.object(object), x, y);
+    if (all.status[i] == EVO_SIM_UNSTABLE)
+      throw evo::error(Failure::usage, "simulation {} is unstable: all that is left is a reset",
+                       sim);
+    evo::State state = all.batch.state(i);
+    evo::translate(all.model, object, {x, y}, state);
+    all.batch.set_state(i, state);
+    all.show(i);
+  });
+}
+
 int evo_sims_object_count(const evo_sims* sims, size_t* count) {
   return guarded([&] { target(count, "count") = object_of(sims).model.objects().size(); });
 }
@@ -281,10 +302,7 @@ int evo_sims_object_count(const evo_sims* sims, size_t* count) {
 int evo_sims_object(const evo_sims* sims, size_t index, evo_sim_object* object, size_t size) {
   return guarded([&] {
     const evo_sims& all = object_of(sims);
-    if (index >= all.actuators.size())
-      throw evo::error(Failure::usage, "there is no object {}: the world has {}", index,
-                       all.actuators.size());
-    const evo::ModelObject& found = all.model.objects()[index];
+    const evo::ModelObject& found = all.object(index);
     hand_over({found.name.c_str(), static_cast<std::size_t>(found.first_point),
                static_cast<std::size_t>(found.points), all.actuators[index].first,
                all.actuators[index].count},
@@ -296,14 +314,11 @@ int evo_sims_orientation(const evo_sims* sims, size_t object, const double* posi
                          double* angles, size_t count) {
   return guarded([&] {
     const evo_sims& all = object_of(sims);
-    if (object >= all.shapes.size())
-      throw evo::error(Failure::usage, "there is no object {}: the world has {}", object,
-                       all.shapes.size());
+    const evo::ModelObject& found = all.object(object);
     if (positions == nullptr && count != all.count())
       throw evo::error(Failure::usage, "{} angles are expected, not {}", all.count(), count);
     target(angles, "angles");
-    const evo::PointRange points{all.model.objects()[object].first_point,
-                                 all.model.objects()[object].points};
+    const evo::PointRange points{found.first_point, found.points};
     const auto own = static_cast<std::size_t>(all.model.points());
     const std::vector<evo::Vec2> given =
         points_of(positions, positions == nullptr ? 0 : count * own);

@@ -51,9 +51,12 @@ enum class Plot {
 };
 
 struct Overlays {
-  bool labels = true;     // task, robot, step, time, return
-  bool grid = true;       // lines a voxel apart, distances along the floor
-  bool fine_grid = true;  // else only every tenth line
+  bool labels = true;      // task, robot, step, time, return
+  bool grid = true;        // lines a voxel apart, distances along the floor
+  bool fine_grid = true;   // else only every tenth line
+  bool background = true;  // else white
+  bool edges = true;       // outlines of objects, seams between their cells
+  bool voxels = true;      // cells filled
   Tint tint = Tint::actuation;
   bool trail = false;       // the path of the first object's centre of mass
   bool velocities = false;  // an arrow at every point of what moves

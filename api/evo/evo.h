@@ -197,6 +197,11 @@ EVO_API int evo_envs_restore(evo_envs* envs, int32_t environment, const void* by
 /* Moves every point by up to `jitter` voxels in each coordinate; velocities stay. */
 EVO_API int evo_envs_perturb(evo_envs* envs, int32_t environment, double jitter, uint64_t seed);
 
+/* Moves an object that is no terrain, as it is, in raw units; velocities stay, and no reward counts
+ * the move. Objects as of evo_envs_object. */
+EVO_API int evo_envs_translate(evo_envs* envs, int32_t environment, size_t object, double x,
+                               double y);
+
 /* Which points of an environment's world are an object's. The robot's is named "robot". */
 typedef struct evo_object {
   const char* name;   /* as long as the environments are not reset or freed */
@@ -214,11 +219,19 @@ EVO_API int evo_envs_orientation(const evo_envs* envs, int32_t environment, size
 /* The slices of an environment's observation, as JSON: [{"name", "offset", "length"}]; evo_free. */
 EVO_API int evo_envs_observed(const evo_envs* envs, int32_t environment, char** json);
 
+/* What a picture may leave out. */
+enum evo_hide {
+  EVO_HIDE_GRID = 1,       /* and distances along the floor */
+  EVO_HIDE_BACKGROUND = 2, /* white instead */
+  EVO_HIDE_EDGES = 4,      /* outlines of objects, seams between voxels */
+  EVO_HIDE_VOXELS = 8
+};
+
 /* What a picture shows; all zeros, or NULL in its place: what moves, at 600 x 300 pixels. */
 typedef struct evo_view {
   int32_t width;    /* pixels, 16 to 4096 */
   int32_t height;   /* */
-  int32_t plain;    /* not 0: without grid and distances along the floor */
+  int32_t hide;     /* of evo_hide, added up */
   int32_t reserved; /* 0 */
   double window[4]; /* of the world, voxels: its centre, x and y, its width and height */
 } evo_view;
@@ -286,6 +299,9 @@ EVO_API int evo_sims_step(evo_sims* sims, const double* targets, size_t values,
                           const uint8_t* active, size_t active_values);
 EVO_API int evo_sims_save(const evo_sims* sims, int32_t sim, void** bytes, size_t* count);
 EVO_API int evo_sims_restore(evo_sims* sims, int32_t sim, const void* bytes, size_t count);
+
+/* As evo_envs_translate. */
+EVO_API int evo_sims_translate(evo_sims* sims, int32_t sim, size_t object, double x, double y);
 
 /* Objects in the order of points: those with actuators first, then by name. */
 typedef struct evo_sim_object {

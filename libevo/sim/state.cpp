@@ -40,4 +40,17 @@ void read_velocities(const Model& model, const State& state, std::span<Vec2> vel
   }
 }
 
+void translate(const Model& model, std::size_t object, Vec2 by, State& state) {
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < object; ++k)
+    if (!model.objects()[k].is_static) first += static_cast<std::size_t>(model.objects()[k].points);
+  const std::size_t end = first + static_cast<std::size_t>(model.objects()[object].points);
+  for (std::size_t i = first; i < end; ++i) {
+    state.x[i] += by.x;
+    state.y[i] += by.y;
+    state.previous_x[i] += by.x;
+    state.previous_y[i] += by.y;
+  }
+}
+
 }  // namespace evo

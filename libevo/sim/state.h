@@ -35,6 +35,9 @@ void for_each_array(AnyState& state, const Visit& visit) {
 // At rest at the model's initial positions (docs/physics.md, "Reset").
 State initial_state(const Model& model);
 
+// Moves all points of an object that can move, as they are; velocities stay.
+void translate(const Model& model, std::size_t object, Vec2 by, State& state);
+
 // Position and velocity of every point of the world, static ones included, in
 // world order: `positions` and `velocities` hold model.points() entries.
 void read_positions(const Model& model, const State& state, std::span<Vec2> positions);

@@ -174,6 +174,15 @@ struct VecEnv::Impl {
         .subspan(e.observation_offset, static_cast<std::size_t>(e.arena->observation_length()));
   }
 
+  // Points elsewhere: what is seen from there, and compared with after the next step.
+  void move(std::size_t index, const State& to) {
+    Environment& e = environments[index];
+    batch.set_state(index, to);
+    batch.read_moving(index, e.positions, e.velocities);
+    measure(e.arena->compiled(), e.initial_shapes, e.positions, e.work, e.quantities);
+    look(index);
+  }
+
   void look(std::size_t index) {
     const Environment& e = environments[index];
     evo::observe(e.arena->compiled(), e.world->terrains, e.episode, {e.positions, e.velocities},
@@ -538,9 +547,7 @@ void VecEnv::load(int environment, std::span<const std::uint8_t> bytes) {
 void VecEnv::perturb(int environment, double jitter, std::uint64_t seed) {
   Impl& impl = *impl_;
   const auto index = static_cast<std::size_t>(environment);
-  Environment& e = impl.environments[index];
-  const Arena::Compiled& arena = e.arena->compiled();
-  const double amount = jitter * arena.voxel_length;
+  const double amount = jitter * impl.environments[index].arena->compiled().voxel_length;
   State state = impl.batch.state(index);
   Stream stream(seed, "perturb");
   for (std::size_t i = 0; i < state.x.size(); ++i) {
@@ -551,10 +558,14 @@ void VecEnv::perturb(int environment, double jitter, std::uint64_t seed) {
     state.previous_x[i] += dx;
     state.previous_y[i] += dy;
   }
-  impl.batch.set_state(index, state);
-  impl.batch.read_moving(index, e.positions, e.velocities);
-  measure(arena, e.initial_shapes, e.positions, e.work, e.quantities);
-  impl.look(index);
+  impl.move(index, state);
+}
+
+void VecEnv::translate(int environment, std::size_t object, Vec2 by) {
+  const auto index = static_cast<std::size_t>(environment);
+  State state = impl_->batch.state(index);
+  evo::translate(model(environment), object, by, state);
+  impl_->move(index, state);
 }
 
 // ---- the pure part of a step -------------------------------------------------------

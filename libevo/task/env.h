@@ -126,6 +126,8 @@ class VecEnv {
   // coordinate, together with its previous position: velocities and the step counter
   // stay, and no step's reward counts the move.
   void perturb(int environment, double jitter, std::uint64_t seed);
+  // Moves an object that is no terrain, as it is, by raw units; the rest as above.
+  void translate(int environment, std::size_t object, Vec2 by);
 
  private:
   struct Impl;

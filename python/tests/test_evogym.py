@@ -4,10 +4,12 @@ import json
 import os
 import random
 import tempfile
+import time
 import unittest
 
 import numpy as np
 
+import evo_robots
 from evo_robots import evogym
 from evo_robots.evogym import EvoSim, EvoWorld, Pair, WorldObject
 
@@ -30,7 +32,31 @@ class Utils(unittest.TestCase):
         with self.assertRaises(ValueError):
             evogym.sample_robot((5, 5), np.array([1, 1, 1, 0, 0]))
 
+    def test_pairs_are_reckoned_with(self):
+        pair = Pair(7, -2)
+        for found, expected in ((pair + 1, (8, -1)), (pair - Pair(1, 2), (6, -4)), (pair * 2, (14, -4)),
+                                (pair / 2, (3, -1)), (pair // Pair(2, 1), (3, -2)), (pair % 4, (3, 2)),
+                                (pair.abs(), (7, 2)), (pair.each_max(Pair(0, 0)), (7, 0)),
+                                (pair.each_min(Pair(0, 0)), (0, -2))):
+            self.assertEqual((found[0], found[1]), expected)
+        self.assertEqual((Pair(2, 2), str(pair)), (2, "(7, -2)"))
+        self.assertNotEqual(pair, "(7, -2)")
+        self.assertRaises(TypeError, lambda: pair + "1")
+        self.assertRaises(IndexError, lambda: pair[2])
+
+    def test_a_timer_keeps_a_pace(self):
+        timer = evogym.Timer(1000)
+        begun, steps = time.monotonic(), 0
+        while steps < 100:
+            if timer.should_step():
+                timer.step()
+                steps += 1
+        self.assertGreater(time.monotonic() - begun, 0.09)
+        self.assertTrue(evogym.Timer().should_step())
+
     def test_names(self):
+        self.assertTrue(evogym.is_connected(robot=BODY) and evogym.has_actuator(robot=BODY))
+        self.assertEqual(evogym.get_full_connectivity(robot=BODY).shape, (2, 4))
         self.assertEqual(len(evogym.BASELINE_ENV_NAMES), 32)
         self.assertEqual(evogym.BASELINE_ENV_NAMES[:2], ["Walker-v0", "BridgeWalker-v0"])
         self.assertEqual(evogym.VOXEL_TYPES["FIXED"], 5)
@@ -145,6 +171,36 @@ class Sims(unittest.TestCase):
                             (lambda: sim.set_action("ground", []), ValueError),
                             (lambda: sim.set_action("a", [1, 1]), ValueError)):
             self.assertRaises(kind, wrong)
+
+
+    def test_objects_are_moved_and_times_come_back(self):
+        sim = self.sim()
+        before = sim.object_pos_at_time(0, "b")
+        sim.translate_object(0.5, 0.1, "b")
+        np.testing.assert_allclose(sim.object_pos_at_time(0, "b") - before, [[5.0] * 9, [1.0] * 9], atol=1e-12)
+        rng = np.random.default_rng(1)
+        for t in range(20):
+            if t == 7:
+                sim.translate_object(0.0, 0.3, "a")
+            sim.set_action("a", rng.uniform(0.6, 1.6, 3))
+            sim.step()
+            if t == 10:
+                at = sim.pos_at_time(11)
+                sim.set_action("a", [1, 1, 1])
+                sim.step()
+                ahead = sim.pos_at_time(12)
+                sim.revert(11)
+                self.assertEqual(sim.get_time(), 11)
+                np.testing.assert_array_equal(sim.pos_at_time(11), at)
+                sim.step()  # by the targets set last
+                np.testing.assert_array_equal(sim.pos_at_time(12), ahead)
+                sim.revert(11)
+        self.assertEqual(sim.get_time(), 20)
+        self.assertEqual(sim.get_indices_of_actuators("a").tolist(), [[0], [2], [3]])
+        with self.assertRaisesRegex(evo_robots.EvoError, "terrain"):
+            sim.translate_object(1, 1, "ground")
+        with self.assertRaisesRegex(NotImplementedError, "EvoWorld"):
+            sim.read_robot_from_array(BODY)
 
 
 EXPECTED_BODIES = ["030041", "312024", "132032", "004134"]

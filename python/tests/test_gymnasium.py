@@ -309,6 +309,7 @@ class Benchmark(unittest.TestCase):
 
     def test_they_are_the_tasks(self):
         from evo_robots.evogym import envs
+        from evo_robots.evogym.sim import PHYSICS
 
         self.assertEqual(sorted(envs.CLASSES), sorted(evo_robots.TASKS))
         rng = np.random.default_rng(0)
@@ -320,7 +321,7 @@ class Benchmark(unittest.TestCase):
             observation, _ = env.reset(seed=1)
             random.seed(7)
             draws = kind._draws(env.unwrapped)
-            twin = evo_robots.Simulator(name, WALKER)
+            twin = evo_robots.Simulator(name, WALKER, physics=PHYSICS)
             seen = twin.reset(draws=draws)
             np.testing.assert_array_equal(observation, seen.observations[0])
             for action in actions:
@@ -335,6 +336,65 @@ class Benchmark(unittest.TestCase):
                                        twin.positions[0, twin.objects()["robot"]].T, rtol=1e-15)
             self.assertTrue(np.isfinite(base.get_ort_obs("robot")).all())
             env.close()
+
+    def test_rewards_by_the_benchmarks_methods_and_worlds_are_those_of_the_simulator(self):
+        from evo_robots.evogym import EvoSim, EvoWorld, envs
+
+        rng = np.random.default_rng(0)
+        asked = set()
+        for name, kind in envs.CLASSES.items():
+            env = kind(WALKER)
+            env.reset()
+            # The world is the one that is simulated.
+            sim = EvoSim(env.world)
+            for thing in env.world.objects:
+                np.testing.assert_allclose(sim.object_pos_at_time(0, thing),
+                                           env.sim.object_pos_at_time(0, thing), atol=1e-12)
+            packages = ("package", "robot") if issubclass(kind, envs.PackageBase) else ("robot",)
+            method, *things = kind.REWARD or ("get_reward", *packages)
+            if not hasattr(env, method):
+                continue
+            asked.add(name)
+            for t in range(20):
+                before = [env.object_pos_at_time(t, thing) for thing in things]
+                _, reward, ended, _, _ = env.step(rng.uniform(0.6, 1.6, 13))
+                if ended:
+                    break
+                now = [env.object_pos_at_time(t + 1, thing) for thing in things]
+                moments = [at for pair in zip(before, now) for at in pair]
+                if name == "BidirectionalWalker-v0":
+                    moments = [dict(zip(("robot_com_pos_initial", "robot_com_pos_final"), moments))]
+                found = getattr(env, method)(*moments)
+                self.assertAlmostEqual(found[0] if isinstance(found, tuple) else found, reward, delta=1e-13)
+        self.assertEqual(len(asked), 24)
+        self.assertEqual(EvoWorld.from_json(f"{envs.BenchmarkBase.DATA_PATH}/package.json").grid_size.x, 3)
+
+    def test_classes_of_ones_own_over_the_benchmarks(self):
+        from evo_robots.evogym import EvoWorld, envs
+
+        class Lazy(envs.CarrySmallRect):
+            def get_reward_carry(self, *moments):
+                return super().get_reward_carry(*moments) + 100
+
+        class Stairs(envs.StairsBase):
+            sight_dist = 5
+
+        lazy, plain = Lazy(WALKER), envs.CarrySmallRect(WALKER)
+        for env in (lazy, plain):
+            env.reset()
+        action = np.full(13, 1.2)
+        self.assertAlmostEqual(lazy.step(action)[1] - plain.step(action)[1], 100)
+        world = EvoWorld.from_json(f"{Stairs.DATA_PATH}/UpStepper-v0.json")
+        world.add_from_array("robot", WALKER, 1, 1)
+        np.testing.assert_allclose(Stairs(world).reset()[0], envs.StepsUp(WALKER).reset()[0], atol=1e-12)
+        walk = envs.BiWalk(WALKER)
+        walk.init_reward_goals([envs.WalkToX(40), envs.WalkToX(22)])
+        self.assertEqual(([goal.x_goal for goal in walk.goals], walk.current_goal), ([40, 22], 0))
+        walk.sim.translate_object(0.5, 0, "robot")
+        moved = walk.get_pos_com_obs("robot")[0]
+        walk.step(action)
+        walk.sim.revert(0)
+        self.assertEqual(walk.get_pos_com_obs("robot")[0], moved)
 
     def test_seeds_instead_of_pythons_random(self):
         from evo_robots.evogym.envs import tasks
@@ -366,6 +426,8 @@ class Benchmark(unittest.TestCase):
         world.add_from_array("robot", SMALL, 3, 1)
         sim = EvoSim(world)
         viewer = EvoViewer(sim, resolution=(200, 100))
+        white = viewer.render("img", hide_background=True, hide_grid=True, hide_edges=True, hide_voxels=True)
+        self.assertTrue((white == 255).all())
         viewer.track_objects("robot")
         viewer.set_tracking_settings(lock_width=20.0, padding=(2, 2))
         self.assertEqual(viewer.render("img").shape, (100, 200, 3))

@@ -163,7 +163,7 @@ class Stepping(unittest.TestCase):
             for _ in range(30):
                 simulator.step(np.full(13, 1.6))
             self.assertFalse(np.array_equal(at_start, simulator.picture(width=200, height=100)))
-            closer = simulator.picture(width=200, height=100, window=(3, 3, 8, 4), plain=True)
+            closer = simulator.picture(width=200, height=100, window=(3, 3, 8, 4), hide=["grid"])
             self.assertFalse(np.array_equal(at_start, closer))
             for size in ({"width": 0}, {"height": 9999}, {"window": (0, 0, -1, 1)}):
                 with self.assertRaises(EvoError):

@@ -206,6 +206,9 @@ Scene Clip::scene(double step) const {
   const Vec2 extent = between({a.width, a.height}, {b.width, b.height}, share);
   scene.view = {centre.x, centre.y, extent.x, extent.y};
   scene.grid = overlays_.grid;
+  scene.white = !overlays_.background;
+  scene.edges = overlays_.edges;
+  scene.voxels = overlays_.voxels;
   scene.fine_grid = overlays_.fine_grid;
   scene.tint = overlays_.tint == Tint::actuation;
   scene.heights = heights_;

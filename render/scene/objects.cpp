@@ -68,6 +68,7 @@ void ObjectPainter::draw(std::size_t object) {
   const ModelObject& cells = mesh_.objects[object];
   const bool robot = cells.name == robot_name;
   for (int k = cells.first_cell; k < cells.first_cell + cells.cells; ++k) fill(k, robot);
+  if (!style_.edges) return;
   for (std::size_t k = mesh_.first_edge[object]; k < mesh_.first_edge[object + 1]; ++k)
     if (mesh_.edges[k].other >= 0) seam(mesh_.edges[k]);
   const Color color = object < style_.outlines.size() ? style_.outlines[object] : theme_.outline;
@@ -87,7 +88,7 @@ void ObjectPainter::fill(int k, bool robot) {
     color = color_of(*style_.scale, style_.values[at]);
   color = pale(color);
   colors_[static_cast<std::size_t>(k)] = color;
-  if (!visible(to_pixels_, corners)) return;
+  if (!style_.voxels || !visible(to_pixels_, corners)) return;
   drawing_.quad(corners, color);
   if (theme_.signs && is_actuator(type) && to_pixels_.scale >= least_sign_voxel) sign(k);
 }

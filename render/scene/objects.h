@@ -16,6 +16,8 @@ struct ObjectStyle {
   std::span<const float> values{};  // of cells, for colours in place of their kinds'
   const ValueScale* scale = nullptr;
   std::span<const Color> outlines{};  // of objects that move, for the theme's
+  bool edges = true;                  // outlines and seams are drawn
+  bool voxels = true;                 // cells are filled
 };
 
 // Objects of a mesh whose points are at `points`, voxels.

@@ -28,6 +28,10 @@ void draw_sky_and_earth(const Scene& scene, const Theme& theme, const Projection
                         Drawing& drawing) {
   if (!scene.sky) return;
   const Rect& panel = to_pixels.panel;
+  if (scene.white) {
+    constexpr Color white{255, 255, 255, 255};
+    return drawing.gradient(panel, white, white);
+  }
   drawing.gradient(panel, theme.sky_top, theme.sky_bottom);
   if (!scene.floor || to_pixels.low() >= 0) return;
   const float floor = std::max(panel.y, to_pixels({0, 0}).y);
@@ -71,8 +75,9 @@ void draw_ruler(const Scene& scene, const Theme& theme, const Projection& to_pix
                 Drawing& drawing) {
   if (!scene.floor || to_pixels.low() >= 0) return;
   const float floor = to_pixels({0, 0}).y;
-  drawing.line({to_pixels.panel.x, floor}, {to_pixels.panel.x + to_pixels.panel.width, floor},
-               to_pixels.pixels(0.08, 1.0), theme.floor_line);
+  if (!scene.white)
+    drawing.line({to_pixels.panel.x, floor}, {to_pixels.panel.x + to_pixels.panel.width, floor},
+                 to_pixels.pixels(0.08, 1.0), theme.floor_line);
   const float size = scene.ruler_text > 0 ? scene.ruler_text : label_size(to_pixels.panel) * 0.8F;
   const float pins = scene.heights || scene.pins.empty() ? 0 : pin_row(to_pixels.panel);
   const float strip = to_pixels.panel.y + to_pixels.panel.height - floor - pins;
@@ -237,8 +242,9 @@ void draw_objects(const Scene& scene, const Theme& theme, const Projection& to_p
   const std::size_t count = scene.mesh->objects.size();
   const auto is_ghost = [&](std::size_t k) { return k < scene.travels.size() && scene.travels[k]; };
   ObjectPainter now(*scene.mesh, scene.points,
-                    {scene.tint, 0.0, scene.values, &scene.value_scale, scene.outlines}, theme,
-                    to_pixels, drawing);
+                    {scene.tint, 0.0, scene.values, &scene.value_scale, scene.outlines, scene.edges,
+                     scene.voxels},
+                    theme, to_pixels, drawing);
   for (std::size_t k = count; k-- > 0;)
     if (!is_ghost(k)) now.draw(k);
   for (const Ghost& ghost : scene.ghosts) {

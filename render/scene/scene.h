@@ -51,8 +51,11 @@ struct Scene {
   ViewRect view;
   bool sky = true;  // a background of its own; else what was drawn before
   bool grid = true;
-  bool fine_grid = true;      // a line every voxel where there is room, not every ten
-  bool floor = true;          // the world's floor at y = 0
+  bool fine_grid = true;  // a line every voxel where there is room, not every ten
+  bool floor = true;      // the world's floor at y = 0
+  bool white = false;     // in the place of sky and earth
+  bool edges = true;      // of objects
+  bool voxels = true;
   float ruler_text = 0;       // size of the distances along the floor; 0: from the panel's
   bool heights = false;       // count: a ruler along the left border
   float captions = 0;         // pixels that captions will take at the top left

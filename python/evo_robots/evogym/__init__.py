@@ -6,11 +6,11 @@ the physics (``evo_robots.evogym.sim.PHYSICS``). Targets of actuators outside of
     python -m evo_robots.evogym script.py    runs a script that says "import evogym"."""
 
 from .sim import EvoSim
-from .utils import (BASELINE_ENV_NAMES, VOXEL_TYPES, Pair, draw, get_full_connectivity,
+from .utils import (BASELINE_ENV_NAMES, VOXEL_TYPES, Pair, Timer, draw, get_full_connectivity,
                     get_uniform, has_actuator, hashable, is_connected, sample_robot)
 from .viewer import EvoViewer
 from .world import EvoWorld, WorldObject
 
-__all__ = ["BASELINE_ENV_NAMES", "VOXEL_TYPES", "EvoSim", "EvoViewer", "EvoWorld", "Pair", "WorldObject",
-           "draw", "get_full_connectivity", "get_uniform", "has_actuator", "hashable", "is_connected",
+__all__ = ["BASELINE_ENV_NAMES", "VOXEL_TYPES", "EvoSim", "EvoViewer", "EvoWorld", "Pair", "Timer",
+           "WorldObject", "draw", "get_full_connectivity", "get_uniform", "has_actuator", "hashable", "is_connected",
            "sample_robot"]

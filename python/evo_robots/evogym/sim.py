@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..library import library
 from ..simulator import Simulator
 from ..worlds import Simulations, World
 from .utils import VOXEL_TYPES
@@ -44,7 +45,12 @@ class EvoSim:
     def reset(self) -> None:
         """Back to time 0. Targets stay, as there."""
         self._sims.reset()
+        self._begin()
+
+    def _begin(self) -> None:
         self._history = [self._now()]
+        self._taken: list[np.ndarray] = []  # targets of the steps
+        self._moved: list[tuple[int, str, tuple[float, float]]] = []  # when, what, by how much
 
     def step(self) -> bool:
         """One control step. True where a robot folded onto itself: the simulation stopped there,
@@ -52,8 +58,12 @@ class EvoSim:
         self._sims.step(self._targets)
         if self._sims.status[0] != 0:
             return True
-        self._history.append(self._now())
+        self._note()
         return False
+
+    def _note(self) -> None:
+        self._history.append(self._now())
+        self._taken.append(self._targets.copy())
 
     def get_time(self) -> int:
         return len(self._history) - 1
@@ -73,6 +83,41 @@ class EvoSim:
     def get_dim_action_space(self, robot_name: str) -> int:
         return len(self._robot(robot_name))
 
+    def get_indices_of_actuators(self, robot_name: str) -> np.ndarray:
+        """[A, 1], the same as get_actuator_indices."""
+        return self._robot(robot_name)[:, None].astype(float)
+
+    def translate_object(self, x: float, y: float, object_name: str) -> None:
+        """Moves an object that is no terrain, raw units (a voxel is 0.1), without changing its shape or
+        velocity; it is there at the present time, too."""
+        self._points(object_name)
+        self._translate(object_name, (float(x), float(y)))
+        self._moved.append((len(self._taken), object_name, (float(x), float(y))))
+        self._history[-1] = self._now()
+
+    def revert(self, time: int) -> None:
+        """Back to a time reached: what was done until then is done again, to the same bits."""
+        self._at(time)
+        taken, moved, targets = self._taken[:time], self._moved, self._targets.copy()
+        self._again()
+        for now in range(time + 1):
+            for at, name, by in moved:
+                if at == now:
+                    self.translate_object(*by, name)
+            if now < time:
+                self._targets[:] = taken[now]
+                self.step()
+        self._targets[:] = targets
+
+    def get_version(self) -> None:
+        """Prints it."""
+        print(f"evo {library().evo_version().decode()}")
+
+    def init(self, *_: Any) -> None:
+        raise NotImplementedError("an EvoSim has what its EvoWorld had: add objects there, and make another")
+
+    read_object_from_array = read_object_from_file = read_robot_from_array = read_robot_from_file = init
+
     def pos_at_time(self, time: int) -> np.ndarray:
         return self._at(time)[0].T / self.VOXEL_SIZE
 
@@ -89,6 +134,12 @@ class EvoSim:
         """Radians, counter-clockwise from the initial shape."""
         self._points(object_name)
         return self._orientation(object_name, self._at(time)[0])
+
+    def _again(self) -> None:
+        self.reset()
+
+    def _translate(self, name: str, by: tuple[float, float]) -> None:
+        self._sims.translate(name, by)
 
     def _orientation(self, name: str, positions: np.ndarray) -> float:
         return float(self._sims.orientation(name, positions[None])[0])
@@ -132,10 +183,18 @@ class TaskSim(EvoSim):
         self.simulator.reset(seed=seed, draws=draws)
         self._objects = self.simulator.objects()
         self._names = list(self._objects)
-        self._history = [self._now()]
+        self._begin()
+        self._start = self.simulator.save()
 
     def reset(self) -> None:
         self.begin(None, None)
+
+    def _again(self) -> None:
+        self.simulator.restore(self._start)
+        self._begin()
+
+    def _translate(self, name: str, by: tuple[float, float]) -> None:
+        self.simulator.translate(name, by)
 
     def set_action(self, robot_name: str, action: Any) -> None:
         values = np.asarray(action, float).ravel()
@@ -152,7 +211,7 @@ class TaskSim(EvoSim):
         # A robot that folds onto itself ends there: everything is where it was.
         if self.simulator.terminated[0] and np.array_equal(now[0], self._history[-1][0]):
             return True
-        self._history.append(now)
+        self._note()
         return False
 
     def _now(self) -> tuple[np.ndarray, np.ndarray]:

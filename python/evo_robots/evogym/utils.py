@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import operator
 import random
+import time
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 
 from .. import robots
-from ..robots import MOST_CELLS_DRAWN, get_full_connectivity, has_actuator, is_connected
+from ..robots import MOST_CELLS_DRAWN
 from ..tasks import TASKS
 
-__all__ = ["BASELINE_ENV_NAMES", "VOXEL_TYPES", "Pair", "draw", "get_full_connectivity",
+__all__ = ["BASELINE_ENV_NAMES", "VOXEL_TYPES", "Pair", "Timer", "draw", "get_full_connectivity",
            "get_uniform", "has_actuator", "hashable", "is_connected", "sample_robot"]
 
 VOXEL_TYPES = {**robots.VOXEL_TYPES, "FIXED": 5}
@@ -21,7 +23,8 @@ BASELINE_ENV_NAMES = list(TASKS)
 
 @dataclass
 class Pair:
-    """A place or a size in cells; hashed by its values."""
+    """A place or a size in cells; hashed by its values. Operators work on each value, with a Pair or a
+    number."""
 
     x: int
     y: int
@@ -29,17 +32,96 @@ class Pair:
     def __hash__(self) -> int:
         return hash((self.x, self.y))
 
-    def __add__(self, other: "Pair") -> "Pair":
-        return Pair(self.x + other.x, self.y + other.y)
+    def __getitem__(self, index: int) -> int:
+        if index not in (0, 1):
+            raise IndexError(f"a Pair has the values 0 and 1, not {index}")
+        return (self.x, self.y)[index]
 
-    def __sub__(self, other: "Pair") -> "Pair":
-        return Pair(self.x - other.x, self.y - other.y)
+    def __eq__(self, b: object) -> bool:
+        other = _pair(b)
+        return other is not None and (self.x, self.y) == (other.x, other.y)
+
+    def __add__(self, b: "Pair | int") -> "Pair":
+        return self._each(operator.add, b)
+
+    def __sub__(self, b: "Pair | int") -> "Pair":
+        return self._each(operator.sub, b)
+
+    def __mul__(self, b: "Pair | int") -> "Pair":
+        return self._each(operator.mul, b)
+
+    def __floordiv__(self, b: "Pair | int") -> "Pair":
+        return self._each(operator.floordiv, b)
+
+    __truediv__ = __floordiv__  # cells are whole
+
+    def __mod__(self, b: "Pair | int") -> "Pair":
+        return self._each(operator.mod, b)
+
+    def abs(self) -> "Pair":
+        return Pair(abs(self.x), abs(self.y))
+
+    def each_max(self, b: "Pair") -> "Pair":
+        return self._each(max, b)
+
+    def each_min(self, b: "Pair") -> "Pair":
+        return self._each(min, b)
 
     def __str__(self) -> str:
         return f"({self.x}, {self.y})"
 
     def copy(self) -> "Pair":
         return Pair(self.x, self.y)
+
+    def _each(self, of: Callable[[int, int], int], b: Any) -> "Pair":
+        other = _pair(b)
+        if other is None:
+            raise TypeError(f"a Pair and {b!r} do not go together")
+        return Pair(of(self.x, other.x), of(self.y, other.y))
+
+
+def _pair(b: Any) -> Pair | None:
+    return b if isinstance(b, Pair) else Pair(b, b) if isinstance(b, int) else None
+
+
+class Timer:
+    """Says when it is time for the next step, so many times in a second; None: always."""
+
+    def __init__(self, target_step_frequency: int | None = None) -> None:
+        self._target = target_step_frequency
+        self._steps = self._all_steps = self.total_count = 0
+        self._since = time.monotonic()
+
+    def should_step(self) -> bool:
+        if self._target is None:
+            return True
+        return self._steps < (self._target - 1) * (time.monotonic() - self._since)
+
+    def step(self, verbose: bool = False) -> None:
+        """One more. verbose: prints once in a second how many there were."""
+        self._steps += 1
+        if time.monotonic() - self._since <= 1:
+            return
+        self._all_steps += self._steps
+        self.total_count += 1
+        if verbose:
+            print(f"{self._steps} steps per second, {self._all_steps / self.total_count:.2f} on average")
+        self._since += 1
+        self._steps = 0
+
+
+def is_connected(robot: np.ndarray) -> bool:
+    """All voxels hang together by their edges."""
+    return robots.is_connected(robot)
+
+
+def has_actuator(robot: np.ndarray) -> bool:
+    return robots.has_actuator(robot)
+
+
+def get_full_connectivity(robot: np.ndarray) -> np.ndarray:
+    """[2, n], every pair of neighbouring voxels as cells, row-major."""
+    return robots.get_full_connectivity(robot)
 
 
 def get_uniform(x: int) -> np.ndarray:

@@ -72,12 +72,13 @@ class EvoViewer:
                hide_grid: bool = False, hide_edges: bool = False,
                hide_voxels: bool = False) -> np.ndarray | None:
         """A picture: shown by ``screen`` and ``human``, returned by ``img`` and ``rgb_array`` as
-        [height, width, 3] uint8. hide_grid leaves out the grid; the other options are accepted, and
-        change nothing."""
+        [height, width, 3] uint8. verbose: prints how many are shown per second."""
         if mode not in MODES:
             raise ValueError(f"mode {mode!r} is none of {', '.join(MODES)}")
         self._follow()
-        image = self._draw(*self.resolution, plain=bool(hide_grid))
+        hidden = {"background": hide_background, "grid": hide_grid, "edges": hide_edges, "voxels": hide_voxels}
+        image = self._sim._picture(*self.resolution, window=(*self.pos, *self.view_size),
+                                   hide=[part for part, away in hidden.items() if away])
         if mode in ("img", "rgb_array"):
             return image
         if self._window is None:
@@ -111,9 +112,6 @@ class EvoViewer:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_window": None}  # a copy opens one of its own
-
-    def _draw(self, width: int, height: int, plain: bool) -> np.ndarray:
-        return self._sim._picture(width, height, window=(*self.pos, *self.view_size), plain=plain)
 
     def _follow(self) -> None:
         if not self._tracked:

@@ -214,6 +214,19 @@ TEST_CASE("c: two robots in one world, in simulations of their own") {
   fails(EVO_DATA, "damaged", evo_sims_restore(sims, 0, state, 3));
   evo_free(state);
 
+  REQUIRE(evo_sims_translate(sims, 0, 1, 0.5, 0.25) == EVO_OK);
+  auto moved = begin;
+  for (std::size_t i = right.first_point; i < right.first_point + right.points; ++i) {
+    moved[2 * i] += 0.5;
+    moved[2 * i + 1] += 0.25;
+  }
+  CHECK(positions_of(sims, 0) == moved);
+  CHECK(positions_of(sims, 1) == begin);
+  fails(EVO_USAGE, "terrain", evo_sims_translate(sims, 0, 2, 0.5, 0));
+  fails(EVO_USAGE, "no object 3", evo_sims_translate(sims, 0, 3, 0.5, 0));
+  fails(EVO_USAGE, "cannot be moved", evo_sims_translate(sims, 0, 1, std::nan(""), 0));
+  REQUIRE(evo_sims_reset(sims, -1) == EVO_OK);
+
   // The same world by way of the design tool's JSON.
   char* json = nullptr;
   REQUIRE(evo_world_json(world, &json) == EVO_OK);
@@ -366,6 +379,19 @@ TEST_CASE("c: pictures of environments, simulations and robots, and the same in 
   };
   view.window[2] = view.window[3] = 20;
   CHECK(watch() == EVO_OK);
+  std::vector<std::vector<std::uint8_t>> seen{pixels};
+  for (const int hidden : {EVO_HIDE_GRID, EVO_HIDE_BACKGROUND, EVO_HIDE_EDGES, EVO_HIDE_VOXELS}) {
+    view.hide = hidden;
+    CHECK(watch() == EVO_OK);
+    CHECK(std::ranges::find(seen, pixels) == seen.end());
+    seen.push_back(pixels);
+  }
+  view.hide = 15;
+  CHECK(watch() == EVO_OK);
+  CHECK(std::ranges::count(pixels, 255) == std::ssize(pixels));  // nothing but white
+  view.hide = 16;
+  fails(EVO_USAGE, "no sum of evo_hide", watch());
+  view.hide = 0;
   view.window[3] = 0;
   fails(EVO_USAGE, "shows nothing", watch());
   view.window[3] = std::nan("");
@@ -541,6 +567,7 @@ TEST_CASE("c: every function refuses what is no handle of its kind, and NULL whe
       [&](void* h, bool y) { return evo_envs_save(as(h, e), 0, place(y, &state), &count); },
       [&](void* h, bool) { return evo_envs_restore(as(h, e), 0, nullptr, 9); },
       [&](void* h, bool) { return evo_envs_perturb(as(h, e), 0, -1.0, 0); },
+      [&](void* h, bool) { return evo_envs_translate(as(h, e), 0, 99, 0, 0); },
       [&](void* h, bool y) { return evo_envs_object_count(as(h, e), 0, place(y, &count)); },
       [&](void* h, bool y) {
         return evo_envs_object(as(h, e), 0, 0, place(y, &object), sizeof object);
@@ -564,6 +591,7 @@ TEST_CASE("c: every function refuses what is no handle of its kind, and NULL whe
       [&](void* h, bool) { return evo_sims_step(as(h, sims), nullptr, 8, nullptr, 0); },
       [&](void* h, bool y) { return evo_sims_save(as(h, sims), 0, place(y, &state), &count); },
       [&](void* h, bool) { return evo_sims_restore(as(h, sims), 0, nullptr, 9); },
+      [&](void* h, bool) { return evo_sims_translate(as(h, sims), 0, 99, 0, 0); },
       [&](void* h, bool y) { return evo_sims_object_count(as(h, sims), place(y, &count)); },
       [&](void* h, bool y) {
         return evo_sims_object(as(h, sims), 0, place(y, &sim_object), sizeof sim_object);

@@ -9,6 +9,7 @@ from ...tasks import TASKS
 from . import base, tasks
 from .base import BenchmarkBase, EvoGymBase
 from .tasks import *  # noqa: F403
+from .. import *  # noqa: F403  as there
 
 __all__ = ["BenchmarkBase", "EvoGymBase", *tasks.__all__]
 

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+import atexit
+import functools
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
 from typing import Any, Mapping, Sequence
 
 import gymnasium
 import numpy as np
 
+from ...library import find_tool
+from ...tasks import TASKS
 from ...video import STEPS_PER_SECOND, Video
+from ...worlds import World
 from ..sim import EvoSim
 from ..viewer import MODES, EvoViewer
 from ..world import EvoWorld
@@ -149,11 +160,42 @@ class EvoGymBase(gymnasium.Env):
         return np.clip(side * (found - centre[1]), 0, reach)
 
 
+class _DataPath:
+    """A folder with the worlds of the tasks, for the design tool and EvoWorld.from_json: made when it
+    is first asked for, and gone with the process."""
+
+    def __get__(self, owner: Any, kind: Any = None) -> str:
+        return _worlds(os.getpid())
+
+
+@functools.lru_cache(maxsize=1)
+def _worlds(process: int) -> str:
+    folder = tempfile.mkdtemp(prefix="evogym-")
+    atexit.register(lambda: os.getpid() == process and shutil.rmtree(folder, ignore_errors=True))
+    for name in TASKS:
+        if name in ("AreaMinimizer-v0", "Catcher-v0", "HeightMaximizer-v0", "WingspanMazimizer-v0"):
+            continue  # built of others
+        file = Path(folder, "ShapeChange.json" if name == "AreaMaximizer-v0" else f"{name}.json")
+        subprocess.run([find_tool("evo-convert"), "--task", name, "--to", "evogym", "-o", file], check=True)
+        if name == "Traverser-v0":  # its blocks are not in the file
+            world = json.loads(file.read_text())
+            world["objects"] = {"ground": world["objects"]["ground"]}
+            file.write_text(json.dumps(world))
+    parts = {"package": np.full((2, 3), 2), "peg": np.full((1, 5), 5),
+             **{f"rigid_{size}x{size}": np.full((size, size), 1) for size in (1, 2, 3)}}
+    for name, body in parts.items():
+        part = World()
+        part.add(name, body, 0, 0)
+        Path(folder, f"{name}.json").write_text(part.json())
+    return folder
+
+
 class BenchmarkBase(EvoGymBase):
     """The same in raw units, as the benchmark's own tasks observe and reward: a voxel
     is 0.1."""
 
     VOXEL_SIZE = 0.1
+    DATA_PATH = _DataPath()
 
     def pos_at_time(self, time: int) -> np.ndarray:
         return super().pos_at_time(time) * self.VOXEL_SIZE

@@ -52,7 +52,7 @@ set(CPACK_DEBIAN_TOOLS_DESCRIPTION "${PROJECT_DESCRIPTION}
  Small Unix tools that sample, mutate, train, evaluate, select and render robots
  made of voxels on the 32 tasks of the Evolution Gym benchmark.")
 # What the pipelines call; videos and plots do without it when asked for others.
-set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "make, jq")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "make, jq, libosmesa6")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox, hdf5-tools")
 
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libevo${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})

@@ -51,17 +51,17 @@ enum class Plot {
 };
 
 struct Overlays {
-  bool labels = true;      // task, robot, step, time, return
-  bool grid = true;        // lines a voxel apart, distances along the floor
-  bool fine_grid = true;   // else only every tenth line
-  bool background = true;  // else white
-  bool edges = true;       // outlines of objects, seams between their cells
-  bool voxels = true;      // cells filled
+  bool labels = true;     // task, robot, step, time, return
+  bool grid = true;       // lines a voxel apart, distances along the floor
+  bool fine_grid = true;  // else only every tenth line
   Tint tint = Tint::actuation;
   bool trail = false;       // the path of the first object's centre of mass
   bool velocities = false;  // an arrow at every point of what moves
   bool contacts = false;    // where the robot touches something, and what pushes it there
   Plot plot = Plot::none;
+  bool background = true;  // else white
+  bool edges = true;       // outlines of objects, seams between their cells
+  bool voxels = true;      // cells filled
 };
 
 struct RenderOptions {

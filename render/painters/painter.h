@@ -1,4 +1,5 @@
-// Pixels from a drawing: OpenGL 3.3 core in memory (OSMesa), no display, no GPU.
+// Pixels from a drawing: OpenGL 3.3 core in memory (OSMesa), no display, no GPU; where OSMesa
+// is not installed, cairo (raster.h), which differs by a shade at edges.
 #pragma once
 
 #include <memory>
@@ -13,7 +14,7 @@ namespace evo::render {
 // start Workers (workers.h), which is why they own the Painters.
 class Painter {
  public:
-  Painter();  // throws Error(work) where OSMesa gives no context
+  Painter();  // throws Error(work) where an OSMesa gives no context
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;

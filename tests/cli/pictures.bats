@@ -281,3 +281,16 @@ h5py.File('similar.h5', 'w')['episode_0/rewards'] = [1.0, 2.0]"
   grep -q $'\e\[' coloured
   if grep -q $'\e\[' plain; then false; fi
 }
+
+@test "without OSMesa pictures are cairo's, much the same" {
+  episode walk.h5
+  mkdir missing
+  : > missing/libOSMesa.so.8 # which cannot be loaded
+  evo-render walk.h5 --at 20 --size 320x160 -o with.png
+  LD_LIBRARY_PATH=missing evo-render walk.h5 --at 20 --size 320x160 -o without.png
+  LD_LIBRARY_PATH=missing evo-render walk.h5 --size 320x160 --every 10 -o film.gif
+  [ -s film.gif ]
+  run ! cmp -s with.png without.png
+  [ "$(ffmpeg -v error -i with.png -i without.png -lavfi psnr=stats_file=- -f null - |
+    sed 's/.*psnr_avg:\([0-9]*\).*/\1/')" -ge 30 ]
+}

@@ -139,6 +139,16 @@ void print_robots(const std::vector<Robot>& robots, const std::string& name, boo
 
 // ---- HDF5 files ---------------------------------------------------------------
 
+std::string describe_motion(const SineController& gait) {
+  return fmt::format("waves of period {:.3g}", gait.period);
+}
+std::string describe_motion(const ReplayController& sequence) {
+  return fmt::format("a sequence of actions, {} steps", sequence.steps());
+}
+template <typename Motion>
+std::string describe(const Motion& motion) {
+  return describe_motion(motion) + ", open loop";
+}
 std::string describe(const Policy& policy) {
   std::string text = "a network";
   const char* before = " ";
@@ -147,14 +157,10 @@ std::string describe(const Policy& policy) {
     before = "-";
   }
   text += fmt::format("-{}", policy.action_length());
-  if (policy.gait) text += fmt::format(" on waves of period {:.3g}", policy.gait->period);
+  if (policy.base)
+    text +=
+        " on " + std::visit([](const auto& base) { return describe_motion(base); }, *policy.base);
   return text;
-}
-std::string describe(const SineController& gait) {
-  return fmt::format("waves of period {:.3g}, open loop", gait.period);
-}
-std::string describe(const ReplayController& sequence) {
-  return fmt::format("a sequence of actions, {} steps, open loop", sequence.steps());
 }
 
 void print_policy(const std::string& path, bool color) {

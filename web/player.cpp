@@ -140,21 +140,22 @@ struct evo_player {
         throw evo::error(evo::Failure::data, "the controller has {} {}, robot and task need {}",
                          has, what, needs);
     };
-    const auto waves = [&](const evo::SineController& sine) {
-      require("amplitudes", std::ssize(sine.amplitude), arena.action_length());
-      require("phases", std::ssize(sine.phase), arena.action_length());
-      if (!sine.shift.empty()) require("shifts", std::ssize(sine.shift), arena.action_length());
-    };
-    std::visit(evo::Overloaded{
-                   [&](const evo::Policy& policy) {
-                     require("inputs", policy.observation_length(), arena.observation_length());
-                     require("outputs", policy.action_length(), arena.action_length());
-                     if (policy.gait) waves(*policy.gait);
-                   },
-                   waves,
-                   [&](const evo::ReplayController& sequence) {
-                     require("actions a step", sequence.actuators, arena.action_length());
-                   }},
+    const evo::Overloaded open_loop{
+        [&](const evo::SineController& sine) {
+          require("amplitudes", std::ssize(sine.amplitude), arena.action_length());
+          require("phases", std::ssize(sine.phase), arena.action_length());
+          if (!sine.shift.empty()) require("shifts", std::ssize(sine.shift), arena.action_length());
+        },
+        [&](const evo::ReplayController& sequence) {
+          require("actions a step", sequence.actuators, arena.action_length());
+        }};
+    std::visit(evo::Overloaded{[&](const evo::Policy& policy) {
+                                 require("inputs", policy.observation_length(),
+                                         arena.observation_length());
+                                 require("outputs", policy.action_length(), arena.action_length());
+                                 if (policy.base) std::visit(open_loop, *policy.base);
+                               },
+                               open_loop},
                read);
   }
 

@@ -183,10 +183,11 @@ std::string policy_to_onnx(const PolicyFile& file) {
   const auto* policy = std::get_if<Policy>(&file.controller);
   if (policy == nullptr)
     throw Error(Failure::data, "only a network can be written as ONNX; this policy is open loop");
-  if (policy->gait || !policy->clock.empty())
-    throw Error(Failure::data,
-                "this policy also depends on the time, by its clock or gait; ONNX is written of "
-                "networks that act on the observation alone");
+  if (policy->base || !policy->clock.empty())
+    throw Error(
+        Failure::data,
+        "this policy also depends on the time, by its clock, gait or sequence; ONNX is written of "
+        "networks that act on the observation alone");
   Graph graph;
   graph.input("observation", policy->observation_length());
   add_normalizer(graph, policy->normalizer);

@@ -99,6 +99,14 @@ Eigen::VectorXd vector(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
+ReplayController sequence(const Json& document, const char* key) {
+  ReplayController made;
+  std::size_t columns = 0;
+  made.actions = rows(member(document, key, ""), fmt::format("/{}", key), columns);
+  made.actuators = static_cast<int>(columns);
+  return made;
+}
+
 Policy policy(const Json& document) {
   Policy made;
   made.actor = network(member(document, "actor", ""), "/actor");
@@ -119,7 +127,8 @@ Policy policy(const Json& document) {
   made.low = bounds[0];
   made.high = bounds[1];
   if (document.contains("clock")) made.clock = numbers(document, "clock", "");
-  if (document.contains("gait")) made.gait = sine(document["gait"], "/gait");
+  if (document.contains("gait")) made.base = sine(document["gait"], "/gait");
+  if (document.contains("sequence")) made.base = sequence(document, "sequence");
   if (document.contains("critic")) made.critic = network(document["critic"], "/critic");
   const Eigen::Index outputs = made.actor.layers.back().weight.rows();
   made.log_std = document.contains("log_std")
@@ -137,20 +146,12 @@ Policy policy(const Json& document) {
   return made;
 }
 
-ReplayController sequence(const Json& document) {
-  ReplayController made;
-  std::size_t columns = 0;
-  made.actions = rows(member(document, "actions", ""), "/actions", columns);
-  made.actuators = static_cast<int>(columns);
-  return made;
-}
-
 TrainedController read(const Json& document) {
   const Json& kind = member(document, "kind", "");
   if (document.contains("format")) check_format(document, format::policy);
   if (kind == "network") return policy(document);
   if (kind == "sine") return sine(member(document, "sine", ""), "/sine");
-  if (kind == "sequence") return sequence(document);
+  if (kind == "sequence") return sequence(document, "actions");
   throw refusal("/kind", "network, sine or sequence is expected, found {}", shown(kind));
 }
 

@@ -105,6 +105,30 @@ SineController read_sine(const hdf5::Reader& file, const std::string& group) {
   return sine;
 }
 
+void write_sequence(hdf5::Writer& file, const std::string& path, const ReplayController& sequence) {
+  file.array(
+      path,
+      {static_cast<std::size_t>(sequence.steps()), static_cast<std::size_t>(sequence.actuators)},
+      sequence.actions);
+}
+
+ReplayController read_sequence(const hdf5::Reader& file, const std::string& path) {
+  auto actions = file.array<double>(path, {hdf5::any, hdf5::any});
+  if (actions.values.empty()) throw bad(file, path, "it is empty");
+  return {std::move(actions.values), static_cast<int>(actions.shape[1])};
+}
+
+void write_base(hdf5::Writer& file, const SineController& gait) { write_sine(file, "/gait", gait); }
+void write_base(hdf5::Writer& file, const ReplayController& sequence) {
+  write_sequence(file, "/sequence", sequence);
+}
+
+std::optional<OpenLoop> read_base(const hdf5::Reader& file) {
+  if (file.exists("/gait")) return read_sine(file, "/gait");
+  if (file.exists("/sequence")) return read_sequence(file, "/sequence");
+  return std::nullopt;
+}
+
 void Stored<Policy>::write(hdf5::Writer& file, const Policy& policy) {
   write_network(file, "/actor", policy.actor);
   write_network(file, "/critic", policy.critic);
@@ -118,7 +142,7 @@ void Stored<Policy>::write(hdf5::Writer& file, const Policy& policy) {
   file.attribute("/", "action_offset", policy.action_offset);
   file.attribute("/", "action_bounds", std::vector<double>{policy.low, policy.high});
   if (!policy.clock.empty()) file.vector("/clock", policy.clock);
-  if (policy.gait) write_sine(file, "/gait", *policy.gait);
+  if (policy.base) std::visit([&](const auto& base) { write_base(file, base); }, *policy.base);
 }
 
 Policy Stored<Policy>::read(const hdf5::Reader& file) {
@@ -126,7 +150,7 @@ Policy Stored<Policy>::read(const hdf5::Reader& file) {
   const auto mean = file.vector<double>("/normalizer/mean");
   const auto variance = file.vector<double>("/normalizer/var", mean.size());
   if (file.exists("/clock")) policy.clock = file.vector<double>("/clock");
-  if (file.exists("/gait")) policy.gait = read_sine(file, "/gait");
+  policy.base = read_base(file);
   const std::size_t inputs = mean.size() + 2 * policy.clock.size();
   policy.actor = read_network(file, "/actor", inputs);
   policy.critic = read_network(file, "/critic", inputs);
@@ -165,16 +189,11 @@ SineController Stored<SineController>::read(const hdf5::Reader& file) {
 }
 
 void Stored<ReplayController>::write(hdf5::Writer& file, const ReplayController& sequence) {
-  file.array(
-      "/actions",
-      {static_cast<std::size_t>(sequence.steps()), static_cast<std::size_t>(sequence.actuators)},
-      sequence.actions);
+  write_sequence(file, "/actions", sequence);
 }
 
 ReplayController Stored<ReplayController>::read(const hdf5::Reader& file) {
-  auto actions = file.array<double>("/actions", {hdf5::any, hdf5::any});
-  if (actions.values.empty()) throw bad(file, "/actions", "it is empty");
-  return {std::move(actions.values), static_cast<int>(actions.shape[1])};
+  return read_sequence(file, "/actions");
 }
 
 void write_controller(hdf5::Writer& file, const TrainedController& controller) {

@@ -44,6 +44,20 @@ Json sine_to_json(const SineController& sine) {
   return wave;
 }
 
+Json sequence_to_json(const ReplayController& sequence) {
+  Json rows = Json::array();
+  const auto width = static_cast<std::size_t>(sequence.actuators);
+  const std::span<const double> actions = sequence.actions;
+  for (std::size_t row = 0; row + width <= actions.size(); row += width)
+    rows.push_back(numbers(actions.subspan(row, width)));
+  return rows;
+}
+
+void add_base(Json& document, const SineController& gait) { document["gait"] = sine_to_json(gait); }
+void add_base(Json& document, const ReplayController& sequence) {
+  document["sequence"] = sequence_to_json(sequence);
+}
+
 // One for every TrainedController.
 void add_controller(Json& document, const Policy& policy) {
   const Normalizer& normalizer = policy.normalizer;
@@ -60,7 +74,7 @@ void add_controller(Json& document, const Policy& policy) {
   document["critic"] = network_to_json(policy.critic);
   document["log_std"] = numbers(policy.log_std);
   if (!policy.clock.empty()) document["clock"] = numbers(policy.clock);
-  if (policy.gait) document["gait"] = sine_to_json(*policy.gait);
+  if (policy.base) std::visit([&](const auto& base) { add_base(document, base); }, *policy.base);
 }
 
 void add_controller(Json& document, const SineController& sine) {
@@ -70,11 +84,7 @@ void add_controller(Json& document, const SineController& sine) {
 
 void add_controller(Json& document, const ReplayController& sequence) {
   document["kind"] = "sequence";
-  Json& rows = document["actions"] = Json::array();
-  const auto width = static_cast<std::size_t>(sequence.actuators);
-  const std::span<const double> actions = sequence.actions;
-  for (std::size_t row = 0; row + width <= actions.size(); row += width)
-    rows.push_back(numbers(actions.subspan(row, width)));
+  document["actions"] = sequence_to_json(sequence);
 }
 
 Json curve_to_json(const std::vector<CurvePoint>& curve) {

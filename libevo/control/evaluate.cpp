@@ -138,7 +138,8 @@ struct Prepare {
     require_length("inputs", static_cast<std::size_t>(policy.observation_length()),
                    static_cast<std::size_t>(arena.observation_length()));
     require_length("outputs", static_cast<std::size_t>(policy.action_length()), actions());
-    if (policy.gait) (*this)(*policy.gait);
+    if (policy.base) std::visit(*this, *policy.base);
+    work.limit = std::numeric_limits<int>::max();  // which a sequence has set
     work.choose = [&policy, steps = std::vector<int>{}, scratch = NetworkScratch{}](
                       const VecEnv& env, std::span<Running> lanes,
                       std::span<double> targets) mutable {

@@ -26,10 +26,10 @@ void Findings::evaluated(double value, const TrainedController& controller) {
   curve.push_back({steps, value, *fitness});
 }
 
-Policy initial_policy(const TrainingJob& job, std::optional<SineController> gait) {
+Policy initial_policy(const TrainingJob& job, std::optional<OpenLoop> base) {
   const Physics& physics = job.arena.task().physics;
   return initial_policy(job.settings, job.arena.observation_length(), job.arena.action_length(),
-                        physics.min_target, physics.max_target, std::move(gait),
+                        physics.min_target, physics.max_target, std::move(base),
                         Stream(job.seed, "train/initial", job.robot_id));
 }
 
@@ -37,10 +37,22 @@ std::optional<SineController> inherited_gait(const TrainingJob& job) {
   if (!job.inheritance) return std::nullopt;
   const Inheritance& old = *job.inheritance;
   const SineController* gait = std::get_if<SineController>(&old.controller);
-  if (const auto* policy = std::get_if<Policy>(&old.controller); policy && policy->gait)
-    gait = &*policy->gait;
+  if (const auto* policy = std::get_if<Policy>(&old.controller); policy && policy->base)
+    gait = std::get_if<SineController>(&*policy->base);
   if (gait == nullptr) return std::nullopt;
   return transferred(*gait, old.anatomy, anatomy(job.arena.robot(), job.arena.layout()));
+}
+
+std::optional<OpenLoop> inherited_base(const TrainingJob& job) {
+  if (auto gait = inherited_gait(job)) return *std::move(gait);
+  if (!job.inheritance) return std::nullopt;
+  const Inheritance& old = *job.inheritance;
+  const ReplayController* sequence = nullptr;
+  if (job.settings.keep_sequence) sequence = std::get_if<ReplayController>(&old.controller);
+  if (const auto* policy = std::get_if<Policy>(&old.controller); policy && policy->base)
+    sequence = std::get_if<ReplayController>(&*policy->base);
+  if (sequence == nullptr) return std::nullopt;
+  return transferred(*sequence, old.anatomy, anatomy(job.arena.robot(), job.arena.layout()));
 }
 
 void report_evaluation(const Findings& findings, Metrics& metrics) {

@@ -44,12 +44,15 @@ struct Findings {
 
 using Metrics = std::vector<Metric>;
 
-// An untrained policy for the job's arena, on a gait where one is given.
-Policy initial_policy(const TrainingJob& job, std::optional<SineController> gait);
+// An untrained policy for the job's arena, on a base where one is given.
+Policy initial_policy(const TrainingJob& job, std::optional<OpenLoop> base);
 
 // The gait that the job inherits, carried over to its robot: of a controller that is
 // one, or of a network on one. Nothing where there is none.
 std::optional<SineController> inherited_gait(const TrainingJob& job);
+// What an inherited network is on, an inherited gait, or, where the settings keep it, an
+// inherited sequence, likewise.
+std::optional<OpenLoop> inherited_base(const TrainingJob& job);
 
 // eval/return and eval/best of the evaluation just made.
 void report_evaluation(const Findings& findings, Metrics& metrics);

@@ -66,7 +66,7 @@ bool Policy::operator==(const Policy& other) const {
   return actor == other.actor && critic == other.critic && same(log_std, other.log_std) &&
          normalizer == other.normalizer && action_map == other.action_map &&
          action_offset == other.action_offset && low == other.low && high == other.high &&
-         clock == other.clock && gait == other.gait;
+         clock == other.clock && base == other.base;
 }
 
 int Policy::observation_length() const {
@@ -186,8 +186,8 @@ void network_inputs(const Policy& policy, std::span<const double> observations,
 }
 
 void rest_targets(const Policy& policy, int t, std::span<double> targets) {
-  if (policy.gait)
-    act(*policy.gait, t, targets);
+  if (policy.base)
+    std::visit([&](const auto& base) { act(base, t, targets); }, *policy.base);
   else
     std::fill(targets.begin(), targets.end(), policy.action_offset);
 }

@@ -8,10 +8,12 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "libevo/base/random.h"
 #include "libevo/control/matrix.h"
+#include "libevo/control/replay.h"
 #include "libevo/control/sine.h"
 
 namespace evo {
@@ -44,7 +46,7 @@ struct Normalizer {
 
 // How network outputs become actuator targets.
 //   offset: target = clip(offset + a, low, high), as in the paper's code; with a
-//           gait, target = clip(gait(t) + a, low, high)
+//           base, target = clip(base(t) + a, low, high)
 //   squash: target = middle + half * tanh(a), bounded by construction
 enum class ActionMap { offset, squash };
 constexpr const char* word(ActionMap value) {
@@ -56,6 +58,10 @@ constexpr const char* word(ActionMap value) {
   }
   return nullptr;
 }
+
+// What a network's actions can be added to: waves, or a sequence, whose last targets
+// go on to the end of the episode.
+using OpenLoop = std::variant<SineController, ReplayController>;
 
 struct Policy {
   Network actor;
@@ -69,7 +75,7 @@ struct Policy {
   // Periods in control steps: after the observation networks see sine and cosine
   // of 2 pi t / period of each.
   std::vector<double> clock;
-  std::optional<SineController> gait;  // what actions are added to
+  std::optional<OpenLoop> base;
 
   int observation_length() const;  // without the clock
   int action_length() const;

@@ -271,18 +271,20 @@ double explained_variance(const Samples& rollout, Vector& residual) {
 
 // [2, 3] Orthogonal initialisation, separate networks for actor and critic.
 Policy initial_policy(const TrainingSettings& s, int observation_length, int action_length,
-                      double low, double high, std::optional<SineController> gait, Stream stream) {
+                      double low, double high, std::optional<OpenLoop> base, Stream stream) {
   Policy policy;
   policy.clock.assign(s.clock.begin(), s.clock.end());
-  if (gait) policy.clock.push_back(gait->period);
-  policy.gait = std::move(gait);
+  if (base)
+    if (const auto* gait = std::get_if<SineController>(&*base))
+      policy.clock.push_back(gait->period);
+  policy.base = std::move(base);
   const int inputs = observation_length + 2 * static_cast<int>(policy.clock.size());
   const double hidden_gain = std::sqrt(2.0);
   policy.actor =
       orthogonal_network(inputs, s.hidden, action_length, hidden_gain, s.head_gain, stream);
   policy.critic = orthogonal_network(inputs, s.hidden, 1, hidden_gain, 1.0, stream);
   policy.log_std = Vector::Constant(
-      action_length, static_cast<float>(policy.gait ? s.gait_log_std : s.initial_log_std));
+      action_length, static_cast<float>(policy.base ? s.gait_log_std : s.initial_log_std));
   policy.normalizer.mean = Eigen::VectorXd::Zero(observation_length);
   policy.normalizer.variance = Eigen::VectorXd::Ones(observation_length);
   policy.normalizer.count = s.normalize_observations ? initial_moment_count : 0.0;

@@ -94,9 +94,9 @@ struct UpdateReport {
 };
 
 // An untrained policy for observations of D numbers and A actuators with targets in
-// [low, high], on a gait where one is given.
+// [low, high], on a base where one is given.
 Policy initial_policy(const TrainingSettings& settings, int observation_length, int action_length,
-                      double low, double high, std::optional<SineController> gait, Stream stream);
+                      double low, double high, std::optional<OpenLoop> base, Stream stream);
 
 class Ppo {
  public:

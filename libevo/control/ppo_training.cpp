@@ -8,9 +8,12 @@
 namespace evo {
 namespace {
 
-// On a gait where one is inherited.
+// On a base where one is inherited.
 Policy first_policy(const TrainingJob& job) {
-  Policy fresh = initial_policy(job, inherited_gait(job));
+  if (job.settings.keep_sequence && !job.inheritance)
+    throw error(Failure::usage,
+                "training: keep_sequence needs a controller to start from (--init)");
+  Policy fresh = initial_policy(job, inherited_base(job));
   if (!job.inheritance) return fresh;
   const Inheritance& old = *job.inheritance;
   const Anatomy to = anatomy(job.arena.robot(), job.arena.layout());

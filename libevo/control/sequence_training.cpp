@@ -50,7 +50,7 @@ std::optional<SequenceSearch::Start> inherited_start(const TrainingJob& job) {
   if (const auto* sequence = std::get_if<ReplayController>(&old.controller))
     return fitted(transferred(*sequence, old.anatomy, to), job);
   if (const auto* policy = std::get_if<Policy>(&old.controller)) {
-    const Policy fresh = initial_policy(job, inherited_gait(job));
+    const Policy fresh = initial_policy(job, inherited_base(job));
     return fitted(recorded(transferred(*policy, old.anatomy, fresh, to), job), job);
   }
   return inherited_gait(job).value();

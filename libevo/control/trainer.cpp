@@ -23,15 +23,22 @@ template <>
 struct Best<Policy> {
   static void save(Checkpoint& checkpoint, const Policy& policy) {
     save_policy(checkpoint, "best/policy", policy);
-    if (policy.gait) save_sine(checkpoint, "best/gait", *policy.gait);
+    if (!policy.base) return;
+    if (const auto* gait = std::get_if<SineController>(&*policy.base))
+      save_sine(checkpoint, "best/gait", *gait);
+    if (const auto* sequence = std::get_if<ReplayController>(&*policy.base))
+      checkpoint.put("best/base/sequence", sequence->actions);
   }
   static bool in(const Checkpoint& checkpoint) {
     return !checkpoint.part("best/policy").arrays.empty();
   }
   static Policy load(const Checkpoint& checkpoint, const TrainingJob& job) {
-    std::optional<SineController> gait;
-    if (checkpoint.has("best/gait/period")) gait = load_sine(checkpoint, "best/gait");
-    Policy policy = initial_policy(job, std::move(gait));  // of its shape
+    std::optional<OpenLoop> base;
+    if (checkpoint.has("best/gait/period")) base = load_sine(checkpoint, "best/gait");
+    if (checkpoint.has("best/base/sequence"))
+      base =
+          ReplayController{checkpoint.get<double>("best/base/sequence"), job.arena.action_length()};
+    Policy policy = initial_policy(job, std::move(base));  // of its shape
     load_policy(checkpoint, "best/policy", policy);
     return policy;
   }

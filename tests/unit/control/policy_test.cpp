@@ -77,7 +77,7 @@ TEST_CASE("acting on a batch is acting on each row") {
   Policy policy;
   const bool on_gait = GENERATE(false, true);
   if (on_gait) {
-    policy.gait = travelling_wave(3, 0.3, 12.5, 0.7);
+    policy.base = travelling_wave(3, 0.3, 12.5, 0.7);
     policy.clock = {12.5, 40.0};
   }
   const int inputs = on_gait ? 7 + 4 : 7;
@@ -118,11 +118,30 @@ TEST_CASE("networks see the clock of the episode after the observation, and act 
   CHECK(inputs(1, 3) == Approx(1.0F));
   CHECK(inputs(1, 4) == Approx(0.0F).margin(1e-6));
 
-  policy.gait = travelling_wave(2, 0.25, 8.0, 0.0);
+  SineController gait = travelling_wave(2, 0.25, 8.0, 0.0);
+  policy.base = gait;
   std::vector<double> targets(2);
   act(policy, std::vector<double>{1, 2, 3}, std::vector<int>{2}, targets);
   CHECK(targets[0] == Approx(1.1 + 0.25));
-  policy.gait->shift = {-0.1, 0.0};
+  gait.shift = {-0.1, 0.0};
+  policy.base = gait;
   act(policy, std::vector<double>{1, 2, 3}, std::vector<int>{2}, targets);
   CHECK(targets[0] == Approx(1.1 - 0.1 + 0.25));
+}
+
+TEST_CASE("a network on a sequence adds to its targets, and to the last of them after its end") {
+  Policy policy;
+  policy.actor.layers = {{Matrix::Zero(2, 1), Vector{{0.1F, -0.1F}}}};
+  policy.log_std = Vector::Zero(2);
+  policy.normalizer.mean = Eigen::VectorXd::Zero(1);
+  policy.normalizer.variance = Eigen::VectorXd::Ones(1);
+  policy.base = ReplayController{{0.9, 1.0, 1.2, 1.55}, 2};
+  std::vector<double> targets(6);
+  act(policy, std::vector<double>{0, 0, 0}, std::vector<int>{0, 1, 7}, targets);
+  CHECK(targets[0] == Approx(1.0));
+  CHECK(targets[1] == Approx(0.9));
+  CHECK(targets[2] == Approx(1.3));
+  CHECK(targets[3] == Approx(1.45));
+  CHECK(targets[4] == targets[2]);
+  CHECK(targets[5] == targets[3]);
 }

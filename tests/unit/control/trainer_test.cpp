@@ -574,6 +574,49 @@ TEST_CASE("episodes begin at moments of what is inherited") {
   }
 }
 
+TEST_CASE("a network is trained on an inherited sequence") {
+  const Arena arena(test::walker(10), test::small_body());
+  Trainer searcher(arena, brief_sequence(), 1, "old");
+  const TrainResult found = train(searcher);
+  const auto& sequence = std::get<ReplayController>(*found.controller);
+  const Inheritance inheritance{sequence, anatomy(arena.robot(), arena.layout())};
+  TrainingSettings settings = brief();
+  settings.keep_sequence = true;
+  settings.head_gain = 1e-9;
+  settings.gait_log_std = -3.0;
+
+  SECTION("it begins where the sequence is, and keeps it") {
+    Trainer trainer(arena, settings, 1, "new", inheritance);
+    const TrainResult result = train(trainer);
+    CHECK(result.curve.front().evaluation == Approx(*found.fitness).margin(1e-6));
+    CHECK(std::get<ReplayController>(std::get<Policy>(*result.controller).base.value()) ==
+          sequence);
+  }
+  SECTION("a resumed training ends with the same bytes") {
+    Trainer whole(arena, settings, 1, "new", inheritance);
+    for (int i = 0; i < 3; ++i) whole.advance();
+    Trainer resumed(arena, settings, 1, "new", inheritance);
+    resumed.restore(whole.checkpoint());
+    check_equal(train(resumed), train(whole));
+  }
+  SECTION("a child keeps its parent's sequence with the parent's network") {
+    Trainer trainer(arena, settings, 1, "new", inheritance);
+    const TrainResult parent = train(trainer);
+    settings.keep_sequence = false;
+    Trainer child(arena, settings, 1, "child",
+                  Inheritance{*parent.controller, anatomy(arena.robot(), arena.layout())});
+    CHECK(train(child).curve.front().evaluation == Approx(*parent.fitness).margin(1e-9));
+  }
+  SECTION("without the setting the network is alone") {
+    settings.keep_sequence = false;
+    Trainer trainer(arena, settings, 1, "new", inheritance);
+    CHECK_FALSE(std::get<Policy>(*train(trainer).controller).base);
+  }
+  SECTION("there has to be one") {
+    CHECK_THROWS_WITH(Trainer(arena, settings, 1, "robot"), Catch::Contains("keep_sequence"));
+  }
+}
+
 TEST_CASE("moments without a controller to inherit are refused") {
   const Arena arena(test::walker(10), test::small_body());
   TrainingSettings settings = brief();

@@ -55,9 +55,16 @@ Policy policy_on_gait() {
   Policy policy = network_policy();
   policy.action_map = ActionMap::offset;
   policy.clock = {40.0, 17.5};
-  policy.gait = shifted_wave();
+  policy.base = shifted_wave();
   policy.actor = orthogonal_network(7 + 4, {8, 6}, 3, 1.4, 1.0, stream);
   policy.critic = orthogonal_network(7 + 4, {8, 6}, 1, 1.4, 1.0, stream);
+  return policy;
+}
+
+Policy policy_on_sequence() {
+  Policy policy = network_policy();
+  policy.action_map = ActionMap::offset;
+  policy.base = ReplayController{{0.6, 1.0, 1.6, 0.7, 1.1, 1.0 / 3.0}, 3};
   return policy;
 }
 
@@ -122,10 +129,10 @@ std::string message_reading(const std::filesystem::path& path) {
 
 TEST_CASE("policies come back as they were written, and twice the same bytes") {
   const Scratch scratch;
-  const PolicyFile file =
-      GENERATE(example(network_policy()), example(policy_on_gait()), example(shifted_wave()),
-               example(ReplayController{{0.6, 1.1, 1.6, 1.0, 0.7, 1.25}, 3}),
-               example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
+  const PolicyFile file = GENERATE(example(network_policy()), example(policy_on_gait()),
+                                   example(policy_on_sequence()), example(shifted_wave()),
+                                   example(ReplayController{{0.6, 1.1, 1.6, 1.0, 0.7, 1.25}, 3}),
+                                   example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
   const auto path = scratch.folder / "a.policy.h5";
   write_policy(path, file);
   check_equal(read_policy(path), file);
@@ -136,7 +143,8 @@ TEST_CASE("policies come back as they were written, and twice the same bytes") {
 }
 
 TEST_CASE("a controller comes back from a policy's JSON with the same bits", "[formats][policy]") {
-  const std::vector<TrainedController> all{policy_on_gait(), network_policy(), shifted_wave(),
+  const std::vector<TrainedController> all{policy_on_gait(), policy_on_sequence(), network_policy(),
+                                           shifted_wave(),
                                            ReplayController{{0.6, 1.1, 1.6, 1.0}, 2}};
   for (const TrainedController& controller : all)
     CHECK(controller_from_json(parse_json(policy_to_json(example(controller)), "policy"),

@@ -96,7 +96,9 @@ Policy any_policy(Stream& stream) {
   if (stream.below(2) == 0) {
     policy.action_map = ActionMap::squash;
   } else if (stream.below(2) == 0) {
-    policy.gait = any_wave(stream, actuators);
+    policy.base = any_wave(stream, actuators);
+  } else if (stream.below(2) == 0) {
+    policy.base = ReplayController{numbers(stream, actuators * stream.integer(1, 4)), actuators};
   }
   policy.action_offset = stream.gaussian();
   policy.low = 0.5 + 0.4 * stream.uniform();

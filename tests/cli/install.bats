@@ -31,7 +31,7 @@ installed() {
 @test "every tool and every file the pipelines read is installed" {
   diff <(cd "$EVO_BIN" && ls evo-*) <(cd "$PREFIX/bin" && ls evo-*)
   for file in "$EVO_SOURCE"/scripts/*.{mk,jq,gnuplot}; do [ -e "$PREFIX/share/evo/scripts/$(basename "$file")" ]; done
-  for script in rank seen train-slots evaluate-slots places ssh-run carry slurm/submit slurm/one-node; do
+  for script in rank seen train-slots evaluate-slots python-task places ssh-run carry slurm/submit slurm/one-node; do
     [ -x "$PREFIX/share/evo/scripts/$script" ]
   done
   [ -e "$PREFIX/share/evo/scripts/carried" ]

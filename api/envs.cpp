@@ -228,7 +228,7 @@ int evo_envs_observed(const evo_envs* envs, int32_t environment, char** json) {
     evo::Json slices = evo::Json::array();
     for (const evo::ObservationSlice& slice : session.envs().arena(environment).layout())
       slices.push_back({{"name", slice.name}, {"offset", slice.offset}, {"length", slice.length}});
-    target(json, "json") = given(slices.dump());
+    give(slices.dump(), json, "json");
   });
 }
 

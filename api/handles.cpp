@@ -67,6 +67,11 @@ std::vector<Vec2> points_of(const double* positions, std::size_t count) {
   return points;
 }
 
+void give(std::string_view text, char** place, const char* name) {
+  char*& to = target(place, name);  // before there is a copy that could be lost
+  to = given(text);
+}
+
 void check_translation(const ModelObject& object, double x, double y) {
   if (object.is_static)
     throw error(Failure::usage, "object '{}' is terrain, which stays where it is", object.name);

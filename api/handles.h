@@ -111,6 +111,8 @@ void hand_over(const Facts& facts, Facts* place, std::size_t size) {
 
 // A copy for evo_free().
 char* given(std::string_view text);
+// The same to where a caller wants it.
+void give(std::string_view text, char** place, const char* name);
 
 // One thread at a time changes a handle.
 class Busy {

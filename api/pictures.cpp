@@ -92,6 +92,6 @@ int evo_robots_svg(const evo_robots* robots, size_t index, int32_t width, char**
     if (width < smallest_side || width > largest_side)
       throw evo::error(Failure::usage, "a picture {} pixels wide: {} to {} are allowed", width,
                        smallest_side, largest_side);
-    target(svg, "svg") = given(evo::render::robot_svg(robot, {width, width}));
+    give(evo::render::robot_svg(robot, {width, width}), svg, "svg");
   });
 }

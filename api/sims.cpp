@@ -395,6 +395,5 @@ int evo_world_remove(evo_world* world, const char* name) {
 }
 
 int evo_world_json(const evo_world* world, char** json) {
-  return guarded(
-      [&] { target(json, "json") = given(evo::evogym_world_to_json(object_of(world).world)); });
+  return guarded([&] { give(evo::evogym_world_to_json(object_of(world).world), json, "json"); });
 }

@@ -87,8 +87,7 @@ int evo_task_describe(const evo_task* task, evo_task_facts* facts, size_t size) 
 
 int evo_task_names(char** names) {
   return guarded([&] {
-    target(names, "names") =
-        given(fmt::format("{}", fmt::join(evo::task_names(data_folders()), "\n")));
+    give(fmt::format("{}", fmt::join(evo::task_names(data_folders()), "\n")), names, "names");
   });
 }
 

@@ -21,12 +21,13 @@ include $(SCRIPTS)tools.mk
 include $(SCRIPTS)command-line.mk
 TASKS ?= Walker-v0
 
-known := ga neat bo map race steady-ga steady-neat steady-bo steady-map
+# A method with -window is without generations.
+known := ga neat bo map race ga-window neat-window bo-window map-window
 unknown := $(filter-out $(known),$(METHODS))
-$(if $(unknown),$(error METHODS may be ga, neat, bo, map and race, with generations, and steady-ga, steady-neat, steady-bo and steady-map, without; there is no '$(unknown)'))
+$(if $(unknown),$(error METHODS may be ga, neat, bo, map and race, and ga-window, neat-window, bo-window and map-window, without generations; there is no '$(unknown)'))
 # The pipeline of a method.
 window := $(or $(WINDOW),$(POP),$(initial_POP))
-pipeline_of = '$(SCRIPTS)$(patsubst steady-%,%,$(1)).mk' WINDOW=$(if $(filter steady-%,$(1)),$(window))
+pipeline_of = '$(SCRIPTS)$(patsubst %-window,%,$(1)).mk' WINDOW=$(if $(filter %-window,$(1)),$(window))
 
 RUNS := $(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach seed,$(SEEDS),$(RUN)/$(task)/$(method)-$(seed))))
 

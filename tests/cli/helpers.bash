@@ -7,10 +7,10 @@ data="$EVO_SOURCE/tests/data"
 
 setup() { cd "$BATS_TEST_TMPDIR" || return; }
 
-# The first words of a make: a pipeline by its name. steady-ga is ga without generations, and
+# The first words of a make: a pipeline by its name. ga-window is ga without generations, and
 # WINDOW is as POP among the words that follow, unless it is one of them.
 pipeline_words() {
-  local name=${1#steady-} word
+  local name=${1%-window} word
   pipeline=(-f "$EVO_SOURCE/scripts/$name.mk")
   [ "$name" != "$1" ] || return 0
   for word in "${@:2}"; do case $word in POP=*) pipeline[2]=WINDOW=${word#POP=} ;; esac; done

@@ -74,7 +74,7 @@ kill_and_repeat() {
   run_make ga calm "${inherit[@]}" -j2 calm/history.jsonl
   run_make ga other "${inherit[@]}" other/history.jsonl
   diff calm/history.jsonl other/history.jsonl
-  run_make steady-ga steady "${inherit[@]}" -j2 steady/history.jsonl
+  run_make ga-window steady "${inherit[@]}" -j2 steady/history.jsonl
   # A child's policy names its parent's, the first robots' name none.
   for folder in calm steady; do
     child=$(tail -n 1 $folder/history.jsonl)
@@ -103,7 +103,7 @@ kill_and_repeat() {
     calm/history.jsonl
   jq -e '.genome.kind == "cppn"' calm/gen-000/00.json
   grep -q "FOUNDER_STEPS=8192" calm/report.html
-  run_make steady-ga steady FOUNDER_STEPS=8192 -s -j2 steady/history.jsonl
+  run_make ga-window steady FOUNDER_STEPS=8192 -s -j2 steady/history.jsonl
   [ "$(jq -s 'map(.steps) | unique | length' steady/history.jsonl)" -eq 2 ]
 }
 
@@ -218,8 +218,8 @@ kill_and_repeat() {
 
 @test "map without generations: an archive of kinds, from founders as sampled, any -j" {
   local features=(FEATURES=filled:3,behaviour.distance:4:-2:2 SAMPLE_OPTIONS="--encoding cppn")
-  run_make steady-map one "${features[@]}" -s -j2
-  run_make steady-map two "${features[@]}" CHUNK=2 -s two/history.jsonl
+  run_make map-window one "${features[@]}" -s -j2
+  run_make map-window two "${features[@]}" CHUNK=2 -s two/history.jsonl
   diff one/history.jsonl two/history.jsonl
   jq -es '.[0].genome.kind == "cppn"' one/gen-000/scores.jsonl
   [ "$(jq -r .id one/history.jsonl | sort -u | wc -l)" -eq 9 ]
@@ -330,7 +330,7 @@ END
   [ -z "$(find calm -name '*.running' -o -name '*.tmp')" ]
   kill_and_repeat ga stormy 4
   diff <(essence calm) <(essence stormy)
-  run_make steady-ga window -s
+  run_make ga-window window -s
   [ "$(wc -l < window/history.jsonl)" -eq 6 ]
 }
 
@@ -484,11 +484,11 @@ refused_at_once() {
 }
 
 @test "what a tool is asked for only later is refused at the beginning" {
-  for method in ga map neat bo race steady-ga steady-neat; do refused_at_once $method SHAPE=5 "--shape: '5'"; done
+  for method in ga map neat bo race ga-window neat-window; do refused_at_once $method SHAPE=5 "--shape: '5'"; done
   for method in ga map race; do
     refused_at_once $method SAMPLE_OPTIONS='--weights 1' "evo-sample: --weights: expected 5"
   done
-  for method in ga map race steady-ga; do
+  for method in ga map race ga-window; do
     refused_at_once $method MUTATE_OPTIONS='--rate 5' "evo-mutate: --rate must be"
   done
   refused_at_once map FEATURES=height "evo-archive: --features: 'height'"
@@ -498,7 +498,7 @@ refused_at_once() {
 
 @test "numbers that are none, quotes and line breaks are refused at once" {
   local name value method
-  for method in ga neat bo map race steady-map; do
+  for method in ga neat bo map race map-window; do
     for name in CHUNK POP EVALS CORES TRIES; do
       for value in -1 0 x '' "3'"; do
         pipeline_words $method "${settings[@]}"
@@ -536,7 +536,7 @@ refused_at_once() {
   local least="training: 4096 steps are too few for a sequence here; give at least 5000"
   settings+=(TRAIN=sequence)
   refused_at_once ga STEPS=4096 "$least"
-  refused_at_once steady-ga STEPS=4096 "$least"
+  refused_at_once ga-window STEPS=4096 "$least"
   refused_at_once ga FOUNDER_STEPS=8192 "$least"
   refused_at_once ga TRAIN=moments "moments need a controller to start from"
   # A child that begins with its parent's controller needs fewer.

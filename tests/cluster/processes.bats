@@ -9,7 +9,7 @@ idle() { ! busy "$1"; }
 
 @test "killing only make leaves no training behind, and the trainings save checkpoints" {
   local name pipeline
-  for name in steady-ga ga; do
+  for name in ga-window ga; do
     pipeline_words $name "${small[@]}"
     make "${pipeline[@]}" RUN="$BATS_TEST_TMPDIR/$name" "${settings[@]/STEPS=4096/STEPS=100000000}" \
       "${small[@]}" -s -j3 > /dev/null 2>&1 3>&- &
@@ -26,7 +26,7 @@ idle() { ! busy "$1"; }
 
 @test "a training that dies is tried again; one that always dies is recorded, and the run goes on" {
   export SECONDS_EACH=0.01 DIE_ALWAYS=0.3
-  for pipeline in steady-ga ga; do
+  for pipeline in ga-window ga; do
     evolve $pipeline calm "${small[@]}" -j3
     DIE_ONCE=0.4 evolve $pipeline lively "${small[@]}" -j3 2> messages
     diff <(essence calm) <(essence lively)
@@ -52,7 +52,7 @@ idle() { ! busy "$1"; }
   cp "$EVO_SOURCE/tasks/training/default.yaml" mine.yaml
   printf '#!/bin/bash\nrm -f mine.yaml\nexec "$@"\n' > vanish
   chmod +x vanish
-  run evolve steady-ga run "${small[@]}" TRAIN=mine.yaml LAUNCH="$PWD/vanish" TRAINER="evo-run train"
+  run evolve ga-window run "${small[@]}" TRAIN=mine.yaml LAUNCH="$PWD/vanish" TRAINER="evo-run train"
   [ "$status" -ne 0 ]
   [ "$(grep -c "mine.yaml" <<< "$output")" -eq 1 ]
   [[ $output != *train-slots* ]]
@@ -66,7 +66,7 @@ echo x >> starts
 exec "$@"
 END
   chmod +x not-today
-  SECONDS_EACH=0 evolve steady-ga run "${small[@]}" LAUNCH="$PWD/not-today" 2> messages
+  SECONDS_EACH=0 evolve ga-window run "${small[@]}" LAUNCH="$PWD/not-today" 2> messages
   [ "$(jq -s 'map(select(.fitness == null)) | length' run/history.jsonl)" -eq 0 ]
   grep -q "started again" messages
 }
@@ -93,7 +93,7 @@ END
 
 @test "a generation in which every training fails does not end a run" {
   failing_trainer
-  for method in ga neat bo map steady-ga steady-neat steady-bo steady-map; do
+  for method in ga neat bo map ga-window neat-window bo-window map-window; do
     read -ra words <<< "$method"
     FAILING=1 run_make "${words[0]}" run "${words[@]:1}" "${small[@]}" -s -j2 TRAINER="$PWD/failing" run/history.jsonl run/best.json
     jq -se '(map(select(.failure.why? == "as the test wants")) | length) > 1 and length == 12' run/history.jsonl
@@ -105,7 +105,7 @@ END
 
 @test "a run in which every training fails ends with a line that says why" {
   failing_trainer
-  for pipeline in ga steady-ga; do
+  for pipeline in ga ga-window; do
     FAILING="0 1 2 3" run -2 run_make $pipeline run "${small[@]}" -s -j2 TRAINER="$PWD/failing" run/history.jsonl
     [ "$(grep -c "^run: every training of generation 0 has failed (4 x as the test wants)" <<< "$output")" -eq 1 ]
     [ ! -e run/gen-000/ranking.tsv ]
@@ -135,8 +135,8 @@ mv "$file" "$file.late"
 END
   chmod +x late
   export SECONDS_EACH=0 EVO_SOURCE
-  evolve steady-ga calm POP=3 EVALS=4 SHAPE=4x4
-  PATIENCE=10 run_make steady-ga run -s POP=3 EVALS=4 SHAPE=4x4 -j3 TRAINER="$PWD/late" run/history.jsonl 2> messages
+  evolve ga-window calm POP=3 EVALS=4 SHAPE=4x4
+  PATIENCE=10 run_make ga-window run -s POP=3 EVALS=4 SHAPE=4x4 -j3 TRAINER="$PWD/late" run/history.jsonl 2> messages
   diff <(essence calm) <(essence run)
   [ "$(grep -c "gave no result within 10 s" messages)" -eq 1 ]
 }

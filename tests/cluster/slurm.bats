@@ -83,7 +83,7 @@ n2_returns() {
 
 @test "a node's daemon is killed in the middle: its trainings are done elsewhere" {
   export SECONDS_EACH=0.4
-  SECONDS_EACH=0 evolve steady-ga calm "${small[@]}" -j7
+  SECONDS_EACH=0 evolve ga-window calm "${small[@]}" -j7
   submit run --ntasks=4 -- "${evolution[@]}" "${small[@]}" "$PWD/run/history.jsonl"
   within 60 trained 3
   kill -KILL "$(daemon_of_n2)"
@@ -94,7 +94,7 @@ n2_returns() {
 
 @test "a node stops dead with its trainings: they are done elsewhere" {
   export SECONDS_EACH=2 PATIENCE=2  # long enough for a slow machine to find what to stop
-  SECONDS_EACH=0 evolve steady-ga calm "${small[@]}" -j7
+  SECONDS_EACH=0 evolve ga-window calm "${small[@]}" -j7
   submit run --ntasks=4 -- "${evolution[@]}" "${small[@]}" "$PWD/run/history.jsonl"
   within 60 trained 3
   mapfile -t frozen < <(all_of_n2)
@@ -110,7 +110,7 @@ n2_returns() {
 @test "a training that is cancelled is done again" {
   export SECONDS_EACH=2
   few=("${small[@]/EVALS=18/EVALS=9}")
-  SECONDS_EACH=0 evolve steady-ga calm "${few[@]}" -j7
+  SECONDS_EACH=0 evolve ga-window calm "${few[@]}" -j7
   submit run --ntasks=3 -- "${evolution[@]}" "${few[@]}" "$PWD/run/history.jsonl"
   begun() { [ -e run/stand-in.log ]; }
   within 60 begun
@@ -130,7 +130,7 @@ n2_returns() {
 
 @test "preempted, it goes back into the queue and then on" {
   export SECONDS_EACH=0.4
-  SECONDS_EACH=0 evolve steady-ga calm "${small[@]}" -j7
+  SECONDS_EACH=0 evolve ga-window calm "${small[@]}" -j7
   submit run --ntasks=4 -- "${evolution[@]}" "${small[@]}" "$PWD/run/history.jsonl"
   within 60 trained 3
   sbatch --parsable --partition=urgent --ntasks=4 --nodes=2 --output=/dev/null --wrap "sleep 3" > urgent
@@ -144,7 +144,7 @@ n2_returns() {
 
 @test "preempted, trainings save checkpoints and go on from them" {
   long=(POP=2 EVALS=2 SHAPE=4x4 STEPS=100000 TRAIN_OPTIONS="--final-episodes 0")
-  run_make steady-ga calm "${settings[@]}" "${long[@]}" -s -j2 calm/history.jsonl
+  run_make ga-window calm "${settings[@]}" "${long[@]}" -s -j2 calm/history.jsonl
   submit run --ntasks=2 -- "${settings[@]}" "${long[@]}" -s "$PWD/run/history.jsonl"
   learning() { [ "$(cat run/logs/*/*.log 2> /dev/null | grep -c '^charts')" -ge 2 ]; }
   within 60 learning
@@ -158,7 +158,7 @@ n2_returns() {
 }
 
 @test "an array has a job for every run of a comparison" {
-  submit --array run --cpus-per-task=1 -- "${settings[@]:1}" "${small[@]}" TASKS=Walker-v0 METHODS="ga steady-bo" SEEDS="1 2" \
+  submit --array run --cpus-per-task=1 -- "${settings[@]:1}" "${small[@]}" TASKS=Walker-v0 METHODS="ga bo-window" SEEDS="1 2" \
     "TRAINER=$stand_in" VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 10"
   [ "$(wc -l < run/slurm/runs)" -eq 4 ]
   grep -q '^#SBATCH --array=1-4' run/slurm/job.sh

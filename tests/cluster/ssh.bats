@@ -16,7 +16,7 @@ over_ssh() {
 }
 
 @test "two machines end with the bytes of make here; one that is not there is gone round" {
-  run_make steady-ga calm "${small[@]}" -s -j2 calm/history.jsonl
+  run_make ga-window calm "${small[@]}" -s -j2 calm/history.jsonl
   SHELL=/usr/sbin/nologin over_ssh 2/one,1/nowhere,1/two run 2> messages
   diff <(essence calm) <(essence run)
   [ "$(cd run/timings && echo *)" = "one.jsonl two.jsonl" ]
@@ -60,7 +60,7 @@ nothing_left() {
   mkdir own
   cp "$EVO_SOURCE/tasks/Walker-v0.yaml" own/task.yaml
   run_make ga scout "${small[@]}" -s -j2 scout/history.jsonl
-  for pipeline in "steady-ga CHUNK=2" "ga INHERIT=yes TASK=own/task.yaml" "ga INHERIT=all FOUNDERS=scout"; do
+  for pipeline in "ga-window CHUNK=2" "ga INHERIT=yes TASK=own/task.yaml" "ga INHERIT=all FOUNDERS=scout"; do
     read -ra words <<< "$pipeline"
     run_make "${words[0]}" calm "${small[@]}" -s -j2 "${words[@]:1}" calm/history.jsonl
     carried 2/one,1/nowhere,1/two run -f "$EVO_SOURCE/scripts/${words[0]}.mk" "${words[@]:1}" 2> messages
@@ -74,7 +74,7 @@ nothing_left() {
 }
 
 @test "carried: a connection that breaks costs a training, and leaves no part of one" {
-  run_make steady-ga calm "${small[@]}" -s -j2 calm/history.jsonl
+  run_make ga-window calm "${small[@]}" -s -j2 calm/history.jsonl
   CUT=$PWD/cut carried 1/one,1/two run 2> messages
   diff <(essence calm) <(essence run)
   nothing_left
@@ -97,7 +97,7 @@ nothing_left() {
 
 @test "carried: stopped, checkpoints come back, and it goes on from them" {
   long=(STEPS=150000 POP=2 EVALS=3 TRAIN_OPTIONS="--final-episodes 0 --checkpoint-every 8000")
-  run_make steady-ga calm "${small[@]}" "${long[@]}" -s -j2 calm/history.jsonl
+  run_make ga-window calm "${small[@]}" "${long[@]}" -s -j2 calm/history.jsonl
   (CARRY_EVERY=1 carried 1/one,1/two run "${long[@]}" 2> messages) 3>&- &
   main=$!
   begun() { [ -n "$(ls run/gen-000/*.running 2> /dev/null)" ]; }

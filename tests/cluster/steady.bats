@@ -26,7 +26,7 @@ small=(POP=5 EVALS=22 WINDOW=7 SHAPE=4x4)
 
 @test "nothing that is not needed is waited for, nothing is trained twice" {
   # The first robot takes long; the others of its window go on meanwhile.
-  SECONDS_EACH=0.05 evolve steady-ga run "${small[@]}" -j4
+  SECONDS_EACH=0.05 evolve ga-window run "${small[@]}" -j4
   [ "$(grep -c ^end run/stand-in.log)" -eq 22 ]
   [ "$(grep -c ^start run/stand-in.log)" -eq 22 ]
   # A finished generation is four files, whatever its robots were.
@@ -64,7 +64,7 @@ echo "$isa" >> used
 exec evo-run train --isa "$isa" "$@"
 END
   chmod +x mixed
-  for pipeline in steady-ga ga; do
+  for pipeline in ga-window ga; do
     rm -f used
     run_make $pipeline pure-$pipeline POP=4 EVALS=10 SHAPE=4x4 -s -j2 pure-$pipeline/history.jsonl
     run_make $pipeline mixed-$pipeline POP=4 EVALS=10 SHAPE=4x4 -s -j2 \

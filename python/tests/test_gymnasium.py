@@ -447,7 +447,7 @@ class Benchmark(unittest.TestCase):
 
     def test_a_program_of_the_benchmark_runs_unchanged(self):
         program = """
-import multiprocessing, sys
+import multiprocessing, os, sys
 import gymnasium as gym
 import numpy as np
 import evogym.envs
@@ -464,6 +464,7 @@ def shape(_):
 if __name__ == "__main__":
     assert issubclass(WalkingFlat, BenchmarkBase) and issubclass(BenchmarkBase, EvoGymBase)
     assert sys.argv[1:] == ["--steps", "3"], sys.argv
+    assert os.path.isabs(__file__), __file__
     for context in ("fork", "spawn"):
         with multiprocessing.get_context(context).Pool(2) as pool:
             assert pool.map(shape, range(2)) == [True, True]
@@ -472,8 +473,8 @@ if __name__ == "__main__":
         with tempfile.TemporaryDirectory() as folder:
             script = Path(folder, "script.py")
             script.write_text(program)
-            said = subprocess.run([sys.executable, "-m", "evo_robots.evogym", script, "--steps", "3"],
-                                  capture_output=True, text=True)
+            said = subprocess.run([sys.executable, "-m", "evo_robots.evogym", script.name, "--steps", "3"],
+                                  capture_output=True, text=True, cwd=folder)
             self.assertEqual((said.stdout, said.returncode), ("ran\n", 0), said.stderr)
             missing = subprocess.run([sys.executable, "-m", "evo_robots.evogym", "no.py"],
                                      capture_output=True, text=True)

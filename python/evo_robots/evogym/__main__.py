@@ -33,7 +33,7 @@ def main(arguments: list[str]) -> None:
         sys.exit(f"python -m evo_robots.evogym: there is no file {arguments[0]}")
     else:
         sys.path.insert(0, str(Path(arguments[0]).resolve().parent))
-        runpy.run_path(arguments[0], run_name="__main__")
+        runpy.run_path(os.path.abspath(arguments[0]), run_name="__main__")  # which is __file__ there, as in Python
 
 
 main(sys.argv[1:])

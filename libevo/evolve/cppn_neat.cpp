@@ -63,6 +63,12 @@ Scored scored(const ScoredRobot& robot) {
   return {*robot.genome, robot.fitness};
 }
 
+std::vector<Scored> scored(const std::vector<ScoredRobot>& robots) {
+  std::vector<Scored> population;
+  for (const ScoredRobot& robot : robots) population.push_back(scored(robot));
+  return population;
+}
+
 }  // namespace
 
 CppnNeat::CppnNeat(const EvolutionSettings& settings) : settings_(settings) {
@@ -72,11 +78,10 @@ CppnNeat::CppnNeat(const EvolutionSettings& settings) : settings_(settings) {
 Proposal CppnNeat::propose(int number, std::span<const Body> /*pending*/,
                            std::set<std::string>& seen) {
   const bool is_first = number < settings_.pop;
+  const std::vector<Scored> population = is_first ? std::vector<Scored>{} : scored(members_);
   const CppnRobot made = with_body(
-      next_individual(settings_.neat,
-                      is_first ? std::span<const Scored>{} : std::span<const Scored>(population_),
-                      new_robot(settings_.rows, settings_.cols, seen), species_, number,
-                      settings_.seed),
+      next_individual(settings_.neat, population, new_robot(settings_.rows, settings_.cols, seen),
+                      species_, number, settings_.seed),
       settings_.rows, settings_.cols);
   Proposal proposal{made.body, MadeBy::neat, {}, made.genome};
   for (const int key : made.parents)
@@ -87,10 +92,11 @@ Proposal CppnNeat::propose(int number, std::span<const Body> /*pending*/,
 
 void CppnNeat::tell(const ScoredRobot& robot) {
   ++told_;
-  join(settings_.neat, scored(robot), population_, species_);
+  std::vector<Scored> population = scored(members_);
+  join(settings_.neat, scored(robot), population, species_);
   members_.push_back(robot);
   std::erase_if(members_, [&](const ScoredRobot& member) {
-    return std::none_of(population_.begin(), population_.end(), [&](const Scored& other) {
+    return std::none_of(population.begin(), population.end(), [&](const Scored& other) {
       return other.genome.key == member.genome->key;
     });
   });
@@ -105,8 +111,7 @@ MethodState CppnNeat::save() const {
 }
 
 void CppnNeat::load(MethodState state) {
-  population_.clear();
-  for (const ScoredRobot& robot : state.members) population_.push_back(scored(robot));
+  for (const ScoredRobot& robot : state.members) scored(robot);  // refuses one without a genome
   members_ = std::move(state.members);
   species_ = std::move(state.species);
   told_ = state.told;

@@ -50,8 +50,7 @@ class CppnNeat {
 
  private:
   EvolutionSettings settings_;
-  std::vector<Scored> population_;
-  std::vector<ScoredRobot> members_;  // the same, as robots
+  std::vector<ScoredRobot> members_;  // the population, oldest first
   NeatState species_;
   int told_ = 0;
 };

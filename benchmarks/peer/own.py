@@ -52,7 +52,7 @@ def evogym_steps(own):
             observation = np.concatenate([(positions - centre[:, None]).ravel(),
                                           sim.object_vel_at_time(now, "robot").ravel()])
             before = centre
-            assert np.isfinite(reward) and observation.size == 4 * positions.shape[1]
+            assert observation.size == 4 * positions.shape[1]
         yield 1
 
 
@@ -73,7 +73,7 @@ def evo_steps(count, own):
                 [(positions - centres[:, None]).reshape(count, -1),
                  sims.velocities[:, points].reshape(count, -1)], axis=1)
             before = centres
-            assert np.isfinite(rewards).all() and observations.shape[0] == count
+            assert len(rewards) == len(observations) == count
         yield count
 
 

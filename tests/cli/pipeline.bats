@@ -368,6 +368,8 @@ END
   run_make ga run -s run/best.json
   run -2 evo-run train run --slot 0
   [[ $output == *"run: its task is a class in Python"* ]]
+  evo-sample -n 1 > robot.json
+  fails_with 2 "hop.py:Hop is a task in Python" -- evo-train robot.json --task hop.py:Hop
 }
 
 @test "race: the same bytes, killed or not" {

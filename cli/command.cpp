@@ -438,7 +438,8 @@ Progress Command::progress_style() const {
   if (progress == "lines") return Progress::often;
   // Under make, others draw on the same terminal.
   if (std::getenv("MAKELEVEL") != nullptr) return Progress::none;
-  return isatty(STDERR_FILENO) == 1 ? Progress::drawn : Progress::rarely;
+  if (isatty(STDERR_FILENO) != 1) return Progress::rarely;
+  return terminal_redraws() ? Progress::drawn : Progress::often;
 }
 
 void say_note(const std::string& text) { say(Detail::normal, text); }

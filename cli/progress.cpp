@@ -11,27 +11,68 @@
 
 namespace evo::cli {
 
+namespace {
+
+// Eighths of a line, from one to all of them.
+const char* bar(std::size_t eighths) {
+  static constexpr std::array blocks{"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  static constexpr std::array plain{"_", ".", ":", "-", "=", "+", "*", "#"};
+  return (shows_blocks() ? blocks : plain).at(std::clamp<std::size_t>(eighths, 1, 8) - 1);
+}
+
+}  // namespace
+
 std::string sparkline(const std::vector<double>& values, std::size_t width) {
-  static constexpr std::array bars{"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
   if (values.empty()) return {};
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const double range = *high - *low;
-  const std::size_t columns = std::min(width, values.size());
   std::string text;
+  const std::size_t columns = std::min(width, values.size());
   for (std::size_t column = 0; column < columns; ++column) {
     // The last value of the column's share, so that the newest is always seen.
     const double value = values[(column + 1) * values.size() / columns - 1];
     const double level = range > 0.0 ? (value - *low) / range : 0.0;
-    text += bars[std::min(bars.size() - 1,
-                          static_cast<std::size_t>(level * static_cast<double>(bars.size())))];
+    text += bar(1 + static_cast<std::size_t>(level * 8.0));
   }
   return text;
 }
 
-std::string training_curve(const TrainingView& view) {
+std::vector<std::string> tall_curve(const std::vector<double>& values, std::size_t width,
+                                    std::size_t height) {
+  if (values.empty() || height == 0) return {};
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const std::string top = fmt::format("{:.2f} ", *high);
+  const std::string bottom = fmt::format("{:.2f} ", *low);
+  const std::size_t margin = std::max(top.size(), bottom.size());
+  const std::size_t room = width > margin ? width - margin : 1;
+  std::vector<double> columns;  // few values are wide
+  for (std::size_t column = 0; column < room; ++column)
+    columns.push_back(values.size() > room ? values[(column + 1) * values.size() / room - 1]
+                                           : values[column * values.size() / room]);
+  std::vector<std::string> lines;
+  for (std::size_t line = 0; line < height; ++line) {
+    std::string text = fmt::format("{:>{}}",
+                                   line == 0            ? top
+                                   : line + 1 == height ? bottom
+                                                        : "",
+                                   margin);
+    const std::size_t below = 8 * (height - 1 - line);  // eighths under this line
+    for (const double value : columns) {
+      const double level = *high > *low ? (value - *low) / (*high - *low) : 0.0;
+      const auto eighths =
+          1 + static_cast<std::size_t>(level * static_cast<double>(8 * height - 1));
+      text += eighths > below ? bar(eighths - below) : " ";
+    }
+    text.erase(text.find_last_not_of(' ') + 1);
+    lines.push_back(std::move(text));
+  }
+  return lines;
+}
+
+std::string training_curve(const TrainingView& view, std::size_t width) {
   if (view.evaluations.empty()) return {};
   return fmt::format("{} {} {:.2f} (best {:.2f})", view.id.substr(0, 6),
-                     sparkline(view.evaluations, 12), view.evaluations.back(), view.best);
+                     sparkline(view.evaluations, width), view.evaluations.back(), view.best);
 }
 
 std::string time_left(double share, double seconds) {
@@ -52,19 +93,25 @@ bool LiveLine::due() const {
   return clock_.seconds() - last_drawn_ >= pause;
 }
 
-void LiveLine::draw(const std::string& text) {
-  if (style_ == Progress::none) return;
+// Erases what it drew before, and leaves the cursor where that began.
+void LiveLine::draw(const std::vector<std::string>& lines) {
+  if (style_ == Progress::none || lines.empty()) return;
   last_drawn_ = clock_.seconds();
-  drawn_ = style_ == Progress::drawn;
-  const std::string line =
-      drawn_ ? "\r\x1b[K" + cut_to_width(text, terminal_columns() - 1) : text + "\n";
-  std::fputs(line.c_str(), stderr);  // a terminal gone is no failure
+  std::string text = drawn() ? home() : "";
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    text += drawn() ? (k == 0 ? "" : "\n") + cut_to_width(lines[k], terminal_columns() - 1)
+                    : lines[k] + "\n";
+  if (drawn()) {
+    drawn_ = lines.size();
+    if (drawn_ > 1) text += fmt::format("\x1b[{}A\r", drawn_ - 1);
+  }
+  std::fputs(text.c_str(), stderr);  // a terminal gone is no failure
   std::fflush(stderr);
 }
 
 void LiveLine::erase() {
-  if (drawn_) std::fputs("\r\x1b[K", stderr);
-  drawn_ = false;
+  if (drawn_ > 0) std::fputs(home(), stderr);
+  drawn_ = 0;
 }
 
 // ---- trainings ------------------------------------------------------------------
@@ -95,14 +142,14 @@ void TrainingProgress::draw() {
   double share = static_cast<double>(finished_);
   for (const auto& [index, view] : running_) share += view.done;
   share /= static_cast<double>(std::max<std::size_t>(1, total_));
-  std::string text = fmt::format("{:3.0f}%", 100.0 * share);
-  if (total_ > 1) text += fmt::format("  {}/{} robots", finished_, total_);
-  text += fmt::format("  {} steps/s",
-                      grouped(static_cast<long long>(steps_ / std::max(seconds, 1e-9))));
-  text += "  " + time_left(share, seconds);
+  std::vector<std::string> parts{fmt::format("{:3.0f}%", 100.0 * share)};
+  if (total_ > 1) parts.push_back(fmt::format("{}/{} robots", finished_, total_));
+  parts.push_back(
+      fmt::format("{} steps/s", grouped(static_cast<long long>(steps_ / std::max(seconds, 1e-9)))));
+  if (share > 0.0) parts.push_back(time_left(share, seconds));
   for (const auto& [index, view] : running_)
-    if (!view.evaluations.empty()) text += "  " + training_curve(view);
-  line_.draw(text);
+    if (!view.evaluations.empty()) parts.push_back(training_curve(view));
+  line_.draw(as_line(parts, line_.drawn() ? std::optional(terminal_columns() - 1) : std::nullopt));
 }
 
 }  // namespace evo::cli

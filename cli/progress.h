@@ -23,8 +23,8 @@ class Clock {
 // every ten seconds or every minute.
 enum class Progress { none, drawn, often, rarely };
 
-// The last line of the terminal while this lives; cut to its width, and gone at
-// the end. Or lines that stay.
+// The last lines of the terminal while this lives, one or several; cut to its width, and gone
+// at the end. Or lines that stay.
 class LiveLine {
  public:
   explicit LiveLine(Progress style) : style_(style) {}
@@ -34,15 +34,20 @@ class LiveLine {
 
   // Whether it is time to draw again, at most ten times per second, or to write.
   bool due() const;
-  void draw(const std::string& text);
+  void draw(const std::string& text) { draw(std::vector{text}); }
+  void draw(const std::vector<std::string>& lines);
   void erase();
+  bool drawn() const { return style_ == Progress::drawn; }
   double seconds() const { return clock_.seconds(); }  // since it began
 
  private:
   Progress style_;
-  bool drawn_ = false;
+  std::size_t drawn_ = 0;  // lines on the terminal
   Clock clock_;
   double last_drawn_ = -1.0;
+
+  // To where it began, with nothing after it.
+  const char* home() const { return drawn_ > 1 ? "\r\x1b[J" : "\r\x1b[K"; }
 };
 
 // What a training shows of itself while it runs.
@@ -53,11 +58,16 @@ struct TrainingView {
   double best = 0.0;
 };
 
-// A curve in one character per column, "▁▂▅█", scaled to its own range.
+// A curve in one character per column, "▁▂▅█", scaled to its own range; "_.=#" where a
+// terminal has no such characters.
 std::string sparkline(const std::vector<double>& values, std::size_t width);
 
+// The same, so many lines tall, the top one first, with its ends beside it.
+std::vector<std::string> tall_curve(const std::vector<double>& values, std::size_t width,
+                                    std::size_t height);
+
 // "0a3bb6 ▁▃▅█ 4.21 (best 5.02)"; nothing before the first evaluation.
-std::string training_curve(const TrainingView& view);
+std::string training_curve(const TrainingView& view, std::size_t width = 12);
 
 // "12 min 05 s left" of a work of which this share took so long; nothing at the
 // beginning.

@@ -131,19 +131,6 @@ std::vector<std::string> standing(const RunStatus& run, std::size_t at_once) {
   return parts;
 }
 
-// As many parts as fit into a line, two blanks between them, those that do not left out.
-std::string as_line(const std::vector<std::string>& parts, std::optional<std::size_t> columns) {
-  std::string text;
-  std::size_t used = 0;
-  for (const std::string& part : parts) {
-    const std::size_t width = characters(part) + (text.empty() ? 0 : 2);
-    if (columns && !text.empty() && used + width > *columns) continue;
-    text += (text.empty() ? "" : "  ") + part;
-    used += width;
-  }
-  return text;
-}
-
 // "24 launches on 3 machines, 17 waiting"
 std::string at_work(const RunWork& work) {
   std::size_t launches = 0;
@@ -152,6 +139,43 @@ std::string at_work(const RunWork& work) {
   if (work.launches.size() > 1) text += fmt::format(" on {} machines", work.launches.size());
   if (work.waiting > 0) text += fmt::format(", {} waiting", work.waiting);
   return text;
+}
+
+// In a line of a log.
+std::vector<std::string> all_parts(const RunStatus& run, const std::vector<SlotStatus>& running,
+                                   std::size_t at_once) {
+  constexpr std::size_t most = 8;  // curves
+  std::vector<std::string> parts = standing(run, at_once);
+  parts.push_back(at_work(run.work()));
+  for (std::size_t k = 0; k < std::min(running.size(), most); ++k)
+    if (const TrainingView view = run.view(running[k]); !view.evaluations.empty())
+      parts.push_back(training_curve(view));
+  return parts;
+}
+
+// On a terminal: how the run stands, the best so far as a curve, and a line for each training
+// under way, as many as there is room for.
+std::vector<std::string> screen(const RunStatus& run, const std::vector<SlotStatus>& running,
+                                std::size_t at_once) {
+  const std::size_t columns = terminal_columns() - 1;
+  const std::size_t room = std::max<std::size_t>(terminal_rows(), 3) - 2;
+  std::vector<std::string> parts = standing(run, at_once);
+  parts.push_back(at_work(run.work()));
+  std::vector<std::string> lines{as_line(parts, columns)};
+  constexpr std::size_t tallest = 16;
+  const std::size_t tall = std::min(room / 3, tallest);
+  if (const std::vector<double> best = run.best_so_far(); best.size() > 1 && tall > 2)
+    for (std::string& row : tall_curve(best, columns, tall)) lines.push_back(std::move(row));
+  for (const SlotStatus& slot : running) {
+    if (lines.size() >= room) break;
+    const TrainingView view = run.view(slot);
+    if (view.evaluations.empty()) continue;
+    constexpr std::size_t words = 40;  // columns of what stands beside the curve
+    const std::size_t width = std::clamp<std::size_t>(columns, words + 12, words + 40) - words;
+    lines.push_back(as_line(
+        {training_curve(view, width), fmt::format("{:.0f} %", 100.0 * view.done)}, columns));
+  }
+  return lines;
 }
 
 // "gen-003  5.102 (median 3.310)"
@@ -212,7 +236,6 @@ void watch_run(const fs::path& folder, Progress style) {
   constexpr double shortest_pause = 0.25;  // seconds
   constexpr double longest_pause = 10.0;
   constexpr double pause_per_look = 10.0;  // so that looking at a large run costs little
-  constexpr std::size_t curves = 8;        // of trainings under way, at most
   catch_interrupts();
   const pid_t caller = ::getppid();
   if (!wait_for_begin(folder, caller, style)) return;
@@ -241,12 +264,9 @@ void watch_run(const fs::path& folder, Progress style) {
     }
     if (last) return;
     if (line.due()) {
-      std::vector<std::string> parts = standing(run, at_once);
-      parts.push_back(at_work(run.work()));
-      for (std::size_t k = 0; k < std::min(running.size(), curves); ++k)
-        if (const TrainingView view = run.view(running[k]); !view.evaluations.empty())
-          parts.push_back(training_curve(view));
-      line.draw(as_line(parts, std::nullopt));
+      line.draw(style == Progress::drawn
+                    ? screen(run, running, at_once)
+                    : std::vector{as_line(all_parts(run, running, at_once), std::nullopt)});
     }
     const double pause = std::clamp(pause_per_look * look.seconds(), shortest_pause, longest_pause);
     ::poll(nullptr, 0, static_cast<int>(1000.0 * pause));  // ends early on a signal

@@ -1,5 +1,7 @@
 #include "cli/terminal.h"
 
+#include <langinfo.h>
+#include <locale.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -56,9 +58,7 @@ std::size_t utf8_length(std::string_view text) {
 bool use_color(ColorWhen when) {
   if (when == ColorWhen::always) return true;
   if (when == ColorWhen::never) return false;
-  const char* terminal = std::getenv("TERM");
-  const bool dumb = terminal != nullptr && std::string_view(terminal) == "dumb";
-  return isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr && !dumb;
+  return isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr && terminal_redraws();
 }
 
 std::string draw_body(const Body& body, bool color) {
@@ -97,6 +97,30 @@ std::size_t terminal_columns() {
   return known ? size.ws_col : usual;
 }
 
+std::size_t terminal_rows() {
+  constexpr std::size_t usual = 24;
+  winsize size{};
+  const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0;
+  return known ? size.ws_row : usual;
+}
+
+bool terminal_redraws() {
+  const char* terminal = std::getenv("TERM");
+  return terminal == nullptr || std::string_view(terminal) != "dumb";
+}
+
+bool shows_blocks() {
+  static const bool known = [] {
+    if (isatty(STDOUT_FILENO) != 1 && isatty(STDERR_FILENO) != 1) return true;
+    const locale_t user = ::newlocale(LC_CTYPE_MASK, "", nullptr);
+    if (user == nullptr) return false;
+    const bool utf8 = std::string_view(::nl_langinfo_l(CODESET, user)) == "UTF-8";
+    ::freelocale(user);
+    return utf8;
+  }();
+  return known;
+}
+
 std::optional<std::size_t> output_columns() {
   winsize size{};
   if (isatty(STDOUT_FILENO) != 1) return std::nullopt;
@@ -108,6 +132,18 @@ std::size_t characters(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
   }));
+}
+
+std::string as_line(const std::vector<std::string>& parts, std::optional<std::size_t> columns) {
+  std::string text;
+  std::size_t used = 0;
+  for (const std::string& part : parts) {
+    const std::size_t width = characters(part) + (text.empty() ? 0 : 2);
+    if (columns && !text.empty() && used + width > *columns) continue;
+    text += (text.empty() ? "" : "  ") + part;
+    used += width;
+  }
+  return text;
 }
 
 namespace {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "libevo/body/body.h"
 
@@ -23,14 +24,23 @@ std::string draw_body(const Body& body, bool color);
 // "4.2 s", "3 min 20 s", "2 h 05 min"
 std::string duration(double seconds);
 
-// Of standard error, or 80 where it is no terminal.
+// Of standard error, or 80 and 24 where it is no terminal.
 std::size_t terminal_columns();
+std::size_t terminal_rows();
+// Whether it can go back and draw anew: $TERM is not "dumb".
+bool terminal_redraws();
+// Whether "▂" is shown as such: everywhere but on a terminal whose locale has no UTF-8.
+bool shows_blocks();
 
 // Of standard output; nothing where it is no terminal.
 std::optional<std::size_t> output_columns();
 
 // Of UTF-8 text whose characters are one column wide.
 std::size_t characters(std::string_view text);
+
+// As many of the parts as fit into a line, two blanks between them; those that do not are left
+// out, not cut. All of them where there is no width.
+std::string as_line(const std::vector<std::string>& parts, std::optional<std::size_t> columns);
 
 // Lines longer than `columns` broken at blanks; they go on four further in than they began,
 // or below the last column of a table, which begins after two blanks or more. A last

@@ -99,7 +99,7 @@ Ending ending(const Rollout& rollout, const RolloutEpisode& episode) {
   if (const auto rule = rule_of(rollout, episode)) {
     if (rule->reward > 0) return {Ending::Kind::goal, "goal reached: " + rule->text};
     return {rule->reward < 0 ? Ending::Kind::failure : Ending::Kind::rule,
-            (rule->reward < 0 ? "failed: " : "over: ") + rule->text};
+            (rule->reward < 0 ? "failed: " : "the task ends here: ") + rule->text};
   }
   constexpr double punished = -2.0;  // folding costs 3, a step's other rewards far less
   if (!episode.rewards.empty() && episode.rewards.back() < punished)

@@ -46,6 +46,9 @@ fails_with() {
   done
 }
 
+# No line of the file is of the pattern.
+lacks() { if grep -E -- "$1" "$2"; then echo "unwanted: $1" >&2; return 1; fi; }
+
 # For tests that look at what a terminal gets.
 needs_terminal() {
   script -qec true /dev/null > /dev/null 2>&1 || skip "no pseudo-terminals here (is /dev/pts mounted?)"

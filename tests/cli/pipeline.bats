@@ -632,11 +632,47 @@ wait_until() { local k; for ((k = 0; k < 600; k++)); do ! "$@" || return 0; slee
   [ "$(wc -l < lines)" -eq 1 ]
   grep -q '^gen-001 .* robots  best ' lines
   local plain
-  plain=$(tr '\r' '\n' < raw | sed 's/\x1b\[[0-9;]*[mK]//g')
+  plain=$(tr '\r' '\n' < raw | sed 's/\x1b\[[0-9;]*[mKJA]//g')
   jq -r '.id' held/best.json > id
   grep -q "^$(cat id)  [0-9.]*$" <<< "$plain"
   grep -q '^[RSHV ][RSHV ]*$' <<< "$plain"
   [ "$(LC_ALL=C.UTF-8 wc -L <<< "$plain")" -le 80 ]
+}
+
+@test "watching uses the terminal it has: its height, its characters, and none of what it lacks" {
+  needs_terminal
+  "$EVO_SOURCE/tests/report/make-run.sh" run ga 1 3 8
+  mkdir held
+  mv run/gen-002/scores.jsonl run/best.json held/
+  look() {  # FILE and the surroundings: what a terminal of 100 x 50 is sent until the run is over
+    local file=$1
+    shift
+    rm -f run/best.json
+    timeout 60 env "$@" script -qec "stty rows 50 cols 100; evo-inspect --watch run" /dev/null > "$file" &
+    wait_until grep -qs "$(cat awaited)" "$file"
+    cp held/best.json run/best.json
+    wait
+  }
+  echo robots > awaited
+  look blocks LC_ALL=C.UTF-8 TERM=xterm
+  # A picture is what stands between two of its beginnings: how it stands, and a curve of 16 lines.
+  sed 's/\r\x1b\[J/\n@\n/g; s/\r//g' blocks | awk '/^@/ { if (n > most) most = n; n = 0; next } { ++n } END { print most }' > lines
+  [ "$(cat lines)" -ge 17 ]
+  grep -q '█' blocks
+  sed 's/\x1b\[[0-9;]*[mKJA]//g; s/\r//g' blocks > plain
+  [ "$(LC_ALL=C.UTF-8 wc -L < plain)" -le 99 ]
+  # Where the locale has no blocks there are none, and no word is cut.
+  look ascii LC_ALL=C TERM=xterm
+  [ -z "$(LC_ALL=C tr -d '\000-\177' < ascii)" ]
+  grep -q '#' ascii
+  sed 's/\x1b\[[0-9;]*[mKJA]//g; s/\r/\n/g' ascii | grep -o '0 launches[a-z, 0-9]*' | sort -u > words
+  grep -qx '0 launches.*' words
+  lacks 'launche?$|waitin?$' words
+  # A terminal that cannot go back gets lines, without colours.
+  echo gen-002 > awaited
+  { sleep 2; cp held/scores.jsonl run/gen-002/scores.jsonl; : > run/gen-002/ranking.tsv; } &
+  look dumb LC_ALL=C TERM=dumb
+  lacks $'\x1b' dumb
 }
 
 @test "an installation has every file that the pipelines name" {

@@ -3,7 +3,6 @@ load helpers
 
 make_run() { "$EVO_SOURCE/tests/report/make-run.sh" "$@"; }
 # The file has no line like this. (A bare `! grep` would not fail a test.)
-lacks() { if grep -E -- "$1" "$2"; then echo "unwanted: $1" >&2; return 1; fi; }
 count() { grep -o -- "$1" "$2" | wc -l; }
 
 @test "a run: every robot in the table, every generation on the sheet, the champion's line" {

@@ -411,17 +411,18 @@ Json archive_chart(const Run& run) {
 }
 
 std::vector<FeatureChart> position_charts(const Run& run) {
-  constexpr std::size_t fewest = 3;  // robots, for a mean worth showing
+  constexpr std::size_t fewest = 3;  // robots, for a median worth showing
   std::vector<FeatureChart> charts;
   std::vector<const Entry*> scored;
-  double mean = 0;
+  std::vector<double> all;
   for (const Entry& entry : run.robots)
     if (entry.fitness) {
       scored.push_back(&entry);
-      mean += *entry.fitness;
+      all.push_back(*entry.fitness);
     }
   if (scored.empty()) return charts;
-  mean /= static_cast<double>(scored.size());
+  const double middle = median(all);
+  double widest = 0;
   const Body& first = scored.front()->robot.body;
   for (const Entry* entry : scored)
     if (entry->robot.body.rows != first.rows || entry->robot.body.cols != first.cols) return charts;
@@ -437,25 +438,28 @@ std::vector<FeatureChart> position_charts(const Run& run) {
                {"diverging", true},
                {"columns", Json::array()},
                {"lines", Json::array()},
-               {"cells", Json::array()}};
+               {"cells", Json::array()},
+               {"counts", Json::array()}};
     for (int col = 0; col < first.cols; ++col) chart["columns"].push_back(fmt::to_string(col + 1));
     for (int row = 0; row < first.rows; ++row) {
       chart["lines"].push_back(fmt::to_string(row + 1));
       Json cells = Json::array();
+      Json counts = Json::array();
       for (int col = 0; col < first.cols; ++col) {
-        double sum = 0;
-        std::size_t count = 0;
+        std::vector<double> such;
         for (const Entry* entry : scored)
-          if (entry->robot.body.at(row, col) == kind) {
-            sum += *entry->fitness;
-            ++count;
-          }
-        cells.push_back(count < fewest ? Json() : Json(sum / static_cast<double>(count) - mean));
+          if (entry->robot.body.at(row, col) == kind) such.push_back(*entry->fitness);
+        const std::size_t count = such.size();
+        cells.push_back(count < fewest ? Json() : Json(median(such) - middle));
+        if (count >= fewest) widest = std::max(widest, std::abs(median(such) - middle));
+        counts.push_back(count);
       }
       chart["cells"].push_back(std::move(cells));
+      chart["counts"].push_back(std::move(counts));
     }
     charts.push_back({name, std::move(chart)});
   }
+  for (FeatureChart& each : charts) each.chart["widest"] = widest;
   return charts;
 }
 

@@ -7,7 +7,8 @@
 //   {"kind": "heat", "x", "y": titles, "columns", "lines": their names, from the top, or
 //    "ends": [numbers between and around the columns, the same of the lines, or none],
 //    "cells": [[value or null]..], "robots": [[id or null]..], "value": what it is,
-//    "diverging": about zero}
+//    "diverging": about zero, "widest": the value at either end of its colours, where several
+//    have one scale, "counts": [[robots in each cell]..]}
 #pragma once
 
 #include <string>
@@ -52,8 +53,8 @@ struct FeatureChart {
 };
 std::vector<FeatureChart> feature_charts(const Run& run);
 
-// For every place of the body, by kind of voxel: the mean fitness of the robots that
-// have it there less that of all. None for runs whose bodies differ in size.
+// For every place of the body, by kind of voxel: the median fitness of the robots that
+// have it there less that of all, in colours of one scale. None for runs whose bodies differ in size.
 std::vector<FeatureChart> position_charts(const Run& run);
 
 }  // namespace evo::report

@@ -44,24 +44,41 @@ const Charts = (() => {
     : series.kind === 'best' ? palette[0] : series.kind === 'points' ? palette[1]
       : series.kind === 'edges' ? [palette[7], palette[0]][k] : palette[k % palette.length]);
 
-  // What is in sight: x from a zoom or all of it, y from the rows within.
+  // Where most robots of a chart are: a few that are far off would flatten the others. Nothing
+  // beyond three times the middle half's width from it is in sight, unless all is asked for.
+  const mostOf = (values) => {
+    const sorted = values.sort((a, b) => a - b);
+    const at = (share) => sorted[Math.round(share * (sorted.length - 1))];
+    const wide = at(0.75) - at(0.25);
+    if (sorted.length < 8 || !(wide > 0)) return [-Infinity, Infinity];
+    return [at(0.25) - 3 * wide, at(0.75) + 3 * wide];
+  };
+
+  // What is in sight: x from a zoom or all of it, y from the rows within. Of outliers it says
+  // how many lie below and above.
   const window_ = (chart) => {
     let [x0, x1] = chart.zoom ?? [Infinity, -Infinity];
     let y0 = Infinity, y1 = -Infinity;
     if (!chart.zoom) for (const [x] of chart.rows) { x0 = Math.min(x0, x); x1 = Math.max(x1, x); }
-    for (const row of chart.rows) {
-      if (row[0] < x0 || row[0] > x1) continue;
+    const inSight = chart.rows.filter((row) => row[0] >= x0 && row[0] <= x1);
+    const single = (series) => ['points', 'edges'].includes(series.kind);
+    const robots = inSight.flatMap((row) => chart.series.map((series, k) => single(series) && chart.visible[k] ? row[k + 1][1] : null)).filter((value) => value !== null);
+    const ends = inSight.flatMap((row) => chart.series.flatMap((series, k) => series.band && chart.visible[k] ? row[k + 1] : [])).filter((value) => value !== null);
+    const [least, most] = chart.all ? [-Infinity, Infinity] : mostOf([...(robots.length ? robots : ends)]);
+    const below = robots.filter((value) => value < least).length, above = robots.filter((value) => value > most).length;
+    for (const row of inSight) {
       chart.series.forEach((series, k) => {
         const [low, value, high] = row[k + 1];
-        if (value === null || !chart.visible[k]) return;
-        y0 = Math.min(y0, low, value); y1 = Math.max(y1, high, value);
+        if (value === null || !chart.visible[k] || (single(series) && (value < least || value > most))) return;
+        y0 = Math.min(y0, value, low < least ? value : low); y1 = Math.max(y1, value, high > most ? value : high);
       });
     }
+    const bands = robots.length === 0 && ends.some((value) => value < y0 || value > y1);
     if (!(x1 > x0)) { x0 -= 1; x1 += 1; }
     if (y0 > y1) { y0 = 0; y1 = 1; }
     if (y0 === y1) { y0 -= 0.5; y1 += 0.5; }
     const pad = 0.05 * (y1 - y0);
-    return { x0, x1, y0: y0 - pad, y1: y1 + pad };
+    return { x0, x1, y0: y0 - pad, y1: y1 + pad, below, above, bands };
   };
 
   // An SVG of `chart`, and from values to its pixels.
@@ -78,7 +95,7 @@ const Charts = (() => {
     const picture = svg('svg', { xmlns: NS, viewBox: `0 0 ${width} ${height}`, width, height, 'font-size': look.font,
       'font-family': 'system-ui, "DejaVu Sans", Verdana, sans-serif', role: 'img', 'aria-label': `${chart.y} against ${chart.x}` });
     const clip = `clip-${++clips}`;
-    picture.append(svg('clipPath', { id: clip }, svg('rect', { x: margin.left, y: 0, width: inner.width, height: height })));
+    picture.append(svg('clipPath', { id: clip }, svg('rect', { x: margin.left, y: margin.top - 4, width: inner.width, height: inner.height + 8 })));
 
     for (const value of ticksY) {
       picture.append(svg('line', { x1: margin.left, x2: width - margin.right, y1: place(y(value)), y2: place(y(value)), stroke: look.grid }));
@@ -138,16 +155,35 @@ const Charts = (() => {
     return `rgb(${ramp[k].map((from, c) => Math.round(from + (ramp[k + 1][c] - from) * (at - k))).join()})`;
   };
 
+  // Black or white, whichever stands out more.
+  const inkOn = (color) => {
+    const light = color.match(/\d+/g).map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+      .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
+    return light > 0.179 ? '#000' : '#fff';
+  };
+
+  // A scale for several tables of colours, as a gradient with its ends.
+  const scale = (widest) => {
+    const stops = [0, 0.25, 0.5, 0.75, 1].map((at) => `${heatColor(at, true)} ${100 * at}%`).join();
+    const bar = element('span', { class: 'gradient' });
+    bar.style.background = `linear-gradient(to right, ${stops})`;
+    return [element('span', {}, '\u2212' + Number(widest.toPrecision(2))), bar, element('span', {}, '+' + Number(widest.toPrecision(2)))];
+  };
+
   const heat = (chart, width, look) => {
     const lines = chart.cells.length, columns = chart.cells[0].length;
     // Titles of features are longer than a map of few bins is high.
-    const left = 44, top = chart.ends ? 26 : 6, right = 58, bottom = 38;
+    const left = 44, top = chart.ends ? 26 : 6, right = chart.widest ? 8 : 58, bottom = 38;
     const side = Math.min(44, (width - left - right) / columns);
     const tall = Math.min(side, 30);
     const height = top + bottom + tall * lines;
     const values = chart.cells.flat().filter((value) => value !== null);
     let low = Math.min(...values), high = Math.max(...values);
-    if (chart.diverging) { high = Math.max(Math.abs(low), Math.abs(high)) || 1; low = -high; }
+    if (chart.diverging) { high = (chart.widest ?? Math.max(Math.abs(low), Math.abs(high))) || 1; low = -high; }
+    // A few that are far off have the colour at the end.
+    const [least, most] = chart.diverging ? [low, high] : mostOf([...values]);
+    const beyond = [low < least, high > most];
+    low = Math.max(low, least); high = Math.min(high, most);
     if (low === high) { low -= 0.5; high += 0.5; }
     const share = (value) => (value - low) / (high - low);
     const picture = svg('svg', { xmlns: NS, viewBox: `0 0 ${width} ${height}`, width, height, 'font-size': look.font,
@@ -161,10 +197,15 @@ const Charts = (() => {
       const place = ends
         ? [[chart.x, c], [chart.y, r]].filter(([title]) => title).map(([title, k], axis) => `${title}: ${range(ends[axis], k)}`).join('; ')
         : `${chart.columns[c]} ${chart.x}, ${chart.lines[r]} ${chart.y}`;
-      const said = `${place}: ${value === null ? 'no robot' : number(value)}`;
+      const count = chart.counts?.[r][c];
+      const robots = count === undefined ? '' : ` (${count} robot${count === 1 ? '' : 's'})`;
+      const said = `${place}: ${value === null ? count ? 'too few robots' : 'no robot' : number(value)}${value === null && !count ? '' : robots}`;
       box.append(svg('title', {}, said));
       cells.push({ box, id: chart.robots?.[r]?.[c], said });
       picture.append(box);
+      if (count && side >= 17)
+        picture.append(svg('text', { x: left + (c + 0.5) * side - 0.75, y: top + (r + 0.5) * tall + 3, 'text-anchor': 'middle', 'font-size': 9,
+          fill: value === null ? look.text : inkOn(heatColor(share(value), chart.diverging)), 'pointer-events': 'none' }, count));
     }));
     // Names stand in the middle of a cell, the ends of ranges at its borders.
     const [across, down, middle] = ends ? [...ends, 0] : [chart.columns, chart.lines, 0.5];
@@ -174,11 +215,12 @@ const Charts = (() => {
     picture.append(svg('text', { x: left + side * columns / 2, y: height - 4, 'text-anchor': 'middle', fill: look.text }, chart.x));
     const aside = { transform: `translate(11 ${top + tall * lines / 2}) rotate(-90)`, 'text-anchor': 'middle', fill: look.text };
     picture.append(svg('text', ends ? { x: 4, y: 12, fill: look.text } : aside, chart.y));
+    if (chart.widest) return { picture, cells };  // one scale beside all of them
     const bar = { x: left + side * columns + 10, height: tall * lines - 2 };
     for (let k = 0; k < 24; ++k)
       picture.append(svg('rect', { x: bar.x, y: top + bar.height * (1 - (k + 1) / 24), width: 9, height: bar.height / 24 + 0.6, fill: heatColor((k + 0.5) / 24, chart.diverging) }));
-    for (const [value, place] of [[high, top + 9], [low, top + bar.height]])
-      picture.append(svg('text', { x: bar.x + 13, y: place, fill: look.text, 'font-size': look.font - 1 }, (chart.diverging && value > 0 ? '+' : '') + Number(value.toPrecision(2))));
+    for (const [value, place, sign] of [[high, top + 9, beyond[1] ? '\u2265 ' : ''], [low, top + bar.height, beyond[0] ? '\u2264 ' : '']])
+      picture.append(svg('text', { x: bar.x + 13, y: place, fill: look.text, 'font-size': look.font - 1 }, sign + (chart.diverging && value > 0 ? '+' : '') + Number(value.toPrecision(2))));
     return { picture, cells };
   };
 
@@ -275,7 +317,16 @@ const Charts = (() => {
 
     const hint = matchMedia('(hover: hover)').matches
       ? 'Hover for values, drag to zoom, double-click to see all.' : 'Tap for values.';
-    const quiet = () => says.replaceChildren(small ? '' : hint);
+    // Outliers that are out of sight are spoken of, and there for the asking.
+    const quiet = () => {
+      const { below, above, bands } = drawn?.seen ?? {};
+      const parts = bands ? ['bands go beyond what is shown'] : [];
+      for (const [count, where] of [[below, 'below'], [above, 'above']])
+        if (count) parts.push(`${count} point${count === 1 ? '' : 's'} ${where} what is shown`);
+      const all = element('button', { type: 'button', class: 'outliers' }, chart.all ? 'Without outliers' : 'Show them');
+      all.addEventListener('click', () => { chart.all = !chart.all; redraw(); quiet(); holder.querySelector('.outliers')?.focus(); });
+      says.replaceChildren(...(parts.length ? [element('span', {}, parts.join(', ')), all] : chart.all ? [all] : []), ...(small ? [] : [hint]));
+    };
     chart.visible ??= chart.series.map((series) => !series.off);
     const box = element('div', { class: 'plot', tabindex: 0, role: 'group', 'aria-label': `${chart.y} against ${chart.x}; arrow keys read values` });
     let drawn, at = null;
@@ -382,12 +433,12 @@ const Charts = (() => {
     }
     if (!small) toggles.append(last);
     holder.append(...(small ? [] : [toggles]), box, says, ...(small ? [last] : []));
-    quiet();
     redraw();
+    quiet();
     all.add({ redraw, holder });
   };
 
   const redrawAll = (width) => { for (const { redraw, holder } of all) if (holder.isConnected && holder.offsetWidth > 0) redraw(width); };
   addEventListener('resize', () => redrawAll());
-  return { draw, redrawAll, element, svg, number, thumbnail, css };
+  return { draw, redrawAll, scale, element, svg, number, thumbnail, css };
 })();

@@ -72,10 +72,13 @@ std::string tree_card(const Run& run, const std::string& anchor, Page& page) {
 // Where bodies were looked for, and which voxels go with fitness.
 std::string maps_card(const Run& run, const std::string& anchor, Page& page) {
   std::string positions;
-  for (FeatureChart& map : position_charts(run))
+  std::string widest;
+  for (FeatureChart& map : position_charts(run)) {
+    widest = map.chart["widest"].dump();
     positions += "<div><h4>" + map.name + "</h4>" +
                  page.chart(std::move(map.chart), anchor, "positions-" + map.name, "small") +
                  "</div>\n";
+  }
   std::string archive;
   if (Json chart = archive_chart(run); !chart.is_null())
     archive = heading(anchor + "-archive", "The archive",
@@ -88,11 +91,14 @@ std::string maps_card(const Run& run, const std::string& anchor, Page& page) {
                  "The best fitness of all robots with so many voxels and actuators. A click opens "
                  "the robot.") +
          page.chart(coverage_chart(run), anchor, "coverage", "small") +
-         (positions.empty() ? ""
-                            : heading("", "Which voxels matter",
-                                      "For every place of the body: the mean fitness of robots "
-                                      "with such a voxel there, less the mean of all.") +
-                                  "<div class=\"five\">\n" + positions + "</div>\n") +
+         (positions.empty()
+              ? ""
+              : heading("", "Which voxels matter",
+                        "For every place of the body: the median fitness of robots "
+                        "with such a voxel there, less the median of all; the number "
+                        "is how many robots that are. Of one or two nothing is said.") +
+                    "<p class=\"scale\" data-scale=\"" + widest +
+                    "\"></p>\n<div class=\"five\">\n" + positions + "</div>\n") +
          "</section>\n";
 }
 

@@ -2,7 +2,7 @@
 // sorted.
 'use strict';
 (() => {
-  const { draw, redrawAll, element, number, thumbnail } = Charts;
+  const { draw, redrawAll, scale, element, number, thumbnail } = Charts;
   const page = JSON.parse(document.getElementById('data').textContent);
 
   // ---- a card a robot ---------------------------------------------------------------
@@ -186,6 +186,7 @@
   };
   const drawVisible = () => { drawCharts(); drawReplays(); };
 
+  document.querySelectorAll('[data-scale]').forEach((place) => place.append(...scale(Number(place.dataset.scale))));
   document.querySelectorAll('[data-copy]').forEach((button) => button.addEventListener('click', () => copy(button, button.dataset.copy)));
 
   // ---- tables -----------------------------------------------------------------------

@@ -48,6 +48,40 @@ const checkCharts = async () => {
   check('every tick stands where its value is', off.length === 0, off);
 };
 
+// A robot that is far off does not flatten the others, and is there for the asking.
+const checkOutliers = async () => {
+  await open(1280, 1000, 'light');
+  const found = await evaluate(`(() => {
+    const rows = [...Array(24).keys()].map((k) => [k, k === 7 ? [-40, -40, -40] : [k % 5, k % 5, k % 5]]);
+    const chart = { x: 'robots trained', y: 'fitness', whole: true, labels: ['robots trained', 'each robot'], series: [{ kind: 'points' }], rows };
+    const holder = document.createElement('div');
+    holder.className = 'chart';
+    document.querySelector('main').prepend(holder);
+    Charts.draw(holder, chart, () => {}, 'test');
+    const lowest = () => Math.min(...[...holder.querySelectorAll('.tick-y')].map((it) => Number(it.textContent)));
+    const before = lowest(), said = holder.querySelector('.readout').textContent;
+    holder.querySelector('.outliers').click();
+    const after = lowest();
+    holder.remove();
+    return { before, said, after };
+  })()`);
+  check('an outlier does not flatten a chart', found.before >= 0 && found.said.startsWith('1 point below what is shown'), found);
+  check('and is shown when asked for', found.after <= -40, found);
+};
+
+// Which voxels matter: five maps, one scale, and how many robots.
+const checkMaps = async () => {
+  const maps = await evaluate(`(() => {
+    const page = JSON.parse(document.getElementById('data').textContent);
+    const maps = Object.values(page.charts).filter((chart) => chart.counts);
+    return { widest: maps.map((chart) => chart.widest), scales: document.querySelectorAll('.scale .gradient').length,
+      robots: maps.reduce((sum, chart) => sum + chart.counts[0][0], 0), numbers: document.querySelectorAll('.five svg text[font-size="9"]').length,
+      all: page.charts['chart-1'].rows.filter((row) => row[2][1] !== null).length };
+  })()`);
+  check('the maps of voxels have one scale', maps.widest.length === 5 && new Set(maps.widest).size === 1 && maps.scales === 1, maps);
+  check('and say of how many robots', maps.robots === maps.all && maps.numbers > 10, maps);
+};
+
 // The evolution sheet, the champion's ancestors, and its film.
 const checkParts = async () => {
   const missing = await evaluate(`['.verdict', '.generation', '.step', '.film', '[data-cast] canvas'].filter((s) => !document.querySelector(s))`);
@@ -306,6 +340,8 @@ try {
     await checkComparison();
   } else {
     await checkCharts();
+    await checkMaps();
+    await checkOutliers();
     await checkParts();
     await checkMotion();
     await checkReplay('[data-cast]');

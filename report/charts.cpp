@@ -111,6 +111,8 @@ std::vector<int> colors_of(const std::vector<Repetitions>& groups) {
   for (const Repetitions& group : groups) {
     const auto method = std::find(known.begin(), known.end(), group.method);
     auto color = static_cast<int>(method - known.begin());
+    // Round from those that are no method's.
+    if (taken.contains(color)) color = static_cast<int>(known.size());
     while (taken.contains(color) && std::ssize(taken) < palette) color = (color + 1) % palette;
     taken.insert(color);
     colors.push_back(color);

@@ -54,7 +54,8 @@ struct FeatureChart {
 std::vector<FeatureChart> feature_charts(const Run& run);
 
 // For every place of the body, by kind of voxel: the median fitness of the robots that
-// have it there less that of all, in colours of one scale. None for runs whose bodies differ in size.
+// have it there less that of all, in colours of one scale. None for runs whose bodies differ in
+// size.
 std::vector<FeatureChart> position_charts(const Run& run);
 
 }  // namespace evo::report

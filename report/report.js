@@ -116,6 +116,7 @@
       charts.append(holder);
       draw(holder, chart, () => {}, `${id} ${name}`);
     }
+    reach();
   };
 
   // A link to a robot opens its card; one inside of a card another card.
@@ -184,7 +185,7 @@
       perform(holder, cast);
     });
   };
-  const drawVisible = () => { drawCharts(); drawReplays(); };
+  const drawVisible = () => { drawCharts(); drawReplays(); reach(); };
 
   document.querySelectorAll('[data-scale]').forEach((place) => place.append(...scale(Number(place.dataset.scale))));
   document.querySelectorAll('[data-copy]').forEach((button) => button.addEventListener('click', () => copy(button, button.dataset.copy)));
@@ -235,6 +236,13 @@
   // Paper is narrower than a screen: charts are drawn anew for it.
   addEventListener('beforeprint', () => { document.body.classList.add('printing'); redrawAll(); });
   addEventListener('afterprint', () => { document.body.classList.remove('printing'); redrawAll(); });
+
+  // What can be scrolled can be reached with the keyboard.
+  const reach = () => document.querySelectorAll('.scroll, .command code').forEach((box) => {
+    if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;
+    else box.removeAttribute('tabindex');
+  });
+  addEventListener('resize', reach);
 
   drawVisible();
   document.querySelectorAll('details').forEach((fold) => fold.addEventListener('toggle', drawVisible));

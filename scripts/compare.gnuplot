@@ -1,4 +1,4 @@
-# Best-so-far against evaluations, mean and range over seeds; one panel per task. The
+# Best-so-far against evaluations, median and range over seeds; one panel per task. The
 # best changes when a robot is evaluated, and not between: steps, no slopes.
 # Wants: table (compare.tsv), picture (file), format (svg, png, pdf).
 
@@ -7,8 +7,8 @@ tasks = values(1)
 rows_of(task, method) = sprintf("awk -F'\\t' -v OFS='\\t' '$1 == \"%s\" && $2 == \"%s\"' '%s'", task, method, table)
 methods(task) = system(sprintf("awk -F'\\t' '$1 == \"%s\" && !seen[$2]++ { print $2 }' '%s'", task, table))
 seeds(task, method) = system(rows_of(task, method) . " | tail -n 1 | cut -f 4")
-# evaluations, mean, least, most; twice where a step is
-steps(task, method) = '< ' . rows_of(task, method) . " | awk -F'\\t' -v OFS='\\t' 'NR > 1 { print $3, mean, low, high } { print $3, mean = $5, low = $7, high = $8 }'"
+# evaluations, median, least, most; twice where a step is
+steps(task, method) = '< ' . rows_of(task, method) . " | awk -F'\\t' -v OFS='\\t' 'NR > 1 { print $3, middle, low, high } { print $3, middle = $9, low = $7, high = $8 }'"
 panels = words(tasks)
 columns = panels < 3 ? panels : 3
 rows = (panels + columns - 1) / columns
@@ -20,26 +20,31 @@ if (format eq 'png') set terminal pngcairo size width, height font 'DejaVu Sans,
 if (format eq 'pdf') set terminal pdfcairo size width / 100.0, height / 100.0 font 'DejaVu Sans,11'
 set output picture
 
-# Okabe and Ito's colours, told apart by everyone.
-color(method) = method eq 'ga' ? 0xD55E00 : method eq 'neat' ? 0x009E73 : method eq 'bo' ? 0x0072B2 : 0x666666
-label(method) = method eq 'ga' ? 'GA' : method eq 'neat' ? 'CPPN-NEAT' : method eq 'bo' ? 'Bayesian optimisation' : method
+# The colours of the report (report/charts.js); a method without generations is dashed.
+bare(method) = method[1:7] eq 'steady-' ? method[8:] : method
+color(method) = bare(method) eq 'ga' ? 0xD9730D : bare(method) eq 'bo' ? 0x2F86C9 : bare(method) eq 'neat' ? 0x2B9A66 : \
+  bare(method) eq 'map' ? 0x9A63C9 : bare(method) eq 'race' ? 0xD0456B : 0x7F8894
+dash(method) = method eq bare(method) ? 1 : 2
+name(method) = method eq 'ga' ? 'GA' : method eq 'neat' ? 'CPPN-NEAT' : method eq 'bo' ? 'Bayesian optimisation' : \
+  method eq 'map' ? 'MAP-Elites' : method
+label(method) = method eq bare(method) ? name(method) : name(bare(method)) . ' without generations'
 
 set datafile separator tab
 set border 3 lc rgb '#555555'
 set tics nomirror out textcolor rgb '#333333'
 set grid y lc rgb '#dddddd' lw 1 lt 1
-set key bottom right samplen 2 spacing 1.2 textcolor rgb '#333333' title 'mean and range' left
+set key below samplen 2 spacing 1.2 textcolor rgb '#333333'  # beside the curves, not on them
 set style fill transparent solid 0.18 noborder
-set xlabel 'robots evaluated'
+set xlabel 'robots evaluated (median and range of the seeds)'
 set ylabel 'best fitness so far'
 set autoscale xfixmax
 set offsets graph 0, 0.02, 0.03, 0
-set multiplot layout rows, columns margins char 9, char 3, char 4, char 3 spacing char 10, char 6
+set multiplot layout rows, columns margins char 9, char 3, char 7, char 3 spacing char 10, char 8
 do for [task in tasks] {
   set title task font ',16'
   run = methods(task)
   plot for [m in run] steps(task, m) using 1:3:4 with filledcurves lc rgb color(m) notitle, \
-       for [m in run] steps(task, m) using 1:2 with lines lw 2.5 lc rgb color(m) \
+       for [m in run] steps(task, m) using 1:2 with lines lw 2.5 dt dash(m) lc rgb color(m) \
          title sprintf('%s, %s seed%s', label(m), seeds(task, m), seeds(task, m) eq '1' ? '' : 's')
 }
 unset multiplot

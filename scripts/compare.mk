@@ -50,7 +50,7 @@ endef
 $(foreach task,$(TASKS),$(foreach method,$(METHODS),$(foreach seed,$(SEEDS),\
   $(eval $(call run,$(RUN)/$(task)/$(method)-$(seed),$(task),$(method),$(seed))))))
 
-# task, method, evaluations, runs, mean, sd, min, max
+# task, method, evaluations, runs, mean, sd, min, max, median
 $(RUN)/compare.tsv: $(RUNS)
 	@for run in $(RUNS); do \
 	  name=$${run##*/}; task=$${run%/*}; \

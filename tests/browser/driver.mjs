@@ -110,7 +110,8 @@ export const launch = async (program, profile, { offline = false } = {}) => {
 };
 
 // What is hard to use on the page that is open: text too pale for what is behind it (below 4.5
-// to 1), what can be pressed or seen and has no name, ids that are there twice.
+// to 1), what can be pressed or seen and has no name, what can be scrolled and not be reached
+// with the keyboard, ids that are there twice.
 export const accessFaults = (evaluate) => evaluate(`(() => {
   const read = (text) => (text.match(/[\\d.]+/g) ?? []).map(Number);
   const luminance = ([r, g, b]) => [r, g, b].map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
@@ -140,6 +141,9 @@ export const accessFaults = (evaluate) => evaluate(`(() => {
   const nameless = [...document.querySelectorAll('button, input, select, textarea, a, img, [role=img], summary')]
     .filter((it) => it.getClientRects().length && !(it.getAttribute('aria-label') || it.alt || it.textContent.trim() || it.labels?.length || it.querySelector('[aria-label]')))
     .map((it) => it.outerHTML.slice(0, 80));
+  const unreachable = [...document.querySelectorAll('body *')].filter((it) => it.scrollWidth > it.clientWidth + 1 && it.getClientRects().length
+      && ['auto', 'scroll'].includes(getComputedStyle(it).overflowX) && it.tabIndex < 0 && !it.querySelector('a, button, input, select, [tabindex="0"]'))
+    .map((it) => it.outerHTML.slice(0, 80));
   const ids = [...document.querySelectorAll('[id]')].map((it) => it.id);
-  return { pale: pale.slice(0, 8), nameless, twice: ids.filter((id, k) => ids.indexOf(id) !== k).slice(0, 5) };
+  return { pale: pale.slice(0, 8), nameless: [...nameless, ...unreachable], twice: ids.filter((id, k) => ids.indexOf(id) !== k).slice(0, 5) };
 })()`);

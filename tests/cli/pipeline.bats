@@ -419,7 +419,13 @@ END
     found = ($5 - mean) ^ 2 < 1e-18 && $7 <= $5 && $5 <= $8 } END { exit !found }' all/compare.tsv
   # Best so far never falls.
   awk -F'\t' 'NR > 1 { if (last[$1 $2] != "" && $5 < last[$1 $2]) exit 1; last[$1 $2] = $5 }' all/compare.tsv
+  awk -F'\t' 'NR > 1 && ($9 < $7 || $9 > $8) { exit 1 }' all/compare.tsv
   grep -q '</svg>' all/compare.svg
+  # A method has one colour, in the picture as on the page; and no legend lies on a curve.
+  for color in '217, *115, *13' '47, *134, *201'; do grep -qiE "rgb\\( *$color\\)" all/compare.svg; done
+  sed -n 's|.*id="data">\(.*\)</script>|\1|p' all/compare.html |
+    jq -e '.charts["chart-1"] as $c | [$c.labels[1:], $c.series] | transpose | all(if .[0] | test("(^|/)ga") then .[1].color == 0 else .[1].color == 1 end)'
+  grep -q "palette = \['#d9730d', '#2f86c9'" "$EVO_SOURCE/report/charts.js"
   [ -s all/compare.html ]
   # A further seed adds to what is there.
   touch all/mark

@@ -326,6 +326,17 @@ const checkPaper = async () => {
     return width;
   })()`);
   check('on paper, too, the maps of voxels can be read', map === null || map >= 180, map);
+  // The first page has the champion, the verdict and the figures: A4 without its margins.
+  await emulate({ width: 680, height: 1000, media: 'print' });
+  const used = await evaluate(`(() => {
+    document.body.classList.add('printing');
+    const tiles = document.querySelector('.tiles');
+    const bottom = tiles && !tiles.closest('details') ? tiles.getBoundingClientRect().bottom + scrollY : null;
+    document.body.classList.remove('printing');
+    return bottom;
+  })()`);
+  check('the first page on paper is well used', used === null || (used > 600 && used <= 1016), used);
+  await emulate({ calm: true });
   const { data } = await call('Page.printToPDF', { printBackground: true });
   keep('paper.pdf', data);
   const pages = Buffer.from(data, 'base64').toString('latin1').match(/\/Type\s*\/Page\b/g)?.length ?? 0;

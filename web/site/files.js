@@ -45,7 +45,8 @@
     return { ...document, normalizer: { mean: await list(normalizer, 'mean'), var: await list(normalizer, 'var'), count, clip, epsilon },
       action: { map, offset, bounds }, actor: await network(children.get('actor')),
       ...(children.has('clock') ? { clock: await list(file, 'clock') } : {}),
-      ...(children.has('gait') ? { gait: await sine(children.get('gait')) } : {}) };
+      ...(children.has('gait') ? { gait: await sine(children.get('gait')) } : {}),
+      ...(children.has('sequence') ? { sequence: await rows(file, 'sequence') } : {}) };
   };
 
   // {task, task_yaml, robot, episodes: how many, episode(k): {seed, draws, actions, rewards,

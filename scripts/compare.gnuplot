@@ -21,7 +21,8 @@ if (format eq 'pdf') set terminal pdfcairo size width / 100.0, height / 100.0 fo
 set output picture
 
 # The colours of the report (report/charts.js); a method without generations is dashed.
-bare(method) = method[1:7] eq 'steady-' ? method[8:] : method
+end(method) = strlen(method) - 7  # where -window begins
+bare(method) = end(method) > 0 && method[end(method) + 1:] eq '-window' ? method[1:end(method)] : method
 color(method) = bare(method) eq 'ga' ? 0xD9730D : bare(method) eq 'bo' ? 0x2F86C9 : bare(method) eq 'neat' ? 0x2B9A66 : \
   bare(method) eq 'map' ? 0x9A63C9 : bare(method) eq 'race' ? 0xD0456B : 0x7F8894
 dash(method) = method eq bare(method) ? 1 : 2

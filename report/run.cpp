@@ -34,6 +34,7 @@ std::string folder_in_commands(const fs::path& folder) {
 }
 
 std::string purpose_of(const PolicyFile& policy) {
+  if (policy.task_yaml.empty()) return "";  // of a task in Python
   const auto text = value_of(YamlNode::parse(policy.task_yaml, "task of a policy"), "description");
   return text && text->is_scalar() ? text->text() : "";
 }

@@ -34,7 +34,8 @@ struct Settings {
   std::optional<int> sheet;
   std::optional<int> strip;
   bool panels = false;
-  render::Choice moments = render::Choice::gait;
+  bool loop = false;
+  render::Choice moments = render::Choice::event;
   bool grid = false;
   std::optional<int> generations;
   std::optional<std::string> evolution;
@@ -52,7 +53,9 @@ render::Size parse_size(const std::string& text) {
 }
 
 // One picture of an episode.
-bool is_still(const Settings& settings) { return settings.at || settings.sheet || settings.strip; }
+bool is_still(const Settings& settings) {
+  return settings.at || settings.sheet || settings.strip || settings.loop;
+}
 
 // What moves, by the ending of its file.
 bool is_film(const std::string& output) {
@@ -218,6 +221,12 @@ void render_rollouts(const Settings& settings, const RenderOptions& options,
     if (episodes.size() != 1)
       throw error(Failure::usage, "a still picture shows one episode, but {} were given",
                   episodes.size());
+    if (settings.loop) {
+      if (!output.ends_with(".svg"))
+        throw error(Failure::usage, "{}: --loop makes a picture that ends in .svg", output);
+      write_file(output, render::draw_gait(episodes.front(), options));
+      return;
+    }
     write_picture(output, rollouts.front().task + " " + episodes.front().label,
                   draw_still(settings, options, episodes.front()));
     return;
@@ -339,10 +348,14 @@ int main(int argc, char** argv) {
   command.option("--sheet", settings.sheet, "N",
                  "N moments of an episode: a strip for robots that travel, else side by side");
   command.flag("--panels", settings.panels, "with --sheet: side by side in any case");
+  command.flag("--loop", settings.loop,
+               "a cycle of its gait that plays for ever, an .svg for pages and READMEs");
   command.choice("--moments", settings.moments, "CHOICE",
-                 {{"gait", render::Choice::gait}, {"time", render::Choice::time}},
-                 "gait: evenly spread over the episode and over the cycle of the gait; time: "
-                 "over the episode alone");
+                 {{"event", render::Choice::event},
+                  {"gait", render::Choice::gait},
+                  {"time", render::Choice::time}},
+                 "event: more where more happens; gait: evenly spread over the episode; both in "
+                 "other parts of a gait's cycle; time: evenly, whatever the gait");
   command.flag("--grid", settings.grid, "all robots read with ids and fitness");
   command.option("--generations", settings.generations, "ROWS",
                  "each file is a generation, its best ROWS robots a column");
@@ -350,6 +363,7 @@ int main(int argc, char** argv) {
   command.progress_option();
   command.example("evo-render walk.h5 -o walk.mp4", "an episode as a video");
   command.example("evo-render walk.h5 --strip 6 -o walk.svg", "its whole way on one picture");
+  command.example("evo-render walk.h5 --loop --size 320x320 -o gait.svg", "its gait, for ever");
   command.example("evo-render walk.h5 --at 120 --theme paper -o step.pdf", "one moment, for print");
   command.example("evo-render walk.h5 --contacts --plot actuation -o walk.mp4",
                   "what pushes it, and what its actuators are told");
@@ -395,8 +409,9 @@ int main(int argc, char** argv) {
     command.only(settings.sheet.has_value(), {"--panels"}, "--sheet");
     command.only(settings.sheet || settings.strip, {"--moments"}, "--strip and --sheet");
     command.only(!still, {"--from", "--to"}, "films");
-    command.only(!settings.at, {"--strip", "--sheet"}, "films and pictures without --at");
-    command.only(!settings.strip, {"--sheet"}, "pictures without --strip");
+    command.only(!settings.at, {"--strip", "--sheet", "--loop"}, "films and pictures without --at");
+    command.only(!settings.strip, {"--sheet", "--loop"}, "pictures without --strip");
+    command.only(!settings.sheet, {"--loop"}, "pictures without --sheet");
     choose_format(settings, film && is_animation(command.output), options);
     render::check_options(options);
     if (film) {
@@ -407,7 +422,7 @@ int main(int argc, char** argv) {
         throw error(Failure::usage, "--race needs rollouts, made with evo-eval --rollout");
       if (is_still(settings))
         throw error(Failure::usage,
-                    "--at, --strip and --sheet need a rollout; for robots there is --grid");
+                    "--at, --strip, --sheet and --loop need a rollout; for robots there is --grid");
       render_robots(settings, options, files, command.output);
     }
     return 0;

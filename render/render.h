@@ -34,9 +34,11 @@ enum class Layout {
 struct Moments {
   int count = 6;
   Layout layout = Layout::automatic;
-  Choice choice = Choice::gait;
+  Choice choice = Choice::event;
 };
 Drawing draw_moments(const Episode& episode, const Moments& moments, const RenderOptions& options);
+// A cycle of its gait, for ever, as the text of an SVG (film/loop.h).
+std::string draw_gait(const Episode& episode, const RenderOptions& options);
 Drawing draw_robot(const Robot& robot, const RenderOptions& options);
 Drawing draw_robots(const std::vector<Robot>& robots, const RenderOptions& options);
 // The best `rows` of each generation.

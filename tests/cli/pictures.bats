@@ -75,6 +75,18 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   fails_with 2 "gait" -- evo-render r.h5 --strip 4 --moments walk -o x.svg
 }
 
+@test "a gait plays for ever in an SVG; what has none says so" {
+  evo-eval -q --task Walker-v0 --sine 0.5,20,0.7 --max-steps 160 --rollout w.h5 "$EVO_DATA/walker.json" > /dev/null
+  evo-render w.h5 --loop --from 60 --size 240x240 -o gait.svg
+  grep -q 'dur="0.40s" repeatCount="indefinite"' gait.svg
+  [ "$(wc -c < gait.svg)" -lt 150000 ]
+  evo-render w.h5 --loop --from 60 --size 240x240 -o again.svg
+  cmp gait.svg again.svg
+  fails_with 2 "gait.png" ".svg" -- evo-render w.h5 --loop -o gait.png
+  fails_with 65 "does not move in cycles" -- evo-render w.h5 --loop --from 60 --to 63 -o x.svg
+  fails_with 2 "--loop" "--strip" -- evo-render w.h5 --loop --strip 4 -o x.svg
+}
+
 @test "robots are called by their names, columns of robots by their files" {
   evo-sample -n 2 --seed 1 | jq -c '.name = "neat-\(.origin.index)"' > NEAT.jsonl
   evo-render --grid NEAT.jsonl -o named.svg

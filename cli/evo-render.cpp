@@ -39,6 +39,7 @@ struct Settings {
   bool grid = false;
   std::optional<int> generations;
   std::optional<std::string> evolution;
+  std::optional<std::string> poster;
   bool race = false;
   bool no_labels = false;
   bool no_grid_lines = false;
@@ -274,6 +275,52 @@ void render_evolution(const std::string& folder, const RenderOptions& options,
   render::render_evolution(champions, options, output, frames_on(line));
 }
 
+// The best robot's line of first parents, the oldest first.
+std::vector<render::PosterContent::Ancestor> line_of(const RunHistory& history, std::size_t best) {
+  std::vector<std::size_t> line{best};
+  for (bool more = true; more;) {
+    more = false;
+    for (const std::string& parent : history.robots()[line.back()].robot.parents()) {
+      const auto known = history.by_id().find(parent);
+      if (known == history.by_id().end() || std::ranges::count(line, known->second) > 0) continue;
+      line.push_back(known->second);
+      more = true;
+      break;
+    }
+  }
+  std::vector<render::PosterContent::Ancestor> result;
+  for (auto k = line.rbegin(); k != line.rend(); ++k)
+    result.push_back({history.robots()[*k].robot, history.robots()[*k].generation});
+  return result;
+}
+
+void render_poster(const std::string& folder, const RenderOptions& options,
+                   const std::string& output) {
+  const RunHistory history{RunFolder(folder)};
+  const auto best = history.champion_index();
+  if (!best) throw error(Failure::data, "{}: no robot has a fitness yet", folder);
+  const TrainedRobot& champion = history.robots()[*best];
+  const auto policy = history.folder().policy(champion.robot.id);
+  if (!std::filesystem::exists(policy))
+    throw error(Failure::no_input, "{}: is not there, so the best robot cannot be shown",
+                policy.string());
+  const Rollout rollout = play(read_policy(policy), cli::created_by("evo-render"));
+  render::PosterContent content{rollout.task, "", line_of(history, *best), {}};
+  std::int64_t steps = 0;
+  for (const TrainedRobot& robot : history.robots()) {
+    const double so_far = content.best.empty() ? *champion.fitness : content.best.back();
+    const double own = robot.fitness.value_or(so_far);
+    content.best.push_back(content.best.empty() ? own : std::max(so_far, own));
+    steps += robot.robot.steps().value_or(0);
+  }
+  content.sentence =
+      fmt::format("The best of {} robots, found by {} in {} generations and {:.2g} million steps",
+                  history.robots().size(), history.folder().settings().text("method"),
+                  history.generations().size(), static_cast<double>(steps) * 1e-6);
+  write_picture(output, rollout.task + ", a run on one page",
+                render::draw_poster(content, {&rollout, 0, ""}, options));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -340,6 +387,9 @@ int main(int argc, char** argv) {
   command.option("--evolution", settings.evolution, "RUN_DIR",
                  "the best robot of one generation after another, changed voxels flashing");
   command.section("Still pictures");
+  command.option("--poster", settings.poster, "RUN_DIR",
+                 "a run on one page: what its best robot does, its body, the best fitness, and the "
+                 "bodies it goes back to");
   command.option("--at", settings.at, "STEP", "one moment of an episode");
   command.option(
       "--strip", settings.strip, "N",
@@ -368,6 +418,7 @@ int main(int argc, char** argv) {
   command.example("evo-render walk.h5 --contacts --plot actuation -o walk.mp4",
                   "what pushes it, and what its actuators are told");
   command.example("evo-render --evolution runs/walker -o film.mp4", "an evolution");
+  command.example("evo-render --poster runs/walker -o poster.pdf", "a run on one page");
   command.example("evo-sample -n 12 | evo-render --grid -o robots.png", "twelve robots");
 
   return command.run(argc, argv, [&] {
@@ -389,6 +440,16 @@ int main(int argc, char** argv) {
       if (!settings.fps) options.fps = std::min(options.fps, 30.0);
       render::check_options(options);
       render_evolution(*settings.evolution, options, command.output, command.progress_style());
+      return 0;
+    }
+    if (settings.poster) {
+      if (!files.empty() || settings.race || is_still(settings))
+        throw error(
+            Failure::usage,
+            "--poster shows the best robot of a run, without files, --race and other stills");
+      options.from = 0;
+      options.to.reset();
+      render_poster(*settings.poster, options, command.output);
       return 0;
     }
     for (const std::string& file : files)

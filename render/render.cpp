@@ -220,6 +220,15 @@ Drawing draw_generations(const std::vector<Generation>& generations, int rows,
                           typesetter);
 }
 
+Drawing draw_poster(const PosterContent& content, const Episode& best,
+                    const RenderOptions& options) {
+  RenderOptions inside = options;
+  inside.size = {poster_width(), poster_width() * 3 / 5};
+  const Drawing moments = draw_moments(best, {}, inside);
+  Typesetter typesetter;
+  return poster(content, moments, theme_by_name(options.theme), typesetter);
+}
+
 Image paint(const Drawing& drawing) {
   Image image(drawing.size());
   run_workers({1, image.rgba.size(), 1,

@@ -383,7 +383,9 @@ int main(int argc, char** argv) {
       "curves below the picture, in step with it: return, actuation (commanded "
       "lengths) or none");
   command.section("Films of several robots");
-  command.flag("--race", settings.race, "all episodes in one world, with one camera and a ranking");
+  command.flag(
+      "--race", settings.race,
+      "all episodes in lanes with finish line, time and places; of climbers, in one world");
   command.option("--evolution", settings.evolution, "RUN_DIR",
                  "the best robot of one generation after another, changed voxels flashing");
   command.section("Still pictures");

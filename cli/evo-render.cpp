@@ -471,7 +471,7 @@ int main(int argc, char** argv) {
     command.only(film && !still, {"--fps", "--speed", "--every"}, "films of rollouts");
     command.only(settings.sheet.has_value(), {"--panels"}, "--sheet");
     command.only(settings.sheet || settings.strip, {"--moments"}, "--strip and --sheet");
-    command.only(!still, {"--from", "--to"}, "films");
+    command.only(!still || settings.loop, {"--from", "--to"}, "films and --loop");
     command.only(!settings.at, {"--strip", "--sheet", "--loop"}, "films and pictures without --at");
     command.only(!settings.strip, {"--sheet", "--loop"}, "pictures without --strip");
     command.only(!settings.sheet, {"--loop"}, "pictures without --sheet");

@@ -235,10 +235,10 @@ void Race::draw_lane(std::size_t k, double step, const Rect& lane, Typesetter& t
                 Align::centre,
                 true});
   drawing.text({{badge.x + 2.0F * size, y}, size, runner.name, theme.text});
-  const float right = lane.x + lane.width - 0.9F * size;
-  const float width = typesetter.width(result, size, true);
-  plate(right - width - 0.4F * size, width + 0.8F * size);
-  drawing.text({{right, y}, size, result, theme.text, Align::right, true});
+  // Beside the name: at the right, robots come in.
+  const float left = badge.x + 3.5F * size + name;
+  plate(left - 0.4F * size, typesetter.width(result, size, true) + 0.8F * size);
+  drawing.text({{left, y}, size, result, theme.text, Align::left, true});
 }
 
 Drawing Race::frame(double step, Typesetter& typesetter) const {

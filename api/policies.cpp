@@ -23,7 +23,10 @@ std::size_t action_length(const evo::TrainedController& controller) {
     return static_cast<std::size_t>(network->action_length());
   if (const auto* sequence = std::get_if<evo::ReplayController>(&controller))
     return static_cast<std::size_t>(sequence->actuators);
-  return std::get<evo::SineController>(controller).amplitude.size();
+  if (const auto* sine = std::get_if<evo::SineController>(&controller))
+    return sine->amplitude.size();
+  throw evo::error(Failure::usage,
+                   "the policy is a modular one, of any body: evo-eval evaluates it");
 }
 
 }  // namespace

@@ -162,6 +162,17 @@ std::string describe(const Policy& policy) {
         " on " + std::visit([](const auto& base) { return describe_motion(base); }, *policy.base);
   return text;
 }
+std::string describe(const ModularPolicy& policy) {
+  std::string text = fmt::format("a network {}-{}",
+                                 VoxelViews::local_length + policy.task_length() +
+                                     2 * std::ssize(policy.clock) + VoxelViews::fixed_length,
+                                 policy.actor.bias.size());
+  for (const Layer& layer : policy.actor.rest.layers) text += fmt::format("-{}", layer.bias.size());
+  text += " of every voxel, for any body";
+  if (policy.exchange != Exchange::none)
+    text += fmt::format("; layers read others ({})", word(policy.exchange));
+  return text;
+}
 
 void print_policy(const std::string& path, bool color) {
   const PolicyFile file = read_policy(path);
@@ -179,7 +190,9 @@ void print_policy(const std::string& path, bool color) {
              cli::printable(file.settings_hash.substr(0, 12)));
   fmt::print("control   {}\n",
              std::visit([](const auto& any) { return describe(any); }, file.controller));
-  if (!std::holds_alternative<Policy>(file.controller)) return;  // sees nothing
+  if (!std::holds_alternative<Policy>(file.controller) &&
+      !std::holds_alternative<ModularPolicy>(file.controller))
+    return;  // sees nothing
   std::string observes = "observes ";
   for (const ObservationSlice& slice : file.layout)
     observes += fmt::format(" {} [{}..{}]", cli::printable(slice.name), slice.offset,

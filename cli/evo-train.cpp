@@ -18,10 +18,12 @@ void check_files(const TrainingPlan& plan, const std::vector<Robot>& robots,
   std::set<std::string> ids;
   for (const Robot& robot : robots) {
     if (!ids.insert(robot.id).second) continue;
+    if (plan.shared && ids.size() > 1) continue;
     const TrainingPaths paths = training_paths(plan, robot.id);
-    outputs.push_back({"the policy of robot " + robot.id, paths.policy.string()});
-    outputs.push_back({"the checkpoint of robot " + robot.id, paths.checkpoint.string()});
-    outputs.push_back({"the log of robot " + robot.id, paths.log.string()});
+    const std::string of = plan.shared ? "all robots" : "robot " + robot.id;
+    outputs.push_back({"the policy of " + of, paths.policy.string()});
+    outputs.push_back({"the checkpoint of " + of, paths.checkpoint.string()});
+    outputs.push_back({"the log of " + of, paths.log.string()});
   }
   cli::check_outputs(outputs);
 }
@@ -48,6 +50,9 @@ int main(int argc, char** argv) {
                   "four random robots, trained in parallel");
   command.example("evo-train best.json --task Climber-v0 --train paper --out-dir climb --resume",
                   "with the settings of the paper, going on after an interruption");
+
+  command.example("evo-train --train modular --task Walker-v0 --shared one.policy.h5 bodies.jsonl",
+                  "one controller for all bodies of a file, which fits any other");
 
   return command.run(argc, argv, [&] {
     const std::vector<Robot> robots = cli::read_robots(files);

@@ -24,8 +24,8 @@ void TrainingOptions::add_to(Command& command) {
   task.add_to(command);
   command.section("Training");
   command.option("--train", profile, "PROFILE",
-                 "training profile by name or file: default, gait, lineage, moments, paper, "
-                 "release2, sequence");
+                 "training profile by name or file: default, gait, lineage, modular, "
+                 "moments, paper, release2, sequence");
   command.option("--train-set", set, "KEY=VALUE",
                  "one setting of the profile, such as learning_rate=3e-4 (repeatable); "
                  "'evo-inspect training' lists them");
@@ -45,7 +45,9 @@ void TrainingOptions::add_to(Command& command) {
   command.seed_option();
   command.section("Files");
   command.option("--out-dir", out_dir, "DIR", "where <id>.policy.h5 and <id>.log go");
-  command.option("--curve", curve, "FILE.tsv", "learning curve of one robot as a table");
+  command.option("--shared", shared, "FILE.policy.h5",
+                 "one controller for all robots read, instead of one for each (--algo modular)");
+  command.option("--curve", curve, "FILE.tsv", "learning curve of one training as a table");
   command.output_option("where the robots go, with fitness, steps and policy");
   command.flag("--behaviour", behaviour, behaviour_help);
   command.option("--checkpoint-every", checkpoint_every, "N",
@@ -86,6 +88,7 @@ TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
   plan.logs = out_dir;
   plan.curve = curve;
   plan.init = init;
+  if (shared) plan.shared = *shared;
   plan.checkpoint_every = checkpoint_every;
   plan.keep_checkpoint = keep_checkpoint;
   plan.resume = resume;

@@ -4,6 +4,7 @@
 
 #include "formats/run/run.h"
 #include "formats/training/policy.h"
+#include "libevo/base/digest.h"
 #include "libevo/base/error.h"
 #include "libevo/control/transfer.h"
 
@@ -29,10 +30,22 @@ std::optional<fs::path> inherited_policy(const TrainingPlan& plan, const Robot& 
                 plan.founders_from->string(), robot.id);
   }
   if (!plan.init) return std::nullopt;
+  if (plan.shared && fs::is_directory(*plan.init))
+    throw error(Failure::usage,
+                "--init {}: one controller for all robots starts from one policy, not from those "
+                "of a folder",
+                plan.init->string());
   if (!fs::is_directory(*plan.init)) return plan.init;
   for (const std::string& parent : parents)
     if (auto path = policy_in(*plan.init, parent)) return path;
   return std::nullopt;
+}
+
+// How many robots, and which.
+std::string names_of_all(const Arena& arena, const std::vector<const Arena*>& others) {
+  std::string ids = identity(arena.robot());
+  for (const Arena* other : others) ids += "\n" + identity(other->robot());
+  return fmt::format("{} {}", 1 + others.size(), sha256_hex(ids));
 }
 
 TrainingIdentity identity_of(const TrainingPlan& plan, const Robot& robot, std::int64_t steps,
@@ -43,8 +56,8 @@ TrainingIdentity identity_of(const TrainingPlan& plan, const Robot& robot, std::
 }
 
 // The checkpoint is of this training, or the end of one with fewer steps.
-void go_on(const TrainingPlan& plan, const Robot& robot, const Arena& arena, const fs::path& path,
-           TrainingStart& start) {
+void go_on(const TrainingPlan& plan, const Robot& robot, const Arena& arena,
+           const std::vector<const Arena*>& others, const fs::path& path, TrainingStart& start) {
   const TrainingSettings& settings = plan.settings(robot);
   const auto span = span_of_same(read_checkpoint_identity(path), start.identity.lines);
   if (!span || span->steps > settings.steps) {
@@ -56,7 +69,7 @@ void go_on(const TrainingPlan& plan, const Robot& robot, const Arena& arena, con
   if (span->steps < settings.steps) {
     TrainingSettings of_part = settings;
     of_part.steps = span->steps;
-    Trainer part(arena, of_part, plan.seed, robot.id, start.inheritance);
+    Trainer part(arena, of_part, plan.seed, stream_name(plan, robot), start.inheritance, others);
     restore(part, *start.checkpoint, path);
     if (!part.done())
       throw error(Failure::cannot_create,
@@ -85,8 +98,10 @@ bool is_part(const std::string& identity, const TrainingStart& start) {
   return start.checkpoint && span_of_same(identity, start.identity.lines);
 }
 
-TrainingStart find_start(const TrainingPlan& plan, const Robot& robot, const Arena& arena) {
+TrainingStart find_start(const TrainingPlan& plan, const Robot& robot, const Arena& arena,
+                         const std::vector<const Arena*>& others) {
   TrainingStart start;
+  if (plan.shared) start.origin.robots = names_of_all(arena, others);
   if (const auto path = inherited_policy(plan, robot)) {
     const PolicyFile file = read_policy(*path);
     start.inheritance = Inheritance{file.controller, anatomy(file.robot.body, file.layout)};
@@ -95,7 +110,7 @@ TrainingStart find_start(const TrainingPlan& plan, const Robot& robot, const Are
   start.identity = identity_of(plan, robot, plan.settings(robot).steps, start.origin);
   if (const fs::path path = training_paths(plan, robot.id).checkpoint;
       plan.resume && fs::exists(path))
-    go_on(plan, robot, arena, path, start);
+    go_on(plan, robot, arena, others, path, start);
   return start;
 }
 

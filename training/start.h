@@ -22,7 +22,9 @@ struct TrainingStart {
 
 // Throws Error(no_input) for a founder without the controller that it is to have,
 // Error(cannot_create) where the checkpoint is of another training, Error(data).
-TrainingStart find_start(const TrainingPlan& plan, const Robot& robot, const Arena& arena);
+// `others`: of more robots that get the same controller.
+TrainingStart find_start(const TrainingPlan& plan, const Robot& robot, const Arena& arena,
+                         const std::vector<const Arena*>& others = {});
 
 // The trainer in the state of the checkpoint, which came from `path`.
 void restore(Trainer& trainer, const Checkpoint& checkpoint, const std::filesystem::path& path);

@@ -2,7 +2,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <exception>
+#include <span>
+#include <string_view>
 #include <system_error>
 
 #include "formats/io/files.h"
@@ -11,7 +14,7 @@
 #include "formats/training/policy.h"
 #include "formats/training/training_log.h"
 #include "libevo/base/error.h"
-#include "libevo/control/method.h"
+#include "libevo/control/methods.h"
 #include "libevo/control/sine.h"
 #include "training/episodes.h"
 #include "training/rescue.h"
@@ -36,28 +39,32 @@ double seconds_since_1970() {
 
 // ---- what a robot's document says of its training -----------------------------------
 
+EvaluationSettings evaluation_of_fitness(const TrainingPlan& plan, const Robot& robot) {
+  return evaluation_of(plan.settings(robot), plan.seed);
+}
+
 // The best evaluation once more, to look at: it has the same bits.
-Json behaviour_of(const TrainingPlan& plan, const PolicyFile& file, const Arena& arena) {
+Json behaviour_of(const TrainingPlan& plan, const Robot& robot, const Controller& controller,
+                  const Arena& arena) {
   BehaviourGauge gauge;
-  evaluate(arena, to_controller(file.controller),
-           TrainingJob{arena, plan.settings(file.robot), plan.seed, file.robot.id}.evaluation(),
+  evaluate(arena, controller, evaluation_of_fitness(plan, robot),
            [&](const EpisodeMoment& moment) { gauge.record(moment); });
   return gauge.mean();
 }
 
-Robot scored(const TrainingPlan& plan, const Robot& robot, const fs::path& policy,
-             const Arena& arena) {
-  const PolicyFile file = read_policy(policy);
+Robot scored(const TrainingPlan& plan, const Robot& robot, double fitness, const fs::path& policy,
+             const PolicyFile& file, const Arena& arena) {
   Robot result = robot;
-  result.set_fitness(file.fitness);
+  result.set_fitness(fitness);
   result.document["task"] = file.task;
   result.document["steps"] = file.steps;
   result.document["policy"] = policy.string();
-  if (const auto& score = file.final_score)
+  if (const auto& score = file.final_score; score && !plan.shared)
     result.document["final"] = {{"episodes", score->episodes},
                                 {"mean", score->mean},
                                 {"standard_error", score->standard_error}};
-  if (plan.behaviour) result.document["behaviour"] = behaviour_of(plan, file, arena);
+  if (plan.behaviour)
+    result.document["behaviour"] = behaviour_of(plan, robot, to_controller(file.controller), arena);
   return result;
 }
 
@@ -78,23 +85,22 @@ Error trained_otherwise(const fs::path& policy, const std::string& difference) {
                policy.string(), difference);
 }
 
-// The robot as it was trained before with exactly these settings (with --resume:
-// perhaps in parts), or nothing.
-std::optional<Robot> trained_before(const TrainingPlan& plan, const Robot& robot,
-                                    const Arena& arena, const fs::path& policy,
-                                    const TrainingStart& start) {
-  if (!fs::exists(policy)) return std::nullopt;
+// Whether the policy is of a training with exactly these settings (with --resume: perhaps in
+// parts).
+bool trained_before(const TrainingPlan& plan, const Robot& robot, const fs::path& policy,
+                    const TrainingStart& start) {
+  if (!fs::exists(policy)) return false;
   try {
     const std::string there = read_policy_identity(policy);
     const auto span = span_of_same(there, start.identity.lines);
     const bool in_parts = plan.resume && span && span->steps == plan.settings(robot).steps;
-    if (there == start.identity.lines || in_parts) return scored(plan, robot, policy, arena);
+    if (there == start.identity.lines || in_parts) return true;
     if (!plan.replace && !is_part(there, start))
       throw trained_otherwise(policy, difference(there, start.identity.lines));
   } catch (const Error& e) {  // damaged, or no policy at all
     if (!plan.replace || e.kind() != Failure::data) throw;
   }
-  return std::nullopt;
+  return false;
 }
 
 // Another process may have finished the same robot with other settings meanwhile;
@@ -116,39 +122,69 @@ void write_curve(const fs::path& path, const std::vector<CurvePoint>& curve) {
   write_file(path, table);
 }
 
-// ---- one robot ------------------------------------------------------------------------
+// ---- one training ---------------------------------------------------------------------
 
-// One training from its start to its files, or to a checkpoint where it is interrupted.
+// One training from its start to its files, or to a checkpoint where it is interrupted: of
+// one robot, or of one controller for several.
 class Training {
  public:
-  Training(const TrainingPlan& plan, const Robot& robot, std::size_t index, Rescue& rescue,
-           const TrainingObserver& observer)
+  Training(const TrainingPlan& plan, std::span<const Robot> robots, std::size_t index,
+           Rescue& rescue, const TrainingObserver& observer)
       : plan_(plan),
-        robot_(robot),
+        robots_(robots),
         index_(index),
         rescue_(rescue),
         observer_(observer),
-        paths_(training_paths(plan, robot.id)),
-        arena_(plan.task, robot.body) {}
+        paths_(training_paths(plan, robots.front().id)) {
+    for (const Robot& robot : robots) {
+      try {
+        arenas_.emplace_back(plan.task, robot.body);
+      } catch (const Error& e) {
+        if (!plan.shared) throw;
+        throw e.at("robot " + robot.id);
+      }
+      if (arenas_.size() > 1) others_.push_back(&arenas_.back());
+    }
+  }
 
-  Trained run() {
+  // How it went, of each robot.
+  std::vector<Trained> run() {
     if (plan_.sharded)
       for (const fs::path& file : {paths_.policy, paths_.log}) make_folders(file.parent_path());
-    start_ = find_start(plan_, robot_, arena_);
+    start_ = find_start(plan_, first(), arenas_.front(), others_);
     Trained trained;
     trained.index = index_;
-    trained.robot = trained_before(plan_, robot_, arena_, paths_.policy, start_);
-    trained.known = trained.robot.has_value();
-    if (!trained.known) train(trained);
-    return trained;
+    std::vector<Robot> measured;
+    if (trained_before(plan_, first(), paths_.policy, start_)) {
+      trained.known = true;
+      measured = from_file();
+    } else {
+      measured = train(trained);
+    }
+    if (measured.empty()) return {trained};
+    std::vector<Trained> all;
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+      if (i == 1) {  // they count once
+        trained.seconds = 0.0;
+        trained.steps = 0;
+      }
+      all.push_back(trained);
+      all.back().index = index_ + i;
+      all.back().robot = std::move(measured[i]);
+    }
+    return all;
   }
 
  private:
-  void train(Trained& trained) {
+  const Robot& first() const { return robots_.front(); }
+
+  // The robots with their fitness, or nothing: interrupted.
+  std::vector<Robot> train(Trained& trained) {
     // What is there is an earlier end of the same training.
     const bool replaces_part = !plan_.replace && start_.checkpoint && fs::exists(paths_.policy) &&
                                is_part(read_policy_identity(paths_.policy), start_);
-    Trainer trainer(arena_, plan_.settings(robot_), plan_.seed, robot_.id, start_.inheritance);
+    Trainer trainer(arenas_.front(), plan_.settings(first()), plan_.seed,
+                    stream_name(plan_, first()), start_.inheritance, others_);
     begin(trainer);
 
     TrainingLog log(paths_.log);
@@ -156,23 +192,25 @@ class Training {
     trained.started = seconds_since_1970();
     const auto began = SteadyClock::now();
     const bool ended = advance(trainer, log, trained, began);
+    std::vector<Robot> measured;
     if (ended) {
       log.end(seconds_since(began));
-      trained.robot = finish(trainer, replaces_part);
+      measured = finish(trainer, replaces_part);
     } else {
       save(trainer);
     }
     trained.seconds = seconds_since(began);
+    return measured;
   }
 
   void begin(Trainer& trainer) {
+    const std::string what = plan_.shared ? plan_.shared->string() : "robot " + first().id;
     if (start_.checkpoint) {
       restore(trainer, *start_.checkpoint, paths_.checkpoint);
       if (plan_.note_resumed)
-        observer_.note(
-            fmt::format("robot {}: goes on from {}", robot_.id, paths_.checkpoint.string()));
+        observer_.note(fmt::format("{}: goes on from {}", what, paths_.checkpoint.string()));
     } else if (fs::exists(paths_.checkpoint)) {
-      observer_.note(fmt::format("robot {}: begins anew; --resume would go on from {}", robot_.id,
+      observer_.note(fmt::format("{}: begins anew; --resume would go on from {}", what,
                                  paths_.checkpoint.string()));
     }
   }
@@ -204,30 +242,78 @@ class Training {
   }
 
   // The policy comes last: it says that the training has ended.
-  Robot finish(const Trainer& trainer, bool replaces_part) {
+  std::vector<Robot> finish(const Trainer& trainer, bool replaces_part) {
     const TrainResult result = trainer.result();
     const bool keeps = plan_.keep_checkpoint && !result.failure;
     if (keeps) save(trainer);
     if (!result.failure)
-      save_policy(paths_.policy,
-                  make_policy_file(robot_, arena_, plan_.settings(robot_), plan_.seed, result,
-                                   plan_.created_by, start_.origin),
-                  plan_.replace || replaces_part);
+      save_policy(paths_.policy, policy_file(result), plan_.replace || replaces_part);
     rescue_.forget(index_);
     std::error_code ignored;
     if (!keeps) fs::remove(paths_.checkpoint, ignored);
     if (plan_.curve) write_curve(*plan_.curve, result.curve);
-    return result.failure ? failed(plan_, robot_, *result.failure)
-                          : scored(plan_, robot_, paths_.policy, arena_);
+    if (!result.failure) return from_file();
+    std::vector<Robot> all;
+    for (const Robot& robot : robots_) all.push_back(failed(plan_, robot, *result.failure));
+    return all;
+  }
+
+  PolicyFile policy_file(const TrainResult& result) const {
+    const auto file_of = [&](std::size_t i) {
+      return make_policy_file(robots_[i], arenas_[i], plan_.settings(first()), plan_.seed, result,
+                              plan_.created_by, start_.origin);
+    };
+    if (!plan_.shared) return file_of(0);
+    // What each robot earns with the controller of all.
+    std::vector<Robot> all(robots_.begin(), robots_.end());
+    std::size_t best = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      try {
+        all[i].set_fitness(evaluate(arenas_[i], to_controller(*result.controller),
+                                    evaluation_of_fitness(plan_, all[i]))
+                               .mean());
+      } catch (const Error& e) {
+        if (e.kind() != Failure::work) throw;
+        all[i].set_failure({e.what(), std::nullopt, plan_.seed});
+      }
+      if (all[i].fitness() && (!all[best].fitness() || *all[i].fitness() > *all[best].fitness()))
+        best = i;
+    }
+    PolicyFile file = file_of(best);
+    file.robot = all[best];
+    file.robots = std::move(all);
+    file.identity = start_.identity.lines;
+    file.settings_hash = start_.identity.hash();
+    return file;
+  }
+
+  // The robots with what the policy file says of them.
+  std::vector<Robot> from_file() const {
+    const PolicyFile file = read_policy(paths_.policy);
+    if (!plan_.shared)
+      return {scored(plan_, first(), file.fitness, paths_.policy, file, arenas_.front())};
+    std::vector<Robot> all;
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      const Robot& known = file.robots.at(i);
+      if (const auto fitness = known.fitness()) {
+        all.push_back(scored(plan_, robots_[i], *fitness, paths_.policy, file, arenas_[i]));
+      } else {
+        const auto failure = known.failure();
+        all.push_back(failed(plan_, robots_[i],
+                             {failure ? failure->why : "no fitness", file.steps, file.seed}));
+      }
+    }
+    return all;
   }
 
   const TrainingPlan& plan_;
-  const Robot& robot_;
-  std::size_t index_;
+  std::span<const Robot> robots_;
+  std::size_t index_;  // of the first
   Rescue& rescue_;
   const TrainingObserver& observer_;
   TrainingPaths paths_;
-  Arena arena_;
+  std::deque<Arena> arenas_;          // of each robot
+  std::vector<const Arena*> others_;  // but the first
   TrainingStart start_;
 };
 
@@ -241,15 +327,25 @@ void stop_at_failure(const TrainingPlan& plan, const Robot& robot) {
 }  // namespace
 
 const TrainingSettings& TrainingPlan::settings(const Robot& robot) const {
-  return robot.parents().empty() ? founders : children;
+  return robot.parents().empty() && !shared ? founders : children;
 }
 
 TrainingPaths training_paths(const TrainingPlan& plan, const std::string& id) {
+  if (plan.shared) {
+    std::string stem = plan.shared->string();
+    for (const std::string_view end : {".h5", ".policy"})
+      if (stem.size() > end.size() && stem.ends_with(end)) stem.resize(stem.size() - end.size());
+    return {*plan.shared, stem + ".checkpoint.h5", stem + ".log"};
+  }
   const auto folder = [&](const fs::path& of_all) {
     return plan.sharded ? of_all / run_shard(id) : of_all;
   };
   return {folder(plan.policies) / (id + ".policy.h5"),
           folder(plan.policies) / (id + ".checkpoint.h5"), folder(plan.logs) / (id + ".log")};
+}
+
+std::string stream_name(const TrainingPlan& plan, const Robot& robot) {
+  return plan.shared ? "shared" : robot.id;
 }
 
 void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, int rows, int cols,
@@ -261,7 +357,8 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
     return;
   }
   std::optional<Inheritance> inheritance;
-  if (inherits == Inherits::yes)
+  // A modular policy would have to be of the settings' own shape to say anything.
+  if (inherits == Inherits::yes && settings.algorithm != Algorithm(ModularTraining::name))
     inheritance = {travelling_wave(arena->action_length(), 0.5, 20.0, 0.5),
                    anatomy(arena->robot(), arena->layout())};
   (void)Trainer(*arena, settings, plan.seed, "", std::move(inheritance));
@@ -269,21 +366,31 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
 
 int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, ThreadPool& pool,
                  const TrainingObserver& observer) {
-  if (plan.curve && robots.size() != 1)
+  if (plan.curve && robots.size() != 1 && !plan.shared)
     throw error(Failure::usage,
                 "--curve writes the curve of one robot, but {} were read; the "
                 "policy files hold the curves of all",
                 robots.size());
-  make_folders(plan.policies);
-  make_folders(plan.logs);
+  if (!plan.shared) {
+    make_folders(plan.policies);
+    make_folders(plan.logs);
+  }
   Rescue rescue(observer.interrupted, observer.farewell);
   std::atomic<bool> stopped = false;
+  const auto train = [&](std::span<const Robot> of, std::size_t index) {
+    for (const Trained& trained : Training(plan, of, index, rescue, observer).run()) {
+      if (trained.robot) stop_at_failure(plan, *trained.robot);
+      observer.ended(trained);
+    }
+  };
+  if (plan.shared) {
+    if (!robots.empty()) train(robots, 0);
+    return observer.interrupted();
+  }
   pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
     if (observer.interrupted() != 0 || stopped) return;
     try {
-      const Trained trained = Training(plan, robots[i], i, rescue, observer).run();
-      if (trained.robot) stop_at_failure(plan, *trained.robot);
-      observer.ended(trained);
+      train(std::span(robots).subspan(i, 1), i);
     } catch (const Error& e) {
       stopped = true;
       throw e.at("robot " + robots[i].id);

@@ -30,6 +30,8 @@ struct TrainingPlan {
   // folders there by the first two digits of ids.
   std::filesystem::path policies = ".";
   std::filesystem::path logs = ".";
+  // One controller for all robots, into this policy; checkpoint and log lie beside it.
+  std::optional<std::filesystem::path> shared;
   bool sharded = false;
   std::optional<std::filesystem::path> curve;  // a table, of one robot
 
@@ -49,13 +51,15 @@ struct TrainingPlan {
   const TrainingSettings& settings(const Robot& robot) const;
 };
 
-// What the plan's files of a robot are called.
+// What the plan's files of a robot, or of all, are called.
 struct TrainingPaths {
   std::filesystem::path policy;
   std::filesystem::path checkpoint;
   std::filesystem::path log;
 };
 TrainingPaths training_paths(const TrainingPlan& plan, const std::string& id);
+// What names the random streams of a training.
+std::string stream_name(const TrainingPlan& plan, const Robot& robot);
 
 // How a training went in this process.
 struct Trained {
@@ -85,10 +89,11 @@ enum class Inherits { no, yes };
 void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, int rows, int cols,
                     Inherits inherits);
 
-// Trains the robots on the pool's threads. Returns the signal that interrupted, or 0; each
-// training that had not ended then has a checkpoint. Throws Error(usage) for a curve of
-// several robots, Error(work) for a training that failed unless failures are skipped, else
-// what reading and writing the files throws; the first Error names its robot.
+// Trains the robots on the pool's threads, or one controller for all of them. Returns the signal
+// that interrupted, or 0; each training that had not ended then has a checkpoint. Throws
+// Error(usage) for a curve of several robots, Error(work) for a training that failed unless
+// failures are skipped, else what reading and writing the files throws; the first Error names its
+// robot.
 int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, ThreadPool& pool,
                  const TrainingObserver& observer);
 

@@ -131,6 +131,9 @@ struct evo_player {
       evo::TrainedController read = evo::controller_from_json(document, "controller");
       check_lengths(read);
       controller = std::move(read);
+      modular.reset();
+      if (const auto* policy = std::get_if<evo::ModularPolicy>(&controller))
+        modular.emplace(*policy, arena);
     }
   }
 
@@ -149,13 +152,16 @@ struct evo_player {
         [&](const evo::ReplayController& sequence) {
           require("actions a step", sequence.actuators, arena.action_length());
         }};
-    std::visit(evo::Overloaded{[&](const evo::Policy& policy) {
-                                 require("inputs", policy.observation_length(),
-                                         arena.observation_length());
-                                 require("outputs", policy.action_length(), arena.action_length());
-                                 if (policy.base) std::visit(open_loop, *policy.base);
-                               },
-                               open_loop},
+    std::visit(evo::Overloaded{
+                   [&](const evo::Policy& policy) {
+                     require("inputs", policy.observation_length(), arena.observation_length());
+                     require("outputs", policy.action_length(), arena.action_length());
+                     if (policy.base) std::visit(open_loop, *policy.base);
+                   },
+                   [&](const evo::ModularPolicy& policy) {
+                     (void)evo::ModularActor(policy, arena);  // refuses what does not fit
+                   },
+                   open_loop},
                read);
   }
 
@@ -180,6 +186,9 @@ struct evo_player {
     const int t = env.steps(0);
     std::visit(evo::Overloaded{[&](const evo::Policy& policy) {
                                  evo::act(policy, env.observations(), {&t, 1}, targets, scratch);
+                               },
+                               [&](const evo::ModularPolicy&) {
+                                 modular->act(env, {&t, 1}, targets);
                                },
                                [&](const auto& open_loop) { evo::act(open_loop, t, targets); }},
                controller);
@@ -218,7 +227,8 @@ struct evo_player {
   evo::VecEnv env;
   evo::TrainedController controller;
   evo::NetworkScratch scratch;
-  std::vector<Share> shares;  // of the rules, then of each term
+  std::optional<evo::ModularActor> modular;  // of `controller`, where it is one
+  std::vector<Share> shares;                 // of the rules, then of each term
   evo::Snapshot before;
   evo::Snapshot now;
   std::vector<double> targets;

@@ -182,7 +182,11 @@ void add_action_map(Graph& graph, const Policy& policy) {
 std::string policy_to_onnx(const PolicyFile& file) {
   const auto* policy = std::get_if<Policy>(&file.controller);
   if (policy == nullptr)
-    throw Error(Failure::data, "only a network can be written as ONNX; this policy is open loop");
+    throw Error(Failure::data, std::holds_alternative<ModularPolicy>(file.controller)
+                                   ? "a modular policy acts on the voxels of any body, not on an "
+                                     "observation; ONNX is written of networks that do"
+                                   : "only a network can be written as ONNX; this policy is open "
+                                     "loop");
   if (policy->base || !policy->clock.empty())
     throw Error(
         Failure::data,

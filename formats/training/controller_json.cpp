@@ -107,15 +107,21 @@ ReplayController sequence(const Json& document, const char* key) {
   return made;
 }
 
-Policy policy(const Json& document) {
-  Policy made;
-  made.actor = network(member(document, "actor", ""), "/actor");
-  const Json& normalizer = member(document, "normalizer", "");
-  made.normalizer.mean = vector(numbers(normalizer, "mean", "/normalizer"));
-  made.normalizer.variance = vector(numbers(normalizer, "var", "/normalizer"));
-  made.normalizer.count = number(normalizer, "count", "/normalizer");
-  made.normalizer.clip = number(normalizer, "clip", "/normalizer");
-  made.normalizer.epsilon = number(normalizer, "epsilon", "/normalizer");
+Normalizer normalizer(const Json& value, const std::string& path) {
+  Normalizer made;
+  made.mean = vector(numbers(value, "mean", path));
+  made.variance = vector(numbers(value, "var", path));
+  made.count = number(value, "count", path);
+  made.clip = number(value, "clip", path);
+  made.epsilon = number(value, "epsilon", path);
+  if (made.variance.size() != made.mean.size())
+    throw refusal(path, "{} means and {} variances", made.mean.size(), made.variance.size());
+  return made;
+}
+
+// Of a policy of either kind of network.
+template <typename AnyPolicy>
+void read_action(const Json& document, AnyPolicy& made) {
   const Json& action = member(document, "action", "");
   const Json& map = member(action, "map", "/action");
   if (map != "offset" && map != "squash")
@@ -126,6 +132,13 @@ Policy policy(const Json& document) {
   if (bounds.size() != 2) throw refusal("/action/bounds", "[low, high] is expected");
   made.low = bounds[0];
   made.high = bounds[1];
+}
+
+Policy policy(const Json& document) {
+  Policy made;
+  made.actor = network(member(document, "actor", ""), "/actor");
+  made.normalizer = normalizer(member(document, "normalizer", ""), "/normalizer");
+  read_action(document, made);
   if (document.contains("clock")) made.clock = numbers(document, "clock", "");
   if (document.contains("gait")) made.base = sine(document["gait"], "/gait");
   if (document.contains("sequence")) made.base = sequence(document, "sequence");
@@ -138,11 +151,64 @@ Policy policy(const Json& document) {
     throw refusal("/log_std", "{} numbers for {} outputs", made.log_std.size(), outputs);
   const Eigen::Index inputs = made.actor.layers.front().weight.cols();
   const auto clock = static_cast<Eigen::Index>(2 * made.clock.size());
-  if (made.normalizer.mean.size() + clock != inputs ||
-      made.normalizer.variance.size() != made.normalizer.mean.size())
-    throw refusal("/normalizer",
-                  "of {} and {} values, where the network takes {} from observations",
-                  made.normalizer.mean.size(), made.normalizer.variance.size(), inputs - clock);
+  if (made.normalizer.mean.size() + clock != inputs)
+    throw refusal("/normalizer", "of {} values, where the network takes {} from observations",
+                  made.normalizer.mean.size(), inputs - clock);
+  return made;
+}
+
+Matrix matrix(const Json& object, const char* name, const std::string& path) {
+  std::size_t columns = 0;
+  const std::vector<double> values = rows(member(object, name, path), path + "/" + name, columns);
+  Matrix made(static_cast<Eigen::Index>(values.size() / columns),
+              static_cast<Eigen::Index>(columns));
+  for (std::size_t i = 0; i < values.size(); ++i) made.data()[i] = static_cast<float>(values[i]);
+  return made;
+}
+
+ModularNetwork modular_network(const Json& value, const std::string& path) {
+  ModularNetwork made;
+  const Json& first = member(value, "first", path);
+  const std::string at = path + "/first";
+  made.local = matrix(first, "local", at);
+  made.task = matrix(first, "task", at);
+  made.fixed = matrix(first, "fixed", at);
+  made.bias = vector(numbers(first, "bias", at)).cast<float>();
+  const Json& rest = member(value, "rest", path);
+  if (!rest.is_array() || rest.empty())
+    throw refusal(path + "/rest", "a list of layers is expected, found {}", shown(rest));
+  for (std::size_t l = 0; l < rest.size(); ++l)
+    made.rest.layers.push_back(layer(rest[l], fmt::format("{}/rest/{}", path, l), 0));
+  return made;
+}
+
+ModularPolicy modular_policy(const Json& document) {
+  ModularPolicy made;
+  const Json& exchange = member(document, "exchange", "");
+  const auto known =
+      from_word<Exchange>(exchange.is_string() ? exchange.get<std::string>() : std::string());
+  if (!known)
+    throw refusal("/exchange", "none, neighbours or body is expected, found {}", shown(exchange));
+  made.exchange = *known;
+  const Json& normalizers = member(document, "normalizer", "");
+  made.local = normalizer(member(normalizers, "local", "/normalizer"), "/normalizer/local");
+  made.task = normalizer(member(normalizers, "task", "/normalizer"), "/normalizer/task");
+  read_action(document, made);
+  if (document.contains("clock")) made.clock = numbers(document, "clock", "");
+  made.actor = modular_network(member(document, "actor", ""), "/actor");
+  // What does not act may be missing; the shapes are then those of the actor.
+  made.critic =
+      document.contains("critic")
+          ? modular_network(document["critic"], "/critic")
+          : ModularNetwork{made.actor.local,
+                           made.actor.task,
+                           made.actor.fixed,
+                           made.actor.bias,
+                           {{{Matrix::Zero(1, made.actor.bias.size()), Vector::Zero(1)}}}};
+  made.log_std = document.contains("log_std")
+                     ? Vector(vector(numbers(document, "log_std", "")).cast<float>())
+                     : Vector(Vector::Zero(1));
+  if (const auto problem = defect(made)) throw refusal("", "{}", *problem);
   return made;
 }
 
@@ -150,9 +216,10 @@ TrainedController read(const Json& document) {
   const Json& kind = member(document, "kind", "");
   if (document.contains("format")) check_format(document, format::policy);
   if (kind == "network") return policy(document);
+  if (kind == "modular") return modular_policy(document);
   if (kind == "sine") return sine(member(document, "sine", ""), "/sine");
   if (kind == "sequence") return sequence(document, "actions");
-  throw refusal("/kind", "network, sine or sequence is expected, found {}", shown(kind));
+  throw refusal("/kind", "network, modular, sine or sequence is expected, found {}", shown(kind));
 }
 
 }  // namespace

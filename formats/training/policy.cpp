@@ -40,18 +40,22 @@ void write_network(hdf5::Writer& file, const std::string& group, const Network& 
   }
 }
 
+// `inputs`: how many it has to have, or hdf5::any.
+Layer read_layer(const hdf5::Reader& file, const std::string& group,
+                 std::size_t inputs = hdf5::any) {
+  const auto weight = file.array<float>(group + "/weight", {hdf5::any, inputs});
+  const auto bias = file.vector<float>(group + "/bias", weight.shape[0]);
+  const auto rows = static_cast<Eigen::Index>(weight.shape[0]);
+  const auto cols = static_cast<Eigen::Index>(weight.shape[1]);
+  return {Eigen::Map<const Matrix>(weight.values.data(), rows, cols),
+          Eigen::Map<const Vector>(bias.data(), rows)};
+}
+
 Network read_network(const hdf5::Reader& file, const std::string& group, std::size_t inputs) {
   Network network;
   for (std::size_t l = 0; file.exists(fmt::format("{}/layer_{}", group, l)); ++l) {
-    const std::string at = fmt::format("{}/layer_{}", group, l);
-    const auto weight = file.array<float>(at + "/weight", {hdf5::any, inputs});
-    const std::size_t outputs = weight.shape[0];
-    const auto bias = file.vector<float>(at + "/bias", outputs);
-    const auto rows = static_cast<Eigen::Index>(outputs);
-    network.layers.push_back(
-        {Eigen::Map<const Matrix>(weight.values.data(), rows, static_cast<Eigen::Index>(inputs)),
-         Eigen::Map<const Vector>(bias.data(), rows)});
-    inputs = outputs;
+    network.layers.push_back(read_layer(file, fmt::format("{}/layer_{}", group, l), inputs));
+    inputs = size(network.layers.back().bias.size());
   }
   if (network.layers.empty()) throw bad(file, group, "no layers");
   return network;
@@ -83,6 +87,13 @@ struct Stored<ReplayController> {
   static constexpr const char* kind = "sequence";
   static void write(hdf5::Writer& file, const ReplayController& sequence);
   static ReplayController read(const hdf5::Reader& file);
+};
+
+template <>
+struct Stored<ModularPolicy> {
+  static constexpr const char* kind = "modular";
+  static void write(hdf5::Writer& file, const ModularPolicy& policy);
+  static ModularPolicy read(const hdf5::Reader& file);
 };
 
 // Shifts are written where there are any: waves without are as ever.
@@ -129,43 +140,37 @@ std::optional<OpenLoop> read_base(const hdf5::Reader& file) {
   return std::nullopt;
 }
 
-void Stored<Policy>::write(hdf5::Writer& file, const Policy& policy) {
-  write_network(file, "/actor", policy.actor);
-  write_network(file, "/critic", policy.critic);
-  file.vector("/log_std", values_of(policy.log_std));
-  file.vector("/normalizer/mean", values_of(policy.normalizer.mean));
-  file.vector("/normalizer/var", values_of(policy.normalizer.variance));
-  file.attribute("/normalizer", "count", policy.normalizer.count);
-  file.attribute("/normalizer", "clip", policy.normalizer.clip);
-  file.attribute("/normalizer", "epsilon", policy.normalizer.epsilon);
+void write_normalizer(hdf5::Writer& file, const std::string& group, const Normalizer& normalizer) {
+  file.vector(group + "/mean", values_of(normalizer.mean));
+  file.vector(group + "/var", values_of(normalizer.variance));
+  file.attribute(group, "count", normalizer.count);
+  file.attribute(group, "clip", normalizer.clip);
+  file.attribute(group, "epsilon", normalizer.epsilon);
+}
+
+Normalizer read_normalizer(const hdf5::Reader& file, const std::string& group) {
+  Normalizer normalizer;
+  const auto mean = file.vector<double>(group + "/mean");
+  const auto variance = file.vector<double>(group + "/var", mean.size());
+  const auto length = static_cast<Eigen::Index>(mean.size());
+  normalizer.mean = Eigen::Map<const Eigen::VectorXd>(mean.data(), length);
+  normalizer.variance = Eigen::Map<const Eigen::VectorXd>(variance.data(), length);
+  normalizer.count = file.number<double>(group, "count");
+  normalizer.clip = file.number<double>(group, "clip");
+  normalizer.epsilon = file.number<double>(group, "epsilon");
+  return normalizer;
+}
+
+// Of a policy of either kind of network.
+template <typename AnyPolicy>
+void write_action(hdf5::Writer& file, const AnyPolicy& policy) {
   file.attribute("/", "action_map", word(policy.action_map));
   file.attribute("/", "action_offset", policy.action_offset);
   file.attribute("/", "action_bounds", std::vector<double>{policy.low, policy.high});
-  if (!policy.clock.empty()) file.vector("/clock", policy.clock);
-  if (policy.base) std::visit([&](const auto& base) { write_base(file, base); }, *policy.base);
 }
 
-Policy Stored<Policy>::read(const hdf5::Reader& file) {
-  Policy policy;
-  const auto mean = file.vector<double>("/normalizer/mean");
-  const auto variance = file.vector<double>("/normalizer/var", mean.size());
-  if (file.exists("/clock")) policy.clock = file.vector<double>("/clock");
-  policy.base = read_base(file);
-  const std::size_t inputs = mean.size() + 2 * policy.clock.size();
-  policy.actor = read_network(file, "/actor", inputs);
-  policy.critic = read_network(file, "/critic", inputs);
-  const std::size_t actions = size(policy.actor.layers.back().bias.size());
-  const auto log_std = file.vector<float>("/log_std", actions);
-  if (policy.critic.layers.back().bias.size() != 1)
-    throw bad(file, "/critic", "its last layer has more than one output");
-  const auto length = static_cast<Eigen::Index>(mean.size());
-  policy.log_std =
-      Eigen::Map<const Vector>(log_std.data(), static_cast<Eigen::Index>(log_std.size()));
-  policy.normalizer.mean = Eigen::Map<const Eigen::VectorXd>(mean.data(), length);
-  policy.normalizer.variance = Eigen::Map<const Eigen::VectorXd>(variance.data(), length);
-  policy.normalizer.count = file.number<double>("/normalizer", "count");
-  policy.normalizer.clip = file.number<double>("/normalizer", "clip");
-  policy.normalizer.epsilon = file.number<double>("/normalizer", "epsilon");
+template <typename AnyPolicy>
+void read_action(const hdf5::Reader& file, AnyPolicy& policy) {
   const std::string map = file.text("/", "action_map");
   const auto known_map = from_word<ActionMap>(map);
   if (!known_map)
@@ -177,6 +182,97 @@ Policy Stored<Policy>::read(const hdf5::Reader& file) {
     throw bad(file, "/@action_bounds", "two numbers, the lower one first, are expected");
   policy.low = bounds[0];
   policy.high = bounds[1];
+}
+
+void Stored<Policy>::write(hdf5::Writer& file, const Policy& policy) {
+  write_network(file, "/actor", policy.actor);
+  write_network(file, "/critic", policy.critic);
+  file.vector("/log_std", values_of(policy.log_std));
+  write_normalizer(file, "/normalizer", policy.normalizer);
+  write_action(file, policy);
+  if (!policy.clock.empty()) file.vector("/clock", policy.clock);
+  if (policy.base) std::visit([&](const auto& base) { write_base(file, base); }, *policy.base);
+}
+
+Policy Stored<Policy>::read(const hdf5::Reader& file) {
+  Policy policy;
+  policy.normalizer = read_normalizer(file, "/normalizer");
+  if (file.exists("/clock")) policy.clock = file.vector<double>("/clock");
+  policy.base = read_base(file);
+  const std::size_t inputs = size(policy.normalizer.mean.size()) + 2 * policy.clock.size();
+  policy.actor = read_network(file, "/actor", inputs);
+  policy.critic = read_network(file, "/critic", inputs);
+  const std::size_t actions = size(policy.actor.layers.back().bias.size());
+  const auto log_std = file.vector<float>("/log_std", actions);
+  if (policy.critic.layers.back().bias.size() != 1)
+    throw bad(file, "/critic", "its last layer has more than one output");
+  policy.log_std =
+      Eigen::Map<const Vector>(log_std.data(), static_cast<Eigen::Index>(log_std.size()));
+  read_action(file, policy);
+  return policy;
+}
+
+void write_modular_network(hdf5::Writer& file, const std::string& group,
+                           const ModularNetwork& network) {
+  const auto write = [&](const char* name, const Matrix& weight) {
+    file.array(group + "/first/" + name, {size(weight.rows()), size(weight.cols())},
+               values_of(weight));
+  };
+  write("local", network.local);
+  write("task", network.task);
+  write("fixed", network.fixed);
+  file.vector(group + "/first/bias", values_of(network.bias));
+  write_network(file, group + "/rest", network.rest);
+}
+
+ModularNetwork read_modular_network(const hdf5::Reader& file, const std::string& group,
+                                    std::size_t task_inputs) {
+  ModularNetwork network;
+  const auto bias = file.vector<float>(group + "/first/bias");
+  network.bias = Eigen::Map<const Vector>(bias.data(), static_cast<Eigen::Index>(bias.size()));
+  const auto read = [&](const char* name, std::size_t inputs) {
+    const auto weight = file.array<float>(group + "/first/" + name, {bias.size(), inputs});
+    return Matrix(Eigen::Map<const Matrix>(weight.values.data(), network.bias.size(),
+                                           static_cast<Eigen::Index>(inputs)));
+  };
+  network.local = read("local", VoxelViews::local_length);
+  network.task = read("task", task_inputs);
+  network.fixed = read("fixed", VoxelViews::fixed_length);
+  for (std::size_t l = 0; file.exists(fmt::format("{}/rest/layer_{}", group, l)); ++l)
+    network.rest.layers.push_back(read_layer(file, fmt::format("{}/rest/layer_{}", group, l)));
+  return network;
+}
+
+void Stored<ModularPolicy>::write(hdf5::Writer& file, const ModularPolicy& policy) {
+  file.attribute("/", "exchange", word(policy.exchange));
+  write_modular_network(file, "/actor", policy.actor);
+  write_modular_network(file, "/critic", policy.critic);
+  file.vector("/log_std", values_of(policy.log_std));
+  write_normalizer(file, "/normalizer/local", policy.local);
+  write_normalizer(file, "/normalizer/task", policy.task);
+  write_action(file, policy);
+  if (!policy.clock.empty()) file.vector("/clock", policy.clock);
+}
+
+ModularPolicy Stored<ModularPolicy>::read(const hdf5::Reader& file) {
+  ModularPolicy policy;
+  const std::string exchange = file.text("/", "exchange");
+  const auto known = from_word<Exchange>(exchange);
+  if (!known)
+    throw bad(file, "/@exchange", unknown_name("exchange", exchange, words_of<Exchange>()));
+  policy.exchange = *known;
+  policy.local = read_normalizer(file, "/normalizer/local");
+  policy.task = read_normalizer(file, "/normalizer/task");
+  if (policy.local.mean.size() != VoxelViews::local_length)
+    throw bad(file, "/normalizer/local/mean", "it is not as long as a voxel's view");
+  if (file.exists("/clock")) policy.clock = file.vector<double>("/clock");
+  const std::size_t inputs = size(policy.task.mean.size()) + 2 * policy.clock.size();
+  policy.actor = read_modular_network(file, "/actor", inputs);
+  policy.critic = read_modular_network(file, "/critic", inputs);
+  const auto log_std = file.vector<float>("/log_std", 1);
+  policy.log_std = Vector::Constant(1, log_std.front());
+  read_action(file, policy);
+  if (const auto problem = defect(policy)) throw bad(file, "/", *problem);
   return policy;
 }
 
@@ -266,6 +362,20 @@ Robot read_robot(const hdf5::Reader& file) {
   return std::move(robots.front());
 }
 
+std::vector<std::string> lines_of(const std::vector<Robot>& robots) {
+  std::vector<std::string> lines;
+  for (const Robot& robot : robots) lines.push_back(robot_to_line(robot));
+  return lines;
+}
+
+std::vector<Robot> read_list_of_robots(const hdf5::Reader& file) {
+  std::vector<Robot> robots;
+  for (const std::string& line : file.strings("/robots"))
+    for (Robot& robot : parse_robots(line, file.name() + ": /robots"))
+      robots.push_back(std::move(robot));
+  return robots;
+}
+
 // A file from before there were identities runs, and is of no training asked for.
 std::string read_identity(const hdf5::Reader& file) {
   return file.has_attribute("/", "identity") ? file.text("/", "identity") : "";
@@ -320,6 +430,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy, E
   file.attribute("/", "steps", policy.steps);
   write_controller(file, policy.controller);
   write_curve(file, policy.curve);
+  if (!policy.robots.empty()) file.strings("/robots", lines_of(policy.robots));
   if (policy.final_score) {
     file.attribute("/", "final_episodes", std::int64_t{policy.final_score->episodes});
     file.attribute("/", "final_mean", policy.final_score->mean);
@@ -350,6 +461,7 @@ PolicyFile read_policy(const std::filesystem::path& path) {
   policy.steps = file.number<std::int64_t>("/", "steps");
   policy.controller = read_controller(file);
   policy.curve = read_curve(file);
+  if (file.exists("/robots")) policy.robots = read_list_of_robots(file);
   if (file.has_attribute("/", "final_episodes"))
     policy.final_score = FinalScore{file.number<std::int32_t>("/", "final_episodes"),
                                     file.number<double>("/", "final_mean"),

@@ -20,6 +20,9 @@ namespace evo {
 
 struct PolicyFile {
   Robot robot;
+  // Of a controller for several robots: all of them with the fitness of each, of which `robot`
+  // is the best; empty: it is for `robot` alone.
+  std::vector<Robot> robots;
   std::string task;           // name
   std::string task_yaml;      // the whole task; empty: see policy_task
   std::string physics_yaml;   // the whole profile in force
@@ -32,7 +35,7 @@ struct PolicyFile {
   std::string settings_hash;  // of it
 
   TrainedController controller;
-  double fitness = 0.0;  // best evaluation
+  double fitness = 0.0;  // best evaluation; of several robots the mean
   std::int64_t best_step = 0;
   std::int64_t steps = 0;  // environment steps of training
   std::vector<CurvePoint> curve;

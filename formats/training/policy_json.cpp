@@ -58,23 +58,59 @@ void add_base(Json& document, const ReplayController& sequence) {
   document["sequence"] = sequence_to_json(sequence);
 }
 
+Json normalizer_to_json(const Normalizer& normalizer) {
+  return {{"mean", numbers(normalizer.mean)},
+          {"var", numbers(normalizer.variance)},
+          {"count", number(normalizer.count)},
+          {"clip", number(normalizer.clip)},
+          {"epsilon", number(normalizer.epsilon)}};
+}
+
+// Of a policy of either kind of network.
+template <typename AnyPolicy>
+Json action_to_json(const AnyPolicy& policy) {
+  return {{"map", word(policy.action_map)},
+          {"offset", number(policy.action_offset)},
+          {"bounds", {number(policy.low), number(policy.high)}}};
+}
+
 // One for every TrainedController.
 void add_controller(Json& document, const Policy& policy) {
-  const Normalizer& normalizer = policy.normalizer;
   document["kind"] = "network";
-  document["normalizer"] = {{"mean", numbers(normalizer.mean)},
-                            {"var", numbers(normalizer.variance)},
-                            {"count", number(normalizer.count)},
-                            {"clip", number(normalizer.clip)},
-                            {"epsilon", number(normalizer.epsilon)}};
-  document["action"] = {{"map", policy.action_map == ActionMap::offset ? "offset" : "squash"},
-                        {"offset", number(policy.action_offset)},
-                        {"bounds", {number(policy.low), number(policy.high)}}};
+  document["normalizer"] = normalizer_to_json(policy.normalizer);
+  document["action"] = action_to_json(policy);
   document["actor"] = network_to_json(policy.actor);
   document["critic"] = network_to_json(policy.critic);
   document["log_std"] = numbers(policy.log_std);
   if (!policy.clock.empty()) document["clock"] = numbers(policy.clock);
   if (policy.base) std::visit([&](const auto& base) { add_base(document, base); }, *policy.base);
+}
+
+Json rows_to_json(const Matrix& weight) {
+  Json rows = Json::array();
+  for (Eigen::Index r = 0; r < weight.rows(); ++r) rows.push_back(numbers(weight.row(r)));
+  return rows;
+}
+
+Json network_to_json(const ModularNetwork& network) {
+  return {{"first",
+           {{"local", rows_to_json(network.local)},
+            {"task", rows_to_json(network.task)},
+            {"fixed", rows_to_json(network.fixed)},
+            {"bias", numbers(network.bias)}}},
+          {"rest", network_to_json(network.rest)}};
+}
+
+void add_controller(Json& document, const ModularPolicy& policy) {
+  document["kind"] = "modular";
+  document["exchange"] = word(policy.exchange);
+  document["normalizer"] = {{"local", normalizer_to_json(policy.local)},
+                            {"task", normalizer_to_json(policy.task)}};
+  document["action"] = action_to_json(policy);
+  document["actor"] = network_to_json(policy.actor);
+  document["critic"] = network_to_json(policy.critic);
+  document["log_std"] = numbers(policy.log_std);
+  if (!policy.clock.empty()) document["clock"] = numbers(policy.clock);
 }
 
 void add_controller(Json& document, const SineController& sine) {
@@ -106,6 +142,8 @@ std::string policy_to_json(const PolicyFile& policy) {
   std::visit([&](const auto& controller) { add_controller(document, controller); },
              policy.controller);
   document["robot"] = parse_json(robot_to_line(policy.robot), "robot");
+  for (const Robot& robot : policy.robots)
+    document["robots"].push_back(parse_json(robot_to_line(robot), "robot"));
   document["task"] = policy.task;
   document["task_yaml"] = policy.task_yaml;
   document["physics_yaml"] = policy.physics_yaml;

@@ -116,9 +116,10 @@ std::string to_text(const Value& value) {
 
 // ---- the settings, by name --------------------------------------------------------
 
-using Member = std::variant<double T::*, int T::*, std::int64_t T::*, bool T::*,
-                            std::vector<int> T::*, std::vector<AttemptKind> T::*, Algorithm T::*,
-                            Schedule T::*, TimeLimit T::*, Standardize T::*, ActionMap T::*>;
+using Member =
+    std::variant<double T::*, int T::*, std::int64_t T::*, bool T::*, std::vector<int> T::*,
+                 std::vector<AttemptKind> T::*, Algorithm T::*, Schedule T::*, TimeLimit T::*,
+                 Standardize T::*, ActionMap T::*, Exchange T::*>;
 
 struct Setting {
   const char* key;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <variant>
 
+#include "libevo/control/modular_policy.h"
 #include "libevo/control/policy.h"
 #include "libevo/control/replay.h"
 #include "libevo/control/sine.h"
@@ -18,10 +19,11 @@ struct RandomController {
   bool operator==(const RandomController&) const = default;
 };
 
-using Controller = std::variant<Policy, SineController, RandomController, ReplayController>;
+using Controller =
+    std::variant<Policy, SineController, RandomController, ReplayController, ModularPolicy>;
 
 // Those that a training can find, and a policy file can hold.
-using TrainedController = std::variant<Policy, SineController, ReplayController>;
+using TrainedController = std::variant<Policy, SineController, ReplayController, ModularPolicy>;
 Controller to_controller(const TrainedController& controller);
 
 }  // namespace evo

@@ -149,6 +149,16 @@ struct Prepare {
     };
   }
 
+  void operator()(const ModularPolicy& policy) const {
+    work.choose = [actor = ModularActor(policy, arena), steps = std::vector<int>{}](
+                      const VecEnv& env, std::span<Running> lanes,
+                      std::span<double> targets) mutable {
+      steps.clear();
+      for (const Running& lane : lanes) steps.push_back(lane.steps);
+      actor.act(env, steps, targets);
+    };
+  }
+
   void operator()(const SineController& sine) const {
     require_length("amplitudes", sine.amplitude.size(), actions());
     require_length("phases", sine.phase.size(), actions());

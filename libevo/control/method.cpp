@@ -1,7 +1,9 @@
 #include "libevo/control/method.h"
 
+#include <optional>
 #include <utility>
 
+#include "libevo/base/error.h"
 #include "libevo/control/ppo.h"
 #include "libevo/control/transfer.h"
 
@@ -16,6 +18,47 @@ EvaluationSettings evaluation_of(const TrainingSettings& settings, std::uint64_t
 }
 
 EvaluationSettings TrainingJob::evaluation() const { return evaluation_of(settings, seed); }
+
+std::vector<const Arena*> TrainingJob::arenas() const {
+  std::vector<const Arena*> all{&arena};
+  all.insert(all.end(), others.begin(), others.end());
+  return all;
+}
+
+Evaluation evaluate_all(const TrainingJob& job, const Controller& controller,
+                        const EvaluationSettings& settings) {
+  if (job.others.empty()) return evaluate(job.arena, controller, settings);
+  Evaluation all;
+  std::optional<Error> failure;
+  for (const Arena* arena : job.arenas()) {
+    try {
+      const Evaluation one = evaluate(*arena, controller, settings);
+      all.returns.insert(all.returns.end(), one.returns.begin(), one.returns.end());
+      all.lengths.insert(all.lengths.end(), one.lengths.begin(), one.lengths.end());
+      all.peaks.insert(all.peaks.end(), one.peaks.begin(), one.peaks.end());
+    } catch (const Error& e) {
+      if (e.kind() != Failure::work) throw;
+      failure = e;
+    }
+  }
+  if (all.returns.empty()) throw failure.value();
+  return all;
+}
+
+Metrics update_metrics(const UpdateReport& update, std::span<const double> returns) {
+  Metrics metrics{{"charts/learning_rate", update.learning_rate},
+                  {"losses/policy_loss", update.losses.policy},
+                  {"losses/value_loss", update.losses.value},
+                  {"losses/entropy", update.losses.entropy},
+                  {"losses/approx_kl", update.losses.approx_kl},
+                  {"losses/clipfrac", update.losses.clipfrac},
+                  {"losses/explained_variance", update.explained_variance}};
+  if (returns.empty()) return metrics;
+  double sum = 0.0;
+  for (const double r : returns) sum += r;
+  metrics.push_back({"charts/episodic_return", sum / static_cast<double>(returns.size())});
+  return metrics;
+}
 
 void Findings::evaluated(double value, const TrainedController& controller) {
   if (!fitness || value > *fitness) {

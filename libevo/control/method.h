@@ -5,11 +5,13 @@
 #include <concepts>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "libevo/control/checkpoint.h"
 #include "libevo/control/evaluate.h"
+#include "libevo/control/ppo_parts.h"
 #include "libevo/control/settings.h"
 #include "libevo/control/trainer.h"
 
@@ -24,7 +26,10 @@ struct TrainingJob {
   std::uint64_t seed = 0;
   std::string robot_id;  // names the random streams
   std::optional<Inheritance> inheritance = {};
+  // Of more robots that are to have the same controller, in the same task.
+  std::vector<const Arena*> others = {};
 
+  std::vector<const Arena*> arenas() const;  // of all robots
   // Evaluations meet the same episodes for every robot.
   EvaluationSettings evaluation() const;
 };
@@ -42,7 +47,15 @@ struct Findings {
   void evaluated(double value, const TrainedController& controller);
 };
 
+// What the controller earns in episodes of the job's robots, robot after robot. Of several
+// robots, one whose simulation becomes unstable is left out.
+Evaluation evaluate_all(const TrainingJob& job, const Controller& controller,
+                        const EvaluationSettings& settings);
+
 using Metrics = std::vector<Metric>;
+
+// What an update of PPO did, and the mean of the returns of episodes that ended meanwhile.
+Metrics update_metrics(const UpdateReport& update, std::span<const double> returns);
 
 // An untrained policy for the job's arena, on a base where one is given.
 Policy initial_policy(const TrainingJob& job, std::optional<OpenLoop> base);

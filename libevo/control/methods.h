@@ -6,17 +6,19 @@
 #include <variant>
 
 #include "libevo/control/gait_training.h"
+#include "libevo/control/modular_training.h"
 #include "libevo/control/ppo_training.h"
 #include "libevo/control/sequence_training.h"
 #include "libevo/control/wave_search.h"
 
 namespace evo {
 
-using Method = std::variant<PpoTraining,      // ppo
-                            SineTraining,     // sine
-                            RandomTraining,   // random
-                            GaitTraining,     // gait
-                            SequenceTraining  // sequence
+using Method = std::variant<PpoTraining,       // ppo
+                            SineTraining,      // sine
+                            RandomTraining,    // random
+                            GaitTraining,      // gait
+                            SequenceTraining,  // sequence
+                            ModularTraining    // modular
                             >;
 
 // The method that settings.algorithm names, ready to begin.

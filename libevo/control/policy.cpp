@@ -168,21 +168,26 @@ void normalize(const Normalizer& normalizer, std::span<const double> observation
   fill_normalized(normalizer, observations, out);
 }
 
-void network_inputs(const Policy& policy, std::span<const double> observations,
-                    std::span<const int> steps, Matrix& inputs) {
-  const Eigen::Index seen = policy.normalizer.mean.size();
-  inputs.resize(static_cast<Eigen::Index>(observations.size()) / seen,
-                seen + 2 * static_cast<Eigen::Index>(policy.clock.size()));
-  fill_normalized(policy.normalizer, observations, inputs);
+void network_inputs(const Normalizer& normalizer, std::span<const double> clock,
+                    std::span<const double> observations, std::span<const int> steps,
+                    Matrix& inputs) {
+  const Eigen::Index seen = normalizer.mean.size();
+  inputs.resize(static_cast<Eigen::Index>(steps.size()), seen + 2 * std::ssize(clock));
+  fill_normalized(normalizer, observations, inputs);
   for (std::size_t e = 0; e < steps.size(); ++e) {
     const auto row = static_cast<Eigen::Index>(e);
     Eigen::Index next = seen;
-    for (const double period : policy.clock) {
+    for (const double period : clock) {
       const double turn = 2.0 * std::numbers::pi * steps[e] / period;
       inputs(row, next++) = static_cast<float>(math::sin(turn));
       inputs(row, next++) = static_cast<float>(math::sin(turn + 0.5 * std::numbers::pi));
     }
   }
+}
+
+void network_inputs(const Policy& policy, std::span<const double> observations,
+                    std::span<const int> steps, Matrix& inputs) {
+  network_inputs(policy.normalizer, policy.clock, observations, steps, inputs);
 }
 
 void rest_targets(const Policy& policy, int t, std::span<double> targets) {
@@ -192,12 +197,16 @@ void rest_targets(const Policy& policy, int t, std::span<double> targets) {
     std::fill(targets.begin(), targets.end(), policy.action_offset);
 }
 
-double target_of(const Policy& policy, double rest, double output) {
-  if (policy.action_map == ActionMap::squash) {
-    const double middle = 0.5 * (policy.high + policy.low);
-    return middle + 0.5 * (policy.high - policy.low) * math::tanh(output);
+double target_of(ActionMap map, double low, double high, double rest, double output) {
+  if (map == ActionMap::squash) {
+    const double middle = 0.5 * (high + low);
+    return middle + 0.5 * (high - low) * math::tanh(output);
   }
-  return std::clamp(rest + output, policy.low, policy.high);
+  return std::clamp(rest + output, low, high);
+}
+
+double target_of(const Policy& policy, double rest, double output) {
+  return target_of(policy.action_map, policy.low, policy.high, rest, output);
 }
 
 void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,

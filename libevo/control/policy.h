@@ -112,10 +112,15 @@ void normalize(const Normalizer& normalizer, std::span<const double> observation
 // [E x (D + 2 periods)].
 void network_inputs(const Policy& policy, std::span<const double> observations,
                     std::span<const int> steps, Matrix& inputs);
+// The same of a normaliser and a clock.
+void network_inputs(const Normalizer& normalizer, std::span<const double> clock,
+                    std::span<const double> observations, std::span<const int> steps,
+                    Matrix& inputs);
 // What actions are added to at step t of an episode, [A].
 void rest_targets(const Policy& policy, int t, std::span<double> targets);
 // Actuator target of one network output, `rest` being what it is added to.
 double target_of(const Policy& policy, double rest, double output);
+double target_of(ActionMap map, double low, double high, double rest, double output);
 
 // What a network sees and puts out, kept from call to call.
 struct NetworkScratch {

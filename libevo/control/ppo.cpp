@@ -1,7 +1,6 @@
-// Read from top to bottom: the objective and its gradient, advantages, the
-// optimiser, then the learner that uses them. Implementation details carry the
-// numbers of "The 37 Implementation Details of Proximal Policy Optimization"
-// (Huang et al. 2022) in brackets.
+// Read from top to bottom: the objective and its gradient, then the learner that uses
+// them; ppo_parts.cpp has the pieces. Implementation details carry the numbers of "The 37
+// Implementation Details of Proximal Policy Optimization" (Huang et al. 2022) in brackets.
 #include "libevo/control/ppo.h"
 
 #include <algorithm>
@@ -12,13 +11,10 @@
 #include "libevo/base/elementary.h"
 
 namespace evo {
+
+using namespace ppo;  // NOLINT(google-build-using-namespace)
+
 namespace {
-
-constexpr double half_log_two_pi = 0.9189385332046727;
-constexpr double advantage_epsilon = 1e-5;
-constexpr double initial_moment_count = 1e-4;  // weight of the prior mean 0, variance 1
-
-float exp32(float x) { return static_cast<float>(math::exp(static_cast<double>(x))); }
 
 void set_deviations(const Policy& policy, Vector& deviation) {
   deviation = policy.log_std.unaryExpr(&exp32);
@@ -42,30 +38,6 @@ float log_scale(const Policy& policy) {
   for (Eigen::Index i = 0; i < policy.log_std.size(); ++i)
     sum += static_cast<double>(policy.log_std[i]) + half_log_two_pi;
   return static_cast<float>(sum);
-}
-
-struct Moments {
-  double mean = 0.0;
-  double variance = 0.0;  // of the sample: divided by n - 1
-};
-
-Moments moments(std::span<const float> x) {
-  Moments result;
-  for (const float value : x) result.mean += static_cast<double>(value);
-  result.mean /= static_cast<double>(x.size());
-  for (const float value : x) {
-    const double difference = static_cast<double>(value) - result.mean;
-    result.variance += difference * difference;
-  }
-  result.variance /= std::max(1.0, static_cast<double>(x.size()) - 1.0);
-  return result;
-}
-
-// [7] Advantages with mean 0 and deviation 1.
-void standardize(Vector& advantages) {
-  const Moments m = moments({advantages.data(), static_cast<std::size_t>(advantages.size())});
-  const double deviation = std::sqrt(m.variance) + advantage_epsilon;
-  for (float& a : advantages) a = static_cast<float>((static_cast<double>(a) - m.mean) / deviation);
 }
 
 }  // namespace
@@ -103,38 +75,17 @@ Losses differentiate(const Policy& policy, const Samples& batch, const Objective
   Losses losses;
 
   for (Eigen::Index i = 0; i < samples; ++i) {
-    // [8] Clipped surrogate objective.
     const float log_ratio =
         log_density(batch.actions.row(i), mean.row(i), deviation, z) - scale - batch.log_probs[i];
-    const float ratio = exp32(log_ratio);
-    const float advantage = batch.advantages[i];
-    const float surrogate = ratio * advantage;
-    const float clipped = std::clamp(ratio, 1.0F - clip, 1.0F + clip) * advantage;
-    losses.policy -= static_cast<double>(std::min(surrogate, clipped));
-    losses.approx_kl += static_cast<double>((ratio - 1.0F) - log_ratio);
-    losses.clipfrac += std::abs(ratio - 1.0F) > clip ? 1.0 : 0.0;
-    // dL/d log pi: nothing where the clipped, constant branch is the smaller.
-    const float g = surrogate <= clipped ? -surrogate * share : 0.0F;
+    const float g = add_policy_loss(log_ratio, batch.advantages[i], clip, share, losses);
     for (Eigen::Index j = 0; j < actions; ++j) {
       mean_gradient(i, j) = g * z[j] / deviation[j];
       log_std_gradient[j] += g * (z[j] * z[j] - 1.0F);
     }
-
-    // [9] Value loss, clipped around the old value.
-    const float old_value = batch.values[i];
-    const float error = value(i, 0) - batch.returns[i];
-    const float change = value(i, 0) - old_value;
-    const float clipped_error = old_value + std::clamp(change, -clip, clip) - batch.returns[i];
-    const bool use_clipped =
-        objective.clip_value_loss && clipped_error * clipped_error > error * error;
-    const float counted = use_clipped ? clipped_error : error;
-    losses.value += 0.5 * static_cast<double>(counted * counted);
-    value_gradient(i, 0) = use_clipped && std::abs(change) > clip ? 0.0F : value_share * counted;
+    value_gradient(i, 0) = add_value_loss(value(i, 0), batch.values[i], batch.returns[i], objective,
+                                          value_share, losses);
   }
-  losses.policy /= static_cast<double>(samples);
-  losses.value /= static_cast<double>(samples);
-  losses.approx_kl /= static_cast<double>(samples);
-  losses.clipfrac /= static_cast<double>(samples);
+  divide(losses, static_cast<double>(samples));
 
   // [10] Entropy of the Gaussian: sum_j (1/2 + log(sigma_j sqrt(2 pi))).
   losses.entropy = 0.5 * static_cast<double>(actions) + static_cast<double>(scale);
@@ -145,94 +96,9 @@ Losses differentiate(const Policy& policy, const Samples& batch, const Objective
   return losses;
 }
 
-// ---- advantages ---------------------------------------------------------------
-
-void estimate_advantages(std::span<const double> rewards, std::span<const std::uint8_t> ended,
-                         std::span<const float> values, std::span<const float> last_values,
-                         double gamma, double lambda, std::span<float> advantages) {
-  const std::size_t environments = last_values.size();
-  const std::size_t steps = rewards.size() / environments;
-  for (std::size_t e = 0; e < environments; ++e) {
-    double next_value = static_cast<double>(last_values[e]);
-    double advantage = 0.0;
-    for (std::size_t t = steps; t-- > 0;) {
-      const std::size_t i = t * environments + e;
-      const double goes_on = ended[i] != 0 ? 0.0 : 1.0;
-      const double value = static_cast<double>(values[i]);
-      const double delta = rewards[i] + gamma * goes_on * next_value - value;
-      advantage = delta + gamma * lambda * goes_on * advantage;
-      advantages[i] = static_cast<float>(advantage);
-      next_value = value;
-    }
-  }
-}
-
-// ---- the optimiser ------------------------------------------------------------
-
-namespace {
-double square(float x) { return static_cast<double>(x) * static_cast<double>(x); }
-}  // namespace
-
-double clip_norm(Gradients& gradients, double limit) {
-  // Eight interleaved sums: a fixed order that still fills vector registers.
-  constexpr std::size_t lanes = 8;
-  double sums[lanes] = {};
-  const ParameterBlocks blocks(gradients);
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    const std::span<float> block = blocks[k];
-    for (std::size_t i = 0; i < block.size(); i += lanes) {
-      const std::size_t n = std::min(lanes, block.size() - i);
-      if (n == lanes) {  // of a length that the compiler knows
-        for (std::size_t j = 0; j < lanes; ++j) sums[j] += square(block[i + j]);
-      } else {
-        for (std::size_t j = 0; j < n; ++j) sums[j] += square(block[i + j]);
-      }
-    }
-  }
-  const double norm = std::sqrt(std::accumulate(sums, sums + lanes, 0.0));
-  if (limit > 0.0 && norm > limit) {
-    const auto factor = static_cast<float>(limit / norm);
-    for (std::size_t k = 0; k < blocks.size(); ++k)
-      for (float& g : blocks[k]) g *= factor;
-  }
-  return norm;
-}
-
-void Adam::step(Policy& policy, Gradients& gradients, double learning_rate, double epsilon) {
-  constexpr float beta1 = 0.9F;
-  constexpr float beta2 = 0.999F;
-  first_power *= 0.9;
-  second_power *= 0.999;
-  const auto rate = static_cast<float>(learning_rate / (1.0 - first_power));
-  const auto correction = static_cast<float>(1.0 / std::sqrt(1.0 - second_power));
-  const auto eps = static_cast<float>(epsilon);
-  const ParameterBlocks parameters(policy);
-  const ParameterBlocks slopes(gradients);
-  std::size_t offset = 0;
-  for (std::size_t b = 0; b < parameters.size(); ++b) {
-    const std::span<float> values = parameters[b];
-    float* p = values.data();
-    const float* g = slopes[b].data();
-    float* m = first.data() + offset;
-    float* v = second.data() + offset;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      m[i] = beta1 * m[i] + (1.0F - beta1) * g[i];
-      v[i] = beta2 * v[i] + (1.0F - beta2) * (g[i] * g[i]);
-      p[i] -= rate * m[i] / (std::sqrt(v[i]) * correction + eps);
-    }
-    offset += values.size();
-  }
-}
-
 // ---- the learner --------------------------------------------------------------
 
 namespace {
-
-double scheduled(double value, Schedule schedule, std::int64_t update, std::int64_t horizon) {
-  if (schedule == Schedule::constant) return value;
-  const double done = static_cast<double>(update) / static_cast<double>(horizon);
-  return value * std::max(0.0, 1.0 - done);
-}
 
 void resize(Samples& batch, Eigen::Index samples, int observation_length, int action_length) {
   batch.states.resize(samples, observation_length);
@@ -253,20 +119,6 @@ void gather(const Samples& from, std::span<const std::uint32_t> samples, Samples
   }
 }
 
-bool all_finite(std::span<const double> x) {
-  return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
-}
-
-std::span<const float> view(const Vector& x) {
-  return {x.data(), static_cast<std::size_t>(x.size())};
-}
-
-double explained_variance(const Samples& rollout, Vector& residual) {
-  residual = rollout.returns - rollout.values;
-  const double total = moments(view(rollout.returns)).variance;
-  return total > 0.0 ? 1.0 - moments(view(residual)).variance / total : 0.0;
-}
-
 }  // namespace
 
 // [2, 3] Orthogonal initialisation, separate networks for actor and critic.
@@ -285,10 +137,7 @@ Policy initial_policy(const TrainingSettings& s, int observation_length, int act
   policy.critic = orthogonal_network(inputs, s.hidden, 1, hidden_gain, 1.0, stream);
   policy.log_std = Vector::Constant(
       action_length, static_cast<float>(policy.base ? s.gait_log_std : s.initial_log_std));
-  policy.normalizer.mean = Eigen::VectorXd::Zero(observation_length);
-  policy.normalizer.variance = Eigen::VectorXd::Ones(observation_length);
-  policy.normalizer.count = s.normalize_observations ? initial_moment_count : 0.0;
-  policy.normalizer.clip = s.observation_clip;
+  policy.normalizer = fresh_normalizer(s, observation_length);
   policy.action_map = s.action_map;
   policy.action_offset = s.action_offset;
   policy.low = low;
@@ -303,15 +152,12 @@ Ppo::Ppo(const TrainingSettings& settings, Policy policy, std::uint64_t seed,
       adam_(parameter_count(policy_)),
       noise_(seed, "train/noise", robot_id),
       shuffle_(seed, "train/shuffle", robot_id),
+      reward_scale_(static_cast<std::size_t>(settings.environments)),
       gradients_(zero_gradients(policy_)) {
   const auto environments = static_cast<std::size_t>(settings.environments);
   const auto samples = static_cast<std::size_t>(settings.batch());
   const int actions = policy_.action_length();
   const auto inputs = static_cast<int>(policy_.actor.layers.front().weight.cols());
-  return_moments_.mean = Eigen::VectorXd::Zero(1);
-  return_moments_.variance = Eigen::VectorXd::Ones(1);
-  return_moments_.count = initial_moment_count;
-  discounted_returns_.assign(environments, 0.0);
   resize(rollout_, settings.batch(), inputs, actions);
   resize(minibatch_, settings.batch() / settings.minibatches, inputs, actions);
   rewards_.resize(samples);
@@ -371,27 +217,11 @@ void Ppo::reward(std::span<const double> rewards, std::span<const std::uint8_t> 
   const std::size_t first = static_cast<std::size_t>(t_) * rewards.size();
   for (std::size_t e = 0; e < rewards.size(); ++e)
     ended_[first + e] = terminated[e] != 0 || truncated[e] != 0 ? 1 : 0;
-  scale_rewards(rewards, {ended_.data() + first, rewards.size()});
+  reward_scale_.scale(settings_, rewards, {ended_.data() + first, rewards.size()},
+                      {rewards_.data() + first, rewards.size()});
   if (settings_.time_limit == TimeLimit::bootstrap)
     bootstrap_truncated(terminated, truncated, reached, steps);
   ++t_;
-}
-
-// [22, 23] Rewards are divided by the deviation of the discounted sum of
-// rewards, a rolling one without look-ahead, and clipped.
-void Ppo::scale_rewards(std::span<const double> rewards, std::span<const std::uint8_t> ended) {
-  const std::size_t first = static_cast<std::size_t>(t_) * rewards.size();
-  std::copy(rewards.begin(), rewards.end(), rewards_.begin() + static_cast<std::ptrdiff_t>(first));
-  if (!settings_.normalize_rewards) return;
-  for (std::size_t e = 0; e < rewards.size(); ++e)
-    discounted_returns_[e] = settings_.gamma * discounted_returns_[e] + rewards[e];
-  update(return_moments_, discounted_returns_);
-  const double deviation = std::sqrt(return_moments_.variance[0] + return_moments_.epsilon);
-  for (std::size_t e = 0; e < rewards.size(); ++e) {
-    rewards_[first + e] =
-        std::clamp(rewards[e] / deviation, -settings_.reward_clip, settings_.reward_clip);
-    if (ended[e] != 0) discounted_returns_[e] = 0.0;
-  }
 }
 
 // An episode cut off by the time limit is worth what its last state is worth
@@ -423,32 +253,24 @@ UpdateReport Ppo::learn() {
   if (settings_.standardize_advantages == Standardize::batch) standardize(rollout_.advantages);
 
   // [4] Schedules by update.
-  const std::int64_t horizon = settings_.learning_rate_horizon;
   UpdateReport report;
-  report.learning_rate = scheduled(settings_.learning_rate, settings_.learning_rate_schedule,
-                                   updates_, horizon > 0 ? horizon : settings_.updates());
-  const Objective objective{settings_.clip, settings_.clip_value_loss, settings_.value_coefficient,
-                            scheduled(settings_.entropy_coefficient, settings_.entropy_schedule,
-                                      updates_, settings_.updates())};
-  report.explained_variance = explained_variance(rollout_, residual_);
+  report.learning_rate = learning_rate_of(settings_, updates_, settings_.updates());
+  const Objective objective = objective_of(settings_, updates_, settings_.updates());
+  report.explained_variance = explained_variance(rollout_.returns, rollout_.values, residual_);
 
-  // [6] Epochs of minibatches, shuffled by Fisher and Yates.
+  // [6] Epochs of minibatches.
   order_.resize(static_cast<std::size_t>(settings_.batch()));
   std::iota(order_.begin(), order_.end(), 0U);
   const auto size = static_cast<std::size_t>(minibatch_.states.rows());
   for (int epoch = 0; epoch < settings_.epochs; ++epoch) {
-    for (std::size_t i = order_.size() - 1; i > 0; --i)
-      std::swap(order_[i], order_[shuffle_.below(static_cast<std::uint32_t>(i) + 1)]);
+    shuffle(order_, shuffle_);
     for (int m = 0; m < settings_.minibatches; ++m) {
       const std::span<const std::uint32_t> samples{
           order_.data() + static_cast<std::size_t>(m) * size, size};
       if (!learn_minibatch(samples, report.learning_rate, objective, report.losses)) return report;
     }
   }
-  const double minibatches = settings_.epochs * settings_.minibatches;
-  for (double* loss : {&report.losses.policy, &report.losses.value, &report.losses.entropy,
-                       &report.losses.approx_kl, &report.losses.clipfrac})
-    *loss /= minibatches;
+  divide(report.losses, settings_.epochs * settings_.minibatches);
   ++updates_;
   return report;
 }
@@ -459,42 +281,18 @@ bool Ppo::learn_minibatch(std::span<const std::uint32_t> samples, double learnin
   if (settings_.standardize_advantages == Standardize::minibatch)
     standardize(minibatch_.advantages);
   const Losses losses = differentiate(policy_, minibatch_, objective, gradients_, loss_scratch_);
-  const double norm = clip_norm(gradients_, settings_.max_gradient_norm);  // [11]
+  const ParameterBlocks slopes(gradients_);
+  const double norm = clip_norm(slopes, settings_.max_gradient_norm);  // [11]
   if (!std::isfinite(norm) || !std::isfinite(losses.policy + losses.value + losses.entropy)) {
     divergence_ = "the loss or its gradient is not a finite number";
     return false;
   }
-  adam_.step(policy_, gradients_, learning_rate, settings_.adam_epsilon);  // [5]
-  sum.policy += losses.policy;
-  sum.value += losses.value;
-  sum.entropy += losses.entropy;
-  sum.approx_kl += losses.approx_kl;
-  sum.clipfrac += losses.clipfrac;
+  adam_.step(ParameterBlocks(policy_), slopes, learning_rate, settings_.adam_epsilon);  // [5]
+  add(sum, losses);
   return true;
 }
 
 // ---- checkpoints ----------------------------------------------------------------
-
-namespace {
-
-std::vector<double> values_of(const Eigen::VectorXd& x) { return {x.data(), x.data() + x.size()}; }
-
-void save_moments(Checkpoint& checkpoint, const std::string& name, const Normalizer& n) {
-  checkpoint.put(name + "/mean", values_of(n.mean));
-  checkpoint.put(name + "/variance", values_of(n.variance));
-  checkpoint.put<double>(name + "/count", {n.count});
-}
-
-void load_moments(const Checkpoint& checkpoint, const std::string& name, Normalizer& n) {
-  const auto length = static_cast<std::size_t>(n.mean.size());
-  const auto& mean = checkpoint.get<double>(name + "/mean", length);
-  const auto& variance = checkpoint.get<double>(name + "/variance", length);
-  std::copy(mean.begin(), mean.end(), n.mean.begin());
-  std::copy(variance.begin(), variance.end(), n.variance.begin());
-  n.count = checkpoint.get<double>(name + "/count", 1)[0];
-}
-
-}  // namespace
 
 void save_policy(Checkpoint& checkpoint, const std::string& name, const Policy& policy) {
   std::vector<float> parameters;
@@ -525,8 +323,7 @@ void Ppo::save(Checkpoint& checkpoint) const {
   checkpoint.put("learner/noise", noise_);
   checkpoint.put("learner/shuffle", shuffle_);
   checkpoint.put<std::uint64_t>("learner/updates", {static_cast<std::uint64_t>(updates_)});
-  save_moments(checkpoint, "learner/return_moments", return_moments_);
-  checkpoint.put("learner/discounted_returns", discounted_returns_);
+  reward_scale_.save(checkpoint);
   checkpoint.put<float>("learner/state", {state_.data(), state_.data() + state_.size()});
   checkpoint.put<std::uint64_t>("learner/steps", {steps_.begin(), steps_.end()});
   checkpoint.put("learner/colour", colour_);
@@ -542,9 +339,7 @@ void Ppo::load(const Checkpoint& checkpoint) {
   checkpoint.get("learner/noise", noise_);
   checkpoint.get("learner/shuffle", shuffle_);
   updates_ = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("learner/updates", 1)[0]);
-  load_moments(checkpoint, "learner/return_moments", return_moments_);
-  discounted_returns_ =
-      checkpoint.get<double>("learner/discounted_returns", discounted_returns_.size());
+  reward_scale_.load(checkpoint);
   state_.resize(settings_.environments, policy_.actor.layers.front().weight.cols());
   const auto& state =
       checkpoint.get<float>("learner/state", static_cast<std::size_t>(state_.size()));

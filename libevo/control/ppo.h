@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "libevo/control/checkpoint.h"
+#include "libevo/control/optimizer.h"
 #include "libevo/control/policy.h"
+#include "libevo/control/ppo_parts.h"
 #include "libevo/control/settings.h"
 
 namespace evo {
@@ -25,22 +27,6 @@ struct Samples {
   Vector values;      // V_old(s)
   Vector advantages;  // A^
   Vector returns;     // R = A^ + V_old(s), before A^ is standardised
-};
-
-struct Losses {
-  double policy = 0.0;     // -E[min(r A^, clip(r, 1-eps, 1+eps) A^)], r = pi(a|s) / pi_old(a|s)
-  double value = 0.0;      // E[(V - R)^2 / 2], clipped like the policy's where so set
-  double entropy = 0.0;    // E[H(pi)]
-  double approx_kl = 0.0;  // E[(r - 1) - log r] (Schulman 2020)
-  double clipfrac = 0.0;   // share of samples with r out of [1-eps, 1+eps]
-};
-
-// L = policy + c_1 value - c_2 entropy.
-struct Objective {
-  double clip = 0.1;
-  bool clip_value_loss = true;
-  double value_coefficient = 0.5;     // c_1
-  double entropy_coefficient = 0.01;  // c_2
 };
 
 // What lies between a batch and its gradients, kept from call to call.
@@ -57,41 +43,10 @@ struct LossScratch {
 Losses differentiate(const Policy& policy, const Samples& batch, const Objective& objective,
                      Gradients& gradients, LossScratch& scratch);
 
-// Generalised advantage estimation (Schulman et al. 2016) over T steps of E
-// environments, arrays [T*E] in the order t*E + e:
-//   delta_t = r_t + gamma V(s_t+1) - V(s_t),  A^_t = delta_t + gamma lambda A^_t+1
-// where an episode that ended at t leaves out what comes after. `last_values`
-// [E] are V(s_T).
-void estimate_advantages(std::span<const double> rewards, std::span<const std::uint8_t> ended,
-                         std::span<const float> values, std::span<const float> last_values,
-                         double gamma, double lambda, std::span<float> advantages);
-
-// Adam (Kingma and Ba 2015), beta 0.9 and 0.999.
-struct Adam {
-  std::vector<float> first;   // m, in the order of ParameterBlocks
-  std::vector<float> second;  // v
-  double first_power = 1.0;   // beta_1^t
-  double second_power = 1.0;  // beta_2^t
-
-  explicit Adam(std::size_t parameters = 0) : first(parameters), second(parameters) {}
-  void step(Policy& policy, Gradients& gradients, double learning_rate, double epsilon);
-};
-
-// Scales the gradients so that their norm is at most `limit` (0: none); returns
-// the norm they had.
-double clip_norm(Gradients& gradients, double limit);
-
 // A policy's numbers in a checkpoint, under `name`; loading needs a policy of
 // the same shape.
 void save_policy(Checkpoint& checkpoint, const std::string& name, const Policy& policy);
 void load_policy(const Checkpoint& checkpoint, const std::string& name, Policy& policy);
-
-// What an update did, averaged over its minibatches.
-struct UpdateReport {
-  Losses losses;
-  double explained_variance = 0.0;  // 1 - Var(R - V) / Var(R)
-  double learning_rate = 0.0;
-};
 
 // An untrained policy for observations of D numbers and A actuators with targets in
 // [low, high], on a base where one is given.
@@ -127,7 +82,6 @@ class Ppo {
   void load(const Checkpoint& checkpoint);  // of a Ppo made with the same arguments
 
  private:
-  void scale_rewards(std::span<const double> rewards, std::span<const std::uint8_t> ended);
   void bootstrap_truncated(std::span<const std::uint8_t> terminated,
                            std::span<const std::uint8_t> truncated, std::span<const double> reached,
                            std::span<const int> steps);
@@ -142,9 +96,7 @@ class Ppo {
   std::int64_t updates_ = 0;
   std::optional<std::string> divergence_;
 
-  // Reward scaling: running moments of the discounted returns so far.
-  Normalizer return_moments_;
-  std::vector<double> discounted_returns_;  // [E]
+  ppo::RewardScale reward_scale_;
 
   // The rollout being collected, rows t*E + e.
   int t_ = 0;

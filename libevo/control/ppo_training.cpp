@@ -70,18 +70,7 @@ void PpoTraining::advance(const TrainingJob& job, Findings& findings, Metrics& m
   const UpdateReport update = ppo_.learn();
   require_finite();
 
-  metrics = {{"charts/learning_rate", update.learning_rate},
-             {"losses/policy_loss", update.losses.policy},
-             {"losses/value_loss", update.losses.value},
-             {"losses/entropy", update.losses.entropy},
-             {"losses/approx_kl", update.losses.approx_kl},
-             {"losses/clipfrac", update.losses.clipfrac},
-             {"losses/explained_variance", update.explained_variance}};
-  if (!returns.empty()) {
-    double sum = 0.0;
-    for (const double r : returns) sum += r;
-    metrics.push_back({"charts/episodic_return", sum / static_cast<double>(returns.size())});
-  }
+  metrics = update_metrics(update, returns);
   if (ppo_.updates() % job.settings.evaluation_interval == 0 || done(job, findings)) {
     evaluate_now(ppo_.policy());
     report_evaluation(findings, metrics);

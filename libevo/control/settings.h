@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "libevo/base/words.h"
+#include "libevo/control/modular_policy.h"
 #include "libevo/control/policy.h"
 
 namespace evo {
@@ -18,6 +19,8 @@ namespace evo {
 //   sine    open-loop sine waves, by an evolution strategy
 //   random  the best of random open-loop sine waves
 //   gait    as sine, but from the best of the waves that travel over the body
+//   modular a network that every voxel shares, for one robot or for many, by proximal policy
+//           optimisation
 //   sequence  open loop, every actuator's target at every step: exploration from the best
 //           moments reached so far
 class Algorithm {

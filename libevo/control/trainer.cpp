@@ -45,6 +45,21 @@ struct Best<Policy> {
 };
 
 template <>
+struct Best<ModularPolicy> {
+  static void save(Checkpoint& checkpoint, const ModularPolicy& policy) {
+    save_policy(checkpoint, "best/modular", policy);
+  }
+  static bool in(const Checkpoint& checkpoint) {
+    return !checkpoint.part("best/modular").arrays.empty();
+  }
+  static ModularPolicy load(const Checkpoint& checkpoint, const TrainingJob& job) {
+    ModularPolicy policy = initial_modular_policy(job);  // of its shape
+    load_policy(checkpoint, "best/modular", policy);
+    return policy;
+  }
+};
+
+template <>
 struct Best<SineController> {
   static void save(Checkpoint& checkpoint, const SineController& sine) {
     save_sine(checkpoint, "best/sine", sine);
@@ -117,7 +132,7 @@ FinalScore score(const TrainingJob& job, const Controller& controller) {
   final.episodes = job.settings.final_episodes;
   final.seed = derive_seed(job.seed, "final");
   final.jitter = job.settings.final_jitter;
-  const Evaluation scores = evaluate(job.arena, controller, final);
+  const Evaluation scores = evaluate_all(job, controller, final);
   return {final.episodes, scores.mean(), scores.standard_error()};
 }
 
@@ -142,6 +157,15 @@ struct Trainer::Impl {
     if (job.inheritance && (name == SineTraining::name || name == RandomTraining::name))
       throw error(Failure::usage, "training: {}, {} and {} can start from a policy, {} cannot",
                   PpoTraining::name, GaitTraining::name, SequenceTraining::name, name);
+    const bool modular = name == ModularTraining::name;
+    if (job.inheritance && !modular &&
+        std::holds_alternative<ModularPolicy>(job.inheritance->controller))
+      throw error(Failure::usage, "training: {} cannot start from a modular policy; --algo {} can",
+                  name, ModularTraining::name);
+    if (!job.others.empty() && !modular)
+      throw error(Failure::usage,
+                  "training: {} makes a controller for each robot; --algo {} makes one for all",
+                  name, ModularTraining::name);
     return make_method(job);
   }
 
@@ -149,9 +173,10 @@ struct Trainer::Impl {
 };
 
 Trainer::Trainer(const Arena& arena, const TrainingSettings& settings, std::uint64_t seed,
-                 std::string_view robot_id, std::optional<Inheritance> inheritance)
-    : impl_(std::make_unique<Impl>(
-          TrainingJob{arena, settings, seed, std::string(robot_id), std::move(inheritance)})) {}
+                 std::string_view robot_id, std::optional<Inheritance> inheritance,
+                 std::vector<const Arena*> others)
+    : impl_(std::make_unique<Impl>(TrainingJob{arena, settings, seed, std::string(robot_id),
+                                               std::move(inheritance), std::move(others)})) {}
 
 Trainer::~Trainer() = default;
 Trainer::Trainer(Trainer&&) noexcept = default;

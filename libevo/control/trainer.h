@@ -78,9 +78,11 @@ class Trainer {
  public:
   // `arena` must outlive this. Throws Error(usage) for settings that make no
   // sense, Error(data) for an inheritance that does not fit them. `robot_id` names
-  // the random streams.
+  // the random streams. `others` are more robots of the task that get the same controller,
+  // for a method that can make one for several.
   Trainer(const Arena& arena, const TrainingSettings& settings, std::uint64_t seed,
-          std::string_view robot_id, std::optional<Inheritance> inheritance = {});
+          std::string_view robot_id, std::optional<Inheritance> inheritance = {},
+          std::vector<const Arena*> others = {});
   ~Trainer();
   Trainer(Trainer&&) noexcept;
   Trainer& operator=(Trainer&&) noexcept;

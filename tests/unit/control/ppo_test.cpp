@@ -205,7 +205,7 @@ TEST_CASE("Adam takes the first step by the learning rate against the gradient's
   gradients.actor.layers[0].weight(0, 0) = 4.0F;
   gradients.log_std[1] = -0.001F;
   Adam adam(parameter_count(policy));
-  adam.step(policy, gradients, 0.01, 1e-8);
+  adam.step(ParameterBlocks(policy), ParameterBlocks(gradients), 0.01, 1e-8);
   CHECK(policy.actor.layers[0].weight(0, 0) == Approx(before.actor.layers[0].weight(0, 0) - 0.01F));
   CHECK(policy.log_std[1] == Approx(before.log_std[1] + 0.01F).epsilon(1e-4));
   CHECK(policy.critic == before.critic);
@@ -218,11 +218,11 @@ TEST_CASE("gradients are scaled down to the largest norm allowed, never up") {
   Gradients gradients = zero_gradients(policy);
   gradients.actor.layers[0].weight(1, 2) = 3.0F;
   gradients.critic.layers[1].bias[4] = -4.0F;
-  CHECK(clip_norm(gradients, 10.0) == Approx(5.0));
+  CHECK(clip_norm(ParameterBlocks(gradients), 10.0) == Approx(5.0));
   CHECK(gradients.critic.layers[1].bias[4] == -4.0F);
-  CHECK(clip_norm(gradients, 0.5) == Approx(5.0));
+  CHECK(clip_norm(ParameterBlocks(gradients), 0.5) == Approx(5.0));
   CHECK(gradients.actor.layers[0].weight(1, 2) == Approx(0.3F));
-  CHECK(clip_norm(gradients, 0.0) == Approx(0.5));
+  CHECK(clip_norm(ParameterBlocks(gradients), 0.0) == Approx(0.5));
 }
 
 // ---- the learner on a problem with a known answer ------------------------------------

@@ -45,9 +45,14 @@ TrainingSettings brief_sequence() {
   return s;
 }
 
-// Of any algorithm: a new one that is no network is taken for a search.
+// Of any algorithm: a new one is taken for a search.
 TrainingSettings brief(const std::string& algorithm) {
   if (algorithm == "ppo") return brief();
+  if (algorithm == "modular") {
+    TrainingSettings settings = brief();
+    settings.algorithm = Algorithm(algorithm);
+    return settings;
+  }
   if (algorithm == "sequence") return brief_sequence();
   return brief_search(Algorithm(algorithm));
 }

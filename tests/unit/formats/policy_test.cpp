@@ -12,6 +12,7 @@
 #include "formats/training/policy_json.h"
 #include "formats/training/training.h"
 #include "libevo/control/evaluate.h"
+#include "libevo/control/modular_ppo.h"
 
 using namespace evo;
 
@@ -68,6 +69,17 @@ Policy policy_on_sequence() {
   return policy;
 }
 
+ModularPolicy modular_policy() {
+  TrainingSettings settings;
+  settings.exchange = Exchange::body;
+  settings.hidden = {6, 5};
+  settings.clock = {20};
+  ModularPolicy policy = initial_modular_policy(settings, 3, 0.6, 1.5, Stream(4, "policy"));
+  policy.local.mean.setLinSpaced(-1.0, 1.0);
+  policy.task.count = 77.25;
+  return policy;
+}
+
 PolicyFile example(TrainedController controller) {
   PolicyFile file;
   file.robot = Robot(Body::from_rows({"HV", "VS"}));
@@ -90,8 +102,17 @@ PolicyFile example(TrainedController controller) {
   return file;
 }
 
+PolicyFile example_for_several() {
+  PolicyFile file = example(modular_policy());
+  file.robots = {file.robot, Robot(Body::from_rows({"HH"}))};
+  return file;
+}
+
 void check_equal(const PolicyFile& a, const PolicyFile& b) {
   CHECK(robot_to_line(a.robot) == robot_to_line(b.robot));
+  REQUIRE(a.robots.size() == b.robots.size());
+  for (std::size_t i = 0; i < a.robots.size(); ++i)
+    CHECK(robot_to_line(a.robots[i]) == robot_to_line(b.robots[i]));
   CHECK(a.task == b.task);
   CHECK(a.task_yaml == b.task_yaml);
   CHECK(a.physics_yaml == b.physics_yaml);
@@ -129,10 +150,11 @@ std::string message_reading(const std::filesystem::path& path) {
 
 TEST_CASE("policies come back as they were written, and twice the same bytes") {
   const Scratch scratch;
-  const PolicyFile file = GENERATE(example(network_policy()), example(policy_on_gait()),
-                                   example(policy_on_sequence()), example(shifted_wave()),
-                                   example(ReplayController{{0.6, 1.1, 1.6, 1.0, 0.7, 1.25}, 3}),
-                                   example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
+  const PolicyFile file =
+      GENERATE(example(network_policy()), example(policy_on_gait()), example(policy_on_sequence()),
+               example(shifted_wave()), example(modular_policy()), example_for_several(),
+               example(ReplayController{{0.6, 1.1, 1.6, 1.0, 0.7, 1.25}, 3}),
+               example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
   const auto path = scratch.folder / "a.policy.h5";
   write_policy(path, file);
   check_equal(read_policy(path), file);
@@ -143,9 +165,9 @@ TEST_CASE("policies come back as they were written, and twice the same bytes") {
 }
 
 TEST_CASE("a controller comes back from a policy's JSON with the same bits", "[formats][policy]") {
-  const std::vector<TrainedController> all{policy_on_gait(), policy_on_sequence(), network_policy(),
-                                           shifted_wave(),
-                                           ReplayController{{0.6, 1.1, 1.6, 1.0}, 2}};
+  const std::vector<TrainedController> all{
+      policy_on_gait(), policy_on_sequence(), network_policy(),
+      shifted_wave(),   modular_policy(),     ReplayController{{0.6, 1.1, 1.6, 1.0}, 2}};
   for (const TrainedController& controller : all)
     CHECK(controller_from_json(parse_json(policy_to_json(example(controller)), "policy"),
                                "policy") == controller);
@@ -164,7 +186,7 @@ TEST_CASE("a JSON controller that does not fit together is refused with its plac
     return "";
   };
   CHECK(problem([](Json& d) { d["kind"] = "dream"; }) ==
-        "policy: /kind: network, sine or sequence is expected, found \"dream\"");
+        "policy: /kind: network, modular, sine or sequence is expected, found \"dream\"");
   CHECK(problem([](Json& d) { d["actor"][0]["bias"].push_back(1.0); }).find("/actor/0/bias") !=
         std::string::npos);
   CHECK(problem([](Json& d) { d["actor"][0]["weight"][0].erase(0); }).find("/actor/0/weight/1") !=

@@ -1,0 +1,178 @@
+// A controller that any body can wear: one small network, the same for every voxel, reads
+// the voxel's own view (voxel_views.h) and puts out the target of that voxel, as in Talamini
+// et al. 2019 and Mertan and Cheney 2023. Hidden layers after the first may also read the
+// mean of what other voxels computed in the layer before. The critic pools what its first
+// layer says of all voxels and values the body as a whole. Single precision; the same bits
+// everywhere, as in matrix.h. See docs/modular.md; in files docs/formats/policy.md.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libevo/control/policy.h"
+#include "libevo/control/voxel_views.h"
+
+namespace evo {
+
+// Of which other voxels a hidden layer reads the mean: of none, of those that are linked to
+// the voxel, of the whole body.
+enum class Exchange { none, neighbours, body };
+constexpr const char* word(Exchange value) {
+  switch (value) {
+    case Exchange::none:
+      return "none";
+    case Exchange::neighbours:
+      return "neighbours";
+    case Exchange::body:
+      return "body";
+  }
+  return nullptr;
+}
+
+// y = tanh(local l' + task t' + fixed f' + bias) for the parts l, t, f of a voxel's view;
+// then the layers of `rest`, tanh after all but the last.
+struct ModularNetwork {
+  Matrix local;  // [H x VoxelViews::local_length]
+  Matrix task;   // [H x (task + 2 periods)]
+  Matrix fixed;  // [H x VoxelViews::fixed_length]
+  Vector bias;   // [H]
+  Network rest;
+  bool operator==(const ModularNetwork& other) const;
+};
+
+struct ModularPolicy {
+  Exchange exchange = Exchange::none;
+  // The last layer has one output. With an exchange the hidden layers of `rest` read
+  // [own y, mean of the others' y].
+  ModularNetwork actor;
+  // `rest` reads the mean of y over all voxels of the body.
+  ModularNetwork critic;
+  Vector log_std;    // [1]
+  Normalizer local;  // over voxels
+  Normalizer task;   // over environments, without the clock
+  ActionMap action_map = ActionMap::offset;
+  double action_offset = 1.0;
+  double low = 0.6;
+  double high = 1.6;
+  std::vector<double> clock;  // as in Policy
+
+  int task_length() const { return static_cast<int>(task.mean.size()); }
+  bool operator==(const ModularPolicy& other) const;
+};
+
+// What is wrong with the shapes of its networks, in words, or nothing.
+std::optional<std::string> defect(const ModularPolicy& policy);
+
+struct ModularGradients {
+  ModularNetwork actor;
+  ModularNetwork critic;
+  Vector log_std;
+};
+
+// All parameters as runs of floats, in one fixed order: actor, critic (local, task, fixed,
+// bias, weight and bias of every layer of `rest`), log_std. Of gradients likewise.
+std::vector<std::span<float>> parameter_blocks(ModularPolicy& policy);
+std::vector<std::span<const float>> parameter_blocks(const ModularPolicy& policy);
+std::vector<std::span<float>> parameter_blocks(ModularGradients& gradients);
+std::size_t parameter_count(const ModularPolicy& policy);
+ModularGradients zero_gradients(const ModularPolicy& policy);
+
+// An orthogonal first layer over the whole view, of `widths` hidden layers and one output.
+ModularNetwork orthogonal_modular_network(int task_inputs, const std::vector<int>& widths,
+                                          Exchange exchange, double hidden_gain, double head_gain,
+                                          Stream& stream);
+
+// The bodies that a batch is of.
+class Bodies {
+ public:
+  // Of arenas of one task. Throws Error(data) where one of them shows other parts of the world.
+  explicit Bodies(std::span<const Arena* const> arenas);
+
+  int size() const { return static_cast<int>(views_.size()); }
+  const VoxelViews& operator[](int body) const { return views_[static_cast<std::size_t>(body)]; }
+  int task_length() const { return views_.front().task_length(); }
+  const Matrix& fixed() const { return fixed_; }  // [voxels of all x VoxelViews::fixed_length]
+  // Row of `fixed` where a body's voxels begin.
+  Eigen::Index first(int body) const { return first_[static_cast<std::size_t>(body)]; }
+
+ private:
+  std::vector<VoxelViews> views_;
+  std::vector<Eigen::Index> first_;
+  Matrix fixed_;
+};
+
+// Samples of any bodies, as networks see them.
+struct VoxelBatch {
+  std::vector<int> bodies;  // [M]
+  Matrix local;             // [R x local_length], the voxels of each sample in turn
+  Matrix task;              // [M x (task + 2 periods)]
+};
+
+// What a pass through a network left behind, kept from call to call.
+struct ModularPass {
+  struct Row {
+    Eigen::Index sample;
+    Eigen::Index fixed;  // of Bodies::fixed
+  };
+  std::vector<Row> rows;            // the voxels that the network is applied to
+  std::vector<Eigen::Index> first;  // [M + 1] row of each sample's
+  std::vector<Eigen::Index> heads;  // actor: the row of each action
+  Matrix local;                     // [rows x local_length]
+  Matrix task_part;                 // [M x H]
+  std::vector<Matrix> inputs;       // of each layer of `rest` (actor)
+  std::vector<Matrix> outputs;      // of the first layer and of those of `rest` (actor)
+  Matrix pooled;                    // [M x H] (critic)
+  Activations rest;                 // of `rest` (critic)
+  // backward
+  std::vector<Matrix> slopes;
+  Matrix below;
+  Matrix fixed_slopes;
+  Matrix task_slopes;
+};
+
+// What the fixed part of all views means to the first layer, [voxels of all bodies x H].
+void fixed_part(const ModularNetwork& network, const Bodies& bodies, Matrix& part);
+
+// The mean of every action of every sample, in the order of samples and of actions.
+// `fixed` comes from fixed_part() with these parameters.
+void forward_actor(const ModularPolicy& policy, const Bodies& bodies, const Matrix& fixed,
+                   const VoxelBatch& batch, ModularPass& pass, std::vector<float>& means);
+// The value of every sample.
+void forward_critic(const ModularPolicy& policy, const Bodies& bodies, const Matrix& fixed,
+                    const VoxelBatch& batch, ModularPass& pass, Vector& values);
+// Add to `gradient` what dL/d(means) or dL/d(values) means for the network's parameters;
+// `pass` comes from the pass forward with the same batch.
+void backward_actor(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
+                    std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient);
+void backward_critic(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
+                     const Vector& slopes, ModularPass& pass, ModularNetwork& gradient);
+
+// The task's part as networks see it: task [M x task_length] at steps [M] of their episodes.
+void task_inputs(const ModularPolicy& policy, std::span<const double> task,
+                 std::span<const int> steps, Matrix& inputs);
+
+double target_of(const ModularPolicy& policy, double output);
+
+// The deterministic controller on one robot, for any number of environments of its arena.
+class ModularActor {
+ public:
+  // `policy` must outlive this. Throws Error(data) where the arena's task shows another
+  // number of values than the policy was trained on.
+  ModularActor(const ModularPolicy& policy, const Arena& arena);
+  // Targets [E x A] of all environments of `env` at `steps` [E] of their episodes.
+  void act(const VecEnv& env, std::span<const int> steps, std::span<double> targets);
+
+ private:
+  const ModularPolicy* policy_;
+  Bodies bodies_;
+  Matrix fixed_;
+  VoxelBatch batch_;
+  ModularPass pass_;
+  std::vector<double> local_;
+  std::vector<double> task_;
+  std::vector<float> means_;
+};
+
+}  // namespace evo

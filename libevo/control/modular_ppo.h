@@ -1,0 +1,123 @@
+// Proximal policy optimisation (ppo.h) of a modular policy over many bodies side by side.
+// A sample is one environment's step: its view voxel by voxel, an action of every actuator.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "libevo/control/checkpoint.h"
+#include "libevo/control/modular_policy.h"
+#include "libevo/control/optimizer.h"
+#include "libevo/control/ppo_parts.h"
+#include "libevo/control/settings.h"
+
+namespace evo {
+
+// Samples of a rollout.
+struct ModularSamples {
+  VoxelBatch states;           // s [M]
+  std::vector<float> actions;  // a of every sample in turn, before the action map
+  Vector log_probs;            // [M] as in Samples
+  Vector values;
+  Vector advantages;
+  Vector returns;
+};
+
+struct ModularScratch {
+  Matrix fixed;
+  ModularPass actor;
+  ModularPass critic;
+  std::vector<float> means;
+  std::vector<float> mean_slopes;
+  Vector values;
+  Vector value_slopes;
+};
+
+// The parts of L over a batch, and dL/d(parameters), which replaces `gradients`. The entropy
+// is the mean over samples of that of all their actuators.
+Losses differentiate(const ModularPolicy& policy, const Bodies& bodies, const ModularSamples& batch,
+                     const Objective& objective, ModularGradients& gradients,
+                     ModularScratch& scratch);
+
+// An untrained policy for a task that shows `task_length` numbers, with targets in [low, high].
+ModularPolicy initial_modular_policy(const TrainingSettings& settings, int task_length, double low,
+                                     double high, Stream stream);
+
+// A policy's numbers in a checkpoint, under `name`; loading needs a policy of the same shape.
+void save_policy(Checkpoint& checkpoint, const std::string& name, const ModularPolicy& policy);
+void load_policy(const Checkpoint& checkpoint, const std::string& name, ModularPolicy& policy);
+
+class ModularPpo {
+ public:
+  // Environment e has body body_of[e]; settings.environments is their number. `bodies` must
+  // outlive this. Random numbers come from streams named by seed and `name`.
+  ModularPpo(const TrainingSettings& settings, ModularPolicy policy, const Bodies& bodies,
+             std::vector<int> body_of, std::uint64_t seed, std::string_view name);
+
+  // As Ppo's; what is seen is read from the environments. `reached` has not been reset yet.
+  void observe(const VecEnv& env, std::span<const int> steps);
+  std::span<const double> act();
+  void reward(std::span<const double> rewards, std::span<const std::uint8_t> terminated,
+              std::span<const std::uint8_t> truncated, const VecEnv& reached,
+              std::span<const int> steps);
+  UpdateReport learn();
+
+  const ModularPolicy& policy() const { return policy_; }
+  std::int64_t updates() const { return updates_; }
+  const std::optional<std::string>& divergence() const { return divergence_; }
+
+  void save(Checkpoint& checkpoint) const;
+  void load(const Checkpoint& checkpoint);
+
+ private:
+  void look(const VecEnv& env, int environment);
+  void bootstrap_truncated(std::span<const std::uint8_t> terminated,
+                           std::span<const std::uint8_t> truncated, const VecEnv& reached,
+                           std::span<const int> steps);
+  bool learn_minibatch(std::span<const std::uint32_t> samples, double learning_rate,
+                       const Objective& objective, Losses& sum);
+  void gather(std::span<const std::uint32_t> samples);
+  void parameters_changed();
+
+  TrainingSettings settings_;
+  ModularPolicy policy_;
+  const Bodies* bodies_;
+  std::vector<int> body_of_;               // [E]
+  std::vector<Eigen::Index> first_voxel_;  // [E + 1] rows of an environment in a state
+  std::vector<std::size_t> first_action_;  // [E + 1]
+  Adam adam_;
+  Stream noise_;
+  Stream shuffle_;
+  std::int64_t updates_ = 0;
+  std::optional<std::string> divergence_;
+  ppo::RewardScale reward_scale_;
+
+  // The rollout being collected: samples t*E + e.
+  int t_ = 0;
+  VoxelBatch state_;            // s_t of all environments
+  std::vector<double> local_;   // of all voxels of all environments, as looked at
+  std::vector<double> task_;    // of all environments
+  std::vector<double> colour_;  // of all actuators: exploration, of unit variance
+  ModularSamples rollout_;
+  std::vector<double> rewards_;      // [T*E], scaled
+  std::vector<std::uint8_t> ended_;  // [T*E]
+  std::vector<double> targets_;      // of all actuators
+
+  Matrix actor_fixed_;  // fixed_part() of the present parameters
+  Matrix critic_fixed_;
+  ModularPass pass_;
+  std::vector<float> means_;
+  Vector values_;
+  VoxelBatch bootstrapped_;
+  ModularSamples minibatch_;
+  std::vector<std::uint32_t> order_;
+  Vector residual_;
+  ModularGradients gradients_;
+  ModularScratch scratch_;
+};
+
+}  // namespace evo

@@ -1,0 +1,202 @@
+#include "libevo/control/modular_training.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "libevo/base/error.h"
+
+namespace evo {
+namespace {
+
+// No more observations stand behind inherited moments than these, so that they adapt.
+constexpr double memory = 10000.0;  // of environments
+constexpr double voxel_memory = 10.0 * memory;
+
+TrainingSettings settings_for(const TrainingJob& job) {
+  TrainingSettings settings = job.settings;
+  settings.environments *= 1 + static_cast<int>(job.others.size());
+  check(settings);
+  return settings;
+}
+
+// A robot's environments lie side by side: the simulator takes them together.
+std::vector<int> bodies_of(int environments, int robots) {
+  std::vector<int> body_of;
+  for (int e = 0; e < environments; ++e) body_of.push_back(e / (environments / robots));
+  return body_of;
+}
+
+std::vector<const Arena*> arenas_of(const TrainingJob& job, int environments) {
+  const std::vector<const Arena*> robots = job.arenas();
+  std::vector<const Arena*> arenas;
+  for (const int body : bodies_of(environments, static_cast<int>(robots.size())))
+    arenas.push_back(robots[static_cast<std::size_t>(body)]);
+  return arenas;
+}
+
+void require(bool same, const char* what) {
+  if (!same)
+    throw error(Failure::data,
+                "the controller to start from has other {} than the settings ask for", what);
+}
+
+bool same_shape(const ModularNetwork& a, const ModularNetwork& b) {
+  if (a.bias.size() != b.bias.size() || a.rest.layers.size() != b.rest.layers.size()) return false;
+  for (std::size_t l = 0; l < a.rest.layers.size(); ++l)
+    if (a.rest.layers[l].weight.cols() != b.rest.layers[l].weight.cols() ||
+        a.rest.layers[l].weight.rows() != b.rest.layers[l].weight.rows())
+      return false;
+  return true;
+}
+
+// What is inherited is for any body as it is.
+ModularPolicy first_policy(const TrainingJob& job) {
+  ModularPolicy fresh = initial_modular_policy(job);
+  if (!job.inheritance) return fresh;
+  const auto* old = std::get_if<ModularPolicy>(&job.inheritance->controller);
+  if (old == nullptr)
+    throw error(Failure::usage, "training: {} can start from a modular policy only",
+                ModularTraining::name);
+  require(old->task_length() == fresh.task_length(), "inputs of the task");
+  require(old->exchange == fresh.exchange, "exchange between voxels");
+  require(same_shape(old->actor, fresh.actor) && same_shape(old->critic, fresh.critic),
+          "hidden layers");
+  require(old->clock == fresh.clock, "clocks");
+  require(old->action_map == fresh.action_map && old->action_offset == fresh.action_offset,
+          "actions (action_map, action_offset)");
+  ModularPolicy policy = *old;
+  policy.log_std.setConstant(static_cast<float>(job.settings.inherited_log_std));
+  policy.local.count = std::min(policy.local.count, voxel_memory);
+  policy.task.count = std::min(policy.task.count, memory);
+  return policy;
+}
+
+}  // namespace
+
+ModularPolicy initial_modular_policy(const TrainingJob& job) {
+  const Physics& physics = job.arena.task().physics;
+  return initial_modular_policy(job.settings, VoxelViews(job.arena).task_length(),
+                                physics.min_target, physics.max_target,
+                                Stream(job.seed, "train/initial", job.robot_id));
+}
+
+void ModularTraining::check(const TrainingSettings& s) {
+  if (s.updates() < 1)
+    throw error(Failure::usage, "training: {} steps are less than one rollout of {} x {}", s.steps,
+                s.environments, s.rollout);
+  if (s.hidden.empty())
+    throw error(Failure::usage, "training: hidden is []; {} needs one layer at least", name);
+  if (s.moment_share > 0.0)
+    throw error(Failure::usage, "training: moment_share is {}; {} has no moments to start from",
+                s.moment_share, name);
+}
+
+ModularTraining::ModularTraining(const TrainingJob& job)
+    : settings_(settings_for(job)),
+      bodies_(std::make_unique<Bodies>(job.arenas())),
+      env_(arenas_of(job, settings_.environments)),
+      ppo_(settings_, first_policy(job), *bodies_,
+           bodies_of(settings_.environments, bodies_->size()), job.seed, job.robot_id),
+      next_episode_(static_cast<std::size_t>(settings_.environments), 0),
+      episode_return_(next_episode_.size(), 0.0) {
+  for (int e = 0; e < env_.environments(); ++e) start_episode(job, e);
+  ppo_.observe(env_, episode_steps());
+}
+
+bool ModularTraining::done(const TrainingJob&, const Findings&) const {
+  return ppo_.updates() >= settings_.updates();
+}
+
+void ModularTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
+  const auto evaluate_now = [&](const ModularPolicy& policy) {
+    findings.evaluated(evaluate_all(job, policy, job.evaluation()).mean(), policy);
+  };
+  if (job.inheritance && findings.curve.empty()) evaluate_now(first_policy(job));
+
+  std::vector<double> returns;
+  for (int t = 0; t < settings_.rollout; ++t) {
+    step(job, returns);
+    findings.steps += env_.environments();
+    require_finite();
+  }
+  const UpdateReport update = ppo_.learn();
+  require_finite();
+
+  metrics = update_metrics(update, returns);
+  if (ppo_.updates() % settings_.evaluation_interval == 0 || done(job, findings)) {
+    evaluate_now(ppo_.policy());
+    report_evaluation(findings, metrics);
+  }
+}
+
+void ModularTraining::save(Checkpoint& checkpoint) const {
+  ppo_.save(checkpoint);
+  checkpoint.put("environments/state", env_.save());
+  checkpoint.put("environments/next_episode", next_episode_);
+  checkpoint.put("environments/episode_return", episode_return_);
+}
+
+void ModularTraining::load(const Checkpoint& checkpoint) {
+  ppo_.load(checkpoint);
+  env_.load(checkpoint.get<std::uint8_t>("environments/state"));
+  next_episode_ = checkpoint.get<std::uint64_t>("environments/next_episode", next_episode_.size());
+  episode_return_ = checkpoint.get<double>("environments/episode_return", episode_return_.size());
+}
+
+void ModularTraining::start_episode(const TrainingJob& job, int environment) {
+  const auto e = static_cast<std::size_t>(environment);
+  const std::uint64_t k = next_episode_[e]++;
+  const std::uint64_t stream = derive_seed(job.seed, "train", e);
+  env_.reset(environment, {env_.arena(environment).draw(stream, k), settings_.start_jitter,
+                           derive_seed(stream, "jitter", k)});
+  episode_return_[e] = 0.0;
+}
+
+void ModularTraining::step(const TrainingJob& job, std::vector<double>& returns) {
+  const std::span<const double> targets = ppo_.act();
+  require_finite();
+  env_.step(targets);
+  if (job.others.empty()) require_stable(env_);
+  rewards_.assign(env_.rewards().begin(), env_.rewards().end());
+  terminated_.assign(env_.terminated().begin(), env_.terminated().end());
+  truncated_.assign(env_.truncated().begin(), env_.truncated().end());
+  for (std::size_t e = 0; e < rewards_.size(); ++e) {
+    // One body that flies apart ends its episode, not the training of all others.
+    if (env_.status(static_cast<int>(e)) == LaneStatus::unstable) {
+      rewards_[e] = 0.0;
+      terminated_[e] = 1;
+    }
+    episode_return_[e] += rewards_[e];
+    if (terminated_[e] != 0 && rewards_[e] < 0.0) rewards_[e] *= settings_.failure_weight;
+    const int environment = static_cast<int>(e);
+    if (next_episode_[e] == 1 && env_.steps(environment) >= first_length(environment))
+      truncated_[e] = 1;
+  }
+  ppo_.reward(rewards_, terminated_, truncated_, env_, episode_steps());
+  for (std::size_t e = 0; e < rewards_.size(); ++e) {
+    if (terminated_[e] == 0 && truncated_[e] == 0) continue;
+    if (next_episode_[e] > 1) returns.push_back(episode_return_[e]);
+    start_episode(job, static_cast<int>(e));
+  }
+  ppo_.observe(env_, episode_steps());
+}
+
+int ModularTraining::first_length(int environment) const {
+  // Multiples of the golden ratio are spread evenly however many there are.
+  const double share = std::fmod((environment + 1) / std::numbers::phi, 1.0);
+  return 1 + static_cast<int>(share * env_.arena(environment).task().episode_steps);
+}
+
+const std::vector<int>& ModularTraining::episode_steps() {
+  episode_steps_.clear();
+  for (int e = 0; e < env_.environments(); ++e) episode_steps_.push_back(env_.steps(e));
+  return episode_steps_;
+}
+
+void ModularTraining::require_finite() const {
+  if (ppo_.divergence()) throw Error(Failure::work, *ppo_.divergence());
+}
+
+}  // namespace evo

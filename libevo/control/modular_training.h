@@ -1,0 +1,54 @@
+// Training one modular policy for one robot or for many: environments, episodes and
+// evaluations around the learner of modular_ppo.h. Every robot has the settings'
+// `environments`; what the policy is worth is the mean over robots.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "libevo/control/method.h"
+#include "libevo/control/modular_ppo.h"
+
+namespace evo {
+
+class ModularTraining {
+ public:
+  static constexpr const char* name = "modular";
+  static void check(const TrainingSettings& settings);
+
+  explicit ModularTraining(const TrainingJob& job);
+
+  bool done(const TrainingJob& job, const Findings& findings) const;
+  void advance(const TrainingJob& job, Findings& findings, Metrics& metrics);  // one update
+  void save(Checkpoint& checkpoint) const;
+  void load(const Checkpoint& checkpoint);
+
+ private:
+  // Episode k of environment e has the draws and the jitter of (seed, "train", e, k). First
+  // episodes are cut short, each after another share of the time, so that a rollout sees all
+  // parts of an episode and not the same one of all robots.
+  void start_episode(const TrainingJob& job, int environment);
+  // One step of every environment; the returns of episodes that ended are added.
+  void step(const TrainingJob& job, std::vector<double>& returns);
+  int first_length(int environment) const;  // of its first episode, in steps
+  const std::vector<int>& episode_steps();
+  void require_finite() const;
+
+  TrainingSettings settings_;       // the job's, with the environments of all robots
+  std::unique_ptr<Bodies> bodies_;  // where the learner finds them
+  VecEnv env_;
+  ModularPpo ppo_;
+  std::vector<std::uint64_t> next_episode_;  // [E] of each environment
+  std::vector<double> episode_return_;       // [E] so far
+  std::vector<int> episode_steps_;           // [E] so far
+  std::vector<double> rewards_;              // [E] as learned from
+  std::vector<std::uint8_t> terminated_;     // [E]
+  std::vector<std::uint8_t> truncated_;      // [E]
+};
+
+// An untrained policy of the job's task.
+ModularPolicy initial_modular_policy(const TrainingJob& job);
+
+}  // namespace evo

@@ -1,0 +1,60 @@
+// What the voxels of a robot see, for controllers that are the same for every body. A view
+// has three parts, none of which depends on how large the body is or where it stands:
+//   local   the voxel's own state, relative to the body's centre
+//   task    what the task shows of the world, the same for all voxels
+//   fixed   where the voxel sits in its body, the same at every step
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "libevo/control/matrix.h"
+#include "libevo/task/env.h"
+
+namespace evo {
+
+class VoxelViews {
+ public:
+  // Four corners, top left, top right, bottom left, bottom right: x and y of each minus
+  // the centre of the body's points, in voxels; their velocities minus the body's mean one;
+  // then how far the voxel is stretched, as a share of its length at rest: top, bottom, left
+  // and right edge, falling and rising diagonal.
+  static constexpr int local_length = 8 + 8 + 6;
+  // Of the 3 x 3 cells around the voxel, row by row, which of the five materials each is made
+  // of (all 0: empty); the voxel's place from the middle of the body, in voxels, to the right
+  // and up; of the whole body the share of each material, and its voxels, columns and rows.
+  static constexpr int fixed_length = 9 * 5 + 2 + 5 + 3;
+
+  // Keeps what it needs of the arena.
+  explicit VoxelViews(const Arena& arena);
+
+  int voxels() const { return static_cast<int>(cells_.size()); }  // in scan order
+  int task_length() const { return task_length_; }
+  // The voxel of each action, in the order of actions.
+  const std::vector<int>& actuators() const { return actuators_; }
+  // The voxels that voxel v is linked to, ascending.
+  std::span<const int> neighbours(int v) const {
+    const auto i = static_cast<std::size_t>(v);
+    return std::span(neighbours_)
+        .subspan(first_neighbour_[i], first_neighbour_[i + 1] - first_neighbour_[i]);
+  }
+  const Matrix& fixed() const { return fixed_; }  // [V x fixed_length]
+
+  // As environment `environment` is now: local [V x local_length], task [task_length].
+  void look(const VecEnv& env, int environment, std::span<double> local,
+            std::span<double> task) const;
+
+ private:
+  std::vector<std::array<int, 4>> cells_;  // points of each voxel
+  int points_ = 0;                         // of the body: the first of its world
+  double voxel_length_ = 0.0;
+  std::vector<ObservationSlice> task_;  // the parts that do not grow with the body
+  int task_length_ = 0;
+  std::vector<int> actuators_;
+  std::vector<std::size_t> first_neighbour_;  // [V + 1]
+  std::vector<int> neighbours_;
+  Matrix fixed_;
+};
+
+}  // namespace evo

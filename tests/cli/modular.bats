@@ -1,0 +1,61 @@
+# One controller for several robots, as processes: reproducible, resumable, of use to other bodies.
+load helpers
+
+robots() { evo-sample -n 4 --seed 2; }
+shared() { evo-train --task Walker-v0 --train modular --train-set environments=2 --steps "$1" --shared "$2" "${@:3}"; }
+
+@test "modular: one controller for all, which any body can wear" {
+  robots | shared 4096 one.policy.h5 > scored
+  [ "$(ls one*)" = "$(printf 'one.log\none.policy.h5')" ]
+  [ "$(jq -r .policy scored | sort -u)" = one.policy.h5 ]
+  # A robot's fitness is what it earns with it; the policy's is the mean, its robot the best.
+  evo-eval --policy one.policy.h5 scored 2> /dev/null | jq .fitness | cmp - <(jq .fitness scored)
+  evo-convert one.policy.h5 --to json > policy.json
+  jq -e '.kind == "modular" and (.robots | length) == 4' policy.json
+  jq -e --slurpfile all scored '(.fitness - ([$all[].fitness] | add / length) | fabs) < 1e-12' policy.json
+  jq -e '.robot.fitness == ([.robots[].fitness] | max)' policy.json
+  /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" policy < policy.json
+  evo-inspect one.policy.h5 | grep "of every voxel, for any body"
+  # Another body, without training and with a little.
+  evo-sample -n 1 --seed 9 --shape 4x6 > other
+  evo-eval --policy one.policy.h5 other 2> /dev/null | jq -e '.fitness | type == "number"'
+  evo-train --task Walker-v0 --train modular --steps 512 --train-set environments=2 --init one.policy.h5 --out-dir own other |
+    jq -e '.steps == 512'
+}
+
+@test "modular: the same bytes again, for any -j, and interrupted" {
+  robots > robots
+  shared 16384 calm.policy.h5 -j1 robots > calm
+  shared 16384 again.policy.h5 -j3 robots | sed 's/again/calm/' | cmp - calm
+  cmp calm.policy.h5 again.policy.h5
+  # It is known, and is not trained again.
+  shared 16384 calm.policy.h5 robots | cmp - calm
+  for _ in 1 2 3; do
+    shared 16384 stormy.policy.h5 --resume robots > /dev/null 2>&1 3>&- & training=$!
+    until [ -e stormy.log ]; do kill -0 $training && sleep 0.05; done
+    random_pause
+    kill -TERM $training 2> /dev/null || break
+    wait $training && break
+  done
+  shared 16384 stormy.policy.h5 --resume robots | sed 's/stormy/calm/' | cmp - calm
+  cmp calm.policy.h5 stormy.policy.h5
+  [ ! -e stormy.checkpoint.h5 ]
+}
+
+@test "modular: what does not fit is refused in a line" {
+  robots > robots
+  shared 512 one.policy.h5 robots > scored
+  fails_with 2 "ppo makes a controller for each robot; --algo modular makes one for all" -- \
+    evo-train --task Walker-v0 --steps 16384 --shared two.policy.h5 robots
+  fails_with 2 "starts from one policy, not from those of a folder" -- shared 512 two.policy.h5 --init . robots
+  fails_with 73 "one.policy.h5: trained with other settings" -- shared 1024 one.policy.h5 robots
+  head -2 robots > fewer
+  fails_with 73 "robots: 4 " -- shared 512 one.policy.h5 fewer
+  fails_with 65 "trained on another task" -- evo-eval -q --policy one.policy.h5 --task Carrier-v0 fewer
+  fails_with 2 "ppo cannot start from a modular policy" -- \
+    evo-train --task Walker-v0 --steps 16384 --init one.policy.h5 --out-dir own fewer
+  fails_with 65 "a modular policy acts on the voxels of any body" -- evo-convert one.policy.h5 --to onnx -o no.onnx
+  echo '{"body":["RR","SS"]}' > still
+  fails_with 65 "no actuator" -- shared 512 two.policy.h5 robots still
+  [ ! -e two.policy.h5 ]
+}

@@ -34,10 +34,12 @@ struct Settings {
   std::optional<int> sheet;
   std::optional<int> strip;
   bool panels = false;
-  render::Choice moments = render::Choice::gait;
+  bool loop = false;
+  render::Choice moments = render::Choice::event;
   bool grid = false;
   std::optional<int> generations;
   std::optional<std::string> evolution;
+  std::optional<std::string> poster;
   bool race = false;
   bool no_labels = false;
   bool no_grid_lines = false;
@@ -52,7 +54,9 @@ render::Size parse_size(const std::string& text) {
 }
 
 // One picture of an episode.
-bool is_still(const Settings& settings) { return settings.at || settings.sheet || settings.strip; }
+bool is_still(const Settings& settings) {
+  return settings.at || settings.sheet || settings.strip || settings.loop;
+}
 
 // What moves, by the ending of its file.
 bool is_film(const std::string& output) {
@@ -218,6 +222,12 @@ void render_rollouts(const Settings& settings, const RenderOptions& options,
     if (episodes.size() != 1)
       throw error(Failure::usage, "a still picture shows one episode, but {} were given",
                   episodes.size());
+    if (settings.loop) {
+      if (!output.ends_with(".svg"))
+        throw error(Failure::usage, "{}: --loop makes a picture that ends in .svg", output);
+      write_file(output, render::draw_gait(episodes.front(), options));
+      return;
+    }
     write_picture(output, rollouts.front().task + " " + episodes.front().label,
                   draw_still(settings, options, episodes.front()));
     return;
@@ -263,6 +273,52 @@ void render_evolution(const std::string& folder, const RenderOptions& options,
     throw error(Failure::data, "{}: no generation has a robot with a fitness yet", folder);
   cli::LiveLine line(progress);
   render::render_evolution(champions, options, output, frames_on(line));
+}
+
+// The best robot's line of first parents, the oldest first.
+std::vector<render::PosterContent::Ancestor> line_of(const RunHistory& history, std::size_t best) {
+  std::vector<std::size_t> line{best};
+  for (bool more = true; more;) {
+    more = false;
+    for (const std::string& parent : history.robots()[line.back()].robot.parents()) {
+      const auto known = history.by_id().find(parent);
+      if (known == history.by_id().end() || std::ranges::count(line, known->second) > 0) continue;
+      line.push_back(known->second);
+      more = true;
+      break;
+    }
+  }
+  std::vector<render::PosterContent::Ancestor> result;
+  for (auto k = line.rbegin(); k != line.rend(); ++k)
+    result.push_back({history.robots()[*k].robot, history.robots()[*k].generation});
+  return result;
+}
+
+void render_poster(const std::string& folder, const RenderOptions& options,
+                   const std::string& output) {
+  const RunHistory history{RunFolder(folder)};
+  const auto best = history.champion_index();
+  if (!best) throw error(Failure::data, "{}: no robot has a fitness yet", folder);
+  const TrainedRobot& champion = history.robots()[*best];
+  const auto policy = history.folder().policy(champion.robot.id);
+  if (!std::filesystem::exists(policy))
+    throw error(Failure::no_input, "{}: is not there, so the best robot cannot be shown",
+                policy.string());
+  const Rollout rollout = play(read_policy(policy), cli::created_by("evo-render"));
+  render::PosterContent content{rollout.task, "", line_of(history, *best), {}};
+  std::int64_t steps = 0;
+  for (const TrainedRobot& robot : history.robots()) {
+    const double so_far = content.best.empty() ? *champion.fitness : content.best.back();
+    const double own = robot.fitness.value_or(so_far);
+    content.best.push_back(content.best.empty() ? own : std::max(so_far, own));
+    steps += robot.robot.steps().value_or(0);
+  }
+  content.sentence =
+      fmt::format("The best of {} robots, found by {} in {} generations and {:.2g} million steps",
+                  history.robots().size(), history.folder().settings().text("method"),
+                  history.generations().size(), static_cast<double>(steps) * 1e-6);
+  write_picture(output, rollout.task + ", a run on one page",
+                render::draw_poster(content, {&rollout, 0, ""}, options));
 }
 
 }  // namespace
@@ -327,10 +383,15 @@ int main(int argc, char** argv) {
       "curves below the picture, in step with it: return, actuation (commanded "
       "lengths) or none");
   command.section("Films of several robots");
-  command.flag("--race", settings.race, "all episodes in one world, with one camera and a ranking");
+  command.flag(
+      "--race", settings.race,
+      "all episodes in lanes with finish line, time and places; of climbers, in one world");
   command.option("--evolution", settings.evolution, "RUN_DIR",
                  "the best robot of one generation after another, changed voxels flashing");
   command.section("Still pictures");
+  command.option("--poster", settings.poster, "RUN_DIR",
+                 "a run on one page: what its best robot does, its body, the best fitness, and the "
+                 "bodies it goes back to");
   command.option("--at", settings.at, "STEP", "one moment of an episode");
   command.option(
       "--strip", settings.strip, "N",
@@ -339,10 +400,14 @@ int main(int argc, char** argv) {
   command.option("--sheet", settings.sheet, "N",
                  "N moments of an episode: a strip for robots that travel, else side by side");
   command.flag("--panels", settings.panels, "with --sheet: side by side in any case");
+  command.flag("--loop", settings.loop,
+               "a cycle of its gait that plays for ever, an .svg for pages and READMEs");
   command.choice("--moments", settings.moments, "CHOICE",
-                 {{"gait", render::Choice::gait}, {"time", render::Choice::time}},
-                 "gait: evenly spread over the episode and over the cycle of the gait; time: "
-                 "over the episode alone");
+                 {{"event", render::Choice::event},
+                  {"gait", render::Choice::gait},
+                  {"time", render::Choice::time}},
+                 "event: more where more happens; gait: evenly spread over the episode; both in "
+                 "other parts of a gait's cycle; time: evenly, whatever the gait");
   command.flag("--grid", settings.grid, "all robots read with ids and fitness");
   command.option("--generations", settings.generations, "ROWS",
                  "each file is a generation, its best ROWS robots a column");
@@ -350,10 +415,12 @@ int main(int argc, char** argv) {
   command.progress_option();
   command.example("evo-render walk.h5 -o walk.mp4", "an episode as a video");
   command.example("evo-render walk.h5 --strip 6 -o walk.svg", "its whole way on one picture");
+  command.example("evo-render walk.h5 --loop --size 320x320 -o gait.svg", "its gait, for ever");
   command.example("evo-render walk.h5 --at 120 --theme paper -o step.pdf", "one moment, for print");
   command.example("evo-render walk.h5 --contacts --plot actuation -o walk.mp4",
                   "what pushes it, and what its actuators are told");
   command.example("evo-render --evolution runs/walker -o film.mp4", "an evolution");
+  command.example("evo-render --poster runs/walker -o poster.pdf", "a run on one page");
   command.example("evo-sample -n 12 | evo-render --grid -o robots.png", "twelve robots");
 
   return command.run(argc, argv, [&] {
@@ -377,6 +444,16 @@ int main(int argc, char** argv) {
       render_evolution(*settings.evolution, options, command.output, command.progress_style());
       return 0;
     }
+    if (settings.poster) {
+      if (!files.empty() || settings.race || is_still(settings))
+        throw error(
+            Failure::usage,
+            "--poster shows the best robot of a run, without files, --race and other stills");
+      options.from = 0;
+      options.to.reset();
+      render_poster(*settings.poster, options, command.output);
+      return 0;
+    }
     for (const std::string& file : files)
       if (file != standard_stream && !std::filesystem::exists(file))
         throw error(Failure::no_input, "{}: cannot be opened: No such file or directory", file);
@@ -394,9 +471,10 @@ int main(int argc, char** argv) {
     command.only(film && !still, {"--fps", "--speed", "--every"}, "films of rollouts");
     command.only(settings.sheet.has_value(), {"--panels"}, "--sheet");
     command.only(settings.sheet || settings.strip, {"--moments"}, "--strip and --sheet");
-    command.only(!still, {"--from", "--to"}, "films");
-    command.only(!settings.at, {"--strip", "--sheet"}, "films and pictures without --at");
-    command.only(!settings.strip, {"--sheet"}, "pictures without --strip");
+    command.only(!still || settings.loop, {"--from", "--to"}, "films and --loop");
+    command.only(!settings.at, {"--strip", "--sheet", "--loop"}, "films and pictures without --at");
+    command.only(!settings.strip, {"--sheet", "--loop"}, "pictures without --strip");
+    command.only(!settings.sheet, {"--loop"}, "pictures without --sheet");
     choose_format(settings, film && is_animation(command.output), options);
     render::check_options(options);
     if (film) {
@@ -407,7 +485,7 @@ int main(int argc, char** argv) {
         throw error(Failure::usage, "--race needs rollouts, made with evo-eval --rollout");
       if (is_still(settings))
         throw error(Failure::usage,
-                    "--at, --strip and --sheet need a rollout; for robots there is --grid");
+                    "--at, --strip, --sheet and --loop need a rollout; for robots there is --grid");
       render_robots(settings, options, files, command.output);
     }
     return 0;

@@ -6,8 +6,10 @@
 
 #include "libevo/base/error.h"
 #include "render/figures/key.h"
+#include "render/figures/legend.h"
 #include "render/figures/plot.h"
 #include "render/figures/strip.h"
+#include "render/film/loop.h"
 #include "render/film/movie.h"
 #include "render/film/race.h"
 #include "render/film/workers.h"
@@ -148,7 +150,16 @@ Drawing draw_moment(const Episode& episode, double step, const RenderOptions& op
   const RenderOptions whole = without_range(options);
   const Film film = film_at(episode, step, whole);
   Typesetter typesetter;
-  return film.frame(step, typesetter);
+  Drawing drawing = film.frame(step, typesetter);
+  if (!options.overlays.labels) return drawing;
+  const Rect& area = film.areas.front();
+  const float size = 0.75F * label_size(area);
+  drawing.clip(area);
+  draw_legend(
+      film.clips.front().mesh(), 0, *film.theme,
+      {area.x + size, area.y + area.height - 2.4F * size, area.width - 2 * size, 2.4F * size}, size,
+      typesetter, drawing);
+  return drawing;
 }
 
 Drawing draw_moments(const Episode& episode, const Moments& moments, const RenderOptions& options) {
@@ -167,13 +178,23 @@ Drawing draw_moments(const Episode& episode, const Moments& moments, const Rende
   const auto to = static_cast<int>(range.back());
   const std::vector<int> steps = choose_moments(clip, from, to, moments.count, moments.choice);
   const Theme& theme = theme_by_name(options.theme);
-  const bool as_strip = moments.layout == Layout::strip ? !hops(clip, from, to)
-                                                        : moments.layout == Layout::automatic &&
-                                                              n > 1 && travels(clip, from, to);
+  const bool as_strip = moments.layout == Layout::strip
+                            ? !hops(clip, from, to)
+                            : moments.layout == Layout::automatic && n > 1 &&
+                                  travels(clip, from, to) && has_room(clip, steps);
   Typesetter typesetter;
   return as_strip ? strip(clip, steps, theme, options.size, typesetter)
                   : moment_sheet(clip, {steps.begin(), steps.end()}, theme, options.size.width,
                                  typesetter);
+}
+
+std::string draw_gait(const Episode& episode, const RenderOptions& options) {
+  check_options(options);
+  const Clip clip(episode, options, 1.0);
+  const std::vector<double> range = timeline(options, clip.steps());
+  const Caption who = clip.caption(0);
+  return gait_loop(clip, static_cast<int>(range.front()), static_cast<int>(range.back()),
+                   options.size.width, who.title + ", robot " + who.detail);
 }
 
 Drawing draw_robot(const Robot& robot, const RenderOptions& options) {
@@ -197,6 +218,15 @@ Drawing draw_generations(const std::vector<Generation>& generations, int rows,
   Typesetter typesetter;
   return generation_sheet(generations, rows, theme_by_name(options.theme), options.size.width,
                           typesetter);
+}
+
+Drawing draw_poster(const PosterContent& content, const Episode& best,
+                    const RenderOptions& options) {
+  RenderOptions inside = options;
+  inside.size = {poster_width(), poster_width() * 3 / 5};
+  const Drawing moments = draw_moments(best, {}, inside);
+  Typesetter typesetter;
+  return poster(content, moments, theme_by_name(options.theme), typesetter);
 }
 
 Image paint(const Drawing& drawing) {

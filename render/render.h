@@ -8,6 +8,7 @@
 
 #include "formats/robot/robot.h"
 #include "libevo/sim/model.h"
+#include "render/figures/poster.h"
 #include "render/figures/sheet.h"
 #include "render/film/evolution_film.h"
 #include "render/film/movie.h"
@@ -34,14 +35,20 @@ enum class Layout {
 struct Moments {
   int count = 6;
   Layout layout = Layout::automatic;
-  Choice choice = Choice::gait;
+  Choice choice = Choice::event;
 };
 Drawing draw_moments(const Episode& episode, const Moments& moments, const RenderOptions& options);
+// A cycle of its gait, for ever, as the text of an SVG (film/loop.h).
+std::string draw_gait(const Episode& episode, const RenderOptions& options);
 Drawing draw_robot(const Robot& robot, const RenderOptions& options);
 Drawing draw_robots(const std::vector<Robot>& robots, const RenderOptions& options);
 // The best `rows` of each generation.
 Drawing draw_generations(const std::vector<Generation>& generations, int rows,
                          const RenderOptions& options);
+
+// A run on one page, `best` being an episode of its best robot; options.size does not matter.
+Drawing draw_poster(const PosterContent& content, const Episode& best,
+                    const RenderOptions& options);
 
 // Pixels of a drawing, painted by a process of its own.
 Image paint(const Drawing& drawing);

@@ -338,7 +338,8 @@ std::string when_and_where(const Run& run) {
 }
 
 std::string lead(const std::vector<Run>& runs) {
-  if (runs.size() > 1) return "Co-design of soft robots, several runs side by side";
+  if (runs.size() > 1)
+    return "Soft robots, bodies and controllers evolved together: what several runs say, and each";
   const Run& run = runs[0];
   return fmt::format("Co-design of soft robots by {}, bodies of {} voxels, seed {}{} {}",
                      escape(run.setting("method")), escape(run.setting("shape")),

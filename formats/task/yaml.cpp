@@ -30,10 +30,21 @@ std::optional<YamlNode> value_of(const YamlNode& mapping, const std::string& key
   return std::nullopt;
 }
 
-bool rewards_height(const Rollout& rollout) {
+namespace {
+
+bool rewards_any(const Rollout& rollout, bool (*what)(const YamlNode&)) {
   const auto task = task_document(rollout);
   const auto rewards = task ? value_of(*task, "reward") : std::nullopt;
-  return rewards && rewards->is_sequence() && std::ranges::any_of(rewards->items(), is_height);
+  return rewards && rewards->is_sequence() && std::ranges::any_of(rewards->items(), what);
+}
+
+}  // namespace
+
+bool rewards_height(const Rollout& rollout) { return rewards_any(rollout, is_height); }
+
+bool rewards_turning(const Rollout& rollout) {
+  return rewards_any(rollout,
+                     [](const YamlNode& part) { return value_of(part, "rotation").has_value(); });
 }
 
 }  // namespace evo

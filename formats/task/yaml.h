@@ -18,5 +18,7 @@ std::optional<YamlNode> value_of(const YamlNode& mapping, const std::string& key
 
 // Whether the task rewards height at all times: a displacement or an extent along y.
 bool rewards_height(const Rollout& rollout);
+// Whether the robot's turning counts.
+bool rewards_turning(const Rollout& rollout);
 
 }  // namespace evo

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <string>
 
 #include "libevo/task/spec.h"
@@ -12,13 +13,15 @@
 namespace evo::render {
 namespace {
 
-bool has(const Mesh& mesh, bool robot, Voxel type) {
+// Kinds of voxels of robots, or of all other objects.
+std::set<Voxel> kinds_in(const Mesh& mesh, bool robot) {
+  std::set<Voxel> kinds;
   for (const ModelObject& object : mesh.objects) {
     if ((object.name == robot_name) != robot) continue;
     for (int k = object.first_cell; k < object.first_cell + object.cells; ++k)
-      if (mesh.cells[static_cast<std::size_t>(k)].type == type) return true;
+      kinds.insert(mesh.cells[static_cast<std::size_t>(k)].type);
   }
-  return false;
+  return kinds;
 }
 
 // Left out where it would reach to the left of `from`.
@@ -44,39 +47,89 @@ void draw_scale_bar(double scale, float from, const Theme& theme, const Rect& ar
                 false});
 }
 
-}  // namespace
+// A legend being drawn, from the left.
+struct Row {
+  const Theme& theme;
+  const Rect& area;
+  float size;
+  Typesetter& typesetter;
+  Drawing& drawing;
+  float x = area.x;
+  float side = 1.15F * size;
+  float top = area.y + (area.height - side) / 2;
+  float baseline = area.y + area.height / 2 + 0.36F * size;
 
-void draw_legend(const Mesh& mesh, double scale, const Theme& theme, const Rect& area, float size,
-                 Typesetter& typesetter, Drawing& drawing) {
+  void name(const char* text) {
+    x += side + 0.45F * size;
+    drawing.text({{x, baseline}, size, text, theme.text, Align::left, false});
+    x += typesetter.width(text, size) + 1.4F * size;
+  }
+  void robot(const std::set<Voxel>& kinds);
+  void objects(const std::set<Voxel>& kinds);
+};
+
+void Row::robot(const std::set<Voxel>& kinds) {
   struct Entry {
     Voxel type;
     const char* name;
   };
-  constexpr std::array kinds{Entry{Voxel::rigid, "rigid"}, Entry{Voxel::soft, "soft"},
-                             Entry{Voxel::horizontal, "horizontal actuator"},
-                             Entry{Voxel::vertical, "vertical actuator"}};
-  float x = area.x;
-  const float side = 1.15F * size;
-  const float top = area.y + (area.height - side) / 2;
-  const float baseline = area.y + area.height / 2 + 0.36F * size;
-  const auto name = [&](const char* text) {
-    x += side + 0.45F * size;
-    drawing.text({{x, baseline}, size, text, theme.text, Align::left, false});
-    x += typesetter.width(text, size) + 1.4F * size;
-  };
-  for (const Entry& kind : kinds) {
-    if (!has(mesh, true, kind.type)) continue;
+  constexpr std::array all{Entry{Voxel::rigid, "rigid"}, Entry{Voxel::soft, "soft"},
+                           Entry{Voxel::horizontal, "horizontal actuator"},
+                           Entry{Voxel::vertical, "vertical actuator"}};
+  for (const Entry& kind : all) {
+    if (!kinds.contains(kind.type)) continue;
     const Body voxel = Body::from_rows({std::string(1, letter(kind.type))});
     draw_body(voxel, {1, 1}, theme, {x, top, side, side}, drawing);
     name(kind.name);
   }
+}
+
+void Row::objects(const std::set<Voxel>& kinds) {
   for (const Voxel type : {Voxel::rigid, Voxel::soft}) {
-    if (!has(mesh, false, type)) continue;
+    if (!kinds.contains(type)) continue;
     drawing.rectangle({x, top, side, side}, theme.outline);
     drawing.rectangle({x + 1.5F, top + 1.5F, side - 3, side - 3}, color_of_object(theme, type));
     name(type == Voxel::rigid ? "object" : "soft object");
   }
-  if (scale > 0) draw_scale_bar(scale, x, theme, area, size, typesetter, drawing);
+}
+
+constexpr float least_size = 5.5F;  // pixels; smaller cannot be read
+
+// The size of text, `size` at most, with which a row stays inside of the area.
+template <typename RowOf>
+float fitting(const RowOf& row_of, const Rect& area, float size) {
+  Drawing aside({1, 1});
+  const float length = row_of(size, aside).x - area.x - size;
+  return length > area.width ? size * area.width / length : size;
+}
+
+}  // namespace
+
+void draw_legend(const Mesh& mesh, double scale, const Theme& theme, const Rect& area, float size,
+                 Typesetter& typesetter, Drawing& drawing) {
+  const auto row_of = [&](float text, Drawing& where) {
+    Row row{theme, area, text, typesetter, where};
+    row.robot(kinds_in(mesh, true));
+    row.objects(kinds_in(mesh, false));
+    return row;
+  };
+  size = fitting(row_of, area, size);
+  if (size < least_size) return;
+  const Row row = row_of(size, drawing);
+  if (scale > 0) draw_scale_bar(scale, row.x, theme, area, size, typesetter, drawing);
+}
+
+void draw_legend(std::span<const Robot> robots, const Theme& theme, const Rect& area, float size,
+                 Typesetter& typesetter, Drawing& drawing) {
+  std::set<Voxel> kinds;
+  for (const Robot& robot : robots) kinds.insert(robot.body.cells.begin(), robot.body.cells.end());
+  const auto row_of = [&](float text, Drawing& where) {
+    Row row{theme, area, text, typesetter, where};
+    row.robot(kinds);
+    return row;
+  };
+  size = fitting(row_of, area, size);
+  if (size >= least_size) row_of(size, drawing);
 }
 
 }  // namespace evo::render

@@ -1,14 +1,21 @@
 // What the colours and signs of a picture mean, and how large it is.
 #pragma once
 
+#include <span>
+
+#include "formats/robot/robot.h"
 #include "render/painters/text.h"
 #include "render/scene/clip.h"
 
 namespace evo::render {
 
 // A row of voxels with their names, those that the mesh has, from the left of
-// `area`; at its right, if `scale` (pixels a voxel) is given, a bar of some voxels.
+// `area`, as large as fits; nothing where that cannot be read; at its right, if `scale` (pixels a
+// voxel) is given, a bar of some voxels.
 void draw_legend(const Mesh& mesh, double scale, const Theme& theme, const Rect& area, float size,
+                 Typesetter& typesetter, Drawing& drawing);
+// The same of what any of the robots has.
+void draw_legend(std::span<const Robot> robots, const Theme& theme, const Rect& area, float size,
                  Typesetter& typesetter, Drawing& drawing);
 
 }  // namespace evo::render

@@ -20,17 +20,20 @@ std::string number(double value, double tick) {
 struct Axes {
   Rect inside;
   float size;  // of text
-  double steps;
+  int first;   // step at the left
+  int last;
   const Theme& theme;
   Drawing& drawing;
 
-  float x(double step) const { return inside.x + inside.width * static_cast<float>(step / steps); }
+  float x(double step) const {
+    return inside.x + inside.width * static_cast<float>((step - first) / (last - first));
+  }
   void title(const char* text) const {
     drawing.text({{inside.x, inside.y - 0.75F * size}, size, text, theme.text, Align::left, true});
   }
   void steps_below() const {
-    const double between = round_number_from(steps / 8);
-    for (double t = 0; t <= steps + 1e-9; t += between)
+    const double between = round_number_from((last - first) / 8.0);
+    for (double t = std::ceil(first / between) * between; t <= last + 1e-9; t += between)
       drawing.text({{x(t), inside.y + inside.height + 1.35F * size},
                     0.9F * size,
                     fmt::format("{:.0f}", t),
@@ -54,7 +57,7 @@ void draw_return(const Clip& clip, double now, const Axes& axes) {
     low = std::min(low, clip.score(t));
     high = std::max(high, clip.score(t));
   }
-  const auto& [inside, size, steps, theme, drawing] = axes;
+  const auto& [inside, size, first, last, theme, drawing] = axes;
   const auto y_of = [&, area = inside](double value) {
     return area.y + area.height * static_cast<float>((high - value) / (high - low));
   };
@@ -71,8 +74,8 @@ void draw_return(const Clip& clip, double now, const Axes& axes) {
   }
   for (const bool past : {false, true}) {
     std::vector<Point> points;
-    const int end = past ? static_cast<int>(now) : clip.steps();
-    for (int t = past ? 0 : static_cast<int>(now); t <= end; ++t)
+    const int end = past ? static_cast<int>(now) : last;
+    for (int t = past ? first : static_cast<int>(now); t <= end; ++t)
       points.push_back({axes.x(t), y_of(clip.score(t))});
     const Color color = past ? theme.trail : mix(theme.trail, theme.paper, future);
     if (points.size() > 1) drawing.stroke(points, false, std::max(1.0F, 0.16F * size), color);
@@ -84,7 +87,7 @@ void draw_return(const Clip& clip, double now, const Axes& axes) {
 // each other, lines cannot be told apart.
 void draw_commands(const Clip& clip, double now, const Axes& axes) {
   const std::vector<int> cells = actuators_of(clip.mesh());
-  const auto& [inside, size, steps, theme, drawing] = axes;
+  const auto& [inside, size, first, last, theme, drawing] = axes;
   axes.title("commanded length");
   const ValueScale scale = command_scale();
   // Colours in few steps, so that runs of one colour are one rectangle.
@@ -103,10 +106,11 @@ void draw_commands(const Clip& clip, double now, const Axes& axes) {
     const float y = inside.y + row * static_cast<float>(k);
     drawing.rectangle({inside.x - 0.9F * size, y, 0.6F * size, row - gap},
                       color_of(theme, clip.mesh().cells[static_cast<std::size_t>(cells[k])].type));
-    for (int from = 0, to = 0; from < clip.steps(); from = to) {
+    const int end = std::min(last, clip.steps());
+    for (int from = first, to = first; from < end; from = to) {
       const int here = shade(from, k);
       const bool past = from < now;
-      while (to < clip.steps() && (to < now) == past && shade(to, k) == here) ++to;
+      while (to < end && (to < now) == past && shade(to, k) == here) ++to;
       const Color color = color_of(scale, scale.low + here / shades);
       drawing.rectangle({axes.x(from), y, axes.x(to) - axes.x(from), row - gap},
                         past ? color : mix(color, theme.paper, future));
@@ -151,8 +155,13 @@ void draw_plot(const Clip& clip, Plot plot, double step, const Theme& theme, con
   const Rect inside{area.x + 4.2F * size, area.y + 2.1F * size, area.width - 5.8F * size,
                     area.height - 4.0F * size};
   if (inside.width < 8 * size || inside.height < size) return;
-  const Axes axes{inside, size, static_cast<double>(std::max(1, clip.steps())), theme, drawing};
   const double now = std::clamp(step, 0.0, static_cast<double>(clip.steps()));
+  // About the present moment: what happened long ago says nothing of what is seen.
+  constexpr int most = 240;
+  const int shown = std::clamp(clip.steps(), 1, most);
+  const int first =
+      std::clamp(static_cast<int>(now) - shown / 2, 0, std::max(0, clip.steps() - shown));
+  const Axes axes{inside, size, first, first + shown, theme, drawing};
   if (plot == Plot::reward_sum)
     draw_return(clip, now, axes);
   else

@@ -189,7 +189,7 @@ Drawing robot_picture(const Robot& robot, const Theme& theme, Size size, Typeset
   Drawing drawing(size);
   const Rect whole = drawing.whole();
   const float text = std::max(8.0F, 0.045F * std::min(whole.height, 0.75F * whole.width));
-  const float strip = whole.height > 8 * text ? 4.2F * text : 0;
+  const float strip = whole.height > 8 * text ? 5.8F * text : 0;
   const Rect panel{0, 0, whole.width, whole.height - strip};
   Scene scene;
   const Mesh mesh = make_mesh(robot.body, scene.points);
@@ -208,12 +208,14 @@ Drawing robot_picture(const Robot& robot, const Theme& theme, Size size, Typeset
   const std::string task = named ? *named + "   " : "";
   const std::string score = fitness_text(robot);
   const bool scored = !score.empty();
-  const float middle = panel.height + strip / 2;
+  const float middle = panel.height + 2.1F * text;
   const float first = scored ? middle - 0.35F * text : middle + 0.36F * text;
   centred(robot.id, {x, first}, text, theme.text, true, most, typesetter, drawing);
   if (scored)
     centred(task + "fitness " + score, {x, first + 1.45F * text}, 0.9F * text, theme.text_muted,
             false, most, typesetter, drawing);
+  draw_legend(std::span(&robot, 1), theme, {text, panel.height + 4.0F * text, most, 1.4F * text},
+              0.8F * text, typesetter, drawing);
   return drawing;
 }
 
@@ -222,8 +224,11 @@ Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int wid
   if (robots.empty()) throw Error(Failure::data, "there is no robot to draw");
   check_size({width, 1});
   const GridLayout layout = lay_out(robots, width);
-  Drawing drawing = blank(layout.size, theme);
   const CardStyle style{layout.card, largest(robots), lines_below(robots)};
+  const float text = std::max(8.0F, style.text);
+  Size size = layout.size;
+  size.height += static_cast<int>(std::lround(2.2F * text));
+  Drawing drawing = blank(size, theme);
   for (std::size_t k = 0; k < robots.size(); ++k) {
     const std::size_t column = k % static_cast<std::size_t>(layout.columns);
     const std::size_t row = k / static_cast<std::size_t>(layout.columns);
@@ -232,6 +237,10 @@ Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int wid
                layout.gap + static_cast<float>(row) * (style.height() + layout.gap)},
               typesetter, drawing);
   }
+  draw_legend(robots, theme,
+              {layout.gap, static_cast<float>(layout.size.height),
+               static_cast<float>(size.width) - 2 * layout.gap, 1.6F * text},
+              text, typesetter, drawing);
   return drawing;
 }
 
@@ -305,7 +314,7 @@ Drawing generation_sheet(const std::vector<Generation>& generations, int rows, c
   const auto chosen = chosen_generations(generations.size(), layout.shown);
   const CardStyle style{layout.card, span, 1, false};
   const bool some = chosen.size() < generations.size();
-  const float note = some ? layout.heading : 0;
+  const float note = layout.heading;
   const float height = static_cast<float>(layout.bands) * layout.band + layout.gap + note;
   Drawing drawing = blank({width, static_cast<int>(std::lround(height))}, theme);
   const float used = static_cast<float>(layout.per_band) * (layout.card + layout.gap) - layout.gap;
@@ -322,10 +331,19 @@ Drawing generation_sheet(const std::vector<Generation>& generations, int rows, c
                 {x, y + layout.heading + static_cast<float>(r) * (style.height() + layout.gap)},
                 typesetter, drawing);
   }
+  std::vector<Robot> all;
+  for (const Generation& generation : generations)
+    all.insert(all.end(), generation.robots.begin(), generation.robots.end());
+  draw_legend(all, theme,
+              {start, height - note, static_cast<float>(width) - 2 * start, 1.6F * style.text},
+              style.text, typesetter, drawing);
   if (some)
-    centred(fmt::format("{} of {} generations", chosen.size(), generations.size()),
-            {static_cast<float>(width) / 2, height - 0.9F * style.text}, style.text,
-            theme.text_muted, false, static_cast<float>(width), typesetter, drawing);
+    drawing.text({{static_cast<float>(width) - start, height - 0.9F * style.text},
+                  style.text,
+                  fmt::format("{} of {} generations", chosen.size(), generations.size()),
+                  theme.text_muted,
+                  Align::right,
+                  false});
   return drawing;
 }
 
@@ -379,7 +397,7 @@ Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const
   for (const double moment : moments) scenes.push_back(clip.scene(moment));
   align_windows(scenes);
   const bool colors = !scenes.front().values.empty();
-  const float key = colors || theme.signs ? 2.4F * text : 0.0F;
+  const float key = 2.4F * text;
   const float panels = heading + static_cast<float>(rows) * (high + strip);
   const float height = panels + key;
   Drawing drawing = blank({width, static_cast<int>(std::lround(height))}, theme);
@@ -402,8 +420,9 @@ Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const
     drawing.clip(drawing.whole());
     const int step = static_cast<int>(std::lround(moments[k]));
     const float middle = x + panel / 2;
-    centred(fmt::format("step {}", step), {middle, y + high + 1.35F * text}, text, theme.text, true,
-            panel, typesetter, drawing);
+    const std::string turns = clip.turns(moments[k]);
+    centred(fmt::format("step {}{}{}", step, turns.empty() ? "" : ", ", turns),
+            {middle, y + high + 1.35F * text}, text, theme.text, true, panel, typesetter, drawing);
     centred("return " + signed_score(clip.score(moments[k])), {middle, y + high + 2.6F * text},
             0.9F * text, theme.text_muted, false, panel, typesetter, drawing);
   }
@@ -412,7 +431,7 @@ Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const
     draw_value_line(scenes.front().value_scale, theme,
                     {below.x + below.width / 2, below.y + below.height / 2}, text, typesetter,
                     drawing);
-  else if (key > 0)
+  else
     draw_legend(clip.mesh(), 0, theme, below, text, typesetter, drawing);
   return drawing;
 }

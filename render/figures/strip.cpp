@@ -34,7 +34,35 @@ bool climbs(const Bounds& way) {
   return way.height() > way.width() && way.height() > far;
 }
 
+// How high what hangs over the way reaches, if it begins no more than a few voxels above it:
+// of a cave, the ceiling with its upper edge, as far as that is no tower.
+double ceiling(const Clip& clip, const Bounds& extent) {
+  constexpr double near = 3.0;  // voxels
+  constexpr double most = 4.0;
+  double top = extent.y1;
+  const auto points = clip.points(0);
+  for (const ModelCell& cell : clip.mesh().cells) {
+    Bounds box;
+    for (const int p : cell.points) box.add(points[static_cast<std::size_t>(p)]);
+    const bool over = box.x1 > extent.x0 && box.x0 < extent.x1 && box.y0 < extent.y1 + near;
+    if (over) top = std::max(top, std::min(box.y1, extent.y1 + most));
+  }
+  return top;
+}
+
 // ---- what to draw -----------------------------------------------------------------------
+
+Vec2 middle_of(const Clip& clip, int step, const ModelObject& object) {
+  const Bounds extent = extent_of(clip, step, object);
+  return {(extent.x0 + extent.x1) / 2, (extent.y0 + extent.y1) / 2};
+}
+
+// Of the middle of an object between two steps.
+Bounds way_of(const Clip& clip, int from, int to, const ModelObject& object) {
+  Bounds extent;
+  for (int t = from; t <= to; ++t) extent.add(middle_of(clip, t, object));
+  return extent;
+}
 
 // Objects that are shown at every moment: the robot, and what goes far.
 std::vector<bool> travelling(const Clip& clip, const std::vector<int>& moments) {
@@ -42,14 +70,29 @@ std::vector<bool> travelling(const Clip& clip, const std::vector<int>& moments) 
   std::vector<bool> result;
   for (const ModelObject& object : clip.mesh().objects) {
     Bounds centres;
-    for (const int step : moments) {
-      const Bounds extent = extent_of(clip, step, object);
-      centres.add({(extent.x0 + extent.x1) / 2, (extent.y0 + extent.y1) / 2});
-    }
+    for (const int step : moments) centres.add(middle_of(clip, step, object));
     const bool moves = std::max(centres.width(), centres.height()) >= far;
     result.push_back(object.name == robot_name || (!object.is_static && moves));
   }
   return result;
+}
+
+// What a strip is about: the robot, or an object that goes much farther than it does.
+const ModelObject& protagonist(const Clip& clip, int from, int to) {
+  const auto& objects = clip.mesh().objects;
+  const auto far = [&](const ModelObject& object) {
+    const Bounds path = way_of(clip, from, to, object);
+    return std::max(path.width(), path.height());
+  };
+  constexpr double much = 2.0;
+  const ModelObject* best = &objects.front();
+  double most = much * far(objects.front());
+  for (std::size_t k = 1; k < objects.size(); ++k) {
+    if (objects[k].is_static || far(objects[k]) <= most) continue;
+    best = &objects[k];
+    most = far(objects[k]);
+  }
+  return *best;
 }
 
 // All points at the last moment; those of objects that stay, such as a bridge that
@@ -90,6 +133,13 @@ Scene panorama(const Clip& clip, const std::vector<int>& moments) {
   scene.trail.clear();
   for (int t = moments.front(); t <= moments.back(); ++t) scene.trail.push_back(clip.centre(t));
   for (const int step : moments) scene.marks.push_back(clip.centre(step));
+  const auto& objects = clip.mesh().objects;
+  for (std::size_t k = 1; k < objects.size(); ++k) {
+    if (!scene.travels[k]) continue;
+    std::vector<Vec2>& path = scene.object_trails.emplace_back();
+    for (int t = moments.front(); t <= moments.back(); ++t)
+      path.push_back(middle_of(clip, t, objects[k]));
+  }
   return scene;
 }
 
@@ -142,7 +192,7 @@ std::vector<float> spread(const std::vector<float>& wanted, float length, float 
 }
 
 struct Label {
-  float at = 0;  // where the robot is, along the axis
+  float at = 0;  // where what the strip is about is, along the axis
   std::string step;
   std::string score;
 };
@@ -150,9 +200,12 @@ struct Label {
 std::vector<Label> labels(const Clip& clip, const std::vector<int>& moments, bool upright,
                           const Projection& to_pixels) {
   std::vector<Label> all;
+  const ModelObject& about = protagonist(clip, moments.front(), moments.back());
   for (const int step : moments) {
-    const Point centre = to_pixels(clip.centre(step));
-    all.push_back({upright ? centre.y : centre.x, fmt::format("step {}", step),
+    const Point middle = to_pixels(middle_of(clip, step, about));
+    const std::string turns = clip.turns(step);
+    all.push_back({upright ? middle.y : middle.x,
+                   fmt::format("step {}{}{}", step, turns.empty() ? "" : ", ", turns),
                    signed_score(clip.score(step))});
   }
   std::stable_sort(all.begin(), all.end(),
@@ -175,7 +228,7 @@ std::vector<float> places_of(const std::vector<Label>& labels, float length, flo
   return spread(wanted, length, low, high);
 }
 
-// Below a panorama that lies, each under its robot.
+// Below a panorama that lies, each under what it is about.
 void draw_labels_below(const std::vector<Label>& labels, const Rect& area, float size,
                        const Theme& theme, Typesetter& typesetter, Drawing& drawing) {
   const float length = widest(labels, size, typesetter) + 0.8F * size;
@@ -231,12 +284,13 @@ Drawing lying(const Clip& clip, const std::vector<int>& moments, Scene scene, co
   const float size = std::max(9.0F, 0.0125F * width);
   const float heading = 2.2F * size;
   const float below = 3.6F * size;
-  const float legend = theme.signs ? 2.4F * size : 0.0F;
+  const float legend = 2.4F * size;
   const float earth = 2.4F * size;
   double scale = static_cast<double>(width) / (extent.width() + 2 * beside);
   // The bar of colours has the sky above the robot.
   constexpr double bar = 48;  // pixels
-  const double sky = above + (scene.values.empty() ? 0.0 : bar / scale);
+  const double sky =
+      above + (ceiling(clip, extent) - extent.y1) + (scene.values.empty() ? 0.0 : bar / scale);
   const double high = std::max(1.0, extent.y1 + sky - std::min(0.0, extent.y0));
   const double room =
       static_cast<double>(most.height) - static_cast<double>(heading + below + legend + earth);
@@ -271,54 +325,92 @@ Drawing lying(const Clip& clip, const std::vector<int>& moments, Scene scene, co
   const Rect under{0, panel.y + panel.height, width, below};
   draw_labels_below(labels(clip, moments, false, to_pixels), under, size, theme, typesetter,
                     drawing);
-  if (legend > 0)
-    draw_legend(clip.mesh(), scale, theme,
-                {margin, under.y + below, width - 2 * margin, 1.6F * size}, size, typesetter,
-                drawing);
+  draw_legend(clip.mesh(), scale, theme, {margin, under.y + below, width - 2 * margin, 1.6F * size},
+              size, typesetter, drawing);
   return drawing;
 }
 
-Drawing standing(const Clip& clip, const std::vector<int>& moments, Scene scene,
+// A piece of a panorama that stands: the heights between `low` and `high`.
+struct Storey {
+  double low = 0;
+  double high = 0;
+  std::vector<int> moments;
+};
+
+// A climb as high as several pictures are wide has two columns, the lower half at the left.
+std::vector<Storey> storeys(const Clip& clip, const std::vector<int>& moments, double low,
+                            double high, double across) {
+  constexpr double slim = 4.0;
+  if (high - low < slim * across) return {{low, high, moments}};
+  const double middle = (low + high) / 2;
+  std::vector<Storey> halves{{low, middle, {}}, {middle, high, {}}};
+  const ModelObject& about = protagonist(clip, moments.front(), moments.back());
+  for (const int step : moments)
+    halves[middle_of(clip, step, about).y < middle ? 0 : 1].moments.push_back(step);
+  return halves;
+}
+
+Drawing standing(const Clip& clip, const std::vector<int>& moments, const Scene& whole,
                  const Bounds& extent, const Theme& theme, Size most, Typesetter& typesetter) {
-  const auto height = static_cast<float>(most.height);
-  const float size = std::max(9.0F, 0.022F * height);
+  const float size = std::max(9.0F, 0.022F * static_cast<float>(most.height));
+  const float legend = 2.4F * size;
+  const float height = static_cast<float>(most.height) - legend;
   const float earth = 2.4F * size;
-  const double high = extent.y1 + above - std::min(0.0, extent.y0);
-  const double scale = static_cast<double>(height - earth) / std::max(1.0, high);
   // Walls beside the robot are part of the story.
   constexpr double walls = 4.0;
   const double across = extent.width() + 2 * walls;
+  const double low = std::min(0.0, extent.y0);
+  const auto parts = storeys(clip, moments, low, std::max(low + 1.0, extent.y1 + above), across);
+  const double scale =
+      static_cast<double>(height - earth) / (parts.front().high - parts.front().low);
   const float panel_width = std::round(std::max(0.3F * height, static_cast<float>(across * scale)));
-  const Rect panel{0, 0, panel_width, height};
-  scene.view = {(extent.x0 + extent.x1) / 2,
-                extent.y1 + above - static_cast<double>(height) / scale / 2,
-                static_cast<double>(panel_width) / scale, static_cast<double>(height) / scale};
-  const Projection to_pixels(scene.view, panel);
-  const auto texts = labels(clip, moments, true, to_pixels);
   const Caption who = clip.caption(0);
-  const float column = std::max({widest(texts, size, typesetter) + 2.6F * size,
-                                 typesetter.width(who.title, 1.1F * size, true) + 2.2F * size,
-                                 typesetter.width(duration(moments), 0.9F * size) + 2.2F * size,
-                                 typesetter.width(who.detail, 0.9F * size) + 2.2F * size});
-  const float legend = theme.signs ? 2.4F * size : 0.0F;
-  Drawing drawing({static_cast<int>(std::lround(panel_width + column)),
+  const float heading = 5.0F * size;  // lines beside the last column
+  const auto texts_of = [&](const Storey& storey, const Projection& to_pixels) {
+    return labels(clip, storey.moments, true, to_pixels);
+  };
+  const auto view_of = [&](const Storey& storey) -> ViewRect {
+    const double voxels = static_cast<double>(height) / scale;
+    return {(extent.x0 + extent.x1) / 2, storey.high - voxels / 2,
+            static_cast<double>(panel_width) / scale, voxels};
+  };
+  float column = std::max({typesetter.width(who.title, 1.1F * size, true),
+                           typesetter.width(duration(moments), 0.9F * size),
+                           typesetter.width(who.detail, 0.9F * size)}) +
+                 2.2F * size;
+  for (const Storey& storey : parts) {
+    const Projection to_pixels(view_of(storey), {0, 0, panel_width, height});
+    column = std::max(column, widest(texts_of(storey, to_pixels), size, typesetter) + 2.6F * size);
+  }
+  const auto columns = static_cast<float>(parts.size());
+  Drawing drawing({static_cast<int>(std::lround(columns * (panel_width + column))),
                    static_cast<int>(std::lround(height + legend))});
   check_size(drawing.size());
   drawing.rectangle(drawing.whole(), theme.paper);
-  scene.ruler_text = 0.8F * size;
-  draw_scene(scene, theme, panel, drawing);
-  draw_key(scene, theme, panel, 0, typesetter, drawing);
-  drawing.clip(drawing.whole());
-  const float x = panel_width + 1.2F * size;
+  float x = 0;
+  for (const Storey& storey : parts) {
+    const Rect panel{std::round(x), 0, panel_width, height};
+    Scene scene = whole;
+    scene.view = view_of(storey);
+    scene.ruler_text = 0.8F * size;
+    draw_scene(scene, theme, panel, drawing);
+    if (x == 0) draw_key(scene, theme, panel, 0, typesetter, drawing);
+    drawing.clip(drawing.whole());
+    x = panel.x + panel_width;
+    const bool last = &storey == &parts.back();
+    const float from = last ? heading : size;
+    draw_labels_beside(texts_of(storey, Projection(scene.view, panel)),
+                       {x, from, column, height - from}, size, theme, drawing);
+    if (!last) x += column;
+  }
+  x += 1.2F * size;
   drawing.text({{x, 1.6F * size}, 1.1F * size, who.title, theme.text, Align::left, true});
   drawing.text({{x, 2.9F * size}, 0.9F * size, who.detail, theme.text_muted, Align::left, false});
   drawing.text(
       {{x, 4.1F * size}, 0.9F * size, duration(moments), theme.text_muted, Align::left, false});
-  draw_labels_beside(texts, {panel_width, 5.0F * size, column, height - 5.0F * size}, size, theme,
-                     drawing);
-  if (legend > 0)
-    draw_legend(clip.mesh(), 0, theme, {0.6F * size, height, panel_width, legend}, 0.8F * size,
-                typesetter, drawing);
+  draw_legend(clip.mesh(), 0, theme,
+              {0.6F * size, height, static_cast<float>(drawing.size().width), legend}, 0.8F * size,
+              typesetter, drawing);
   return drawing;
 }
 
@@ -328,19 +420,33 @@ bool hops(const Clip& clip, int from, int to) {
   return climbs(way(clip, from, to)) && !travels(clip, from, to);
 }
 
+bool has_room(const Clip& clip, const std::vector<int>& moments) {
+  constexpr double least = 0.6;  // of its size, from one moment to the next
+  const ModelObject& about = protagonist(clip, moments.front(), moments.back());
+  const Bounds body = extent_of(clip, moments.front(), about);
+  const Bounds path = way_of(clip, moments.front(), moments.back(), about);
+  const auto gaps = static_cast<double>(moments.size() - 1);
+  return path.width() >= least * gaps * body.width() ||
+         path.height() >= least * gaps * body.height();
+}
+
 bool travels(const Clip& clip, int from, int to) {
   constexpr double bodies = 1.5;  // lengths of the robot
   const Bounds body = extent_of(clip, from, clip.mesh().objects.front());
-  const Bounds path = way(clip, from, to);
-  return path.width() >= bodies * body.width() || path.height() >= bodies * body.height();
+  return std::ranges::any_of(clip.mesh().objects, [&](const ModelObject& object) {
+    if (object.is_static) return false;
+    const Bounds path = way_of(clip, from, to, object);
+    return path.width() >= bodies * body.width() || path.height() >= bodies * body.height();
+  });
 }
 
 Drawing strip(const Clip& clip, const std::vector<int>& moments, const Theme& theme, Size most,
               Typesetter& typesetter) {
   Scene scene = panorama(clip, moments);
   const Bounds extent = shown(clip, moments, scene.travels);
-  const Bounds path = way(clip, moments.front(), moments.back());
-  return climbs(path) ? standing(clip, moments, std::move(scene), extent, theme, most, typesetter)
+  const Bounds path = way_of(clip, moments.front(), moments.back(),
+                             protagonist(clip, moments.front(), moments.back()));
+  return climbs(path) ? standing(clip, moments, scene, extent, theme, most, typesetter)
                       : lying(clip, moments, std::move(scene), extent, theme, most, typesetter);
 }
 

@@ -9,9 +9,12 @@
 
 namespace evo::render {
 
-// Whether the robot of the clip goes so far between the two steps that a panorama
-// tells more than pictures side by side.
+// Whether the robot of the clip, or an object, goes so far between the two steps that a
+// panorama tells more than pictures side by side.
 bool travels(const Clip& clip, int from, int to);
+
+// Whether what such a panorama is about lies over itself in it only here and there.
+bool has_room(const Clip& clip, const std::vector<int>& moments);
 
 // Whether it goes up rather than on, but no farther than its own height or so: one picture
 // would show it lying over itself.

@@ -1,12 +1,16 @@
 #include "render/film/race.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "formats/task/yaml.h"
 #include "libevo/base/error.h"
 #include "render/figures/key.h"
 #include "render/painters/label.h"
+#include "render/scene/projection.h"
 
 namespace evo::render {
 namespace {
@@ -91,6 +95,30 @@ Rollout merge(const std::vector<Episode>& episodes) {
   return merged;
 }
 
+// Where the task ends an episode with a reward, x in voxels.
+std::optional<double> finish_of(const Rollout& rollout) {
+  const auto task = task_document(rollout);
+  const auto rules = task ? value_of(*task, "rules") : std::nullopt;
+  if (!rules || !rules->is_sequence()) return std::nullopt;
+  for (const YamlNode& rule : rules->items()) {
+    const auto reward = value_of(rule, "reward");
+    const auto when = value_of(rule, "when");
+    if (!reward || !when || !when->is_sequence() || !(reward->number() > 0)) continue;
+    for (const YamlNode& condition : when->items()) {
+      const auto position = value_of(condition, "position");
+      const auto axis = position ? value_of(*position, "axis") : std::nullopt;
+      const auto above = position ? value_of(*position, "above") : std::nullopt;
+      if (axis && axis->string() == "x" && above) return above->number();
+    }
+  }
+  return std::nullopt;
+}
+
+std::string place_name(int place) {
+  constexpr std::array first{"1st", "2nd", "3rd"};
+  return place <= 3 ? first[static_cast<std::size_t>(place - 1)] : fmt::format("{}th", place);
+}
+
 }  // namespace
 
 double Race::Runner::so_far(double step) const {
@@ -106,10 +134,15 @@ Race::Race(const std::vector<Episode>& episodes, const RenderOptions& options) :
     Runner runner{std::string(1, static_cast<char>('A' + runners_.size())),
                   runner_color(runners_.size()),
                   episode.label,
-                  {}};
+                  {},
+                  {},
+                  0};
     for (int step = 0; step <= whole.steps(); ++step) runner.returns.push_back(whole.score(step));
     runners_.push_back(std::move(runner));
+    lanes_.push_back(whole);
   }
+  find_finish(episodes);
+  rank();
   for (const Part& part : parts(episodes))
     outlines_.push_back(runner_color(static_cast<std::size_t>(part.episode - episodes.data())));
   heights_ = rewards_height(*episodes.front().rollout);
@@ -119,9 +152,108 @@ Race::Race(const std::vector<Episode>& episodes, const RenderOptions& options) :
   clip_ = std::make_unique<Clip>(Episode{merged_.get(), 0, ""}, options_, aspect);
 }
 
+// A runner has arrived once its robot's centre is there, which ends its episode.
+void Race::find_finish(const std::vector<Episode>& episodes) {
+  finish_ = finish_of(*episodes.front().rollout);
+  if (!finish_) return;
+  for (std::size_t k = 0; k < runners_.size(); ++k)
+    if (lanes_[k].over() && lanes_[k].centre(lanes_[k].steps()).x > *finish_ - 1)
+      runners_[k].arrived = lanes_[k].steps();
+}
+
+// Those that arrived first, the others by their returns.
+void Race::rank() {
+  std::vector<Runner*> order;
+  for (Runner& runner : runners_) order.push_back(&runner);
+  std::ranges::stable_sort(order, [](const Runner* a, const Runner* b) {
+    constexpr int never = std::numeric_limits<int>::max();
+    const int first = a->arrived.value_or(never);
+    const int second = b->arrived.value_or(never);
+    return first != second ? first < second : a->returns.back() > b->returns.back();
+  });
+  for (std::size_t k = 0; k < order.size(); ++k) order[k]->place = static_cast<int>(k) + 1;
+}
+
+// Side by side where they run along the ground and each lane is high enough to see a robot.
+bool Race::in_lanes() const {
+  constexpr int lowest = 60;  // pixels
+  return !heights_ && options_.size.height / static_cast<int>(runners_.size()) >= lowest;
+}
+
+// The same part of the track for all: from left to right as far as the whole race is seen.
+void Race::draw_lane(std::size_t k, double step, const Rect& lane, Typesetter& typesetter,
+                     Drawing& drawing) const {
+  constexpr double earth = 0.14;  // of the lane, below the floor
+  const Theme& theme = theme_by_name(options_.theme);
+  const Runner& runner = runners_[k];
+  Scene scene = lanes_[k].scene(step);
+  const ViewRect track = clip_->scene(step).view;
+  const double voxels = track.width * lane.height / lane.width;
+  const double raised = scene.view.centre_y;  // follows the robot up stairs and hills
+  scene.view = {track.centre_x, std::max(voxels * (0.5 - earth), raised), track.width, voxels};
+  scene.outlines.assign(lanes_[k].mesh().objects.size(), runner.color);
+  draw_scene(scene, theme, lane, drawing);
+  drawing.clip(lane);
+  const Projection to_pixels(scene.view, lane);
+  if (finish_) {  // chequered, two squares wide
+    constexpr double square = 0.5;
+    const int rows = static_cast<int>(std::ceil(voxels / square)) + 1;
+    const double low = std::floor(to_pixels.low() / square) * square;
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < 2; ++column) {
+        const Point corner = to_pixels({*finish_ + column * square, low + (row + 1) * square});
+        const float side = to_pixels.pixels(square, 1.0);
+        drawing.rectangle(
+            {corner.x, corner.y, side, side},
+            with_alpha((row + column) % 2 == 0 ? Color{0, 0, 0, 255} : Color{255, 255, 255, 255},
+                       0.8));
+      }
+  }
+  drawing.segment({lane.x, lane.y + lane.height}, {lane.x + lane.width, lane.y + lane.height}, 2,
+                  theme.paper);
+  drawing.clip(drawing.whole());
+  if (!options_.overlays.labels) return;
+  const float size = std::clamp(0.13F * lane.height, 9.0F, 20.0F);
+  const bool over = step >= lanes_[k].steps();
+  const bool arrived = runner.arrived && over;
+  const bool decided = step >= clip_->steps();
+  std::string result = signed_score(runner.so_far(step));
+  if (arrived) result = fmt::format("{:.2f} s", *runner.arrived / steps_per_second);
+  if (arrived || decided) result = place_name(runner.place) + "   " + result;
+  const float y = lane.y + 1.75F * size;
+  const auto plate = [&](float x, float width) {
+    drawing.rounded_rectangle({x, y - 1.2F * size, width, 1.7F * size}, 0.4F * size, theme.label);
+  };
+  const Rect badge{lane.x + 0.7F * size, y - 1.1F * size, 1.5F * size, 1.5F * size};
+  const float name = typesetter.width(runner.name, size);
+  plate(badge.x - 0.2F * size, 2.7F * size + name);
+  drawing.rounded_rectangle(badge, 0.35F * size, runner.color);
+  drawing.text({{badge.x + badge.width / 2, y},
+                size,
+                runner.letter,
+                ink_on(runner.color),
+                Align::centre,
+                true});
+  drawing.text({{badge.x + 2.0F * size, y}, size, runner.name, theme.text});
+  // Beside the name: at the right, robots come in.
+  const float left = badge.x + 3.5F * size + name;
+  plate(left - 0.4F * size, typesetter.width(result, size, true) + 0.8F * size);
+  drawing.text({{left, y}, size, result, theme.text, Align::left, true});
+}
+
 Drawing Race::frame(double step, Typesetter& typesetter) const {
   const Theme& theme = theme_by_name(options_.theme);
   Drawing drawing(options_.size);
+  if (in_lanes()) {
+    const auto count = static_cast<float>(runners_.size());
+    const Rect whole = drawing.whole();
+    for (std::size_t k = 0; k < runners_.size(); ++k) {
+      const float top = std::round(whole.height * static_cast<float>(k) / count);
+      const float end = std::round(whole.height * static_cast<float>(k + 1) / count);
+      draw_lane(k, step, {0, top, whole.width, end - top}, typesetter, drawing);
+    }
+    return drawing;
+  }
   Scene scene = clip_->scene(step);
   scene.outlines = outlines_;
   scene.heights = heights_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,15 @@ class Race {
     Color color;
     std::string name;
     std::vector<double> returns;  // so far, by step
+    std::optional<int> arrived;   // step at which it reached the finish
+    int place = 0;                // at the end, from 1
     double so_far(double step) const;
   };
+  void find_finish(const std::vector<Episode>& episodes);
+  void rank();
+  bool in_lanes() const;
+  void draw_lane(std::size_t k, double step, const Rect& lane, Typesetter& typesetter,
+                 Drawing& drawing) const;
   Rect ranking_plate(Typesetter& typesetter) const;
   void draw_ranking(double step, const Rect& plate, Drawing& drawing) const;
 
@@ -37,7 +45,9 @@ class Race {
   std::vector<Color> outlines_;  // of the objects of the world
   bool heights_ = false;         // count in the task
   std::unique_ptr<Rollout> merged_;
-  std::unique_ptr<Clip> clip_;  // of `merged_`
+  std::unique_ptr<Clip> clip_;    // of `merged_`
+  std::vector<Clip> lanes_;       // of each runner
+  std::optional<double> finish_;  // x, voxels, where the task has one
 };
 
 }  // namespace evo::render

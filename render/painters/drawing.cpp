@@ -42,4 +42,43 @@ void Drawing::stroke(std::span<const Point> points, bool closed, float width, Co
   add(Stroke{{points.begin(), points.end()}, closed, width, color});
 }
 
+void Drawing::place(const Drawing& other, Point at, float scale) {
+  const auto point = [&](Point p) { return Point{at.x + scale * p.x, at.y + scale * p.y}; };
+  const auto rect = [&](const Rect& r) {
+    return Rect{at.x + scale * r.x, at.y + scale * r.y, scale * r.width, scale * r.height};
+  };
+  struct Placed {
+    decltype(point) point_of;
+    decltype(rect) rect_of;
+    float scale;
+    Shape operator()(Polygon shape) const {
+      for (Point& corner : shape.corners) corner = point_of(corner);
+      return shape;
+    }
+    Shape operator()(Gradient shape) const {
+      shape.area = rect_of(shape.area);
+      return shape;
+    }
+    Shape operator()(Line shape) const {
+      return Line{point_of(shape.from), point_of(shape.to), scale * shape.width, shape.color};
+    }
+    Shape operator()(Stroke shape) const {
+      for (Point& p : shape.points) p = point_of(p);
+      shape.width *= scale;
+      return shape;
+    }
+    Shape operator()(RoundedRectangle shape) const {
+      return RoundedRectangle{rect_of(shape.area), scale * shape.radius, shape.color};
+    }
+  };
+  const Placed placed{point, rect, scale};
+  for (const Item& item : other.items_)
+    items_.push_back({rect(item.clip), std::visit(placed, item.shape)});
+  for (Text text : other.texts_) {
+    text.at = point(text.at);
+    text.size *= scale;
+    texts_.push_back(std::move(text));
+  }
+}
+
 }  // namespace evo::render

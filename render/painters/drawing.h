@@ -96,6 +96,8 @@ class Drawing {
   void disc(Point centre, float radius, Color color) { line(centre, centre, 2 * radius, color); }
   void rounded_rectangle(const Rect& area, float radius, Color color);
   void text(Text text) { texts_.push_back(std::move(text)); }
+  // All of another drawing, its upper left corner at `at`, everything `scale` times as large.
+  void place(const Drawing& other, Point at, float scale);
 
   struct Item {
     Rect clip;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "formats/rollout/ending.h"
@@ -159,6 +160,7 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
   for (int t = 0; t <= steps_; ++t) centres_.push_back(centre_of(mesh_.objects.front(), t));
   goals_ = goals_by_step(rollout, data, centres_);
   heights_ = rewards_height(rollout);
+  if (rewards_turning(rollout)) count_turns();
   if (const Ending end = ending(rollout, data); steps_ > 0 && end.kind != Ending::Kind::cut)
     ending_ = end.text;
   const Tint tint = overlays_.tint;
@@ -315,6 +317,34 @@ void Clip::add_arrows(double step, Scene& scene) const {
   }
 }
 
+// By the rotation that fits best from step to step, all points about their centre.
+void Clip::count_turns() {
+  const ModelObject& robot = mesh_.objects.front();
+  double angle = 0;
+  turns_.push_back(0);
+  for (int t = 0; t < steps_; ++t) {
+    const Vec2 a = centres_[static_cast<std::size_t>(t)];
+    const Vec2 b = centres_[static_cast<std::size_t>(t) + 1];
+    double cosine = 0;
+    double sine = 0;
+    for (int k = robot.first_point; k < robot.first_point + robot.points; ++k) {
+      const Vec2 p{at(t)[k].x - a.x, at(t)[k].y - a.y};
+      const Vec2 q{at(t + 1)[k].x - b.x, at(t + 1)[k].y - b.y};
+      cosine += p.x * q.x + p.y * q.y;
+      sine += p.x * q.y - p.y * q.x;
+    }
+    angle += std::atan2(sine, cosine);
+    turns_.push_back(angle / (2 * std::numbers::pi));
+  }
+}
+
+std::string Clip::turns(double step) const {
+  if (turns_.empty()) return {};
+  const auto [whole, share] = split(step, steps_);
+  return fmt::format("{:.1f} turns",
+                     turns_[static_cast<std::size_t>(whole) + (share >= 1.0 ? 1 : 0)]);
+}
+
 std::string signed_score(double value) {
   return fmt::format("{}{:.3f}", value < 0 ? "\u2212" : "+", std::abs(value));
 }
@@ -339,6 +369,7 @@ Caption Clip::caption(double step) const {
                                shown / steps_per_second);
   caption.score = "return " + signed_score(score(step));
   if (shown == steps_) caption.ending = ending_;
+  caption.goal = turns(step);
   if (!goals_.empty()) {
     const auto now = static_cast<std::size_t>(shown);
     const double away = goals_[now].x - centres_[now].x;

@@ -27,7 +27,7 @@ struct Caption {
   std::string brief;   // the one of both to show where there is room for one
   std::string moment;  // step and time
   std::string score;   // return so far
-  std::string goal;    // goals reached, and how far the next one is
+  std::string goal;    // goals reached, and how far the next one is; turns that count
   std::string ending;  // why the episode is over, once it is
 };
 
@@ -47,6 +47,8 @@ class Clip {
   Scene scene(double step) const;
   Caption caption(double step) const;
   double score(double step) const;  // return so far
+  // "2.3 turns" that the robot has made by then, where the task rewards turning; else empty.
+  std::string turns(double step) const;
   // Commanded lengths of all actuators in a step from 0; empty where the file has none.
   std::span<const double> commands(int step) const;
   // The episode's last step ended it, rather than the recording.
@@ -67,6 +69,7 @@ class Clip {
  private:
   const Vec2* at(int step) const;
   Vec2 centre_of(const ModelObject& object, int step) const;
+  void count_turns();
   void add_trail(double step, Scene& scene) const;
   void add_arrows(double step, Scene& scene) const;
   void add_contacts(double step, Scene& scene) const;
@@ -82,6 +85,7 @@ class Clip {
   std::vector<double> returns_;
   std::vector<ViewRect> views_;
   std::vector<GoalOfStep> goals_;  // at every step, if there are any
+  std::vector<double> turns_;      // at every step, if they count
   bool heights_ = false;           // count in the task
   std::string ending_;             // empty for a recording that was cut
   std::optional<Quantity> quantity_;

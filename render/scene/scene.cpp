@@ -144,8 +144,11 @@ void draw_touches(const Scene& scene, const Theme& theme, const Projection& to_p
 
 void draw_trail(const Scene& scene, const Theme& theme, const Projection& to_pixels,
                 Drawing& drawing) {
-  if (scene.trail.empty()) return;
   const float width = to_pixels.pixels(trail_width, 1.2);
+  for (const std::vector<Vec2>& path : scene.object_trails)
+    for (std::size_t k = 1; k < path.size(); ++k)
+      drawing.line(to_pixels(path[k - 1]), to_pixels(path[k]), 0.8F * width, theme.arrow);
+  if (scene.trail.empty()) return;
   const auto n = static_cast<double>(scene.trail.size());
   for (std::size_t k = 1; k < scene.trail.size(); ++k) {
     // The past is paler, never invisible.

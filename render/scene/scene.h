@@ -62,8 +62,9 @@ struct Scene {
   bool tint = true;           // actuators by how long they are
   std::vector<float> values;  // of cells, for the colours of `value_scale`; NaN: none
   ValueScale value_scale;
-  std::vector<Vec2> trail;  // oldest first
-  std::vector<Vec2> marks;  // dots on the trail
+  std::vector<Vec2> trail;                       // oldest first
+  std::vector<Vec2> marks;                       // dots on the trail
+  std::vector<std::vector<Vec2>> object_trails;  // of what is thrown, carried or caught
   std::vector<Arrow> arrows;
   double velocity_length = 0;  // of an arrow, voxels for one voxel per second; 0: none shown
   double force_length = 0;     // the same for the robot's weight

@@ -75,6 +75,30 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   fails_with 2 "gait" -- evo-render r.h5 --strip 4 --moments walk -o x.svg
 }
 
+@test "a gait plays for ever in an SVG; what has none says so" {
+  evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0.7 --max-steps 160 --rollout w.h5 > /dev/null
+  evo-render w.h5 --loop --from 60 --size 240x240 -o gait.svg
+  grep -q 'dur="0.40s" repeatCount="indefinite"' gait.svg
+  [ "$(wc -c < gait.svg)" -lt 150000 ]
+  evo-render w.h5 --loop --from 60 --size 240x240 -o again.svg
+  cmp gait.svg again.svg
+  fails_with 2 "gait.png" ".svg" -- evo-render w.h5 --loop -o gait.png
+  fails_with 65 "does not move in cycles" -- evo-render w.h5 --loop --from 60 --to 63 -o x.svg
+  fails_with 2 "--loop" "--strip" -- evo-render w.h5 --loop --strip 4 -o x.svg
+}
+
+@test "a run on one page" {
+  make -s -f "$EVO_SOURCE/scripts/ga.mk" RUN=run TASK=Walker-v0 POP=3 EVALS=6 STEPS=1024 SEED=1 > /dev/null 2>&1
+  evo-render --poster run -o poster.svg
+  for words in "What it does" "What it is" "The best so far" "Where it comes from" "The best of 6 robots"; do
+    grep -q ">$words" poster.svg
+  done
+  evo-render --poster run -o poster.pdf
+  head -c 4 poster.pdf | grep -qx '%PDF'
+  fails_with 2 "--poster" -- evo-render --poster run run/best.json -o x.pdf
+  fails_with 66 "missing" -- evo-render --poster missing -o x.pdf
+}
+
 @test "robots are called by their names, columns of robots by their files" {
   evo-sample -n 2 --seed 1 | jq -c '.name = "neat-\(.origin.index)"' > NEAT.jsonl
   evo-render --grid NEAT.jsonl -o named.svg

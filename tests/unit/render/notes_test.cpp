@@ -4,12 +4,15 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "formats/task/task.h"
 #include "render/film/evolution_film.h"
 #include "render/film/race.h"
 #include "tests/unit/render/example.h"
 
 namespace evo::render {
 namespace {
+
+using Catch::Matchers::Contains;
 
 constexpr Rect panel{0, 0, 640, 360};
 const Projection to_pixels({16, 9, 32, 18}, panel);
@@ -68,7 +71,7 @@ TEST_CASE("a tag that another one passes moves without a jump") {
 }
 
 TEST_CASE("letters of a race from one start can all be read") {
-  const Rollout rollout = example::simulate("Walker-v0", example::walker, 20);
+  const Rollout rollout = example::simulate("Climber-v0", example::walker, 20);
   RenderOptions options;
   options.size = {640, 360};
   const Race race(std::vector<Episode>(5, Episode{&rollout, 0, "walker"}), options);
@@ -81,6 +84,33 @@ TEST_CASE("letters of a race from one start can all be read") {
     CHECK(plates.size() == 10);
     CHECK(apart(plates));
   }
+}
+
+TEST_CASE("who runs along the ground has a lane, and a place when it has arrived") {
+  const Rollout slow = example::simulate("Walker-v0", example::walker, 40);
+  // One that is carried over the finish in its last step.
+  Rollout quick = example::simulate("Walker-v0", example::walker, 30);
+  quick.task_yaml = task_to_yaml(example::task("Walker-v0"));
+  RolloutEpisode& episode = quick.episodes[0];
+  const ModelObject& robot = quick.world.objects.front();
+  for (int p = robot.first_point; p < robot.first_point + robot.points; ++p)
+    episode.positions[static_cast<std::size_t>(30 * quick.points + p)].x += 9.9;
+  episode.terminations.back() = 1;
+  RenderOptions options;
+  options.size = {640, 360};
+  const Race race({{&quick, 0, "quick"}, {&slow, 0, "slow"}}, options);
+  Typesetter typesetter;
+  const auto words = [&](double step) {
+    std::string all;
+    const Drawing drawing = race.frame(step, typesetter);
+    for (const Text& text : drawing.texts()) all += text.text + "|";
+    return all;
+  };
+  CHECK_THAT(words(10), !Contains("1st"));
+  CHECK_THAT(words(30), Contains("1st   0.60 s") && !Contains("2nd"));
+  CHECK_THAT(words(40), Contains("1st   0.60 s") && Contains("2nd   "));
+  for (std::size_t k = 0; k < 2; ++k)
+    CHECK(plates_of(race.frame(40, typesetter), runner_color(k)).size() == 1);
 }
 
 // Rollouts of one robot that differ in how far it goes.

@@ -51,6 +51,7 @@ TEST_CASE("a sequence has a file per frame, equal to the picture of that moment"
   RenderOptions options = tiny();
   options.every = 2;
   options.workers = 2;
+  options.overlays.labels = false;  // stills have a legend, too
   CHECK(render_video({{&rollout, 0, ""}}, options, folder / "frames/%05d.png").frames == 4);
   CHECK(read_png(folder / "frames/00002.png").rgba ==
         paint(draw_moment({&rollout, 0, ""}, 4, options)).rgba);
@@ -77,6 +78,7 @@ TEST_CASE("one frame is an ordinary PNG") {
   RenderOptions options = tiny();
   options.from = 3;
   options.to = 3;
+  options.overlays.labels = false;
   render_video({{&rollout, 0, ""}}, options, folder / "a.png");
   CHECK(read_file(folder / "a.png").find("acTL") == std::string::npos);
   CHECK(read_png(folder / "a.png").rgba == paint(draw_moment({&rollout, 0, ""}, 3, options)).rgba);

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "render/film/loop.h"
 #include "render/scene/moments.h"
 #include "tests/unit/render/example.h"
 #include "tests/unit/render/expect_error.h"
@@ -88,6 +89,78 @@ TEST_CASE("moments are spread over the episode, and over the cycle if it is aske
   std::sort(phases.begin(), phases.end());
   CHECK(std::adjacent_find(phases.begin(), phases.end()) == phases.end());
   CHECK(choose_moments(clip, 0, 200, 1, Choice::gait) == std::vector<int>{200});
+}
+
+TEST_CASE("moments are where something happens") {
+  // A robot that rests for 180 steps and then leaves.
+  Rollout rollout = example::simulate("Walker-v0", example::small_box, 200);
+  auto& positions = rollout.episodes[0].positions;
+  const ModelObject& robot = rollout.world.objects.front();
+  const auto points = static_cast<std::size_t>(rollout.points);
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    const auto point = static_cast<int>(k % points);
+    const double gone = std::max(0.0, static_cast<double>(k / points) - 180.0);
+    if (point < robot.first_point || point >= robot.first_point + robot.points) continue;
+    positions[k] = positions[k % points];
+    positions[k].x += 0.05 * gone;
+  }
+  std::ranges::fill(rollout.episodes[0].rewards, 0.0);
+  const Clip clip({&rollout, 0, ""}, {}, 1.5);
+  const std::vector<int> steps = choose_moments(clip, 0, 200, 5, Choice::event);
+  CHECK(steps.front() == 0);
+  CHECK(steps.back() == 200);
+  CHECK(std::ranges::is_sorted(steps));
+  CHECK(std::ranges::count_if(steps, [](int step) { return step > 180; }) >= 3);
+  CHECK(choose_moments(clip, 0, 2, 5, Choice::event).size() == 5);  // fewer steps than moments
+  CHECK(choose_moments(clip, 7, 7, 1, Choice::event) == std::vector<int>{7});
+}
+
+TEST_CASE("a robot that turns around is counted") {
+  Rollout rollout = example::simulate("Flipper-v0", example::small_box, 100);
+  auto& positions = rollout.episodes[0].positions;
+  const ModelObject& robot = rollout.world.objects.front();
+  const auto points = static_cast<std::size_t>(rollout.points);
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    const auto point = static_cast<int>(k % points);
+    if (point < robot.first_point || point >= robot.first_point + robot.points) continue;
+    const double angle = 2 * 3.141592653589793 * 2.5 * static_cast<double>(k / points) / 100;
+    const Vec2 start = positions[k % points];
+    const Vec2 arm{start.x - 6.1, start.y - 0.2};  // about a place inside
+    positions[k] = {6.1 + std::cos(angle) * arm.x - std::sin(angle) * arm.y,
+                    0.2 + std::sin(angle) * arm.x + std::cos(angle) * arm.y};
+  }
+  const Clip clip({&rollout, 0, ""}, {}, 1.5);
+  CHECK(clip.turns(0) == "0.0 turns");
+  CHECK(clip.turns(100) == "2.5 turns");
+  CHECK(clip.caption(40).goal == "1.0 turns");
+  const Rollout walk = example::simulate("Walker-v0", example::small_box, 10);
+  CHECK(Clip({&walk, 0, ""}, {}, 1.5).turns(10).empty());
+}
+
+TEST_CASE("a gait is repeated for ever, and only a gait") {
+  const Rollout rollout = swinging(example::simulate("Walker-v0", example::walker, 200), 20);
+  const Clip clip({&rollout, 0, ""}, {}, 1.0);
+  const std::string svg = gait_loop(clip, 60, 200, 320, "a walk");
+  CHECK_THAT(svg, Contains("<title>a walk</title>") && Contains("dur=\"0.40s\""));
+  std::size_t shapes = 0;
+  for (std::size_t at = 0; (at = svg.find("<polygon", at)) != std::string::npos; ++at) ++shapes;
+  CHECK(static_cast<int>(shapes) == rollout.world.objects.front().cells);
+  // As many pictures as steps, and the first again.
+  const std::size_t first = svg.find("values=\"");
+  const std::string values = svg.substr(first, svg.find("\"/>", first) - first);
+  CHECK(std::ranges::count(values, ';') == 20);
+  const Rollout still = example::simulate("Walker-v0", {"SS", "SS"}, 200);
+  expect_error(Failure::data, Contains("does not move in cycles"), [&] {
+    gait_loop(Clip({&still, 0, ""}, {}, 1.0), 100, 200, 320, "rest");
+  });
+}
+
+TEST_CASE("what lies over itself from moment to moment has no room in a strip") {
+  const Rollout still = example::simulate("Walker-v0", example::small_box, 100);
+  const Rollout far = carried(still, {0.02, 0});  // 20 voxels
+  const Clip clip({&far, 0, ""}, {}, 1.5);
+  CHECK(has_room(clip, {0, 25, 50, 75, 100}));
+  CHECK_FALSE(has_room(clip, {0, 5, 10, 15, 20}));
 }
 
 TEST_CASE("a robot travels when it goes farther than it is long") {

@@ -1,0 +1,190 @@
+#include "render/figures/poster.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/figures/legend.h"
+#include "render/figures/round_numbers.h"
+#include "render/figures/sheet.h"
+#include "render/painters/drawing.h"
+
+namespace evo::render {
+namespace {
+
+constexpr int width = 794;  // of A4
+constexpr float margin = 48;
+constexpr float inside = static_cast<float>(width) - 2 * margin;
+constexpr float text = 12;
+
+void heading(const char* words, Point at, const Theme& theme, Drawing& drawing) {
+  drawing.text({at, 1.15F * text, words, theme.text, Align::left, true});
+}
+
+std::string number(double value, double tick) {
+  const int digits = std::max(0, static_cast<int>(-std::floor(std::log10(tick) + 1e-9)));
+  return (value < -tick / 2 ? "\u2212" : "") + fmt::format("{:.{}f}", std::abs(value), digits);
+}
+
+// A step for each robot; the axes have few, round numbers.
+void draw_curve(const std::vector<double>& best, const Rect& area, const Theme& theme,
+                Drawing& drawing) {
+  const Rect plot{area.x + 3.5F * text, area.y, area.width - 3.5F * text, area.height - 3 * text};
+  const double low = std::min(0.0, *std::ranges::min_element(best));
+  const double high = std::max(low + 1e-6, *std::ranges::max_element(best));
+  const auto robots = static_cast<double>(best.size());
+  const auto x_of = [&](double k) { return plot.x + plot.width * static_cast<float>(k / robots); };
+  const auto y_of = [&](double value) {
+    return plot.y + plot.height * static_cast<float>((high - value) / (high - low));
+  };
+  const double tick = round_number_from((high - low) / 6);
+  for (double y = std::ceil(low / tick - 1e-9) * tick; y <= high + 1e-9; y += tick) {
+    drawing.segment({plot.x, y_of(y)}, {plot.x + plot.width, y_of(y)}, 1, theme.grid_major);
+    drawing.text({{plot.x - 0.6F * text, y_of(y) + 0.36F * text},
+                  text,
+                  number(y, tick),
+                  theme.text_muted,
+                  Align::right,
+                  false});
+  }
+  const double every = std::max(1.0, round_number_from(robots / 6));
+  for (double k = 0; k <= robots + 1e-9; k += every)
+    drawing.text({{x_of(k), plot.y + plot.height + 1.4F * text},
+                  text,
+                  number(k, 1),
+                  theme.text_muted,
+                  Align::centre,
+                  false});
+  drawing.text({{plot.x + plot.width / 2, plot.y + plot.height + 2.8F * text},
+                text,
+                "robots tried",
+                theme.text_muted,
+                Align::centre,
+                false});
+  std::vector<Point> line;
+  for (std::size_t k = 0; k < best.size(); ++k)
+    if (k == 0 || best[k] != best[k - 1]) {
+      const float x = x_of(static_cast<double>(k));
+      if (k > 0) line.push_back({x, y_of(best[k - 1])});
+      line.push_back({x, y_of(best[k])});
+    }
+  line.push_back({x_of(robots), y_of(best.back())});
+  drawing.stroke(line, false, 2, theme.trail);
+}
+
+// Frames around the cells of `body` that are others than in `before`.
+void frame_changes(const Body& before, const Body& body, const Span& span, const Rect& area,
+                   const Theme& theme, Drawing& drawing) {
+  if (before.rows != body.rows || before.cols != body.cols) return;
+  constexpr float border = 0.2F;  // voxels, as draw_body has it
+  const float scale = std::min(area.width / (static_cast<float>(span.cols) + border),
+                               area.height / (static_cast<float>(span.rows) + border));
+  int left = body.cols, right = -1, top = body.rows, low = -1;
+  for (int row = 0; row < body.rows; ++row)
+    for (int col = 0; col < body.cols; ++col) {
+      if (body.at(row, col) == Voxel::empty) continue;
+      left = std::min(left, col);
+      right = std::max(right, col + 1);
+      top = std::min(top, row);
+      low = std::max(low, row + 1);
+    }
+  const Point middle{area.x + area.width / 2, area.y + area.height / 2};
+  const auto corner = [&](int col, int row) {
+    return Point{
+        middle.x + scale * (static_cast<float>(col) - 0.5F * static_cast<float>(left + right)),
+        middle.y + scale * (static_cast<float>(row) - 0.5F * static_cast<float>(top + low))};
+  };
+  for (int row = 0; row < body.rows; ++row)
+    for (int col = 0; col < body.cols; ++col) {
+      if (before.at(row, col) == body.at(row, col)) continue;
+      const std::array<Point, 4> frame{corner(col, row), corner(col + 1, row),
+                                       corner(col + 1, row + 1), corner(col, row + 1)};
+      drawing.stroke(frame, true, 2, theme.trail);
+    }
+}
+
+// Returns how high it is.
+float draw_line(const PosterContent& content, const Rect& area, const Theme& theme,
+                Typesetter& typesetter, Drawing& drawing) {
+  constexpr std::size_t most = 8;
+  const auto shown = chosen_generations(content.line.size(), most);
+  Span span;
+  for (const auto& [robot, generation] : content.line) {
+    const Span own = span_of(robot.body);
+    span = {std::max(span.cols, own.cols), std::max(span.rows, own.rows)};
+  }
+  const float gap = 10;
+  const float card = (area.width + gap) / static_cast<float>(most) - gap;
+  for (std::size_t k = 0; k < shown.size(); ++k) {
+    const auto& [robot, generation] = content.line[shown[k]];
+    const float x = area.x + static_cast<float>(k) * (card + gap);
+    const Rect body{x + 6, area.y + 6, card - 12, card - 12};
+    drawing.rounded_rectangle({x, area.y, card, card + 2.9F * text}, 6, theme.card);
+    draw_body(robot.body, span, theme, body, drawing);
+    if (k > 0)
+      frame_changes(content.line[shown[k - 1]].robot.body, robot.body, span, body, theme, drawing);
+    drawing.clip(drawing.whole());
+    const Point below{x + card / 2, area.y + card + 0.9F * text};
+    drawing.text({below, text, robot.fitness() ? signed_score(*robot.fitness()) : "failed",
+                  theme.text, Align::centre, true});
+    drawing.text(
+        {{below.x, below.y + 1.3F * text},
+         0.85F * text,
+         typesetter.shortened(fmt::format("generation {}", generation), 0.85F * text, false, card),
+         theme.text_muted,
+         Align::centre,
+         false});
+  }
+  return card + 2.9F * text;
+}
+
+}  // namespace
+
+int poster_width() { return static_cast<int>(inside); }
+
+Drawing poster(const PosterContent& content, const Drawing& moments, const Theme& theme,
+               Typesetter& typesetter) {
+  Drawing drawing({width, largest_side});
+  float y = margin + 1.2F * text;
+  drawing.text({{margin, y}, 2.2F * text, content.title, theme.text, Align::left, true});
+  y += 2.0F * text;
+  drawing.text({{margin, y},
+                text,
+                typesetter.shortened(content.sentence, text, false, inside),
+                theme.text_muted,
+                Align::left,
+                false});
+  y += 3.0F * text;
+  heading("What it does", {margin, y}, theme, drawing);
+  y += text;
+  constexpr float tallest = 380;
+  const float scale = std::min({1.0F, inside / static_cast<float>(moments.size().width),
+                                tallest / static_cast<float>(moments.size().height)});
+  drawing.place(moments, {margin, y}, scale);
+  y += scale * static_cast<float>(moments.size().height) + 2.6F * text;
+
+  const Robot& best = content.line.back().robot;
+  constexpr float tall = 230;
+  heading("What it is", {margin, y}, theme, drawing);
+  heading("The best so far", {margin + 270, y}, theme, drawing);
+  y += text;
+  draw_body(best.body, span_of(best.body), theme, {margin, y, tall, tall}, drawing);
+  drawing.clip(drawing.whole());
+  drawing.text({{margin, y + tall + 1.5F * text},
+                text,
+                best.id + (best.fitness() ? ", fitness " + signed_score(*best.fitness()) : ""),
+                theme.text_muted,
+                Align::left,
+                false});
+  if (!content.best.empty())
+    draw_curve(content.best, {margin + 270, y, inside - 270, tall + 2.2F * text}, theme, drawing);
+  y += tall + 5.0F * text;
+  heading("Where it comes from", {margin, y}, theme, drawing);
+  y += text;
+  y += draw_line(content, {margin, y, inside, 0}, theme, typesetter, drawing);
+  Drawing page({width, static_cast<int>(y + margin)});
+  page.rectangle(page.whole(), theme.paper);
+  page.place(drawing, {0, 0}, 1);
+  return page;
+}
+
+}  // namespace evo::render

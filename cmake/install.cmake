@@ -5,7 +5,7 @@ install(DIRECTORY tasks DESTINATION ${EVO_DATA_DIR} COMPONENT tools)
 install(DIRECTORY scripts/ DESTINATION ${EVO_DATA_DIR}/scripts COMPONENT tools
         USE_SOURCE_PERMISSIONS
         FILES_MATCHING PATTERN "*.mk" PATTERN "*.gnuplot" PATTERN "*.jq" PATTERN "*.awk" PATTERN "*.tsv"
-        PATTERN "*-slots" PATTERN "python-task" PATTERN "rank" PATTERN "seen" PATTERN "places" PATTERN "ssh-run" PATTERN "carr*"
+        PATTERN "*-slots" PATTERN "python-task" PATTERN "dark-aware" PATTERN "rank" PATTERN "seen" PATTERN "places" PATTERN "ssh-run" PATTERN "carr*"
         PATTERN "slurm/*" PATTERN "completion" EXCLUDE)
 # The links of the documents lead to what is there.
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md

@@ -61,7 +61,9 @@ $(RUN)/compare.tsv: $(RUNS)
 $(RUN)/compare.$(PLOT): $(RUN)/compare.tsv
 	@command -v gnuplot > /dev/null || \
 	  { echo "compare.$(PLOT) is drawn by gnuplot, which is not here; the table is $<. To install it: apt install gnuplot-nox" >&2; exit 69; }
-	@gnuplot -e "table='$<'; picture='$@.tmp'; format='$(PLOT)'" '$(SCRIPTS)compare.gnuplot' && mv '$@.tmp' '$@'
+	@gnuplot -e "table='$<'; picture='$@.tmp'; format='$(PLOT)'" '$(SCRIPTS)compare.gnuplot'
+	@[ '$(PLOT)' != svg ] || '$(SCRIPTS)dark-aware' '$@.tmp'
+	@mv '$@.tmp' '$@'
 
 $(RUN)/compare.html: $(RUNS)
 	@evo-report $(RUNS) -o '$@'

@@ -421,6 +421,7 @@ END
   awk -F'\t' 'NR > 1 { if (last[$1 $2] != "" && $5 < last[$1 $2]) exit 1; last[$1 $2] = $5 }' all/compare.tsv
   awk -F'\t' 'NR > 1 && ($9 < $7 || $9 > $8) { exit 1 }' all/compare.tsv
   grep -q '</svg>' all/compare.svg
+  grep -q "prefers-color-scheme: dark" all/compare.svg
   # A method has one colour, in the picture as on the page; and no legend lies on a curve.
   for color in '217, *115, *13' '47, *134, *201'; do grep -qiE "rgb\\( *$color\\)" all/compare.svg; done
   sed -n 's|.*id="data">\(.*\)</script>|\1|p' all/compare.html |

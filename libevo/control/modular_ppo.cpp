@@ -119,10 +119,7 @@ ModularPpo::ModularPpo(const TrainingSettings& settings, ModularPolicy policy, c
       body_of_(std::move(body_of)),
       first_voxel_(1, 0),
       first_action_(1, 0),
-      adam_(parameter_count(policy_)),
-      noise_(seed, "train/noise", name),
-      shuffle_(seed, "train/shuffle", name),
-      reward_scale_(body_of_.size()),
+      learner_(parameter_count(policy_), body_of_.size(), seed, name),
       gradients_(zero_gradients(policy_)) {
   for (const int body : body_of_) {
     first_voxel_.push_back(first_voxel_.back() + (*bodies_)[body].voxels());
@@ -134,7 +131,7 @@ ModularPpo::ModularPpo(const TrainingSettings& settings, ModularPolicy policy, c
   state_.bodies = body_of_;
   local_.resize(static_cast<std::size_t>(first_voxel_.back() * VoxelViews::local_length));
   task_.resize(body_of_.size() * static_cast<std::size_t>(policy_.task_length()));
-  colour_.resize(first_action_.back());
+  learner_.colour.resize(first_action_.back());
   targets_.resize(first_action_.back());
   rollout_.states.local.resize(steps * first_voxel_.back(), VoxelViews::local_length);
   rollout_.states.task.resize(samples, inputs);
@@ -186,8 +183,8 @@ std::span<const double> ModularPpo::act() {
       std::span(rollout_.actions)
           .subspan(static_cast<std::size_t>(t_) * targets_.size(), targets_.size());
   for (std::size_t i = 0; i < targets_.size(); ++i) {
-    colour_[i] = kept * colour_[i] + fresh * noise_.gaussian();
-    actions[i] = means_[i] + deviation * static_cast<float>(colour_[i]);
+    learner_.colour[i] = kept * learner_.colour[i] + fresh * learner_.noise.gaussian();
+    actions[i] = means_[i] + deviation * static_cast<float>(learner_.colour[i]);
     targets_[i] = target_of(policy_, static_cast<double>(actions[i]));
   }
   const Eigen::Index environments = std::ssize(body_of_);
@@ -212,8 +209,8 @@ void ModularPpo::reward(std::span<const double> rewards, std::span<const std::ui
   const std::size_t first = static_cast<std::size_t>(t_) * rewards.size();
   for (std::size_t e = 0; e < rewards.size(); ++e)
     ended_[first + e] = terminated[e] != 0 || truncated[e] != 0 ? 1 : 0;
-  reward_scale_.scale(settings_, rewards, {ended_.data() + first, rewards.size()},
-                      {rewards_.data() + first, rewards.size()});
+  learner_.reward_scale.scale(settings_, rewards, {ended_.data() + first, rewards.size()},
+                              {rewards_.data() + first, rewards.size()});
   if (settings_.time_limit == TimeLimit::bootstrap)
     bootstrap_truncated(terminated, truncated, reached, steps);
   ++t_;
@@ -249,15 +246,15 @@ UpdateReport ModularPpo::learn() {
   if (settings_.standardize_advantages == Standardize::batch) standardize(rollout_.advantages);
 
   UpdateReport report;
-  report.learning_rate = learning_rate_of(settings_, updates_, settings_.updates());
-  const Objective objective = objective_of(settings_, updates_, settings_.updates());
+  report.learning_rate = learning_rate_of(settings_, learner_.updates, settings_.updates());
+  const Objective objective = objective_of(settings_, learner_.updates, settings_.updates());
   report.explained_variance = explained_variance(rollout_.returns, rollout_.values, residual_);
 
   order_.resize(static_cast<std::size_t>(settings_.batch()));
   std::iota(order_.begin(), order_.end(), 0U);
   const std::size_t size = order_.size() / static_cast<std::size_t>(settings_.minibatches);
   for (int epoch = 0; epoch < settings_.epochs; ++epoch) {
-    shuffle(order_, shuffle_);
+    shuffle(order_, learner_.shuffle);
     for (int m = 0; m < settings_.minibatches; ++m) {
       const std::span<const std::uint32_t> samples{
           order_.data() + static_cast<std::size_t>(m) * size, size};
@@ -266,7 +263,7 @@ UpdateReport ModularPpo::learn() {
   }
   divide(report.losses, settings_.epochs * settings_.minibatches);
   parameters_changed();
-  ++updates_;
+  ++learner_.updates;
   return report;
 }
 
@@ -320,7 +317,7 @@ bool ModularPpo::learn_minibatch(std::span<const std::uint32_t> samples, double 
     divergence_ = "the loss or its gradient is not a finite number";
     return false;
   }
-  adam_.step(parameter_blocks(policy_), slopes, learning_rate, settings_.adam_epsilon);
+  learner_.adam.step(parameter_blocks(policy_), slopes, learning_rate, settings_.adam_epsilon);
   add(sum, losses);
   return true;
 }
@@ -328,52 +325,30 @@ bool ModularPpo::learn_minibatch(std::span<const std::uint32_t> samples, double 
 // ---- checkpoints ----------------------------------------------------------------
 
 void save_policy(Checkpoint& checkpoint, const std::string& name, const ModularPolicy& policy) {
-  std::vector<float> parameters;
-  for (const auto& block : parameter_blocks(policy))
-    parameters.insert(parameters.end(), block.begin(), block.end());
-  checkpoint.put(name + "/parameters", std::move(parameters));
+  save_parameters(checkpoint, name + "/parameters", parameter_blocks(policy));
   save_moments(checkpoint, name + "/local", policy.local);
   save_moments(checkpoint, name + "/task", policy.task);
 }
 
 void load_policy(const Checkpoint& checkpoint, const std::string& name, ModularPolicy& policy) {
-  const auto& parameters = checkpoint.get<float>(name + "/parameters", parameter_count(policy));
-  auto next = parameters.begin();
-  for (const auto& block : parameter_blocks(policy)) {
-    std::copy_n(next, block.size(), block.begin());
-    next += static_cast<std::ptrdiff_t>(block.size());
-  }
+  load_parameters(checkpoint, name + "/parameters", parameter_blocks(policy),
+                  parameter_count(policy));
   load_moments(checkpoint, name + "/local", policy.local);
   load_moments(checkpoint, name + "/task", policy.task);
 }
 
 void ModularPpo::save(Checkpoint& checkpoint) const {
   save_policy(checkpoint, "learner/policy", policy_);
-  checkpoint.put("learner/adam/first", adam_.first);
-  checkpoint.put("learner/adam/second", adam_.second);
-  checkpoint.put<double>("learner/adam/powers", {adam_.first_power, adam_.second_power});
-  checkpoint.put("learner/noise", noise_);
-  checkpoint.put("learner/shuffle", shuffle_);
-  checkpoint.put<std::uint64_t>("learner/updates", {static_cast<std::uint64_t>(updates_)});
-  reward_scale_.save(checkpoint);
+  learner_.save(checkpoint);
   checkpoint.put<float>("learner/local",
                         {state_.local.data(), state_.local.data() + state_.local.size()});
   checkpoint.put<float>("learner/task",
                         {state_.task.data(), state_.task.data() + state_.task.size()});
-  checkpoint.put("learner/colour", colour_);
 }
 
 void ModularPpo::load(const Checkpoint& checkpoint) {
   load_policy(checkpoint, "learner/policy", policy_);
-  adam_.first = checkpoint.get<float>("learner/adam/first", adam_.first.size());
-  adam_.second = checkpoint.get<float>("learner/adam/second", adam_.second.size());
-  const auto& powers = checkpoint.get<double>("learner/adam/powers", 2);
-  adam_.first_power = powers[0];
-  adam_.second_power = powers[1];
-  checkpoint.get("learner/noise", noise_);
-  checkpoint.get("learner/shuffle", shuffle_);
-  updates_ = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("learner/updates", 1)[0]);
-  reward_scale_.load(checkpoint);
+  learner_.load(checkpoint);
   const auto restore = [&](const char* name, Matrix& matrix, Eigen::Index rows, Eigen::Index cols) {
     matrix.resize(rows, cols);
     const auto& values = checkpoint.get<float>(name, static_cast<std::size_t>(matrix.size()));
@@ -381,7 +356,6 @@ void ModularPpo::load(const Checkpoint& checkpoint) {
   };
   restore("learner/local", state_.local, first_voxel_.back(), VoxelViews::local_length);
   restore("learner/task", state_.task, std::ssize(body_of_), policy_.actor.task.cols());
-  colour_ = checkpoint.get<double>("learner/colour", colour_.size());
   parameters_changed();
 }
 

@@ -67,7 +67,7 @@ class ModularPpo {
   UpdateReport learn();
 
   const ModularPolicy& policy() const { return policy_; }
-  std::int64_t updates() const { return updates_; }
+  std::int64_t updates() const { return learner_.updates; }
   const std::optional<std::string>& divergence() const { return divergence_; }
 
   void save(Checkpoint& checkpoint) const;
@@ -89,19 +89,13 @@ class ModularPpo {
   std::vector<int> body_of_;               // [E]
   std::vector<Eigen::Index> first_voxel_;  // [E + 1] rows of an environment in a state
   std::vector<std::size_t> first_action_;  // [E + 1]
-  Adam adam_;
-  Stream noise_;
-  Stream shuffle_;
-  std::int64_t updates_ = 0;
+  ppo::Learner learner_;
   std::optional<std::string> divergence_;
-  ppo::RewardScale reward_scale_;
-
   // The rollout being collected: samples t*E + e.
   int t_ = 0;
-  VoxelBatch state_;            // s_t of all environments
-  std::vector<double> local_;   // of all voxels of all environments, as looked at
-  std::vector<double> task_;    // of all environments
-  std::vector<double> colour_;  // of all actuators: exploration, of unit variance
+  VoxelBatch state_;           // s_t of all environments
+  std::vector<double> local_;  // of all voxels of all environments, as looked at
+  std::vector<double> task_;   // of all environments
   ModularSamples rollout_;
   std::vector<double> rewards_;      // [T*E], scaled
   std::vector<std::uint8_t> ended_;  // [T*E]

@@ -149,10 +149,8 @@ Ppo::Ppo(const TrainingSettings& settings, Policy policy, std::uint64_t seed,
          std::string_view robot_id)
     : settings_(settings),
       policy_(std::move(policy)),
-      adam_(parameter_count(policy_)),
-      noise_(seed, "train/noise", robot_id),
-      shuffle_(seed, "train/shuffle", robot_id),
-      reward_scale_(static_cast<std::size_t>(settings.environments)),
+      learner_(parameter_count(policy_), static_cast<std::size_t>(settings.environments), seed,
+               robot_id),
       gradients_(zero_gradients(policy_)) {
   const auto environments = static_cast<std::size_t>(settings.environments);
   const auto samples = static_cast<std::size_t>(settings.batch());
@@ -163,7 +161,7 @@ Ppo::Ppo(const TrainingSettings& settings, Policy policy, std::uint64_t seed,
   rewards_.resize(samples);
   ended_.resize(samples);
   targets_.resize(environments * static_cast<std::size_t>(actions));
-  colour_.resize(targets_.size());
+  learner_.colour.resize(targets_.size());
 }
 
 // [20, 21] Observations are normalised by running moments and clipped.
@@ -197,8 +195,9 @@ std::span<const double> Ppo::act() {
     rollout_.states.row(row) = state_.row(e);
     for (Eigen::Index j = 0; j < deviation.size(); ++j) {
       const auto k = static_cast<std::size_t>(j);
-      colour_[first + k] = kept * colour_[first + k] + fresh * noise_.gaussian();
-      const float a = mean(e, j) + deviation[j] * static_cast<float>(colour_[first + k]);
+      learner_.colour[first + k] =
+          kept * learner_.colour[first + k] + fresh * learner_.noise.gaussian();
+      const float a = mean(e, j) + deviation[j] * static_cast<float>(learner_.colour[first + k]);
       rollout_.actions(row, j) = a;
       targets[k] = target_of(policy_, targets[k], static_cast<double>(a));
     }
@@ -217,8 +216,8 @@ void Ppo::reward(std::span<const double> rewards, std::span<const std::uint8_t> 
   const std::size_t first = static_cast<std::size_t>(t_) * rewards.size();
   for (std::size_t e = 0; e < rewards.size(); ++e)
     ended_[first + e] = terminated[e] != 0 || truncated[e] != 0 ? 1 : 0;
-  reward_scale_.scale(settings_, rewards, {ended_.data() + first, rewards.size()},
-                      {rewards_.data() + first, rewards.size()});
+  learner_.reward_scale.scale(settings_, rewards, {ended_.data() + first, rewards.size()},
+                              {rewards_.data() + first, rewards.size()});
   if (settings_.time_limit == TimeLimit::bootstrap)
     bootstrap_truncated(terminated, truncated, reached, steps);
   ++t_;
@@ -254,8 +253,8 @@ UpdateReport Ppo::learn() {
 
   // [4] Schedules by update.
   UpdateReport report;
-  report.learning_rate = learning_rate_of(settings_, updates_, settings_.updates());
-  const Objective objective = objective_of(settings_, updates_, settings_.updates());
+  report.learning_rate = learning_rate_of(settings_, learner_.updates, settings_.updates());
+  const Objective objective = objective_of(settings_, learner_.updates, settings_.updates());
   report.explained_variance = explained_variance(rollout_.returns, rollout_.values, residual_);
 
   // [6] Epochs of minibatches.
@@ -263,7 +262,7 @@ UpdateReport Ppo::learn() {
   std::iota(order_.begin(), order_.end(), 0U);
   const auto size = static_cast<std::size_t>(minibatch_.states.rows());
   for (int epoch = 0; epoch < settings_.epochs; ++epoch) {
-    shuffle(order_, shuffle_);
+    shuffle(order_, learner_.shuffle);
     for (int m = 0; m < settings_.minibatches; ++m) {
       const std::span<const std::uint32_t> samples{
           order_.data() + static_cast<std::size_t>(m) * size, size};
@@ -271,7 +270,7 @@ UpdateReport Ppo::learn() {
     }
   }
   divide(report.losses, settings_.epochs * settings_.minibatches);
-  ++updates_;
+  ++learner_.updates;
   return report;
 }
 
@@ -287,7 +286,8 @@ bool Ppo::learn_minibatch(std::span<const std::uint32_t> samples, double learnin
     divergence_ = "the loss or its gradient is not a finite number";
     return false;
   }
-  adam_.step(ParameterBlocks(policy_), slopes, learning_rate, settings_.adam_epsilon);  // [5]
+  learner_.adam.step(ParameterBlocks(policy_), slopes, learning_rate,
+                     settings_.adam_epsilon);  // [5]
   add(sum, losses);
   return true;
 }
@@ -295,51 +295,26 @@ bool Ppo::learn_minibatch(std::span<const std::uint32_t> samples, double learnin
 // ---- checkpoints ----------------------------------------------------------------
 
 void save_policy(Checkpoint& checkpoint, const std::string& name, const Policy& policy) {
-  std::vector<float> parameters;
-  const ParameterBlocks blocks(policy);
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    parameters.insert(parameters.end(), blocks[b].begin(), blocks[b].end());
-  checkpoint.put(name + "/parameters", std::move(parameters));
+  save_parameters(checkpoint, name + "/parameters", ParameterBlocks(policy));
   save_moments(checkpoint, name + "/normalizer", policy.normalizer);
 }
 
 void load_policy(const Checkpoint& checkpoint, const std::string& name, Policy& policy) {
-  const auto& parameters = checkpoint.get<float>(name + "/parameters", parameter_count(policy));
-  auto next = parameters.begin();
-  const ParameterBlocks blocks(policy);
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const std::span<float> block = blocks[b];
-    std::copy_n(next, block.size(), block.begin());
-    next += static_cast<std::ptrdiff_t>(block.size());
-  }
+  load_parameters(checkpoint, name + "/parameters", ParameterBlocks(policy),
+                  parameter_count(policy));
   load_moments(checkpoint, name + "/normalizer", policy.normalizer);
 }
 
 void Ppo::save(Checkpoint& checkpoint) const {
   save_policy(checkpoint, "learner/policy", policy_);
-  checkpoint.put("learner/adam/first", adam_.first);
-  checkpoint.put("learner/adam/second", adam_.second);
-  checkpoint.put<double>("learner/adam/powers", {adam_.first_power, adam_.second_power});
-  checkpoint.put("learner/noise", noise_);
-  checkpoint.put("learner/shuffle", shuffle_);
-  checkpoint.put<std::uint64_t>("learner/updates", {static_cast<std::uint64_t>(updates_)});
-  reward_scale_.save(checkpoint);
+  learner_.save(checkpoint);
   checkpoint.put<float>("learner/state", {state_.data(), state_.data() + state_.size()});
   checkpoint.put<std::uint64_t>("learner/steps", {steps_.begin(), steps_.end()});
-  checkpoint.put("learner/colour", colour_);
 }
 
 void Ppo::load(const Checkpoint& checkpoint) {
   load_policy(checkpoint, "learner/policy", policy_);
-  adam_.first = checkpoint.get<float>("learner/adam/first", adam_.first.size());
-  adam_.second = checkpoint.get<float>("learner/adam/second", adam_.second.size());
-  const auto& powers = checkpoint.get<double>("learner/adam/powers", 2);
-  adam_.first_power = powers[0];
-  adam_.second_power = powers[1];
-  checkpoint.get("learner/noise", noise_);
-  checkpoint.get("learner/shuffle", shuffle_);
-  updates_ = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("learner/updates", 1)[0]);
-  reward_scale_.load(checkpoint);
+  learner_.load(checkpoint);
   state_.resize(settings_.environments, policy_.actor.layers.front().weight.cols());
   const auto& state =
       checkpoint.get<float>("learner/state", static_cast<std::size_t>(state_.size()));
@@ -347,7 +322,6 @@ void Ppo::load(const Checkpoint& checkpoint) {
   steps_.assign(static_cast<std::size_t>(settings_.environments), 0);
   const auto& steps = checkpoint.get<std::uint64_t>("learner/steps", steps_.size());
   for (std::size_t e = 0; e < steps.size(); ++e) steps_[e] = static_cast<int>(steps[e]);
-  colour_ = checkpoint.get<double>("learner/colour", colour_.size());
 }
 
 }  // namespace evo

@@ -73,7 +73,7 @@ class Ppo {
   UpdateReport learn();
 
   const Policy& policy() const { return policy_; }
-  std::int64_t updates() const { return updates_; }
+  std::int64_t updates() const { return learner_.updates; }
   // Set once something is no longer a finite number; says what. From then on
   // nothing else may be called but policy().
   const std::optional<std::string>& divergence() const { return divergence_; }
@@ -90,19 +90,13 @@ class Ppo {
 
   TrainingSettings settings_;
   Policy policy_;
-  Adam adam_;
-  Stream noise_;
-  Stream shuffle_;
-  std::int64_t updates_ = 0;
+  ppo::Learner learner_;
   std::optional<std::string> divergence_;
-
-  ppo::RewardScale reward_scale_;
 
   // The rollout being collected, rows t*E + e.
   int t_ = 0;
-  std::vector<int> steps_;      // [E] of the episodes
-  Matrix state_;                // s_t, what networks see of it [E x I]
-  std::vector<double> colour_;  // [E x A] exploration, of unit variance
+  std::vector<int> steps_;  // [E] of the episodes
+  Matrix state_;            // s_t, what networks see of it [E x I]
   Samples rollout_;
   std::vector<double> rewards_;      // [T*E], scaled
   std::vector<std::uint8_t> ended_;  // [T*E]

@@ -183,5 +183,36 @@ void shuffle(std::span<std::uint32_t> order, Stream& stream) {
     std::swap(order[i], order[stream.below(static_cast<std::uint32_t>(i) + 1)]);
 }
 
+Learner::Learner(std::size_t parameters, std::size_t environments, std::uint64_t seed,
+                 std::string_view name)
+    : adam(parameters),
+      noise(seed, "train/noise", name),
+      shuffle(seed, "train/shuffle", name),
+      reward_scale(environments) {}
+
+void Learner::save(Checkpoint& checkpoint) const {
+  checkpoint.put("learner/adam/first", adam.first);
+  checkpoint.put("learner/adam/second", adam.second);
+  checkpoint.put<double>("learner/adam/powers", {adam.first_power, adam.second_power});
+  checkpoint.put("learner/noise", noise);
+  checkpoint.put("learner/shuffle", shuffle);
+  checkpoint.put<std::uint64_t>("learner/updates", {static_cast<std::uint64_t>(updates)});
+  reward_scale.save(checkpoint);
+  checkpoint.put("learner/colour", colour);
+}
+
+void Learner::load(const Checkpoint& checkpoint) {
+  adam.first = checkpoint.get<float>("learner/adam/first", adam.first.size());
+  adam.second = checkpoint.get<float>("learner/adam/second", adam.second.size());
+  const auto& powers = checkpoint.get<double>("learner/adam/powers", 2);
+  adam.first_power = powers[0];
+  adam.second_power = powers[1];
+  checkpoint.get("learner/noise", noise);
+  checkpoint.get("learner/shuffle", shuffle);
+  updates = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("learner/updates", 1)[0]);
+  reward_scale.load(checkpoint);
+  colour = checkpoint.get<double>("learner/colour", colour.size());
+}
+
 }  // namespace ppo
 }  // namespace evo

@@ -3,13 +3,18 @@
 // Numbers in brackets as in ppo.cpp.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "libevo/base/elementary.h"
+#include "libevo/base/random.h"
 #include "libevo/control/checkpoint.h"
+#include "libevo/control/optimizer.h"
 #include "libevo/control/policy.h"
 #include "libevo/control/settings.h"
 
@@ -97,6 +102,43 @@ class RewardScale {
   Normalizer moments_;              // of the discounted returns so far
   std::vector<double> discounted_;  // [E]
 };
+
+// What a learner has beside its policy and what it sees.
+struct Learner {
+  // For so many parameters and environments. Random numbers come from streams named by seed
+  // and `name`.
+  Learner(std::size_t parameters, std::size_t environments, std::uint64_t seed,
+          std::string_view name);
+
+  Adam adam;
+  Stream noise;
+  Stream shuffle;
+  std::int64_t updates = 0;
+  RewardScale reward_scale;
+  std::vector<double> colour;  // of all actuators: exploration, of unit variance
+
+  void save(Checkpoint& checkpoint) const;
+  void load(const Checkpoint& checkpoint);  // of a learner as large
+};
+
+// Parameters, which `blocks` gives as runs of floats, in a checkpoint.
+template <typename Blocks>
+void save_parameters(Checkpoint& checkpoint, const std::string& name, const Blocks& blocks) {
+  std::vector<float> parameters;
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    parameters.insert(parameters.end(), blocks[b].begin(), blocks[b].end());
+  checkpoint.put(name, std::move(parameters));
+}
+template <typename Blocks>
+void load_parameters(const Checkpoint& checkpoint, const std::string& name, const Blocks& blocks,
+                     std::size_t count) {
+  auto next = checkpoint.get<float>(name, count).begin();
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const std::span<float> block = blocks[b];
+    std::copy_n(next, block.size(), block.begin());
+    next += static_cast<std::ptrdiff_t>(block.size());
+  }
+}
 
 // A normaliser that has seen nothing, of `length` numbers.
 Normalizer fresh_normalizer(const TrainingSettings& settings, int length);

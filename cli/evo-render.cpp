@@ -11,6 +11,7 @@
 #include "formats/io/hdf5.h"
 #include "formats/io/values.h"
 #include "formats/rollout/rollout.h"
+#include "formats/run/lineage.h"
 #include "formats/run/run.h"
 #include "formats/training/policy.h"
 #include "render/render.h"
@@ -275,25 +276,6 @@ void render_evolution(const std::string& folder, const RenderOptions& options,
   render::render_evolution(champions, options, output, frames_on(line));
 }
 
-// The best robot's line of first parents, the oldest first.
-std::vector<render::PosterContent::Ancestor> line_of(const RunHistory& history, std::size_t best) {
-  std::vector<std::size_t> line{best};
-  for (bool more = true; more;) {
-    more = false;
-    for (const std::string& parent : history.robots()[line.back()].robot.parents()) {
-      const auto known = history.by_id().find(parent);
-      if (known == history.by_id().end() || std::ranges::count(line, known->second) > 0) continue;
-      line.push_back(known->second);
-      more = true;
-      break;
-    }
-  }
-  std::vector<render::PosterContent::Ancestor> result;
-  for (auto k = line.rbegin(); k != line.rend(); ++k)
-    result.push_back({history.robots()[*k].robot, history.robots()[*k].generation});
-  return result;
-}
-
 void render_poster(const std::string& folder, const RenderOptions& options,
                    const std::string& output) {
   const RunHistory history{RunFolder(folder)};
@@ -305,7 +287,9 @@ void render_poster(const std::string& folder, const RenderOptions& options,
     throw error(Failure::no_input, "{}: is not there, so the best robot cannot be shown",
                 policy.string());
   const Rollout rollout = play(read_policy(policy), cli::created_by("evo-render"));
-  render::PosterContent content{rollout.task, "", line_of(history, *best), {}};
+  render::PosterContent content{rollout.task, "", {}, {}};
+  for (const std::size_t k : lineage(history.robots(), history.by_id(), *best))
+    content.line.push_back({history.robots()[k].robot, history.robots()[k].generation});
   std::int64_t steps = 0;
   for (const TrainedRobot& robot : history.robots()) {
     const double so_far = content.best.empty() ? *champion.fitness : content.best.back();

@@ -1,6 +1,6 @@
 #include "report/lineage.h"
 
-#include <algorithm>
+#include "formats/run/lineage.h"
 
 namespace evo::report {
 
@@ -21,14 +21,7 @@ std::optional<std::size_t> parent(const Run& run, std::size_t robot) {
 }
 
 std::vector<std::size_t> lineage(const Run& run, std::size_t robot) {
-  std::vector<std::size_t> line{robot};
-  while (const auto next = parent(run, line.back())) {
-    // Files edited by hand may make a robot its own ancestor.
-    if (std::find(line.begin(), line.end(), *next) != line.end()) break;
-    line.push_back(*next);
-  }
-  std::reverse(line.begin(), line.end());
-  return line;
+  return evo::lineage(run.robots, run.by_id, robot);
 }
 
 }  // namespace evo::report

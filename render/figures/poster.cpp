@@ -71,37 +71,6 @@ void draw_curve(const std::vector<double>& best, const Rect& area, const Theme& 
   drawing.stroke(line, false, 2, theme.trail);
 }
 
-// Frames around the cells of `body` that are others than in `before`.
-void frame_changes(const Body& before, const Body& body, const Span& span, const Rect& area,
-                   const Theme& theme, Drawing& drawing) {
-  if (before.rows != body.rows || before.cols != body.cols) return;
-  constexpr float border = 0.2F;  // voxels, as draw_body has it
-  const float scale = std::min(area.width / (static_cast<float>(span.cols) + border),
-                               area.height / (static_cast<float>(span.rows) + border));
-  int left = body.cols, right = -1, top = body.rows, low = -1;
-  for (int row = 0; row < body.rows; ++row)
-    for (int col = 0; col < body.cols; ++col) {
-      if (body.at(row, col) == Voxel::empty) continue;
-      left = std::min(left, col);
-      right = std::max(right, col + 1);
-      top = std::min(top, row);
-      low = std::max(low, row + 1);
-    }
-  const Point middle{area.x + area.width / 2, area.y + area.height / 2};
-  const auto corner = [&](int col, int row) {
-    return Point{
-        middle.x + scale * (static_cast<float>(col) - 0.5F * static_cast<float>(left + right)),
-        middle.y + scale * (static_cast<float>(row) - 0.5F * static_cast<float>(top + low))};
-  };
-  for (int row = 0; row < body.rows; ++row)
-    for (int col = 0; col < body.cols; ++col) {
-      if (before.at(row, col) == body.at(row, col)) continue;
-      const std::array<Point, 4> frame{corner(col, row), corner(col + 1, row),
-                                       corner(col + 1, row + 1), corner(col, row + 1)};
-      drawing.stroke(frame, true, 2, theme.trail);
-    }
-}
-
 // Returns how high it is.
 float draw_line(const PosterContent& content, const Rect& area, const Theme& theme,
                 Typesetter& typesetter, Drawing& drawing) {
@@ -119,9 +88,8 @@ float draw_line(const PosterContent& content, const Rect& area, const Theme& the
     const float x = area.x + static_cast<float>(k) * (card + gap);
     const Rect body{x + 6, area.y + 6, card - 12, card - 12};
     drawing.rounded_rectangle({x, area.y, card, card + 2.9F * text}, 6, theme.card);
-    draw_body(robot.body, span, theme, body, drawing);
-    if (k > 0)
-      frame_changes(content.line[shown[k - 1]].robot.body, robot.body, span, body, theme, drawing);
+    const Body* before = k > 0 ? &content.line[shown[k - 1]].robot.body : nullptr;
+    draw_body(robot.body, span, theme, body, drawing, before);
     drawing.clip(drawing.whole());
     const Point below{x + card / 2, area.y + card + 0.9F * text};
     drawing.text({below, text, robot.fitness() ? signed_score(*robot.fitness()) : "failed",

@@ -172,7 +172,7 @@ Span span_of(const Body& body) {
 }
 
 void draw_body(const Body& body, const Span& span, const Theme& theme, const Rect& area,
-               Drawing& drawing) {
+               Drawing& drawing, const Body* before) {
   constexpr double border = 0.2;  // voxels, for the outline
   Scene scene;
   const Mesh mesh = make_mesh(body, scene.points);
@@ -180,6 +180,14 @@ void draw_body(const Body& body, const Span& span, const Theme& theme, const Rec
   const Vec2 centre = centre_of_voxels(mesh, scene.points);
   scene.view = {centre.x, centre.y, span.cols + border, span.rows + border};
   scene.sky = scene.grid = scene.floor = scene.tint = false;
+  if (before != nullptr && before->rows == body.rows && before->cols == body.cols)
+    for (int row = 0; row < body.rows; ++row)
+      for (int col = 0; col < body.cols; ++col) {
+        if (before->at(row, col) == body.at(row, col)) continue;
+        const double x = col;
+        const double y = body.rows - row;
+        scene.framed.push_back({Vec2{x, y}, {x + 1, y}, {x + 1, y - 1}, {x, y - 1}});
+      }
   draw_scene(scene, theme, area, drawing);
   drawing.clip(drawing.whole());
 }

@@ -19,9 +19,10 @@ struct Span {
 Span span_of(const Body& body);
 
 // A body in the middle of `area`, nothing behind it. Its scale is that of a body
-// of `span` that fills the area, so that bodies of one sheet can be compared.
+// of `span` that fills the area, so that bodies of one sheet can be compared. Voxels that
+// are not what they are in `before`, if it is given and as large, have a frame.
 void draw_body(const Body& body, const Span& span, const Theme& theme, const Rect& area,
-               Drawing& drawing);
+               Drawing& drawing, const Body* before = nullptr);
 
 // One robot: its body over a grid of voxels, id, fitness and task below.
 Drawing robot_picture(const Robot& robot, const Theme& theme, Size size, Typesetter& typesetter);

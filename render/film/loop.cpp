@@ -8,6 +8,7 @@
 
 #include "libevo/base/error.h"
 #include "libevo/task/bounds.h"
+#include "render/painters/vector.h"
 #include "render/scene/moments.h"
 
 namespace evo::render {
@@ -145,7 +146,7 @@ std::string gait_loop(const Clip& clip, int from, int to, int width, const std::
       "height=\"{:.0f}\" role=\"img\"><title>{}</title><style>{}@media(prefers-color-scheme:dark)"
       "{{{}}}</style><rect class=\"s\" width=\"100%\" height=\"100%\"/>"
       "<rect class=\"e\" y=\"{}\" width=\"100%\" height=\"100%\"/>",
-      width, height, width, height, title, rules(theme_by_name("light")),
+      width, height, width, height, escaped(title), rules(theme_by_name("light")),
       rules(theme_by_name("dark")), number(y_of(ground)));
   // Marks on the floor, as far apart as the robot goes in a cycle, so that they meet.
   if (const double mark = std::abs(advance) * scale; mark > 4.0) {

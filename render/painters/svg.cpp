@@ -7,6 +7,22 @@
 #include "render/painters/vector.h"
 
 namespace evo::render {
+
+std::string escaped(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '&')
+      safe += "&amp;";
+    else if (c == '<')
+      safe += "&lt;";
+    else if (c == '"')
+      safe += "&quot;";
+    else
+      safe += c;
+  }
+  return safe;
+}
+
 namespace {
 
 // ---- pieces of text ---------------------------------------------------------------------
@@ -40,21 +56,6 @@ std::string paint(const char* what, Color color) {
   std::string text = fmt::format("{}=\"{}\"", what, hex(color));
   if (color.a != 255) text += fmt::format(" {}-opacity=\"{}\"", what, number(color.a / 255.0));
   return text;
-}
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '&')
-      safe += "&amp;";
-    else if (c == '<')
-      safe += "&lt;";
-    else if (c == '"')
-      safe += "&quot;";
-    else
-      safe += c;
-  }
-  return safe;
 }
 
 double signed_area(const Polygon& shape) {

@@ -208,6 +208,29 @@ const checkRecords = async () => {
   check(`all ${names.length} records earn their returns, bit for bit`, names.length > 40 && wrong.length === 0, wrong);
 };
 
+// Reference trajectories, random bodies, and policies of which there is no record, as the tools
+// play them.
+const checkCases = async () => {
+  await open('#play');
+  const cases = readFileSync(`${process.env.EVO_CASES}/cases.jsonl`, 'utf8').trim().split('\n').map((line) => JSON.parse(line))
+    .filter(({ name }) => !name.startsWith('record'));
+  const wrong = [];
+  for (const each of cases) {
+    const earned = await evaluate(`(() => {
+      const { task, robot, controller, seed, draws } = ${JSON.stringify(each)};
+      const player = Evo.evo.open(task, robot);
+      player.control(controller);
+      player.reset({ seed, draws });
+      player.step(1e6);
+      const earned = player.counts().total;
+      player.close();
+      return earned;
+    })()`);
+    if (earned !== each.return) wrong.push([each.name, earned, each.return]);
+  }
+  check(`${cases.length} other episodes earn what the tools say, bit for bit`, cases.length >= 167 && wrong.length === 0, wrong);
+};
+
 // How many frames a second the page makes while a robot plays, and in how many of them it drew.
 const checkFrames = async () => {
   for (const [speed, hash] of [[1, '#play?task=Walker-v0&body=RHHHR-VSSSV-VHRHV-V...V-V...V&gait=0.44,52,2.36'], [0.1, '#play?record=Carrier-v0'], [2, '#play?record=Carrier-v0']]) {
@@ -283,6 +306,7 @@ try {
   if (process.env.EVO_FILES) await checkBinaryFiles();
   await checkEvolve();
   await checkRecords();
+  await checkCases();
   await checkSpeed();
   await checkFrames();
   await checkCalm();

@@ -19,4 +19,6 @@ roll() { evo-eval -q "$work/body.txt" --task Jumper-v0 --sine 0.31,17.5,1.25 --r
 EVO_EXPECTED=$(roll walk | jq .fitness)
 EVO_SHIFTED=$(roll shifted --episodes 2 --jitter 1e-3 | jq '.returns[0]')
 export EVO_EXPECTED EVO_SHIFTED
+export EVO_CASES=$work/cases
+"$here/cases" "$EVO_CASES"
 node "$here/browser.mjs" "$browser" "$work/site" "$work/profile" ${EVO_PICTURES:+"$EVO_PICTURES"}

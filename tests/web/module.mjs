@@ -60,7 +60,7 @@ for (const line of lines(`${cases}/cases.jsonl`)) {
 }
 console.log(Object.entries(played).map(([kind, count]) => `${kind}: ${count}`).join(', '));
 console.log(`${steps} control steps in ${Math.round(spent)} ms: ${Math.round(1000 * steps / spent)} a second`);
-check('records were played', played.record >= 40 && played.reference === 64 && played.random >= 100, true);
+check('records were played', played.record >= 40 && played.reference === 64 && played.random >= 100 && played.trained === 3, true);
 
 // The page's own reader of HDF5.
 const found = { policy: 0, rollout: 0 };

@@ -28,6 +28,7 @@
 #include "formats/run/run.h"
 #include "formats/run/setting_table.h"
 #include "formats/training/training_log.h"
+#include "libevo/control/methods.h"
 #include "libevo/sim/isa.h"
 
 namespace {
@@ -73,8 +74,9 @@ TrainingPlan training_plan(const RunSettings& settings, int generation, const st
   options.add_to(command);
   options.task.task = settings.text("task");
   const bool has_rungs = settings.find("rungs") != nullptr;
+  const bool own = settings.find("own_steps") != nullptr && !settings.shares(generation);
   options.steps =
-      has_rungs ? fmt::format("{}", settings.steps(generation)) : settings.text("steps");
+      has_rungs || own ? fmt::format("{}", settings.steps(generation)) : settings.text("steps");
   options.keep_checkpoint = settings.goes_on(generation);
   if (const std::string* steps = settings.find("founder_steps"); steps != nullptr && !has_rungs)
     options.founder_steps = *steps;
@@ -83,8 +85,11 @@ TrainingPlan training_plan(const RunSettings& settings, int generation, const st
   if (settings.text("physics") != "task") options.task.physics = settings.text("physics");
   command.seed = parse_unsigned(settings.text("seed"), file + "seed");
   options.skip_failures = true;
-  if (const std::string* more = settings.find("train_options"))
-    parse_options(command, *more, file + "train_options");
+  const auto add_options = [&](const std::string& name) {
+    if (const std::string* more = settings.find(name)) parse_options(command, *more, file + name);
+  };
+  add_options("train_options");
+  if (own) add_options("own_options");
   TrainingPlan plan = options.plan(command.seed);
   plan.note_resumed = !has_rungs;
   return plan;
@@ -101,6 +106,9 @@ TrainingPlan training_plan(const RunFolder& run, int generation) {
   if (heirs(settings) != Heirs::none && !plan.init) plan.init = run.policies();
   if (heirs(settings) == Heirs::founders_too)
     plan.founders_from = fs::path(settings.text("founders")) / "policies";
+  if (settings.shares(generation)) plan.shared = run.shared_policy(generation);
+  if (generation > 0 && settings.shares(generation - 1) && !plan.init)
+    plan.init = run.shared_policy(generation - 1);
   return plan;
 }
 
@@ -124,6 +132,21 @@ void check_python_task(const RunSettings& settings) {
   }
 }
 
+// One controller learns on all robots of a generation; then the best go on from it alone.
+void check_sharing(const RunSettings& settings, const TrainingPlan& plan, int rows, int cols) {
+  const TrainingPlan own = training_plan(settings, std::numeric_limits<int>::max(), "");
+  for (const TrainingPlan* each : {&plan, &own})
+    if (const std::string& name = each->children.algorithm.name(); name != ModularTraining::name)
+      throw error(Failure::usage,
+                  "train={}: {} makes a controller for each robot; one for all needs a profile of "
+                  "algorithm {}, such as train=modular",
+                  settings.text("train"), name, ModularTraining::name);
+  check_settings(own, own.children, rows, cols, Inherits::yes);
+  TrainingSettings together = plan.children;
+  together.environments *= settings.number("pop");
+  ModularTraining::check(together);
+}
+
 // Whether these settings could train anything: a run that is begun keeps them.
 void check_training(const RunSettings& settings) {
   if (const std::string* other = settings.find("evaluate"); other && !other->empty()) return;
@@ -139,6 +162,7 @@ void check_training(const RunSettings& settings) {
   };
   check(plan.founders, plan.init || heirs(settings) == Heirs::founders_too);
   check(plan.children, plan.init || heirs(settings) != Heirs::none);
+  if (settings.shares(0)) check_sharing(settings, plan, rows, cols);
 }
 
 int init(const std::string& folder, const std::vector<std::string>& words) {
@@ -181,6 +205,62 @@ void write_slot(const RunFolder& run, SlotAddress address, const Robot& robot) {
   out.finish();
 }
 
+void add_steps(Robot& robot, std::optional<std::int64_t> before) {
+  robot.document["steps"] = robot.steps().value_or(0) + before.value_or(0);
+}
+
+// What a training of all took, one after the other for each robot that it adds to the run; of one
+// that was interrupted, for the first.
+void add_timings(const RunFolder& run, int generation, const std::vector<Robot>& robots,
+                 const Trained& trained) {
+  std::vector<int> added;
+  for (std::size_t k = 0; k < robots.size(); ++k)
+    if (!robots[k].steps()) added.push_back(static_cast<int>(k));
+  if (!trained.robot || added.empty()) added = {0};
+  const auto count = static_cast<double>(added.size());
+  double begin = trained.started;
+  for (std::size_t k = 0; k < added.size(); ++k) {
+    const double end = trained.started + trained.seconds * static_cast<double>(k + 1) / count;
+    const Robot& robot = robots[static_cast<std::size_t>(added[k])];
+    run.add_timing({robot.id,
+                    {generation, added[k]},
+                    begin,
+                    end - begin,
+                    k == 0 ? trained.steps : 0,
+                    trained.robot.has_value()});
+    begin = end;
+  }
+}
+
+// One controller for all robots of a generation. Each robot's steps are those of its own
+// environments, an equal share, in all generations so far.
+int train_together(const cli::Command& command, const RunFolder& run, int generation,
+                   const std::vector<int>& slots) {
+  std::vector<Robot> robots;
+  for (const int slot : slots) robots.push_back(run.robot({generation, slot}));
+  std::vector<Robot> scored;
+  const TrainingPlan plan = training_plan(run, generation);
+  const int status = cli::train_robots(command, plan, robots, [&](const Trained& trained) {
+    if (!trained.known && trained.index == 0) add_timings(run, generation, robots, trained);
+    if (!trained.robot) return;
+    Robot& robot = scored.emplace_back(*trained.robot);
+    robot.document["steps"] = robot.steps().value_or(0) / static_cast<std::int64_t>(robots.size());
+    add_steps(robot, robots[trained.index].steps());
+  });
+  if (scored.empty()) {
+    command.warn("interrupted; give the same command again to go on");
+    return status;
+  }
+  if (!fs::exists(*plan.shared))
+    throw error(Failure::data,
+                "{}: the training of generation {} failed ({}); begin another run with other "
+                "TRAIN_OPTIONS, such as '--train-set learning_rate=3e-4'",
+                run.path().string(), generation, scored[0].failure()->why);
+  for (std::size_t k = 0; k < scored.size(); ++k)
+    write_slot(run, {generation, slots[k]}, scored[k]);
+  return status;
+}
+
 // A slot's file appears as soon as its robot is trained. Slots that have one are
 // left alone; a survivor's policy is there already, made with the same settings,
 // and gives its fitness back without a training. One that failed has failed: it is
@@ -210,7 +290,11 @@ int train_slots(const cli::Command& command, const RunFolder& run, int generatio
       run.add_timing({robots[trained.index].id, address, trained.started, trained.seconds,
                       trained.steps, trained.robot.has_value()});
     }
-    if (trained.robot) write_slot(run, address, *trained.robot);
+    if (!trained.robot) return;
+    Robot robot = *trained.robot;
+    // What it had with the controller of all stays what it cost.
+    if (run.settings().shares(0)) add_steps(robot, robots[trained.index].steps());
+    write_slot(run, address, robot);
   };
   const int status = cli::train_robots(command, training_plan(run, generation), robots, ended);
   if (status != 0) command.warn("interrupted; give the same command again to go on");
@@ -273,6 +357,12 @@ int train(const cli::Command& command, const std::string& folder, const Options&
   if (fs::exists(run.scores(options.generation))) return 0;
   const int population = run.population_size(options.generation);  // which must be there
   std::vector<int> slots = slot_numbers(options.slots, population);
+  const bool together = run.settings().shares(options.generation);
+  if (together && !slots.empty() && static_cast<int>(slots.size()) != population)
+    throw error(Failure::usage,
+                "--slot: generation {} has one controller for its {} robots, which are trained "
+                "together; leave --slot out",
+                options.generation, population);
   if (slots.empty())
     for (int k = 0; k < population; ++k) slots.push_back(k);
   const LockFile lock(run.lock());
@@ -280,7 +370,8 @@ int train(const cli::Command& command, const std::string& folder, const Options&
   const RunningMark mark(run, options.generation,
                          options.slots.empty() ? std::vector<std::string>{"all"} : options.slots);
   try {
-    const int status = train_slots(command, run, options.generation, slots);
+    const int status =
+        (together ? train_together : train_slots)(command, run, options.generation, slots);
     mark.ended(status);
     return status;
   } catch (const Error& e) {

@@ -87,20 +87,23 @@ std::vector<SlotStatus> RunStatus::running() const {
   std::vector<SlotStatus> found;
   for (const RunHistory::Generation& generation : history_.generations()) {
     if (generation.finished) continue;
-    for (const SlotStatus& slot : history_.slots(generation)) {
+    for (SlotStatus& slot : history_.slots(generation)) {
       if (slot.state != SlotState::training) continue;
       std::error_code gone;
-      if (fs::last_write_time(folder().log(slot.robot), gone) < made_) continue;
-      found.push_back(slot);
+      if (fs::last_write_time(folder().log(generation.number, slot.robot), gone) < made_) continue;
+      found.push_back(std::move(slot));
+      if (folder().settings().shares(generation.number)) break;  // one training of all
     }
   }
   return found;
 }
 
 TrainingView RunStatus::view(const SlotStatus& slot) const {
-  LoggedTraining log = read_training_log(folder().log(slot.robot));
-  const double steps = folder().settings().steps(slot.address.generation);
-  return {slot.robot, log.step / std::max(1.0, steps), std::move(log.evaluations), log.best};
+  const int generation = slot.address.generation;
+  LoggedTraining log = read_training_log(folder().log(generation, slot.robot));
+  const double steps = folder().settings().steps(generation);
+  return {folder().settings().shares(generation) ? "all robots" : slot.robot,
+          log.step / std::max(1.0, steps), std::move(log.evaluations), log.best};
 }
 
 // ---- watching -------------------------------------------------------------------

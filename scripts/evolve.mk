@@ -53,7 +53,11 @@ evaluate := $(or $(EVALUATE),$(if $(python_task),$(train_in_python)))
 $(if $(python_task),$(if $(VIDEO_OPTIONS),$(error VIDEO_OPTIONS are of evo-render, which knows no task in Python)))
 # The tool that trains slots; scripts/train-slots says what it is given.
 TRAINER ?= $(if $(evaluate),$(SCRIPTS)evaluate-slots,evo-run train -j $(CORES))
-export LAUNCH TRAINER TRIES
+# Whether a generation is one training of all its robots, which a pipeline says.
+ifeq ($(origin TOGETHER),environment)
+TOGETHER :=
+endif
+export LAUNCH TRAINER TRIES TOGETHER
 train_slots = exec '$(SCRIPTS)train-slots' '$(RUN)'
 rank_generation = '$(SCRIPTS)rank' '$(RUN)'
 
@@ -173,10 +177,11 @@ POPULATION := $(GENERATION)/population.jsonl
 SLOTS := $(foreach slot,$(slots),$(GENERATION)/$(slot).json)
 
 # Slots by launches: 07.json, or 05-09.trained for several.
-ifeq ($(CHUNK),1)
+launched := $(if $(TOGETHER),$(words $(slots)),$(CHUNK))
+ifeq ($(launched),1)
 TRAINED := $(SLOTS)
 else
-TRAINED := $(shell awk -v n=$(words $(slots)) -v size='$(CHUNK)' -v folder='$(GENERATION)' 'BEGIN { \
+TRAINED := $(shell awk -v n=$(words $(slots)) -v size='$(launched)' -v folder='$(GENERATION)' 'BEGIN { \
   for (first = 0; first < n; first = last + 1) { last = (first + size < n ? first + size : n) - 1; \
     printf first == last ? "%s/%02d.json " : "%s/%02d-%02d.trained ", folder, first, last } }')
 endif

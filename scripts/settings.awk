@@ -5,7 +5,7 @@
 #
 #   owners_POP := all          which pipelines have the setting
 #   type_POP := count
-#   initial_POP := 25
+#   initial_POP := 25          without the condition of another setting
 #   POP ?= 25                  and, of those of this pipeline, default, check and line of run.yaml
 #   checks += ..
 #   SETTINGS += pop='$(POP)'
@@ -43,7 +43,9 @@ function either(words) {
   variable = toupper($1)
   put("known += " variable)
   put("owners_" variable " := " $2)
-  if ($4 !~ /[(;]/) put("initial_" variable " := " $4)
+  initial = $4
+  sub(/.*; /, "", initial)
+  if (initial !~ /^\(/) put("initial_" variable " := " initial)
   put("type_" variable " := " $3)
   if (index(" " $2 " ", " " pipeline " ") == 0 && !(evolves && $2 ~ /(^| )all( |$)/)) next
 

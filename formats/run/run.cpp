@@ -122,6 +122,13 @@ std::string why_failed(const Robot& robot) {
   return failure ? failure->why : "no fitness";
 }
 
+std::optional<std::size_t> first_fittest(const std::vector<TrainedRobot>& robots) {
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < robots.size(); ++k)
+    if (robots[k].fitness && (!best || *robots[k].fitness > *robots[*best].fitness)) best = k;
+  return best;
+}
+
 // Whether a folder holds what a training or an evaluation took time for.
 bool has_results(const fs::path& folder) {
   for (const auto& entry : fs::recursive_directory_iterator(folder))
@@ -227,7 +234,16 @@ int RunSettings::rungs_left(int generation) const {
   return rungs - 1 - generation % rungs;
 }
 
+bool RunSettings::shares(int generation) const {
+  if (find("own_steps") == nullptr) return false;
+  const int pop = number("pop");
+  const int children = std::max(1, number("children"));
+  const int born_later = std::max(0, number("evals") - pop);
+  return generation <= (born_later + children - 1) / children;
+}
+
 int RunSettings::steps(int generation) const {
+  if (find("own_steps") != nullptr && !shares(generation)) return std::max(1, number("own_steps"));
   constexpr int most = 30;  // halvings that leave anything
   const bool founders = generation == 0 && find("founder_steps") != nullptr;
   return std::max(
@@ -419,6 +435,8 @@ void RunHistory::add(Generation& generation, std::size_t slot, Robot robot) {
   TrainedRobot& trained = robots_[index];
   trained.fitness = trained.robot.fitness();
   trained.failure = trained.fitness ? "" : why_failed(trained.robot);
+  // With the controller of all it may earn less than in the generation before.
+  if (champion_ == index) champion_ = first_fittest(robots_);
   if (trained.fitness && (!champion_ || *trained.fitness > *robots_[*champion_].fitness))
     champion_ = index;
 }
@@ -484,6 +502,7 @@ Utilisation RunHistory::utilisation() const {
 }
 
 std::vector<SlotStatus> RunHistory::slots(const Generation& generation) const {
+  const bool has_own_log = folder_.settings().find("own_steps") != nullptr;  // not of before
   std::vector<SlotStatus> list;
   for (std::size_t k = 0; k < generation.slots.size(); ++k) {
     SlotStatus status;
@@ -497,10 +516,10 @@ std::vector<SlotStatus> RunHistory::slots(const Generation& generation) const {
       status.robot = generation.population[k];
       // A survivor has a log of its first generation, and waits to be copied, or to go on.
       const auto known = by_id_.find(status.robot);
-      const fs::path log = folder_.log(status.robot);
+      const fs::path log = folder_.log(generation.number, status.robot);
       const bool begun =
           fs::exists(log) &&
-          (known == by_id_.end() ||
+          (known == by_id_.end() || has_own_log ||
            read_training_log(log).step >
                static_cast<double>(robots_[known->second].robot.steps().value_or(0)));
       status.state = begun ? SlotState::training : SlotState::waiting;

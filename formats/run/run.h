@@ -12,6 +12,8 @@
 //   gen-003/ranking.tsv       best first; the generation is finished
 //   policies/ID.policy.h5     logs/ID.log     by robot, not by slot: a survivor
 //                             is in many slots and trained once
+//   policies/gen-003.*        of all robots of a generation, where they have one
+//                             controller: policy and log
 //   lock                      which processes are at what; holds nothing
 //   timings/HOST.jsonl        what trainings took; lines are only appended, each
 //                             machine to a file of its own
@@ -71,6 +73,9 @@ class RunSettings {
   // Whether the best trainings of a generation go on in the next one: all rungs of a race but
   // the last.
   bool goes_on(int generation) const;
+  // Whether one controller learns on all robots of a generation together (scripts/modular.mk):
+  // in all generations but the last, in which the best robots train alone.
+  bool shares(int generation) const;
 
   std::string to_yaml() const;
 
@@ -152,6 +157,15 @@ class RunFolder {
   std::filesystem::path logs() const { return path_ / "logs"; }
   std::filesystem::path log(const std::string& id) const {
     return sharded(logs(), id) / (id + ".log");
+  }
+  // Of all robots of a generation that has one controller.
+  std::filesystem::path shared_policy(int number) const {
+    return policies() / (generation(number).filename().string() + ".policy.h5");
+  }
+  // Of the training that a robot has in a generation: its own, or that of all.
+  std::filesystem::path log(int number, const std::string& id) const {
+    return settings_.shares(number) ? policies() / (generation(number).filename().string() + ".log")
+                                    : log(id);
   }
   std::filesystem::path timings() const { return path_ / "timings"; }
   // For a LockFile: a byte for the proposals of a steady run, and one for each slot.

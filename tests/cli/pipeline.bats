@@ -372,6 +372,97 @@ END
   fails_with 2 "hop.py:Hop is a task in Python" -- evo-train robot.json --task hop.py:Hop
 }
 
+# Small, and long enough that a controller changes.
+modular=(POP=6 CHILDREN=2 EVALS=9 STEPS=3072 CHAMPIONS=2 OWN_STEPS=2048
+  TRAIN_OPTIONS='--train-set environments=2 --train-set evaluation_interval=4')
+
+@test "modular: one controller learns on all robots of a generation, and the best go on alone" {
+  settings+=("${modular[@]}")
+  run_make modular run -j2
+  [ "$(wc -l run/gen-*/population.jsonl | awk '{ printf "%s ", $1 }')" = "6 6 6 2 20 " ]
+  [ "$(wc -l < run/history.jsonl)" -eq 9 ]
+  # A share each of a training of 3072 steps.
+  [ "$(jq -r .steps run/gen-000/scores.jsonl | sort -u)" = 512 ]
+  for generation in 1 2; do
+    now=run/gen-00$generation before=run/gen-00$((generation - 1))
+    # The young stay, of the others the best; children are new, and of robots that stay.
+    children=$((3 - generation))
+    jq -r .id $now/population.jsonl | head -n -$children | sort > stay
+    jq -r .id $now/population.jsonl | tail -n $children > children
+    jq -r .id $before/population.jsonl | tail -n $(((generation - 1) * 2)) | sort > young
+    [ -z "$(comm -23 young stay)" ]
+    grep -v -F -f <(cat young; echo none) $before/ranking.tsv | head -n $((6 - children - $(wc -l < young))) |
+      cut -f1 | cat - young | sort | cmp - stay
+    run ! grep -q -F -f children $before/population.jsonl
+    [ -z "$(tail -n $children $now/population.jsonl | jq -r '.parents[]' | sort -u | comm -23 - stay)" ]
+    # The controller goes on from that of the generation before.
+    [ "$(evo-convert run/policies/gen-00$generation.policy.h5 --to json | jq '.robots | length')" -eq 6 ]
+    h5dump -a identity run/policies/gen-00$generation.policy.h5 | grep -q inherited=
+  done
+  # What a robot earns is with the controller that its document names.
+  evo-eval -q run/gen-001/scores.jsonl | jq .fitness | cmp - <(jq .fitness run/gen-001/scores.jsonl)
+  evo-eval -q run/history.jsonl | jq .fitness | cmp - <(jq .fitness run/history.jsonl)
+  diff <(jq -r .id run/gen-003/population.jsonl) <(head -n 2 run/gen-002/ranking.tsv | cut -f1)
+  for id in $(jq -r .id run/gen-003/population.jsonl); do
+    [ "$(steps_and_fitness run/gen-003/scores.jsonl "$id" | jq '.[0]')" -eq \
+      $(($(steps_and_fitness run/gen-002/scores.jsonl "$id" | jq '.[0]') + 2048)) ]
+    [ -s "run/policies/$id.policy.h5" ]
+  done
+  for file in best.json best.policy.h5 best.gif report.html; do [ -s "run/$file" ]; done
+  evo-inspect run | grep -q '9 of 9 trained, 0 left'
+  evo-run slots run | awk 'NR > 1 && $4 != "done"' | cmp - /dev/null
+}
+
+@test "modular: the same bytes, killed or not" {
+  settings+=("${modular[@]}" LAYERS=2)
+  kill_and_repeat modular killed 12
+  run_make modular whole
+  diff <(essence killed) <(essence whole)
+}
+
+@test "modular: who stays, by grace and layers of age" {
+  mkdir run
+  evo-sample -n 12 --seed 3 > twelve
+  for generation in 0 1 2 3; do
+    mkdir run/gen-00$generation
+    head -n $((6 + 2 * generation)) twelve > run/gen-00$generation/population.jsonl
+  done
+  # The older the fitter, but for the last, which has failed.
+  jq -c '.fitness = (if input_line_number == 12 then null else 20 - input_line_number end) | .steps = 7' \
+    twelve > run/gen-003/scores.jsonl
+  stay() { "$EVO_SOURCE/scripts/stay" run 4 "$@" | jq -r .id | grep -n -F -f - <(jq -r .id twelve) | cut -d: -f1 | paste -sd ' '; }
+  [ "$(stay 6 0 1)" = "1 2 3 4 5 6" ]
+  [ "$(stay 6 1 1)" = "1 2 3 4 5 11" ]
+  [ "$(stay 6 2 1)" = "1 2 3 9 10 11" ]
+  [ "$(stay 6 0 2)" = "1 2 3 4 5 11" ]  # of age 0, and from 1 on; what one leaves the others take
+  [ "$(stay 6 0 3)" = "1 2 3 7 8 11" ]  # of age 0, 1 and 2, and from 3 on
+  [ "$(stay 7 1 3)" = "1 2 7 8 9 10 11" ]
+  "$EVO_SOURCE/scripts/stay" run 4 6 1 1 | jq -e '.steps == 7 and (has("fitness") or has("policy") | not)'
+}
+
+@test "modular: what cannot be meant is refused before anything is made" {
+  refused_at_once ga GRACE=2 "ga.mk has no setting GRACE (a setting of modular.mk)"
+  settings+=("${modular[@]}")
+  refused_at_once modular POP=4 "POP=4 leaves no place for robots out of GRACE; more than CHILDREN x (GRACE + 1) are needed, 4"
+  refused_at_once modular INHERIT=yes "INHERIT is no setting of modular.mk"
+  refused_at_once modular FOUNDER_STEPS=9 "FOUNDER_STEPS is no setting of modular.mk"
+  refused_at_once modular EVALUATE=true "EVALUATE is no setting of modular.mk"
+  refused_at_once modular TRAIN=default "train=default: ppo makes a controller for each robot"
+  refused_at_once modular OWN_OPTIONS='--algo ppo' "ppo makes a controller for each robot"
+  refused_at_once modular STEPS=100 "100 steps are less than one rollout of 12 x 16"
+  refused_at_once modular OWN_STEPS=100 "100 steps are less than one rollout"
+  refused_at_once modular LAYERS=0 "LAYERS is a number from 1, not '0'"
+  refused_at_once modular CHAMPIONS=x "CHAMPIONS is a number from 0, not 'x'"
+  refused_at_once modular WINDOW=5 "modular.mk has no setting WINDOW"
+  refused_at_once modular SHAPE=5 "--shape: '5'"
+  refused_at_once modular SAMPLE_OPTIONS='--weights 1' "evo-sample: --weights: expected 5"
+  refused_at_once modular MUTATE_OPTIONS='--rate 5' "evo-mutate: --rate must be"
+  # A generation that has one controller has no slots of its own.
+  run_make modular run -s run/run.yaml
+  run_make modular run -s GEN=0 run/gen-000/population.jsonl
+  fails_with 2 "generation 0 has one controller for its 6 robots" -- evo-run train run --generation 0 --slot 1
+}
+
 @test "race: the same bytes, killed or not" {
   settings+=(RUNGS=2 INHERIT=yes)
   kill_and_repeat race killed 12
@@ -507,7 +598,7 @@ refused_at_once() {
 
 @test "numbers that are none, quotes and line breaks are refused at once" {
   local name value method
-  for method in ga neat bo map race map-window; do
+  for method in ga neat bo map race modular map-window; do
     for name in CHUNK POP EVALS CORES TRIES; do
       for value in -1 0 x '' "3'"; do
         pipeline_words $method "${settings[@]}"

@@ -231,6 +231,42 @@ TEST_CASE("a history follows a run while it grows") {
   CHECK(again.seconds() == 4.0);
 }
 
+TEST_CASE("where one controller learns on all robots, they count with their last fitness") {
+  const test::ScratchFolder scratch;
+  const RunSettings settings =
+      RunSettings::from_words({"pop=2", "evals=5", "children=2", "steps=1000", "own_steps=300"});
+  for (const int generation : {0, 1, 2}) {
+    CHECK(settings.shares(generation));
+    CHECK(settings.steps(generation) == 1000);
+  }
+  CHECK_FALSE(settings.shares(3));
+  CHECK(settings.steps(3) == 300);
+  CHECK_FALSE(RunSettings::from_words({"steps=1000"}).shares(0));
+
+  const RunFolder run = RunFolder::create(scratch.path() / "run", settings);
+  const auto after = [](Robot robot, int steps) {
+    robot.document["steps"] = steps;
+    return robot;
+  };
+  const std::vector<std::string> one{"HV"}, two{"VH"}, three{"VV"};
+  write_robots(run.scores(0), {after(scored(one, 3.0), 500), after(scored(two, 2.0), 500)});
+  write_file(run.ranking(0), "");
+  RunHistory history(run);
+  CHECK(history.champion()->robot.id == robot(one).id);
+  // Its log is that of all; then it earns less, and another one is the best.
+  write_robots(run.population(1), {after(robot(one), 500), robot(three)});
+  history.update();
+  CHECK(history.slots(history.generations()[1])[0].state == SlotState::waiting);
+  TrainingLog log(run.policies() / "gen-001.log");
+  log.begin("evo-train", "Walker-v0", false);
+  for (const SlotStatus& slot : history.slots(history.generations()[1]))
+    CHECK(slot.state == SlotState::training);
+  write_robots(run.scores(1), {after(scored(one, 1.0), 1000), after(scored(three, 1.5), 500)});
+  history.update();
+  CHECK(history.champion()->robot.id == robot(two).id);
+  CHECK(history.robots()[history.by_id().at(robot(one).id)].fitness == 1.0);
+}
+
 TEST_CASE(
     "in a race, a generation is a rung, and robots that go on count with their last fitness") {
   const test::ScratchFolder scratch;

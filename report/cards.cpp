@@ -184,10 +184,11 @@ std::string introduction(const Run& run) {
           : fmt::format("the best of {} that were tried", grouped(static_cast<long long>(tried))));
   if (const auto replay = run.replays.find(*run.champion); replay != run.replays.end())
     text += what_happened(replay->second);
-  return text +
-         fmt::format("Its fitness, {}, is what {} paid it in its best episode during training.",
-                     shown(run.robots[*run.champion].fitness),
-                     purpose.empty() ? "the task" : "the task " + task);
+  const Entry& champion = run.robots[*run.champion];
+  return text + fmt::format("Its fitness, {}, is what {} paid it {}.", shown(champion.fitness),
+                            purpose.empty() ? "the task" : "the task " + task,
+                            champion.sharing ? "with the controller of all robots"
+                                             : "in its best episode during training");
 }
 
 }  // namespace
@@ -216,13 +217,15 @@ namespace {
 
 // ---- the evolution sheet -------------------------------------------------------------------
 
-std::string sheet_cell(const Run& run, std::size_t robot, int generation, const std::string& anchor,
-                       Page& page) {
+std::string sheet_cell(const Run& run, const Generation& generation, std::size_t place,
+                       const std::string& anchor, Page& page) {
+  const std::size_t robot = generation.members[place];
   const Entry& entry = run.robots[robot];
   const bool champion = robot == run.champion;
   return fmt::format("<a class=\"{}{}\" href=\"#{}-{}\">{}{}</a>",
-                     entry.generation == generation ? "new" : "kept", champion ? " best" : "",
-                     anchor, entry.robot.id, page.body(entry.robot), shown(entry.fitness));
+                     entry.generation == generation.number ? "new" : "kept",
+                     champion ? " best" : "", anchor, entry.robot.id, page.body(entry.robot),
+                     shown(generation.scores[place]));
 }
 
 std::string sheet_column(const Run& run, const SheetColumn& chosen, const std::string& anchor,
@@ -232,8 +235,8 @@ std::string sheet_column(const Run& run, const SheetColumn& chosen, const std::s
   std::string column = fmt::format(
       "<li class=\"generation\"><b>{}{}</b>", generation.number,
       partial ? fmt::format(" ({}/{})", generation.members.size(), generation.planned) : "");
-  for (const std::size_t robot : chosen.best)
-    column += sheet_cell(run, robot, generation.number, anchor, page);
+  for (const std::size_t place : chosen.best)
+    column += sheet_cell(run, generation, place, anchor, page);
   return column + "</li>\n";
 }
 
@@ -253,7 +256,8 @@ std::string evolution_card(const Run& run, const std::string& anchor, Page& page
       "<section class=\"card long\">\n{}<div class=\"scroll\"><ol class=\"sheet\">\n{}</ol></div>\n"
       "</section>\n",
       heading(anchor + "-evolution", "Evolution",
-              "The best four robots of each generation, fitness below. A frame marks robots that "
+              "The best four robots of each generation, with what they earned in it. A frame marks "
+              "robots that "
               "were new in their generation, a coloured one the champion." +
                   some),
       columns);

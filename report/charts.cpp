@@ -104,7 +104,7 @@ std::vector<Point> median_curve(const Repetitions& group,
 // Of the palette in charts.js: every method has its own on every page and in compare.svg
 // (scripts/compare.gnuplot); what is not known, or there twice, the next that is free.
 std::vector<int> colors_of(const std::vector<Repetitions>& groups) {
-  constexpr std::array known{"ga", "bo", "neat", "map", "race"};
+  constexpr std::array known{"ga", "bo", "neat", "map", "race", "modular"};
   constexpr int palette = 8;
   std::set<int> taken;
   std::vector<int> colors;
@@ -192,11 +192,12 @@ Json generation_chart(const Run& run) {
     if (generation.members.empty()) continue;
     std::vector<double> fresh;
     double highest = nothing;
-    for (const std::size_t member : generation.members) {
-      const Entry& entry = run.robots[member];
-      if (!entry.fitness) continue;
-      highest = better(highest, *entry.fitness);
-      if (entry.generation == generation.number) fresh.push_back(*entry.fitness);
+    for (std::size_t place = 0; place < generation.members.size(); ++place) {
+      const auto& score = generation.scores[place];
+      if (!score) continue;
+      highest = better(highest, *score);
+      if (run.robots[generation.members[place]].generation == generation.number)
+        fresh.push_back(*score);
     }
     if (!std::isnan(highest)) best = better(best, highest);
     chart.row(generation.number, {Point(best), Point(highest), median_and_quartiles(fresh)});
@@ -257,6 +258,38 @@ Json learning_chart(const Run& run) {
   chart.series("champion", "edges");
   chart.json["champion"] = run.robots[*run.champion].robot.id;
   return chart.json;
+}
+
+std::vector<FeatureChart> shared_charts(const Run& run) {
+  std::vector<FeatureChart> charts;
+  if (run.shared.empty()) return charts;
+  constexpr const char* steps = "environment steps of all robots";
+  Chart returns(steps, "return", true);
+  returns.series("mean over all robots", "line");
+  returns.series("best robot", "points");
+  std::map<std::string, Chart> logged;
+  double begin = 0.0;
+  for (const SharedTraining& shared : run.shared) {
+    for (const CurvePoint& point : shared.training.curve)
+      returns.row(begin + static_cast<double>(point.step), {Point(point.evaluation), Point()});
+    for (const LogSeries& series : shared.training.log) {
+      Chart& chart =
+          logged.try_emplace(series.name, steps, series.name.c_str(), true).first->second;
+      if (chart.json["series"].empty()) chart.series(series.name, "line");
+      for (const auto& [step, value] : series.points) chart.row(begin + step, {Point(value)});
+    }
+    begin += static_cast<double>(shared.training.steps);
+    for (const Generation& generation : run.generations) {
+      if (generation.number != shared.generation) continue;
+      double best = nothing;
+      for (const auto& score : generation.scores)
+        if (score) best = better(best, *score);
+      returns.row(begin, {Point(), Point(best)});
+    }
+  }
+  charts.push_back({"return", std::move(returns.json)});
+  for (auto& [name, chart] : logged) charts.push_back({name, std::move(chart.json)});
+  return charts;
 }
 
 std::vector<FeatureChart> feature_charts(const Run& run) {

@@ -35,6 +35,14 @@ Json comparison_chart(const std::vector<const Run*>& runs);
 // report.js, which has the curves with the robots. Null without any.
 Json learning_chart(const Run& run);
 
+struct FeatureChart {
+  std::string name;
+  Json chart;
+};
+// Of the controller that all robots of a generation have, against the steps of all: the mean
+// return over them, and what its training logged. None for other runs.
+std::vector<FeatureChart> shared_charts(const Run& run);
+
 // Every scored robot by generation and fitness, with lines from its parents.
 Json tree_chart(const Run& run);
 
@@ -47,10 +55,6 @@ Json coverage_chart(const Run& run);
 Json archive_chart(const Run& run);
 
 // Fitness against one number of the body: voxels, actuators, share of a kind.
-struct FeatureChart {
-  std::string name;
-  Json chart;
-};
 std::vector<FeatureChart> feature_charts(const Run& run);
 
 // For every place of the body, by kind of voxel: the median fitness of the robots that

@@ -21,12 +21,13 @@ std::vector<T> spread(const std::vector<T>& list, std::size_t most) {
   return chosen;
 }
 
-std::vector<std::size_t> best_of(const Generation& generation, const Run& run) {
+// The best members of a generation by what they earned in it, as places in it.
+std::vector<std::size_t> best_of(const Generation& generation) {
   std::vector<std::size_t> best;
-  for (const std::size_t member : generation.members)
-    if (run.robots[member].fitness) best.push_back(member);
+  for (std::size_t place = 0; place < generation.members.size(); ++place)
+    if (generation.scores[place]) best.push_back(place);
   std::stable_sort(best.begin(), best.end(), [&](std::size_t a, std::size_t b) {
-    return *run.robots[a].fitness > *run.robots[b].fitness;
+    return *generation.scores[a] > *generation.scores[b];
   });
   best.resize(std::min(best.size(), sheet_rows));
   return best;
@@ -54,7 +55,7 @@ std::vector<SheetColumn> sheet(const Run& run) {
     if (!generation.members.empty()) begun.push_back(&generation);
   std::vector<SheetColumn> columns;
   for (const Generation* generation : spread(begun, sheet_columns))
-    columns.push_back({generation, best_of(*generation, run)});
+    columns.push_back({generation, best_of(*generation)});
   return columns;
 }
 
@@ -76,7 +77,8 @@ std::vector<std::size_t> shown_one_by_one(const Run& run, std::size_t most) {
       best = fitness;
       chosen.insert(robot);
     }
-  for (const SheetColumn& column : sheet(run)) add(column.best);
+  for (const SheetColumn& column : sheet(run))
+    for (const std::size_t place : column.best) chosen.insert(column.generation->members[place]);
   return {chosen.begin(), chosen.end()};
 }
 

@@ -18,7 +18,7 @@ inline constexpr std::size_t sheet_rows = 4;  // best robots of a generation
 // A column of the sheet "Evolution": a generation and the best of its robots.
 struct SheetColumn {
   const Generation* generation = nullptr;
-  std::vector<std::size_t> best;
+  std::vector<std::size_t> best;  // in its `members`
 };
 // All generations begun, or as many as fit, evenly chosen, the first and the last among
 // them.

@@ -107,19 +107,44 @@ std::string learning_card(const Run& run, const std::string& anchor, Page& page)
   if (chart.is_null())
     return "<section class=\"card\">\n" +
            heading(anchor + "-learning", "Learning curves",
-                   "No policy files are in the run folder, so there are no curves.") +
+                   run.shared.empty()
+                       ? "No policy files are in the run folder, so there are no curves."
+                       : "No robot has had a training of its own, so there are no curves.") +
            "</section>\n";
-  return chart_card(anchor + "-learning", "Learning curves",
-                    points_of(run, anchor,
-                              "Returns of every robot's evaluations during its training; entropy, "
-                              "KL divergence and explained variance are on its card."),
-                    page.chart(std::move(chart), anchor, "learning-curves"));
+  return chart_card(
+      anchor + "-learning", "Learning curves",
+      points_of(run, anchor,
+                std::string(run.shared.empty()
+                                ? "Returns of every robot's evaluations during its training"
+                                : "Returns of robots that had trainings of their own") +
+                    "; entropy, KL divergence and explained variance are on its card."),
+      page.chart(std::move(chart), anchor, "learning-curves"));
+}
+
+// How the controller of all robots learnt, generation by generation.
+std::string shared_card(const Run& run, const std::string& anchor, Page& page) {
+  std::vector<FeatureChart> charts = shared_charts(run);
+  if (charts.empty()) return "";
+  std::string html =
+      "<section class=\"card long\">\n" +
+      heading(anchor + "-controller", "The controller of all robots",
+              "The mean return over all robots of a generation while one controller learnt on "
+              "them, and that of the best robot at its end. Where a generation begins the mean "
+              "changes with the robots; training goes on from the controller of the one before.") +
+      page.chart(std::move(charts[0].chart), anchor, "controller");
+  std::string logged;
+  for (std::size_t k = 1; k < charts.size(); ++k)
+    logged +=
+        page.chart(std::move(charts[k].chart), anchor, "controller-" + charts[k].name, "small");
+  if (!logged.empty()) html += "<div class=\"three\">\n" + logged + "</div>\n";
+  return html + "</section>\n";
 }
 
 void link_parts(const Run& run, const std::string& anchor, Page& page) {
   if (run.champion) {
     page.navigate(anchor + "-champion", "Champion");
     page.navigate(anchor + "-curves", "Curves");
+    if (!run.shared.empty()) page.navigate(anchor + "-controller", "Controller");
     page.navigate(anchor + "-evolution", "Evolution");
     page.navigate(anchor + "-lineage", "Lineage");
     page.navigate(anchor + "-tree", "Family tree");
@@ -152,6 +177,7 @@ void add_run(const Run& run, const std::string& anchor, bool alone, Page& page) 
   html += tiles(run);
   if (run.champion) {
     html += curves(run, anchor, page);
+    html += shared_card(run, anchor, page);
     html += evolution_card(run, anchor, page);
     html += lineage_card(run, anchor, page);
     html += tree_card(run, anchor, page);

@@ -30,6 +30,8 @@ Json facts_of(const Run& run, std::size_t k) {
     add("from perturbed starts", with_error(score->mean, score->standard_error));
   add("trained as",
       fmt::format("robot {} of {}, in generation {}", k + 1, run.robots.size(), entry.generation));
+  if (entry.sharing)
+    add("controller", fmt::format("that of all robots of generation {}", *entry.sharing));
   if (entry.training.steps > 0)
     add("best evaluation",
         fmt::format("after {} of {} steps", entry.training.best_step, entry.training.steps));
@@ -63,7 +65,15 @@ Json robot_data(const Run& run, std::size_t k, const std::vector<std::string>& c
           ? Json::array()
           : Json::array(
                 {fmt::format("evo-inspect {}", policy),
-                 fmt::format("evo-eval {0} --policy {0} --rollout {1}.h5", policy, entry.robot.id),
+                 entry.sharing
+                     ? fmt::format("jq -c 'select(.id == \"{0}\")' {1} | evo-eval --policy {2} "
+                                   "--rollout {0}.h5",
+                                   entry.robot.id,
+                                   shell_word(fmt::format("{}/gen-{:03}/scores.jsonl", run.folder,
+                                                          *entry.sharing)),
+                                   policy)
+                     : fmt::format("evo-eval {0} --policy {0} --rollout {1}.h5", policy,
+                                   entry.robot.id),
                  fmt::format("evo-render {0}.h5 -o {0}.mp4", entry.robot.id)});
   if (const auto replay = run.replays.find(k); replay != run.replays.end())
     robot["replay"] = replay->second;

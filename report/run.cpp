@@ -52,9 +52,12 @@ void add_history(const RunHistory& history, Run& run) {
   run.by_id = history.by_id();
   run.champion = history.champion_index();
   for (const RunHistory::Generation& begun : history.generations()) {
-    Generation generation{begun.number, {}, begun.slots.size()};
-    for (const auto& robot : begun.slots)
-      if (robot) generation.members.push_back(*robot);
+    Generation generation{begun.number, {}, {}, begun.slots.size()};
+    for (std::size_t slot = 0; slot < begun.slots.size(); ++slot) {
+      if (!begun.slots[slot]) continue;
+      generation.members.push_back(*begun.slots[slot]);
+      generation.scores.push_back(begun.scores[slot]);
+    }
     run.generations.push_back(std::move(generation));
   }
 }
@@ -64,17 +67,43 @@ void add_history(const RunHistory& history, Run& run) {
 struct StoredPolicy {
   PolicyFile policy;
   std::string path;  // within the run's folder
+  std::optional<int> sharing;
 };
 
-// The robot's own file, or the champion's copy.
-std::optional<StoredPolicy> policy_of(const RunFolder& folder, const std::string& id) {
-  for (const fs::path& file : {folder.policy(id), folder.path() / "best.policy.h5"}) {
+// The robot's own file, that of all robots of a generation, or the champion's copy.
+std::optional<StoredPolicy> policy_of(const RunFolder& folder, const Robot& robot) {
+  std::vector<fs::path> files{folder.policy(robot.id)};
+  std::map<fs::path, int> shared;
+  for (const int generation : folder.generations()) {
+    if (!folder.settings().shares(generation)) continue;
+    const fs::path file = folder.shared_policy(generation);
+    shared.emplace(file, generation);
+    if (const auto named = robot.policy(); named && fs::path(*named).filename() == file.filename())
+      files.push_back(file);
+  }
+  files.push_back(folder.path() / "best.policy.h5");
+  for (const fs::path& file : files) {
     if (!fs::exists(file)) continue;
-    PolicyFile policy = read_policy(file);
-    if (policy.robot.id == id)
-      return StoredPolicy{std::move(policy), file.lexically_relative(folder.path()).string()};
+    StoredPolicy stored{read_policy(file), file.lexically_relative(folder.path()).string(),
+                        std::nullopt};
+    if (const auto found = shared.find(file); found != shared.end()) {
+      stored.sharing = found->second;
+      for (const Robot& one : stored.policy.robots)
+        if (one.id == robot.id) stored.policy.robot = one;
+    }
+    if (stored.policy.robot.id == robot.id) return stored;
   }
   return std::nullopt;
+}
+
+void read_shared(const RunFolder& folder, Run& run) {
+  for (const int generation : folder.generations()) {
+    const fs::path file = folder.shared_policy(generation);
+    if (!folder.settings().shares(generation) || !fs::exists(file)) continue;
+    Training training = training_of(read_policy(file));
+    add_log(folder.log(generation, ""), training);
+    run.shared.push_back({generation, std::move(training)});
+  }
 }
 
 // Each on its own, whatever the number of threads.
@@ -88,13 +117,18 @@ void read_trainings(const RunFolder& folder, std::size_t replays, int threads, R
   ThreadPool pool(threads);
   pool.run(run.shown.size(), [&](std::size_t k, int /*worker*/) {
     Entry& entry = run.robots[run.shown[k]];
-    const std::optional<StoredPolicy> stored = policy_of(folder, entry.robot.id);
+    const std::optional<StoredPolicy> stored = policy_of(folder, entry.robot);
     if (!stored) return;
     const PolicyFile& policy = stored->policy;
     entry.policy = stored->path;
-    entry.training = training_of(policy);
+    entry.sharing = stored->sharing;
     purposes[k] = purpose_of(policy);
-    add_log(folder.log(entry.robot.id), entry.training);
+    if (entry.sharing) {
+      entry.training.created_by = policy.created_by;
+    } else {
+      entry.training = training_of(policy);
+      add_log(folder.log(entry.robot.id), entry.training);
+    }
     if (!moving.contains(run.shown[k])) return;
     const Rollout rollout = play(policy, "evo-report");
     episodes[k] = replay_of(rollout, first.contains(run.shown[k]) ? fine_stride : coarse_stride);
@@ -159,6 +193,7 @@ Run read_run(const fs::path& folder, const Extent& extent, int threads) {
   run.machines = {history.machines().begin(), history.machines().end()};
   run.shown = shown_one_by_one(run, extent.robots);
   read_trainings(history.folder(), extent.replays, threads, run);
+  read_shared(history.folder(), run);
   if (run.champion) read_recording(folder, run.robots[*run.champion].robot.id, run);
   return run;
 }

@@ -31,12 +31,21 @@ struct Entry {
   std::string failure;            // why, if it did
   Training training;              // empty without a policy file
   std::string policy = {};        // that file, within the run's folder; empty: there is none
+  // The generation whose robots all have this policy, so that `training` is not the robot's.
+  std::optional<int> sharing = {};
+};
+
+// The training of one controller on all robots of a generation.
+struct SharedTraining {
+  int generation = 0;
+  Training training;
 };
 
 struct Generation {
   int number = 0;
-  std::vector<std::size_t> members;  // in Run::robots, by slot; survivors are there again
-  std::size_t planned = 0;           // robots of the population, trained or not
+  std::vector<std::size_t> members;           // in Run::robots, by slot; survivors are there again
+  std::vector<std::optional<double>> scores;  // of each member, then; nothing: it failed
+  std::size_t planned = 0;                    // robots of the population, trained or not
 };
 
 struct Run {
@@ -50,6 +59,7 @@ struct Run {
   std::vector<Entry> robots;  // in the order they were trained
   std::map<std::string, std::size_t> by_id;
   std::vector<Generation> generations;
+  std::vector<SharedTraining> shared;  // by generations, of runs that have such
   // In `robots`, those that the page shows one by one (choice.h), in order; the others
   // have a part in curves and figures alone, and `training` is empty.
   std::vector<std::size_t> shown;

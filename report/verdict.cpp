@@ -13,11 +13,10 @@ namespace evo::report {
 namespace {
 
 // Fitness of the best of a generation's scored robots.
-std::optional<double> best_of(const Run& run, const Generation& generation) {
+std::optional<double> best_of(const Generation& generation) {
   std::optional<double> best;
-  for (const std::size_t member : generation.members)
-    if (const auto& fitness = run.robots[member].fitness; fitness && (!best || *fitness > *best))
-      best = fitness;
+  for (const auto& score : generation.scores)
+    if (score && (!best || *score > *best)) best = score;
   return best;
 }
 
@@ -27,8 +26,8 @@ double gain(const Run& run, double best) {
   const auto& curve = run.robots[*run.champion].training.curve;
   if (!curve.empty()) most = best - curve.front().evaluation;
   std::vector<double> first;
-  for (const std::size_t member : run.generations.front().members)
-    if (const auto& fitness = run.robots[member].fitness) first.push_back(*fitness);
+  for (const auto& score : run.generations.front().scores)
+    if (score) first.push_back(*score);
   if (!first.empty()) {
     const auto middle = first.begin() + static_cast<std::ptrdiff_t>(first.size() / 2);
     std::nth_element(first.begin(), middle, first.end());
@@ -48,7 +47,7 @@ bool is_over(const Run& run) {
 
 // Of the best fitness, from the first generation on.
 std::string progress(const Run& run, double best) {
-  const auto start = best_of(run, run.generations.front());
+  const auto start = best_of(run.generations.front());
   return start && best > *start
              ? fmt::format("Improved from {} to {}", shown(start), shown(best))
              : fmt::format("{} from the first generation on: evolution added nothing", shown(best));
@@ -103,8 +102,10 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
   const auto longer = [&](long factor) {
     std::vector<std::pair<std::string, std::string>> changed{
         {"RUN", run.folder + "-longer"}, {"STEPS", times(factor, run.setting("steps"))}};
-    if (const std::string founders = run.setting("founder_steps"); !founders.empty())
-      changed.emplace_back("FOUNDER_STEPS", times(factor, founders));
+    for (const auto& [name, variable] :
+         {std::pair{"founder_steps", "FOUNDER_STEPS"}, {"own_steps", "OWN_STEPS"}})
+      if (const std::string steps = run.setting(name); !steps.empty())
+        changed.emplace_back(variable, times(factor, steps));
     return run_command(run, changed);
   };
   if (!over) add("go on where it is", run_command(run, {}));

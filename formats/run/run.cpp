@@ -382,7 +382,7 @@ void RunHistory::update() {
         std::lower_bound(generations_.begin(), generations_.end(), number,
                          [](const Generation& known, int wanted) { return known.number < wanted; });
     if (found == generations_.end() || found->number != number)
-      found = generations_.insert(found, {number, false, {}, {}});
+      found = generations_.insert(found, {number, false, {}, {}, {}});
     if (!found->finished) read_generation(*found);
   }
   read_timings();
@@ -423,6 +423,8 @@ void RunHistory::read_generation(Generation& generation) {
 // A robot is scored once, unless its training goes on in a later generation.
 void RunHistory::add(Generation& generation, std::size_t slot, Robot robot) {
   if (slot >= generation.slots.size()) generation.slots.resize(slot + 1);
+  generation.scores.resize(generation.slots.size());
+  generation.scores[slot] = robot.fitness();
   const auto [known, is_new] = by_id_.emplace(robot.id, robots_.size());
   const std::size_t index = known->second;
   generation.slots[slot] = index;

@@ -244,6 +244,8 @@ class RunHistory {
     bool finished = false;
     std::vector<std::string> population;            // ids by slot, while slots are left
     std::vector<std::optional<std::size_t>> slots;  // in robots(); nothing: not trained yet
+    // By slot, what the robot was scored with then; nothing: not yet, or it failed.
+    std::vector<std::optional<double>> scores;
   };
 
   // Throws what a damaged file throws.

@@ -295,3 +295,25 @@ PY
   fails_with 65 "run/gen-000/scores.jsonl" "X" -- evo-report run
   fails_with 2 "run folder" -- evo-report
 }
+
+@test "a run with one controller for all: how it learnt, and every robot moves with it" {
+  make -s -f "$EVO_SOURCE/scripts/modular.mk" RUN=run TASK=Walker-v0 POP=4 CHILDREN=1 EVALS=5 STEPS=1024 CHAMPIONS=1 OWN_STEPS=1024 \
+    TRAIN_OPTIONS='--train-set environments=2' run/history.jsonl
+  evo-report run -o page.html
+  grep -q 'id="run-1-controller">The controller of all robots' page.html
+  data_of page.html > data.json
+  # Two generations, each from an evaluation; the best robot where each ends.
+  jq -e '[.charts[] | select(.labels == ["environment steps of all robots", "mean over all robots", "best robot"])][0].rows
+    | (map(select(.[2][1] != null)[0]) == [1024, 2048]) and (map(select(.[1][1] != null)) | length >= 3)' data.json
+  # All robots have an episode; those without a training of their own no curve.
+  jq -e '.runs["run-1"].robots | (length == 5) and all(.[]; .replay != null)' data.json
+  champion=$(jq -r .id run/gen-002/scores.jsonl)
+  jq -e --arg champion "$champion" '.runs["run-1"].robots | to_entries
+    | all(.[]; (.value.curve == []) == (.key != $champion))' data.json
+  # A card's commands play the robot it is of.
+  other=$(jq -r --arg champion "$champion" 'select(.id != $champion) | .id' run/history.jsonl | tail -n 1)
+  jq -e --arg id "$other" '.runs["run-1"].robots[$id].facts | any(.[]; .[0] == "controller" and .[1] == "that of all robots of generation 1")' data.json
+  eval "$(jq -r --arg id "$other" '.runs["run-1"].robots[$id].commands[1]' data.json)" |
+    jq -e --argjson known "$(jq -c "select(.id == \"$other\")" run/history.jsonl)" '.fitness == $known.fitness'
+  [ -s "$other.h5" ]
+}

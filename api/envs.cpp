@@ -5,6 +5,7 @@
 #include "api/handles.h"
 #include "api/pictures.h"
 #include "api/session.h"
+#include "api/voxels.h"
 #include "libevo/task/measure.h"
 #include "training/episodes.h"
 
@@ -40,8 +41,14 @@ struct evo_envs {
     }
   }
 
+  const evo::SessionVoxels& seen() {
+    if (!voxels) voxels.emplace(session);
+    return *voxels;
+  }
+
   Owner owner;
   evo::Session session;
+  std::optional<evo::SessionVoxels> voxels;  // once asked for
   std::vector<double> rewards;
   std::vector<std::uint8_t> status;
   std::vector<std::int32_t> steps;
@@ -149,6 +156,49 @@ int evo_envs_step(evo_envs* envs, const double* actions, size_t values, const ui
     session.step(values_of(actions, values, "actions"), active == nullptr
                                                             ? std::span<const std::uint8_t>()
                                                             : std::span(active, active_values));
+  });
+}
+
+int evo_envs_voxels(evo_envs* envs, int32_t environment, evo_voxels* voxels, size_t size) {
+  return guarded([&] {
+    evo_envs& all = object_of(envs);
+    all.session.check_environment(environment);
+    const Busy busy(all.busy);
+    const evo::VoxelViews& views = all.seen().of(environment);
+    const auto links = all.seen().links(environment);
+    static_assert(sizeof links[0] == 2 * sizeof(std::int32_t));
+    hand_over({static_cast<std::size_t>(views.voxels()), views.actuators().size(), links.size(),
+               evo::VoxelViews::local_length, static_cast<std::size_t>(views.task_length()),
+               evo::VoxelViews::fixed_length, views.fixed().data(), views.actuators().data(),
+               reinterpret_cast<const std::int32_t*>(links.data())},
+              voxels, size);
+  });
+}
+
+int evo_envs_look(evo_envs* envs, double* local, size_t local_values, double* task,
+                  size_t task_values) {
+  return guarded([&] {
+    evo_envs& all = object_of(envs);
+    const Busy busy(all.busy);
+    const evo::SessionVoxels& voxels = all.seen();
+    if (local_values != voxels.local_values() || task_values != voxels.task_values())
+      throw evo::error(Failure::usage, "{} local and {} task values are expected, not {} and {}",
+                       voxels.local_values(), voxels.task_values(), local_values, task_values);
+    target(local, "local");
+    if (task_values > 0) target(task, "task");
+    all.seen().look({local, local_values}, {task, task_values});
+  });
+}
+
+int evo_envs_act(evo_envs* envs, const evo_policy* policy, double* actions, size_t values) {
+  return guarded([&] {
+    evo_envs& all = object_of(envs);
+    const Busy busy(all.busy);
+    if (values != all.session.action_values())
+      throw evo::error(Failure::usage, "{} actions are expected, not {}",
+                       all.session.action_values(), values);
+    if (values > 0) target(actions, "actions");
+    evo::act(object_of(policy).file.controller, all.session, {actions, values});
   });
 }
 

@@ -13,6 +13,7 @@ using evo::Failure;
 namespace {
 
 std::size_t observation_length(const evo::PolicyFile& file) {
+  if (std::holds_alternative<evo::ModularPolicy>(file.controller)) return 0;
   int length = 0;
   for (const evo::ObservationSlice& slice : file.layout) length += slice.length;
   return static_cast<std::size_t>(length);
@@ -25,8 +26,7 @@ std::size_t action_length(const evo::TrainedController& controller) {
     return static_cast<std::size_t>(sequence->actuators);
   if (const auto* sine = std::get_if<evo::SineController>(&controller))
     return sine->amplitude.size();
-  throw evo::error(Failure::usage,
-                   "the policy is a modular one, of any body: evo-eval evaluates it");
+  return 0;
 }
 
 }  // namespace
@@ -99,6 +99,11 @@ int evo_policy_act(const evo_policy* policy, const double* observations, const i
                    size_t count, double* actions, size_t action_values) {
   return guarded([&] {
     const evo::PolicyFile& file = object_of(policy).file;
+    if (std::holds_alternative<evo::ModularPolicy>(file.controller))
+      throw evo::Error(
+          Failure::usage,
+          "a modular policy acts on voxels, not on an observation: evo_envs_act lets it "
+          "act in environments");
     const std::size_t wide = observation_length(file);
     const std::size_t targets = action_length(file.controller);
     if (action_values != count * targets)

@@ -219,6 +219,26 @@ EVO_API int evo_envs_orientation(const evo_envs* envs, int32_t environment, size
 /* The slices of an environment's observation, as JSON: [{"name", "offset", "length"}]; evo_free. */
 EVO_API int evo_envs_observed(const evo_envs* envs, int32_t environment, char** json);
 
+/* What the voxels of a robot see of themselves and of the task, for controllers whose network
+ * belongs to a voxel and fits any body (docs/modular.md says which numbers). Voxels are in scan
+ * order, row by row from the top. L, T and F are the same for all robots of a task. */
+typedef struct evo_voxels {
+  size_t voxels;            /* V */
+  size_t actions;           /* A */
+  size_t links;             /* N */
+  size_t local_length;      /* L, of what changes with every step and voxel */
+  size_t task_length;       /* T, of what changes with every step, the same for all voxels */
+  size_t fixed_length;      /* F, of what never changes */
+  const float* fixed;       /* [V][F]; pointers last as long as the environments */
+  const int32_t* actuators; /* [A] the voxel of each action */
+  const int32_t* linked;    /* [N][2] a voxel and one that it is linked to; each link both ways */
+} evo_voxels;
+EVO_API int evo_envs_voxels(evo_envs* envs, int32_t environment, evo_voxels* voxels, size_t size);
+/* As all environments are now: `local` [V][L] of each in turn, `local_values` in all; `task`
+ * [E][T]. */
+EVO_API int evo_envs_look(evo_envs* envs, double* local, size_t local_values, double* task,
+                          size_t task_values);
+
 /* What a picture may leave out. */
 enum evo_hide {
   EVO_HIDE_GRID = 1,       /* and distances along the floor */
@@ -343,8 +363,8 @@ typedef struct evo_curve_point {
 } evo_curve_point;
 
 typedef struct evo_policy_facts {
-  size_t observation_length; /* D */
-  size_t action_length;      /* A */
+  size_t observation_length; /* D; 0 for a modular policy, which acts on voxels of any robot */
+  size_t action_length;      /* A; 0 likewise */
   double fitness;            /* the best evaluation */
   size_t curve_points;
   const evo_curve_point* curve; /* as long as the policy */
@@ -358,6 +378,10 @@ EVO_API int evo_policy_task(const evo_policy* policy, evo_task** task);     /* w
 EVO_API int evo_policy_act(const evo_policy* policy, const double* observations,
                            const int32_t* steps, size_t count, double* actions,
                            size_t action_values);
+/* The same for all environments as they are now, as evo_envs_step takes it: `values` as
+ * evo_arrays.action_values. A modular policy acts on every robot of its task, others on robots with
+ * as many observations and actions as their own. */
+EVO_API int evo_envs_act(evo_envs* envs, const evo_policy* policy, double* actions, size_t values);
 
 typedef struct evo_training {
   const char* profile;    /* a training profile, by name or file; NULL: "default" */

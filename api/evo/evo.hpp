@@ -259,6 +259,8 @@ struct Object {
   std::size_t points = 0;
 };
 
+class Policy;
+
 // E environments, stepped side by side in the processor's vector lanes. As
 // Gymnasium's VectorEnv with autoreset disabled: what has ended shows it, and may be
 // stepped on until it is reset. Arrays are environment-major and stay where they are;
@@ -366,6 +368,21 @@ class VectorEnv {
     return objects;
   }
 
+  // What voxels see, for controllers of any body; see evo_voxels.
+  evo_voxels voxels(int environment) const {
+    return detail::described<evo_voxels>([&](evo_voxels* voxels, std::size_t size) {
+      return evo_envs_voxels(handle_.get(), environment, voxels, size);
+    });
+  }
+  // As all environments are now: local [V x L] of each in turn, task [E x T].
+  void look(std::span<double> local, std::span<double> task) const {
+    detail::check(
+        evo_envs_look(handle_.get(), local.data(), local.size(), task.data(), task.size()));
+  }
+  // The deterministic controller in all environments, as step() takes it; a modular policy acts
+  // on any robot of its task.
+  void act(const Policy& policy, std::span<double> actions) const;
+
   const evo_arrays& arrays() const { return arrays_; }  // all of them, as evo/evo.h has them
 
  private:
@@ -460,6 +477,8 @@ class Policy {
                                  actions.data(), actions.size()));
   }
 
+  const evo_policy* handle() const { return handle_.get(); }
+
   // A file for evo-eval, evo-render, evo-convert; appears whole or not at all.
   void save(const std::string& file) const {
     detail::check(evo_policy_write(handle_.get(), file.c_str()));
@@ -474,6 +493,10 @@ class Policy {
 
   detail::PolicyHandle handle_;
 };
+
+inline void VectorEnv::act(const Policy& policy, std::span<double> actions) const {
+  detail::check(evo_envs_act(handle_.get(), policy.handle(), actions.data(), actions.size()));
+}
 
 // As evo-train, to the same bytes, in the calling thread. Throws Error(work) where the
 // training failed or `go_on` ended it.

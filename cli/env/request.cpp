@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "api/voxels.h"
 #include "cli/command.h"
 #include "formats/io/base64.h"
 #include "formats/io/format.h"
@@ -93,6 +94,56 @@ Json positions_document(const Session& session, const Json& wanted) {
                     {"velocities", pairs(envs.velocities(e))}});
   }
   return {{"positions", std::move(list)}};
+}
+
+// [rows x columns]
+template <typename T>
+Json rows_of(std::span<const T> values, int rows, int columns) {
+  Json list = Json::array();
+  const auto width = static_cast<std::size_t>(columns);
+  for (std::size_t r = 0; r < static_cast<std::size_t>(rows); ++r) {
+    const auto row = values.subspan(r * width, width);
+    list.push_back(std::vector<double>(row.begin(), row.end()));
+  }
+  return list;
+}
+
+// What does not change of what voxels see.
+Json voxels_document(const Session& session, const Json& wanted) {
+  check_fields(wanted, "/voxels", {"environments"});
+  const SessionVoxels voxels(session);
+  Json list = Json::array();
+  for (const int e : chosen_environments(session, wanted, "/voxels")) {
+    const VoxelViews& views = voxels.of(e);
+    const Matrix& fixed = views.fixed();
+    Json links = Json::array();
+    for (const auto& [voxel, other] : voxels.links(e)) links.push_back({voxel, other});
+    list.push_back(
+        {{"environment", e},
+         {"fixed", rows_of(std::span(fixed.data(), static_cast<std::size_t>(fixed.size())),
+                           views.voxels(), VoxelViews::fixed_length)},
+         {"actuators", views.actuators()},
+         {"links", std::move(links)}});
+  }
+  return {{"voxels", std::move(list)}};
+}
+
+// What they see now.
+Json look_document(const Session& session, const Json& wanted) {
+  check_fields(wanted, "/look", {"environments"});
+  const SessionVoxels voxels(session);
+  Json list = Json::array();
+  for (const int e : chosen_environments(session, wanted, "/look")) {
+    const VoxelViews& views = voxels.of(e);
+    std::vector<double> local(static_cast<std::size_t>(views.voxels() * VoxelViews::local_length));
+    std::vector<double> task(static_cast<std::size_t>(views.task_length()));
+    views.look(session.envs(), e, local, task);
+    list.push_back({{"environment", e},
+                    {"local", rows_of(std::span<const double>(local), views.voxels(),
+                                      VoxelViews::local_length)},
+                    {"task", task}});
+  }
+  return {{"look", std::move(list)}};
 }
 
 // What a policy file keeps of the task.
@@ -262,15 +313,26 @@ Answer Requests::answer(const Json& request, const std::string& where) {
       check_fields(request, "", {"positions"});
       answer.kind = Answer::Kind::document;
       answer.document = positions_document(session_, request["positions"]);
+    } else if (request.contains("voxels")) {
+      check_fields(request, "", {"voxels"});
+      answer.kind = Answer::Kind::document;
+      answer.document = voxels_document(session_, request["voxels"]);
+    } else if (request.contains("look")) {
+      check_fields(request, "", {"look"});
+      answer.kind = Answer::Kind::document;
+      answer.document = look_document(session_, request["look"]);
     } else if (request.contains("task")) {
       check_fields(request, "", {"task"});
       check_fields(request["task"], "/task", {});
       answer.kind = Answer::Kind::document;
       answer.document = task_document(session_);
     } else {
-      check_fields(request, "",
-                   {"reset", "step", "save", "restore", "positions", "picture", "task"});
-      throw refusal("", "expected one of: reset, step, save, restore, positions, picture, task");
+      check_fields(
+          request, "",
+          {"reset", "step", "save", "restore", "positions", "voxels", "look", "picture", "task"});
+      throw refusal(
+          "",
+          "expected one of: reset, step, save, restore, positions, voxels, look, picture, task");
     }
     return answer;
   } catch (const Refusal& refused) {

@@ -12,13 +12,13 @@ from .library import EvoError, find_tool
 from .own import Task, Trained, train
 from .robots import (VOXEL_TYPES, Robot, get_full_connectivity, has_actuator, is_connected, robot_arrays,
                      robot_document, sample_robot)
-from .simulator import Simulator, State
+from .simulator import Simulator, State, Voxels
 from .tasks import TASKS, register
 from .worlds import Simulations, World
 
 __version__ = "0.1.0"
 __all__ = ["TASKS", "VOXEL_TYPES", "EvoError", "Robot", "Simulations", "Simulator", "State", "Task",
-           "Trained", "World", "find_tool", "get_full_connectivity", "has_actuator", "is_connected",
+           "Trained", "Voxels", "World", "find_tool", "get_full_connectivity", "has_actuator", "is_connected",
            "register", "robot_arrays", "robot_document", "sample_robot", "train"]
 
 try:

@@ -49,6 +49,12 @@ class EnvObject(Structure):
     _fields_ = [("name", c_char_p), ("first_point", c_size_t), ("points", c_size_t)]
 
 
+class VoxelFacts(Structure):
+    _fields_ = [*[(name, c_size_t) for name in (
+                    "voxels", "actions", "links", "local_length", "task_length", "fixed_length")],
+                *[(name, c_void_p) for name in ("fixed", "actuators", "linked")]]
+
+
 class Start(Structure):
     _fields_ = [("has_seed", c_int32), ("has_episode", c_int32), ("seed", c_uint64),
                 ("episode", c_uint64), ("jitter", c_double), ("draws", c_char_p)]
@@ -119,6 +125,9 @@ SIGNATURES = {
     "evo_envs_object": [_HANDLE, c_int32, c_size_t, POINTER(EnvObject), c_size_t],
     "evo_envs_orientation": [_HANDLE, c_int32, c_size_t, c_void_p, POINTER(c_double), c_size_t],
     "evo_envs_observed": [_HANDLE, c_int32, POINTER(c_void_p)],
+    "evo_envs_voxels": [_HANDLE, c_int32, POINTER(VoxelFacts), c_size_t],
+    "evo_envs_look": [_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t],
+    "evo_envs_act": [_HANDLE, _HANDLE, c_void_p, c_size_t],
     "evo_envs_render": _RENDER,
     "evo_world_new": [_OPENED],
     "evo_world_read": [c_char_p, _OPENED],

@@ -209,8 +209,11 @@ class Trained:
         return _trained(Robot(path), Handle("policy", "evo_policy_read", text_of(path)))
 
     def act(self, observations: Any, steps: Any = 0) -> np.ndarray:
-        """Deterministic targets [n, A] of observations [n, D] at these steps of their episodes."""
+        """Deterministic targets [n, A] of observations [n, D] at these steps of their episodes.
+        A modular policy sees voxels instead: Simulator.act."""
         known = facts("evo_policy_describe", PolicyFacts, self._policy)
+        if known.observation_length == 0:
+            raise EvoError("a modular policy acts on voxels, not on an observation: Simulator.act")
         values = np.ascontiguousarray(observations, np.float64).reshape(-1, known.observation_length)
         at = np.ascontiguousarray(np.broadcast_to(np.asarray(steps, np.int32), len(values)))
         actions = np.empty((len(values), known.action_length))

@@ -10,11 +10,11 @@ from typing import Any, Mapping, Sequence
 
 import numpy as np
 
-from .library import (EnvArrays, EnvObject, EvoError, Handle, RobotFacts, Start, TaskFacts, address,
-                      array_at, bytes_given, call, count_of, facts, failure, library, picture,
+from .library import (EnvArrays, EnvObject, EvoError, Handle, RobotFacts, Start, TaskFacts, VoxelFacts,
+                      address, array_at, bytes_given, call, count_of, facts, failure, library, picture,
                       robots_of, task_of, text_given)
 
-__all__ = ["STATUS", "Simulator", "State", "env_mask"]
+__all__ = ["STATUS", "Simulator", "State", "Voxels", "env_mask"]
 
 STATUS = ("ok", "unreset", "unstable")
 
@@ -38,6 +38,26 @@ class State:
     terminated: np.ndarray  # [E] bool, ended by a rule of the task
     truncated: np.ndarray  # [E] bool, ended by the time limit
     status: np.ndarray  # [E] uint8, an index of STATUS
+
+
+@dataclass(frozen=True)
+class Voxels:
+    """What does not change of what a robot's V voxels see (Simulator.look has the rest), for
+    controllers that are the same for every body; docs/modular.md says which numbers. Voxels are in
+    scan order, row by row from the top."""
+
+    fixed: np.ndarray  # [V, F] float32: materials around the voxel, its place, the body as a whole
+    actuators: np.ndarray  # [A] int32, the voxel of each action
+    links: np.ndarray  # [N, 2] int32, a voxel and one that it is linked to; each link both ways
+    local_length: int  # L
+    task_length: int  # T
+
+    @property
+    def mask(self) -> np.ndarray:
+        """[V] bool, whether a voxel acts."""
+        mask = np.zeros(len(self.fixed), bool)
+        mask[self.actuators] = True
+        return mask
 
 
 class Simulator:
@@ -232,6 +252,36 @@ class Simulator:
         return self.state()
 
     # ---- what there is to see ---------------------------------------------------
+
+    def voxels(self, environment: int = 0) -> Voxels:
+        """Of the robot of an environment."""
+        handle = self._running()
+        known = facts("evo_envs_voxels", VoxelFacts, handle, environment)
+        return Voxels(
+            array_at(handle, known.fixed, (known.voxels, known.fixed_length), ctypes.c_float),
+            array_at(handle, known.actuators, (known.actions,), ctypes.c_int32),
+            array_at(handle, known.linked, (known.links, 2), ctypes.c_int32),
+            known.local_length, known.task_length)
+
+    def look(self) -> tuple[list[np.ndarray], np.ndarray]:
+        """What voxels see now: for each robot an array [envs, V, L], and what the task shows to
+        all voxels of an environment, [E, T]."""
+        per_robot = self._per_robot
+        robots = [self.voxels(e) for e in range(0, self.num_envs, per_robot)]
+        shapes = [(per_robot, len(robot.fixed), robot.local_length) for robot in robots]
+        counts = [int(np.prod(shape)) for shape in shapes]
+        local = np.empty(sum(counts))
+        task = np.empty((self.num_envs, robots[0].task_length))
+        call("evo_envs_look", self._running(), address(local), local.size, address(task), task.size)
+        parts = np.split(local, np.cumsum(counts)[:-1])
+        return [part.reshape(shape) for part, shape in zip(parts, shapes)], task
+
+    def act(self, policy: Any) -> np.ndarray:
+        """Deterministic targets of a trained controller (evo_robots.Trained) in all environments,
+        as step() takes them. A modular policy acts on every robot of its task."""
+        actions = np.empty(self._action_shapes[0])
+        call("evo_envs_act", self._running(), policy._policy, address(actions), actions.size)
+        return actions
 
     def objects(self, environment: int = 0) -> dict[str, slice]:
         """Which points of an environment's world are an object's: ``positions[0, objects()["robot"]]``."""

@@ -487,9 +487,24 @@ class Readme(unittest.TestCase):
         text = (Path(__file__).parents[1] / "README.md").read_text()
         blocks = [b for b in re.findall(r"```python\n(.*?)```", text, re.S)
                   if "stable_baselines3" not in b]
-        self.assertEqual(len(blocks), 6)
+        self.assertEqual(len(blocks), 7)
         for program in ("\n".join(blocks[:2]), *blocks[2:]):
             subprocess.run([sys.executable, "-c", program], check=True)
+
+
+class Voxels(unittest.TestCase):
+    def test_what_voxels_see_as_an_observation(self):
+        from evo_robots.environment import VoxelObservation
+
+        env = VoxelObservation(gymnasium.make("evo/Walker-v0", body=WALKER))
+        observation, _ = env.reset(seed=1)
+        self.assertTrue(env.observation_space.contains(observation))
+        self.assertEqual(len(observation["local"]), (WALKER != 0).sum())
+        self.assertEqual(int(env.voxels.mask.sum()), env.action_space.shape[0])
+        for _ in range(3):
+            later, *_ = env.step(env.action_space.sample())
+        self.assertTrue(env.observation_space.contains(later))
+        self.assertGreater(np.abs(later["local"] - observation["local"]).max(), 0)
 
 
 if __name__ == "__main__":

@@ -387,5 +387,89 @@ class Robots(unittest.TestCase):
             evo_robots.Robot([WALKER, SMALL])
 
 
+class Views(unittest.TestCase):
+    """What voxels see, and controllers that act on it."""
+
+    def test_what_does_not_change(self):
+        simulator = Simulator("Walker-v0", [WALKER, SMALL])
+        voxels = simulator.voxels(0)
+        self.assertEqual(len(voxels.fixed), (WALKER != 0).sum())
+        materials = WALKER[WALKER != 0]
+        np.testing.assert_array_equal(materials[voxels.actuators] > 2, True)
+        np.testing.assert_array_equal(voxels.mask, materials > 2)
+        # The voxel itself is the middle of the nine cells around it.
+        np.testing.assert_array_equal(voxels.fixed[:, 4 * 5:5 * 5].argmax(1) + 1, materials)
+        # Links are those of the body, both ways.
+        cells = np.flatnonzero(WALKER)
+        links = {tuple(cells[pair]) for pair in voxels.links}
+        expected = evo_robots.get_full_connectivity(WALKER).T
+        self.assertEqual(links, {tuple(pair) for pair in expected} | {tuple(pair[::-1]) for pair in expected})
+        with self.assertRaisesRegex(EvoError, "no environment 2"):
+            simulator.voxels(2)
+
+    def test_views_are_of_the_voxels_points(self):
+        simulator = Simulator("Walker-v0", [WALKER, SMALL], envs=2)
+        simulator.reset(seed=1)
+        rng = np.random.default_rng(1)
+        for _ in range(7):
+            simulator.step(rng.uniform(0.6, 1.6, simulator.action_lengths.sum()))
+        (walker, small), task = simulator.look()
+        self.assertEqual(walker.shape, (2, (WALKER != 0).sum(), simulator.voxels(0).local_length))
+        self.assertEqual(small.shape[:2], (2, 4))
+        for e in (2, 3):
+            alone = Simulator("Walker-v0", SMALL)
+            alone.reset(seed=1, episode=e - 2)
+            alone.restore(simulator.save([e]))
+            points = alone.positions[0, alone.objects()["robot"]]
+            centred = (points - points.mean(0)) / 0.1
+            seen = small[e - 2][:, :8].reshape(-1, 4, 2)
+            for corner in seen.reshape(-1, 2):
+                self.assertLess(np.abs(centred - corner).sum(1).min(), 1e-12)
+            (again,), other = alone.look()
+            np.testing.assert_array_equal(again[0], small[e - 2])
+            np.testing.assert_array_equal(other[0], task[e])
+
+    def test_one_controller_acts_on_many_bodies_as_evo_eval_says(self):
+        with tempfile.TemporaryDirectory() as folder:
+            document = lambda body: json.dumps(evo_robots.robot_document(body)) + "\n"
+            with open(f"{folder}/robots", "w", encoding="utf-8") as file:
+                file.write(document(WALKER) + document(SMALL))
+            def tool(name, *arguments):
+                return subprocess.run([evo_robots.find_tool(name), "-q", *arguments], check=True, text=True,
+                                      stdout=subprocess.PIPE, cwd=folder).stdout
+            tool("evo-train", "robots", "--task", "Walker-v0", "--train", "modular", "--train-set",
+                 "environments=2", "--train-set", "clock=20", "--train-set", "exchange=neighbours",
+                 "--steps", "512", "--shared", "one.policy.h5", "-o", "scored")
+            other = evo_robots.sample_robot((4, 3), rng=np.random.default_rng(1))[0]
+            with open(f"{folder}/other", "w", encoding="utf-8") as file:
+                file.write(document(other))
+            expected = [json.loads(line)["fitness"] for line in
+                        tool("evo-eval", "--policy", "one.policy.h5", "robots", "other").splitlines()]
+            policy = evo_robots.Trained.read(f"{folder}/one.policy.h5")
+        simulator = Simulator("Walker-v0", [WALKER, SMALL, other], envs=2)
+        simulator.reset()
+        earned = np.zeros(6)
+        running = np.ones(6, bool)
+        while running.any():
+            simulator.advance(simulator.act(policy), running)
+            earned[running] += simulator.rewards[running]
+            running &= ~(simulator.terminated | simulator.truncated)
+        np.testing.assert_array_equal(earned[::2], expected)
+        with self.assertRaisesRegex(EvoError, "acts on voxels, not on an observation: Simulator.act"):
+            policy.act(np.zeros((1, 0)))
+        carrier = Simulator("Carrier-v0", SMALL)
+        carrier.reset()
+        with self.assertRaisesRegex(EvoError, "it was trained on another one"):
+            carrier.act(policy)
+
+    def test_other_controllers_act_on_robots_like_their_own(self):
+        trained = evo_robots.train("Walker-v0", SMALL, steps=4096, seed=1)
+        simulator = Simulator("Walker-v0", SMALL, envs=3)
+        simulator.reset()
+        np.testing.assert_array_equal(simulator.act(trained), trained.act(simulator.observations, simulator.steps))
+        with self.assertRaisesRegex(EvoError, "observations, robot .* has"):
+            Simulator("Walker-v0", WALKER).act(trained)
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -153,3 +153,21 @@ END
 @test "binary: hostile frames end in an answer, never in a signal or a hang" {
   python3 "$EVO_SOURCE/tests/cli/hostile_frames.py" evo-env small.txt
 }
+
+@test "json: what voxels see, before and now" {
+  printf '%s\n' '{"reset":{"seed":1}}' '{"voxels":{}}' '{"step":[[1.3,0.8,1.3,0.8]]}' '{"look":{}}' '{"positions":{}}' \
+    '{"look":{"environment":[0]}}' '{"voxels":{"environments":[1]}}' |
+    env_of --task Walker-v0 small.txt > answers
+  sed -n 3p answers | jq -e '.voxels[0] | (.fixed | length) == 4 and .actuators == [0,1,2,3] and
+    .links == [[0,1],[0,2],[1,0],[1,3],[2,0],[2,3],[3,1],[3,2]]'
+  # The first numbers of a view are the voxel's corners from the middle of the points, in voxels.
+  jq -s -e '(.[5].positions[0].positions[:9] | [(map(.[0]) | add / 9), (map(.[1]) | add / 9)]) as $middle
+    | .[5].positions[0].positions[:9] as $points
+    | [.[4].look[0].local[] | [.[0:2], .[2:4], .[4:6], .[6:8]][]] as $corners
+    | ($corners | length) == 16 and all($corners[]; . as $corner
+        | any($points[]; ((.[0] - $middle[0]) / 0.1 - $corner[0] | fabs) < 1e-9 and
+            ((.[1] - $middle[1]) / 0.1 - $corner[1] | fabs) < 1e-9))' answers
+  sed -n 5p answers | jq -e '.look[0].task | length > 0'
+  sed -n 7p answers | jq -r .error | grep "/look/environment: is not known"
+  sed -n 8p answers | jq -r .error | grep "/voxels/environments"
+}

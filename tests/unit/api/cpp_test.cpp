@@ -223,6 +223,38 @@ TEST_CASE("api: what makes no sense is refused in words and changes nothing") {
   CHECK(envs.steps()[0] == 0);
 }
 
+TEST_CASE("api: a modular policy at work on bodies that it was not trained on") {
+  const libevo::Task task("Walker-v0");
+  const libevo::Policy policy = libevo::train(
+      task, small,
+      {.profile = "modular", .set = {"environments=2", "exchange=body"}, .steps = 512});
+  CHECK(policy.action_length() == 0);
+  libevo::VectorEnv both(task, {small, walker}, 2);
+  libevo::VectorEnv alone(task, {walker});
+  both.reset();
+  alone.reset();
+  std::vector<double> actions(both.action_values());
+  std::vector<double> of_one(alone.action_values());
+  for (int t = 0; t < 20; ++t) {
+    both.act(policy, actions);
+    alone.act(policy, of_one);
+    const auto begin = actions.begin() + static_cast<std::ptrdiff_t>(both.action_offset(2));
+    REQUIRE(std::equal(of_one.begin(), of_one.end(), begin));
+    both.step(actions);
+    alone.step(of_one);
+  }
+  const evo_voxels voxels = both.voxels(2);
+  CHECK(voxels.actions == of_one.size());
+  CHECK(voxels.linked[0] == 0);
+  std::vector<double> local(alone.voxels(0).voxels * voxels.local_length);
+  std::vector<double> shown(voxels.task_length);
+  alone.look(local, shown);
+  CHECK(std::any_of(local.begin(), local.end(), [](double x) { return x != 0.0; }));
+  fails(Error::Kind::usage, "local and", [&] { both.look(local, shown); });
+  fails(Error::Kind::usage, "evo_envs_act", [&] { policy.act({}, both.steps(), actions); });
+  fails(Error::Kind::usage, "actions are expected", [&] { both.act(policy, of_one); });
+}
+
 TEST_CASE("api: a training, its file, and the policy at work") {
   const libevo::Task task("Walker-v0");
   std::int64_t seen = 0;

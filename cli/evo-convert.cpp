@@ -189,11 +189,14 @@ bool is_policy(const std::string& file) {
 
 // A whole policy, not only its robot. Whether that is what is to be written.
 bool write_policy_document(const std::vector<std::string>& files, const std::string& format,
-                           const std::string& output) {
+                           const std::optional<std::string>& body, const std::string& output) {
   if (format == "onnx") {
-    write_text(output, policy_to_onnx(read_policy(only(files, format, "policy"))));
+    std::optional<Robot> robot;
+    if (body) robot = single(cli::read_robots({*body}), format);
+    write_text(output, policy_to_onnx(read_policy(only(files, format, "policy")), robot));
     return true;
   }
+  if (body) throw Error(Failure::usage, "--robot is for --to onnx");
   if (format != "json" || files.size() != 1 || !is_policy(files.front())) return false;
   write_text(output, policy_to_json(read_policy(files.front())));
   return true;
@@ -222,6 +225,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> files;
   std::optional<std::string> format;
   std::optional<std::string> dataset_id;
+  std::optional<std::string> body;
   bool unique = false;
   cli::TaskOptions task;
   command.arguments(files, "FILE",
@@ -233,6 +237,8 @@ int main(int argc, char** argv) {
       "evogym (design-tool JSON), task (of a design-tool world) or minari (a dataset "
       "folder of rollouts) [by the ending of -o, else jsonl]");
   command.suggestions("--to", target_names);
+  command.option("--robot", body, "FILE",
+                 "with --to onnx, of a modular policy: the robot that the graph is for [its own]");
   command.option("--dataset-id", dataset_id, "ID",
                  "of the Minari dataset [evo/<task>/rollouts-v0]");
   command.flag("--unique", unique,
@@ -264,7 +270,7 @@ int main(int argc, char** argv) {
       write_task(files, command.output, warn);
       return 0;
     }
-    if (write_policy_document(files, to, command.output)) return 0;
+    if (write_policy_document(files, to, body, command.output)) return 0;
     if (target.write == nullptr) throw error(Failure::usage, "--to {} is not for robots", to);
     std::vector<Robot> robots = read_any(files);
     if (unique) keep_one_of_each(robots);

@@ -54,8 +54,31 @@ shared() { evo-train --task Walker-v0 --train modular --train-set environments=2
   fails_with 65 "trained on another task" -- evo-eval -q --policy one.policy.h5 --task Carrier-v0 fewer
   fails_with 2 "ppo cannot start from a modular policy" -- \
     evo-train --task Walker-v0 --steps 16384 --init one.policy.h5 --out-dir own fewer
-  fails_with 65 "a modular policy acts on the voxels of any body" -- evo-convert one.policy.h5 --to onnx -o no.onnx
   echo '{"body":["RR","SS"]}' > still
   fails_with 65 "no actuator" -- shared 512 two.policy.h5 robots still
   [ ! -e two.policy.h5 ]
+}
+
+@test "modular: as an ONNX graph for one body, which acts as the controller does" {
+  robots > robots
+  evo-sample -n 1 --seed 9 --shape 4x6 > other
+  local exchange python
+  python=$("$EVO_SOURCE/tests/cli/onnxruntime.sh" "$EVO_BUILD") || python=
+  for exchange in none neighbours body; do
+    shared 512 $exchange.policy.h5 --train-set exchange=$exchange --train-set clock=10,20 robots > scored
+    evo-convert $exchange.policy.h5 --robot other -o $exchange.onnx
+    /usr/bin/python3 "$EVO_SOURCE/tests/cli/policy_onnx.py" $exchange.onnx $exchange.policy.h5 other
+    [ -z "$python" ] || "$python" "$EVO_SOURCE/tests/cli/policy_run.py" $exchange.onnx $exchange.policy.h5 other
+  done
+  # Without --robot it is for the policy's own, the best; without a clock no step is asked for.
+  shared 512 one.policy.h5 --train-set action_map=squash robots > scored
+  evo-convert one.policy.h5 -o own.onnx
+  evo-convert one.policy.h5 --to jsonl -o best
+  /usr/bin/python3 "$EVO_SOURCE/tests/cli/policy_onnx.py" own.onnx one.policy.h5 best
+  /usr/bin/python3 -c 'import onnx; print([i.name for i in onnx.load("own.onnx").graph.input])' | grep -x "\['task', 'local'\]"
+  fails_with 2 "--to onnx writes one robot, but 4 were read" -- evo-convert one.policy.h5 --robot robots -o no.onnx
+  fails_with 2 "--robot is for --to onnx" -- evo-convert robots --robot other -o no.jsonl
+  evo-train other --task Walker-v0 --algo ppo --steps 64 --train-set environments=2 --train-set rollout=32 --out-dir net > net.json
+  fails_with 2 "--robot is for modular policies" -- evo-convert net/*.policy.h5 --robot other -o no.onnx
+  [ ! -e no.onnx ]
 }

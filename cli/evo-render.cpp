@@ -191,7 +191,6 @@ void render_robots(const Settings& settings, const RenderOptions& options,
 
 render::Drawing draw_still(const Settings& settings, const RenderOptions& options,
                            const render::Episode& episode) {
-  if (settings.at) return render::draw_moment(episode, *settings.at, options);
   const bool strip = settings.strip.has_value();
   const render::Moments moments{
       strip ? *settings.strip : *settings.sheet,
@@ -220,8 +219,9 @@ void render_rollouts(const Settings& settings, const RenderOptions& options,
   for (const std::string& file : files) rollouts.push_back(read_rollout(file));
   const auto episodes = choose_episodes(rollouts, settings.episodes);
   if (is_still(settings)) {
-    if (episodes.size() != 1)
-      throw error(Failure::usage, "a still picture shows one episode, but {} were given",
+    if (episodes.size() != 1 && !settings.at)
+      throw error(Failure::usage,
+                  "a still picture shows one episode, but {} were given; --at STEP shows several",
                   episodes.size());
     if (settings.loop) {
       if (!output.ends_with(".svg"))
@@ -229,8 +229,11 @@ void render_rollouts(const Settings& settings, const RenderOptions& options,
       write_file(output, render::draw_gait(episodes.front(), options));
       return;
     }
-    write_picture(output, rollouts.front().task + " " + episodes.front().label,
-                  draw_still(settings, options, episodes.front()));
+    const std::string of_whom = episodes.size() == 1 ? episodes.front().label
+                                                     : fmt::format("by {} robots", episodes.size());
+    write_picture(output, rollouts.front().task + " " + of_whom,
+                  settings.at ? render::draw_moment(episodes, *settings.at, options)
+                              : draw_still(settings, options, episodes.front()));
     return;
   }
   cli::LiveLine line(progress);
@@ -376,7 +379,8 @@ int main(int argc, char** argv) {
   command.option("--poster", settings.poster, "RUN_DIR",
                  "a run on one page: what its best robot does, its body, the best fitness, and the "
                  "bodies it goes back to");
-  command.option("--at", settings.at, "STEP", "one moment of an episode");
+  command.option("--at", settings.at, "STEP",
+                 "one moment of an episode, or of several side by side");
   command.option(
       "--strip", settings.strip, "N",
       "N moments of an episode on one axis of the world, with the way between; of a robot "

@@ -138,6 +138,9 @@ Film film_at(const Episode& episode, double step, const RenderOptions& options) 
   return film;
 }
 
+constexpr std::size_t most_panels = 100;
+constexpr double panel_zoom = 2.5;  // small panels have no room to spare
+
 RenderOptions without_range(RenderOptions options) {
   options.from = 0;
   options.to.reset();
@@ -162,16 +165,39 @@ Drawing draw_moment(const Episode& episode, double step, const RenderOptions& op
   return drawing;
 }
 
+Drawing draw_moment(const std::vector<Episode>& episodes, double step,
+                    const RenderOptions& options) {
+  if (episodes.size() == 1) return draw_moment(episodes.front(), step, options);
+  check_options(options);
+  if (episodes.empty() || episodes.size() > most_panels)
+    throw error(Failure::usage, "{} episodes cannot be drawn side by side: allowed are 1 to {}",
+                episodes.size(), most_panels);
+  RenderOptions closer = without_range(options);
+  closer.camera.zoom *= panel_zoom;
+  std::vector<Clip> clips;
+  int longest = 0;
+  for (const Episode& episode : episodes) {
+    clips.emplace_back(episode, closer, moment_aspect(episodes.size()));
+    longest = std::max(longest, clips.back().steps());
+  }
+  std::vector<Clip*> all;
+  for (Clip& clip : clips) all.push_back(&clip);
+  share_value_scale(all);
+  if (!(step >= 0 && step <= longest))
+    throw error(Failure::usage, "there is no step {}: the longest episode has steps 0 to {}", step,
+                longest);
+  Typesetter typesetter;
+  return robot_sheet(clips, step, theme_by_name(options.theme), options.size.width, typesetter);
+}
+
 Drawing draw_moments(const Episode& episode, const Moments& moments, const RenderOptions& options) {
   check_options(options);
-  constexpr int most = 100;
-  constexpr double moment_zoom = 2.5;
-  if (moments.count < 1 || moments.count > most)
+  if (moments.count < 1 || moments.count > static_cast<int>(most_panels))
     throw error(Failure::usage, "{} moments of an episode cannot be drawn: allowed are 1 to {}",
-                moments.count, most);
+                moments.count, most_panels);
   const auto n = static_cast<std::size_t>(moments.count);
-  RenderOptions closer = options;  // small panels have no room to spare
-  closer.camera.zoom *= moment_zoom;
+  RenderOptions closer = options;
+  closer.camera.zoom *= panel_zoom;
   const Clip clip(episode, closer, moment_aspect(n));
   const std::vector<double> range = timeline(options, clip.steps());
   const auto from = static_cast<int>(range.front());

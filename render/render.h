@@ -26,6 +26,9 @@ namespace evo::render {
 
 // One moment; `step` may lie between two steps.
 Drawing draw_moment(const Episode& episode, double step, const RenderOptions& options);
+// The same of several episodes side by side; one that is over stands at its end.
+Drawing draw_moment(const std::vector<Episode>& episodes, double step,
+                    const RenderOptions& options);
 // `moments` moments of one episode from `from` to `to`.
 enum class Layout {
   automatic,  // a strip for robots that travel

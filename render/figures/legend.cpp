@@ -107,10 +107,22 @@ float fitting(const RowOf& row_of, const Rect& area, float size) {
 
 void draw_legend(const Mesh& mesh, double scale, const Theme& theme, const Rect& area, float size,
                  Typesetter& typesetter, Drawing& drawing) {
+  const Mesh* const one = &mesh;
+  draw_legend(std::span(&one, 1), scale, theme, area, size, typesetter, drawing);
+}
+
+void draw_legend(std::span<const Mesh* const> meshes, double scale, const Theme& theme,
+                 const Rect& area, float size, Typesetter& typesetter, Drawing& drawing) {
+  std::set<Voxel> of_robots;
+  std::set<Voxel> of_objects;
+  for (const Mesh* mesh : meshes) {
+    of_robots.merge(kinds_in(*mesh, true));
+    of_objects.merge(kinds_in(*mesh, false));
+  }
   const auto row_of = [&](float text, Drawing& where) {
     Row row{theme, area, text, typesetter, where};
-    row.robot(kinds_in(mesh, true));
-    row.objects(kinds_in(mesh, false));
+    row.robot(of_robots);
+    row.objects(of_objects);
     return row;
   };
   size = fitting(row_of, area, size);

@@ -14,6 +14,9 @@ namespace evo::render {
 // voxel) is given, a bar of some voxels.
 void draw_legend(const Mesh& mesh, double scale, const Theme& theme, const Rect& area, float size,
                  Typesetter& typesetter, Drawing& drawing);
+// The same of what any of several has.
+void draw_legend(std::span<const Mesh* const> meshes, double scale, const Theme& theme,
+                 const Rect& area, float size, Typesetter& typesetter, Drawing& drawing);
 // The same of what any of the robots has.
 void draw_legend(std::span<const Robot> robots, const Theme& theme, const Rect& area, float size,
                  Typesetter& typesetter, Drawing& drawing);

@@ -389,59 +389,115 @@ void align_windows(std::vector<Scene>& scenes) {
 
 double moment_aspect(std::size_t moments) { return moments <= 2 ? 1.5 : moments <= 4 ? 1.2 : 0.95; }
 
-Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const Theme& theme,
-                     int width, Typesetter& typesetter) {
+namespace {
+
+// A picture of a sheet, with two lines below.
+struct Panel {
+  Scene scene;
+  std::string name;
+  std::string note;
+};
+
+// What a sheet says above and below its panels: whose they are on the left, what they have in
+// common on the right; the voxels of all meshes.
+struct Frame {
+  std::string title;
+  std::string detail;
+  std::vector<const Mesh*> meshes;
+};
+
+Drawing panel_sheet(const std::vector<Panel>& panels, std::size_t columns, const Frame& frame,
+                    const Theme& theme, int width, Typesetter& typesetter) {
   check_size({width, 1});
-  const std::size_t columns = moment_columns(moments.size());
-  const std::size_t rows = (moments.size() + columns - 1) / columns;
+  const std::size_t rows = (panels.size() + columns - 1) / columns;
   const float gap = 0.008F * static_cast<float>(width);
   const auto across = static_cast<float>(columns);
   const float panel = (static_cast<float>(width) - (across + 1) * gap) / across;
-  const float high = panel / static_cast<float>(moment_aspect(moments.size()));
+  const float high = panel / static_cast<float>(moment_aspect(panels.size()));
   const float text = std::max(8.0F, 0.07F * panel);
   const float strip = 3.6F * text;
   const float heading = 2.6F * text + gap;
-  std::vector<Scene> scenes;
-  for (const double moment : moments) scenes.push_back(clip.scene(moment));
-  align_windows(scenes);
-  const bool colors = !scenes.front().values.empty();
+  const bool colors = !panels.front().scene.values.empty();
   const float key = 2.4F * text;
-  const float panels = heading + static_cast<float>(rows) * (high + strip);
-  const float height = panels + key;
-  Drawing drawing = blank({width, static_cast<int>(std::lround(height))}, theme);
-  const Caption who = clip.caption(0);
-  drawing.text({{gap, gap + 1.5F * text}, 1.1F * text, who.title, theme.text, Align::left, true});
+  const float end = heading + static_cast<float>(rows) * (high + strip);
+  Drawing drawing = blank({width, static_cast<int>(std::lround(end + key))}, theme);
+  drawing.text({{gap, gap + 1.5F * text}, 1.1F * text, frame.title, theme.text, Align::left, true});
   drawing.text({{static_cast<float>(width) - gap, gap + 1.5F * text},
                 text,
-                who.detail,
+                frame.detail,
                 theme.text_muted,
                 Align::right,
                 false});
-  for (std::size_t k = 0; k < moments.size(); ++k) {
+  for (std::size_t k = 0; k < panels.size(); ++k) {
     const std::size_t column = k % columns;
     const std::size_t row = k / columns;
     const float x = gap + static_cast<float>(column) * (panel + gap);
     const float y = heading + static_cast<float>(row) * (high + strip);
     // Whole pixels, so that all panels are cut alike.
-    draw_scene(scenes[k], theme,
+    draw_scene(panels[k].scene, theme,
                {std::round(x), std::round(y), std::round(panel), std::round(high)}, drawing);
     drawing.clip(drawing.whole());
-    const int step = static_cast<int>(std::lround(moments[k]));
     const float middle = x + panel / 2;
-    const std::string turns = clip.turns(moments[k]);
-    centred(fmt::format("step {}{}{}", step, turns.empty() ? "" : ", ", turns),
-            {middle, y + high + 1.35F * text}, text, theme.text, true, panel, typesetter, drawing);
-    centred("return " + signed_score(clip.score(moments[k])), {middle, y + high + 2.6F * text},
-            0.9F * text, theme.text_muted, false, panel, typesetter, drawing);
+    centred(panels[k].name, {middle, y + high + 1.35F * text}, text, theme.text, true, panel,
+            typesetter, drawing);
+    centred(panels[k].note, {middle, y + high + 2.6F * text}, 0.9F * text, theme.text_muted, false,
+            panel, typesetter, drawing);
   }
-  const Rect below{gap, panels, static_cast<float>(width) - 2 * gap, 1.6F * text};
+  const Rect below{gap, end, static_cast<float>(width) - 2 * gap, 1.6F * text};
   if (colors)
-    draw_value_line(scenes.front().value_scale, theme,
+    draw_value_line(panels.front().scene.value_scale, theme,
                     {below.x + below.width / 2, below.y + below.height / 2}, text, typesetter,
                     drawing);
   else
-    draw_legend(clip.mesh(), 0, theme, below, text, typesetter, drawing);
+    draw_legend(frame.meshes, 0, theme, below, text, typesetter, drawing);
   return drawing;
+}
+
+// Rows as full as can be, near the shape of a sheet of moments.
+std::size_t robot_columns(std::size_t robots) {
+  const std::size_t usual = moment_columns(robots);
+  std::size_t best = usual;
+  const auto empty = [&](std::size_t columns) { return (columns - robots % columns) % columns; };
+  for (const std::size_t columns : {usual - 1, usual + 1})
+    if (columns > 2 && columns <= most_in_a_row && empty(columns) < empty(best)) best = columns;
+  return best;
+}
+
+std::string return_of(const Clip& clip, double step) {
+  return "return " + signed_score(clip.score(step));
+}
+
+}  // namespace
+
+Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const Theme& theme,
+                     int width, Typesetter& typesetter) {
+  std::vector<Scene> scenes;
+  for (const double moment : moments) scenes.push_back(clip.scene(moment));
+  align_windows(scenes);
+  std::vector<Panel> panels;
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    const int step = static_cast<int>(std::lround(moments[k]));
+    const std::string turns = clip.turns(moments[k]);
+    panels.push_back({std::move(scenes[k]),
+                      fmt::format("step {}{}{}", step, turns.empty() ? "" : ", ", turns),
+                      return_of(clip, moments[k])});
+  }
+  const Caption who = clip.caption(0);
+  return panel_sheet(panels, moment_columns(panels.size()), {who.title, who.detail, {&clip.mesh()}},
+                     theme, width, typesetter);
+}
+
+Drawing robot_sheet(const std::vector<Clip>& clips, double step, const Theme& theme, int width,
+                    Typesetter& typesetter) {
+  std::vector<Panel> panels;
+  Frame frame{clips.front().caption(0).title, fmt::format("step {}", step), {}};
+  for (const Clip& clip : clips) {
+    const double shown = std::min(step, static_cast<double>(clip.steps()));
+    const std::string end = shown < step ? fmt::format(" at step {}", shown) : "";
+    panels.push_back({clip.scene(shown), clip.caption(0).detail, return_of(clip, shown) + end});
+    frame.meshes.push_back(&clip.mesh());
+  }
+  return panel_sheet(panels, robot_columns(panels.size()), frame, theme, width, typesetter);
 }
 
 }  // namespace evo::render

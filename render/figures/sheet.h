@@ -48,6 +48,10 @@ Drawing generation_sheet(const std::vector<Generation>& generations, int rows, c
 Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const Theme& theme,
                      int width, Typesetter& typesetter);
 
+// Several episodes at one step, or at their ends, side by side, with id and return.
+Drawing robot_sheet(const std::vector<Clip>& clips, double step, const Theme& theme, int width,
+                    Typesetter& typesetter);
+
 // Width to height of a panel of a moment sheet, for the clip's camera.
 double moment_aspect(std::size_t moments);
 

@@ -29,6 +29,23 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   [ -z "$(ls x.* 2> /dev/null)" ]
 }
 
+@test "several robots at one moment, side by side" {
+  evo-sample -n 7 --seed 1 > robots
+  evo-eval --task Walker-v0 --sine 0.4,20,0.7 --max-steps 60 --rollout-dir each robots > /dev/null
+  mapfile -t each < <(jq -r '"each/\(.id).h5"' robots)
+  evo-render "${each[@]}" --at 50 --trail --size 800x600 -o seven.svg
+  for id in $(jq -r .id robots); do grep -q "$id" seven.svg; done
+  grep -q "step 50" seven.svg
+  [ "$(grep -o '>return [^<]*[0-9]' seven.svg | wc -l)" -eq 7 ]
+  evo-render "${each[@]}" --at 50 --size 800x600 -o seven.png
+  # One that is over stands at its end.
+  head -1 robots | evo-eval --task Walker-v0 --sine 0.4,20,0.7 --max-steps 40 --rollout short.h5 > /dev/null
+  evo-render short.h5 "${each[1]}" --at 50 -o two.svg
+  grep -q "return +[0-9.]* at step 40<" two.svg
+  fails_with 2 "there is no step 70: the longest episode has steps 0 to 60" -- evo-render short.h5 "${each[1]}" --at 70 -o x.png
+  fails_with 2 "--at STEP shows several" -- evo-render short.h5 "${each[1]}" --strip 3 -o x.png
+}
+
 @test "a race: several robots in one world, one frame per step of the longest" {
   for seed in 4 5; do
     evo-sample -n 1 --seed $seed |

@@ -16,6 +16,7 @@
 #include "formats/training/policy.h"
 #include "render/render.h"
 #include "training/episodes.h"
+#include "training/run_policy.h"
 
 namespace {
 
@@ -263,12 +264,12 @@ void render_evolution(const std::string& folder, const RenderOptions& options,
       champions.back().last = generation.number;
       continue;
     }
-    const auto policy = history.folder().policy(robot.robot.id);
-    if (!std::filesystem::exists(policy))
+    const auto found = policy_of(history.folder(), robot.robot);
+    if (!found)
       throw error(Failure::no_input, "{}: is not there, so generation {} cannot be shown",
-                  policy.string(), generation.number);
+                  history.folder().policy(robot.robot.id).string(), generation.number);
     rollouts.push_back(
-        std::make_unique<Rollout>(play(read_policy(policy), cli::created_by("evo-render"))));
+        std::make_unique<Rollout>(play(found->policy, cli::created_by("evo-render"))));
     champions.push_back(
         {{rollouts.back().get(), 0, ""}, generation.number, generation.number, *robot.fitness});
     shown = best;
@@ -285,11 +286,11 @@ void render_poster(const std::string& folder, const RenderOptions& options,
   const auto best = history.champion_index();
   if (!best) throw error(Failure::data, "{}: no robot has a fitness yet", folder);
   const TrainedRobot& champion = history.robots()[*best];
-  const auto policy = history.folder().policy(champion.robot.id);
-  if (!std::filesystem::exists(policy))
+  const auto found = policy_of(history.folder(), champion.robot);
+  if (!found)
     throw error(Failure::no_input, "{}: is not there, so the best robot cannot be shown",
-                policy.string());
-  const Rollout rollout = play(read_policy(policy), cli::created_by("evo-render"));
+                history.folder().policy(champion.robot.id).string());
+  const Rollout rollout = play(found->policy, cli::created_by("evo-render"));
   render::PosterContent content{rollout.task, "", {}, {}};
   for (const std::size_t k : lineage(history.robots(), history.by_id(), *best))
     content.line.push_back({history.robots()[k].robot, history.robots()[k].generation});

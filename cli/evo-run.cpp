@@ -442,7 +442,8 @@ std::string detail(const SlotStatus& slot, const RunHistory& history) {
   if (slot.state == SlotState::waiting) return "";
   const double steps = history.folder().settings().steps(slot.address.generation);
   return fmt::format(
-      "{:.2f}", read_training_log(history.folder().log(slot.robot)).step / std::max(1.0, steps));
+      "{:.2f}", read_training_log(history.folder().log(slot.address.generation, slot.robot)).step /
+                    std::max(1.0, steps));
 }
 
 int list_slots(const std::string& folder) {

@@ -14,6 +14,7 @@
 #include "report/choice.h"
 #include "report/replay.h"
 #include "training/episodes.h"
+#include "training/run_policy.h"
 
 namespace evo::report {
 namespace {
@@ -64,38 +65,6 @@ void add_history(const RunHistory& history, Run& run) {
 
 // ---- trainings and episodes --------------------------------------------------------
 
-struct StoredPolicy {
-  PolicyFile policy;
-  std::string path;  // within the run's folder
-  std::optional<int> sharing;
-};
-
-// The robot's own file, that of all robots of a generation, or the champion's copy.
-std::optional<StoredPolicy> policy_of(const RunFolder& folder, const Robot& robot) {
-  std::vector<fs::path> files{folder.policy(robot.id)};
-  std::map<fs::path, int> shared;
-  for (const int generation : folder.generations()) {
-    if (!folder.settings().shares(generation)) continue;
-    const fs::path file = folder.shared_policy(generation);
-    shared.emplace(file, generation);
-    if (const auto named = robot.policy(); named && fs::path(*named).filename() == file.filename())
-      files.push_back(file);
-  }
-  files.push_back(folder.path() / "best.policy.h5");
-  for (const fs::path& file : files) {
-    if (!fs::exists(file)) continue;
-    StoredPolicy stored{read_policy(file), file.lexically_relative(folder.path()).string(),
-                        std::nullopt};
-    if (const auto found = shared.find(file); found != shared.end()) {
-      stored.sharing = found->second;
-      for (const Robot& one : stored.policy.robots)
-        if (one.id == robot.id) stored.policy.robot = one;
-    }
-    if (stored.policy.robot.id == robot.id) return stored;
-  }
-  return std::nullopt;
-}
-
 void read_shared(const RunFolder& folder, Run& run) {
   for (const int generation : folder.generations()) {
     const fs::path file = folder.shared_policy(generation);
@@ -117,10 +86,10 @@ void read_trainings(const RunFolder& folder, std::size_t replays, int threads, R
   ThreadPool pool(threads);
   pool.run(run.shown.size(), [&](std::size_t k, int /*worker*/) {
     Entry& entry = run.robots[run.shown[k]];
-    const std::optional<StoredPolicy> stored = policy_of(folder, entry.robot);
+    const std::optional<RunPolicy> stored = policy_of(folder, entry.robot);
     if (!stored) return;
     const PolicyFile& policy = stored->policy;
-    entry.policy = stored->path;
+    entry.policy = stored->file.lexically_relative(folder.path()).string();
     entry.sharing = stored->sharing;
     purposes[k] = purpose_of(policy);
     if (entry.sharing) {

@@ -152,6 +152,7 @@ class Simulator:
         self._action_shapes = [(self._actions,)]
         if (self.action_lengths == self.action_lengths[0]).all():
             self._action_shapes.insert(0, (self.num_envs, int(self.action_lengths[0])))
+        self._shapes: Any = None  # of what look() returns, once it was called
         self._seeds = np.zeros(self.num_envs, np.uint64)
         self._begun = np.zeros(self.num_envs, bool)  # was reset at least once
         self._next = np.arange(self.num_envs, dtype=np.uint64) % np.uint64(envs)  # episodes
@@ -267,11 +268,13 @@ class Simulator:
         """What voxels see now: for each robot an array [envs, V, L], and what the task shows to
         all voxels of an environment, [E, T]."""
         per_robot = self._per_robot
-        robots = [self.voxels(e) for e in range(0, self.num_envs, per_robot)]
-        shapes = [(per_robot, len(robot.fixed), robot.local_length) for robot in robots]
+        if self._shapes is None:
+            robots = [self.voxels(e) for e in range(0, self.num_envs, per_robot)]
+            self._shapes = ([(per_robot, len(robot.fixed), robot.local_length) for robot in robots],
+                            (self.num_envs, robots[0].task_length))
+        shapes, of_task = self._shapes
         counts = [int(np.prod(shape)) for shape in shapes]
-        local = np.empty(sum(counts))
-        task = np.empty((self.num_envs, robots[0].task_length))
+        local, task = np.empty(sum(counts)), np.empty(of_task)
         call("evo_envs_look", self._running(), address(local), local.size, address(task), task.size)
         parts = np.split(local, np.cumsum(counts)[:-1])
         return [part.reshape(shape) for part, shape in zip(parts, shapes)], task

@@ -46,6 +46,7 @@ mkdir run
 for script in "$source"/../examples/python/*.py; do
   case $script in
     *own_reward.py) arguments=(4096) ;;
+    *one_controller.py) arguments=(2) ;;
     *reading_a_run.py) arguments=(run) ;;
     *) arguments=() ;;
   esac

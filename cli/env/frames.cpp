@@ -3,9 +3,11 @@
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "api/voxels.h"
 #include "cli/env/request.h"
 #include "cli/env/serve.h"
 #include "cli/env/stream.h"
@@ -72,6 +74,8 @@ class FrameServer {
         lost("a JSON frame may have {} bytes, not {}", longest_json, header.length);
       read_text(header);
       fulfil([&] { return requests_.answer(parse_json(text_, where()), where()); });
+    } else if (name(header) == "LOOK") {
+      if (has_length(header, 0)) send_views();
     } else if (name(header) == "LOAD") {
       read_text(header);
       fulfil([&] {
@@ -85,7 +89,7 @@ class FrameServer {
       std::uint32_t kind = 0;
       std::memcpy(&kind, header.kind.data(), sizeof kind);
       lost(
-          "a frame begins with STEP, MASK, JSON or LOAD, not with the bytes 0x{:08x} "
+          "a frame begins with STEP, MASK, JSON, LOOK or LOAD, not with the bytes 0x{:08x} "
           "(little-endian)",
           kind);
     }
@@ -207,6 +211,16 @@ class FrameServer {
     send();
   }
 
+  void send_views() {
+    if (!voxels_) voxels_.emplace(session_);
+    views_.resize(voxels_->local_values() + voxels_->task_values());
+    const std::span all(views_);
+    voxels_->look(all.first(voxels_->local_values()), all.subspan(voxels_->local_values()));
+    begin("VIEW");
+    append(out_, views_.data(), views_.size());
+    send();
+  }
+
   void send_picture(const render::Image& image) {
     begin("PICT");
     const std::array size{static_cast<std::uint32_t>(image.size.width),
@@ -254,6 +268,8 @@ class FrameServer {
   std::size_t number_ = 0;  // of the frame being read
   std::vector<double> actions_;
   std::vector<std::uint8_t> mask_;
+  std::optional<SessionVoxels> voxels_;  // once asked for
+  std::vector<double> views_;
   std::string text_;
   std::string out_;
 };

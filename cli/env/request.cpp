@@ -120,6 +120,8 @@ Json voxels_document(const Session& session, const Json& wanted) {
     for (const auto& [voxel, other] : voxels.links(e)) links.push_back({voxel, other});
     list.push_back(
         {{"environment", e},
+         {"local_length", VoxelViews::local_length},
+         {"task_length", views.task_length()},
          {"fixed", rows_of(std::span(fixed.data(), static_cast<std::size_t>(fixed.size())),
                            views.voxels(), VoxelViews::fixed_length)},
          {"actuators", views.actuators()},

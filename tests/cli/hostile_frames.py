@@ -57,6 +57,7 @@ for length in (1, 63, 65):
     cases.append((f"{length} bytes of actions", frame(b"STEP", b"\1" * length), True))
 for length in (0, 8, 71, 73):
     cases.append((f"a mask of {length} bytes", frame(b"MASK", b"\1" * length), True))
+cases.append(("a look with a payload", frame(b"LOOK", b"\0" * 8), True))
 for text in (b"", b"{", b"[]", b"null", b"{}", b"\xff\xfe", b"\0" * 50, b"[" * 5000, b'{"a":' * 5000,
              b'{"reset":{"seed":1e99}}', b'{"reset":[]}', b'{"step":[[1]]}', b'"' * 99,
              b'{"picture":{"width":1}}', b'{"picture":{"width":5000}}', b'{"positions":7}',
@@ -103,4 +104,13 @@ for what, middle, goes_on in cases:
 # An environment that was never reset.
 status, answers = talk(GOOD)
 assert status == 0 and answers[0][0] == b"FAIL" and b"reset" in answers[0][1]
-print(f"{len(cases) + 1} sessions")
+# What voxels see is the same in a frame as in a document.
+status, answers = talk(RESET + GOOD + frame(b"LOOK") + document({"look": {}}) + document({"voxels": {}}))
+assert status == 0 and answers[2][0] == b"VIEW"
+looks, voxels = json.loads(answers[3][1])["look"], json.loads(answers[4][1])["voxels"]
+expected = [x for look in looks for row in look["local"] for x in row] + [x for look in looks for x in look["task"]]
+assert struct.unpack(f"<{len(expected)}d", answers[2][1]) == tuple(expected)
+for look, voxel in zip(looks, voxels):
+    assert len(look["task"]) == voxel["task_length"]
+    assert [len(row) for row in look["local"]] == [voxel["local_length"]] * len(voxel["fixed"])
+print(f"{len(cases) + 2} sessions")

@@ -142,9 +142,9 @@ void check_sharing(const RunSettings& settings, const TrainingPlan& plan, int ro
                   "algorithm {}, such as train=modular",
                   settings.text("train"), name, ModularTraining::name);
   check_settings(own, own.children, rows, cols, Inherits::yes);
-  TrainingSettings together = plan.children;
-  together.environments *= settings.number("pop");
-  ModularTraining::check(together);
+  constexpr int enough = 64;  // robots, to see whether the first steps are too few
+  check_settings(plan, plan.children, rows, cols, Inherits::no,
+                 std::min(settings.number("pop"), enough));
 }
 
 // Whether these settings could train anything: a run that is begun keeps them.

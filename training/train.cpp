@@ -349,7 +349,7 @@ std::string stream_name(const TrainingPlan& plan, const Robot& robot) {
 }
 
 void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, int rows, int cols,
-                    Inherits inherits) {
+                    Inherits inherits, int robots) {
   std::optional<Arena> arena;
   try {
     arena.emplace(plan.task, full_body(rows, cols));
@@ -361,7 +361,8 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
   if (inherits == Inherits::yes && settings.algorithm != Algorithm(ModularTraining::name))
     inheritance = {travelling_wave(arena->action_length(), 0.5, 20.0, 0.5),
                    anatomy(arena->robot(), arena->layout())};
-  (void)Trainer(*arena, settings, plan.seed, "", std::move(inheritance));
+  const std::vector<const Arena*> others(static_cast<std::size_t>(robots - 1), &*arena);
+  (void)Trainer(*arena, settings, plan.seed, "", std::move(inheritance), others);
 }
 
 int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, ThreadPool& pool,

@@ -85,9 +85,10 @@ struct TrainingObserver {
 // Whether a robot of this shape could be trained as planned: settings and steps allow it,
 // from the controller of another one, too, where it `inherits`. Throws what the beginning
 // of its training would throw. Of a shape that cannot stand in the task nothing is known.
+// With `robots` it is one controller for so many.
 enum class Inherits { no, yes };
 void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, int rows, int cols,
-                    Inherits inherits);
+                    Inherits inherits, int robots = 1);
 
 // Trains the robots on the pool's threads, or one controller for all of them. Returns the signal
 // that interrupted, or 0; each training that had not ended then has a checkpoint. Throws

@@ -63,7 +63,8 @@ nothing_left() {
   for pipeline in "ga-window CHUNK=2" "ga INHERIT=yes TASK=own/task.yaml" "ga INHERIT=all FOUNDERS=scout"; do
     read -ra words <<< "$pipeline"
     run_make "${words[0]}" calm "${small[@]}" -s -j2 "${words[@]:1}" calm/history.jsonl
-    carried 2/one,1/nowhere,1/two run -f "$EVO_SOURCE/scripts/${words[0]}.mk" "${words[@]:1}" 2> messages
+    pipeline_words "${words[0]}" "${small[@]}"
+    carried 2/one,1/nowhere,1/two run "${pipeline[@]}" "${words[@]:1}" 2> messages
     diff <(essence calm) <(essence run)
     [ "$(cd run/timings && echo *)" = "one.jsonl two.jsonl" ]
     [ "$(cat run/timings/*.jsonl | wc -l)" -eq 12 ]
@@ -71,6 +72,14 @@ nothing_left() {
     nothing_left
     rm -r calm run
   done
+}
+
+@test "carried: one controller for all robots goes there and comes back" {
+  modular=(EVALS=8 CHILDREN=2 STEPS=3072 CHAMPIONS=2 OWN_STEPS=2048 TRAIN_OPTIONS="--train-set environments=2 --checkpoint-every 1")
+  run_make modular calm "${small[@]}" -s "${modular[@]}" calm/history.jsonl
+  CARRY_EVERY=1 carried 1/one,1/two run -f "$EVO_SOURCE/scripts/modular.mk" "${modular[@]}" 2> messages
+  diff <(essence calm) <(essence run)
+  nothing_left
 }
 
 @test "carried: a connection that breaks costs a training, and leaves no part of one" {

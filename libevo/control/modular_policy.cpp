@@ -120,70 +120,128 @@ void backward_first(const Bodies& bodies, const VoxelBatch& batch, const Matrix&
 
 // ---- between voxels ---------------------------------------------------------------------
 
-// Calls use(row, other, share) for every row of a neighbour, with its share of the mean over
-// the neighbours.
-template <typename Use>
-void each_neighbour(const Bodies& bodies, const VoxelBatch& batch, const ModularPass& pass,
-                    Use use) {
-  for (std::size_t m = 0; m < batch.bodies.size(); ++m) {
-    const VoxelViews& views = bodies[batch.bodies[m]];
-    const Eigen::Index begin = pass.first[m];
-    for (int v = 0; v < views.voxels(); ++v) {
-      const auto neighbours = views.neighbours(v);
-      for (const int other : neighbours)
-        use(begin + v, begin + other, 1.0F / static_cast<float>(neighbours.size()));
-    }
-  }
-}
-
-// [y, mean of what the others have]
-void read_others(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
-                 const ModularPass& pass, const Matrix& y, Matrix& input) {
-  const Eigen::Index h = y.cols();
-  input.setZero(y.rows(), 2 * h);
-  input.leftCols(h) = y;
-  if (policy.exchange == Exchange::neighbours) {
-    each_neighbour(bodies, batch, pass, [&](Eigen::Index row, Eigen::Index other, float share) {
-      input.row(row).tail(h) += share * y.row(other);
-    });
-    return;
-  }
-  Eigen::RowVectorXf mean(h);
-  for (std::size_t m = 0; m < batch.bodies.size(); ++m) {
-    const Eigen::Index begin = pass.first[m];
-    const Eigen::Index end = pass.first[m + 1];
-    mean.setZero();
-    for (Eigen::Index r = begin; r < end; ++r) mean += y.row(r);
-    mean *= 1.0F / static_cast<float>(end - begin);
-    for (Eigen::Index r = begin; r < end; ++r) input.row(r).tail(h) = mean;
-  }
-}
-
-// The slope of `input` above, as a slope of y.
-void spread_to_others(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
-                      const ModularPass& pass, const Matrix& input_slope, Matrix& slope) {
-  const Eigen::Index h = slope.cols();
-  slope = input_slope.leftCols(h);
-  if (policy.exchange == Exchange::neighbours) {
-    each_neighbour(bodies, batch, pass, [&](Eigen::Index row, Eigen::Index other, float share) {
-      slope.row(other) += share * input_slope.row(row).tail(h);
-    });
-    return;
-  }
-  Eigen::RowVectorXf mean(h);
-  for (std::size_t m = 0; m < batch.bodies.size(); ++m) {
-    const Eigen::Index begin = pass.first[m];
-    const Eigen::Index end = pass.first[m + 1];
-    mean.setZero();
-    for (Eigen::Index r = begin; r < end; ++r) mean += input_slope.row(r).tail(h);
-    mean *= 1.0F / static_cast<float>(end - begin);
-    for (Eigen::Index r = begin; r < end; ++r) slope.row(r) += mean;
-  }
-}
-
 // Whether layer l of the actor's `rest` reads other voxels, too.
 bool reads_others(const ModularPolicy& policy, std::size_t l) {
   return policy.exchange != Exchange::none && l + 1 < policy.actor.rest.layers.size();
+}
+
+// Whether layer l of the actor's `rest` is the first that only acting voxels need: no layer
+// above it reads what others computed.
+bool first_of_heads(const ModularPolicy& policy, std::size_t l) {
+  const std::size_t layers = policy.actor.rest.layers.size();
+  return policy.exchange != Exchange::none && layers > 1 && l + 2 == layers;
+}
+
+// Calls use(row, other, share): row of `others` that reads `share` of what row `other` of the
+// layer below computed.
+template <typename Use>
+void each_other(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
+                const ModularPass& pass, bool heads, Use use) {
+  if (policy.exchange == Exchange::body) {
+    for (std::size_t m = 0; m < batch.bodies.size(); ++m) {
+      const float share = 1.0F / static_cast<float>(pass.first[m + 1] - pass.first[m]);
+      for (Eigen::Index r = pass.first[m]; r < pass.first[m + 1]; ++r)
+        use(static_cast<Eigen::Index>(m), r, share);
+    }
+    return;
+  }
+  Eigen::Index row = 0;
+  const auto read = [&](const VoxelViews& views, Eigen::Index begin, int voxel) {
+    const auto neighbours = views.neighbours(voxel);
+    for (const int other : neighbours)
+      use(row, begin + other, 1.0F / static_cast<float>(neighbours.size()));
+    ++row;
+  };
+  for (std::size_t m = 0; m < batch.bodies.size(); ++m) {
+    const VoxelViews& views = bodies[batch.bodies[m]];
+    if (heads)
+      for (const int v : views.actuators()) read(views, pass.first[m], v);
+    else
+      for (int v = 0; v < views.voxels(); ++v) read(views, pass.first[m], v);
+  }
+}
+
+// Row of `others` for row r of a layer's own.
+Eigen::Index others_row(const ModularPolicy& policy, const ModularPass& pass, bool heads,
+                        Eigen::Index r) {
+  if (policy.exchange == Exchange::neighbours) return r;
+  return pass.rows[static_cast<std::size_t>(heads ? pass.heads[static_cast<std::size_t>(r)] : r)]
+      .sample;
+}
+
+void rows_of(const Matrix& from, const std::vector<Eigen::Index>& rows, Matrix& to) {
+  to.resize(std::ssize(rows), from.cols());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    to.row(static_cast<Eigen::Index>(i)) = from.row(rows[i]);
+}
+
+// y += W [own, mean of others], layer l of the actor's `rest`.
+void add_with_others(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
+                     std::size_t l, ModularPass& pass, Matrix& y) {
+  const bool heads = first_of_heads(policy, l);
+  const Layer& layer = policy.actor.rest.layers[l];
+  const Matrix& below = pass.outputs[l];
+  const Eigen::Index h = below.cols();
+  pass.half = layer.weight.leftCols(h);
+  add_product_transposed_right(pass.own[l], pass.half, y);
+  Matrix& others = pass.others[l];
+  const bool body = policy.exchange == Exchange::body;
+  others.setZero(body ? std::ssize(batch.bodies) : pass.own[l].rows(), h);
+  each_other(policy, bodies, batch, pass, heads,
+             [&](Eigen::Index row, Eigen::Index other, float share) {
+               others.row(row) += share * below.row(other);
+             });
+  pass.half = layer.weight.rightCols(h);
+  if (!body) {
+    add_product_transposed_right(others, pass.half, y);
+    return;
+  }
+  pass.half_slope.setZero(others.rows(), y.cols());
+  add_product_transposed_right(others, pass.half, pass.half_slope);
+  for (Eigen::Index r = 0; r < y.rows(); ++r)
+    y.row(r) += pass.half_slope.row(others_row(policy, pass, heads, r));
+}
+
+// The way back: the gradient of layer l's weight, and to `below` [rows of the layer below x h]
+// what its slope means for them.
+void backward_with_others(const ModularPolicy& policy, const Bodies& bodies,
+                          const VoxelBatch& batch, std::size_t l, const Matrix& slope,
+                          ModularPass& pass, Layer& gradient, Matrix& below) {
+  const bool heads = first_of_heads(policy, l);
+  const Layer& layer = policy.actor.rest.layers[l];
+  const Eigen::Index h = pass.outputs[l].cols();
+  const Matrix& others = pass.others[l];
+  // own
+  pass.half_slope.setZero(layer.weight.rows(), h);
+  add_product_transposed_left(slope, pass.own[l], pass.half_slope);
+  gradient.weight.leftCols(h) += pass.half_slope;
+  pass.half = layer.weight.leftCols(h);
+  Matrix& own = heads ? pass.below : below;
+  own.setZero(slope.rows(), h);
+  add_product(slope, pass.half, own);
+  if (heads) {
+    below.setZero(std::ssize(pass.rows), h);
+    for (std::size_t i = 0; i < pass.heads.size(); ++i)
+      below.row(pass.heads[i]) = own.row(static_cast<Eigen::Index>(i));
+  }
+  // others
+  const Matrix* summed = &slope;
+  if (policy.exchange == Exchange::body) {
+    pass.others_slope.setZero(others.rows(), slope.cols());
+    for (Eigen::Index r = 0; r < slope.rows(); ++r)
+      pass.others_slope.row(others_row(policy, pass, heads, r)) += slope.row(r);
+    summed = &pass.others_slope;
+  }
+  pass.half_slope.setZero(layer.weight.rows(), h);
+  add_product_transposed_left(*summed, others, pass.half_slope);
+  gradient.weight.rightCols(h) += pass.half_slope;
+  pass.half = layer.weight.rightCols(h);
+  pass.half_slope.setZero(others.rows(), h);
+  add_product(*summed, pass.half, pass.half_slope);
+  each_other(policy, bodies, batch, pass, heads,
+             [&](Eigen::Index row, Eigen::Index other, float share) {
+               below.row(other) += share * pass.half_slope.row(row);
+             });
 }
 
 void times_tanh_slope(const Matrix& y, Matrix& slope) {
@@ -303,48 +361,48 @@ void fixed_part(const ModularNetwork& network, const Bodies& bodies, Matrix& par
 void forward_actor(const ModularPolicy& policy, const Bodies& bodies, const Matrix& fixed,
                    const VoxelBatch& batch, ModularPass& pass, std::vector<float>& means) {
   const std::vector<Layer>& layers = policy.actor.rest.layers;
-  select_rows(bodies, batch, policy.exchange == Exchange::none ? Wanted::actuators : Wanted::voxels,
-              pass);
-  pass.inputs.resize(layers.size());
+  const bool exchanges = reads_others(policy, 0);
+  select_rows(bodies, batch, exchanges ? Wanted::voxels : Wanted::actuators, pass);
   pass.outputs.resize(layers.size() + 1);
+  pass.own.resize(layers.size());
+  pass.others.resize(layers.size());
   forward_first(policy.actor, fixed, batch, pass, pass.outputs.front());
   for (std::size_t l = 0; l < layers.size(); ++l) {
-    const Matrix* input = &pass.outputs[l];
-    if (reads_others(policy, l)) {
-      read_others(policy, bodies, batch, pass, pass.outputs[l], pass.inputs[l]);
-      input = &pass.inputs[l];
-    }
+    const bool others = reads_others(policy, l);
+    if (others && first_of_heads(policy, l))
+      rows_of(pass.outputs[l], pass.heads, pass.own[l]);
+    else if (others)
+      pass.own[l] = pass.outputs[l];
+    const Matrix& own = others ? pass.own[l] : pass.outputs[l];
     Matrix& y = pass.outputs[l + 1];
-    y.resize(input->rows(), layers[l].bias.size());
+    y.resize(own.rows(), layers[l].bias.size());
     y.rowwise() = layers[l].bias.transpose();
-    add_product_transposed_right(*input, layers[l].weight, y);
+    if (others)
+      add_with_others(policy, bodies, batch, l, pass, y);
+    else
+      add_product_transposed_right(own, layers[l].weight, y);
     if (l + 1 < layers.size()) tanh_in_place(y);
   }
-  means.clear();
-  for (const Eigen::Index row : pass.heads) means.push_back(pass.outputs.back()(row, 0));
+  const Matrix& heads = pass.outputs.back();  // a row of each action
+  means.assign(heads.data(), heads.data() + heads.size());
 }
 
 void backward_actor(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
                     std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient) {
   const std::vector<Layer>& layers = policy.actor.rest.layers;
   pass.slopes.resize(layers.size() + 1);  // dL/d(what the tanh of each layer gets)
-  Matrix& heads = pass.slopes.back();
-  heads.setZero(static_cast<Eigen::Index>(pass.rows.size()), 1);
-  for (std::size_t i = 0; i < pass.heads.size(); ++i) heads(pass.heads[i], 0) = slopes[i];
+  pass.slopes.back() = Eigen::Map<const Matrix>(slopes.data(), std::ssize(slopes), 1);
   for (std::size_t l = layers.size(); l-- > 0;) {
-    const bool others = reads_others(policy, l);
     const Matrix& slope = pass.slopes[l + 1];
-    const Matrix& input = others ? pass.inputs[l] : pass.outputs[l];
-    add_product_transposed_left(slope, input, gradient.rest.layers[l].weight);
+    Matrix& below = pass.slopes[l];
     for (Eigen::Index r = 0; r < slope.rows(); ++r)
       gradient.rest.layers[l].bias += slope.row(r).transpose();
-    Matrix& below = pass.slopes[l];
-    Matrix& input_slope = others ? pass.below : below;
-    input_slope.setZero(slope.rows(), input.cols());
-    add_product(slope, layers[l].weight, input_slope);
-    if (others) {
-      below.resize(slope.rows(), pass.outputs[l].cols());
-      spread_to_others(policy, bodies, batch, pass, input_slope, below);
+    if (reads_others(policy, l)) {
+      backward_with_others(policy, bodies, batch, l, slope, pass, gradient.rest.layers[l], below);
+    } else {
+      add_product_transposed_left(slope, pass.outputs[l], gradient.rest.layers[l].weight);
+      below.setZero(slope.rows(), pass.outputs[l].cols());
+      add_product(slope, layers[l].weight, below);
     }
     times_tanh_slope(pass.outputs[l], below);
   }

@@ -116,20 +116,27 @@ struct ModularPass {
     Eigen::Index sample;
     Eigen::Index fixed;  // of Bodies::fixed
   };
-  std::vector<Row> rows;            // the voxels that the network is applied to
+  std::vector<Row> rows;            // the voxels that the first layer is applied to
   std::vector<Eigen::Index> first;  // [M + 1] row of each sample's
   std::vector<Eigen::Index> heads;  // actor: the row of each action
   Matrix local;                     // [rows x local_length]
   Matrix task_part;                 // [M x H]
-  std::vector<Matrix> inputs;       // of each layer of `rest` (actor)
-  std::vector<Matrix> outputs;      // of the first layer and of those of `rest` (actor)
-  Matrix pooled;                    // [M x H] (critic)
-  Activations rest;                 // of `rest` (critic)
+  // Actor: what each layer of `rest` reads, its own part and, with an exchange, that of others:
+  // a row for each of `own`'s (neighbours) or for each sample (body).
+  std::vector<Matrix> own;
+  std::vector<Matrix> others;
+  std::vector<Matrix> outputs;  // of the first layer and of those of `rest` (actor)
+  Matrix pooled;                // [M x H] (critic)
+  Activations rest;             // of `rest` (critic)
   // backward
   std::vector<Matrix> slopes;
   Matrix below;
   Matrix fixed_slopes;
   Matrix task_slopes;
+  // Weights and slopes of the halves of a layer that reads others.
+  Matrix half;
+  Matrix half_slope;
+  Matrix others_slope;
 };
 
 // What the fixed part of all views means to the first layer, [voxels of all bodies x H].

@@ -111,57 +111,73 @@ ModularPolicy initial_modular_policy(const TrainingSettings& s, int task_length,
   return policy;
 }
 
-ModularPpo::ModularPpo(const TrainingSettings& settings, ModularPolicy policy, const Bodies& bodies,
-                       std::vector<int> body_of, std::uint64_t seed, std::string_view name)
+ModularPpo::ModularPpo(const TrainingSettings& settings, ModularPolicy policy,
+                       std::span<const Group> groups, std::uint64_t seed, std::string_view name)
     : settings_(settings),
       policy_(std::move(policy)),
-      bodies_(&bodies),
-      body_of_(std::move(body_of)),
-      first_voxel_(1, 0),
-      first_action_(1, 0),
-      learner_(parameter_count(policy_), body_of_.size(), seed, name),
+      turns_([&] {
+        std::vector<Turn> turns;
+        std::size_t environments = 0;
+        std::size_t targets = 0;
+        for (const Group& group : groups) {
+          Turn turn{&group, environments, targets, {0}, {0}};
+          for (const int body : group.body_of) {
+            turn.first_voxel.push_back(turn.first_voxel.back() + group.bodies[body].voxels());
+            turn.first_action.push_back(turn.first_action.back() + actions_of(group.bodies, body));
+          }
+          environments += group.body_of.size();
+          targets += turn.first_action.back();
+          turns.push_back(std::move(turn));
+        }
+        return turns;
+      }()),
+      targets_(turns_.back().first_target + turns_.back().first_action.back(), 1.0),
+      learner_(parameter_count(policy_), turns_.back().first + turns_.back().body_of().size(), seed,
+               name),
       gradients_(zero_gradients(policy_)) {
-  for (const int body : body_of_) {
-    first_voxel_.push_back(first_voxel_.back() + (*bodies_)[body].voxels());
-    first_action_.push_back(first_action_.back() + actions_of(*bodies_, body));
-  }
+  learner_.colour.resize(targets_.size());
+  begin_turn();
+}
+
+std::int64_t ModularPpo::updates_in_all() const {
+  return settings_.steps * std::ssize(turns_) / settings_.batch();
+}
+
+// Buffers for the environments whose turn it is, and what the parameters make of their bodies.
+void ModularPpo::begin_turn() {
+  t_ = 0;
+  const std::vector<int>& body_of = turn().body_of();
   const auto steps = static_cast<Eigen::Index>(settings_.rollout);
-  const Eigen::Index samples = steps * std::ssize(body_of_);
-  const auto inputs = policy_.actor.task.cols();
-  state_.bodies = body_of_;
-  local_.resize(static_cast<std::size_t>(first_voxel_.back() * VoxelViews::local_length));
-  task_.resize(body_of_.size() * static_cast<std::size_t>(policy_.task_length()));
-  learner_.colour.resize(first_action_.back());
-  targets_.resize(first_action_.back());
-  rollout_.states.local.resize(steps * first_voxel_.back(), VoxelViews::local_length);
-  rollout_.states.task.resize(samples, inputs);
-  rollout_.actions.resize(static_cast<std::size_t>(steps) * first_action_.back());
+  const Eigen::Index samples = steps * std::ssize(body_of);
+  state_.bodies = body_of;
+  local_.resize(static_cast<std::size_t>(turn().first_voxel.back() * VoxelViews::local_length));
+  task_.resize(body_of.size() * static_cast<std::size_t>(policy_.task_length()));
+  rollout_.states.local.resize(steps * turn().first_voxel.back(), VoxelViews::local_length);
+  rollout_.states.task.resize(samples, policy_.actor.task.cols());
+  rollout_.actions.resize(static_cast<std::size_t>(steps) * turn().first_action.back());
   for (Vector* v : {&rollout_.log_probs, &rollout_.values, &rollout_.advantages, &rollout_.returns})
     v->resize(samples);
   rewards_.resize(static_cast<std::size_t>(samples));
   ended_.resize(static_cast<std::size_t>(samples));
-  parameters_changed();
-}
-
-void ModularPpo::parameters_changed() {
-  fixed_part(policy_.actor, *bodies_, actor_fixed_);
-  fixed_part(policy_.critic, *bodies_, critic_fixed_);
+  fixed_part(policy_.actor, turn().bodies(), actor_fixed_);
+  fixed_part(policy_.critic, turn().bodies(), critic_fixed_);
 }
 
 // Into local_ and task_.
-void ModularPpo::look(const VecEnv& env, int environment) {
-  const auto e = static_cast<std::size_t>(environment);
+void ModularPpo::look(const VecEnv& env, std::size_t environment) {
   const auto wide = static_cast<std::size_t>(VoxelViews::local_length);
   const auto task = static_cast<std::size_t>(policy_.task_length());
-  const VoxelViews& views = (*bodies_)[body_of_[e]];
-  views.look(env, environment,
-             std::span(local_).subspan(static_cast<std::size_t>(first_voxel_[e]) * wide,
-                                       static_cast<std::size_t>(views.voxels()) * wide),
-             std::span(task_).subspan(e * task, task));
+  const VoxelViews& views = turn().bodies()[turn().body_of()[environment]];
+  views.look(
+      env, static_cast<int>(turn().first + environment),
+      std::span(local_).subspan(static_cast<std::size_t>(turn().first_voxel[environment]) * wide,
+                                static_cast<std::size_t>(views.voxels()) * wide),
+      std::span(task_).subspan(environment * task, task));
 }
 
 void ModularPpo::observe(const VecEnv& env, std::span<const int> steps) {
-  for (int e = 0; e < env.environments(); ++e) look(env, e);
+  const std::size_t environments = turn().body_of().size();
+  for (std::size_t e = 0; e < environments; ++e) look(env, e);
   if (!all_finite(local_) || !all_finite(task_))
     divergence_ = "an observation is not a finite number";
   if (settings_.normalize_observations) {
@@ -169,50 +185,57 @@ void ModularPpo::observe(const VecEnv& env, std::span<const int> steps) {
     if (!task_.empty()) update(policy_.task, task_);
   }
   normalize(policy_.local, local_, state_.local);
-  task_inputs(policy_, task_, steps, state_.task);
+  task_inputs(policy_, task_, steps.subspan(turn().first, environments), state_.task);
 }
 
 std::span<const double> ModularPpo::act() {
-  forward_actor(policy_, *bodies_, actor_fixed_, state_, pass_, means_);
-  forward_critic(policy_, *bodies_, critic_fixed_, state_, pass_, values_);
+  const Bodies& bodies = turn().bodies();
+  forward_actor(policy_, bodies, actor_fixed_, state_, pass_, means_);
+  forward_critic(policy_, bodies, critic_fixed_, state_, pass_, values_);
   const float deviation = exp32(policy_.log_std[0]);
   const float scale = log_scale(policy_);
   const double kept = settings_.noise_correlation;
   const double fresh = std::sqrt(1.0 - kept * kept);
+  const std::size_t count = means_.size();
+  const std::span targets = std::span(targets_).subspan(turn().first_target, count);
+  const std::span colour = std::span(learner_.colour).subspan(turn().first_target, count);
   const std::span actions =
-      std::span(rollout_.actions)
-          .subspan(static_cast<std::size_t>(t_) * targets_.size(), targets_.size());
-  for (std::size_t i = 0; i < targets_.size(); ++i) {
-    learner_.colour[i] = kept * learner_.colour[i] + fresh * learner_.noise.gaussian();
-    actions[i] = means_[i] + deviation * static_cast<float>(learner_.colour[i]);
-    targets_[i] = target_of(policy_, static_cast<double>(actions[i]));
+      std::span(rollout_.actions).subspan(static_cast<std::size_t>(t_) * count, count);
+  for (std::size_t i = 0; i < count; ++i) {
+    colour[i] = kept * colour[i] + fresh * learner_.noise.gaussian();
+    actions[i] = means_[i] + deviation * static_cast<float>(colour[i]);
+    targets[i] = target_of(policy_, static_cast<double>(actions[i]));
   }
-  const Eigen::Index environments = std::ssize(body_of_);
-  rollout_.states.local.middleRows(t_ * first_voxel_.back(), first_voxel_.back()) = state_.local;
+  const Eigen::Index environments = std::ssize(state_.bodies);
+  rollout_.states.local.middleRows(t_ * state_.local.rows(), state_.local.rows()) = state_.local;
   rollout_.states.task.middleRows(t_ * environments, environments) = state_.task;
   rollout_.values.segment(t_ * environments, environments) = values_;
-  for (std::size_t e = 0; e < body_of_.size(); ++e) {
-    const std::size_t first = first_action_[e];
-    const std::size_t count = first_action_[e + 1] - first;
+  for (std::size_t e = 0; e < state_.bodies.size(); ++e) {
+    const std::size_t first = turn().first_action[e];
+    const std::size_t own = turn().first_action[e + 1] - first;
     rollout_.log_probs[t_ * environments + static_cast<Eigen::Index>(e)] =
-        log_density(actions.subspan(first, count),
-                    std::span<const float>(means_).subspan(first, count), deviation, scale);
+        log_density(actions.subspan(first, own), std::span<const float>(means_).subspan(first, own),
+                    deviation, scale);
   }
-  if (!all_finite(targets_)) divergence_ = "an action is not a finite number";
+  if (!all_finite(targets)) divergence_ = "an action is not a finite number";
   return targets_;
 }
 
 void ModularPpo::reward(std::span<const double> rewards, std::span<const std::uint8_t> terminated,
                         std::span<const std::uint8_t> truncated, const VecEnv& reached,
                         std::span<const int> steps) {
+  const std::size_t count = turn().body_of().size();
+  rewards = rewards.subspan(turn().first, count);
+  terminated = terminated.subspan(turn().first, count);
+  truncated = truncated.subspan(turn().first, count);
   if (!all_finite(rewards)) divergence_ = "a reward is not a finite number";
-  const std::size_t first = static_cast<std::size_t>(t_) * rewards.size();
-  for (std::size_t e = 0; e < rewards.size(); ++e)
+  const std::size_t first = static_cast<std::size_t>(t_) * count;
+  for (std::size_t e = 0; e < count; ++e)
     ended_[first + e] = terminated[e] != 0 || truncated[e] != 0 ? 1 : 0;
-  learner_.reward_scale.scale(settings_, rewards, {ended_.data() + first, rewards.size()},
-                              {rewards_.data() + first, rewards.size()});
+  learner_.reward_scale.scale(settings_, turn().first, rewards, {ended_.data() + first, count},
+                              {rewards_.data() + first, count});
   if (settings_.time_limit == TimeLimit::bootstrap)
-    bootstrap_truncated(terminated, truncated, reached, steps);
+    bootstrap_truncated(terminated, truncated, reached, steps.subspan(turn().first, count));
   ++t_;
 }
 
@@ -223,22 +246,21 @@ void ModularPpo::bootstrap_truncated(std::span<const std::uint8_t> terminated,
   const auto task = static_cast<std::size_t>(policy_.task_length());
   for (std::size_t e = 0; e < truncated.size(); ++e) {
     if (truncated[e] == 0 || terminated[e] != 0) continue;
-    look(reached, static_cast<int>(e));
-    const auto begin = static_cast<std::size_t>(first_voxel_[e]) * wide;
-    const auto end = static_cast<std::size_t>(first_voxel_[e + 1]) * wide;
-    bootstrapped_.bodies.assign(1, body_of_[e]);
+    look(reached, e);
+    const auto begin = static_cast<std::size_t>(turn().first_voxel[e]) * wide;
+    const auto end = static_cast<std::size_t>(turn().first_voxel[e + 1]) * wide;
+    bootstrapped_.bodies.assign(1, turn().body_of()[e]);
     normalize(policy_.local, std::span(local_).subspan(begin, end - begin), bootstrapped_.local);
     task_inputs(policy_, std::span(task_).subspan(e * task, task), steps.subspan(e, 1),
                 bootstrapped_.task);
-    forward_critic(policy_, *bodies_, critic_fixed_, bootstrapped_, pass_, values_);
+    forward_critic(policy_, turn().bodies(), critic_fixed_, bootstrapped_, pass_, values_);
     rewards_[static_cast<std::size_t>(t_) * truncated.size() + e] +=
         settings_.gamma * static_cast<double>(values_[0]);
   }
 }
 
 UpdateReport ModularPpo::learn() {
-  t_ = 0;
-  forward_critic(policy_, *bodies_, critic_fixed_, state_, pass_, values_);
+  forward_critic(policy_, turn().bodies(), critic_fixed_, state_, pass_, values_);
   estimate_advantages(
       rewards_, ended_, view(rollout_.values), view(values_), settings_.gamma, settings_.lambda,
       {rollout_.advantages.data(), static_cast<std::size_t>(rollout_.advantages.size())});
@@ -246,11 +268,11 @@ UpdateReport ModularPpo::learn() {
   if (settings_.standardize_advantages == Standardize::batch) standardize(rollout_.advantages);
 
   UpdateReport report;
-  report.learning_rate = learning_rate_of(settings_, learner_.updates, settings_.updates());
-  const Objective objective = objective_of(settings_, learner_.updates, settings_.updates());
+  report.learning_rate = learning_rate_of(settings_, learner_.updates, updates_in_all());
+  const Objective objective = objective_of(settings_, learner_.updates, updates_in_all());
   report.explained_variance = explained_variance(rollout_.returns, rollout_.values, residual_);
 
-  order_.resize(static_cast<std::size_t>(settings_.batch()));
+  order_.resize(rewards_.size());
   std::iota(order_.begin(), order_.end(), 0U);
   const std::size_t size = order_.size() / static_cast<std::size_t>(settings_.minibatches);
   for (int epoch = 0; epoch < settings_.epochs; ++epoch) {
@@ -262,16 +284,19 @@ UpdateReport ModularPpo::learn() {
     }
   }
   divide(report.losses, settings_.epochs * settings_.minibatches);
-  parameters_changed();
   ++learner_.updates;
+  begin_turn();
   return report;
 }
 
 // Into minibatch_.
 void ModularPpo::gather(std::span<const std::uint32_t> samples) {
-  const std::size_t environments = body_of_.size();
+  const std::vector<Eigen::Index>& first_voxel = turn().first_voxel;
+  const std::vector<std::size_t>& first_action = turn().first_action;
+  const std::size_t environments = state_.bodies.size();
+  const auto voxels_of = [&](std::size_t e) { return first_voxel[e + 1] - first_voxel[e]; };
   Eigen::Index rows = 0;
-  for (const std::uint32_t k : samples) rows += (*bodies_)[body_of_[k % environments]].voxels();
+  for (const std::uint32_t k : samples) rows += voxels_of(k % environments);
   minibatch_.states.bodies.clear();
   minibatch_.states.local.resize(rows, VoxelViews::local_length);
   minibatch_.states.task.resize(std::ssize(samples), rollout_.states.task.cols());
@@ -286,16 +311,16 @@ void ModularPpo::gather(std::span<const std::uint32_t> samples) {
     const std::size_t t = k / environments;
     const auto from = static_cast<Eigen::Index>(k);
     const auto to = static_cast<Eigen::Index>(m);
-    const Eigen::Index voxels = first_voxel_[e + 1] - first_voxel_[e];
-    minibatch_.states.bodies.push_back(body_of_[e]);
+    const Eigen::Index voxels = voxels_of(e);
+    minibatch_.states.bodies.push_back(state_.bodies[e]);
     minibatch_.states.local.middleRows(rows, voxels) = rollout_.states.local.middleRows(
-        static_cast<Eigen::Index>(t) * first_voxel_.back() + first_voxel_[e], voxels);
+        static_cast<Eigen::Index>(t) * first_voxel.back() + first_voxel[e], voxels);
     minibatch_.states.task.row(to) = rollout_.states.task.row(from);
     const auto actions =
-        rollout_.actions.begin() + static_cast<std::ptrdiff_t>(t * first_action_.back());
+        rollout_.actions.begin() + static_cast<std::ptrdiff_t>(t * first_action.back());
     minibatch_.actions.insert(minibatch_.actions.end(),
-                              actions + static_cast<std::ptrdiff_t>(first_action_[e]),
-                              actions + static_cast<std::ptrdiff_t>(first_action_[e + 1]));
+                              actions + static_cast<std::ptrdiff_t>(first_action[e]),
+                              actions + static_cast<std::ptrdiff_t>(first_action[e + 1]));
     minibatch_.log_probs[to] = rollout_.log_probs[from];
     minibatch_.values[to] = rollout_.values[from];
     minibatch_.advantages[to] = rollout_.advantages[from];
@@ -310,7 +335,7 @@ bool ModularPpo::learn_minibatch(std::span<const std::uint32_t> samples, double 
   if (settings_.standardize_advantages == Standardize::minibatch)
     standardize(minibatch_.advantages);
   const Losses losses =
-      differentiate(policy_, *bodies_, minibatch_, objective, gradients_, scratch_);
+      differentiate(policy_, turn().bodies(), minibatch_, objective, gradients_, scratch_);
   const std::vector<std::span<float>> slopes = parameter_blocks(gradients_);
   const double norm = clip_norm(slopes, settings_.max_gradient_norm);
   if (!std::isfinite(norm) || !std::isfinite(losses.policy + losses.value + losses.entropy)) {
@@ -340,23 +365,12 @@ void load_policy(const Checkpoint& checkpoint, const std::string& name, ModularP
 void ModularPpo::save(Checkpoint& checkpoint) const {
   save_policy(checkpoint, "learner/policy", policy_);
   learner_.save(checkpoint);
-  checkpoint.put<float>("learner/local",
-                        {state_.local.data(), state_.local.data() + state_.local.size()});
-  checkpoint.put<float>("learner/task",
-                        {state_.task.data(), state_.task.data() + state_.task.size()});
 }
 
 void ModularPpo::load(const Checkpoint& checkpoint) {
   load_policy(checkpoint, "learner/policy", policy_);
   learner_.load(checkpoint);
-  const auto restore = [&](const char* name, Matrix& matrix, Eigen::Index rows, Eigen::Index cols) {
-    matrix.resize(rows, cols);
-    const auto& values = checkpoint.get<float>(name, static_cast<std::size_t>(matrix.size()));
-    std::copy(values.begin(), values.end(), matrix.data());
-  };
-  restore("learner/local", state_.local, first_voxel_.back(), VoxelViews::local_length);
-  restore("learner/task", state_.task, std::ssize(body_of_), policy_.actor.task.cols());
-  parameters_changed();
+  begin_turn();
 }
 
 }  // namespace evo

@@ -51,14 +51,26 @@ ModularPolicy initial_modular_policy(const TrainingSettings& settings, int task_
 void save_policy(Checkpoint& checkpoint, const std::string& name, const ModularPolicy& policy);
 void load_policy(const Checkpoint& checkpoint, const std::string& name, ModularPolicy& policy);
 
+// Environments that step side by side between two updates, and what bodies they have.
+struct Group {
+  Bodies bodies;
+  std::vector<int> body_of;  // [E_g], of `bodies`
+};
+
 class ModularPpo {
  public:
-  // Environment e has body body_of[e]; settings.environments is their number. `bodies` must
-  // outlive this. Random numbers come from streams named by seed and `name`.
-  ModularPpo(const TrainingSettings& settings, ModularPolicy policy, const Bodies& bodies,
-             std::vector<int> body_of, std::uint64_t seed, std::string_view name);
+  // Environments are numbered through the groups, which must outlive this. Each update learns
+  // from one group, in turn. Random numbers come from streams named by seed and `name`.
+  ModularPpo(const TrainingSettings& settings, ModularPolicy policy, std::span<const Group> groups,
+             std::uint64_t seed, std::string_view name);
 
-  // As Ppo's; what is seen is read from the environments. `reached` has not been reset yet.
+  // The environments that step until the next update.
+  std::size_t first_environment() const { return turn().first; }
+  std::size_t last_environment() const { return turn().first + turn().body_of().size(); }
+  std::int64_t updates_in_all() const;
+
+  // As Ppo's, but that arrays are of all environments, of which only those are looked at that
+  // step. What is seen is read from `env`; `reached` has not been reset yet.
   void observe(const VecEnv& env, std::span<const int> steps);
   std::span<const double> act();
   void reward(std::span<const double> rewards, std::span<const std::uint8_t> terminated,
@@ -74,32 +86,43 @@ class ModularPpo {
   void load(const Checkpoint& checkpoint);
 
  private:
-  void look(const VecEnv& env, int environment);
+  // A group, and where its environments, voxels and actuators begin among those of all.
+  struct Turn {
+    const Group* group;
+    std::size_t first;                      // environment, of all
+    std::size_t first_target;               // actuator, of all
+    std::vector<Eigen::Index> first_voxel;  // [E_g + 1] of the group's
+    std::vector<std::size_t> first_action;  // [E_g + 1] of the group's
+    const Bodies& bodies() const { return group->bodies; }
+    const std::vector<int>& body_of() const { return group->body_of; }
+  };
+  const Turn& turn() const {
+    return turns_[static_cast<std::size_t>(learner_.updates) % turns_.size()];
+  }
+
+  void look(const VecEnv& env, std::size_t environment);
   void bootstrap_truncated(std::span<const std::uint8_t> terminated,
                            std::span<const std::uint8_t> truncated, const VecEnv& reached,
                            std::span<const int> steps);
   bool learn_minibatch(std::span<const std::uint32_t> samples, double learning_rate,
                        const Objective& objective, Losses& sum);
   void gather(std::span<const std::uint32_t> samples);
-  void parameters_changed();
+  void begin_turn();
 
   TrainingSettings settings_;
   ModularPolicy policy_;
-  const Bodies* bodies_;
-  std::vector<int> body_of_;               // [E]
-  std::vector<Eigen::Index> first_voxel_;  // [E + 1] rows of an environment in a state
-  std::vector<std::size_t> first_action_;  // [E + 1]
+  std::vector<Turn> turns_;
+  std::vector<double> targets_;  // of all actuators
   ppo::Learner learner_;
   std::optional<std::string> divergence_;
-  // The rollout being collected: samples t*E + e.
+  // The rollout being collected, of the E_g environments whose turn it is: samples t*E_g + e.
   int t_ = 0;
-  VoxelBatch state_;           // s_t of all environments
-  std::vector<double> local_;  // of all voxels of all environments, as looked at
+  VoxelBatch state_;           // s_t
+  std::vector<double> local_;  // of all voxels, as looked at
   std::vector<double> task_;   // of all environments
   ModularSamples rollout_;
-  std::vector<double> rewards_;      // [T*E], scaled
-  std::vector<std::uint8_t> ended_;  // [T*E]
-  std::vector<double> targets_;      // of all actuators
+  std::vector<double> rewards_;      // [T*E_g], scaled
+  std::vector<std::uint8_t> ended_;  // [T*E_g]
 
   Matrix actor_fixed_;  // fixed_part() of the present parameters
   Matrix critic_fixed_;

@@ -1,6 +1,7 @@
 // Training one modular policy for one robot or for many: environments, episodes and
 // evaluations around the learner of modular_ppo.h. Every robot has the settings'
-// `environments`; what the policy is worth is the mean over robots.
+// `environments`, which rest while it is not their robot's turn; what the policy is worth is the
+// mean over robots.
 #pragma once
 
 #include <cstdint>
@@ -30,14 +31,14 @@ class ModularTraining {
   // episodes are cut short, each after another share of the time, so that a rollout sees all
   // parts of an episode and not the same one of all robots.
   void start_episode(const TrainingJob& job, int environment);
-  // One step of every environment; the returns of episodes that ended are added.
+  // One step of every environment whose turn it is; the returns of episodes that ended are added.
   void step(const TrainingJob& job, std::vector<double>& returns);
   int first_length(int environment) const;  // of its first episode, in steps
   const std::vector<int>& episode_steps();
   void require_finite() const;
 
-  TrainingSettings settings_;       // the job's, with the environments of all robots
-  std::unique_ptr<Bodies> bodies_;  // where the learner finds them
+  TrainingSettings settings_;  // the job's, with the environments of all robots
+  std::vector<Group> groups_;  // where the learner finds them
   VecEnv env_;
   ModularPpo ppo_;
   std::vector<std::uint64_t> next_episode_;  // [E] of each environment
@@ -46,6 +47,7 @@ class ModularTraining {
   std::vector<double> rewards_;              // [E] as learned from
   std::vector<std::uint8_t> terminated_;     // [E]
   std::vector<std::uint8_t> truncated_;      // [E]
+  std::vector<std::uint8_t> active_;         // [E] whose turn it is
 };
 
 // An untrained policy of the job's task.

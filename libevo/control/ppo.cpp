@@ -216,7 +216,7 @@ void Ppo::reward(std::span<const double> rewards, std::span<const std::uint8_t> 
   const std::size_t first = static_cast<std::size_t>(t_) * rewards.size();
   for (std::size_t e = 0; e < rewards.size(); ++e)
     ended_[first + e] = terminated[e] != 0 || truncated[e] != 0 ? 1 : 0;
-  learner_.reward_scale.scale(settings_, rewards, {ended_.data() + first, rewards.size()},
+  learner_.reward_scale.scale(settings_, 0, rewards, {ended_.data() + first, rewards.size()},
                               {rewards_.data() + first, rewards.size()});
   if (settings_.time_limit == TimeLimit::bootstrap)
     bootstrap_truncated(terminated, truncated, reached, steps);

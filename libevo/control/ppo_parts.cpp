@@ -130,17 +130,19 @@ RewardScale::RewardScale(std::size_t environments) : discounted_(environments, 0
   moments_.count = initial_moment_count;
 }
 
-void RewardScale::scale(const TrainingSettings& settings, std::span<const double> rewards,
-                        std::span<const std::uint8_t> ended, std::span<double> scaled) {
+void RewardScale::scale(const TrainingSettings& settings, std::size_t first,
+                        std::span<const double> rewards, std::span<const std::uint8_t> ended,
+                        std::span<double> scaled) {
   std::copy(rewards.begin(), rewards.end(), scaled.begin());
   if (!settings.normalize_rewards) return;
+  const std::span discounted = std::span(discounted_).subspan(first, rewards.size());
   for (std::size_t e = 0; e < rewards.size(); ++e)
-    discounted_[e] = settings.gamma * discounted_[e] + rewards[e];
-  update(moments_, discounted_);
+    discounted[e] = settings.gamma * discounted[e] + rewards[e];
+  update(moments_, discounted);
   const double deviation = std::sqrt(moments_.variance[0] + moments_.epsilon);
   for (std::size_t e = 0; e < rewards.size(); ++e) {
     scaled[e] = std::clamp(rewards[e] / deviation, -settings.reward_clip, settings.reward_clip);
-    if (ended[e] != 0) discounted_[e] = 0.0;
+    if (ended[e] != 0) discounted[e] = 0.0;
   }
 }
 

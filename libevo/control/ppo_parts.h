@@ -92,8 +92,8 @@ void add(Losses& sum, const Losses& losses);
 class RewardScale {
  public:
   explicit RewardScale(std::size_t environments);
-  // Into `scaled` [E]; `ended` [E] are episodes that are over.
-  void scale(const TrainingSettings& settings, std::span<const double> rewards,
+  // Of environments `first` and following, into `scaled`; `ended` are episodes that are over.
+  void scale(const TrainingSettings& settings, std::size_t first, std::span<const double> rewards,
              std::span<const std::uint8_t> ended, std::span<double> scaled);
   void save(Checkpoint& checkpoint) const;
   void load(const Checkpoint& checkpoint);

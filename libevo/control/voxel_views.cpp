@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "libevo/sim/model.h"
 
@@ -77,14 +78,16 @@ Matrix fixed_views(const Body& body) {
   return views;
 }
 
-Vec2 mean(std::span<const Vec2> values) {
-  Vec2 sum;
-  for (const Vec2& value : values) {
-    sum.x += value.x;
-    sum.y += value.y;
+// Of all objects but the robot, which is the first.
+Terrain ground_of(const Arena& arena) {
+  std::vector<int> objects(arena.model().objects().size() - 1);
+  std::iota(objects.begin(), objects.end(), 1);
+  std::vector<int> drawn;
+  for (const int object : objects) {
+    const Placement& placement = arena.task().objects[static_cast<std::size_t>(object - 1)];
+    if (!placement.offset_x.empty() || !placement.offset_y.empty()) drawn.push_back(object);
   }
-  const auto n = static_cast<double>(values.size());
-  return {sum.x / n, sum.y / n};
+  return {arena.model(), objects, drawn};
 }
 
 }  // namespace
@@ -92,6 +95,7 @@ Vec2 mean(std::span<const Vec2> values) {
 VoxelViews::VoxelViews(const Arena& arena)
     : points_(arena.model().objects().front().points),
       voxel_length_(arena.task().physics.voxel_length),
+      ground_(ground_of(arena)),
       fixed_(fixed_views(arena.robot())) {
   const Model& model = arena.model();
   const Body& body = arena.robot();
@@ -132,6 +136,15 @@ void VoxelViews::look(const VecEnv& env, int environment, std::span<double> loca
   const auto velocities = env.velocities(environment).first(count);
   const Vec2 centre = mean(positions);
   const Vec2 drift = mean(velocities);
+  // Looked for from above each point: one that touches the ground is a little below it.
+  constexpr double sunk = 0.5;
+  std::vector<double> heights(count);
+  for (std::size_t p = 0; p < count; ++p) {
+    const Vec2 from{positions[p].x / voxel_length_, positions[p].y / voxel_length_ + sunk};
+    ground_.clearance(Terrain::Side::below, from, 1.0 + sunk, env.positions(environment),
+                      {&heights[p], 1});
+    heights[p] = heights[p] / voxel_length_ - sunk;
+  }
   std::size_t next = 0;
   for (const std::array<int, 4>& cell : cells_) {
     const auto corner = [&](std::size_t k) { return static_cast<std::size_t>(cell[k]); };
@@ -156,6 +169,7 @@ void VoxelViews::look(const VecEnv& env, int environment, std::span<double> loca
     stretch(1, 3, 1.0);
     stretch(0, 3, std::numbers::sqrt2);
     stretch(2, 1, std::numbers::sqrt2);
+    for (std::size_t k = 0; k < 4; ++k) local[next++] = heights[corner(k)];
   }
   const std::span<const double> observation =
       env.observations().subspan(env.observation_offset(environment));

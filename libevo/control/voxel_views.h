@@ -11,6 +11,7 @@
 
 #include "libevo/control/matrix.h"
 #include "libevo/task/env.h"
+#include "libevo/task/terrain.h"
 
 namespace evo {
 
@@ -19,8 +20,10 @@ class VoxelViews {
   // Four corners, top left, top right, bottom left, bottom right: x and y of each minus
   // the centre of the body's points, in voxels; their velocities minus the body's mean one;
   // then how far the voxel is stretched, as a share of its length at rest: top, bottom, left
-  // and right edge, falling and rising diagonal.
-  static constexpr int local_length = 8 + 8 + 6;
+  // and right edge, falling and rising diagonal; and how high each corner is above what lies
+  // below it, terrain or an object, in voxels: 1 where nothing is that near, less than 0 where it
+  // has sunk in.
+  static constexpr int local_length = 8 + 8 + 6 + 4;
   // Of the 3 x 3 cells around the voxel, row by row, which of the five materials each is made
   // of (all 0: empty); the voxel's place from the middle of the body, in voxels, to the right
   // and up; of the whole body the share of each material, and its voxels, columns and rows.
@@ -49,6 +52,7 @@ class VoxelViews {
   std::vector<std::array<int, 4>> cells_;  // points of each voxel
   int points_ = 0;                         // of the body: the first of its world
   double voxel_length_ = 0.0;
+  Terrain ground_;
   std::vector<ObservationSlice> task_;  // the parts that do not grow with the body
   int task_length_ = 0;
   std::vector<int> actuators_;

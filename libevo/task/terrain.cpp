@@ -52,13 +52,13 @@ class Bins {
 
 }  // namespace
 
-Terrain::Terrain(const Model& model, const std::vector<int>& objects)
+Terrain::Terrain(const Model& model, const std::vector<int>& objects, const std::vector<int>& drawn)
     : voxel_length_(model.physics().voxel_length) {
   std::vector<Vec2> points;
   for (const int index : objects) {
     const ModelObject& object = model.objects()[static_cast<std::size_t>(index)];
     const PointRange range{object.first_point, object.points};
-    if (!object.is_static) {
+    if (!object.is_static || std::find(drawn.begin(), drawn.end(), index) != drawn.end()) {
       moving_.push_back(range);
       continue;
     }

@@ -15,8 +15,9 @@ namespace evo {
 // move are sorted into columns. Coordinates in voxels (raw / voxel length).
 class Terrain {
  public:
-  // `objects`: indices of the model's objects that count.
-  Terrain(const Model& model, const std::vector<int>& objects);
+  // `objects`: indices of the model's objects that count. Those of `drawn` among them stand
+  // elsewhere in other episodes: they are looked up where they are, even if they never move.
+  Terrain(const Model& model, const std::vector<int>& objects, const std::vector<int>& drawn = {});
 
   enum class Side { below, above };
 
@@ -37,7 +38,7 @@ class Terrain {
   double voxel_length_ = 0.1;
   std::vector<Column> columns_;  // ascending x
   std::vector<double> y_;
-  std::vector<PointRange> moving_;  // of objects that may move
+  std::vector<PointRange> moving_;  // of objects that may move, or are drawn
 };
 
 }  // namespace evo

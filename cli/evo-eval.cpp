@@ -53,7 +53,8 @@ struct Trial {
 Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task,
                    const Robot& robot, const std::string& path, const Warn& warn) {
   PolicyFile file = read_policy(path);
-  if (file.robot.id != robot.id)
+  // One for any body was trained for this one as well.
+  if (file.robot.id != robot.id && !std::holds_alternative<ModularPolicy>(file.controller))
     warn(fmt::format("{} was trained for robot {}, not for {}", path, file.robot.id, robot.id));
   if (task && task->name != file.task)
     warn(fmt::format("{} was trained on {}, not on {}", path, file.task, task->name));

@@ -19,14 +19,25 @@ constexpr double voxel_memory = 10.0 * memory;
 // longer, but not longer than this.
 constexpr std::int64_t longest_rollout = 128;
 
+int robots_of(const TrainingJob& job) { return 1 + static_cast<int>(job.others.size()); }
+
+// How many take turns.
+int groups_in(const TrainingJob& job) {
+  const int most = job.settings.robots_per_update;
+  return most > 0 ? (robots_of(job) + most - 1) / most : 1;
+}
+
 TrainingSettings settings_for(const TrainingJob& job) {
   TrainingSettings settings = job.settings;
-  const int robots = 1 + static_cast<int>(job.others.size());
+  const int robots = robots_of(job);
   settings.environments *= robots;
-  const std::int64_t as_many = settings.rollout * (settings.robots_per_update / robots);
+  const std::int64_t as_many =
+      std::int64_t{settings.rollout} * (settings.robots_per_update / robots);
   const std::int64_t most = std::min(longest_rollout, settings.steps / settings.environments);
   settings.rollout = std::max(settings.rollout, static_cast<int>(std::min(as_many, most)));
-  check(settings);
+  TrainingSettings of_smallest = settings;
+  of_smallest.environments = job.settings.environments * (robots / groups_in(job));
+  check(of_smallest);
   if (settings.updates() < 1)
     throw error(Failure::usage, "training: {} steps are less than one rollout of {} x {}",
                 settings.steps, settings.environments, settings.rollout);
@@ -44,10 +55,7 @@ std::vector<const Arena*> arenas_of(const TrainingJob& job) {
 // The robots in their order, as evenly as can be in groups of `robots_per_update`.
 std::vector<Group> groups_of(const TrainingJob& job) {
   const std::vector<const Arena*> robots = job.arenas();
-  const std::size_t most = job.settings.robots_per_update > 0
-                               ? static_cast<std::size_t>(job.settings.robots_per_update)
-                               : robots.size();
-  const std::size_t count = (robots.size() + most - 1) / most;
+  const auto count = static_cast<std::size_t>(groups_in(job));
   std::vector<Group> groups;
   for (std::size_t g = 0; g < count; ++g) {
     const std::size_t begin = g * robots.size() / count;

@@ -455,6 +455,15 @@ TEST_CASE("robots take turns where an update learns from some of them") {
   for (std::size_t u = 0; u < steps.size(); ++u)
     CHECK(steps[u] == static_cast<std::int64_t>(u / 2 * 48 + (u % 2 == 0 ? 16 : 48)));
   CHECK(run(4).first == bytes);
+
+  // Of the one robot that is alone in its turn there are 16 samples.
+  settings.minibatches = 17;
+  CHECK_THROWS_AS(
+      Trainer(robots.arenas[0], settings, 1, "shared", {}, {robots.all()[1], robots.all()[2]}),
+      Error);
+  settings.minibatches = 16;
+  CHECK_NOTHROW(
+      Trainer(robots.arenas[0], settings, 1, "shared", {}, {robots.all()[1], robots.all()[2]}));
 }
 
 TEST_CASE("a child of another body starts with its parent's controller as it is") {

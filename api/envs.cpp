@@ -198,7 +198,7 @@ int evo_envs_act(evo_envs* envs, const evo_policy* policy, double* actions, size
       throw evo::error(Failure::usage, "{} actions are expected, not {}",
                        all.session.action_values(), values);
     if (values > 0) target(actions, "actions");
-    evo::act(object_of(policy).file.controller, all.session, {actions, values});
+    evo::act(object_of(policy).file.controller, all.seen(), {actions, values});
   });
 }
 

@@ -18,6 +18,12 @@ const Arena& arena_of(const Session& session, int environment) {
   return session.envs().arena(environment);
 }
 
+std::vector<const Arena*> arenas_of(const Session& session) {
+  std::vector<const Arena*> arenas;
+  each_robot(session, [&](int first, int) { arenas.push_back(&arena_of(session, first)); });
+  return arenas;
+}
+
 void require(int known, int there, const char* what, const Session& session, int environment) {
   if (known != there)
     throw error(Failure::usage, "the policy has {} {}, robot {} has {}", known, what,
@@ -43,16 +49,15 @@ void act_network(const Policy& policy, const Session& session, std::span<double>
   });
 }
 
-void act_modular(const ModularPolicy& policy, const Session& session, std::span<double> targets) {
-  std::vector<const Arena*> arenas;
-  each_robot(session, [&](int first, int) { arenas.push_back(&arena_of(session, first)); });
-  const Bodies bodies(arenas);
+void act_modular(const ModularPolicy& policy, const SessionVoxels& voxels,
+                 std::span<double> targets) {
+  const Session& session = voxels.session();
+  const Bodies& bodies = voxels.bodies();
   if (bodies.task_length() != policy.task_length())
     throw error(
         Failure::data,
         "the policy sees {} numbers of its task, {} shows {}: it was trained on another one",
         policy.task_length(), session.task().name, bodies.task_length());
-  const SessionVoxels voxels(session);
   std::vector<double> local(voxels.local_values());
   std::vector<double> task(voxels.task_values());
   voxels.look(local, task);
@@ -89,9 +94,10 @@ void act_open_loop(const OpenLoopController& controller, const Session& session,
 
 }  // namespace
 
-SessionVoxels::SessionVoxels(const Session& session) : session_(&session) {
+SessionVoxels::SessionVoxels(const Session& session)
+    : session_(&session), bodies_(arenas_of(session)) {
   each_robot(session, [&](int first, int count) {
-    const VoxelViews& views = views_.emplace_back(arena_of(session, first));
+    const VoxelViews& views = of(first);
     auto& links = links_.emplace_back();
     for (int v = 0; v < views.voxels(); ++v)
       for (const int other : views.neighbours(v)) links.emplace_back(v, other);
@@ -113,9 +119,11 @@ void SessionVoxels::look(std::span<double> local, std::span<double> task) const 
   }
 }
 
-void act(const TrainedController& controller, const Session& session, std::span<double> targets) {
+void act(const TrainedController& controller, const SessionVoxels& voxels,
+         std::span<double> targets) {
+  const Session& session = voxels.session();
   std::visit(Overloaded{[&](const Policy& policy) { act_network(policy, session, targets); },
-                        [&](const ModularPolicy& policy) { act_modular(policy, session, targets); },
+                        [&](const ModularPolicy& policy) { act_modular(policy, voxels, targets); },
                         [&](const auto& open_loop) { act_open_loop(open_loop, session, targets); }},
              controller);
 }

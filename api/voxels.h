@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "api/session.h"
+#include "libevo/control/modular_policy.h"
 #include "libevo/control/trainer.h"
-#include "libevo/control/voxel_views.h"
 
 namespace evo {
 
@@ -19,11 +19,13 @@ class SessionVoxels {
   explicit SessionVoxels(const Session& session);
 
   // Of an environment's robot.
-  const VoxelViews& of(int environment) const { return views_[robot(environment)]; }
+  const VoxelViews& of(int environment) const { return bodies_[robot(environment)]; }
   // A voxel and one that it is linked to, for every voxel in turn, ascending: each link twice.
   std::span<const std::pair<std::int32_t, std::int32_t>> links(int environment) const {
-    return links_[robot(environment)];
+    return links_[static_cast<std::size_t>(robot(environment))];
   }
+  const Bodies& bodies() const { return bodies_; }  // of the robots
+  const Session& session() const { return *session_; }
   std::size_t local_values() const { return local_values_; }  // of all environments
   std::size_t task_values() const { return task_values_; }
 
@@ -32,12 +34,10 @@ class SessionVoxels {
   void look(std::span<double> local, std::span<double> task) const;
 
  private:
-  std::size_t robot(int environment) const {
-    return static_cast<std::size_t>(environment / session_->per_robot());
-  }
+  int robot(int environment) const { return environment / session_->per_robot(); }
 
   const Session* session_;
-  std::vector<VoxelViews> views_;  // of each robot
+  Bodies bodies_;
   std::vector<std::vector<std::pair<std::int32_t, std::int32_t>>> links_;
   std::size_t local_values_ = 0;
   std::size_t task_values_ = 0;
@@ -46,6 +46,7 @@ class SessionVoxels {
 // The deterministic controller: targets of all environments, as Session::step takes them; a
 // modular policy acts on any robot. Throws Error(usage) where it has other observations or
 // actions than one of the robots, Error(data) where it was trained on another task.
-void act(const TrainedController& controller, const Session& session, std::span<double> targets);
+void act(const TrainedController& controller, const SessionVoxels& voxels,
+         std::span<double> targets);
 
 }  // namespace evo

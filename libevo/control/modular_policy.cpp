@@ -128,8 +128,7 @@ bool reads_others(const ModularPolicy& policy, std::size_t l) {
 // Whether layer l of the actor's `rest` is the first that only acting voxels need: no layer
 // above it reads what others computed.
 bool first_of_heads(const ModularPolicy& policy, std::size_t l) {
-  const std::size_t layers = policy.actor.rest.layers.size();
-  return policy.exchange != Exchange::none && layers > 1 && l + 2 == layers;
+  return reads_others(policy, l) && l + 2 == policy.actor.rest.layers.size();
 }
 
 // Calls use(row, other, share): row of `others` that reads `share` of what row `other` of the
@@ -182,8 +181,8 @@ void add_with_others(const ModularPolicy& policy, const Bodies& bodies, const Vo
   const Layer& layer = policy.actor.rest.layers[l];
   const Matrix& below = pass.outputs[l];
   const Eigen::Index h = below.cols();
-  pass.half = layer.weight.leftCols(h);
-  add_product_transposed_right(pass.own[l], pass.half, y);
+  pass.half_weight = layer.weight.leftCols(h);
+  add_product_transposed_right(pass.own[l], pass.half_weight, y);
   Matrix& others = pass.others[l];
   const bool body = policy.exchange == Exchange::body;
   others.setZero(body ? std::ssize(batch.bodies) : pass.own[l].rows(), h);
@@ -191,15 +190,15 @@ void add_with_others(const ModularPolicy& policy, const Bodies& bodies, const Vo
              [&](Eigen::Index row, Eigen::Index other, float share) {
                others.row(row) += share * below.row(other);
              });
-  pass.half = layer.weight.rightCols(h);
+  pass.half_weight = layer.weight.rightCols(h);
   if (!body) {
-    add_product_transposed_right(others, pass.half, y);
+    add_product_transposed_right(others, pass.half_weight, y);
     return;
   }
-  pass.half_slope.setZero(others.rows(), y.cols());
-  add_product_transposed_right(others, pass.half, pass.half_slope);
+  pass.part.setZero(others.rows(), y.cols());
+  add_product_transposed_right(others, pass.half_weight, pass.part);
   for (Eigen::Index r = 0; r < y.rows(); ++r)
-    y.row(r) += pass.half_slope.row(others_row(policy, pass, heads, r));
+    y.row(r) += pass.part.row(others_row(policy, pass, heads, r));
 }
 
 // The way back: the gradient of layer l's weight, and to `below` [rows of the layer below x h]
@@ -212,13 +211,13 @@ void backward_with_others(const ModularPolicy& policy, const Bodies& bodies,
   const Eigen::Index h = pass.outputs[l].cols();
   const Matrix& others = pass.others[l];
   // own
-  pass.half_slope.setZero(layer.weight.rows(), h);
-  add_product_transposed_left(slope, pass.own[l], pass.half_slope);
-  gradient.weight.leftCols(h) += pass.half_slope;
-  pass.half = layer.weight.leftCols(h);
+  pass.part.setZero(layer.weight.rows(), h);
+  add_product_transposed_left(slope, pass.own[l], pass.part);
+  gradient.weight.leftCols(h) += pass.part;
+  pass.half_weight = layer.weight.leftCols(h);
   Matrix& own = heads ? pass.below : below;
   own.setZero(slope.rows(), h);
-  add_product(slope, pass.half, own);
+  add_product(slope, pass.half_weight, own);
   if (heads) {
     below.setZero(std::ssize(pass.rows), h);
     for (std::size_t i = 0; i < pass.heads.size(); ++i)
@@ -232,15 +231,15 @@ void backward_with_others(const ModularPolicy& policy, const Bodies& bodies,
       pass.others_slope.row(others_row(policy, pass, heads, r)) += slope.row(r);
     summed = &pass.others_slope;
   }
-  pass.half_slope.setZero(layer.weight.rows(), h);
-  add_product_transposed_left(*summed, others, pass.half_slope);
-  gradient.weight.rightCols(h) += pass.half_slope;
-  pass.half = layer.weight.rightCols(h);
-  pass.half_slope.setZero(others.rows(), h);
-  add_product(*summed, pass.half, pass.half_slope);
+  pass.part.setZero(layer.weight.rows(), h);
+  add_product_transposed_left(*summed, others, pass.part);
+  gradient.weight.rightCols(h) += pass.part;
+  pass.half_weight = layer.weight.rightCols(h);
+  pass.part.setZero(others.rows(), h);
+  add_product(*summed, pass.half_weight, pass.part);
   each_other(policy, bodies, batch, pass, heads,
              [&](Eigen::Index row, Eigen::Index other, float share) {
-               below.row(other) += share * pass.half_slope.row(row);
+               below.row(other) += share * pass.part.row(row);
              });
 }
 
@@ -369,7 +368,7 @@ void forward_actor(const ModularPolicy& policy, const Bodies& bodies, const Matr
   forward_first(policy.actor, fixed, batch, pass, pass.outputs.front());
   for (std::size_t l = 0; l < layers.size(); ++l) {
     const bool others = reads_others(policy, l);
-    if (others && first_of_heads(policy, l))
+    if (first_of_heads(policy, l))
       rows_of(pass.outputs[l], pass.heads, pass.own[l]);
     else if (others)
       pass.own[l] = pass.outputs[l];

@@ -133,9 +133,10 @@ struct ModularPass {
   Matrix below;
   Matrix fixed_slopes;
   Matrix task_slopes;
-  // Weights and slopes of the halves of a layer that reads others.
-  Matrix half;
-  Matrix half_slope;
+  // Of a layer that reads others: the half of its weight for itself or for them, and what comes
+  // of that half.
+  Matrix half_weight;
+  Matrix part;
   Matrix others_slope;
 };
 

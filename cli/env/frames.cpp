@@ -3,11 +3,9 @@
 #include <bit>
 #include <cstring>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
-#include "api/voxels.h"
 #include "cli/env/request.h"
 #include "cli/env/serve.h"
 #include "cli/env/stream.h"
@@ -212,10 +210,10 @@ class FrameServer {
   }
 
   void send_views() {
-    if (!voxels_) voxels_.emplace(session_);
-    views_.resize(voxels_->local_values() + voxels_->task_values());
+    const SessionVoxels& voxels = requests_.voxels();
+    views_.resize(voxels.local_values() + voxels.task_values());
     const std::span all(views_);
-    voxels_->look(all.first(voxels_->local_values()), all.subspan(voxels_->local_values()));
+    voxels.look(all.first(voxels.local_values()), all.subspan(voxels.local_values()));
     begin("VIEW");
     append(out_, views_.data(), views_.size());
     send();
@@ -268,7 +266,6 @@ class FrameServer {
   std::size_t number_ = 0;  // of the frame being read
   std::vector<double> actions_;
   std::vector<std::uint8_t> mask_;
-  std::optional<SessionVoxels> voxels_;  // once asked for
   std::vector<double> views_;
   std::string text_;
   std::string out_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "api/voxels.h"
 #include "cli/command.h"
 #include "formats/io/base64.h"
 #include "formats/io/format.h"
@@ -79,21 +78,29 @@ std::vector<std::pair<double, double>> pairs(std::span<const Vec2> points) {
   return result;
 }
 
-Json positions_document(const Session& session, const Json& wanted) {
-  check_fields(wanted, "/positions", {"environments"});
+// {request: [entry(e) for each environment wanted]}
+template <typename Entry>
+Json for_each_environment(const Session& session, const Json& wanted, const std::string& request,
+                          Entry entry) {
+  const std::string where = "/" + request;
+  check_fields(wanted, where, {"environments"});
   Json list = Json::array();
-  for (const int e : chosen_environments(session, wanted, "/positions")) {
-    const VecEnv& envs = session.envs();
+  for (const int e : chosen_environments(session, wanted, where)) list.push_back(entry(e));
+  return {{request, std::move(list)}};
+}
+
+Json positions_document(const Session& session, const Json& wanted) {
+  const VecEnv& envs = session.envs();
+  return for_each_environment(session, wanted, "positions", [&](int e) -> Json {
     Json objects = Json::array();
     for (const ModelObject& object : envs.model(e).objects())
       objects.push_back(
           {{"name", object.name}, {"first_point", object.first_point}, {"points", object.points}});
-    list.push_back({{"environment", e},
-                    {"objects", std::move(objects)},
-                    {"positions", pairs(envs.positions(e))},
-                    {"velocities", pairs(envs.velocities(e))}});
-  }
-  return {{"positions", std::move(list)}};
+    return {{"environment", e},
+            {"objects", std::move(objects)},
+            {"positions", pairs(envs.positions(e))},
+            {"velocities", pairs(envs.velocities(e))}};
+  });
 }
 
 // [rows x columns]
@@ -109,43 +116,34 @@ Json rows_of(std::span<const T> values, int rows, int columns) {
 }
 
 // What does not change of what voxels see.
-Json voxels_document(const Session& session, const Json& wanted) {
-  check_fields(wanted, "/voxels", {"environments"});
-  const SessionVoxels voxels(session);
-  Json list = Json::array();
-  for (const int e : chosen_environments(session, wanted, "/voxels")) {
+Json voxels_document(const Session& session, const SessionVoxels& voxels, const Json& wanted) {
+  return for_each_environment(session, wanted, "voxels", [&](int e) -> Json {
     const VoxelViews& views = voxels.of(e);
     const Matrix& fixed = views.fixed();
     Json links = Json::array();
     for (const auto& [voxel, other] : voxels.links(e)) links.push_back({voxel, other});
-    list.push_back(
-        {{"environment", e},
-         {"local_length", VoxelViews::local_length},
-         {"task_length", views.task_length()},
-         {"fixed", rows_of(std::span(fixed.data(), static_cast<std::size_t>(fixed.size())),
-                           views.voxels(), VoxelViews::fixed_length)},
-         {"actuators", views.actuators()},
-         {"links", std::move(links)}});
-  }
-  return {{"voxels", std::move(list)}};
+    return {{"environment", e},
+            {"local_length", VoxelViews::local_length},
+            {"task_length", views.task_length()},
+            {"fixed", rows_of(std::span(fixed.data(), static_cast<std::size_t>(fixed.size())),
+                              views.voxels(), VoxelViews::fixed_length)},
+            {"actuators", views.actuators()},
+            {"links", std::move(links)}};
+  });
 }
 
 // What they see now.
-Json look_document(const Session& session, const Json& wanted) {
-  check_fields(wanted, "/look", {"environments"});
-  const SessionVoxels voxels(session);
-  Json list = Json::array();
-  for (const int e : chosen_environments(session, wanted, "/look")) {
+Json look_document(const Session& session, const SessionVoxels& voxels, const Json& wanted) {
+  return for_each_environment(session, wanted, "look", [&](int e) -> Json {
     const VoxelViews& views = voxels.of(e);
     std::vector<double> local(static_cast<std::size_t>(views.voxels() * VoxelViews::local_length));
     std::vector<double> task(static_cast<std::size_t>(views.task_length()));
     views.look(session.envs(), e, local, task);
-    list.push_back({{"environment", e},
-                    {"local", rows_of(std::span<const double>(local), views.voxels(),
-                                      VoxelViews::local_length)},
-                    {"task", task}});
-  }
-  return {{"look", std::move(list)}};
+    return {{"environment", e},
+            {"local",
+             rows_of(std::span<const double>(local), views.voxels(), VoxelViews::local_length)},
+            {"task", task}};
+  });
 }
 
 // What a policy file keeps of the task.
@@ -318,11 +316,11 @@ Answer Requests::answer(const Json& request, const std::string& where) {
     } else if (request.contains("voxels")) {
       check_fields(request, "", {"voxels"});
       answer.kind = Answer::Kind::document;
-      answer.document = voxels_document(session_, request["voxels"]);
+      answer.document = voxels_document(session_, voxels(), request["voxels"]);
     } else if (request.contains("look")) {
       check_fields(request, "", {"look"});
       answer.kind = Answer::Kind::document;
-      answer.document = look_document(session_, request["look"]);
+      answer.document = look_document(session_, voxels(), request["look"]);
     } else if (request.contains("task")) {
       check_fields(request, "", {"task"});
       check_fields(request["task"], "/task", {});

@@ -2,10 +2,12 @@
 // lines and in frames.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "api/session.h"
+#include "api/voxels.h"
 #include "formats/io/json.h"
 #include "render/still.h"
 
@@ -31,6 +33,9 @@ class Requests {
   // cannot be fulfilled; the session is then as it was.
   Answer answer(const Json& request, const std::string& where);
 
+  // What voxels see, built when it is first asked for.
+  const SessionVoxels& voxels() { return voxels_ ? *voxels_ : voxels_.emplace(session_); }
+
  private:
   Answer step(const Json& request);
   Answer draw(const Json& wanted);
@@ -38,6 +43,7 @@ class Requests {
   Answer restore(const Json& wanted);
 
   Session& session_;
+  std::optional<SessionVoxels> voxels_;
   std::vector<double> actions_;       // of all environments
   std::vector<std::uint8_t> active_;  // of all environments
 };

@@ -11,11 +11,6 @@
 namespace evo::render {
 namespace {
 
-std::string number(double value, double tick) {
-  const int digits = std::max(0, static_cast<int>(-std::floor(std::log10(tick) + 1e-9)));
-  return (value < -tick / 2 ? "\u2212" : "") + fmt::format("{:.{}f}", std::abs(value), digits);
-}
-
 // Where steps are, and what every plot has.
 struct Axes {
   Rect inside;
@@ -67,7 +62,7 @@ void draw_return(const Clip& clip, double now, const Axes& axes) {
     drawing.segment({inside.x, y_of(y)}, {inside.x + inside.width, y_of(y)}, 1, theme.grid_major);
     drawing.text({{inside.x - 0.5F * size, y_of(y) + 0.36F * size},
                   0.9F * size,
-                  number(y, every),
+                  axis_number(y, every),
                   theme.text_muted,
                   Align::right,
                   false});
@@ -128,13 +123,13 @@ void draw_commands(const Clip& clip, double now, const Axes& axes) {
   }
   drawing.text({{right - width - 0.4F * size, y + 0.75F * size},
                 0.9F * size,
-                number(scale.low, 0.1),
+                axis_number(scale.low, 0.1),
                 theme.text_muted,
                 Align::right,
                 false});
   drawing.text({{right + 0.4F * size, y + 0.75F * size},
                 0.9F * size,
-                number(scale.high, 0.1),
+                axis_number(scale.high, 0.1),
                 theme.text_muted,
                 Align::left,
                 false});

@@ -20,11 +20,6 @@ void heading(const char* words, Point at, const Theme& theme, Drawing& drawing) 
   drawing.text({at, 1.15F * text, words, theme.text, Align::left, true});
 }
 
-std::string number(double value, double tick) {
-  const int digits = std::max(0, static_cast<int>(-std::floor(std::log10(tick) + 1e-9)));
-  return (value < -tick / 2 ? "\u2212" : "") + fmt::format("{:.{}f}", std::abs(value), digits);
-}
-
 // A step for each robot; the axes have few, round numbers.
 void draw_curve(const std::vector<double>& best, const Rect& area, const Theme& theme,
                 Drawing& drawing) {
@@ -41,7 +36,7 @@ void draw_curve(const std::vector<double>& best, const Rect& area, const Theme& 
     drawing.segment({plot.x, y_of(y)}, {plot.x + plot.width, y_of(y)}, 1, theme.grid_major);
     drawing.text({{plot.x - 0.6F * text, y_of(y) + 0.36F * text},
                   text,
-                  number(y, tick),
+                  axis_number(y, tick),
                   theme.text_muted,
                   Align::right,
                   false});
@@ -50,7 +45,7 @@ void draw_curve(const std::vector<double>& best, const Rect& area, const Theme& 
   for (double k = 0; k <= robots + 1e-9; k += every)
     drawing.text({{x_of(k), plot.y + plot.height + 1.4F * text},
                   text,
-                  number(k, 1),
+                  axis_number(k, 1),
                   theme.text_muted,
                   Align::centre,
                   false});

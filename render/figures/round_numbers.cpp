@@ -1,5 +1,8 @@
 #include "render/figures/round_numbers.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -11,6 +14,11 @@ double round_number_from(double value) {
   for (const double digit : std::array{1.0, 2.0, 5.0})
     if (digit * power >= least) return digit * power;
   return 10 * power;
+}
+
+std::string axis_number(double value, double tick) {
+  const int digits = std::max(0, static_cast<int>(-std::floor(std::log10(tick) + 1e-9)));
+  return (value < -tick / 2 ? "\u2212" : "") + fmt::format("{:.{}f}", std::abs(value), digits);
 }
 
 }  // namespace evo::render

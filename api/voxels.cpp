@@ -69,11 +69,11 @@ void act_modular(const ModularPolicy& policy, const SessionVoxels& voxels,
   }
   normalize(policy.local, local, batch.local);
   task_inputs(policy, task, steps, batch.task);
-  Matrix fixed;
-  fixed_part(policy.actor, bodies, fixed);
+  PreparedNetwork prepared;
+  prepare(policy.actor, bodies, prepared);
   ModularPass pass;
   std::vector<float> means;
-  forward_actor(policy, bodies, fixed, batch, pass, means);
+  forward_actor(policy, bodies, prepared, batch, pass, means);
   for (std::size_t i = 0; i < targets.size(); ++i)
     targets[i] = target_of(policy, static_cast<double>(means[i]));
 }

@@ -266,8 +266,9 @@ std::string modular_to_onnx(const ModularPolicy& policy, const PolicyFile& file,
   const VoxelViews& views = bodies[0];
   if (views.task_length() != policy.task_length())
     throw Error(Failure::data, "the policy does not fit the task that it carries");
-  Matrix fixed;  // of the first layer, with its bias
-  fixed_part(policy.actor, bodies, fixed);
+  PreparedNetwork actor;
+  prepare(policy.actor, bodies, actor);
+  Matrix fixed = actor.fixed;  // of the first layer, with its bias
   fixed.rowwise() += policy.actor.bias.transpose();
 
   Graph graph;

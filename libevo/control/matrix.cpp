@@ -127,6 +127,14 @@ void pack(const Operand& b, std::ptrdiff_t k, std::ptrdiff_t columns, std::ptrdi
       for (std::ptrdiff_t i = 0; i < whole_rows; i += block)
         transpose_block(b.data + i + j * b.column, b.column, panel + i * width + j, width);
   }
+  if (b.column == 1) {
+    for (std::ptrdiff_t i = 0; i < k; ++i) {
+      float* row = panel + i * width;
+      std::copy_n(b.data + i * b.row, columns, row);
+      std::fill(row + columns, row + width, 0.0F);
+    }
+    return;
+  }
   for (std::ptrdiff_t i = 0; i < k; ++i) {
     float* row = panel + i * width;
     for (std::ptrdiff_t j = i < whole_rows ? whole_columns : 0; j < columns; ++j)
@@ -166,7 +174,8 @@ void multiply_panel(const Shape& shape, std::ptrdiff_t columns, const Operand& a
   }
 }
 
-void AddProduct(const Shape& shape, const Operand& a, const Operand& b, float* c) {
+void AddProduct(const Shape& shape, const Operand& a, const Operand& b, float* c,
+                std::ptrdiff_t c_row) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(D()));
   for (std::ptrdiff_t k = 0; k < shape.k; k += panel_rows) {
     const Shape part{shape.m, shape.n, std::min(panel_rows, shape.k - k)};
@@ -176,9 +185,9 @@ void AddProduct(const Shape& shape, const Operand& a, const Operand& b, float* c
       const std::ptrdiff_t columns = std::min(2 * lanes, shape.n - j);
       const Operand b_part{b.data + k * b.row + j * b.column, b.row, b.column};
       if (columns > lanes) {
-        multiply_panel<2>(part, columns, a_part, b_part, c + j, shape.n);
+        multiply_panel<2>(part, columns, a_part, b_part, c + j, c_row);
       } else {
-        multiply_panel<1>(part, columns, a_part, b_part, c + j, shape.n);
+        multiply_panel<1>(part, columns, a_part, b_part, c + j, c_row);
       }
       j += columns;
     }
@@ -222,6 +231,18 @@ void Tanh(float* x, std::ptrdiff_t n) {
   std::copy_n(rest, n - i, x + i);
 }
 
+void TimesTanhSlope(const float* y, float* slope, std::ptrdiff_t n) {
+  const D d;
+  const V one = hn::Set(d, 1.0F);
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  std::ptrdiff_t i = 0;
+  for (; i + lanes <= n; i += lanes) {
+    const V v = hn::LoadU(d, y + i);
+    hn::StoreU(hn::Mul(hn::LoadU(d, slope + i), hn::Sub(one, hn::Mul(v, v))), d, slope + i);
+  }
+  for (; i < n; ++i) slope[i] *= 1.0F - y[i] * y[i];
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace evo
 HWY_AFTER_NAMESPACE();
@@ -232,30 +253,37 @@ namespace {
 
 HWY_EXPORT(AddProduct);
 HWY_EXPORT(Tanh);
+HWY_EXPORT(TimesTanhSlope);
 
-Operand plain(const Matrix& x) { return {x.data(), x.cols(), 1}; }
-Operand transposed(const Matrix& x) { return {x.data(), 1, x.cols()}; }
+Operand plain(const MatrixView& x) { return {x.data(), x.outerStride(), 1}; }
+Operand transposed(const MatrixView& x) { return {x.data(), 1, x.outerStride()}; }
 
 }  // namespace
 
-void add_product(const Matrix& a, const Matrix& b, Matrix& c) {
+void add_product(const MatrixView& a, const MatrixView& b, MatrixBlock c) {
   eigen_assert(a.cols() == b.rows() && c.rows() == a.rows() && c.cols() == b.cols());
-  HWY_DYNAMIC_DISPATCH(AddProduct)({a.rows(), b.cols(), a.cols()}, plain(a), plain(b), c.data());
+  HWY_DYNAMIC_DISPATCH(AddProduct)
+  ({a.rows(), b.cols(), a.cols()}, plain(a), plain(b), c.data(), c.outerStride());
 }
 
-void add_product_transposed_right(const Matrix& a, const Matrix& b, Matrix& c) {
+void add_product_transposed_right(const MatrixView& a, const MatrixView& b, MatrixBlock c) {
   eigen_assert(a.cols() == b.cols() && c.rows() == a.rows() && c.cols() == b.rows());
   HWY_DYNAMIC_DISPATCH(AddProduct)
-  ({a.rows(), b.rows(), a.cols()}, plain(a), transposed(b), c.data());
+  ({a.rows(), b.rows(), a.cols()}, plain(a), transposed(b), c.data(), c.outerStride());
 }
 
-void add_product_transposed_left(const Matrix& a, const Matrix& b, Matrix& c) {
+void add_product_transposed_left(const MatrixView& a, const MatrixView& b, MatrixBlock c) {
   eigen_assert(a.rows() == b.rows() && c.rows() == a.cols() && c.cols() == b.cols());
   HWY_DYNAMIC_DISPATCH(AddProduct)
-  ({a.cols(), b.cols(), a.rows()}, transposed(a), plain(b), c.data());
+  ({a.cols(), b.cols(), a.rows()}, transposed(a), plain(b), c.data(), c.outerStride());
 }
 
 void tanh_in_place(Matrix& x) { HWY_DYNAMIC_DISPATCH(Tanh)(x.data(), x.size()); }
+
+void times_tanh_slope(const Matrix& y, Matrix& slope) {
+  eigen_assert(y.rows() == slope.rows() && y.cols() == slope.cols());
+  HWY_DYNAMIC_DISPATCH(TimesTanhSlope)(y.data(), slope.data(), slope.size());
+}
 
 }  // namespace evo
 #endif

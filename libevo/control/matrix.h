@@ -11,16 +11,21 @@ namespace evo {
 
 using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXf;
+// A matrix or a block of one, which is not copied.
+using MatrixView = Eigen::Ref<const Matrix, 0, Eigen::OuterStride<>>;
+using MatrixBlock = Eigen::Ref<Matrix, 0, Eigen::OuterStride<>>;
 
 // C += A B          A [m x k], B [k x n], C [m x n]
-void add_product(const Matrix& a, const Matrix& b, Matrix& c);
+void add_product(const MatrixView& a, const MatrixView& b, MatrixBlock c);
 // C += A B'         A [m x k], B [n x k], C [m x n]
-void add_product_transposed_right(const Matrix& a, const Matrix& b, Matrix& c);
+void add_product_transposed_right(const MatrixView& a, const MatrixView& b, MatrixBlock c);
 // C += A' B         A [k x m], B [k x n], C [m x n]
-void add_product_transposed_left(const Matrix& a, const Matrix& b, Matrix& c);
+void add_product_transposed_left(const MatrixView& a, const MatrixView& b, MatrixBlock c);
 
 // x := tanh(x), every entry; within 4e-7 of the true value, never above 1 in
 // magnitude. NaN stays NaN.
 void tanh_in_place(Matrix& x);
+// slope := slope (1 - y^2), every entry: through y = tanh(x) back to x.
+void times_tanh_slope(const Matrix& y, Matrix& slope);
 
 }  // namespace evo

@@ -53,67 +53,66 @@ Eigen::Index width(const ModularNetwork& network) { return network.bias.size(); 
 enum class Wanted { actuators, voxels };
 
 // The rows of a pass: of each sample's voxels all, or those that act.
-void select_rows(const Bodies& bodies, const VoxelBatch& batch, Wanted wanted, ModularPass& pass) {
+void select_rows(const Bodies& bodies, const VoxelSamples& batch, Wanted wanted,
+                 ModularPass& pass) {
   pass.rows.clear();
   pass.first.assign(1, 0);
   pass.heads.clear();
-  std::size_t rows = 0;
-  for (const int body : batch.bodies)
-    rows += wanted == Wanted::voxels ? static_cast<std::size_t>(bodies[body].voxels())
-                                     : bodies[body].actuators().size();
-  pass.local.resize(static_cast<Eigen::Index>(rows), VoxelViews::local_length);
-  Eigen::Index from = 0;  // row of batch.local where the sample's voxels begin
   for (std::size_t m = 0; m < batch.bodies.size(); ++m) {
     const int body = batch.bodies[m];
     const VoxelViews& views = bodies[body];
-    const auto begin = static_cast<Eigen::Index>(pass.rows.size());
-    const auto add = [&](int voxel) {
-      pass.local.row(static_cast<Eigen::Index>(pass.rows.size())) = batch.local.row(from + voxel);
-      pass.rows.push_back({static_cast<Eigen::Index>(m), bodies.first(body) + voxel});
-    };
+    const Eigen::Index begin = std::ssize(pass.rows);
+    const Eigen::Index first = bodies.first(body);
+    const auto sample = static_cast<Eigen::Index>(m);
     if (wanted == Wanted::voxels) {
-      for (int v = 0; v < views.voxels(); ++v) add(v);
+      for (int v = 0; v < views.voxels(); ++v) pass.rows.push_back({sample, first + v});
       for (const int v : views.actuators()) pass.heads.push_back(begin + v);
     } else {
       for (const int v : views.actuators()) {
-        pass.heads.push_back(static_cast<Eigen::Index>(pass.rows.size()));
-        add(v);
+        pass.heads.push_back(std::ssize(pass.rows));
+        pass.rows.push_back({sample, first + v});
       }
     }
-    pass.first.push_back(static_cast<Eigen::Index>(pass.rows.size()));
-    from += views.voxels();
+    pass.first.push_back(std::ssize(pass.rows));
+  }
+  if (wanted == Wanted::voxels) return;
+  pass.local.resize(std::ssize(pass.rows), batch.local.cols());
+  Eigen::Index from = 0;  // row of batch.local where the sample's voxels begin
+  Eigen::Index to = 0;
+  for (const int body : batch.bodies) {
+    for (const int v : bodies[body].actuators()) pass.local.row(to++) = batch.local.row(from + v);
+    from += bodies[body].voxels();
   }
 }
 
 // ---- the first layer ------------------------------------------------------------------
 
-void forward_first(const ModularNetwork& network, const Matrix& fixed, const VoxelBatch& batch,
-                   ModularPass& pass, Matrix& y) {
+void forward_first(const ModularNetwork& network, const PreparedNetwork& prepared,
+                   const VoxelSamples& batch, const MatrixView& local, ModularPass& pass,
+                   Matrix& y) {
   pass.task_part.resize(batch.task.rows(), width(network));
   pass.task_part.rowwise() = network.bias.transpose();
-  add_product_transposed_right(batch.task, network.task, pass.task_part);
-  y.resize(pass.local.rows(), width(network));
+  add_product(batch.task, prepared.task, pass.task_part);
+  y.resize(local.rows(), width(network));
   for (Eigen::Index r = 0; r < y.rows(); ++r) {
     const ModularPass::Row& row = pass.rows[static_cast<std::size_t>(r)];
-    y.row(r) = pass.task_part.row(row.sample) + fixed.row(row.fixed);
+    y.row(r) = pass.task_part.row(row.sample) + prepared.fixed.row(row.voxel);
   }
-  add_product_transposed_right(pass.local, network.local, y);
+  add_product(local, prepared.local, y);
   tanh_in_place(y);
 }
 
 // `slope` is dL/d(what the tanh gets).
-void backward_first(const Bodies& bodies, const VoxelBatch& batch, const Matrix& slope,
+void backward_first(const VoxelSamples& batch, const MatrixView& local, const Matrix& slope,
                     ModularPass& pass, ModularNetwork& gradient) {
-  add_product_transposed_left(slope, pass.local, gradient.local);
+  add_product_transposed_left(slope, local, gradient.local);
   pass.task_slopes.setZero(batch.task.rows(), slope.cols());
-  pass.fixed_slopes.setZero(bodies.fixed().rows(), slope.cols());
   for (Eigen::Index r = 0; r < slope.rows(); ++r) {
     const ModularPass::Row& row = pass.rows[static_cast<std::size_t>(r)];
     pass.task_slopes.row(row.sample) += slope.row(r);
-    pass.fixed_slopes.row(row.fixed) += slope.row(r);
+    pass.fixed_slopes.row(row.voxel) += slope.row(r);
   }
   add_product_transposed_left(pass.task_slopes, batch.task, gradient.task);
-  add_product_transposed_left(pass.fixed_slopes, bodies.fixed(), gradient.fixed);
   for (Eigen::Index m = 0; m < pass.task_slopes.rows(); ++m)
     gradient.bias += pass.task_slopes.row(m).transpose();
 }
@@ -131,10 +130,15 @@ bool first_of_heads(const ModularPolicy& policy, std::size_t l) {
   return reads_others(policy, l) && l + 2 == policy.actor.rest.layers.size();
 }
 
+// What layer l reads of its own voxel.
+const Matrix& own_of(const ModularPolicy& policy, const ModularPass& pass, std::size_t l) {
+  return first_of_heads(policy, l) ? pass.own[l] : pass.outputs[l];
+}
+
 // Calls use(row, other, share): row of `others` that reads `share` of what row `other` of the
 // layer below computed.
 template <typename Use>
-void each_other(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
+void each_other(const ModularPolicy& policy, const Bodies& bodies, const VoxelSamples& batch,
                 const ModularPass& pass, bool heads, Use use) {
   if (policy.exchange == Exchange::body) {
     for (std::size_t m = 0; m < batch.bodies.size(); ++m) {
@@ -175,28 +179,27 @@ void rows_of(const Matrix& from, const std::vector<Eigen::Index>& rows, Matrix& 
 }
 
 // y += W [own, mean of others], layer l of the actor's `rest`.
-void add_with_others(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
-                     std::size_t l, ModularPass& pass, Matrix& y) {
+void add_with_others(const ModularPolicy& policy, const Bodies& bodies,
+                     const PreparedNetwork& prepared, const VoxelSamples& batch, std::size_t l,
+                     ModularPass& pass, Matrix& y) {
   const bool heads = first_of_heads(policy, l);
-  const Layer& layer = policy.actor.rest.layers[l];
+  const Matrix& weight = prepared.rest[l];
   const Matrix& below = pass.outputs[l];
   const Eigen::Index h = below.cols();
-  pass.half_weight = layer.weight.leftCols(h);
-  add_product_transposed_right(pass.own[l], pass.half_weight, y);
+  add_product(own_of(policy, pass, l), weight.topRows(h), y);
   Matrix& others = pass.others[l];
   const bool body = policy.exchange == Exchange::body;
-  others.setZero(body ? std::ssize(batch.bodies) : pass.own[l].rows(), h);
+  others.setZero(body ? std::ssize(batch.bodies) : y.rows(), h);
   each_other(policy, bodies, batch, pass, heads,
              [&](Eigen::Index row, Eigen::Index other, float share) {
                others.row(row) += share * below.row(other);
              });
-  pass.half_weight = layer.weight.rightCols(h);
   if (!body) {
-    add_product_transposed_right(others, pass.half_weight, y);
+    add_product(others, weight.bottomRows(h), y);
     return;
   }
   pass.part.setZero(others.rows(), y.cols());
-  add_product_transposed_right(others, pass.half_weight, pass.part);
+  add_product(others, weight.bottomRows(h), pass.part);
   for (Eigen::Index r = 0; r < y.rows(); ++r)
     y.row(r) += pass.part.row(others_row(policy, pass, heads, r));
 }
@@ -204,20 +207,17 @@ void add_with_others(const ModularPolicy& policy, const Bodies& bodies, const Vo
 // The way back: the gradient of layer l's weight, and to `below` [rows of the layer below x h]
 // what its slope means for them.
 void backward_with_others(const ModularPolicy& policy, const Bodies& bodies,
-                          const VoxelBatch& batch, std::size_t l, const Matrix& slope,
+                          const VoxelSamples& batch, std::size_t l, const Matrix& slope,
                           ModularPass& pass, Layer& gradient, Matrix& below) {
   const bool heads = first_of_heads(policy, l);
   const Layer& layer = policy.actor.rest.layers[l];
   const Eigen::Index h = pass.outputs[l].cols();
   const Matrix& others = pass.others[l];
   // own
-  pass.part.setZero(layer.weight.rows(), h);
-  add_product_transposed_left(slope, pass.own[l], pass.part);
-  gradient.weight.leftCols(h) += pass.part;
-  pass.half_weight = layer.weight.leftCols(h);
+  add_product_transposed_left(slope, own_of(policy, pass, l), gradient.weight.leftCols(h));
   Matrix& own = heads ? pass.below : below;
   own.setZero(slope.rows(), h);
-  add_product(slope, pass.half_weight, own);
+  add_product(slope, layer.weight.leftCols(h), own);
   if (heads) {
     below.setZero(std::ssize(pass.rows), h);
     for (std::size_t i = 0; i < pass.heads.size(); ++i)
@@ -231,20 +231,21 @@ void backward_with_others(const ModularPolicy& policy, const Bodies& bodies,
       pass.others_slope.row(others_row(policy, pass, heads, r)) += slope.row(r);
     summed = &pass.others_slope;
   }
-  pass.part.setZero(layer.weight.rows(), h);
-  add_product_transposed_left(*summed, others, pass.part);
-  gradient.weight.rightCols(h) += pass.part;
-  pass.half_weight = layer.weight.rightCols(h);
+  add_product_transposed_left(*summed, others, gradient.weight.rightCols(h));
   pass.part.setZero(others.rows(), h);
-  add_product(*summed, pass.half_weight, pass.part);
+  add_product(*summed, layer.weight.rightCols(h), pass.part);
   each_other(policy, bodies, batch, pass, heads,
              [&](Eigen::Index row, Eigen::Index other, float share) {
                below.row(other) += share * pass.part.row(row);
              });
 }
 
-void times_tanh_slope(const Matrix& y, Matrix& slope) {
-  slope.array() *= 1.0F - y.array().square();
+bool reads_voxels(const ModularPolicy& policy) { return reads_others(policy, 0); }
+
+// Where the first layer of the actor reads what it is applied to.
+const MatrixView actor_local(const ModularPolicy& policy, const VoxelSamples& batch,
+                             const ModularPass& pass) {
+  return reads_voxels(policy) ? batch.local : MatrixView(pass.local);
 }
 
 }  // namespace
@@ -345,52 +346,84 @@ Bodies::Bodies(std::span<const Arena* const> arenas) {
                   "a controller for several robots needs one task; here are {} and {}",
                   arenas.front()->task().name, arena->task().name);
   }
-  fixed_.resize(rows, VoxelViews::fixed_length);
-  for (std::size_t b = 0; b < views_.size(); ++b)
-    fixed_.middleRows(first_[b], views_[b].voxels()) = views_[b].fixed();
+  first_fixed_.push_back(0);
+  for (const VoxelViews& views : views_)
+    for (Eigen::Index v = 0; v < views.fixed().rows(); ++v) {
+      for (Eigen::Index i = 0; i < views.fixed().cols(); ++i)
+        if (views.fixed()(v, i) != 0.0F) fixed_.push_back({i, views.fixed()(v, i)});
+      first_fixed_.push_back(fixed_.size());
+    }
 }
 
 // ---- passes -----------------------------------------------------------------------------------
 
-void fixed_part(const ModularNetwork& network, const Bodies& bodies, Matrix& part) {
-  part.setZero(bodies.fixed().rows(), width(network));
-  add_product_transposed_right(bodies.fixed(), network.fixed, part);
+void prepare(const ModularNetwork& network, const Bodies& bodies, PreparedNetwork& prepared) {
+  prepared.local = network.local.transpose();
+  prepared.task = network.task.transpose();
+  prepared.rest.resize(network.rest.layers.size());
+  for (std::size_t l = 0; l < prepared.rest.size(); ++l)
+    prepared.rest[l] = network.rest.layers[l].weight.transpose();
+  const Matrix fixed = network.fixed.transpose();
+  prepared.fixed.setZero(bodies.voxels(), width(network));
+  for (Eigen::Index v = 0; v < bodies.voxels(); ++v)
+    for (const auto& [input, value] : bodies.fixed(v))
+      prepared.fixed.row(v) += value * fixed.row(input);
 }
 
-void forward_actor(const ModularPolicy& policy, const Bodies& bodies, const Matrix& fixed,
-                   const VoxelBatch& batch, ModularPass& pass, std::vector<float>& means) {
+void forward_actor(const ModularPolicy& policy, const Bodies& bodies,
+                   const PreparedNetwork& prepared, const VoxelSamples& batch, ModularPass& pass,
+                   std::span<float> means) {
   const std::vector<Layer>& layers = policy.actor.rest.layers;
-  const bool exchanges = reads_others(policy, 0);
-  select_rows(bodies, batch, exchanges ? Wanted::voxels : Wanted::actuators, pass);
+  select_rows(bodies, batch, reads_voxels(policy) ? Wanted::voxels : Wanted::actuators, pass);
   pass.outputs.resize(layers.size() + 1);
   pass.own.resize(layers.size());
   pass.others.resize(layers.size());
-  forward_first(policy.actor, fixed, batch, pass, pass.outputs.front());
+  forward_first(policy.actor, prepared, batch, actor_local(policy, batch, pass), pass,
+                pass.outputs.front());
   for (std::size_t l = 0; l < layers.size(); ++l) {
-    const bool others = reads_others(policy, l);
-    if (first_of_heads(policy, l))
-      rows_of(pass.outputs[l], pass.heads, pass.own[l]);
-    else if (others)
-      pass.own[l] = pass.outputs[l];
-    const Matrix& own = others ? pass.own[l] : pass.outputs[l];
+    if (first_of_heads(policy, l)) rows_of(pass.outputs[l], pass.heads, pass.own[l]);
+    const Matrix& own = own_of(policy, pass, l);
     Matrix& y = pass.outputs[l + 1];
     y.resize(own.rows(), layers[l].bias.size());
     y.rowwise() = layers[l].bias.transpose();
-    if (others)
-      add_with_others(policy, bodies, batch, l, pass, y);
+    if (reads_others(policy, l))
+      add_with_others(policy, bodies, prepared, batch, l, pass, y);
     else
-      add_product_transposed_right(own, layers[l].weight, y);
+      add_product(own, prepared.rest[l], y);
     if (l + 1 < layers.size()) tanh_in_place(y);
   }
   const Matrix& heads = pass.outputs.back();  // a row of each action
-  means.assign(heads.data(), heads.data() + heads.size());
+  std::copy_n(heads.data(), heads.size(), means.begin());
 }
 
-void backward_actor(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
+void forward_actor(const ModularPolicy& policy, const Bodies& bodies,
+                   const PreparedNetwork& prepared, const VoxelBatch& batch, ModularPass& pass,
+                   std::vector<float>& means) {
+  std::size_t actions = 0;
+  for (const int body : batch.bodies) actions += bodies[body].actuators().size();
+  means.resize(actions);
+  each_chunk(bodies, batch, [&](const VoxelSamples& samples, std::size_t, std::size_t action) {
+    forward_actor(policy, bodies, prepared, samples, pass, std::span(means).subspan(action));
+  });
+}
+
+void begin_backward(const ModularNetwork& network, const Bodies& bodies, ModularPass& pass) {
+  pass.fixed_slopes.setZero(bodies.voxels(), width(network));
+}
+
+void end_backward(const Bodies& bodies, const ModularPass& pass, ModularNetwork& gradient) {
+  Matrix fixed = Matrix::Zero(gradient.fixed.cols(), gradient.fixed.rows());  // transposed
+  for (Eigen::Index v = 0; v < bodies.voxels(); ++v)
+    for (const auto& [input, value] : bodies.fixed(v))
+      fixed.row(input) += value * pass.fixed_slopes.row(v);
+  gradient.fixed += fixed.transpose();
+}
+
+void backward_actor(const ModularPolicy& policy, const Bodies& bodies, const VoxelSamples& batch,
                     std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient) {
   const std::vector<Layer>& layers = policy.actor.rest.layers;
   pass.slopes.resize(layers.size() + 1);  // dL/d(what the tanh of each layer gets)
-  pass.slopes.back() = Eigen::Map<const Matrix>(slopes.data(), std::ssize(slopes), 1);
+  pass.slopes.back() = Eigen::Map<const Matrix>(slopes.data(), pass.outputs.back().rows(), 1);
   for (std::size_t l = layers.size(); l-- > 0;) {
     const Matrix& slope = pass.slopes[l + 1];
     Matrix& below = pass.slopes[l];
@@ -405,44 +438,70 @@ void backward_actor(const ModularPolicy& policy, const Bodies& bodies, const Vox
     }
     times_tanh_slope(pass.outputs[l], below);
   }
-  backward_first(bodies, batch, pass.slopes.front(), pass, gradient);
+  backward_first(batch, actor_local(policy, batch, pass), pass.slopes.front(), pass, gradient);
 }
 
-void forward_critic(const ModularPolicy& policy, const Bodies& bodies, const Matrix& fixed,
-                    const VoxelBatch& batch, ModularPass& pass, Vector& values) {
+void forward_critic(const ModularPolicy& policy, const Bodies& bodies,
+                    const PreparedNetwork& prepared, const VoxelSamples& batch, ModularPass& pass,
+                    std::span<float> values) {
+  const std::vector<Layer>& layers = policy.critic.rest.layers;
   select_rows(bodies, batch, Wanted::voxels, pass);
-  pass.outputs.resize(1);
-  Matrix& y = pass.outputs.front();
-  forward_first(policy.critic, fixed, batch, pass, y);
-  pass.pooled.setZero(batch.task.rows(), y.cols());
+  pass.outputs.resize(layers.size() + 1);
+  Matrix& first = pass.outputs.front();
+  forward_first(policy.critic, prepared, batch, batch.local, pass, first);
+  pass.pooled.setZero(batch.task.rows(), first.cols());
   for (Eigen::Index m = 0; m < pass.pooled.rows(); ++m) {
     const Eigen::Index begin = pass.first[static_cast<std::size_t>(m)];
     const Eigen::Index end = pass.first[static_cast<std::size_t>(m) + 1];
-    for (Eigen::Index r = begin; r < end; ++r) pass.pooled.row(m) += y.row(r);
+    for (Eigen::Index r = begin; r < end; ++r) pass.pooled.row(m) += first.row(r);
     pass.pooled.row(m) *= 1.0F / static_cast<float>(end - begin);
   }
-  forward(policy.critic.rest, pass.pooled, pass.rest);
-  values = pass.rest.back().col(0);
+  for (std::size_t l = 0; l < layers.size(); ++l) {
+    Matrix& y = pass.outputs[l + 1];
+    y.resize(pass.pooled.rows(), layers[l].bias.size());
+    y.rowwise() = layers[l].bias.transpose();
+    add_product(l == 0 ? pass.pooled : pass.outputs[l], prepared.rest[l], y);
+    if (l + 1 < layers.size()) tanh_in_place(y);
+  }
+  std::copy_n(pass.outputs.back().data(), pass.outputs.back().size(), values.begin());
 }
 
-void backward_critic(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
-                     const Vector& slopes, ModularPass& pass, ModularNetwork& gradient) {
-  const Network& rest = policy.critic.rest;
-  pass.slopes.resize(rest.layers.size());
-  pass.slopes.back() = slopes;
-  backward(rest, pass.pooled, pass.rest, pass.slopes, gradient.rest);
-  pass.task_slopes.setZero(pass.pooled.rows(), pass.pooled.cols());  // dL/d(pooled)
-  add_product(pass.slopes.front(), rest.layers.front().weight, pass.task_slopes);
-  const Matrix& y = pass.outputs.front();
-  pass.below.resize(y.rows(), y.cols());
+void forward_critic(const ModularPolicy& policy, const Bodies& bodies,
+                    const PreparedNetwork& prepared, const VoxelBatch& batch, ModularPass& pass,
+                    Vector& values) {
+  values.resize(std::ssize(batch.bodies));
+  each_chunk(bodies, batch, [&](const VoxelSamples& samples, std::size_t first, std::size_t) {
+    forward_critic(policy, bodies, prepared, samples, pass,
+                   std::span(values.data(), batch.bodies.size()).subspan(first));
+  });
+}
+
+void backward_critic(const ModularPolicy& policy, const VoxelSamples& batch,
+                     std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient) {
+  const std::vector<Layer>& layers = policy.critic.rest.layers;
+  pass.slopes.resize(layers.size() + 1);
+  pass.slopes.back() = Eigen::Map<const Matrix>(slopes.data(), pass.pooled.rows(), 1);
+  for (std::size_t l = layers.size(); l-- > 0;) {
+    const Matrix& slope = pass.slopes[l + 1];
+    const Matrix& input = l == 0 ? pass.pooled : pass.outputs[l];
+    Matrix& below = l == 0 ? pass.below : pass.slopes[l];  // first: dL/d(pooled)
+    for (Eigen::Index m = 0; m < slope.rows(); ++m)
+      gradient.rest.layers[l].bias += slope.row(m).transpose();
+    add_product_transposed_left(slope, input, gradient.rest.layers[l].weight);
+    below.setZero(slope.rows(), input.cols());
+    add_product(slope, layers[l].weight, below);
+    if (l > 0) times_tanh_slope(input, below);
+  }
+  Matrix& first = pass.slopes.front();
+  first.resize(pass.outputs.front().rows(), pass.below.cols());
   for (Eigen::Index m = 0; m < pass.pooled.rows(); ++m) {
     const Eigen::Index begin = pass.first[static_cast<std::size_t>(m)];
     const Eigen::Index end = pass.first[static_cast<std::size_t>(m) + 1];
     const float share = 1.0F / static_cast<float>(end - begin);
-    for (Eigen::Index r = begin; r < end; ++r) pass.below.row(r) = share * pass.task_slopes.row(m);
+    for (Eigen::Index r = begin; r < end; ++r) first.row(r) = share * pass.below.row(m);
   }
-  times_tanh_slope(y, pass.below);
-  backward_first(bodies, batch, pass.below, pass, gradient);
+  times_tanh_slope(pass.outputs.front(), first);
+  backward_first(batch, batch.local, first, pass, gradient);
 }
 
 // ---- acting -----------------------------------------------------------------------------------
@@ -466,7 +525,7 @@ ModularActor::ModularActor(const ModularPolicy& policy, const Arena& arena)
                 "the controller sees {} numbers of its task, {} shows {}: it was trained on "
                 "another task",
                 policy.task_length(), arena.task().name, bodies_.task_length());
-  fixed_part(policy.actor, bodies_, fixed_);
+  prepare(policy.actor, bodies_, prepared_);
 }
 
 void ModularActor::act(const VecEnv& env, std::span<const int> steps, std::span<double> targets) {
@@ -482,7 +541,7 @@ void ModularActor::act(const VecEnv& env, std::span<const int> steps, std::span<
   batch_.bodies.assign(environments, 0);
   normalize(policy_->local, local_, batch_.local);
   task_inputs(*policy_, task_, steps, batch_.task);
-  forward_actor(*policy_, bodies_, fixed_, batch_, pass_, means_);
+  forward_actor(*policy_, bodies_, prepared_, batch_, pass_, means_);
   for (std::size_t i = 0; i < targets.size(); ++i)
     targets[i] = target_of(*policy_, static_cast<double>(means_[i]));
 }

@@ -93,14 +93,24 @@ class Bodies {
   int size() const { return static_cast<int>(views_.size()); }
   const VoxelViews& operator[](int body) const { return views_[static_cast<std::size_t>(body)]; }
   int task_length() const { return views_.front().task_length(); }
-  const Matrix& fixed() const { return fixed_; }  // [voxels of all x VoxelViews::fixed_length]
-  // Row of `fixed` where a body's voxels begin.
+  // Row of a body's first voxel among the voxels of all.
   Eigen::Index first(int body) const { return first_[static_cast<std::size_t>(body)]; }
+  Eigen::Index voxels() const { return std::ssize(first_fixed_) - 1; }  // of all
+  // The numbers of a voxel's fixed part that are not 0, most of which are.
+  struct Fixed {
+    Eigen::Index input;
+    float value;
+  };
+  std::span<const Fixed> fixed(Eigen::Index voxel) const {
+    const auto v = static_cast<std::size_t>(voxel);
+    return std::span(fixed_).subspan(first_fixed_[v], first_fixed_[v + 1] - first_fixed_[v]);
+  }
 
  private:
   std::vector<VoxelViews> views_;
   std::vector<Eigen::Index> first_;
-  Matrix fixed_;
+  std::vector<Fixed> fixed_;
+  std::vector<std::size_t> first_fixed_;  // [voxels + 1]
 };
 
 // Samples of any bodies, as networks see them.
@@ -110,52 +120,101 @@ struct VoxelBatch {
   Matrix task;              // [M x (task + 2 periods)]
 };
 
+// Some samples of a batch, one after the other.
+struct VoxelSamples {
+  std::span<const int> bodies;
+  MatrixView local;
+  MatrixView task;
+};
+
+// Calls use(samples, first sample, first action) for a batch's samples, so few at a time that
+// what a pass leaves behind stays in the processor's cache.
+template <typename Use>
+void each_chunk(const Bodies& bodies, const VoxelBatch& batch, Use use) {
+  constexpr Eigen::Index enough = 256;  // voxels
+  const std::size_t samples = batch.bodies.size();
+  Eigen::Index row = 0;
+  std::size_t action = 0;
+  for (std::size_t begin = 0, end = 0; begin < samples; begin = end) {
+    Eigen::Index rows = 0;
+    std::size_t actions = 0;
+    for (; end < samples && rows < enough; ++end) {
+      const VoxelViews& views = bodies[batch.bodies[end]];
+      rows += views.voxels();
+      actions += views.actuators().size();
+    }
+    const auto count = static_cast<Eigen::Index>(end - begin);
+    use(VoxelSamples{std::span(batch.bodies).subspan(begin, end - begin),
+                     batch.local.middleRows(row, rows),
+                     batch.task.middleRows(static_cast<Eigen::Index>(begin), count)},
+        begin, action);
+    row += rows;
+    action += actions;
+  }
+}
+
+// What a network's parameters come to for some bodies, made anew when parameters change.
+struct PreparedNetwork {
+  Matrix fixed;  // what the fixed part of all views means to the first layer [voxels of all x H]
+  // Transposed weights, which products read where they lie.
+  Matrix local;
+  Matrix task;
+  std::vector<Matrix> rest;
+};
+void prepare(const ModularNetwork& network, const Bodies& bodies, PreparedNetwork& prepared);
+
 // What a pass through a network left behind, kept from call to call.
 struct ModularPass {
   struct Row {
     Eigen::Index sample;
-    Eigen::Index fixed;  // of Bodies::fixed
+    Eigen::Index voxel;  // among those of all bodies
   };
   std::vector<Row> rows;            // the voxels that the first layer is applied to
   std::vector<Eigen::Index> first;  // [M + 1] row of each sample's
   std::vector<Eigen::Index> heads;  // actor: the row of each action
-  Matrix local;                     // [rows x local_length]
+  Matrix local;                     // [rows x local_length], where not all voxels are wanted
   Matrix task_part;                 // [M x H]
-  // Actor: what each layer of `rest` reads, its own part and, with an exchange, that of others:
-  // a row for each of `own`'s (neighbours) or for each sample (body).
+  // Actor: what each layer of `rest` reads where it is not all of the layer below, and, with an
+  // exchange, the part of others: a row for each of its own (neighbours) or for each sample (body).
   std::vector<Matrix> own;
   std::vector<Matrix> others;
-  std::vector<Matrix> outputs;  // of the first layer and of those of `rest` (actor)
+  Matrix part;                  // what comes of the part of others
   Matrix pooled;                // [M x H] (critic)
-  Activations rest;             // of `rest` (critic)
+  std::vector<Matrix> outputs;  // of the first layer and of those of `rest`
   // backward
   std::vector<Matrix> slopes;
   Matrix below;
-  Matrix fixed_slopes;
+  Matrix fixed_slopes;  // [voxels of all x H], a sum over passes
   Matrix task_slopes;
-  // Of a layer that reads others: the half of its weight for itself or for them, and what comes
-  // of that half.
-  Matrix half_weight;
-  Matrix part;
   Matrix others_slope;
 };
 
-// What the fixed part of all views means to the first layer, [voxels of all bodies x H].
-void fixed_part(const ModularNetwork& network, const Bodies& bodies, Matrix& part);
-
 // The mean of every action of every sample, in the order of samples and of actions.
-// `fixed` comes from fixed_part() with these parameters.
-void forward_actor(const ModularPolicy& policy, const Bodies& bodies, const Matrix& fixed,
-                   const VoxelBatch& batch, ModularPass& pass, std::vector<float>& means);
+void forward_actor(const ModularPolicy& policy, const Bodies& bodies,
+                   const PreparedNetwork& prepared, const VoxelSamples& batch, ModularPass& pass,
+                   std::span<float> means);
 // The value of every sample.
-void forward_critic(const ModularPolicy& policy, const Bodies& bodies, const Matrix& fixed,
-                    const VoxelBatch& batch, ModularPass& pass, Vector& values);
-// Add to `gradient` what dL/d(means) or dL/d(values) means for the network's parameters;
-// `pass` comes from the pass forward with the same batch.
-void backward_actor(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
+void forward_critic(const ModularPolicy& policy, const Bodies& bodies,
+                    const PreparedNetwork& prepared, const VoxelSamples& batch, ModularPass& pass,
+                    std::span<float> values);
+// All samples of a batch.
+void forward_actor(const ModularPolicy& policy, const Bodies& bodies,
+                   const PreparedNetwork& prepared, const VoxelBatch& batch, ModularPass& pass,
+                   std::vector<float>& means);
+void forward_critic(const ModularPolicy& policy, const Bodies& bodies,
+                    const PreparedNetwork& prepared, const VoxelBatch& batch, ModularPass& pass,
+                    Vector& values);
+
+// Add to `gradient` what dL/d(means) or dL/d(values) means for the network's parameters, those of
+// `fixed` excepted; `pass` comes from the pass forward with the same samples. The slopes of what
+// `fixed` makes are added to pass.fixed_slopes, of which begin_backward() makes zeros and
+// end_backward() the gradient of `fixed`.
+void begin_backward(const ModularNetwork& network, const Bodies& bodies, ModularPass& pass);
+void backward_actor(const ModularPolicy& policy, const Bodies& bodies, const VoxelSamples& batch,
                     std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient);
-void backward_critic(const ModularPolicy& policy, const Bodies& bodies, const VoxelBatch& batch,
-                     const Vector& slopes, ModularPass& pass, ModularNetwork& gradient);
+void backward_critic(const ModularPolicy& policy, const VoxelSamples& batch,
+                     std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient);
+void end_backward(const Bodies& bodies, const ModularPass& pass, ModularNetwork& gradient);
 
 // The task's part as networks see it: task [M x task_length] at steps [M] of their episodes.
 void task_inputs(const ModularPolicy& policy, std::span<const double> task,
@@ -175,7 +234,7 @@ class ModularActor {
  private:
   const ModularPolicy* policy_;
   Bodies bodies_;
-  Matrix fixed_;
+  PreparedNetwork prepared_;
   VoxelBatch batch_;
   ModularPass pass_;
   std::vector<double> local_;

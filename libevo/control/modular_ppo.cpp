@@ -44,47 +44,58 @@ Losses differentiate(const ModularPolicy& policy, const Bodies& bodies, const Mo
   const auto clip = static_cast<float>(objective.clip);
   const auto value_share = static_cast<float>(objective.value_coefficient) * share;
 
-  fixed_part(policy.actor, bodies, scratch.fixed);
-  forward_actor(policy, bodies, scratch.fixed, batch.states, scratch.actor, scratch.means);
-  fixed_part(policy.critic, bodies, scratch.fixed);
-  forward_critic(policy, bodies, scratch.fixed, batch.states, scratch.critic, scratch.values);
-
+  prepare(policy.actor, bodies, scratch.prepared_actor);
+  prepare(policy.critic, bodies, scratch.prepared_critic);
   for (const std::span<float>& block : parameter_blocks(gradients))
     std::fill(block.begin(), block.end(), 0.0F);
+  begin_backward(policy.actor, bodies, scratch.actor);
+  begin_backward(policy.critic, bodies, scratch.critic);
   const float deviation = exp32(policy.log_std[0]);
   const float scale = log_scale(policy);
-  scratch.mean_slopes.resize(scratch.means.size());
-  scratch.value_slopes.resize(static_cast<Eigen::Index>(samples));
   Losses losses;
   double actuators = 0.0;
   float log_std_slope = 0.0F;
-  std::size_t first = 0;
-  for (std::size_t m = 0; m < samples; ++m) {
-    const auto i = static_cast<Eigen::Index>(m);
-    const std::size_t count = actions_of(bodies, batch.states.bodies[m]);
-    const std::span actions = std::span(batch.actions).subspan(first, count);
-    const std::span means = std::span<const float>(scratch.means).subspan(first, count);
-    const float log_ratio = log_density(actions, means, deviation, scale) - batch.log_probs[i];
-    const float g = add_policy_loss(log_ratio, batch.advantages[i], clip, share, losses);
-    for (std::size_t j = 0; j < count; ++j) {
-      const float z = (actions[j] - means[j]) / deviation;
-      scratch.mean_slopes[first + j] = g * z / deviation;
-      log_std_slope += g * (z * z - 1.0F);
-    }
-    scratch.value_slopes[i] = add_value_loss(scratch.values[i], batch.values[i], batch.returns[i],
-                                             objective, value_share, losses);
-    actuators += static_cast<double>(count);
-    first += count;
-  }
+  each_chunk(
+      bodies, batch.states,
+      [&](const VoxelSamples& chunk, std::size_t first_sample, std::size_t first_action) {
+        scratch.values.resize(chunk.bodies.size());
+        scratch.value_slopes.resize(chunk.bodies.size());
+        std::size_t count_of_all = 0;
+        for (const int body : chunk.bodies) count_of_all += actions_of(bodies, body);
+        scratch.means.resize(count_of_all);
+        scratch.mean_slopes.resize(count_of_all);
+        forward_actor(policy, bodies, scratch.prepared_actor, chunk, scratch.actor, scratch.means);
+        forward_critic(policy, bodies, scratch.prepared_critic, chunk, scratch.critic,
+                       scratch.values);
+        std::size_t first = 0;
+        for (std::size_t m = 0; m < chunk.bodies.size(); ++m) {
+          const auto i = static_cast<Eigen::Index>(first_sample + m);
+          const std::size_t count = actions_of(bodies, chunk.bodies[m]);
+          const std::span actions = std::span(batch.actions).subspan(first_action + first, count);
+          const std::span means = std::span<const float>(scratch.means).subspan(first, count);
+          const float log_ratio =
+              log_density(actions, means, deviation, scale) - batch.log_probs[i];
+          const float g = add_policy_loss(log_ratio, batch.advantages[i], clip, share, losses);
+          for (std::size_t j = 0; j < count; ++j) {
+            const float z = (actions[j] - means[j]) / deviation;
+            scratch.mean_slopes[first + j] = g * z / deviation;
+            log_std_slope += g * (z * z - 1.0F);
+          }
+          scratch.value_slopes[m] = add_value_loss(
+              scratch.values[m], batch.values[i], batch.returns[i], objective, value_share, losses);
+          actuators += static_cast<double>(count);
+          first += count;
+        }
+        backward_actor(policy, bodies, chunk, scratch.mean_slopes, scratch.actor, gradients.actor);
+        backward_critic(policy, chunk, scratch.value_slopes, scratch.critic, gradients.critic);
+      });
+  end_backward(bodies, scratch.actor, gradients.actor);
+  end_backward(bodies, scratch.critic, gradients.critic);
   const auto n = static_cast<double>(samples);
   divide(losses, n);
   losses.entropy = actuators / n * (0.5 + static_cast<double>(scale));
   gradients.log_std[0] =
       log_std_slope - static_cast<float>(objective.entropy_coefficient * actuators / n);
-
-  backward_actor(policy, bodies, batch.states, scratch.mean_slopes, scratch.actor, gradients.actor);
-  backward_critic(policy, bodies, batch.states, scratch.value_slopes, scratch.critic,
-                  gradients.critic);
   return losses;
 }
 
@@ -159,8 +170,8 @@ void ModularPpo::begin_turn() {
     v->resize(samples);
   rewards_.resize(static_cast<std::size_t>(samples));
   ended_.resize(static_cast<std::size_t>(samples));
-  fixed_part(policy_.actor, turn().bodies(), actor_fixed_);
-  fixed_part(policy_.critic, turn().bodies(), critic_fixed_);
+  prepare(policy_.actor, turn().bodies(), actor_);
+  prepare(policy_.critic, turn().bodies(), critic_);
 }
 
 // Into local_ and task_.
@@ -190,8 +201,8 @@ void ModularPpo::observe(const VecEnv& env, std::span<const int> steps) {
 
 std::span<const double> ModularPpo::act() {
   const Bodies& bodies = turn().bodies();
-  forward_actor(policy_, bodies, actor_fixed_, state_, pass_, means_);
-  forward_critic(policy_, bodies, critic_fixed_, state_, pass_, values_);
+  forward_actor(policy_, bodies, actor_, state_, pass_, means_);
+  forward_critic(policy_, bodies, critic_, state_, pass_, values_);
   const float deviation = exp32(policy_.log_std[0]);
   const float scale = log_scale(policy_);
   const double kept = settings_.noise_correlation;
@@ -253,14 +264,14 @@ void ModularPpo::bootstrap_truncated(std::span<const std::uint8_t> terminated,
     normalize(policy_.local, std::span(local_).subspan(begin, end - begin), bootstrapped_.local);
     task_inputs(policy_, std::span(task_).subspan(e * task, task), steps.subspan(e, 1),
                 bootstrapped_.task);
-    forward_critic(policy_, turn().bodies(), critic_fixed_, bootstrapped_, pass_, values_);
+    forward_critic(policy_, turn().bodies(), critic_, bootstrapped_, pass_, values_);
     rewards_[static_cast<std::size_t>(t_) * truncated.size() + e] +=
         settings_.gamma * static_cast<double>(values_[0]);
   }
 }
 
 UpdateReport ModularPpo::learn() {
-  forward_critic(policy_, turn().bodies(), critic_fixed_, state_, pass_, values_);
+  forward_critic(policy_, turn().bodies(), critic_, state_, pass_, values_);
   estimate_advantages(
       rewards_, ended_, view(rollout_.values), view(values_), settings_.gamma, settings_.lambda,
       {rollout_.advantages.data(), static_cast<std::size_t>(rollout_.advantages.size())});

@@ -28,13 +28,14 @@ struct ModularSamples {
 };
 
 struct ModularScratch {
-  Matrix fixed;
+  PreparedNetwork prepared_actor;
+  PreparedNetwork prepared_critic;
   ModularPass actor;
   ModularPass critic;
   std::vector<float> means;
   std::vector<float> mean_slopes;
-  Vector values;
-  Vector value_slopes;
+  std::vector<float> values;
+  std::vector<float> value_slopes;
 };
 
 // The parts of L over a batch, and dL/d(parameters), which replaces `gradients`. The entropy
@@ -124,8 +125,8 @@ class ModularPpo {
   std::vector<double> rewards_;      // [T*E_g], scaled
   std::vector<std::uint8_t> ended_;  // [T*E_g]
 
-  Matrix actor_fixed_;  // fixed_part() of the present parameters
-  Matrix critic_fixed_;
+  PreparedNetwork actor_;  // of the present parameters
+  PreparedNetwork critic_;
   ModularPass pass_;
   std::vector<float> means_;
   Vector values_;

@@ -78,14 +78,14 @@ ModularSamples plausible_batch(const ModularPolicy& policy, const Bodies& bodies
   };
   noise(batch.states.local, rows, VoxelViews::local_length);
   noise(batch.states.task, samples, policy.actor.task.cols());
-  Matrix fixed;
+  PreparedNetwork prepared;
   ModularPass pass;
   std::vector<float> means;
-  fixed_part(policy.actor, bodies, fixed);
-  forward_actor(policy, bodies, fixed, batch.states, pass, means);
+  prepare(policy.actor, bodies, prepared);
+  forward_actor(policy, bodies, prepared, batch.states, pass, means);
   Vector values;
-  fixed_part(policy.critic, bodies, fixed);
-  forward_critic(policy, bodies, fixed, batch.states, pass, values);
+  prepare(policy.critic, bodies, prepared);
+  forward_critic(policy, bodies, prepared, batch.states, pass, values);
   const double deviation = std::exp(static_cast<double>(policy.log_std[0]));
   for (Vector* v : {&batch.log_probs, &batch.values, &batch.advantages, &batch.returns})
     v->resize(samples);

@@ -171,6 +171,7 @@ std::string describe(const ModularPolicy& policy) {
   text += " of every voxel, for any body";
   if (policy.exchange != Exchange::none)
     text += fmt::format("; layers read others ({})", word(policy.exchange));
+  if (policy.gating() != Gating::none) text += "; the voxel's place and material scale its units";
   return text;
 }
 

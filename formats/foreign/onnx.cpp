@@ -268,8 +268,7 @@ std::string modular_to_onnx(const ModularPolicy& policy, const PolicyFile& file,
     throw Error(Failure::data, "the policy does not fit the task that it carries");
   PreparedNetwork actor;
   prepare(policy.actor, bodies, actor);
-  Matrix fixed = actor.fixed;  // of the first layer, with its bias
-  fixed.rowwise() += policy.actor.bias.transpose();
+  const bool gated = !actor.gates.empty();
 
   Graph graph;
   add_task(graph, policy);
@@ -280,7 +279,9 @@ std::string modular_to_onnx(const ModularPolicy& policy, const PolicyFile& file,
   add_normalizer(graph, policy.local, "_local");
   graph.apply("MatMul", {graph.matrix("weight_local", policy.actor.local.transpose())});
   graph.apply("Add", {task});
-  graph.apply("Add", {graph.matrix("fixed", fixed)});
+  graph.apply("Add", {graph.matrix("bias", policy.actor.bias.transpose())});
+  if (gated) graph.apply("Mul", {graph.matrix("scale", actor.gates.front().scale)});
+  graph.apply("Add", {graph.matrix("fixed", actor.fixed)});
   graph.apply("Tanh", {});
   const bool exchanges = policy.exchange != Exchange::none && policy.actor.rest.layers.size() > 1;
   if (exchanges) graph.matrix("shares", shares_of_others(policy, views));
@@ -292,7 +293,13 @@ std::string modular_to_onnx(const ModularPolicy& policy, const PolicyFile& file,
       graph.apply_after({own}, "Concat", Attribute{"axis", 2});
     }
     add_layer(graph, policy.actor.rest.layers[l], l);
-    if (!head) graph.apply("Tanh", {});
+    if (head) break;
+    if (gated) {
+      const PreparedNetwork::Gate& gate = actor.gates[l + 1];
+      graph.apply("Mul", {graph.matrix(fmt::format("scale_{}", l), gate.scale)});
+      graph.apply("Add", {graph.matrix(fmt::format("shift_{}", l), gate.shift)});
+    }
+    graph.apply("Tanh", {});
   }
   graph.apply("Gather",
               {graph.places("actuators", {views.actuators().begin(), views.actuators().end()})},

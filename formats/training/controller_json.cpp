@@ -179,6 +179,15 @@ ModularNetwork modular_network(const Json& value, const std::string& path) {
     throw refusal(path + "/rest", "a list of layers is expected, found {}", shown(rest));
   for (std::size_t l = 0; l < rest.size(); ++l)
     made.rest.layers.push_back(layer(rest[l], fmt::format("{}/rest/{}", path, l), 0));
+  if (!value.contains("gates")) return made;
+  const Json& gates = value["gates"];
+  if (!gates.is_array())
+    throw refusal(path + "/gates", "a list of gates is expected, found {}", shown(gates));
+  for (std::size_t l = 0; l < gates.size(); ++l) {
+    const std::string of_gate = fmt::format("{}/gates/{}", path, l);
+    made.gates.push_back({matrix(gates[l], "scale", of_gate),
+                          l == 0 ? Matrix() : matrix(gates[l], "shift", of_gate)});
+  }
   return made;
 }
 
@@ -197,14 +206,14 @@ ModularPolicy modular_policy(const Json& document) {
   if (document.contains("clock")) made.clock = numbers(document, "clock", "");
   made.actor = modular_network(member(document, "actor", ""), "/actor");
   // What does not act may be missing; the shapes are then those of the actor.
-  made.critic =
-      document.contains("critic")
-          ? modular_network(document["critic"], "/critic")
-          : ModularNetwork{made.actor.local,
-                           made.actor.task,
-                           made.actor.fixed,
-                           made.actor.bias,
-                           {{{Matrix::Zero(1, made.actor.bias.size()), Vector::Zero(1)}}}};
+  made.critic = document.contains("critic")
+                    ? modular_network(document["critic"], "/critic")
+                    : ModularNetwork{made.actor.local,
+                                     made.actor.task,
+                                     made.actor.fixed,
+                                     made.actor.bias,
+                                     {{{Matrix::Zero(1, made.actor.bias.size()), Vector::Zero(1)}}},
+                                     {}};
   made.log_std = document.contains("log_std")
                      ? Vector(vector(numbers(document, "log_std", "")).cast<float>())
                      : Vector(Vector::Zero(1));

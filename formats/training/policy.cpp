@@ -223,6 +223,12 @@ void write_modular_network(hdf5::Writer& file, const std::string& group,
   write("fixed", network.fixed);
   file.vector(group + "/first/bias", values_of(network.bias));
   write_network(file, group + "/rest", network.rest);
+  for (std::size_t l = 0; l < network.gates.size(); ++l)
+    for (const auto& [name, weight] :
+         {std::pair{"scale", &network.gates[l].scale}, std::pair{"shift", &network.gates[l].shift}})
+      if (weight->size() > 0)
+        file.array(fmt::format("{}/gates/layer_{}/{}", group, l, name),
+                   {size(weight->rows()), size(weight->cols())}, values_of(*weight));
 }
 
 ModularNetwork read_modular_network(const hdf5::Reader& file, const std::string& group,
@@ -240,7 +246,18 @@ ModularNetwork read_modular_network(const hdf5::Reader& file, const std::string&
   network.fixed = read("fixed", VoxelViews::fixed_length);
   for (std::size_t l = 0; file.exists(fmt::format("{}/rest/layer_{}", group, l)); ++l)
     network.rest.layers.push_back(read_layer(file, fmt::format("{}/rest/layer_{}", group, l)));
-  return network;
+  for (std::size_t l = 0;; ++l) {
+    const std::string gate = fmt::format("{}/gates/layer_{}", group, l);
+    if (!file.exists(gate) || l > network.rest.layers.size()) return network;
+    const std::size_t units = l == 0 ? bias.size() : size(network.rest.layers[l - 1].bias.size());
+    const auto part = [&](const char* name) {
+      const auto weight =
+          file.array<float>(gate + "/" + name, {units, size(VoxelViews::fixed_length)});
+      return Matrix(Eigen::Map<const Matrix>(weight.values.data(), static_cast<Eigen::Index>(units),
+                                             VoxelViews::fixed_length));
+    };
+    network.gates.push_back({part("scale"), l == 0 ? Matrix() : part("shift")});
+  }
 }
 
 void Stored<ModularPolicy>::write(hdf5::Writer& file, const ModularPolicy& policy) {

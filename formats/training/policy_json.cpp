@@ -93,12 +93,18 @@ Json rows_to_json(const Matrix& weight) {
 }
 
 Json network_to_json(const ModularNetwork& network) {
-  return {{"first",
-           {{"local", rows_to_json(network.local)},
-            {"task", rows_to_json(network.task)},
-            {"fixed", rows_to_json(network.fixed)},
-            {"bias", numbers(network.bias)}}},
-          {"rest", network_to_json(network.rest)}};
+  Json document = {{"first",
+                    {{"local", rows_to_json(network.local)},
+                     {"task", rows_to_json(network.task)},
+                     {"fixed", rows_to_json(network.fixed)},
+                     {"bias", numbers(network.bias)}}},
+                   {"rest", network_to_json(network.rest)}};
+  for (const Gate& gate : network.gates) {
+    Json& own = document["gates"].emplace_back();
+    own["scale"] = rows_to_json(gate.scale);
+    if (gate.shift.size() > 0) own["shift"] = rows_to_json(gate.shift);
+  }
+  return document;
 }
 
 void add_controller(Json& document, const ModularPolicy& policy) {

@@ -119,7 +119,7 @@ std::string to_text(const Value& value) {
 using Member =
     std::variant<double T::*, int T::*, std::int64_t T::*, bool T::*, std::vector<int> T::*,
                  std::vector<AttemptKind> T::*, Algorithm T::*, Schedule T::*, TimeLimit T::*,
-                 Standardize T::*, ActionMap T::*, Exchange T::*>;
+                 Standardize T::*, ActionMap T::*, Exchange T::*, Gating T::*>;
 
 struct Setting {
   const char* key;

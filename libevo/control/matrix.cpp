@@ -231,6 +231,32 @@ void Tanh(float* x, std::ptrdiff_t n) {
   std::copy_n(rest, n - i, x + i);
 }
 
+// c[0, n) += value row[0, n)
+HWY_INLINE void add_scaled(float value, const float* row, float* c, std::ptrdiff_t n) {
+  const D d;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const V scale = hn::Set(d, value);
+  std::ptrdiff_t j = 0;
+  for (; j + lanes <= n; j += lanes)
+    hn::StoreU(hn::Add(hn::LoadU(d, c + j), hn::Mul(scale, hn::LoadU(d, row + j))), d, c + j);
+  for (; j < n; ++j) c[j] += value * row[j];
+}
+
+// With row i of A, entry by entry: rows of B to row i of C or, `transposed`, row i of B to rows of
+// C.
+void AddSparseProduct(const SparseMatrix& a, bool transposed, const float* b, std::ptrdiff_t n,
+                      float* c) {
+  for (std::ptrdiff_t i = 0; i < a.rows(); ++i)
+    for (std::size_t e = a.first[static_cast<std::size_t>(i)];
+         e < a.first[static_cast<std::size_t>(i) + 1]; ++e) {
+      const auto [column, value] = a.entries[e];
+      if (transposed)
+        add_scaled(value, b + i * n, c + column * n, n);
+      else
+        add_scaled(value, b + column * n, c + i * n, n);
+    }
+}
+
 void TimesTanhSlope(const float* y, float* slope, std::ptrdiff_t n) {
   const D d;
   const V one = hn::Set(d, 1.0F);
@@ -254,6 +280,7 @@ namespace {
 HWY_EXPORT(AddProduct);
 HWY_EXPORT(Tanh);
 HWY_EXPORT(TimesTanhSlope);
+HWY_EXPORT(AddSparseProduct);
 
 Operand plain(const MatrixView& x) { return {x.data(), x.outerStride(), 1}; }
 Operand transposed(const MatrixView& x) { return {x.data(), 1, x.outerStride()}; }
@@ -276,6 +303,23 @@ void add_product_transposed_left(const MatrixView& a, const MatrixView& b, Matri
   eigen_assert(a.rows() == b.rows() && c.rows() == a.cols() && c.cols() == b.cols());
   HWY_DYNAMIC_DISPATCH(AddProduct)
   ({a.cols(), b.cols(), a.rows()}, transposed(a), plain(b), c.data(), c.outerStride());
+}
+
+void SparseMatrix::add_row(const Eigen::Ref<const Eigen::RowVectorXf>& row) {
+  columns = row.size();
+  for (Eigen::Index j = 0; j < columns; ++j)
+    if (row[j] != 0.0F) entries.push_back({j, row[j]});
+  first.push_back(entries.size());
+}
+
+void add_product(const SparseMatrix& a, const Matrix& b, Matrix& c) {
+  eigen_assert(a.columns == b.rows() && c.rows() == a.rows() && c.cols() == b.cols());
+  HWY_DYNAMIC_DISPATCH(AddSparseProduct)(a, false, b.data(), b.cols(), c.data());
+}
+
+void add_product_transposed_left(const SparseMatrix& a, const Matrix& b, Matrix& c) {
+  eigen_assert(a.rows() == b.rows() && c.rows() == a.columns && c.cols() == b.cols());
+  HWY_DYNAMIC_DISPATCH(AddSparseProduct)(a, true, b.data(), b.cols(), c.data());
 }
 
 void tanh_in_place(Matrix& x) { HWY_DYNAMIC_DISPATCH(Tanh)(x.data(), x.size()); }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <vector>
 
 namespace evo {
 
@@ -21,6 +22,22 @@ void add_product(const MatrixView& a, const MatrixView& b, MatrixBlock c);
 void add_product_transposed_right(const MatrixView& a, const MatrixView& b, MatrixBlock c);
 // C += A' B         A [k x m], B [k x n], C [m x n]
 void add_product_transposed_left(const MatrixView& a, const MatrixView& b, MatrixBlock c);
+
+// A matrix of mostly zeros: of row i the entries [first[i], first[i + 1]), columns ascending.
+struct SparseMatrix {
+  struct Entry {
+    Eigen::Index column;
+    float value;
+  };
+  std::vector<Entry> entries;
+  std::vector<std::size_t> first = {0};
+  Eigen::Index columns = 0;
+  Eigen::Index rows() const { return std::ssize(first) - 1; }
+  void add_row(const Eigen::Ref<const Eigen::RowVectorXf>& row);
+};
+// The bits of the dense products, where C had no -0.
+void add_product(const SparseMatrix& a, const Matrix& b, Matrix& c);
+void add_product_transposed_left(const SparseMatrix& a, const Matrix& b, Matrix& c);
 
 // x := tanh(x), every entry; within 4e-7 of the true value, never above 1 in
 // magnitude. NaN stays NaN.

@@ -26,6 +26,10 @@ void each_block(Net& network, Use use) {
     use(layer.weight);
     use(layer.bias);
   }
+  for (auto& gate : network.gates) {
+    use(gate.scale);
+    use(gate.shift);
+  }
 }
 
 template <typename Span, typename Parameters>
@@ -85,33 +89,73 @@ void select_rows(const Bodies& bodies, const VoxelSamples& batch, Wanted wanted,
   }
 }
 
+// ---- gates ----------------------------------------------------------------------------
+
+// The voxel, of all bodies', of row r of a layer: of all rows of a pass or of its heads.
+Eigen::Index voxel_of(const ModularPass& pass, bool heads, Eigen::Index r) {
+  const Eigen::Index row = heads ? pass.heads[static_cast<std::size_t>(r)] : r;
+  return pass.rows[static_cast<std::size_t>(row)].voxel;
+}
+
+// y := y scale + shift, by voxel; what y was is kept in `sums`.
+void apply_gate(const Matrix& scale, const Matrix& shift, const ModularPass& pass, bool heads,
+                Matrix& sums, Matrix& y) {
+  sums = y;
+  for (Eigen::Index r = 0; r < y.rows(); ++r) {
+    const Eigen::Index v = voxel_of(pass, heads, r);
+    y.row(r).array() = sums.row(r).array() * scale.row(v).array() + shift.row(v).array();
+  }
+}
+
+// The way back: `slope` becomes that of the sums, and what it means for the gate is added.
+void through_gate(const Matrix& scale, const ModularPass& pass, bool heads, const Matrix& sums,
+                  Matrix& scale_slopes, Matrix& shift_slopes, Matrix& slope) {
+  for (Eigen::Index r = 0; r < slope.rows(); ++r) {
+    const Eigen::Index v = voxel_of(pass, heads, r);
+    shift_slopes.row(v) += slope.row(r);
+    scale_slopes.row(v).array() += slope.row(r).array() * sums.row(r).array();
+    slope.row(r).array() *= scale.row(v).array();
+  }
+}
+
 // ---- the first layer ------------------------------------------------------------------
 
 void forward_first(const ModularNetwork& network, const PreparedNetwork& prepared,
                    const VoxelSamples& batch, const MatrixView& local, ModularPass& pass,
                    Matrix& y) {
+  const bool gated = !network.gates.empty();
   pass.task_part.resize(batch.task.rows(), width(network));
   pass.task_part.rowwise() = network.bias.transpose();
   add_product(batch.task, prepared.task, pass.task_part);
   y.resize(local.rows(), width(network));
   for (Eigen::Index r = 0; r < y.rows(); ++r) {
     const ModularPass::Row& row = pass.rows[static_cast<std::size_t>(r)];
-    y.row(r) = pass.task_part.row(row.sample) + prepared.fixed.row(row.voxel);
+    if (gated)
+      y.row(r) = pass.task_part.row(row.sample);
+    else
+      y.row(r) = pass.task_part.row(row.sample) + prepared.fixed.row(row.voxel);
   }
   add_product(local, prepared.local, y);
+  pass.sums.resize(network.gates.size());
+  pass.gate_slopes.resize(network.gates.size());
+  if (gated) apply_gate(prepared.gates.front().scale, prepared.fixed, pass, false, pass.sums[0], y);
   tanh_in_place(y);
 }
 
 // `slope` is dL/d(what the tanh gets).
-void backward_first(const VoxelSamples& batch, const MatrixView& local, const Matrix& slope,
-                    ModularPass& pass, ModularNetwork& gradient) {
+void backward_first(const PreparedNetwork& prepared, const VoxelSamples& batch,
+                    const MatrixView& local, Matrix& slope, ModularPass& pass,
+                    ModularNetwork& gradient) {
+  if (prepared.gates.empty())
+    for (Eigen::Index r = 0; r < slope.rows(); ++r)
+      pass.fixed_slopes.row(voxel_of(pass, false, r)) += slope.row(r);
+  else
+    through_gate(prepared.gates.front().scale, pass, false, pass.sums.front(),
+                 pass.gate_slopes.front().scale, pass.fixed_slopes, slope);
   add_product_transposed_left(slope, local, gradient.local);
   pass.task_slopes.setZero(batch.task.rows(), slope.cols());
-  for (Eigen::Index r = 0; r < slope.rows(); ++r) {
-    const ModularPass::Row& row = pass.rows[static_cast<std::size_t>(r)];
-    pass.task_slopes.row(row.sample) += slope.row(r);
-    pass.fixed_slopes.row(row.voxel) += slope.row(r);
-  }
+  for (Eigen::Index r = 0; r < slope.rows(); ++r)
+    pass.task_slopes.row(pass.rows[static_cast<std::size_t>(r)].sample) += slope.row(r);
   add_product_transposed_left(pass.task_slopes, batch.task, gradient.task);
   for (Eigen::Index m = 0; m < pass.task_slopes.rows(); ++m)
     gradient.bias += pass.task_slopes.row(m).transpose();
@@ -252,9 +296,13 @@ const MatrixView actor_local(const ModularPolicy& policy, const VoxelSamples& ba
 
 // ---- parameters ---------------------------------------------------------------------------
 
+bool Gate::operator==(const Gate& other) const {
+  return same(scale, other.scale) && same(shift, other.shift);
+}
+
 bool ModularNetwork::operator==(const ModularNetwork& other) const {
   return same(local, other.local) && same(task, other.task) && same(fixed, other.fixed) &&
-         same(bias, other.bias) && rest == other.rest;
+         same(bias, other.bias) && rest == other.rest && gates == other.gates;
 }
 
 bool ModularPolicy::operator==(const ModularPolicy& other) const {
@@ -286,8 +334,27 @@ std::optional<std::string> defect(const ModularPolicy& policy) {
     if (network.rest.layers.empty() || outputs != 1) return "its last layer has not one output";
     return std::nullopt;
   };
+  const auto misfit = [&](const ModularNetwork& network,
+                          std::size_t gated) -> std::optional<std::string> {
+    if (network.gates.empty()) return std::nullopt;
+    if (network.gates.size() != gated)
+      return fmt::format("{} gates for {} layers", network.gates.size(), gated);
+    for (std::size_t l = 0; l < gated; ++l) {
+      const Eigen::Index h = l == 0 ? network.bias.size() : network.rest.layers[l - 1].bias.size();
+      const auto fits = [&](const Matrix& m) {
+        return m.rows() == h && m.cols() == VoxelViews::fixed_length;
+      };
+      if (!fits(network.gates[l].scale) ||
+          (l == 0 ? network.gates[l].shift.size() != 0 : !fits(network.gates[l].shift)))
+        return fmt::format("gate {} does not fit its layer", l);
+    }
+    return std::nullopt;
+  };
   if (auto of_actor = problem(policy.actor, policy.exchange)) return "actor: " + *of_actor;
   if (auto of_critic = problem(policy.critic, Exchange::none)) return "critic: " + *of_critic;
+  if (auto of_actor = misfit(policy.actor, policy.actor.rest.layers.size()))
+    return "actor: " + *of_actor;
+  if (auto of_critic = misfit(policy.critic, 1)) return "critic: " + *of_critic;
   if (policy.log_std.size() != 1) return "log_std: one number is expected";
   return std::nullopt;
 }
@@ -333,6 +400,15 @@ ModularNetwork orthogonal_modular_network(int task_inputs, const std::vector<int
   return network;
 }
 
+void add_gates(ModularNetwork& network, std::size_t layers) {
+  network.gates.clear();
+  for (std::size_t l = 0; l < layers; ++l) {
+    const Eigen::Index h = l == 0 ? network.bias.size() : network.rest.layers[l - 1].bias.size();
+    const Matrix zero = Matrix::Zero(h, VoxelViews::fixed_length);
+    network.gates.push_back({zero, l == 0 ? Matrix() : zero});
+  }
+}
+
 // ---- bodies ---------------------------------------------------------------------------------
 
 Bodies::Bodies(std::span<const Arena* const> arenas) {
@@ -346,13 +422,8 @@ Bodies::Bodies(std::span<const Arena* const> arenas) {
                   "a controller for several robots needs one task; here are {} and {}",
                   arenas.front()->task().name, arena->task().name);
   }
-  first_fixed_.push_back(0);
   for (const VoxelViews& views : views_)
-    for (Eigen::Index v = 0; v < views.fixed().rows(); ++v) {
-      for (Eigen::Index i = 0; i < views.fixed().cols(); ++i)
-        if (views.fixed()(v, i) != 0.0F) fixed_.push_back({i, views.fixed()(v, i)});
-      first_fixed_.push_back(fixed_.size());
-    }
+    for (Eigen::Index v = 0; v < views.fixed().rows(); ++v) fixed_.add_row(views.fixed().row(v));
 }
 
 // ---- passes -----------------------------------------------------------------------------------
@@ -363,11 +434,16 @@ void prepare(const ModularNetwork& network, const Bodies& bodies, PreparedNetwor
   prepared.rest.resize(network.rest.layers.size());
   for (std::size_t l = 0; l < prepared.rest.size(); ++l)
     prepared.rest[l] = network.rest.layers[l].weight.transpose();
-  const Matrix fixed = network.fixed.transpose();
-  prepared.fixed.setZero(bodies.voxels(), width(network));
-  for (Eigen::Index v = 0; v < bodies.voxels(); ++v)
-    for (const auto& [input, value] : bodies.fixed(v))
-      prepared.fixed.row(v) += value * fixed.row(input);
+  const auto of_fixed = [&](const Matrix& weight, float start, Matrix& part) {
+    part.setConstant(bodies.fixed().rows(), weight.rows(), start);
+    add_product(bodies.fixed(), weight.transpose(), part);
+  };
+  of_fixed(network.fixed, 0.0F, prepared.fixed);
+  prepared.gates.resize(network.gates.size());
+  for (std::size_t l = 0; l < network.gates.size(); ++l) {
+    of_fixed(network.gates[l].scale, 1.0F, prepared.gates[l].scale);
+    if (l > 0) of_fixed(network.gates[l].shift, 0.0F, prepared.gates[l].shift);
+  }
 }
 
 void forward_actor(const ModularPolicy& policy, const Bodies& bodies,
@@ -390,7 +466,12 @@ void forward_actor(const ModularPolicy& policy, const Bodies& bodies,
       add_with_others(policy, bodies, prepared, batch, l, pass, y);
     else
       add_product(own, prepared.rest[l], y);
-    if (l + 1 < layers.size()) tanh_in_place(y);
+    if (l + 1 == layers.size()) break;
+    if (!prepared.gates.empty()) {
+      const PreparedNetwork::Gate& gate = prepared.gates[l + 1];
+      apply_gate(gate.scale, gate.shift, pass, first_of_heads(policy, l), pass.sums[l + 1], y);
+    }
+    tanh_in_place(y);
   }
   const Matrix& heads = pass.outputs.back();  // a row of each action
   std::copy_n(heads.data(), heads.size(), means.begin());
@@ -408,25 +489,40 @@ void forward_actor(const ModularPolicy& policy, const Bodies& bodies,
 }
 
 void begin_backward(const ModularNetwork& network, const Bodies& bodies, ModularPass& pass) {
-  pass.fixed_slopes.setZero(bodies.voxels(), width(network));
+  const Eigen::Index voxels = bodies.fixed().rows();
+  pass.fixed_slopes.setZero(voxels, width(network));
+  pass.gate_slopes.resize(network.gates.size());
+  for (std::size_t l = 0; l < network.gates.size(); ++l) {
+    pass.gate_slopes[l].scale.setZero(voxels, network.gates[l].scale.rows());
+    pass.gate_slopes[l].shift.setZero(voxels, network.gates[l].shift.rows());
+  }
 }
 
 void end_backward(const Bodies& bodies, const ModularPass& pass, ModularNetwork& gradient) {
-  Matrix fixed = Matrix::Zero(gradient.fixed.cols(), gradient.fixed.rows());  // transposed
-  for (Eigen::Index v = 0; v < bodies.voxels(); ++v)
-    for (const auto& [input, value] : bodies.fixed(v))
-      fixed.row(input) += value * pass.fixed_slopes.row(v);
-  gradient.fixed += fixed.transpose();
+  const auto add = [&](const Matrix& slopes, Matrix& weight) {
+    Matrix transposed = Matrix::Zero(weight.cols(), weight.rows());
+    add_product_transposed_left(bodies.fixed(), slopes, transposed);
+    weight += transposed.transpose();
+  };
+  add(pass.fixed_slopes, gradient.fixed);
+  for (std::size_t l = 0; l < gradient.gates.size(); ++l) {
+    add(pass.gate_slopes[l].scale, gradient.gates[l].scale);
+    if (l > 0) add(pass.gate_slopes[l].shift, gradient.gates[l].shift);
+  }
 }
 
-void backward_actor(const ModularPolicy& policy, const Bodies& bodies, const VoxelSamples& batch,
+void backward_actor(const ModularPolicy& policy, const Bodies& bodies,
+                    const PreparedNetwork& prepared, const VoxelSamples& batch,
                     std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient) {
   const std::vector<Layer>& layers = policy.actor.rest.layers;
   pass.slopes.resize(layers.size() + 1);  // dL/d(what the tanh of each layer gets)
   pass.slopes.back() = Eigen::Map<const Matrix>(slopes.data(), pass.outputs.back().rows(), 1);
   for (std::size_t l = layers.size(); l-- > 0;) {
-    const Matrix& slope = pass.slopes[l + 1];
+    Matrix& slope = pass.slopes[l + 1];
     Matrix& below = pass.slopes[l];
+    if (!prepared.gates.empty() && l + 1 < layers.size())
+      through_gate(prepared.gates[l + 1].scale, pass, first_of_heads(policy, l), pass.sums[l + 1],
+                   pass.gate_slopes[l + 1].scale, pass.gate_slopes[l + 1].shift, slope);
     for (Eigen::Index r = 0; r < slope.rows(); ++r)
       gradient.rest.layers[l].bias += slope.row(r).transpose();
     if (reads_others(policy, l)) {
@@ -438,7 +534,8 @@ void backward_actor(const ModularPolicy& policy, const Bodies& bodies, const Vox
     }
     times_tanh_slope(pass.outputs[l], below);
   }
-  backward_first(batch, actor_local(policy, batch, pass), pass.slopes.front(), pass, gradient);
+  backward_first(prepared, batch, actor_local(policy, batch, pass), pass.slopes.front(), pass,
+                 gradient);
 }
 
 void forward_critic(const ModularPolicy& policy, const Bodies& bodies,
@@ -476,8 +573,9 @@ void forward_critic(const ModularPolicy& policy, const Bodies& bodies,
   });
 }
 
-void backward_critic(const ModularPolicy& policy, const VoxelSamples& batch,
-                     std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient) {
+void backward_critic(const ModularPolicy& policy, const PreparedNetwork& prepared,
+                     const VoxelSamples& batch, std::span<const float> slopes, ModularPass& pass,
+                     ModularNetwork& gradient) {
   const std::vector<Layer>& layers = policy.critic.rest.layers;
   pass.slopes.resize(layers.size() + 1);
   pass.slopes.back() = Eigen::Map<const Matrix>(slopes.data(), pass.pooled.rows(), 1);
@@ -501,7 +599,7 @@ void backward_critic(const ModularPolicy& policy, const VoxelSamples& batch,
     for (Eigen::Index r = begin; r < end; ++r) first.row(r) = share * pass.below.row(m);
   }
   times_tanh_slope(pass.outputs.front(), first);
-  backward_first(batch, batch.local, first, pass, gradient);
+  backward_first(prepared, batch, batch.local, first, pass, gradient);
 }
 
 // ---- acting -----------------------------------------------------------------------------------

@@ -31,7 +31,28 @@ constexpr const char* word(Exchange value) {
   return nullptr;
 }
 
-// y = tanh(local l' + task t' + fixed f' + bias) for the parts l, t, f of a voxel's view;
+// What multiplies the sums of hidden units: nothing, or what the fixed part of the voxel's view
+// says (feature-wise modulation, Perez et al. 2018; by the body, Xiong et al. 2023).
+enum class Gating { none, fixed };
+constexpr const char* word(Gating value) {
+  switch (value) {
+    case Gating::none:
+      return "none";
+    case Gating::fixed:
+      return "fixed";
+  }
+  return nullptr;
+}
+
+// Of a hidden layer whose units sum up x: tanh(x (1 + scale f) + shift f), f the fixed part.
+struct Gate {
+  Matrix scale;  // [H x VoxelViews::fixed_length]
+  Matrix shift;  // as large; of the first layer none, since that is its `fixed`
+  bool operator==(const Gate& other) const;
+};
+
+// y = tanh(local l' + task t' + fixed f' + bias) for the parts l, t, f of a voxel's view, or with
+// a gate tanh((local l' + task t' + bias) (1 + scale f') + fixed f');
 // then the layers of `rest`, tanh after all but the last.
 struct ModularNetwork {
   Matrix local;  // [H x VoxelViews::local_length]
@@ -39,6 +60,8 @@ struct ModularNetwork {
   Matrix fixed;  // [H x VoxelViews::fixed_length]
   Vector bias;   // [H]
   Network rest;
+  // None or of every hidden layer that a voxel has: the critic's is the first alone.
+  std::vector<Gate> gates;
   bool operator==(const ModularNetwork& other) const;
 };
 
@@ -59,6 +82,7 @@ struct ModularPolicy {
   std::vector<double> clock;  // as in Policy
 
   int task_length() const { return static_cast<int>(task.mean.size()); }
+  Gating gating() const { return actor.gates.empty() ? Gating::none : Gating::fixed; }
   bool operator==(const ModularPolicy& other) const;
 };
 
@@ -72,7 +96,8 @@ struct ModularGradients {
 };
 
 // All parameters as runs of floats, in one fixed order: actor, critic (local, task, fixed,
-// bias, weight and bias of every layer of `rest`), log_std. Of gradients likewise.
+// bias, weight and bias of every layer of `rest`, scale and shift of every gate), log_std. Of
+// gradients likewise.
 std::vector<std::span<float>> parameter_blocks(ModularPolicy& policy);
 std::vector<std::span<const float>> parameter_blocks(const ModularPolicy& policy);
 std::vector<std::span<float>> parameter_blocks(ModularGradients& gradients);
@@ -83,6 +108,9 @@ ModularGradients zero_gradients(const ModularPolicy& policy);
 ModularNetwork orthogonal_modular_network(int task_inputs, const std::vector<int>& widths,
                                           Exchange exchange, double hidden_gain, double head_gain,
                                           Stream& stream);
+
+// Gates of its first `layers` hidden layers, of zeros: they change nothing yet.
+void add_gates(ModularNetwork& network, std::size_t layers);
 
 // The bodies that a batch is of.
 class Bodies {
@@ -95,22 +123,12 @@ class Bodies {
   int task_length() const { return views_.front().task_length(); }
   // Row of a body's first voxel among the voxels of all.
   Eigen::Index first(int body) const { return first_[static_cast<std::size_t>(body)]; }
-  Eigen::Index voxels() const { return std::ssize(first_fixed_) - 1; }  // of all
-  // The numbers of a voxel's fixed part that are not 0, most of which are.
-  struct Fixed {
-    Eigen::Index input;
-    float value;
-  };
-  std::span<const Fixed> fixed(Eigen::Index voxel) const {
-    const auto v = static_cast<std::size_t>(voxel);
-    return std::span(fixed_).subspan(first_fixed_[v], first_fixed_[v + 1] - first_fixed_[v]);
-  }
+  const SparseMatrix& fixed() const { return fixed_; }  // [voxels of all x fixed_length]
 
  private:
   std::vector<VoxelViews> views_;
   std::vector<Eigen::Index> first_;
-  std::vector<Fixed> fixed_;
-  std::vector<std::size_t> first_fixed_;  // [voxels + 1]
+  SparseMatrix fixed_;
 };
 
 // Samples of any bodies, as networks see them.
@@ -155,7 +173,13 @@ void each_chunk(const Bodies& bodies, const VoxelBatch& batch, Use use) {
 
 // What a network's parameters come to for some bodies, made anew when parameters change.
 struct PreparedNetwork {
-  Matrix fixed;  // what the fixed part of all views means to the first layer [voxels of all x H]
+  // What the fixed part of all views means to a layer [voxels of all x H].
+  struct Gate {
+    Matrix scale;  // with the 1
+    Matrix shift;
+  };
+  Matrix fixed;  // to the first
+  std::vector<Gate> gates;
   // Transposed weights, which products read where they lie.
   Matrix local;
   Matrix task;
@@ -180,11 +204,14 @@ struct ModularPass {
   std::vector<Matrix> others;
   Matrix part;                  // what comes of the part of others
   Matrix pooled;                // [M x H] (critic)
+  std::vector<Matrix> sums;     // of the units of gated layers
   std::vector<Matrix> outputs;  // of the first layer and of those of `rest`
   // backward
+  // Sums over passes, [voxels of all x H].
+  Matrix fixed_slopes;
+  std::vector<PreparedNetwork::Gate> gate_slopes;
   std::vector<Matrix> slopes;
   Matrix below;
-  Matrix fixed_slopes;  // [voxels of all x H], a sum over passes
   Matrix task_slopes;
   Matrix others_slope;
 };
@@ -205,15 +232,16 @@ void forward_critic(const ModularPolicy& policy, const Bodies& bodies,
                     const PreparedNetwork& prepared, const VoxelBatch& batch, ModularPass& pass,
                     Vector& values);
 
-// Add to `gradient` what dL/d(means) or dL/d(values) means for the network's parameters, those of
-// `fixed` excepted; `pass` comes from the pass forward with the same samples. The slopes of what
-// `fixed` makes are added to pass.fixed_slopes, of which begin_backward() makes zeros and
-// end_backward() the gradient of `fixed`.
+// Add to `gradient` what dL/d(means) or dL/d(values) means for the network's parameters; `pass`
+// comes from the pass forward with the same samples. What reads the fixed part has its gradient
+// from end_backward(), for all passes since begin_backward() together.
 void begin_backward(const ModularNetwork& network, const Bodies& bodies, ModularPass& pass);
-void backward_actor(const ModularPolicy& policy, const Bodies& bodies, const VoxelSamples& batch,
+void backward_actor(const ModularPolicy& policy, const Bodies& bodies,
+                    const PreparedNetwork& prepared, const VoxelSamples& batch,
                     std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient);
-void backward_critic(const ModularPolicy& policy, const VoxelSamples& batch,
-                     std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient);
+void backward_critic(const ModularPolicy& policy, const PreparedNetwork& prepared,
+                     const VoxelSamples& batch, std::span<const float> slopes, ModularPass& pass,
+                     ModularNetwork& gradient);
 void end_backward(const Bodies& bodies, const ModularPass& pass, ModularNetwork& gradient);
 
 // The task's part as networks see it: task [M x task_length] at steps [M] of their episodes.

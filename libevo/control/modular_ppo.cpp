@@ -86,8 +86,10 @@ Losses differentiate(const ModularPolicy& policy, const Bodies& bodies, const Mo
           actuators += static_cast<double>(count);
           first += count;
         }
-        backward_actor(policy, bodies, chunk, scratch.mean_slopes, scratch.actor, gradients.actor);
-        backward_critic(policy, chunk, scratch.value_slopes, scratch.critic, gradients.critic);
+        backward_actor(policy, bodies, scratch.prepared_actor, chunk, scratch.mean_slopes,
+                       scratch.actor, gradients.actor);
+        backward_critic(policy, scratch.prepared_critic, chunk, scratch.value_slopes,
+                        scratch.critic, gradients.critic);
       });
   end_backward(bodies, scratch.actor, gradients.actor);
   end_backward(bodies, scratch.critic, gradients.critic);
@@ -112,6 +114,10 @@ ModularPolicy initial_modular_policy(const TrainingSettings& s, int task_length,
       orthogonal_modular_network(inputs, s.hidden, s.exchange, hidden_gain, s.head_gain, stream);
   policy.critic =
       orthogonal_modular_network(inputs, s.hidden, Exchange::none, hidden_gain, 1.0, stream);
+  if (s.gating == Gating::fixed) {
+    add_gates(policy.actor, s.hidden.size());
+    add_gates(policy.critic, 1);
+  }
   policy.log_std = Vector::Constant(1, static_cast<float>(s.initial_log_std));
   policy.local = fresh_normalizer(s, VoxelViews::local_length);
   policy.task = fresh_normalizer(s, task_length);

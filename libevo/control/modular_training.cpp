@@ -94,6 +94,7 @@ ModularPolicy first_policy(const TrainingJob& job) {
                 ModularTraining::name);
   require(old->task_length() == fresh.task_length(), "inputs of the task");
   require(old->exchange == fresh.exchange, "exchange between voxels");
+  require(old->gating() == fresh.gating(), "gates");
   require(same_shape(old->actor, fresh.actor) && same_shape(old->critic, fresh.critic),
           "hidden layers");
   require(old->clock == fresh.clock, "clocks");

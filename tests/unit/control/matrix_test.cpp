@@ -69,6 +69,45 @@ TEST_CASE("products have the bits of their definition on every instruction set")
   });
 }
 
+TEST_CASE("products of blocks and of sparse matrices have the bits of the whole and the dense") {
+  evo::Stream stream(2, "blocks");
+  const auto [m, n, k] = GENERATE(table<int, int, int>({{1, 1, 1}, {13, 10, 5}, {30, 64, 55}}));
+  const Matrix wide_a = random_matrix(m + 3, k + 2, stream);
+  const Matrix wide_b = random_matrix(k, n + 5, stream);
+  Matrix sparse_a = random_matrix(m, k, stream);
+  for (Eigen::Index i = 0; i < sparse_a.size(); ++i)
+    if (i % 3 != 0) sparse_a.data()[i] = 0.0F;
+  const Matrix b = random_matrix(k, n, stream);
+  const Matrix other = random_matrix(m, n, stream);
+  evo::SparseMatrix sparse;
+  for (Eigen::Index r = 0; r < m; ++r) sparse.add_row(sparse_a.row(r));
+  REQUIRE(sparse.rows() == m);
+  for_each_isa([&] {
+    Matrix whole = Matrix::Zero(m, n);
+    evo::add_product(Matrix(wide_a.block(2, 1, m, k)), Matrix(wide_b.rightCols(n)), whole);
+    Matrix framed = Matrix::Zero(m + 1, n + 4);
+    evo::add_product(wide_a.block(2, 1, m, k), wide_b.rightCols(n), framed.block(1, 3, m, n));
+    CHECK(Matrix(framed.block(1, 3, m, n)) == whole);
+    CHECK(framed.row(0).isZero(0.0F));
+    CHECK(framed.leftCols(3).isZero(0.0F));
+
+    Matrix dense = Matrix::Zero(m, n);
+    evo::add_product(sparse_a, b, dense);
+    Matrix product = Matrix::Zero(m, n);
+    evo::add_product(sparse, b, product);
+    CHECK(product == dense);
+    Matrix dense_left = Matrix::Zero(k, n);
+    evo::add_product_transposed_left(sparse_a, other, dense_left);
+    Matrix left = Matrix::Zero(k, n);
+    evo::add_product_transposed_left(sparse, other, left);
+    CHECK(left == dense_left);
+
+    Matrix slope = other;
+    evo::times_tanh_slope(whole, slope);
+    CHECK(slope == Matrix(other.array() * (1.0F - whole.array().square())));
+  });
+}
+
 TEST_CASE("tanh is close, odd, bounded, and the same on every instruction set") {
   Matrix x(1, 200003);
   for (Eigen::Index i = 0; i < x.size(); ++i)

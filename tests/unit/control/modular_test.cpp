@@ -50,13 +50,19 @@ TrainingSettings small_settings(Exchange exchange = Exchange::neighbours) {
 }
 
 // A policy with moments and biases that are not those of the start.
-ModularPolicy example_policy(Exchange exchange, Stream& stream) {
+ModularPolicy example_policy(Exchange exchange, Stream& stream, Gating gating = Gating::none) {
   TrainingSettings settings = small_settings(exchange);
+  settings.gating = gating;
   settings.clock = {20};
   settings.head_gain = 1.0;
   ModularPolicy policy = initial_modular_policy(settings, 2, 0.6, 1.6, Stream(3, "example"));
   for (Vector* bias : {&policy.actor.bias, &policy.critic.bias})
     for (float& b : *bias) b = static_cast<float>(0.1 * stream.gaussian());
+  for (ModularNetwork* network : {&policy.actor, &policy.critic})
+    for (Gate& gate : network->gates)
+      for (Matrix* part : {&gate.scale, &gate.shift})
+        for (Eigen::Index i = 0; i < part->size(); ++i)
+          part->data()[i] = static_cast<float>(0.2 * stream.gaussian());
   policy.log_std[0] = -0.4F;
   policy.local.count = policy.task.count = 100.0;
   for (double& m : policy.local.mean) m = 0.1 * stream.gaussian();
@@ -114,6 +120,7 @@ struct Plain {  // a network in double
   Eigen::MatrixXd local, task, fixed;
   Doubles bias;
   std::vector<std::pair<Eigen::MatrixXd, Doubles>> rest;
+  std::vector<std::pair<Eigen::MatrixXd, Eigen::MatrixXd>> gates;
 };
 
 // Reads the parameters from p[at..) in the shape of `like`.
@@ -133,6 +140,10 @@ Plain plain(const ModularNetwork& like, const std::vector<double>& p, std::size_
     Eigen::MatrixXd weight = matrix(layer.weight.rows(), layer.weight.cols());
     net.rest.emplace_back(std::move(weight), matrix(layer.bias.size(), 1));
   }
+  for (const Gate& gate : like.gates) {
+    Eigen::MatrixXd scale = matrix(gate.scale.rows(), gate.scale.cols());
+    net.gates.emplace_back(std::move(scale), matrix(gate.shift.rows(), gate.shift.cols()));
+  }
   return net;
 }
 
@@ -142,7 +153,9 @@ std::vector<Doubles> first_layer(const Plain& net, const VoxelViews& views, cons
   for (int v = 0; v < views.voxels(); ++v) {
     const Doubles l = local.row(from + v).transpose().cast<double>();
     const Doubles f = views.fixed().row(v).transpose().cast<double>();
-    y.emplace_back((net.local * l + net.task * task + net.fixed * f + net.bias).array().tanh());
+    Doubles sum = net.local * l + net.task * task + net.bias;
+    if (!net.gates.empty()) sum.array() *= 1.0 + (net.gates[0].first * f).array();
+    y.emplace_back((sum + net.fixed * f).array().tanh());
   }
   return y;
 }
@@ -180,7 +193,12 @@ double loss(const ModularPolicy& shape, const Bodies& bodies, const std::vector<
           x.resize(2 * own.size());
           x << own, mean;
         }
-        const Doubles z = actor.rest[l].first * x + actor.rest[l].second;
+        Doubles z = actor.rest[l].first * x + actor.rest[l].second;
+        if (!actor.gates.empty() && l + 1 < actor.rest.size()) {
+          const auto& [scale, shift] = actor.gates[l + 1];
+          const Doubles f = views.fixed().row(v).transpose().cast<double>();
+          z = z.array() * (1.0 + (scale * f).array()) + (shift * f).array();
+        }
         next.push_back(l + 1 < actor.rest.size() ? Doubles(z.array().tanh()) : z);
       }
       y = next;
@@ -236,9 +254,11 @@ std::string digest(const TrainResult& result) {
 TEST_CASE("a modular policy's gradients agree with finite differences in double precision") {
   Stream stream(7, "gradient");
   const Exchange exchange = GENERATE(Exchange::none, Exchange::neighbours, Exchange::body);
+  const Gating gating = GENERATE(Gating::none, Gating::fixed);
   const Robots robots(three_bodies());
   const Bodies bodies(robots.all());
-  const ModularPolicy policy = example_policy(exchange, stream);
+  const ModularPolicy policy = example_policy(exchange, stream, gating);
+  REQUIRE_FALSE(defect(policy));
   const ModularSamples batch = plausible_batch(policy, bodies, 20, stream);
   const Objective objective{0.1, true, 0.5, 0.01};
   ModularGradients gradients = zero_gradients(policy);
@@ -345,6 +365,40 @@ TEST_CASE("a modular policy does the same on a body with empty cells around it")
         *std::max_element(targets[0].begin(), targets[0].end()));
 }
 
+TEST_CASE("gates change nothing at first, and then act by the voxel") {
+  Stream stream(11, "gates");
+  const Robots robots(three_bodies());
+  const Bodies bodies(robots.all());
+  const auto actions = [&](const ModularPolicy& policy) {
+    Stream samples(12, "samples");
+    const ModularSamples batch = plausible_batch(policy, bodies, 6, samples);
+    PreparedNetwork prepared;
+    ModularPass pass;
+    std::vector<float> means;
+    prepare(policy.actor, bodies, prepared);
+    forward_actor(policy, bodies, prepared, batch.states, pass, means);
+    return means;
+  };
+  ModularPolicy policy = example_policy(Exchange::body, stream);
+  const std::vector<float> before = actions(policy);
+  add_gates(policy.actor, policy.actor.rest.layers.size());
+  const std::vector<float> untrained = actions(policy);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    CHECK(untrained[i] == Approx(before[i]).margin(1e-5));
+  // A voxel with a horizontal actuator left of it has other units; others act as they did.
+  policy.actor.gates[2].scale.col(3 * 5 + 2).setConstant(-1.0F);
+  const std::vector<float> gated = actions(policy);
+  std::size_t i = 0;
+  for (int m = 0; m < 6; ++m) {
+    const VoxelViews& views = bodies[m % bodies.size()];
+    for (const int v : views.actuators()) {
+      const bool beside = views.fixed()(v, 3 * 5 + 2) == 1.0F;
+      CHECK((gated[i] != untrained[i]) == beside);
+      ++i;
+    }
+  }
+}
+
 TEST_CASE("a modular policy does the same wherever the body stands") {
   Stream stream(9, "place");
   const ModularPolicy policy = example_policy(Exchange::neighbours, stream);
@@ -394,6 +448,13 @@ TEST_CASE("one modular policy for several robots learns, and to the same bytes")
   // Pinned: the same on every processor.
   CHECK(digest(result) == "3fac5c4356e83a502667429567a12258de05b71d2e161fc32d6fdb9bfdcc81f4");
   const auto& policy = std::get<ModularPolicy>(*result.controller);
+  // With gates: other bytes, as firmly.
+  TrainingSettings gated = small_settings(Exchange::body);
+  gated.gating = Gating::fixed;
+  Trainer trainer(robots.arenas[0], gated, 5, "shared", {}, others);
+  const TrainResult of_gates = train(trainer);
+  CHECK(std::get<ModularPolicy>(*of_gates.controller).actor.gates[1].scale.norm() > 0.0F);
+  CHECK(digest(of_gates) == "9608cadc1fbf84160dc3ebc16a81887c8713d5d70bf0b0c336cb134d15c674ef");
   // Of 17 states in each update of 16 steps up to the evaluation kept.
   const double voxels = 5 + count_voxels(body_a()) + 5;
   CHECK(policy.local.count == Approx(voxels * static_cast<double>(result.best_step) / 3 * 17 / 16));

@@ -231,30 +231,99 @@ void Tanh(float* x, std::ptrdiff_t n) {
   std::copy_n(rest, n - i, x + i);
 }
 
-// c[0, n) += value row[0, n)
-HWY_INLINE void add_scaled(float value, const float* row, float* c, std::ptrdiff_t n) {
+// `Vectors` vectors of row i of C: += its entries of A times rows of B, or `transposed`: of rows of
+// C += its entries of A times row i of B. b and c point at the first column.
+template <int Vectors>
+HWY_INLINE void add_sparse_row(const SparseMatrix& a, std::ptrdiff_t i, bool transposed,
+                               const float* b, std::ptrdiff_t n, float* c) {
   const D d;
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  const V scale = hn::Set(d, value);
-  std::ptrdiff_t j = 0;
-  for (; j + lanes <= n; j += lanes)
-    hn::StoreU(hn::Add(hn::LoadU(d, c + j), hn::Mul(scale, hn::LoadU(d, row + j))), d, c + j);
-  for (; j < n; ++j) c[j] += value * row[j];
+  const auto begin = a.entries.data() + a.first[static_cast<std::size_t>(i)];
+  const auto end = a.entries.data() + a.first[static_cast<std::size_t>(i) + 1];
+  V row[Vectors];
+  float* const fixed_row = transposed ? nullptr : c + i * n;
+  for (int v = 0; v < Vectors; ++v)
+    row[v] = hn::LoadU(d, (transposed ? b + i * n : fixed_row) + v * lanes);
+  if (transposed) {
+    for (auto entry = begin; entry != end; ++entry) {
+      float* const to = c + entry->column * n;
+      const V value = hn::Set(d, entry->value);
+      for (int v = 0; v < Vectors; ++v)
+        hn::StoreU(hn::Add(hn::LoadU(d, to + v * lanes), hn::Mul(value, row[v])), d,
+                   to + v * lanes);
+    }
+    return;
+  }
+  for (auto entry = begin; entry != end; ++entry) {
+    const float* const from = b + entry->column * n;
+    const V value = hn::Set(d, entry->value);
+    for (int v = 0; v < Vectors; ++v)
+      row[v] = hn::Add(row[v], hn::Mul(value, hn::LoadU(d, from + v * lanes)));
+  }
+  for (int v = 0; v < Vectors; ++v) hn::StoreU(row[v], d, fixed_row + v * lanes);
 }
 
-// With row i of A, entry by entry: rows of B to row i of C or, `transposed`, row i of B to rows of
-// C.
 void AddSparseProduct(const SparseMatrix& a, bool transposed, const float* b, std::ptrdiff_t n,
                       float* c) {
-  for (std::ptrdiff_t i = 0; i < a.rows(); ++i)
-    for (std::size_t e = a.first[static_cast<std::size_t>(i)];
-         e < a.first[static_cast<std::size_t>(i) + 1]; ++e) {
-      const auto [column, value] = a.entries[e];
-      if (transposed)
-        add_scaled(value, b + i * n, c + column * n, n);
-      else
-        add_scaled(value, b + column * n, c + i * n, n);
+  constexpr int block = 4;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(D()));
+  for (std::ptrdiff_t i = 0; i < a.rows(); ++i) {
+    std::ptrdiff_t j = 0;
+    for (; j + block * lanes <= n; j += block * lanes)
+      add_sparse_row<block>(a, i, transposed, b + j, n, c + j);
+    for (; j + lanes <= n; j += lanes) add_sparse_row<1>(a, i, transposed, b + j, n, c + j);
+    for (; j < n; ++j)
+      for (std::size_t e = a.first[static_cast<std::size_t>(i)];
+           e < a.first[static_cast<std::size_t>(i) + 1]; ++e) {
+        const auto [column, value] = a.entries[e];
+        if (transposed)
+          c[column * n + j] += value * b[i * n + j];
+        else
+          c[i * n + j] += value * b[column * n + j];
+      }
+  }
+}
+
+// Rows of width n: `of` says which row of scale and shift is for each of y's.
+void ScaleRows(const Eigen::Index* of, std::ptrdiff_t rows, std::ptrdiff_t n, const float* scale,
+               const float* shift, float* y) {
+  const D d;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  for (std::ptrdiff_t r = 0; r < rows; ++r, y += n) {
+    const float* const by = scale + of[r] * n;
+    const float* const plus = shift + of[r] * n;
+    std::ptrdiff_t j = 0;
+    for (; j + lanes <= n; j += lanes)
+      hn::StoreU(
+          hn::Add(hn::Mul(hn::LoadU(d, y + j), hn::LoadU(d, by + j)), hn::LoadU(d, plus + j)), d,
+          y + j);
+    for (; j < n; ++j) y[j] = y[j] * by[j] + plus[j];
+  }
+}
+
+void ScaleRowsBack(const Eigen::Index* of, std::ptrdiff_t rows, std::ptrdiff_t n,
+                   const float* scale, const float* y, float* scale_slopes, float* shift_slopes,
+                   float* slope) {
+  const D d;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  for (std::ptrdiff_t r = 0; r < rows; ++r, y += n, slope += n) {
+    const float* const by = scale + of[r] * n;
+    float* const of_scale = scale_slopes + of[r] * n;
+    float* const of_shift = shift_slopes + of[r] * n;
+    std::ptrdiff_t j = 0;
+    for (; j + lanes <= n; j += lanes) {
+      const V own = hn::LoadU(d, slope + j);
+      hn::StoreU(hn::Add(hn::LoadU(d, of_shift + j), own), d, of_shift + j);
+      hn::StoreU(hn::Add(hn::LoadU(d, of_scale + j), hn::Mul(own, hn::LoadU(d, y + j))), d,
+                 of_scale + j);
+      hn::StoreU(hn::Mul(own, hn::LoadU(d, by + j)), d, slope + j);
     }
+    for (; j < n; ++j) {
+      of_shift[j] += slope[j];
+      of_scale[j] += slope[j] * y[j];
+      slope[j] *= by[j];
+    }
+  }
 }
 
 void TimesTanhSlope(const float* y, float* slope, std::ptrdiff_t n) {
@@ -281,6 +350,8 @@ HWY_EXPORT(AddProduct);
 HWY_EXPORT(Tanh);
 HWY_EXPORT(TimesTanhSlope);
 HWY_EXPORT(AddSparseProduct);
+HWY_EXPORT(ScaleRows);
+HWY_EXPORT(ScaleRowsBack);
 
 Operand plain(const MatrixView& x) { return {x.data(), x.outerStride(), 1}; }
 Operand transposed(const MatrixView& x) { return {x.data(), 1, x.outerStride()}; }
@@ -323,6 +394,21 @@ void add_product_transposed_left(const SparseMatrix& a, const Matrix& b, Matrix&
 }
 
 void tanh_in_place(Matrix& x) { HWY_DYNAMIC_DISPATCH(Tanh)(x.data(), x.size()); }
+
+void scale_rows(std::span<const Eigen::Index> of, const Matrix& scale, const Matrix& shift,
+                Matrix& y) {
+  eigen_assert(std::ssize(of) == y.rows() && scale.cols() == y.cols() && shift.cols() == y.cols());
+  HWY_DYNAMIC_DISPATCH(ScaleRows)
+  (of.data(), y.rows(), y.cols(), scale.data(), shift.data(), y.data());
+}
+
+void scale_rows_back(std::span<const Eigen::Index> of, const Matrix& scale, const Matrix& y,
+                     Matrix& scale_slopes, Matrix& shift_slopes, Matrix& slope) {
+  eigen_assert(std::ssize(of) == y.rows() && slope.rows() == y.rows() && slope.cols() == y.cols());
+  HWY_DYNAMIC_DISPATCH(ScaleRowsBack)
+  (of.data(), y.rows(), y.cols(), scale.data(), y.data(), scale_slopes.data(), shift_slopes.data(),
+   slope.data());
+}
 
 void times_tanh_slope(const Matrix& y, Matrix& slope) {
   eigen_assert(y.rows() == slope.rows() && y.cols() == slope.cols());

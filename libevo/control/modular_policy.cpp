@@ -59,28 +59,30 @@ enum class Wanted { actuators, voxels };
 // The rows of a pass: of each sample's voxels all, or those that act.
 void select_rows(const Bodies& bodies, const VoxelSamples& batch, Wanted wanted,
                  ModularPass& pass) {
-  pass.rows.clear();
+  pass.samples.clear();
+  pass.voxels.clear();
+  pass.head_voxels.clear();
   pass.first.assign(1, 0);
   pass.heads.clear();
   for (std::size_t m = 0; m < batch.bodies.size(); ++m) {
     const int body = batch.bodies[m];
     const VoxelViews& views = bodies[body];
-    const Eigen::Index begin = std::ssize(pass.rows);
+    const Eigen::Index begin = std::ssize(pass.voxels);
     const Eigen::Index first = bodies.first(body);
     const auto sample = static_cast<Eigen::Index>(m);
-    if (wanted == Wanted::voxels) {
-      for (int v = 0; v < views.voxels(); ++v) pass.rows.push_back({sample, first + v});
-      for (const int v : views.actuators()) pass.heads.push_back(begin + v);
-    } else {
-      for (const int v : views.actuators()) {
-        pass.heads.push_back(std::ssize(pass.rows));
-        pass.rows.push_back({sample, first + v});
-      }
+    for (const int v : views.actuators()) {
+      pass.heads.push_back(wanted == Wanted::voxels ? begin + v : std::ssize(pass.heads));
+      pass.head_voxels.push_back(first + v);
     }
-    pass.first.push_back(std::ssize(pass.rows));
+    if (wanted == Wanted::voxels)
+      for (int v = 0; v < views.voxels(); ++v) pass.voxels.push_back(first + v);
+    else
+      pass.voxels = pass.head_voxels;
+    pass.samples.resize(pass.voxels.size(), sample);
+    pass.first.push_back(std::ssize(pass.voxels));
   }
   if (wanted == Wanted::voxels) return;
-  pass.local.resize(std::ssize(pass.rows), batch.local.cols());
+  pass.local.resize(std::ssize(pass.voxels), batch.local.cols());
   Eigen::Index from = 0;  // row of batch.local where the sample's voxels begin
   Eigen::Index to = 0;
   for (const int body : batch.bodies) {
@@ -91,31 +93,16 @@ void select_rows(const Bodies& bodies, const VoxelSamples& batch, Wanted wanted,
 
 // ---- gates ----------------------------------------------------------------------------
 
-// The voxel, of all bodies', of row r of a layer: of all rows of a pass or of its heads.
-Eigen::Index voxel_of(const ModularPass& pass, bool heads, Eigen::Index r) {
-  const Eigen::Index row = heads ? pass.heads[static_cast<std::size_t>(r)] : r;
-  return pass.rows[static_cast<std::size_t>(row)].voxel;
+// The voxel, of all bodies', of each row of a layer: of all rows of a pass or of its heads.
+std::span<const Eigen::Index> voxels_of(const ModularPass& pass, bool heads) {
+  return heads ? pass.head_voxels : pass.voxels;
 }
 
-// y := y scale + shift, by voxel; what y was is kept in `sums`.
+// What y was is kept in `sums`.
 void apply_gate(const Matrix& scale, const Matrix& shift, const ModularPass& pass, bool heads,
                 Matrix& sums, Matrix& y) {
   sums = y;
-  for (Eigen::Index r = 0; r < y.rows(); ++r) {
-    const Eigen::Index v = voxel_of(pass, heads, r);
-    y.row(r).array() = sums.row(r).array() * scale.row(v).array() + shift.row(v).array();
-  }
-}
-
-// The way back: `slope` becomes that of the sums, and what it means for the gate is added.
-void through_gate(const Matrix& scale, const ModularPass& pass, bool heads, const Matrix& sums,
-                  Matrix& scale_slopes, Matrix& shift_slopes, Matrix& slope) {
-  for (Eigen::Index r = 0; r < slope.rows(); ++r) {
-    const Eigen::Index v = voxel_of(pass, heads, r);
-    shift_slopes.row(v) += slope.row(r);
-    scale_slopes.row(v).array() += slope.row(r).array() * sums.row(r).array();
-    slope.row(r).array() *= scale.row(v).array();
-  }
+  scale_rows(voxels_of(pass, heads), scale, shift, y);
 }
 
 // ---- the first layer ------------------------------------------------------------------
@@ -129,11 +116,11 @@ void forward_first(const ModularNetwork& network, const PreparedNetwork& prepare
   add_product(batch.task, prepared.task, pass.task_part);
   y.resize(local.rows(), width(network));
   for (Eigen::Index r = 0; r < y.rows(); ++r) {
-    const ModularPass::Row& row = pass.rows[static_cast<std::size_t>(r)];
+    const auto i = static_cast<std::size_t>(r);
     if (gated)
-      y.row(r) = pass.task_part.row(row.sample);
+      y.row(r) = pass.task_part.row(pass.samples[i]);
     else
-      y.row(r) = pass.task_part.row(row.sample) + prepared.fixed.row(row.voxel);
+      y.row(r) = pass.task_part.row(pass.samples[i]) + prepared.fixed.row(pass.voxels[i]);
   }
   add_product(local, prepared.local, y);
   pass.sums.resize(network.gates.size());
@@ -148,14 +135,14 @@ void backward_first(const PreparedNetwork& prepared, const VoxelSamples& batch,
                     ModularNetwork& gradient) {
   if (prepared.gates.empty())
     for (Eigen::Index r = 0; r < slope.rows(); ++r)
-      pass.fixed_slopes.row(voxel_of(pass, false, r)) += slope.row(r);
+      pass.fixed_slopes.row(pass.voxels[static_cast<std::size_t>(r)]) += slope.row(r);
   else
-    through_gate(prepared.gates.front().scale, pass, false, pass.sums.front(),
-                 pass.gate_slopes.front().scale, pass.fixed_slopes, slope);
+    scale_rows_back(pass.voxels, prepared.gates.front().scale, pass.sums.front(),
+                    pass.gate_slopes.front().scale, pass.fixed_slopes, slope);
   add_product_transposed_left(slope, local, gradient.local);
   pass.task_slopes.setZero(batch.task.rows(), slope.cols());
   for (Eigen::Index r = 0; r < slope.rows(); ++r)
-    pass.task_slopes.row(pass.rows[static_cast<std::size_t>(r)].sample) += slope.row(r);
+    pass.task_slopes.row(pass.samples[static_cast<std::size_t>(r)]) += slope.row(r);
   add_product_transposed_left(pass.task_slopes, batch.task, gradient.task);
   for (Eigen::Index m = 0; m < pass.task_slopes.rows(); ++m)
     gradient.bias += pass.task_slopes.row(m).transpose();
@@ -212,8 +199,8 @@ void each_other(const ModularPolicy& policy, const Bodies& bodies, const VoxelSa
 Eigen::Index others_row(const ModularPolicy& policy, const ModularPass& pass, bool heads,
                         Eigen::Index r) {
   if (policy.exchange == Exchange::neighbours) return r;
-  return pass.rows[static_cast<std::size_t>(heads ? pass.heads[static_cast<std::size_t>(r)] : r)]
-      .sample;
+  const Eigen::Index row = heads ? pass.heads[static_cast<std::size_t>(r)] : r;
+  return pass.samples[static_cast<std::size_t>(row)];
 }
 
 void rows_of(const Matrix& from, const std::vector<Eigen::Index>& rows, Matrix& to) {
@@ -263,7 +250,7 @@ void backward_with_others(const ModularPolicy& policy, const Bodies& bodies,
   own.setZero(slope.rows(), h);
   add_product(slope, layer.weight.leftCols(h), own);
   if (heads) {
-    below.setZero(std::ssize(pass.rows), h);
+    below.setZero(std::ssize(pass.voxels), h);
     for (std::size_t i = 0; i < pass.heads.size(); ++i)
       below.row(pass.heads[i]) = own.row(static_cast<Eigen::Index>(i));
   }
@@ -521,8 +508,9 @@ void backward_actor(const ModularPolicy& policy, const Bodies& bodies,
     Matrix& slope = pass.slopes[l + 1];
     Matrix& below = pass.slopes[l];
     if (!prepared.gates.empty() && l + 1 < layers.size())
-      through_gate(prepared.gates[l + 1].scale, pass, first_of_heads(policy, l), pass.sums[l + 1],
-                   pass.gate_slopes[l + 1].scale, pass.gate_slopes[l + 1].shift, slope);
+      scale_rows_back(voxels_of(pass, first_of_heads(policy, l)), prepared.gates[l + 1].scale,
+                      pass.sums[l + 1], pass.gate_slopes[l + 1].scale,
+                      pass.gate_slopes[l + 1].shift, slope);
     for (Eigen::Index r = 0; r < slope.rows(); ++r)
       gradient.rest.layers[l].bias += slope.row(r).transpose();
     if (reads_others(policy, l)) {

@@ -189,15 +189,15 @@ void prepare(const ModularNetwork& network, const Bodies& bodies, PreparedNetwor
 
 // What a pass through a network left behind, kept from call to call.
 struct ModularPass {
-  struct Row {
-    Eigen::Index sample;
-    Eigen::Index voxel;  // among those of all bodies
-  };
-  std::vector<Row> rows;            // the voxels that the first layer is applied to
+  // Of each row, a voxel that the first layer is applied to: which sample's it is, and which voxel
+  // of all bodies'.
+  std::vector<Eigen::Index> samples;
+  std::vector<Eigen::Index> voxels;
   std::vector<Eigen::Index> first;  // [M + 1] row of each sample's
   std::vector<Eigen::Index> heads;  // actor: the row of each action
-  Matrix local;                     // [rows x local_length], where not all voxels are wanted
-  Matrix task_part;                 // [M x H]
+  std::vector<Eigen::Index> head_voxels;
+  Matrix local;      // [rows x local_length], where not all voxels are wanted
+  Matrix task_part;  // [M x H]
   // Actor: what each layer of `rest` reads where it is not all of the layer below, and, with an
   // exchange, the part of others: a row for each of its own (neighbours) or for each sample (body).
   std::vector<Matrix> own;

@@ -77,7 +77,7 @@ void select_rows(const Bodies& bodies, const VoxelSamples& batch, Wanted wanted,
     if (wanted == Wanted::voxels)
       for (int v = 0; v < views.voxels(); ++v) pass.voxels.push_back(first + v);
     else
-      pass.voxels = pass.head_voxels;
+      for (const int v : views.actuators()) pass.voxels.push_back(first + v);
     pass.samples.resize(pass.voxels.size(), sample);
     pass.first.push_back(std::ssize(pass.voxels));
   }

@@ -69,6 +69,16 @@ ModularPolicy example_policy(Exchange exchange, Stream& stream, Gating gating = 
   return policy;
 }
 
+std::vector<float> means_of(const ModularPolicy& policy, const Bodies& bodies,
+                            const VoxelBatch& batch) {
+  PreparedNetwork prepared;
+  ModularPass pass;
+  std::vector<float> means;
+  prepare(policy.actor, bodies, prepared);
+  forward_actor(policy, bodies, prepared, batch, pass, means);
+  return means;
+}
+
 ModularSamples plausible_batch(const ModularPolicy& policy, const Bodies& bodies, int samples,
                                Stream& stream) {
   ModularSamples batch;
@@ -84,11 +94,9 @@ ModularSamples plausible_batch(const ModularPolicy& policy, const Bodies& bodies
   };
   noise(batch.states.local, rows, VoxelViews::local_length);
   noise(batch.states.task, samples, policy.actor.task.cols());
+  const std::vector<float> means = means_of(policy, bodies, batch.states);
   PreparedNetwork prepared;
   ModularPass pass;
-  std::vector<float> means;
-  prepare(policy.actor, bodies, prepared);
-  forward_actor(policy, bodies, prepared, batch.states, pass, means);
   Vector values;
   prepare(policy.critic, bodies, prepared);
   forward_critic(policy, bodies, prepared, batch.states, pass, values);
@@ -371,13 +379,7 @@ TEST_CASE("gates change nothing at first, and then act by the voxel") {
   const Bodies bodies(robots.all());
   const auto actions = [&](const ModularPolicy& policy) {
     Stream samples(12, "samples");
-    const ModularSamples batch = plausible_batch(policy, bodies, 6, samples);
-    PreparedNetwork prepared;
-    ModularPass pass;
-    std::vector<float> means;
-    prepare(policy.actor, bodies, prepared);
-    forward_actor(policy, bodies, prepared, batch.states, pass, means);
-    return means;
+    return means_of(policy, bodies, plausible_batch(policy, bodies, 6, samples).states);
   };
   ModularPolicy policy = example_policy(Exchange::body, stream);
   const std::vector<float> before = actions(policy);

@@ -1,8 +1,11 @@
 #include "libevo/control/modular_training.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <utility>
 
 #include "libevo/base/error.h"
@@ -69,7 +72,7 @@ std::vector<Group> groups_of(const TrainingJob& job) {
   return groups;
 }
 
-void require(bool same, const char* what) {
+void require(bool same, const std::string& what) {
   if (!same)
     throw error(Failure::data,
                 "the controller to start from has other {} than the settings ask for", what);
@@ -94,7 +97,7 @@ ModularPolicy first_policy(const TrainingJob& job) {
                 ModularTraining::name);
   require(old->task_length() == fresh.task_length(), "inputs of the task");
   require(old->exchange == fresh.exchange, "exchange between voxels");
-  require(old->gating() == fresh.gating(), "gates");
+  require(old->gating() == fresh.gating(), fmt::format("gates (gating={})", word(old->gating())));
   require(same_shape(old->actor, fresh.actor) && same_shape(old->critic, fresh.critic),
           "hidden layers");
   require(old->clock == fresh.clock, "clocks");

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <deque>
@@ -565,6 +567,12 @@ TEST_CASE("what a modular policy cannot do is said in one line") {
   CHECK_THROWS_WITH(Trainer(robots.arenas[0], wider, 1, "x", modular),
                     "the controller to start from has other hidden layers than the settings ask "
                     "for");
+  TrainingSettings gated = settings;
+  gated.gating = settings.gating == Gating::none ? Gating::fixed : Gating::none;
+  CHECK_THROWS_WITH(Trainer(robots.arenas[0], gated, 1, "x", modular),
+                    fmt::format("the controller to start from has other gates (gating={}) than the "
+                                "settings ask for",
+                                word(settings.gating)));
   TaskSpec other = walker(20);
   other.observation.push_back(observation::Orientation{robot_name});
   const Arena turned(other, small_body());

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "libevo/control/ppo_parts.h"
@@ -162,7 +161,6 @@ std::int64_t ModularPpo::updates_in_all() const {
 
 // Buffers for the environments whose turn it is, and what the parameters make of their bodies.
 void ModularPpo::begin_turn() {
-  t_ = 0;
   const std::vector<int>& body_of = turn().body_of();
   const auto steps = static_cast<Eigen::Index>(settings_.rollout);
   const Eigen::Index samples = steps * std::ssize(body_of);
@@ -172,10 +170,8 @@ void ModularPpo::begin_turn() {
   rollout_.states.local.resize(steps * turn().first_voxel.back(), VoxelViews::local_length);
   rollout_.states.task.resize(samples, policy_.actor.task.cols());
   rollout_.actions.resize(static_cast<std::size_t>(steps) * turn().first_action.back());
-  for (Vector* v : {&rollout_.log_probs, &rollout_.values, &rollout_.advantages, &rollout_.returns})
-    v->resize(samples);
-  rewards_.resize(static_cast<std::size_t>(samples));
-  ended_.resize(static_cast<std::size_t>(samples));
+  rollout_.resize(samples);
+  learner_.begin_rollout(static_cast<std::size_t>(samples));
   prepare(policy_.actor, turn().bodies(), actor_);
   prepare(policy_.critic, turn().bodies(), critic_);
 }
@@ -196,7 +192,7 @@ void ModularPpo::observe(const VecEnv& env, std::span<const int> steps) {
   const std::size_t environments = turn().body_of().size();
   for (std::size_t e = 0; e < environments; ++e) look(env, e);
   if (!all_finite(local_) || !all_finite(task_))
-    divergence_ = "an observation is not a finite number";
+    learner_.divergence = "an observation is not a finite number";
   if (settings_.normalize_observations) {
     update(policy_.local, local_);
     if (!task_.empty()) update(policy_.task, task_);
@@ -217,91 +213,62 @@ std::span<const double> ModularPpo::act() {
   const std::span targets = std::span(targets_).subspan(turn().first_target, count);
   const std::span colour = std::span(learner_.colour).subspan(turn().first_target, count);
   const std::span actions =
-      std::span(rollout_.actions).subspan(static_cast<std::size_t>(t_) * count, count);
+      std::span(rollout_.actions).subspan(static_cast<std::size_t>(learner_.t) * count, count);
   for (std::size_t i = 0; i < count; ++i) {
     colour[i] = kept * colour[i] + fresh * learner_.noise.gaussian();
     actions[i] = means_[i] + deviation * static_cast<float>(colour[i]);
     targets[i] = target_of(policy_, static_cast<double>(actions[i]));
   }
   const Eigen::Index environments = std::ssize(state_.bodies);
-  rollout_.states.local.middleRows(t_ * state_.local.rows(), state_.local.rows()) = state_.local;
-  rollout_.states.task.middleRows(t_ * environments, environments) = state_.task;
-  rollout_.values.segment(t_ * environments, environments) = values_;
+  rollout_.states.local.middleRows(learner_.t * state_.local.rows(), state_.local.rows()) =
+      state_.local;
+  rollout_.states.task.middleRows(learner_.t * environments, environments) = state_.task;
+  rollout_.values.segment(learner_.t * environments, environments) = values_;
   for (std::size_t e = 0; e < state_.bodies.size(); ++e) {
     const std::size_t first = turn().first_action[e];
     const std::size_t own = turn().first_action[e + 1] - first;
-    rollout_.log_probs[t_ * environments + static_cast<Eigen::Index>(e)] =
+    rollout_.log_probs[learner_.t * environments + static_cast<Eigen::Index>(e)] =
         log_density(actions.subspan(first, own), std::span<const float>(means_).subspan(first, own),
                     deviation, scale);
   }
-  if (!all_finite(targets)) divergence_ = "an action is not a finite number";
+  if (!all_finite(targets)) learner_.divergence = "an action is not a finite number";
   return targets_;
 }
 
 void ModularPpo::reward(std::span<const double> rewards, std::span<const std::uint8_t> terminated,
                         std::span<const std::uint8_t> truncated, const VecEnv& reached,
                         std::span<const int> steps) {
+  const std::size_t first = turn().first;
   const std::size_t count = turn().body_of().size();
-  rewards = rewards.subspan(turn().first, count);
-  terminated = terminated.subspan(turn().first, count);
-  truncated = truncated.subspan(turn().first, count);
-  if (!all_finite(rewards)) divergence_ = "a reward is not a finite number";
-  const std::size_t first = static_cast<std::size_t>(t_) * count;
-  for (std::size_t e = 0; e < count; ++e)
-    ended_[first + e] = terminated[e] != 0 || truncated[e] != 0 ? 1 : 0;
-  learner_.reward_scale.scale(settings_, turn().first, rewards, {ended_.data() + first, count},
-                              {rewards_.data() + first, count});
-  if (settings_.time_limit == TimeLimit::bootstrap)
-    bootstrap_truncated(terminated, truncated, reached, steps.subspan(turn().first, count));
-  ++t_;
-}
-
-void ModularPpo::bootstrap_truncated(std::span<const std::uint8_t> terminated,
-                                     std::span<const std::uint8_t> truncated, const VecEnv& reached,
-                                     std::span<const int> steps) {
   const auto wide = static_cast<std::size_t>(VoxelViews::local_length);
   const auto task = static_cast<std::size_t>(policy_.task_length());
-  for (std::size_t e = 0; e < truncated.size(); ++e) {
-    if (truncated[e] == 0 || terminated[e] != 0) continue;
-    look(reached, e);
-    const auto begin = static_cast<std::size_t>(turn().first_voxel[e]) * wide;
-    const auto end = static_cast<std::size_t>(turn().first_voxel[e + 1]) * wide;
-    bootstrapped_.bodies.assign(1, turn().body_of()[e]);
-    normalize(policy_.local, std::span(local_).subspan(begin, end - begin), bootstrapped_.local);
-    task_inputs(policy_, std::span(task_).subspan(e * task, task), steps.subspan(e, 1),
-                bootstrapped_.task);
-    forward_critic(policy_, turn().bodies(), critic_, bootstrapped_, pass_, values_);
-    rewards_[static_cast<std::size_t>(t_) * truncated.size() + e] +=
-        settings_.gamma * static_cast<double>(values_[0]);
-  }
+  learner_.reward(settings_, first, rewards.subspan(first, count), terminated.subspan(first, count),
+                  truncated.subspan(first, count), [&](std::size_t e) {
+                    look(reached, e);
+                    const auto begin = static_cast<std::size_t>(turn().first_voxel[e]) * wide;
+                    const auto end = static_cast<std::size_t>(turn().first_voxel[e + 1]) * wide;
+                    bootstrapped_.bodies.assign(1, turn().body_of()[e]);
+                    normalize(policy_.local, std::span(local_).subspan(begin, end - begin),
+                              bootstrapped_.local);
+                    task_inputs(policy_, std::span(task_).subspan(e * task, task),
+                                steps.subspan(first + e, 1), bootstrapped_.task);
+                    forward_critic(policy_, turn().bodies(), critic_, bootstrapped_, pass_,
+                                   values_);
+                    return values_[0];
+                  });
 }
 
 UpdateReport ModularPpo::learn() {
   forward_critic(policy_, turn().bodies(), critic_, state_, pass_, values_);
-  estimate_advantages(
-      rewards_, ended_, view(rollout_.values), view(values_), settings_.gamma, settings_.lambda,
-      {rollout_.advantages.data(), static_cast<std::size_t>(rollout_.advantages.size())});
-  rollout_.returns = rollout_.advantages + rollout_.values;
-  if (settings_.standardize_advantages == Standardize::batch) standardize(rollout_.advantages);
-
-  UpdateReport report;
-  report.learning_rate = learning_rate_of(settings_, learner_.updates, updates_in_all());
-  const Objective objective = objective_of(settings_, learner_.updates, updates_in_all());
-  report.explained_variance = explained_variance(rollout_.returns, rollout_.values, residual_);
-
-  order_.resize(rewards_.size());
-  std::iota(order_.begin(), order_.end(), 0U);
-  const std::size_t size = order_.size() / static_cast<std::size_t>(settings_.minibatches);
-  for (int epoch = 0; epoch < settings_.epochs; ++epoch) {
-    shuffle(order_, learner_.shuffle);
-    for (int m = 0; m < settings_.minibatches; ++m) {
-      const std::span<const std::uint32_t> samples{
-          order_.data() + static_cast<std::size_t>(m) * size, size};
-      if (!learn_minibatch(samples, report.learning_rate, objective, report.losses)) return report;
-    }
-  }
-  divide(report.losses, settings_.epochs * settings_.minibatches);
-  ++learner_.updates;
+  const UpdateReport report = learner_.learn(
+      settings_, updates_in_all(), rollout_, view(values_), parameter_blocks(policy_),
+      parameter_blocks(gradients_),
+      [&](std::span<const std::uint32_t> samples, const Objective& objective) {
+        gather(samples);
+        if (settings_.standardize_advantages == Standardize::minibatch)
+          standardize(minibatch_.advantages);
+        return differentiate(policy_, turn().bodies(), minibatch_, objective, gradients_, scratch_);
+      });
   begin_turn();
   return report;
 }
@@ -318,9 +285,7 @@ void ModularPpo::gather(std::span<const std::uint32_t> samples) {
   minibatch_.states.local.resize(rows, VoxelViews::local_length);
   minibatch_.states.task.resize(std::ssize(samples), rollout_.states.task.cols());
   minibatch_.actions.clear();
-  for (Vector* v :
-       {&minibatch_.log_probs, &minibatch_.values, &minibatch_.advantages, &minibatch_.returns})
-    v->resize(std::ssize(samples));
+  minibatch_.resize(std::ssize(samples));
   rows = 0;
   for (std::size_t m = 0; m < samples.size(); ++m) {
     const std::size_t k = samples[m];
@@ -338,30 +303,9 @@ void ModularPpo::gather(std::span<const std::uint32_t> samples) {
     minibatch_.actions.insert(minibatch_.actions.end(),
                               actions + static_cast<std::ptrdiff_t>(first_action[e]),
                               actions + static_cast<std::ptrdiff_t>(first_action[e + 1]));
-    minibatch_.log_probs[to] = rollout_.log_probs[from];
-    minibatch_.values[to] = rollout_.values[from];
-    minibatch_.advantages[to] = rollout_.advantages[from];
-    minibatch_.returns[to] = rollout_.returns[from];
+    minibatch_.take(to, rollout_, from);
     rows += voxels;
   }
-}
-
-bool ModularPpo::learn_minibatch(std::span<const std::uint32_t> samples, double learning_rate,
-                                 const Objective& objective, Losses& sum) {
-  gather(samples);
-  if (settings_.standardize_advantages == Standardize::minibatch)
-    standardize(minibatch_.advantages);
-  const Losses losses =
-      differentiate(policy_, turn().bodies(), minibatch_, objective, gradients_, scratch_);
-  const std::vector<std::span<float>> slopes = parameter_blocks(gradients_);
-  const double norm = clip_norm(slopes, settings_.max_gradient_norm);
-  if (!std::isfinite(norm) || !std::isfinite(losses.policy + losses.value + losses.entropy)) {
-    divergence_ = "the loss or its gradient is not a finite number";
-    return false;
-  }
-  learner_.adam.step(parameter_blocks(policy_), slopes, learning_rate, settings_.adam_epsilon);
-  add(sum, losses);
-  return true;
 }
 
 // ---- checkpoints ----------------------------------------------------------------

@@ -18,13 +18,9 @@
 namespace evo {
 
 // Samples of a rollout.
-struct ModularSamples {
+struct ModularSamples : SampleNumbers {
   VoxelBatch states;           // s [M]
   std::vector<float> actions;  // a of every sample in turn, before the action map
-  Vector log_probs;            // [M] as in Samples
-  Vector values;
-  Vector advantages;
-  Vector returns;
 };
 
 struct ModularScratch {
@@ -81,7 +77,7 @@ class ModularPpo {
 
   const ModularPolicy& policy() const { return policy_; }
   std::int64_t updates() const { return learner_.updates; }
-  const std::optional<std::string>& divergence() const { return divergence_; }
+  const std::optional<std::string>& divergence() const { return learner_.divergence; }
 
   void save(Checkpoint& checkpoint) const;
   void load(const Checkpoint& checkpoint);
@@ -102,11 +98,6 @@ class ModularPpo {
   }
 
   void look(const VecEnv& env, std::size_t environment);
-  void bootstrap_truncated(std::span<const std::uint8_t> terminated,
-                           std::span<const std::uint8_t> truncated, const VecEnv& reached,
-                           std::span<const int> steps);
-  bool learn_minibatch(std::span<const std::uint32_t> samples, double learning_rate,
-                       const Objective& objective, Losses& sum);
   void gather(std::span<const std::uint32_t> samples);
   void begin_turn();
 
@@ -115,15 +106,11 @@ class ModularPpo {
   std::vector<Turn> turns_;
   std::vector<double> targets_;  // of all actuators
   ppo::Learner learner_;
-  std::optional<std::string> divergence_;
-  // The rollout being collected, of the E_g environments whose turn it is: samples t*E_g + e.
-  int t_ = 0;
+  // Of the E_g environments whose turn it is:
   VoxelBatch state_;           // s_t
   std::vector<double> local_;  // of all voxels, as looked at
   std::vector<double> task_;   // of all environments
-  ModularSamples rollout_;
-  std::vector<double> rewards_;      // [T*E_g], scaled
-  std::vector<std::uint8_t> ended_;  // [T*E_g]
+  ModularSamples rollout_;     // being collected, samples t*E_g + e
 
   PreparedNetwork actor_;  // of the present parameters
   PreparedNetwork critic_;
@@ -132,8 +119,6 @@ class ModularPpo {
   Vector values_;
   VoxelBatch bootstrapped_;
   ModularSamples minibatch_;
-  std::vector<std::uint32_t> order_;
-  Vector residual_;
   ModularGradients gradients_;
   ModularScratch scratch_;
 };

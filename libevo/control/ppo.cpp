@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "libevo/base/elementary.h"
@@ -101,10 +100,9 @@ Losses differentiate(const Policy& policy, const Samples& batch, const Objective
 namespace {
 
 void resize(Samples& batch, Eigen::Index samples, int observation_length, int action_length) {
+  batch.resize(samples);
   batch.states.resize(samples, observation_length);
   batch.actions.resize(samples, action_length);
-  for (Vector* v : {&batch.log_probs, &batch.values, &batch.advantages, &batch.returns})
-    v->resize(samples);
 }
 
 void gather(const Samples& from, std::span<const std::uint32_t> samples, Samples& to) {
@@ -112,10 +110,7 @@ void gather(const Samples& from, std::span<const std::uint32_t> samples, Samples
     const Eigen::Index k = samples[static_cast<std::size_t>(i)];
     to.states.row(i) = from.states.row(k);
     to.actions.row(i) = from.actions.row(k);
-    to.log_probs[i] = from.log_probs[k];
-    to.values[i] = from.values[k];
-    to.advantages[i] = from.advantages[k];
-    to.returns[i] = from.returns[k];
+    to.take(i, from, k);
   }
 }
 
@@ -153,20 +148,18 @@ Ppo::Ppo(const TrainingSettings& settings, Policy policy, std::uint64_t seed,
                robot_id),
       gradients_(zero_gradients(policy_)) {
   const auto environments = static_cast<std::size_t>(settings.environments);
-  const auto samples = static_cast<std::size_t>(settings.batch());
   const int actions = policy_.action_length();
   const auto inputs = static_cast<int>(policy_.actor.layers.front().weight.cols());
   resize(rollout_, settings.batch(), inputs, actions);
   resize(minibatch_, settings.batch() / settings.minibatches, inputs, actions);
-  rewards_.resize(samples);
-  ended_.resize(samples);
+  learner_.begin_rollout(static_cast<std::size_t>(settings.batch()));
   targets_.resize(environments * static_cast<std::size_t>(actions));
   learner_.colour.resize(targets_.size());
 }
 
 // [20, 21] Observations are normalised by running moments and clipped.
 void Ppo::observe(std::span<const double> observations, std::span<const int> steps) {
-  if (!all_finite(observations)) divergence_ = "an observation is not a finite number";
+  if (!all_finite(observations)) learner_.divergence = "an observation is not a finite number";
   if (settings_.normalize_observations) update(policy_.normalizer, observations);
   network_inputs(policy_, observations, steps, state_);
   steps_.assign(steps.begin(), steps.end());
@@ -191,7 +184,7 @@ std::span<const double> Ppo::act() {
     const std::span<double> targets{targets_.data() + first,
                                     static_cast<std::size_t>(deviation.size())};
     rest_targets(policy_, steps_[static_cast<std::size_t>(e)], targets);
-    const Eigen::Index row = t_ * state_.rows() + e;
+    const Eigen::Index row = learner_.t * state_.rows() + e;
     rollout_.states.row(row) = state_.row(e);
     for (Eigen::Index j = 0; j < deviation.size(); ++j) {
       const auto k = static_cast<std::size_t>(j);
@@ -205,91 +198,37 @@ std::span<const double> Ppo::act() {
         log_density(rollout_.actions.row(row), mean.row(e), deviation, z_) - scale;
     rollout_.values[row] = critic_out_.back()(e, 0);
   }
-  if (!all_finite(targets_)) divergence_ = "an action is not a finite number";
+  if (!all_finite(targets_)) learner_.divergence = "an action is not a finite number";
   return targets_;
 }
 
 void Ppo::reward(std::span<const double> rewards, std::span<const std::uint8_t> terminated,
                  std::span<const std::uint8_t> truncated, std::span<const double> reached,
                  std::span<const int> steps) {
-  if (!all_finite(rewards)) divergence_ = "a reward is not a finite number";
-  const std::size_t first = static_cast<std::size_t>(t_) * rewards.size();
-  for (std::size_t e = 0; e < rewards.size(); ++e)
-    ended_[first + e] = terminated[e] != 0 || truncated[e] != 0 ? 1 : 0;
-  learner_.reward_scale.scale(settings_, 0, rewards, {ended_.data() + first, rewards.size()},
-                              {rewards_.data() + first, rewards.size()});
-  if (settings_.time_limit == TimeLimit::bootstrap)
-    bootstrap_truncated(terminated, truncated, reached, steps);
-  ++t_;
-}
-
-// An episode cut off by the time limit is worth what its last state is worth
-// (Pardo et al. 2018).
-void Ppo::bootstrap_truncated(std::span<const std::uint8_t> terminated,
-                              std::span<const std::uint8_t> truncated,
-                              std::span<const double> reached, std::span<const int> steps) {
-  const std::size_t length = reached.size() / truncated.size();
-  for (std::size_t e = 0; e < truncated.size(); ++e) {
-    if (truncated[e] == 0 || terminated[e] != 0) continue;
+  const std::size_t length = reached.size() / rewards.size();
+  learner_.reward(settings_, 0, rewards, terminated, truncated, [&](std::size_t e) {
     network_inputs(policy_, reached.subspan(e * length, length), steps.subspan(e, 1),
                    bootstrapped_.inputs);
     forward(policy_.critic, bootstrapped_.inputs, bootstrapped_.activations);
-    rewards_[static_cast<std::size_t>(t_) * truncated.size() + e] +=
-        settings_.gamma * static_cast<double>(bootstrapped_.activations.back()(0, 0));
-  }
+    return bootstrapped_.activations.back()(0, 0);
+  });
 }
 
 UpdateReport Ppo::learn() {
-  t_ = 0;
   forward(policy_.critic, state_, critic_out_);
   const Matrix& last_values = critic_out_.back();  // V(s_T)
-  estimate_advantages(
-      rewards_, ended_, view(rollout_.values),
-      {last_values.data(), static_cast<std::size_t>(last_values.size())}, settings_.gamma,
-      settings_.lambda,
-      {rollout_.advantages.data(), static_cast<std::size_t>(rollout_.advantages.size())});
-  rollout_.returns = rollout_.advantages + rollout_.values;
-  if (settings_.standardize_advantages == Standardize::batch) standardize(rollout_.advantages);
-
-  // [4] Schedules by update.
-  UpdateReport report;
-  report.learning_rate = learning_rate_of(settings_, learner_.updates, settings_.updates());
-  const Objective objective = objective_of(settings_, learner_.updates, settings_.updates());
-  report.explained_variance = explained_variance(rollout_.returns, rollout_.values, residual_);
-
-  // [6] Epochs of minibatches.
-  order_.resize(static_cast<std::size_t>(settings_.batch()));
-  std::iota(order_.begin(), order_.end(), 0U);
-  const auto size = static_cast<std::size_t>(minibatch_.states.rows());
-  for (int epoch = 0; epoch < settings_.epochs; ++epoch) {
-    shuffle(order_, learner_.shuffle);
-    for (int m = 0; m < settings_.minibatches; ++m) {
-      const std::span<const std::uint32_t> samples{
-          order_.data() + static_cast<std::size_t>(m) * size, size};
-      if (!learn_minibatch(samples, report.learning_rate, objective, report.losses)) return report;
-    }
-  }
-  divide(report.losses, settings_.epochs * settings_.minibatches);
-  ++learner_.updates;
+  const UpdateReport report = learner_.learn(
+      settings_, settings_.updates(), rollout_,
+      {last_values.data(), static_cast<std::size_t>(last_values.size())}, ParameterBlocks(policy_),
+      ParameterBlocks(gradients_),
+      [&](std::span<const std::uint32_t> samples, const Objective& objective) {
+        gather(rollout_, samples, minibatch_);
+        if (settings_.standardize_advantages == Standardize::minibatch)
+          standardize(minibatch_.advantages);
+        return differentiate(policy_, minibatch_, objective, gradients_, loss_scratch_);
+      });
+  learner_.begin_rollout(static_cast<std::size_t>(settings_.batch()));
   return report;
-}
-
-bool Ppo::learn_minibatch(std::span<const std::uint32_t> samples, double learning_rate,
-                          const Objective& objective, Losses& sum) {
-  gather(rollout_, samples, minibatch_);
-  if (settings_.standardize_advantages == Standardize::minibatch)
-    standardize(minibatch_.advantages);
-  const Losses losses = differentiate(policy_, minibatch_, objective, gradients_, loss_scratch_);
-  const ParameterBlocks slopes(gradients_);
-  const double norm = clip_norm(slopes, settings_.max_gradient_norm);  // [11]
-  if (!std::isfinite(norm) || !std::isfinite(losses.policy + losses.value + losses.entropy)) {
-    divergence_ = "the loss or its gradient is not a finite number";
-    return false;
-  }
-  learner_.adam.step(ParameterBlocks(policy_), slopes, learning_rate,
-                     settings_.adam_epsilon);  // [5]
-  add(sum, losses);
-  return true;
 }
 
 // ---- checkpoints ----------------------------------------------------------------

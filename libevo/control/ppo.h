@@ -20,13 +20,9 @@
 namespace evo {
 
 // Samples of a rollout, one a row.
-struct Samples {
-  Matrix states;      // s [M x I], as networks see it
-  Matrix actions;     // a [M x A], before the action map
-  Vector log_probs;   // log pi_old(a|s)
-  Vector values;      // V_old(s)
-  Vector advantages;  // A^
-  Vector returns;     // R = A^ + V_old(s), before A^ is standardised
+struct Samples : SampleNumbers {
+  Matrix states;   // s [M x I], as networks see it
+  Matrix actions;  // a [M x A], before the action map
 };
 
 // What lies between a batch and its gradients, kept from call to call.
@@ -76,31 +72,20 @@ class Ppo {
   std::int64_t updates() const { return learner_.updates; }
   // Set once something is no longer a finite number; says what. From then on
   // nothing else may be called but policy().
-  const std::optional<std::string>& divergence() const { return divergence_; }
+  const std::optional<std::string>& divergence() const { return learner_.divergence; }
 
   void save(Checkpoint& checkpoint) const;
   void load(const Checkpoint& checkpoint);  // of a Ppo made with the same arguments
 
  private:
-  void bootstrap_truncated(std::span<const std::uint8_t> terminated,
-                           std::span<const std::uint8_t> truncated, std::span<const double> reached,
-                           std::span<const int> steps);
-  bool learn_minibatch(std::span<const std::uint32_t> samples, double learning_rate,
-                       const Objective& objective, Losses& sum);
-
   TrainingSettings settings_;
   Policy policy_;
   ppo::Learner learner_;
-  std::optional<std::string> divergence_;
 
-  // The rollout being collected, rows t*E + e.
-  int t_ = 0;
-  std::vector<int> steps_;  // [E] of the episodes
-  Matrix state_;            // s_t, what networks see of it [E x I]
-  Samples rollout_;
-  std::vector<double> rewards_;      // [T*E], scaled
-  std::vector<std::uint8_t> ended_;  // [T*E]
-  std::vector<double> targets_;      // [E x A]
+  std::vector<int> steps_;       // [E] of the episodes
+  Matrix state_;                 // s_t, what networks see of it [E x I]
+  Samples rollout_;              // being collected, rows t*E + e
+  std::vector<double> targets_;  // [E x A]
 
   // Kept between calls, so that nothing is allocated once all have their sizes.
   Activations actor_out_;
@@ -109,8 +94,6 @@ class Ppo {
   Vector z_;                     // [A]
   NetworkScratch bootstrapped_;  // of the critic
   Samples minibatch_;
-  std::vector<std::uint32_t> order_;  // of the samples, in an epoch
-  Vector residual_;                   // [T*E]
   Gradients gradients_;
   LossScratch loss_scratch_;
 };

@@ -6,6 +6,17 @@
 
 namespace evo {
 
+void SampleNumbers::resize(Eigen::Index samples) {
+  for (Vector* v : {&log_probs, &values, &advantages, &returns}) v->resize(samples);
+}
+
+void SampleNumbers::take(Eigen::Index to, const SampleNumbers& others, Eigen::Index from) {
+  log_probs[to] = others.log_probs[from];
+  values[to] = others.values[from];
+  advantages[to] = others.advantages[from];
+  returns[to] = others.returns[from];
+}
+
 // ---- advantages ---------------------------------------------------------------
 
 void estimate_advantages(std::span<const double> rewards, std::span<const std::uint8_t> ended,
@@ -189,15 +200,47 @@ Learner::Learner(std::size_t parameters, std::size_t environments, std::uint64_t
                  std::string_view name)
     : adam(parameters),
       noise(seed, "train/noise", name),
-      shuffle(seed, "train/shuffle", name),
+      order_stream(seed, "train/shuffle", name),
       reward_scale(environments) {}
+
+void Learner::begin_rollout(std::size_t samples) {
+  t = 0;
+  rewards.resize(samples);
+  ended.resize(samples);
+}
+
+void Learner::scale_rewards(const TrainingSettings& settings, std::size_t first,
+                            std::span<const double> step_rewards,
+                            std::span<const std::uint8_t> terminated,
+                            std::span<const std::uint8_t> truncated) {
+  if (!all_finite(step_rewards)) divergence = "a reward is not a finite number";
+  const std::size_t count = step_rewards.size();
+  const std::size_t begin = static_cast<std::size_t>(t) * count;
+  for (std::size_t e = 0; e < count; ++e)
+    ended[begin + e] = terminated[e] != 0 || truncated[e] != 0 ? 1 : 0;
+  reward_scale.scale(settings, first, step_rewards, std::span(ended).subspan(begin, count),
+                     std::span(rewards).subspan(begin, count));
+}
+
+UpdateReport Learner::weigh_rollout(const TrainingSettings& settings, std::int64_t updates_in_all,
+                                    SampleNumbers& rollout, std::span<const float> last_values) {
+  estimate_advantages(
+      rewards, ended, view(rollout.values), last_values, settings.gamma, settings.lambda,
+      {rollout.advantages.data(), static_cast<std::size_t>(rollout.advantages.size())});
+  rollout.returns = rollout.advantages + rollout.values;
+  if (settings.standardize_advantages == Standardize::batch) standardize(rollout.advantages);
+  UpdateReport report;
+  report.learning_rate = learning_rate_of(settings, updates, updates_in_all);  // [4]
+  report.explained_variance = explained_variance(rollout.returns, rollout.values, residual_);
+  return report;
+}
 
 void Learner::save(Checkpoint& checkpoint) const {
   checkpoint.put("learner/adam/first", adam.first);
   checkpoint.put("learner/adam/second", adam.second);
   checkpoint.put<double>("learner/adam/powers", {adam.first_power, adam.second_power});
   checkpoint.put("learner/noise", noise);
-  checkpoint.put("learner/shuffle", shuffle);
+  checkpoint.put("learner/shuffle", order_stream);
   checkpoint.put<std::uint64_t>("learner/updates", {static_cast<std::uint64_t>(updates)});
   reward_scale.save(checkpoint);
   checkpoint.put("learner/colour", colour);
@@ -210,7 +253,7 @@ void Learner::load(const Checkpoint& checkpoint) {
   adam.first_power = powers[0];
   adam.second_power = powers[1];
   checkpoint.get("learner/noise", noise);
-  checkpoint.get("learner/shuffle", shuffle);
+  checkpoint.get("learner/shuffle", order_stream);
   updates = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("learner/updates", 1)[0]);
   reward_scale.load(checkpoint);
   colour = checkpoint.get<double>("learner/colour", colour.size());

@@ -4,7 +4,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,6 +37,18 @@ struct Objective {
   bool clip_value_loss = true;
   double value_coefficient = 0.5;     // c_1
   double entropy_coefficient = 0.01;  // c_2
+};
+
+// What is known of samples beside their states and actions.
+struct SampleNumbers {
+  Vector log_probs;   // log pi_old(a|s) [M]
+  Vector values;      // V_old(s)
+  Vector advantages;  // A^
+  Vector returns;     // R = A^ + V_old(s), before A^ is standardised
+
+  void resize(Eigen::Index samples);
+  // Sample `to` becomes what sample `from` of the others is.
+  void take(Eigen::Index to, const SampleNumbers& others, Eigen::Index from);
 };
 
 // Generalised advantage estimation (Schulman et al. 2016) over T steps of E
@@ -103,7 +118,11 @@ class RewardScale {
   std::vector<double> discounted_;  // [E]
 };
 
-// What a learner has beside its policy and what it sees.
+// [6] Shuffled by Fisher and Yates.
+void shuffle(std::span<std::uint32_t> order, Stream& stream);
+
+// The algorithm, whatever the policy: what a learner has and does beside its policy and the
+// states that this sees.
 struct Learner {
   // For so many parameters and environments. Random numbers come from streams named by seed
   // and `name`.
@@ -112,13 +131,84 @@ struct Learner {
 
   Adam adam;
   Stream noise;
-  Stream shuffle;
+  Stream order_stream;
   std::int64_t updates = 0;
   RewardScale reward_scale;
   std::vector<double> colour;  // of all actuators: exploration, of unit variance
+  // Set once something is no longer a finite number; says what.
+  std::optional<std::string> divergence;
+
+  // The rollout being collected, of T steps of E environments: samples t*E + e.
+  int t = 0;
+  std::vector<double> rewards;      // [T*E], scaled
+  std::vector<std::uint8_t> ended;  // [T*E]
+
+  void begin_rollout(std::size_t samples);
+
+  // What the actions of step t earned and how they ended, of environments `first` and following.
+  // value_of(e) is V of the state in which the time limit cut off the e-th of them: an
+  // episode is worth that as well (Pardo et al. 2018). Goes on to the next step.
+  template <typename ValueOf>
+  void reward(const TrainingSettings& settings, std::size_t first,
+              std::span<const double> step_rewards, std::span<const std::uint8_t> terminated,
+              std::span<const std::uint8_t> truncated, ValueOf value_of) {
+    const std::size_t count = step_rewards.size();
+    const std::size_t begin = static_cast<std::size_t>(t) * count;
+    scale_rewards(settings, first, step_rewards, terminated, truncated);
+    if (settings.time_limit == TimeLimit::bootstrap)
+      for (std::size_t e = 0; e < count; ++e)
+        if (truncated[e] != 0 && terminated[e] == 0)
+          rewards[begin + e] += settings.gamma * static_cast<double>(value_of(e));
+    ++t;
+  }
+
+  // One update, of `updates_in_all`, from the rollout, whose log_probs and values are given;
+  // `last_values` [E] are V(s_T). differentiate(samples, objective) returns the losses of these
+  // samples and leaves their gradients where `slopes` shows them. Where numbers stop being
+  // finite it ends early, with a divergence.
+  template <typename Parameters, typename Slopes, typename Differentiate>
+  UpdateReport learn(const TrainingSettings& settings, std::int64_t updates_in_all,
+                     SampleNumbers& rollout, std::span<const float> last_values,
+                     const Parameters& parameters, const Slopes& slopes,
+                     Differentiate differentiate) {
+    UpdateReport report = weigh_rollout(settings, updates_in_all, rollout, last_values);
+    const Objective objective = objective_of(settings, updates, updates_in_all);
+    // [6] Epochs of minibatches.
+    order_.resize(rewards.size());
+    std::iota(order_.begin(), order_.end(), 0U);
+    const std::size_t size = order_.size() / static_cast<std::size_t>(settings.minibatches);
+    for (int epoch = 0; epoch < settings.epochs; ++epoch) {
+      shuffle(order_, order_stream);
+      for (int m = 0; m < settings.minibatches; ++m) {
+        const Losses losses = differentiate(std::span<const std::uint32_t>(order_).subspan(
+                                                static_cast<std::size_t>(m) * size, size),
+                                            objective);
+        const double norm = clip_norm(slopes, settings.max_gradient_norm);  // [11]
+        if (!std::isfinite(norm) || !std::isfinite(losses.policy + losses.value + losses.entropy)) {
+          divergence = "the loss or its gradient is not a finite number";
+          return report;
+        }
+        adam.step(parameters, slopes, report.learning_rate, settings.adam_epsilon);  // [5]
+        add(report.losses, losses);
+      }
+    }
+    divide(report.losses, settings.epochs * settings.minibatches);
+    ++updates;
+    return report;
+  }
 
   void save(Checkpoint& checkpoint) const;
   void load(const Checkpoint& checkpoint);  // of a learner as large
+
+ private:
+  void scale_rewards(const TrainingSettings& settings, std::size_t first,
+                     std::span<const double> step_rewards, std::span<const std::uint8_t> terminated,
+                     std::span<const std::uint8_t> truncated);
+  UpdateReport weigh_rollout(const TrainingSettings& settings, std::int64_t updates_in_all,
+                             SampleNumbers& rollout, std::span<const float> last_values);
+
+  std::vector<std::uint32_t> order_;  // of the samples, in an epoch
+  Vector residual_;                   // [T*E]
 };
 
 // Parameters, which `blocks` gives as runs of floats, in a checkpoint.
@@ -145,9 +235,6 @@ Normalizer fresh_normalizer(const TrainingSettings& settings, int length);
 
 void save_moments(Checkpoint& checkpoint, const std::string& name, const Normalizer& n);
 void load_moments(const Checkpoint& checkpoint, const std::string& name, Normalizer& n);
-
-// [6] Shuffled by Fisher and Yates.
-void shuffle(std::span<std::uint32_t> order, Stream& stream);
 
 }  // namespace ppo
 }  // namespace evo

@@ -107,7 +107,7 @@ TrainingPlan training_plan(const RunFolder& run, int generation) {
   if (heirs(settings) == Heirs::founders_too)
     plan.founders_from = fs::path(settings.text("founders")) / "policies";
   if (settings.shares(generation)) plan.shared = run.shared_policy(generation);
-  if (generation > 0 && settings.shares(generation - 1) && !plan.init)
+  if (generation > 0 && settings.shares(generation - 1))  // instead of what the first began with
     plan.init = run.shared_policy(generation - 1);
   return plan;
 }

@@ -43,6 +43,18 @@ list_seen = '$(SCRIPTS)seen' '$(RUN)' $(GEN) > '$@.seen.tmp'
 # The number of lines of a file, or a number where there is none yet.
 lines_or = $(if $(wildcard $(1)),$(shell wc -l < '$(1)'),$(2))
 
+# The first robots of a method that may have FOUNDERS: POP of them, or `first_count`.
+first_count ?= $(POP)
+founders = evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)' | evo-select --keep $(first_count)
+unscored = jq -c '{format, version, id, body}'
+first_robots = $(if $(FOUNDERS),$(founders) | $(unscored) > '$@.tmp' && mv '$@.tmp' '$@',\
+    evo-sample -n $(first_count) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,0) -o '$@')
+try_founders = $(if $(FOUNDERS),$(check_founders),evo-sample -n 0 $(SAMPLE_OPTIONS))
+check_founders = [ '$(INHERIT)' != all ] || [ -d '$(FOUNDERS)/policies' ] || \
+    { echo '$(FOUNDERS): has no policies to go on from; INHERIT=yes trains founders anew' >&2; exit 66; }; \
+  found=$$($(founders) | wc -l); \
+  [ $$found -eq $(first_count) ] || { echo "$(FOUNDERS): has $$found different robots, not POP=$(POP)" >&2; exit 65; }
+
 SETTINGS = method=$(METHOD) $(METHOD_SETTINGS)
 include $(SCRIPTS)command-line.mk
 # A task may be a class in Python, FILE.py:CLASS: a program that stands as EVALUATE trains in it.

@@ -7,17 +7,9 @@
 # no body is trained twice; the run ends at exactly EVALS trained robots.
 
 METHOD := ga
-TRIAL = $(if $(FOUNDERS),$(try_founders),evo-sample -n 0 $(SAMPLE_OPTIONS)); \
+TRIAL = $(try_founders); \
   $(if $(filter evo-mutate,$(MUTATE)),evo-mutate -n 0 $(MUTATE_OPTIONS);)
-founders = evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)' | evo-select --keep $(POP)
-unscored = jq -c '{format, version, id, body}'
-first_population = mkdir -p '$(@D)' && \
-  $(if $(FOUNDERS),$(founders) | $(unscored) > '$@.tmp' && mv '$@.tmp' '$@',\
-    evo-sample -n $(POP) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,0) -o '$@')
-try_founders = [ '$(INHERIT)' != all ] || [ -d '$(FOUNDERS)/policies' ] || \
-    { echo '$(FOUNDERS): has no policies to go on from; INHERIT=yes trains founders anew' >&2; exit 66; }; \
-  found=$$($(founders) | wc -l); \
-  [ $$found -eq $(POP) ] || { echo "$(FOUNDERS): has $$found different robots, not POP=$(POP)" >&2; exit 65; }
+first_population = mkdir -p '$(@D)' && $(first_robots)
 
 # A row per generation: generation, robots, created, survivors, children.
 plan = $(shell PATH='$(PATH)' evo-select --schedule paper --pop $(POP) --evals $(EVALS) --plan | $(1))

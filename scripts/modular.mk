@@ -6,14 +6,16 @@
 # it learnt on those before, and what a robot earns with it is its fitness. Then CHILDREN of all
 # that stay take the places of the worst. A new robot is safe for GRACE selections, since the
 # controller does not know it yet, and LAYERS keep the old from taking all places (scripts/stay).
-# A child starts with its parent's controller as it is, which is that of all.
+# A child starts with its parent's controller as it is, which is that of all. The first
+# generation's begins from nothing, or, with TRAIN_OPTIONS='--init POLICY', where another ended.
 #
 # The generation after the last has the CHAMPIONS best, each with a training of its own, of
 # OWN_STEPS steps, from the controller of all; a launch each, as -j has it. The others have one
 # launch, on one core. A robot's steps are those of its own environments.
 
 METHOD := modular
-TRIAL = evo-sample -n 0 $(SAMPLE_OPTIONS); evo-mutate -n 0 $(MUTATE_OPTIONS);
+TRIAL = $(try_founders); evo-mutate -n 0 $(MUTATE_OPTIONS);
+first_count = $(shell echo $$(( $(EVALS) < $(POP) ? $(EVALS) : $(POP) )))
 later = $(shell echo $$(( $(EVALS) > $(POP) ? $(EVALS) - $(POP) : 0 )))
 # The generations that have one controller, from 0 to this one.
 last_shared = $(shell echo $$(( ($(later) + $(CHILDREN) - 1) / $(CHILDREN) )))
@@ -40,8 +42,7 @@ ifdef GEN
 $(POPULATION):
 	@mkdir -p '$(@D)'
 ifeq ($(GEN),0)
-	@evo-sample -n $(shell echo $$(( $(EVALS) < $(POP) ? $(EVALS) : $(POP) ))) --shape $(SHAPE) $(SAMPLE_OPTIONS) \
-	  --seed $(call stage_seed,$(GEN)) -o '$@'
+	@$(first_robots)
 else ifeq ($(TOGETHER),yes)
 	@'$(SCRIPTS)stay' '$(RUN)' $(GEN) $$(( $(POP) - $(born) )) $(GRACE) $(LAYERS) > '$@.stay.tmp'
 	@$(list_seen)

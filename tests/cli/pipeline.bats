@@ -142,7 +142,7 @@ kill_and_repeat() {
   [[ $stderr == *"none"* ]]
   for pipeline in map neat; do
     run -2 --separate-stderr run_make $pipeline $pipeline FOUNDERS=scout
-    [[ $stderr == *"no setting FOUNDERS (a setting of ga.mk)"* ]]
+    [[ $stderr == *"no setting FOUNDERS (a setting of ga.mk modular.mk)"* ]]
   done
 }
 
@@ -426,6 +426,26 @@ modular=(POP=6 CHILDREN=2 EVALS=9 STEPS=3072 CHAMPIONS=2 OWN_STEPS=2048
   kill_and_repeat modular killed 12
   run_make modular whole
   diff <(essence killed) <(essence whole)
+}
+
+@test "modular: from founders that another controller chose, and from that controller" {
+  settings+=("${modular[@]}")
+  run_make modular first EVALS=6 CHAMPIONS=0 first/history.jsonl
+  controller=first/policies/gen-000.policy.h5
+  evo-sample -n 12 --seed 9 | evo-eval -q --policy $controller --failures skip | evo-select --keep 6 > founders
+  options="${modular[6]#TRAIN_OPTIONS=} --init $controller"
+  run_make modular next FOUNDERS=founders EVALS=8 "TRAIN_OPTIONS=$options" next/history.jsonl
+  diff <(jq -r .id founders | sort) <(jq -r .id next/gen-000/population.jsonl | sort)
+  jq -e -s 'all(.[]; .steps <= 512 and .parents == null)' next/gen-000/scores.jsonl
+  # The first generation begins with it, the next with what the one before has learnt.
+  inherited() { h5dump -a identity next/policies/$1.policy.h5 | grep -o 'inherited=[0-9a-f]*'; }
+  hash_of() { h5dump -a settings_hash "$1" | grep -o '[0-9a-f]\{64\}'; }
+  [ "$(inherited gen-000)" = "inherited=$(hash_of $controller)" ]
+  [ "$(inherited gen-001)" = "inherited=$(hash_of next/policies/gen-000.policy.h5)" ]
+  best=$(jq -r .id next/gen-002/scores.jsonl | head -n 1)
+  [ "$(inherited "$best")" = "inherited=$(hash_of next/policies/gen-001.policy.h5)" ]
+  head -3 founders > few
+  refused_at_once modular FOUNDERS=few "few: has 3 different robots, not POP=6"
 }
 
 @test "modular: who stays, by grace and layers of age" {

@@ -58,12 +58,23 @@ Heirs heirs(const RunSettings& settings) {
 }
 
 // Options that a setting keeps as one line; `where` begins the errors.
-void parse_options(cli::Command& command, const std::string& line, const std::string& where) {
-  const std::vector<std::string> words = option_words(line, where);
-  try {
-    command.parse(words);
-  } catch (const Error& e) {
-    throw e.at(where);
+struct OptionLine {
+  std::string text;
+  std::string where;
+};
+
+// Line after line, each with all before it: a parse forgets what another one has seen of an
+// option that may be repeated.
+void parse_options(cli::Command& command, const std::vector<OptionLine>& lines) {
+  std::vector<std::string> words;
+  for (const OptionLine& line : lines) {
+    const std::vector<std::string> more = option_words(line.text, line.where);
+    words.insert(words.end(), more.begin(), more.end());
+    try {
+      command.parse(words);
+    } catch (const Error& e) {
+      throw e.at(line.where);
+    }
   }
 }
 
@@ -85,11 +96,13 @@ TrainingPlan training_plan(const RunSettings& settings, int generation, const st
   if (settings.text("physics") != "task") options.task.physics = settings.text("physics");
   command.seed = parse_unsigned(settings.text("seed"), file + "seed");
   options.skip_failures = true;
-  const auto add_options = [&](const std::string& name) {
-    if (const std::string* more = settings.find(name)) parse_options(command, *more, file + name);
+  std::vector<OptionLine> lines;
+  const auto add_line = [&](const std::string& name) {
+    if (const std::string* more = settings.find(name)) lines.push_back({*more, file + name});
   };
-  add_options("train_options");
-  if (own) add_options("own_options");
+  add_line("train_options");
+  if (own) add_line("own_options");
+  parse_options(command, lines);
   TrainingPlan plan = options.plan(command.seed);
   plan.note_resumed = !has_rungs;
   return plan;
@@ -393,7 +406,7 @@ int propose(const RunFolder& run, int robots) {
   cli::Command options("evo-mutate");
   cli::add_breeding_options(options, breeding);
   if (const std::string* line = run.settings().find("mutate_options"))
-    parse_options(options, *line, (run.path() / "run.yaml").string() + ": mutate_options");
+    parse_options(options, {{*line, (run.path() / "run.yaml").string() + ": mutate_options"}});
   propose_robots(run, breeding, cli::data_folders(), robots);
   return 0;
 }

@@ -429,12 +429,13 @@ modular=(POP=6 CHILDREN=2 EVALS=9 STEPS=3072 CHAMPIONS=2 OWN_STEPS=2048
 }
 
 @test "modular: from founders that another controller chose, and from that controller" {
-  settings+=("${modular[@]}")
+  # Settings of the training hold to the end, of the champions' as well.
+  options="${modular[6]#TRAIN_OPTIONS=} --train-set gating=none"
+  settings+=("${modular[@]}" "TRAIN_OPTIONS=$options")
   run_make modular first EVALS=6 CHAMPIONS=0 first/history.jsonl
   controller=first/policies/gen-000.policy.h5
   evo-sample -n 12 --seed 9 | evo-eval -q --policy $controller --failures skip | evo-select --keep 6 > founders
-  options="${modular[6]#TRAIN_OPTIONS=} --init $controller"
-  run_make modular next FOUNDERS=founders EVALS=8 "TRAIN_OPTIONS=$options" next/history.jsonl
+  run_make modular next FOUNDERS=founders EVALS=8 "TRAIN_OPTIONS=$options --init $controller" next/history.jsonl
   diff <(jq -r .id founders | sort) <(jq -r .id next/gen-000/population.jsonl | sort)
   jq -e -s 'all(.[]; .steps <= 512 and .parents == null)' next/gen-000/scores.jsonl
   # The first generation begins with it, the next with what the one before has learnt.

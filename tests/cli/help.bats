@@ -16,6 +16,11 @@ tools() { (cd "$EVO_BIN" && printf '%s\n' evo-*); }
   done
 }
 
+@test "help names the training profiles that there are" {
+  named() { evo-train --help | sed -n '/--train PROFILE/,/--train-set/p' | paste -sd ' ' | sed 's/.*file: //; s/ \[default\].*//; s/[ ,]\+/\n/g'; }
+  (cd "$EVO_SOURCE/tasks/training" && ls *.yaml) | sed 's/\.yaml//' | cmp - <(named)
+}
+
 @test "evo: one name for the tools, and for one's own in PATH" {
   evo --help | golden help/evo.txt
   evo help | cmp - <(evo --help)

@@ -12,6 +12,7 @@
 #include "libevo/control/modular_training.h"
 #include "libevo/control/trainer.h"
 #include "tests/unit/control/arena.h"
+#include "tests/unit/control/loss.h"
 
 using namespace evo;
 using namespace evo::test;
@@ -229,20 +230,7 @@ double loss(const ModularPolicy& shape, const Bodies& bodies, const std::vector<
       const Doubles z = critic.rest[l].first * pooled + critic.rest[l].second;
       pooled = l + 1 < critic.rest.size() ? Doubles(z.array().tanh()) : z;
     }
-    const double v = pooled[0];
-    const double advantage = static_cast<double>(batch.advantages[i]);
-    const double ratio = std::exp(log_prob - static_cast<double>(batch.log_probs[i]));
-    const double bounded = std::clamp(ratio, 1.0 - o.clip, 1.0 + o.clip);
-    const double old_v = static_cast<double>(batch.values[i]);
-    const double target = static_cast<double>(batch.returns[i]);
-    double square = (v - target) * (v - target);
-    if (o.clip_value_loss) {
-      const double near = old_v + std::clamp(v - old_v, -o.clip, o.clip);
-      square = std::max(square, (near - target) * (near - target));
-    }
-    total += (-std::min(ratio * advantage, bounded * advantage) +
-              o.value_coefficient * 0.5 * square - o.entropy_coefficient * entropy) /
-             n;
+    total += loss_of_sample(batch, i, log_prob, pooled[0], entropy, o) / n;
     from += views.voxels();
   }
   return total;

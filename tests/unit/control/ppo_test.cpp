@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "tests/unit/control/loss.h"
+
 // Blocks asked of the allocator so far, by whatever way: Eigen does not ask operator new.
 // Sanitizers have an allocator of their own; there it stays 0.
 static std::atomic<long> allocations{0};
@@ -21,6 +23,7 @@ extern "C" void* malloc(std::size_t size) {
 #endif
 
 using namespace evo;
+using namespace evo::test;
 
 namespace {
 
@@ -82,19 +85,7 @@ double loss(const Policy& shape, const Parameters& p, const Samples& batch, cons
       log_prob -= 0.5 * z * z + log_std + 0.5 * std::log(2.0 * std::numbers::pi);
       entropy += log_std + 0.5 * std::log(2.0 * std::numbers::pi * std::numbers::e);
     }
-    const double advantage = static_cast<double>(batch.advantages[i]);
-    const double ratio = std::exp(log_prob - static_cast<double>(batch.log_probs[i]));
-    const double bounded = std::clamp(ratio, 1.0 - o.clip, 1.0 + o.clip);
-    const double old_v = static_cast<double>(batch.values[i]);
-    const double target = static_cast<double>(batch.returns[i]);
-    double square = (v - target) * (v - target);
-    if (o.clip_value_loss) {
-      const double near = old_v + std::clamp(v - old_v, -o.clip, o.clip);
-      square = std::max(square, (near - target) * (near - target));
-    }
-    total += (-std::min(ratio * advantage, bounded * advantage) +
-              o.value_coefficient * 0.5 * square - o.entropy_coefficient * entropy) /
-             m;
+    total += loss_of_sample(batch, i, log_prob, v, entropy, o) / m;
   }
   return total;
 }

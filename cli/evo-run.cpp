@@ -108,6 +108,20 @@ TrainingPlan training_plan(const RunSettings& settings, int generation, const st
   return plan;
 }
 
+// The controller that all robots of a run had in the last generation that shared one.
+fs::path last_shared_policy(const fs::path& folder) {
+  const RunFolder run(folder);
+  fs::path last;
+  for (int g = 0; run.settings().shares(g) && fs::exists(run.shared_policy(g)); ++g)
+    last = run.shared_policy(g);
+  if (last.empty())
+    throw error(
+        Failure::no_input,
+        "{}: has no controller of all robots to go on from; INHERIT=no begins with a new one",
+        folder.string());
+  return last;
+}
+
 TrainingPlan training_plan(const RunFolder& run, int generation) {
   const RunSettings& settings = run.settings();
   TrainingPlan plan =
@@ -116,12 +130,17 @@ TrainingPlan training_plan(const RunFolder& run, int generation) {
   plan.logs = run.logs();
   plan.sharded = run.layout() == Layout::steady;
   plan.resume = true;
+  if (settings.shares(0)) {
+    if (settings.shares(generation)) plan.shared = run.shared_policy(generation);
+    if (generation == 0 && heirs(settings) == Heirs::founders_too)
+      plan.init = last_shared_policy(settings.text("founders"));
+    if (generation > 0 && settings.shares(generation - 1))
+      plan.init = run.shared_policy(generation - 1);
+    return plan;
+  }
   if (heirs(settings) != Heirs::none && !plan.init) plan.init = run.policies();
   if (heirs(settings) == Heirs::founders_too)
     plan.founders_from = fs::path(settings.text("founders")) / "policies";
-  if (settings.shares(generation)) plan.shared = run.shared_policy(generation);
-  if (generation > 0 && settings.shares(generation - 1))  // instead of what the first began with
-    plan.init = run.shared_policy(generation - 1);
   return plan;
 }
 
@@ -147,6 +166,7 @@ void check_python_task(const RunSettings& settings) {
 
 // One controller learns on all robots of a generation; then the best go on from it alone.
 void check_sharing(const RunSettings& settings, const TrainingPlan& plan, int rows, int cols) {
+  if (heirs(settings) == Heirs::founders_too) last_shared_policy(settings.text("founders"));
   const TrainingPlan own = training_plan(settings, std::numeric_limits<int>::max(), "");
   for (const TrainingPlan* each : {&plan, &own})
     if (const std::string& name = each->children.algorithm.name(); name != ModularTraining::name)

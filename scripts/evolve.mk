@@ -45,7 +45,9 @@ lines_or = $(if $(wildcard $(1)),$(shell wc -l < '$(1)'),$(2))
 
 # The first robots of a method that may have FOUNDERS: POP of them, or `first_count`.
 first_count ?= $(POP)
-founders = evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)' | evo-select --keep $(first_count)
+of_founders = evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)'
+candidates ?= $(of_founders)
+founders = $(candidates) | evo-select --keep $(first_count)
 unscored = jq -c '{format, version, id, body}'
 first_robots = $(if $(FOUNDERS),$(founders) | $(unscored) > '$@.tmp' && mv '$@.tmp' '$@',\
     evo-sample -n $(first_count) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,0) -o '$@')

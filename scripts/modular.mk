@@ -7,14 +7,21 @@
 # that stay take the places of the worst. A new robot is safe for GRACE selections, since the
 # controller does not know it yet, and LAYERS keep the old from taking all places (scripts/stay).
 # A child starts with its parent's controller as it is, which is that of all. The first
-# generation's begins from nothing, or, with TRAIN_OPTIONS='--init POLICY', where another ended.
+# generation's is a new one or, with INHERIT=all, goes on from that of another run, FOUNDERS,
+# which also says which of SCREEN sampled bodies are worth learning on.
 #
 # The generation after the last has the CHAMPIONS best, each with a training of its own, of
 # OWN_STEPS steps, from the controller of all; a launch each, as -j has it. The others have one
 # launch, on one core. A robot's steps are those of its own environments.
 
 METHOD := modular
-TRIAL = $(try_founders); evo-mutate -n 0 $(MUTATE_OPTIONS);
+TRIAL = $(if $(screens),evo-sample -n 0 $(SAMPLE_OPTIONS),$(try_founders)); evo-mutate -n 0 $(MUTATE_OPTIONS);
+screens = $(filter-out 0,$(SCREEN))
+candidates = $(if $(screens),$(screened),$(of_founders))
+screened = evo-sample -n $(SCREEN) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,0) | \
+  evo-eval -q --task '$(TASK)' $(if $(filter-out task,$(PHYSICS)),--physics '$(PHYSICS)') --seed $(SEED) \
+    --failures skip --policy '$(controller_of_founders)'
+controller_of_founders = $(lastword $(sort $(wildcard $(FOUNDERS)/policies/gen-*.policy.h5)))
 first_count = $(shell echo $$(( $(EVALS) < $(POP) ? $(EVALS) : $(POP) )))
 later = $(shell echo $$(( $(EVALS) > $(POP) ? $(EVALS) - $(POP) : 0 )))
 # The generations that have one controller, from 0 to this one.
@@ -31,7 +38,10 @@ all:
 
 include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
 
-$(if $(filter-out no,$(INHERIT)),$(error INHERIT is no setting of modular.mk: every robot starts with the controller of all))
+$(if $(filter yes,$(INHERIT)),$(error INHERIT is no or all in modular.mk, not 'yes': every robot starts with the controller of all))
+$(if $(screens),$(if $(controller_of_founders),,\
+  $(error SCREEN=$(SCREEN) needs FOUNDERS, a run of modular.mk whose controller says which bodies are the first)))
+$(if $(screens),$(if $(shell [ $(SCREEN) -ge $(first_count) ] && echo yes),,$(error SCREEN=$(SCREEN) is less than POP=$(POP))))
 $(if $(FOUNDER_STEPS),$(error FOUNDER_STEPS is no setting of modular.mk: all robots of a generation are trained together))
 $(if $(EVALUATE),$(error EVALUATE is no setting of modular.mk: what is not trained has no controller))
 $(if $(python_task),$(error TASK=$(TASK): one controller for all robots is for tasks of the suite))

@@ -428,25 +428,35 @@ modular=(POP=6 CHILDREN=2 EVALS=9 STEPS=3072 CHAMPIONS=2 OWN_STEPS=2048
   diff <(essence killed) <(essence whole)
 }
 
-@test "modular: from founders that another controller chose, and from that controller" {
+@test "modular: from the controller of another run, and bodies that it chose" {
   # Settings of the training hold to the end, of the champions' as well.
-  options="${modular[6]#TRAIN_OPTIONS=} --train-set gating=none"
-  settings+=("${modular[@]}" "TRAIN_OPTIONS=$options")
-  run_make modular first EVALS=6 CHAMPIONS=0 first/history.jsonl
-  controller=first/policies/gen-000.policy.h5
-  evo-sample -n 12 --seed 9 | evo-eval -q --policy $controller --failures skip | evo-select --keep 6 > founders
-  run_make modular next FOUNDERS=founders EVALS=8 "TRAIN_OPTIONS=$options --init $controller" next/history.jsonl
-  diff <(jq -r .id founders | sort) <(jq -r .id next/gen-000/population.jsonl | sort)
-  jq -e -s 'all(.[]; .steps <= 512 and .parents == null)' next/gen-000/scores.jsonl
-  # The first generation begins with it, the next with what the one before has learnt.
-  inherited() { h5dump -a identity next/policies/$1.policy.h5 | grep -o 'inherited=[0-9a-f]*'; }
+  settings+=("${modular[@]}" "TRAIN_OPTIONS=${modular[6]#TRAIN_OPTIONS=} --train-set gating=none")
+  run_make modular first EVALS=7 CHAMPIONS=0 first/history.jsonl
+  run_make modular next FOUNDERS=first INHERIT=all SCREEN=12 SHAPE=4x4 SEED=9 EVALS=8 -j2 next/history.jsonl
+  controller=first/policies/gen-001.policy.h5
+  evo-sample -n 12 --shape 4x4 --seed 9000000 | evo-eval -q --policy $controller --seed 9 --failures skip | evo-select --keep 6 |
+    jq -r .id | cmp - <(jq -r .id next/gen-000/population.jsonl)
+  # The first generation goes on from it, the next with what the one before has learnt.
+  inherited() { h5dump -a identity $1 | grep -o 'inherited=[0-9a-f]*'; }
   hash_of() { h5dump -a settings_hash "$1" | grep -o '[0-9a-f]\{64\}'; }
-  [ "$(inherited gen-000)" = "inherited=$(hash_of $controller)" ]
-  [ "$(inherited gen-001)" = "inherited=$(hash_of next/policies/gen-000.policy.h5)" ]
+  [ "$(inherited next/policies/gen-000.policy.h5)" = "inherited=$(hash_of $controller)" ]
+  [ "$(inherited next/policies/gen-001.policy.h5)" = "inherited=$(hash_of next/policies/gen-000.policy.h5)" ]
   best=$(jq -r .id next/gen-002/scores.jsonl | head -n 1)
-  [ "$(inherited "$best")" = "inherited=$(hash_of next/policies/gen-001.policy.h5)" ]
-  head -3 founders > few
+  [ "$(inherited "next/policies/$best.policy.h5")" = "inherited=$(hash_of next/policies/gen-001.policy.h5)" ]
+  [[ $(evo-run command next) == *" INHERIT=all FOUNDERS=first SCREEN=12 "* ]]
+  # Or its best robots, with a controller of their own.
+  run_make modular anew FOUNDERS=first EVALS=6 CHAMPIONS=0 anew/history.jsonl
+  evo-select --keep 6 first/history.jsonl | jq -r .id | sort | cmp - <(jq -r .id anew/gen-000/population.jsonl | sort)
+  run ! inherited anew/policies/gen-000.policy.h5
+  head -3 first/history.jsonl > few
   refused_at_once modular FOUNDERS=few "few: has 3 different robots, not POP=6"
+  refused_at_once modular SCREEN=12 "SCREEN=12 needs FOUNDERS, a run of modular.mk"
+  run ! run_make modular run FOUNDERS=first SCREEN=5
+  [[ $output == *"SCREEN=5 is less than POP=6"* ]]
+  cp -r anew other && rm other/policies/gen-*
+  run ! run_make modular run FOUNDERS=other INHERIT=all
+  [[ $output == *"other: has no controller of all robots to go on from; INHERIT=no begins with a new one"* ]]
+  [ ! -e run/run.yaml ]
 }
 
 @test "modular: who stays, by grace and layers of age" {
@@ -473,7 +483,7 @@ modular=(POP=6 CHILDREN=2 EVALS=9 STEPS=3072 CHAMPIONS=2 OWN_STEPS=2048
   refused_at_once ga GRACE=2 "ga.mk has no setting GRACE (a setting of modular.mk)"
   settings+=("${modular[@]}")
   refused_at_once modular POP=4 "POP=4 leaves no place for robots out of GRACE; more than CHILDREN x (GRACE + 1) are needed, 4"
-  refused_at_once modular INHERIT=yes "INHERIT is no setting of modular.mk"
+  refused_at_once modular INHERIT=yes "INHERIT is no or all in modular.mk, not 'yes'"
   refused_at_once modular FOUNDER_STEPS=9 "FOUNDER_STEPS is no setting of modular.mk"
   refused_at_once modular EVALUATE=true "EVALUATE is no setting of modular.mk"
   refused_at_once modular TRAIN=default "train=default: ppo makes a controller for each robot"

@@ -593,7 +593,7 @@ refused_at_once() {
   refused_at_once ga POPULATION=8 "ga.mk has no setting POPULATION; it has POP"
   refused_at_once ga evals=8 "ga.mk has no setting evals; it has ALGO CHUNK"
   refused_at_once race WINDOW=5 "race.mk has no setting WINDOW (a setting of ga.mk neat.mk bo.mk map.mk)"
-  refused_at_once neat FOUNDERS=lost "neat.mk has no setting FOUNDERS (a setting of ga.mk); it has ALGO"
+  refused_at_once neat FOUNDERS=lost "neat.mk has no setting FOUNDERS (a setting of ga.mk modular.mk); it has ALGO"
   refused_at_once neat SEEDS=1 "neat.mk has no setting SEEDS; it has SEED."
   for pipeline in compare rounds records; do
     run -2 make -f "$EVO_SOURCE/scripts/$pipeline.mk" RUN=run STEP=8

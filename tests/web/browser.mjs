@@ -162,6 +162,20 @@ const checkBinaryFiles = async () => {
   check('and has the return of its file', await earned(process.env.EVO_SHIFTED), await text('#return'));
   await evaluate(`(() => { const pick = document.getElementById('episode'); pick.value = 1; pick.dispatchEvent(new Event('change')); })()`);
   check('episodes can be chosen', await until(`document.getElementById('moment').textContent.startsWith('step') && document.querySelector('#episode').selectedOptions[0].textContent === '2 of 2'`), await text('#moment'));
+  await drop('modular.h5');
+  check('a modular policy drives its robot', await until(`document.getElementById('gait-about').textContent.startsWith('Driven by the modular policy of modular.h5')`), await about());
+  for (const [name, size] of [['rows', 2], ['columns', 3]])
+    await evaluate(`(() => { const pick = document.getElementById('${name}'); pick.value = ${size}; pick.dispatchEvent(new Event('change')); })()`);
+  await evaluate(`document.querySelector('#grid [data-r="0"][data-c="0"]').focus()`);
+  await press('Home');
+  for (const [row, moves] of [['HVH', ['ArrowRight', 'ArrowRight', 'Home']], ['V.V', ['ArrowRight', 'ArrowRight', 'Home']]]) {
+    for (const [c, letter] of [...row].entries()) { await press(letter.toLowerCase(), letter.toLowerCase()); await press(moves[c]); }
+    await press('ArrowDown');
+  }
+  check('another body is drawn for it', (await body()) === 'HVH-V.V', await body());
+  check('it drives that one, too', (await about()).startsWith('Driven by the modular policy') && await earned(process.env.EVO_OTHER_BODY), [await about(), await text('#return'), process.env.EVO_OTHER_BODY]);
+  check('the command draws the same', (await text('#command')) === `printf 'HVH\\nV.V\\n' |\n  evo-eval --policy modular.h5`, await text('#command'));
+  await photograph('any-body');
   await drop('cut.h5');
   check('a damaged file is refused', await until(`document.getElementById('message').textContent.startsWith('cut.h5: ')`), await text('#message'));
   check('and the robot from before is there', await until(stepped), await text('#moment'));

@@ -21,4 +21,7 @@ EVO_SHIFTED=$(roll shifted --episodes 2 --jitter 1e-3 | jq '.returns[0]')
 export EVO_EXPECTED EVO_SHIFTED
 export EVO_CASES=$work/cases
 "$here/cases" "$EVO_CASES"
+cp "$EVO_CASES/modular.h5" "$EVO_FILES"
+EVO_OTHER_BODY=$(printf 'HVH\nV.V\n' | evo-eval -q --policy "$EVO_FILES/modular.h5" | jq .fitness)
+export EVO_OTHER_BODY
 node "$here/browser.mjs" "$browser" "$work/site" "$work/profile" ${EVO_PICTURES:+"$EVO_PICTURES"}

@@ -20,13 +20,23 @@
     const values = await list(group, name), width = group.children.get(name).shape[1] ?? 1;
     return Array.from({ length: width ? values.length / width : 0 }, (_, k) => values.slice(k * width, (k + 1) * width));
   };
-  const network = async (group) => {
-    const layers = [];
-    for (let k = 0; group.children.has(`layer_${k}`); ++k) {
-      const layer = group.children.get(`layer_${k}`);
-      layers.push({ weight: await rows(layer, 'weight'), bias: await list(layer, 'bias') });
-    }
-    return layers;
+  // What `read` makes of each layer of a group.
+  const layers = async (group, read) => {
+    const made = [];
+    for (let k = 0; group.children.has(`layer_${k}`); ++k) made.push(await read(group.children.get(`layer_${k}`)));
+    return made;
+  };
+  const network = (group) => layers(group, async (layer) => ({ weight: await rows(layer, 'weight'), bias: await list(layer, 'bias') }));
+  const part = (group, name) => group?.children?.get(name) ?? refuse(`/${name} is missing`);
+  const ofVoxel = async (group) => {
+    const first = part(group, 'first'), bias = await list(first, 'bias'), task = await rows(first, 'task');
+    const gate = async (layer) => ({ scale: await rows(layer, 'scale'), ...(layer.children.has('shift') ? { shift: await rows(layer, 'shift') } : {}) });
+    return { first: { local: await rows(first, 'local'), task: bias.map((_, k) => task[k] ?? []), fixed: await rows(first, 'fixed'), bias },
+      rest: await network(part(group, 'rest')), ...(group.children.has('gates') ? { gates: await layers(group.children.get('gates'), gate) } : {}) };
+  };
+  const normalizer = async (group) => {
+    const { count, clip, epsilon } = group.attributes;
+    return { mean: await list(group, 'mean'), var: await list(group, 'var'), count, clip, epsilon };
   };
   const sine = async (group) => ({ amplitude: await list(group, 'amplitude'), phase: await list(group, 'phase'),
     period: group.attributes.period, middle: group.attributes.middle,
@@ -39,12 +49,14 @@
     const document = { format: 'evo/policy', version: 1, kind, task, task_yaml, robot: JSON.parse(robot), fitness };
     if (kind === 'sine') return { ...document, sine: await sine(children.get('sine')) };
     if (kind === 'sequence') return { ...document, actions: await rows(file, 'actions') };
-    if (kind !== 'network') refuse(`its kind is '${kind}'; network, sine and sequence can be driven by`);
+    if (kind !== 'network' && kind !== 'modular') refuse(`its kind is '${kind}'; network, modular, sine and sequence can be driven by`);
     const { action_map: map, action_offset: offset, action_bounds: bounds } = attributes;
-    const normalizer = children.get('normalizer'), { count, clip, epsilon } = normalizer.attributes;
-    return { ...document, normalizer: { mean: await list(normalizer, 'mean'), var: await list(normalizer, 'var'), count, clip, epsilon },
-      action: { map, offset, bounds }, actor: await network(children.get('actor')),
-      ...(children.has('clock') ? { clock: await list(file, 'clock') } : {}),
+    const acting = { ...document, action: { map, offset, bounds }, ...(children.has('clock') ? { clock: await list(file, 'clock') } : {}) };
+    const seen = part(file, 'normalizer');
+    if (kind === 'modular')
+      return { ...acting, exchange: attributes.exchange, actor: await ofVoxel(part(file, 'actor')),
+        normalizer: { local: await normalizer(part(seen, 'local')), task: await normalizer(part(seen, 'task')) } };
+    return { ...acting, normalizer: await normalizer(seen), actor: await network(part(file, 'actor')),
       ...(children.has('gait') ? { gait: await sine(children.get('gait')) } : {}),
       ...(children.has('sequence') ? { sequence: await rows(file, 'sequence') } : {}) };
   };

@@ -39,6 +39,11 @@ Evo.playPage = (evo) => {
   };
 
   const controller = () => state.other ?? { kind: 'wave', amplitude: state.gait[0], period: state.gait[1], phase: state.gait[2] };
+  // A modular policy fits any body: with it, a changed body stays driven.
+  const fitsAny = () => state.other?.kind === 'modular';
+  const isItsOwn = () => state.body.join() === state.other.robot.body.join();
+  const driver = { network: 'network', modular: 'modular policy', sine: 'gait', sequence: 'sequence' };
+  const drivenBy = (kind, of) => `Driven by the ${driver[kind] ?? kind} of ${of}${kind === 'modular' ? ' It fits any body: draw another one.' : ''}`;
   const say = (text) => { message.textContent = text; };
   // Everything anew from the state. What cannot be built is said, and the old robot stays.
   const build = ({ keepMessage = false } = {}) => {
@@ -129,7 +134,7 @@ Evo.playPage = (evo) => {
     return true;
   };
   const changed = () => {
-    dropOther();
+    if (!fitsAny()) dropOther();
     stopEvolving();
     build();
   };
@@ -337,18 +342,21 @@ Evo.playPage = (evo) => {
 
   const isNamed = () => Evo.tasks.some(({ name }) => name === state.task);
   const address = () => {
-    if (state.record) return `#play?record=${state.record}`;
+    if (state.record) return `#play?record=${state.record}` + (isItsOwn() ? '' : `&body=${state.body.join('-')}`);
     if (state.other) return '#play';  // a file is more than an address holds
     const task = isNamed() ? `task=${state.task}` : `own=${encodeURIComponent(state.task)}`;
     return `#play?${task}&body=${state.body.join('-')}&gait=${state.gait.join(',')}`;
   };
+  const drawn = () => `printf '${state.body.join('\\n')}\\n' |\n  `;
   const command = () => {
-    if (state.record) return `evo-eval --policy records/${state.record}/policy.h5 records/${state.record}/policy.h5`;
+    const policy = state.record ? `records/${state.record}/policy.h5` : state.file;
+    if (fitsAny() && !isItsOwn()) return `${drawn()}evo-eval --policy ${policy}`;
+    if (state.record) return `evo-eval --policy ${policy} ${policy}`;
     if (state.recorded) return `evo-render ${state.file} -o robot.mp4`;
     if (state.rollout) return `evo-eval --task ${state.rollout} --actions ${state.file}${state.start.draws ? ` --draws ${state.file}` : ''} ${state.file}`;
-    if (state.other) return `evo-eval --policy ${state.file} ${state.file}`;
+    if (state.other) return `evo-eval --policy ${policy} ${policy}`;
     const task = isNamed() ? state.task : './task.yaml';
-    return `printf '${state.body.join('\\n')}\\n' |\n  evo-eval --task ${task} --sine ${state.gait.join(',')}`;
+    return `${drawn()}evo-eval --task ${task} --sine ${state.gait.join(',')}`;
   };
   const remember = () => {
     id('command').textContent = command();
@@ -451,7 +459,7 @@ Evo.playPage = (evo) => {
   const useText = (name, text) => {
     let json = null;
     try { json = JSON.parse(text); } catch { /* YAML, letters or several lines of JSON */ }
-    if (json?.format === 'evo/policy') usePolicy(json, `Driven by the ${json.kind} of ${name}.`, { file: name });
+    if (json?.format === 'evo/policy') usePolicy(json, drivenBy(json.kind, `${name}.`), { file: name });
     else if (json?.objects && json?.grid_width) { useTask(text); id('own').open = true; id('own-text').value = state.facts?.yaml ?? text; }
     else if (!json && /^(format: *evo\/task|world:|observation:)/m.test(text)) { id('own').open = true; id('own-text').value = text; useTask(text); }
     else useRobot(text);
@@ -461,7 +469,7 @@ Evo.playPage = (evo) => {
     try {
       if (Evo.isHdf5(bytes)) {
         const { policy, rollout } = await Evo.openHdf5(bytes);
-        if (policy) usePolicy(policy, `Driven by the ${policy.kind} of ${file.name}, which earned ${number(policy.fitness)} in training.`, { file: file.name });
+        if (policy) usePolicy(policy, drivenBy(policy.kind, `${file.name}, which earned ${number(policy.fitness)} in training.`), { file: file.name });
         else await useRollout(rollout, file.name);
       } else {
         useText(file.name, new TextDecoder().decode(bytes));
@@ -476,26 +484,31 @@ Evo.playPage = (evo) => {
 
   // ---- addresses ------------------------------------------------------------------------------
 
+  const isSound = (body) => body.length <= 10 && body.every((row) => row.length === body[0].length && /^[.RSHV]{1,10}$/.test(row));
+  const unsound = 'The body in this address is none of 1x1 to 10x10 blocks of . R S H V.';
   let current = null;
   const restore = async (query) => {
     if (query === current && theatre.player) return;
     current = query;
     const given = new URLSearchParams(query);
-    const record = given.get('record');
+    const record = given.get('record'), body = given.get('body')?.split('-');
     if (record) {
       const known = Evo.records.find(({ name }) => name === record);
       if (!known) { say(`There is no record '${record}'.`); return; }
       await Evo.loadScript(`records/${record}.js`);
-      usePolicy(Evo.controllers[record], `Driven by the ${known.controller} of the record ${record}.`, { record, start: { seed: known.seed ?? 0 } });
+      const policy = Evo.controllers[record];
+      usePolicy(policy, drivenBy(policy.kind, `the record ${record}.`), { record, start: { seed: known.seed ?? 0 } });
+      if (body && fitsAny()) {
+        if (isSound(body)) take(body);
+        else say(unsound);
+      }
     } else {
       dropOther();
       state.task = given.get('own') ?? given.get('task') ?? state.task;
-      if (given.get('body')) state.body = given.get('body').split('-');
+      if (body) state.body = body;
       const gait = given.get('gait')?.split(',').map(Number);
       if (gait?.length === 3 && gait.every(Number.isFinite) && gait[1] > 0) state.gait = gait;
-      const width = state.body[0].length;
-      const sound = state.body.length <= 10 && width >= 1 && width <= 10 && state.body.every((row) => row.length === width && /^[.RSHV]+$/.test(row));
-      if (!sound) { state.body = begin.body; drawGrid(); showGait(); showTask(); build(); say('The body in this address is none of 1x1 to 10x10 blocks of . R S H V.'); return; }
+      if (!isSound(state.body)) { state.body = begin.body; drawGrid(); showGait(); showTask(); build(); say(unsound); return; }
       drawGrid();
       showGait();
       showTask();

@@ -98,6 +98,11 @@ std::optional<OpenLoop> inherited_base(const TrainingJob& job) {
   return transferred(*sequence, old.anatomy, anatomy(job.arena.robot(), job.arena.layout()));
 }
 
+void evaluate(const TrainingJob& job, const TrainedController& controller, Findings& findings) {
+  findings.evaluated(evaluate_all(job, to_controller(controller), job.evaluation()).mean(),
+                     controller);
+}
+
 void report_evaluation(const Findings& findings, Metrics& metrics) {
   metrics.push_back({"eval/return", findings.curve.back().evaluation});
   metrics.push_back({"eval/best", findings.curve.back().best});

@@ -67,6 +67,8 @@ std::optional<SineController> inherited_gait(const TrainingJob& job);
 // inherited sequence, likewise.
 std::optional<OpenLoop> inherited_base(const TrainingJob& job);
 
+// Evaluates as the settings say, for the findings.
+void evaluate(const TrainingJob& job, const TrainedController& controller, Findings& findings);
 // eval/return and eval/best of the evaluation just made.
 void report_evaluation(const Findings& findings, Metrics& metrics);
 

@@ -130,11 +130,9 @@ void ModularTraining::check(const TrainingSettings& s) {
 ModularTraining::ModularTraining(const TrainingJob& job)
     : settings_(settings_for(job)),
       groups_(groups_of(job)),
-      env_(arenas_of(job)),
-      ppo_(settings_, first_policy(job), groups_, job.seed, job.robot_id),
-      next_episode_(static_cast<std::size_t>(settings_.environments), 0),
-      episode_return_(next_episode_.size(), 0.0) {
-  for (int e = 0; e < env_.environments(); ++e) start_episode(job, e);
+      episodes_(VecEnv(arenas_of(job)), job.seed),
+      ppo_(settings_, first_policy(job), groups_, job.seed, job.robot_id) {
+  for (int e = 0; e < settings_.environments; ++e) start_episode(e);
 }
 
 bool ModularTraining::done(const TrainingJob&, const Findings&) const {
@@ -142,18 +140,15 @@ bool ModularTraining::done(const TrainingJob&, const Findings&) const {
 }
 
 void ModularTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
-  const auto evaluate_now = [&](const ModularPolicy& policy) {
-    findings.evaluated(evaluate_all(job, policy, job.evaluation()).mean(), policy);
-  };
-  if (job.inheritance && findings.curve.empty()) evaluate_now(first_policy(job));
+  if (job.inheritance && findings.curve.empty()) evaluate(job, first_policy(job), findings);
 
   std::vector<double> returns;
   const std::size_t first = ppo_.first_environment();
   const std::size_t last = ppo_.last_environment();
-  active_.assign(next_episode_.size(), 0);
+  active_.assign(episodes_.returns.size(), 0);
   std::fill(active_.begin() + static_cast<std::ptrdiff_t>(first),
             active_.begin() + static_cast<std::ptrdiff_t>(last), std::uint8_t{1});
-  ppo_.observe(env_, episode_steps());
+  ppo_.observe(episodes_.env, episodes_.steps());
   for (int t = 0; t < settings_.rollout; ++t) {
     step(job, returns);
     findings.steps += static_cast<std::int64_t>(last - first);
@@ -164,74 +159,60 @@ void ModularTraining::advance(const TrainingJob& job, Findings& findings, Metric
 
   metrics = update_metrics(update, returns);
   if (ppo_.updates() % settings_.evaluation_interval == 0 || done(job, findings)) {
-    evaluate_now(ppo_.policy());
+    evaluate(job, ppo_.policy(), findings);
     report_evaluation(findings, metrics);
   }
 }
 
 void ModularTraining::save(Checkpoint& checkpoint) const {
   ppo_.save(checkpoint);
-  checkpoint.put("environments/state", env_.save());
-  checkpoint.put("environments/next_episode", next_episode_);
-  checkpoint.put("environments/episode_return", episode_return_);
+  episodes_.save(checkpoint);
 }
 
 void ModularTraining::load(const Checkpoint& checkpoint) {
   ppo_.load(checkpoint);
-  env_.load(checkpoint.get<std::uint8_t>("environments/state"));
-  next_episode_ = checkpoint.get<std::uint64_t>("environments/next_episode", next_episode_.size());
-  episode_return_ = checkpoint.get<double>("environments/episode_return", episode_return_.size());
+  episodes_.load(checkpoint);
 }
 
-void ModularTraining::start_episode(const TrainingJob& job, int environment) {
-  const auto e = static_cast<std::size_t>(environment);
-  const std::uint64_t k = next_episode_[e]++;
-  const std::uint64_t stream = derive_seed(job.seed, "train", e);
-  env_.reset(environment, {env_.arena(environment).draw(stream, k), settings_.start_jitter,
-                           derive_seed(stream, "jitter", k)});
-  episode_return_[e] = 0.0;
+void ModularTraining::start_episode(int environment) {
+  episodes_.reset(environment, episodes_.next(environment), settings_.start_jitter);
 }
 
 void ModularTraining::step(const TrainingJob& job, std::vector<double>& returns) {
   const std::span<const double> targets = ppo_.act();
   require_finite();
-  env_.step(targets, active_);
-  if (job.others.empty()) require_stable(env_);
-  rewards_.assign(env_.rewards().begin(), env_.rewards().end());
-  terminated_.assign(env_.terminated().begin(), env_.terminated().end());
-  truncated_.assign(env_.truncated().begin(), env_.truncated().end());
+  VecEnv& env = episodes_.env;
+  env.step(targets, active_);
+  if (job.others.empty()) require_stable(env);
+  rewards_.assign(env.rewards().begin(), env.rewards().end());
+  terminated_.assign(env.terminated().begin(), env.terminated().end());
+  truncated_.assign(env.truncated().begin(), env.truncated().end());
   for (std::size_t e = 0; e < rewards_.size(); ++e) {
     if (active_[e] == 0) continue;
     // One body that flies apart ends its episode, not the training of all others.
-    if (env_.status(static_cast<int>(e)) == LaneStatus::unstable) {
+    if (env.status(static_cast<int>(e)) == LaneStatus::unstable) {
       rewards_[e] = 0.0;
       terminated_[e] = 1;
     }
-    episode_return_[e] += rewards_[e];
+    episodes_.returns[e] += rewards_[e];
     if (terminated_[e] != 0 && rewards_[e] < 0.0) rewards_[e] *= settings_.failure_weight;
     const int environment = static_cast<int>(e);
-    if (next_episode_[e] == 1 && env_.steps(environment) >= first_length(environment))
+    if (episodes_.begun[e] == 1 && env.steps(environment) >= first_length(environment))
       truncated_[e] = 1;
   }
-  ppo_.reward(rewards_, terminated_, truncated_, env_, episode_steps());
+  ppo_.reward(rewards_, terminated_, truncated_, env, episodes_.steps());
   for (std::size_t e = 0; e < rewards_.size(); ++e) {
     if (active_[e] == 0 || (terminated_[e] == 0 && truncated_[e] == 0)) continue;
-    if (next_episode_[e] > 1) returns.push_back(episode_return_[e]);
-    start_episode(job, static_cast<int>(e));
+    if (episodes_.begun[e] > 1) returns.push_back(episodes_.returns[e]);
+    start_episode(static_cast<int>(e));
   }
-  ppo_.observe(env_, episode_steps());
+  ppo_.observe(env, episodes_.steps());
 }
 
 int ModularTraining::first_length(int environment) const {
   // Multiples of the golden ratio are spread evenly however many there are.
   const double share = std::fmod((environment + 1) / std::numbers::phi, 1.0);
-  return 1 + static_cast<int>(share * env_.arena(environment).task().episode_steps);
-}
-
-const std::vector<int>& ModularTraining::episode_steps() {
-  episode_steps_.clear();
-  for (int e = 0; e < env_.environments(); ++e) episode_steps_.push_back(env_.steps(e));
-  return episode_steps_;
+  return 1 + static_cast<int>(share * episodes_.env.arena(environment).task().episode_steps);
 }
 
 void ModularTraining::require_finite() const {

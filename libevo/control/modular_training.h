@@ -11,6 +11,7 @@
 
 #include "libevo/control/method.h"
 #include "libevo/control/modular_ppo.h"
+#include "libevo/control/training_episodes.h"
 
 namespace evo {
 
@@ -27,27 +28,22 @@ class ModularTraining {
   void load(const Checkpoint& checkpoint);
 
  private:
-  // Episode k of environment e has the draws and the jitter of (seed, "train", e, k). First
-  // episodes are cut short, each after another share of the time, so that a rollout sees all
-  // parts of an episode and not the same one of all robots.
-  void start_episode(const TrainingJob& job, int environment);
+  void start_episode(int environment);
   // One step of every environment whose turn it is; the returns of episodes that ended are added.
   void step(const TrainingJob& job, std::vector<double>& returns);
-  int first_length(int environment) const;  // of its first episode, in steps
-  const std::vector<int>& episode_steps();
+  // First episodes are cut short, each after another share of the time, so that a rollout sees
+  // all parts of an episode and not the same one of all robots.
+  int first_length(int environment) const;  // in steps
   void require_finite() const;
 
   TrainingSettings settings_;  // the job's, with the environments of all robots
   std::vector<Group> groups_;  // where the learner finds them
-  VecEnv env_;
+  TrainingEpisodes episodes_;
   ModularPpo ppo_;
-  std::vector<std::uint64_t> next_episode_;  // [E] of each environment
-  std::vector<double> episode_return_;       // [E] so far
-  std::vector<int> episode_steps_;           // [E] so far
-  std::vector<double> rewards_;              // [E] as learned from
-  std::vector<std::uint8_t> terminated_;     // [E]
-  std::vector<std::uint8_t> truncated_;      // [E]
-  std::vector<std::uint8_t> active_;         // [E] whose turn it is
+  std::vector<double> rewards_;           // [E] as learned from
+  std::vector<std::uint8_t> terminated_;  // [E]
+  std::vector<std::uint8_t> truncated_;   // [E]
+  std::vector<std::uint8_t> active_;      // [E] whose turn it is
 };
 
 // An untrained policy of the job's task.

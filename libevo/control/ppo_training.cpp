@@ -41,12 +41,10 @@ void PpoTraining::check(const TrainingSettings& s) {
 }
 
 PpoTraining::PpoTraining(const TrainingJob& job)
-    : env_(job.arena, job.settings.environments),
+    : episodes_(VecEnv(job.arena, job.settings.environments), job.seed),
       ppo_(job.settings, first_policy(job), job.seed, job.robot_id),
-      moments_(inherited_moments(job)),
-      next_episode_(static_cast<std::size_t>(job.settings.environments), 0),
-      episode_return_(next_episode_.size(), 0.0) {
-  for (int e = 0; e < env_.environments(); ++e) start_episode(job, e);
+      moments_(inherited_moments(job)) {
+  for (int e = 0; e < job.settings.environments; ++e) start_episode(job, e);
   observe();
 }
 
@@ -55,16 +53,13 @@ bool PpoTraining::done(const TrainingJob& job, const Findings&) const {
 }
 
 void PpoTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
-  const auto evaluate_now = [&](const Policy& policy) {
-    findings.evaluated(evaluate(job.arena, policy, job.evaluation()).mean(), policy);
-  };
   // What was inherited counts as it is, before it has seen anything.
-  if (job.inheritance && findings.curve.empty()) evaluate_now(first_policy(job));
+  if (job.inheritance && findings.curve.empty()) evaluate(job, first_policy(job), findings);
 
   std::vector<double> returns;
   for (int t = 0; t < job.settings.rollout; ++t) {
     step(job, returns);
-    findings.steps += env_.environments();
+    findings.steps += job.settings.environments;
     require_finite();
   }
   const UpdateReport update = ppo_.learn();
@@ -72,23 +67,19 @@ void PpoTraining::advance(const TrainingJob& job, Findings& findings, Metrics& m
 
   metrics = update_metrics(update, returns);
   if (ppo_.updates() % job.settings.evaluation_interval == 0 || done(job, findings)) {
-    evaluate_now(ppo_.policy());
+    evaluate(job, ppo_.policy(), findings);
     report_evaluation(findings, metrics);
   }
 }
 
 void PpoTraining::save(Checkpoint& checkpoint) const {
   ppo_.save(checkpoint);
-  checkpoint.put("environments/state", env_.save());
-  checkpoint.put("environments/next_episode", next_episode_);
-  checkpoint.put("environments/episode_return", episode_return_);
+  episodes_.save(checkpoint);
 }
 
 void PpoTraining::load(const Checkpoint& checkpoint) {
   ppo_.load(checkpoint);
-  env_.load(checkpoint.get<std::uint8_t>("environments/state"));
-  next_episode_ = checkpoint.get<std::uint64_t>("environments/next_episode", next_episode_.size());
-  episode_return_ = checkpoint.get<double>("environments/episode_return", episode_return_.size());
+  episodes_.load(checkpoint);
 }
 
 // Every state of one episode of the inherited controller from the exact start, but its
@@ -117,34 +108,31 @@ std::vector<PpoTraining::Moment> PpoTraining::inherited_moments(const TrainingJo
 }
 
 void PpoTraining::start_episode(const TrainingJob& job, int environment) {
-  const auto e = static_cast<std::size_t>(environment);
-  const std::uint64_t k = next_episode_[e]++;
-  const std::uint64_t stream = derive_seed(job.seed, "train", e);
-  const std::uint64_t jitter_seed = derive_seed(stream, "jitter", k);
-  Stream random(stream, "moment", k);
+  const EpisodeSeeds seeds = episodes_.next(environment);
+  Stream random(seeds.stream, "moment", seeds.episode);
   if (!moments_.empty() && random.uniform() < job.settings.moment_share) {
     const Moment& moment = moments_[random.below(static_cast<std::uint32_t>(moments_.size()))];
-    env_.load(environment, moment.state);
-    env_.perturb(environment, job.settings.moment_jitter, jitter_seed);
-    episode_return_[e] = moment.return_so_far;
+    episodes_.env.load(environment, moment.state);
+    episodes_.env.perturb(environment, job.settings.moment_jitter, seeds.jitter);
+    episodes_.returns[static_cast<std::size_t>(environment)] = moment.return_so_far;
     return;
   }
-  env_.reset(environment, {job.arena.draw(stream, k), job.settings.start_jitter, jitter_seed});
-  episode_return_[e] = 0.0;
+  episodes_.reset(environment, seeds, job.settings.start_jitter);
 }
 
 void PpoTraining::step(const TrainingJob& job, std::vector<double>& returns) {
   const std::span<const double> targets = ppo_.act();
   require_finite();
-  env_.step(targets);
-  require_stable(env_);
-  ppo_.reward(learned_rewards(job.settings.failure_weight), env_.terminated(), env_.truncated(),
-              env_.observations(), episode_steps());
-  for (int e = 0; e < env_.environments(); ++e) {
+  VecEnv& env = episodes_.env;
+  env.step(targets);
+  require_stable(env);
+  ppo_.reward(learned_rewards(job.settings.failure_weight), env.terminated(), env.truncated(),
+              env.observations(), episodes_.steps());
+  for (int e = 0; e < env.environments(); ++e) {
     const auto i = static_cast<std::size_t>(e);
-    episode_return_[i] += env_.rewards()[i];
-    if (env_.terminated()[i] == 0 && env_.truncated()[i] == 0) continue;
-    returns.push_back(episode_return_[i]);
+    episodes_.returns[i] += env.rewards()[i];
+    if (env.terminated()[i] == 0 && env.truncated()[i] == 0) continue;
+    returns.push_back(episodes_.returns[i]);
     start_episode(job, e);
   }
   observe();
@@ -152,20 +140,15 @@ void PpoTraining::step(const TrainingJob& job, std::vector<double>& returns) {
 
 // Rewards, but for bad ends, which count as much as the settings say.
 std::span<const double> PpoTraining::learned_rewards(double failure_weight) {
-  learned_rewards_.assign(env_.rewards().begin(), env_.rewards().end());
+  const VecEnv& env = episodes_.env;
+  learned_rewards_.assign(env.rewards().begin(), env.rewards().end());
   for (std::size_t e = 0; e < learned_rewards_.size(); ++e)
-    if (env_.terminated()[e] != 0 && learned_rewards_[e] < 0.0)
+    if (env.terminated()[e] != 0 && learned_rewards_[e] < 0.0)
       learned_rewards_[e] *= failure_weight;
   return learned_rewards_;
 }
 
-void PpoTraining::observe() { ppo_.observe(env_.observations(), episode_steps()); }
-
-const std::vector<int>& PpoTraining::episode_steps() {
-  episode_steps_.clear();
-  for (int e = 0; e < env_.environments(); ++e) episode_steps_.push_back(env_.steps(e));
-  return episode_steps_;
-}
+void PpoTraining::observe() { ppo_.observe(episodes_.env.observations(), episodes_.steps()); }
 
 void PpoTraining::require_finite() const {
   if (ppo_.divergence()) throw Error(Failure::work, *ppo_.divergence());

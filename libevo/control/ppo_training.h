@@ -9,6 +9,7 @@
 
 #include "libevo/control/method.h"
 #include "libevo/control/ppo.h"
+#include "libevo/control/training_episodes.h"
 
 namespace evo {
 
@@ -32,23 +33,18 @@ class PpoTraining {
   };
   static std::vector<Moment> inherited_moments(const TrainingJob& job);
 
-  // Episode k of environment e has the draws, the jitter and the moment of
-  // (seed, "train", e, k).
+  // At a moment, or at the start.
   void start_episode(const TrainingJob& job, int environment);
   // One step of every environment; the returns of episodes that ended are added.
   void step(const TrainingJob& job, std::vector<double>& returns);
   std::span<const double> learned_rewards(double failure_weight);
   void observe();
-  const std::vector<int>& episode_steps();
   void require_finite() const;
 
-  VecEnv env_;
+  TrainingEpisodes episodes_;
   Ppo ppo_;
-  std::vector<Moment> moments_;              // follow from the job: in no checkpoint
-  std::vector<std::uint64_t> next_episode_;  // [E] of each environment
-  std::vector<double> episode_return_;       // [E] so far
-  std::vector<int> episode_steps_;           // [E] so far
-  std::vector<double> learned_rewards_;      // [E]
+  std::vector<Moment> moments_;          // follow from the job: in no checkpoint
+  std::vector<double> learned_rewards_;  // [E]
 };
 
 }  // namespace evo

@@ -31,9 +31,11 @@ installed() {
 @test "every tool and every file the pipelines read is installed" {
   diff <(cd "$EVO_BIN" && ls evo-*) <(cd "$PREFIX/bin" && ls evo-*)
   for file in "$EVO_SOURCE"/scripts/*.{mk,jq,gnuplot}; do [ -e "$PREFIX/share/evo/scripts/$(basename "$file")" ]; done
-  for script in rank seen train-slots evaluate-slots python-task places ssh-run carry slurm/submit slurm/one-node; do
-    [ -x "$PREFIX/share/evo/scripts/$script" ]
-  done
+  # What pipelines start, and what the documents name; records are made in a checkout.
+  scripts=$(grep -ohP "SCRIPTS\)'?\K[a-z-]+(?=[' ])" "$EVO_SOURCE"/scripts/*.mk | grep -vx add-record
+            grep -rohP 'evo-data scripts/\K[a-z/-]+(?=[") ])' "$EVO_SOURCE"/{README.md,docs})
+  [ "$(wc -w <<< "$scripts")" -gt 10 ]
+  for script in $scripts places carry; do [ -x "$PREFIX/share/evo/scripts/$script" ] || { echo "$script"; return 1; }; done
   [ -e "$PREFIX/share/evo/scripts/carried" ]
   diff <(cd "$EVO_SOURCE/tasks" && find . -type f | sort) <(cd "$PREFIX/share/evo/tasks" && find . -type f | sort)
 }

@@ -5,8 +5,9 @@
 #
 # A row is a task and a body, its score
 #
-#   (best evaluation - random) / (paper - random), at most 1.2, mean over seeds,
+#   (return - random) / (paper - random), at most 1.2, mean over seeds,
 #
+# of the best controller, from the official start and in the mean of perturbed ones ("jittered"),
 # where `random` is the mean return of random actions and `paper` what the
 # benchmark's paper ends with on this task after 235 to 750 robots (references.tsv).
 # A method's score is the mean over rows; the run ends with score.tsv (rows) and
@@ -16,7 +17,7 @@
 # 262 144 steps, 5 seeds. PUBLISHED=FILE.jsonl names more robots by their `task`.
 # SIZE=daily: the rows of daily.tsv, 131 072 steps, 2 seeds; about four core minutes per
 # method. Each training is one process at low priority when make is (nice -n 10 make ...).
-# METHODS: training profiles by name or file, `sine`, `random`.
+# METHODS: training profiles by name or file, `sine`, `random`, `by-sequence` (scripts/by-sequence).
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -54,7 +55,9 @@ all: $(RUN)/summary.tsv
 
 task_of = $(firstword $(subst /, ,$(1)))
 body_of = $(lastword $(subst /, ,$(1)))
-options = $(if $(filter sine random gait,$(1)),--algo $(1),--train '$(1)')
+# The program and its options for method $(1), DIR is where its files go.
+trainer = $(if $(filter by-sequence,$(1)),$(HERE)../../scripts/by-sequence --out-dir DIR,evo-train $(if \
+  $(filter sine random gait,$(1)),--algo $(1),--train '$(1)') -q -j1 --out-dir DIR --failures skip --curve DIR/curve.tsv --resume)
 
 # $(1) row, $(2) method, $(3) seed. The seconds are processor time.
 define training
@@ -62,11 +65,13 @@ $(RUN)/$(1)/$(call label,$(2))-$(3)/result.json: | $(BODIES)
 	@mkdir -p '$$(@D)'
 	@TIMEFORMAT=%U; { time cat $(BODIES) | jq -c --arg name '$(if $(filter published,$(call body_of,$(1))),$(call task_of,$(1)),$(call body_of,$(1)))' \
 	    'select((.task // .name) == $$$$name) | {format, version, body}' | head -n 1 | \
-	  evo-train --task '$(call task_of,$(1))' $(call options,$(2)) --seed $(3) -q -j1 --out-dir '$$(@D)' \
-	    --steps $(STEPS) --failures skip --curve '$$(@D)/curve.tsv' --resume -o '$$(@D)/robot.json'; } 2> '$$(@D)/seconds'
-	@jq -c --arg task '$(call task_of,$(1))' --arg body '$(call body_of,$(1))' --arg method '$(call label,$(2))' \
-	  --argjson seed $(3) --argjson seconds "$$$$(tail -n 1 '$$(@D)/seconds')" \
-	  '{$$$$task, $$$$body, $$$$method, $$$$seed, steps, best: .fitness, jittered: .final.mean, $$$$seconds}' \
+	  $(subst DIR,'$$(@D)',$(call trainer,$(2))) --task '$(call task_of,$(1))' --seed $(3) --steps $(STEPS) > '$$(@D)/robot.json'; } \
+	  2> '$$(@D)/seconds'
+	@best=$$$$(jq .fitness '$$(@D)/robot.json'); policy=$$$$(jq -r '.policy // empty' '$$(@D)/robot.json'); \
+	[ -z "$$$$policy" ] || best=$$$$(evo-eval -q --seed $(3) --policy '$$(@D)'/"$$$${policy##*/}" '$$(@D)/robot.json' | jq .fitness); \
+	jq -c --arg task '$(call task_of,$(1))' --arg body '$(call body_of,$(1))' --arg method '$(call label,$(2))' \
+	  --argjson seed $(3) --argjson best "$$$$best" --argjson seconds "$$$$(tail -n 1 '$$(@D)/seconds')" \
+	  '{$$$$task, $$$$body, $$$$method, $$$$seed, steps, $$$$best, jittered: .final.mean, $$$$seconds}' \
 	  '$$(@D)/robot.json' > '$$@.tmp' && mv '$$@.tmp' '$$@'
 endef
 $(foreach m,$(METHODS),$(foreach s,$(SEEDS),$(foreach r,$(ROWS),$(eval $(call training,$(r),$(m),$(s))))))

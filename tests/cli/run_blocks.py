@@ -17,7 +17,7 @@ import tempfile
 SMALLER = [  # what costs hours of a core
     (r"STEPS=\d+\b(?! TRAIN=sequence)", "STEPS=2048"),
     (r"STEPS=\d+ TRAIN=sequence", "STEPS=16384 TRAIN=sequence"), (r"steps=\d+", "steps=2048"),
-    (r"sequence --steps \d+", "sequence --steps 16384"), (r"moments --steps \d+", "moments --steps 8192"),
+    (r"by-sequence --steps \d+", "by-sequence --steps 49152"), (r"(?<!by-)sequence --steps \d+", "sequence --steps 16384"), (r"moments --steps \d+", "moments --steps 8192"),
     (r"(?<!sequence )(?<!moments )--steps \d+", "--steps 2048"),
     (r"EVALS=\d+", "EVALS=4"), (r"POP=\d+", "POP=3"),
     (r'SEEDS="[^"]*"', 'SEEDS="1 2"'), (r"-j8", "-j2"),

@@ -228,3 +228,29 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
     [ ! -e x.png ]
   done
 }
+
+@test "training: by-sequence, one network of two, the same bytes killed or not" {
+  robots | head -2 > two
+  local learn=("$EVO_SOURCE/scripts/by-sequence" --task Jumper-v0 --steps 49152 --seed 3 --out-dir)
+  "${learn[@]}" n two > whole
+  "${learn[@]}" n two | cmp - whole
+  head -1 two | "${learn[@]}" n | cmp - <(head -1 whole)
+  setsid "${learn[@]}" k two > killed 2>&1 3>&- &
+  until grep -qs global_step k/moments/*.log; do kill -0 $! && sleep 0.05; done
+  kill -TERM -- -$!
+  wait $! || true
+  [ ! -s killed ] || lacks '"fitness"' killed
+  "${learn[@]}" k two | sed 's|"k/|"n/|' | cmp - whole
+  while read -r robot; do
+    id=$(jq -r .id <<< "$robot")
+    [ "$(jq -r .policy <<< "$robot")" = "n/$id.policy.h5" ] && cmp "n/$id.policy.h5" "k/$id.policy.h5"
+    evo-eval "n/$id.policy.h5" | jq -e --argjson robot "$robot" '.fitness == $robot.fitness' > same
+    evo-eval "n/$id.policy.h5" --episodes 64 --jitter 1e-4 --seed 5 | jq -e --argjson robot "$robot" '.fitness == $robot.final.mean' > same
+    # The other one earns less where they were compared.
+    for way in feedback moments; do evo-eval "n/$way/$id.policy.h5" --episodes 64 --jitter 1e-3 --seed 4 | jq .fitness; done > earned
+    best=feedback; [ "$(sort -g earned | tail -1)" = "$(head -1 earned)" ] || best=moments
+    cmp "n/$id.policy.h5" "n/$best/$id.policy.h5"
+  done < whole
+  fails_with 2 "usage: by-sequence" -- "$EVO_SOURCE/scripts/by-sequence" --steps 49152 two
+  fails_with 2 "at least 5000" -- "$EVO_SOURCE/scripts/by-sequence" --task Jumper-v0 --steps 4096 --out-dir f two
+}

@@ -67,7 +67,7 @@ std::optional<SineController> inherited_gait(const TrainingJob& job);
 // inherited sequence, likewise.
 std::optional<OpenLoop> inherited_base(const TrainingJob& job);
 
-// Evaluates as the settings say, for the findings.
+// Adds what the controller earns, evaluated as the settings say, to the findings.
 void evaluate(const TrainingJob& job, const TrainedController& controller, Findings& findings);
 // eval/return and eval/best of the evaluation just made.
 void report_evaluation(const Findings& findings, Metrics& metrics);

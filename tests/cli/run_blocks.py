@@ -7,18 +7,22 @@ Blocks are those fenced as sh, each in a shell of its own, and indented lines af
 such a command prints is not compared, nor is what commands print that name a file it has
 written, and so on. Python fences are run, too.
 """
+import contextlib
 import fnmatch
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 SMALLER = [  # what costs hours of a core
     (r"STEPS=\d+\b(?! TRAIN=sequence)", "STEPS=2048"),
     (r"STEPS=\d+ TRAIN=sequence", "STEPS=16384 TRAIN=sequence"), (r"steps=\d+", "steps=2048"),
-    (r"by-sequence --steps \d+", "by-sequence --steps 49152"), (r"(?<!by-)sequence --steps \d+", "sequence --steps 16384"), (r"moments --steps \d+", "moments --steps 8192"),
-    (r"(?<!sequence )(?<!moments )--steps \d+", "--steps 2048"),
+    (r'by-sequence\)" --steps \d+', 'by-sequence)" --steps 49152'),
+    (r"sequence --steps \d+", "sequence --steps 16384"), (r"moments --steps \d+", "moments --steps 8192"),
+    (r'(?<!sequence )(?<!sequence\)" )(?<!moments )--steps \d+', "--steps 2048"),
     (r"EVALS=\d+", "EVALS=4"), (r"POP=\d+", "POP=3"),
     (r'SEEDS="[^"]*"', 'SEEDS="1 2"'), (r"-j8", "-j2"),
     (r"(make [^|\n]*) RUN=", r"\1 VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' RUN="),
@@ -90,13 +94,30 @@ def folders_of(path):
         path = os.path.dirname(path)
 
 
+@contextlib.contextmanager
+def temporary_folder():
+    """In which jobs of a cluster may still be ending when it goes."""
+    folder = tempfile.mkdtemp()
+    try:
+        yield folder
+    finally:
+        for left in reversed(range(20)):
+            try:
+                shutil.rmtree(folder)
+                break
+            except OSError:
+                if not left:
+                    raise
+                time.sleep(0.5)
+
+
 def run(path):
     with open(path) as file:
         found = list(blocks(file.read()))
     assert found, f"{path}: no commands"
     smaller_files = set()  # written by commands that did less than they say
     compared = 0
-    with tempfile.TemporaryDirectory() as folder:
+    with temporary_folder() as folder:
         for kind, command, output in found:
             less = smaller(command)
             changed = less != command or names_one_of(command, smaller_files)

@@ -80,6 +80,12 @@ const checkLink = async () => {
     const earned = await evaluate(`Evo.number(${expected})`);
     check('it earns what evo-eval says', (await text('#return')) === earned, [await text('#return'), earned]);
   }
+  const other = await evaluate(`Evo.records.find(({ controller }) => controller === 'modular')?.name`);
+  await open(`#play?record=${other}&body=HVH-V.V`);
+  check('a link gives a modular record another body', await until(`document.getElementById('gait-about').textContent.startsWith('Driven by the modular policy of the record ${other}')`) && (await body()) === 'HVH-V.V' && await until(stepped), await body());
+  check('and stays', (await evaluate('location.hash')) === `#play?record=${other}&body=HVH-V.V`, await evaluate('location.hash'));
+  await open(`#play?record=${other}&body=HXH`);
+  check('a body that is none leaves it its own', await until(`document.getElementById('message').textContent.startsWith('The body in this address is none')`) && (await evaluate('location.hash')) === `#play?record=${other}`, [await text('#message'), await evaluate('location.hash')]);
   await open('#play?task=Walkr-v0&body=HH&gait=0.5,20,0.7');
   check('a link to no task says so in the words of the tools', (await text('#message')).includes("unknown task 'Walkr-v0' (did you mean 'Walker-v0'?)"), await text('#message'));
 };

@@ -117,6 +117,10 @@ kill_and_repeat() {
   cp scout/history.jsonl robots.jsonl
   run_make ga from-file FOUNDERS=robots.jsonl FOUNDER_STEPS=8192 INHERIT=yes -s from-file/history.jsonl
   diff next/history.jsonl from-file/history.jsonl
+  # Bodies of anywhere, as many as are wanted, need no fitness.
+  evo-sample -n 4 --seed 7 > drawn.jsonl
+  run_make ga drawn FOUNDERS=drawn.jsonl EVALS=4 -s drawn/history.jsonl
+  diff <(ids drawn.jsonl) <(ids drawn/gen-000/population.jsonl)
   # From their controllers: a search for sequences begins with what they earn already.
   run_make ga further FOUNDERS=scout FOUNDER_STEPS=8192 TRAIN=sequence INHERIT=all -s -j2 further/history.jsonl
   fitness() { jq -r '[.id, .fitness] | @tsv' "$@" | sort; }

@@ -19,11 +19,11 @@ evolve() {
   # From perturbed starts, as records are ranked.
   worth() {
     evo-select --keep 1 "$1/history.jsonl" > best
-    evo-eval --policy "$1/policies/$(jq -r .id best).policy.h5" --episodes 32 --jitter 1e-4 --seed 1 best | jq '.returns | add'
+    evo-eval --policy "$1/policies/$(jq -r .id best).policy.h5" --episodes 256 --jitter 1e-4 --seed 1 best | jq '.returns | add'
   }
   if jq -en "$(worth one) > $(worth two)"; then better=one worse=two; else better=two worse=one; fi
   "$EVO_SOURCE/scripts/add-record" $worse
-  jq -e ".fitness == $(best $worse) and .robots == 8 and .shifted.episodes == 32" records/Walker-v0/record.json
+  jq -e ".fitness == $(best $worse) and .robots == 8 and .shifted.episodes == 256" records/Walker-v0/record.json
   [ "$(jq .steps records/Walker-v0/record.json)" -eq "$(jq -s 'map(.steps) | add' $worse/history.jsonl)" ]
   # What trained it, from its policy: tool, version and commit, without the processor.
   [ "$(jq -r .tools records/Walker-v0/record.json)" = "$(evo-train --version | sed 's/ [^ ]*$//')" ]
@@ -109,6 +109,25 @@ evolve() {
   [ "$(jq .robots $record)" -eq $((8 + 6 + 5)) ]
   mv scout elsewhere
   fails_with 2 "no one command" -- "$EVO_SOURCE/scripts/add-record" last
+}
+
+@test "a record keeps the bodies of a file that its run began with, and its command finds them" {
+  evo-sample -n 2 --seed 5 > bodies.jsonl
+  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=drawn TASK=Walker-v0 POP=2 EVALS=2 ALGO=gait STEPS=4000 SEED=1 \
+    TRAIN_OPTIONS="--train-set population=4" FOUNDERS=bodies.jsonl -s drawn/history.jsonl
+  "$EVO_SOURCE/scripts/add-record" drawn
+  diff <(jq -c .body bodies.jsonl) <(jq -c .body records/Walker-v0/founders.jsonl)
+  command=$(jq -r .command records/Walker-v0/record.json)
+  [[ $command == *" FOUNDERS=records/Walker-v0/founders.jsonl "* ]]
+  rm bodies.jsonl
+  command=${command/scripts/"$EVO_SOURCE/scripts"}
+  eval "${command/runs\/record/again} -s again/history.jsonl"
+  diff drawn/history.jsonl again/history.jsonl
+  # Of one whose founders nobody drew there is no such file.
+  evolve other 2
+  jq '.shifted.mean = -100' records/Walker-v0/record.json > worse && mv worse records/Walker-v0/record.json
+  "$EVO_SOURCE/scripts/add-record" other
+  [ ! -e records/Walker-v0/founders.jsonl ]
 }
 
 @test "records.mk makes records of many tasks, in rounds if asked to" {

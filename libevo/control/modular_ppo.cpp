@@ -263,10 +263,11 @@ UpdateReport ModularPpo::learn() {
   const UpdateReport report = learner_.learn(
       settings_, updates_in_all(), rollout_, view(values_), parameter_blocks(policy_),
       parameter_blocks(gradients_),
-      [&](std::span<const std::uint32_t> samples, const Objective& objective) {
+      [&](std::span<const std::uint32_t> samples) -> SampleNumbers& {
         gather(samples);
-        if (settings_.standardize_advantages == Standardize::minibatch)
-          standardize(minibatch_.advantages);
+        return minibatch_;
+      },
+      [&](const Objective& objective) {
         return differentiate(policy_, turn().bodies(), minibatch_, objective, gradients_, scratch_);
       });
   begin_turn();

@@ -221,10 +221,11 @@ UpdateReport Ppo::learn() {
       settings_, settings_.updates(), rollout_,
       {last_values.data(), static_cast<std::size_t>(last_values.size())}, ParameterBlocks(policy_),
       ParameterBlocks(gradients_),
-      [&](std::span<const std::uint32_t> samples, const Objective& objective) {
+      [&](std::span<const std::uint32_t> samples) -> SampleNumbers& {
         gather(rollout_, samples, minibatch_);
-        if (settings_.standardize_advantages == Standardize::minibatch)
-          standardize(minibatch_.advantages);
+        return minibatch_;
+      },
+      [&](const Objective& objective) {
         return differentiate(policy_, minibatch_, objective, gradients_, loss_scratch_);
       });
   learner_.begin_rollout(static_cast<std::size_t>(settings_.batch()));

@@ -163,13 +163,13 @@ struct Learner {
   }
 
   // One update, of `updates_in_all`, from the rollout, whose log_probs and values are given;
-  // `last_values` [E] are V(s_T). differentiate(samples, objective) returns the losses of these
-  // samples and leaves their gradients where `slopes` shows them. Where numbers stop being
-  // finite it ends early, with a divergence.
-  template <typename Parameters, typename Slopes, typename Differentiate>
+  // `last_values` [E] are V(s_T). gather(samples) puts these samples together and returns their
+  // numbers; differentiate(objective) then returns their losses and leaves the gradients where
+  // `slopes` shows them. Where numbers stop being finite it ends early, with a divergence.
+  template <typename Parameters, typename Slopes, typename Gather, typename Differentiate>
   UpdateReport learn(const TrainingSettings& settings, std::int64_t updates_in_all,
                      SampleNumbers& rollout, std::span<const float> last_values,
-                     const Parameters& parameters, const Slopes& slopes,
+                     const Parameters& parameters, const Slopes& slopes, Gather gather,
                      Differentiate differentiate) {
     UpdateReport report = weigh_rollout(settings, updates_in_all, rollout, last_values);
     const Objective objective = objective_of(settings, updates, updates_in_all);
@@ -180,9 +180,11 @@ struct Learner {
     for (int epoch = 0; epoch < settings.epochs; ++epoch) {
       shuffle(order_, order_stream);
       for (int m = 0; m < settings.minibatches; ++m) {
-        const Losses losses = differentiate(std::span<const std::uint32_t>(order_).subspan(
-                                                static_cast<std::size_t>(m) * size, size),
-                                            objective);
+        SampleNumbers& minibatch = gather(std::span<const std::uint32_t>(order_).subspan(
+            static_cast<std::size_t>(m) * size, size));
+        if (settings.standardize_advantages == Standardize::minibatch)
+          standardize(minibatch.advantages);
+        const Losses losses = differentiate(objective);
         const double norm = clip_norm(slopes, settings.max_gradient_norm);  // [11]
         if (!std::isfinite(norm) || !std::isfinite(losses.policy + losses.value + losses.entropy)) {
           divergence = "the loss or its gradient is not a finite number";

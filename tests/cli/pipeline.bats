@@ -121,6 +121,11 @@ kill_and_repeat() {
   evo-sample -n 4 --seed 7 > drawn.jsonl
   run_make ga drawn FOUNDERS=drawn.jsonl EVALS=4 -s drawn/history.jsonl
   diff <(ids drawn.jsonl) <(ids drawn/gen-000/population.jsonl)
+  # One that could not be scored takes no place, and leaves none empty.
+  jq -c 'if .id == $first then del(.fitness) else . end' --arg first "$(head -1 robots.jsonl | jq -r .id)" robots.jsonl > fallen.jsonl
+  fails_with 65 "fallen.jsonl: has 8 different robots with a fitness, not POP=9" -- \
+    bash -c '"$EVO_SOURCE/scripts/founders" 9 fallen.jsonl < fallen.jsonl'
+  "$EVO_SOURCE/scripts/founders" 8 fallen.jsonl < fallen.jsonl | ids | cmp - <(tail -n +2 fallen.jsonl | ids)
   # From their controllers: a search for sequences begins with what they earn already.
   run_make ga further FOUNDERS=scout FOUNDER_STEPS=8192 TRAIN=sequence INHERIT=all -s -j2 further/history.jsonl
   fitness() { jq -r '[.id, .fitness] | @tsv' "$@" | sort; }

@@ -190,11 +190,11 @@ kill_and_repeat() {
     [[ $stderr == *"$1"* ]]
     [ ! -e run ]
   }
-  refused "there is no RECIPE 'nets'; choose network, sequence or shape" RECIPE=nets
+  refused "there is no RECIPE 'nets'; choose network, moments, sequence or shape" RECIPE=nets
   refused "ROUND_1 is missing" ROUND_2=POP=3
   refused "EVALS is decided round by round" EVALS=7
   refused "STEPS is decided round by round" STEPS=7 ROUND_1=STEPS=4000
-  for recipe in network sequence shape; do
+  for recipe in network moments sequence shape; do
     make -f "$EVO_SOURCE/scripts/rounds.mk" RUN=run RECIPE=$recipe -n > plan
     grep -q "evo-run init 'run/1' method=ga" plan
   done

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <deque>
 #include <exception>
 #include <span>
@@ -269,9 +270,12 @@ class Training {
     std::size_t best = 0;
     for (std::size_t i = 0; i < all.size(); ++i) {
       try {
-        all[i].set_fitness(evaluate(arenas_[i], to_controller(*result.controller),
-                                    evaluation_of_fitness(plan_, all[i]))
-                               .mean());
+        // An unstable one once more, for the reason.
+        const bool known = i < result.each.size() && !std::isnan(result.each[i]);
+        all[i].set_fitness(known ? result.each[i]
+                                 : evaluate(arenas_[i], to_controller(*result.controller),
+                                            evaluation_of_fitness(plan_, all[i]))
+                                       .mean());
       } catch (const Error& e) {
         if (e.kind() != Failure::work) throw;
         all[i].set_failure({e.what(), std::nullopt, plan_.seed});

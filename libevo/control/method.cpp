@@ -1,5 +1,6 @@
 #include "libevo/control/method.h"
 
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -26,18 +27,20 @@ std::vector<const Arena*> TrainingJob::arenas() const {
 }
 
 Evaluation evaluate_all(const TrainingJob& job, const Controller& controller,
-                        const EvaluationSettings& settings) {
+                        const EvaluationSettings& settings, std::vector<double>* each) {
   if (job.others.empty()) return evaluate(job.arena, controller, settings);
   Evaluation all;
   std::optional<Error> failure;
   for (const Arena* arena : job.arenas()) {
     try {
       const Evaluation one = evaluate(*arena, controller, settings);
+      if (each != nullptr) each->push_back(one.mean());
       all.returns.insert(all.returns.end(), one.returns.begin(), one.returns.end());
       all.lengths.insert(all.lengths.end(), one.lengths.begin(), one.lengths.end());
       all.peaks.insert(all.peaks.end(), one.peaks.begin(), one.peaks.end());
     } catch (const Error& e) {
       if (e.kind() != Failure::work) throw;
+      if (each != nullptr) each->push_back(std::numeric_limits<double>::quiet_NaN());
       failure = e;
     }
   }
@@ -60,11 +63,13 @@ Metrics update_metrics(const UpdateReport& update, std::span<const double> retur
   return metrics;
 }
 
-void Findings::evaluated(double value, const TrainedController& controller) {
+void Findings::evaluated(double value, const TrainedController& controller,
+                         std::span<const double> each) {
   if (!fitness || value > *fitness) {
     fitness = value;
     best = controller;
     best_step = steps;
+    best_each.assign(each.begin(), each.end());
   }
   curve.push_back({steps, value, *fitness});
 }
@@ -99,8 +104,9 @@ std::optional<OpenLoop> inherited_base(const TrainingJob& job) {
 }
 
 void evaluate(const TrainingJob& job, const TrainedController& controller, Findings& findings) {
-  findings.evaluated(evaluate_all(job, to_controller(controller), job.evaluation()).mean(),
-                     controller);
+  std::vector<double> each;
+  const double value = evaluate_all(job, to_controller(controller), job.evaluation(), &each).mean();
+  findings.evaluated(value, controller, each);
 }
 
 void report_evaluation(const Findings& findings, Metrics& metrics) {

@@ -40,17 +40,19 @@ struct Findings {
   std::optional<double> fitness;
   std::optional<TrainedController> best;
   std::int64_t best_step = 0;
+  std::vector<double> best_each;  // as in TrainResult
   std::optional<TrainingFailure> failure;
 
-  // Adds a point to the curve, and keeps the controller if it is strictly better
-  // than all before.
-  void evaluated(double value, const TrainedController& controller);
+  // Adds a point to the curve, and keeps the controller, and what each of several robots earned
+  // with it, if it is strictly better than all before.
+  void evaluated(double value, const TrainedController& controller,
+                 std::span<const double> each = {});
 };
 
 // What the controller earns in episodes of the job's robots, robot after robot. Of several
-// robots, one whose simulation becomes unstable is left out.
+// robots, one whose simulation becomes unstable is left out; `each` has their means then, and NaN.
 Evaluation evaluate_all(const TrainingJob& job, const Controller& controller,
-                        const EvaluationSettings& settings);
+                        const EvaluationSettings& settings, std::vector<double>* each = nullptr);
 
 using Metrics = std::vector<Metric>;
 

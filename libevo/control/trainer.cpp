@@ -106,6 +106,7 @@ void save(Checkpoint& checkpoint, const Findings& findings) {
   if (!findings.best) return;
   checkpoint.put<std::uint64_t>("best/step", {static_cast<std::uint64_t>(findings.best_step)});
   checkpoint.put<double>("best/fitness", {*findings.fitness});
+  if (!findings.best_each.empty()) checkpoint.put("best/each", findings.best_each);
   std::visit([&]<typename T>(const T& controller) { Best<T>::save(checkpoint, controller); },
              *findings.best);
 }
@@ -121,6 +122,8 @@ Findings load(const Checkpoint& checkpoint, const TrainingJob& job) {
   if (steps.empty()) return findings;
   findings.best_step = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("best/step", 1)[0]);
   findings.fitness = checkpoint.get<double>("best/fitness", 1)[0];
+  if (checkpoint.has("best/each"))
+    findings.best_each = checkpoint.get<double>("best/each", 1 + job.others.size());
   findings.best = load_best(checkpoint, job);
   return findings;
 }
@@ -221,6 +224,7 @@ TrainResult Trainer::result() const {
   result.fitness = findings.fitness;
   result.controller = findings.best;
   result.best_step = findings.best_step;
+  result.each = findings.best_each;
   return result;
 }
 

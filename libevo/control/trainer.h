@@ -55,7 +55,10 @@ struct TrainResult {
   std::optional<double> fitness;                // best evaluation; none after a failure
   std::optional<TrainedController> controller;  // that reached it
   std::int64_t best_step = 0;                   // when it did
-  std::int64_t steps = 0;                       // environment steps of training
+  // What each of several robots earned then, NaN where its simulation became unstable. Nothing of
+  // a training that goes on from a checkpoint without it.
+  std::vector<double> each;
+  std::int64_t steps = 0;  // environment steps of training
   std::vector<CurvePoint> curve;
   std::optional<FinalScore> final_score;
   std::optional<TrainingFailure> failure;

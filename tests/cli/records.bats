@@ -54,7 +54,12 @@ evolve() {
   jq '.package += 1e-15' whole > $record
   run -1 "$EVO_SOURCE/scripts/verify-records" Walker-v0
   [[ $output == *" in the package, earns "* ]]
+  jq '.shifted.mean += 1e-9' whole > $record
+  "$EVO_SOURCE/scripts/verify-records" Walker-v0
+  run -1 "$EVO_SOURCE/scripts/verify-records" --perturbed Walker-v0
+  [[ $output == *" from perturbed starts, earns "* ]]
   cp whole $record
+  "$EVO_SOURCE/scripts/verify-records" --perturbed Walker-v0
   echo >> records/README.md
   run -1 "$EVO_SOURCE/scripts/verify-records"
   [[ $output == *"not up to date"* ]]

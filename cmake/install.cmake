@@ -5,7 +5,7 @@ install(DIRECTORY tasks DESTINATION ${EVO_DATA_DIR} COMPONENT tools)
 install(DIRECTORY scripts/ DESTINATION ${EVO_DATA_DIR}/scripts COMPONENT tools
         USE_SOURCE_PERMISSIONS
         FILES_MATCHING PATTERN "*.mk" PATTERN "*.gnuplot" PATTERN "*.jq" PATTERN "*.awk" PATTERN "*.tsv"
-        PATTERN "*-slots" PATTERN "python-task" PATTERN "dark-aware" PATTERN "rank" PATTERN "seen" PATTERN "stay"
+        PATTERN "*-slots" PATTERN "python-task" PATTERN "dark-aware" PATTERN "rank" PATTERN "seen" PATTERN "founders" PATTERN "stay"
         PATTERN "screen" PATTERN "by-sequence" PATTERN "places" PATTERN "ssh-run" PATTERN "carr*" PATTERN "slurm/*" PATTERN "completion" EXCLUDE)
 # The links of the documents lead to what is there.
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md

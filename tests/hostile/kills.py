@@ -71,7 +71,7 @@ def resolve(words, folder, identity):
     return [word.replace("@", folder).replace("{id}", identity) for word in words]
 
 
-def is_spare(name, place, whole, outputs):
+def is_spare(name, place, whole):
     """A folder that is renamed as a whole has a hidden name until then; so has, for an
     instant, a file that replaces another one, but it is whole. So is a checkpoint, of
     which none is left to compare it with."""
@@ -79,11 +79,11 @@ def is_spare(name, place, whole, outputs):
         return True
     if ".checkpoint.h5." in name and name.endswith(".tmp"):
         return run(["h5dump", "-n", os.path.join("p", name)], place).returncode == 0
-    for output in outputs:
-        folder, file = os.path.split(output)
-        spare = os.path.join(place, folder, name)
-        if name.startswith(f".{file}.") and name.endswith(".tmp") and os.path.exists(spare):
-            return same(spare, os.path.join(whole, output))
+    for folder, _, files in os.walk(whole):
+        for file in files:
+            spare = os.path.join(place, os.path.relpath(folder, whole), name)
+            if name.startswith(f".{file}.") and name.endswith(".tmp") and os.path.exists(spare):
+                return same(spare, os.path.join(folder, file))
     return False
 
 
@@ -109,7 +109,7 @@ def kill_tool(words, outputs, kills, folder):
             path = os.path.join(place, output)
             if os.path.exists(path) and not same(path, os.path.join(whole, output)):
                 fault(words, "kill", number, "left another", output)
-        left = [name for name in hidden(place) if not is_spare(name, place, whole, outputs)]
+        left = [name for name in hidden(place) if not is_spare(name, place, whole)]
         if left:
             fault(words, "kill", number, "left", left)
         if number % 5 == 4:

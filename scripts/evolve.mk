@@ -47,7 +47,8 @@ lines_or = $(if $(wildcard $(1)),$(shell wc -l < '$(1)'),$(2))
 first_count ?= $(POP)
 of_founders = evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)'
 candidates ?= $(of_founders)
-best_founders = $(candidates) | '$(SCRIPTS)founders' $(first_count) '$(if $(screens),SCREEN=$(SCREEN),$(FOUNDERS))'
+best_founders = robots=$$($(candidates)); \
+  '$(SCRIPTS)founders' $(first_count) '$(if $(screens),SCREEN=$(SCREEN),$(FOUNDERS))' <<< "$$robots"
 unscored = jq -c '{format, version, id, body}'
 first_robots = $(if $(FOUNDERS),$(best_founders) | $(unscored) > '$@.tmp' && mv '$@.tmp' '$@',\
     evo-sample -n $(first_count) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,0) -o '$@')

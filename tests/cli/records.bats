@@ -60,6 +60,7 @@ evolve() {
   [[ $output == *" from perturbed starts, earns "* ]]
   cp whole $record
   "$EVO_SOURCE/scripts/verify-records" --perturbed Walker-v0
+  fails_with 2 "usage: verify-records" -- "$EVO_SOURCE/scripts/verify-records" --pertubed Walker-v0
   echo >> records/README.md
   run -1 "$EVO_SOURCE/scripts/verify-records"
   [[ $output == *"not up to date"* ]]

@@ -64,6 +64,7 @@ std::string plan_rules(const std::string& run, const PlanSettings& settings,
   };
 
   std::string rules;
+  std::string precious;
   std::vector<std::string> ready(static_cast<std::size_t>(generations));
   std::string previous = " $(founders)";
   int told = 0;  // scores of robots before this one are waited for by an earlier P
@@ -81,11 +82,14 @@ std::string plan_rules(const std::string& run, const PlanSettings& settings,
         rule(trained, previous, fmt::format("train,{},{}", generation, targets.slots(first, last)));
     ready[static_cast<std::size_t>(generation)] += " " + trained;
   }
-  for (int generation = 0; generation < generations; ++generation)
-    if (!finished[static_cast<std::size_t>(generation)])
-      rules += rule(targets.ranking(generation), ready[static_cast<std::size_t>(generation)],
-                    fmt::format("rank,{},{}", generation, std::min(pop, evals - generation * pop)));
-  return rules;
+  for (int generation = 0; generation < generations; ++generation) {
+    if (finished[static_cast<std::size_t>(generation)]) continue;
+    const std::string& trained = ready[static_cast<std::size_t>(generation)];
+    rules += rule(targets.ranking(generation), trained,
+                  fmt::format("rank,{},{}", generation, std::min(pop, evals - generation * pop)));
+    precious += trained + " " + targets.ranking(generation);
+  }
+  return rules + ".PRECIOUS:" + precious + "\n";
 }
 
 }  // namespace evo

@@ -20,7 +20,8 @@ struct PlanSettings {
 // whose scores its last robot knows; T(c) follows P(c); a generation's ranking.tsv follows
 // its T. Recipes call `propose`, `train` and `rank`, variables of the makefile, and the
 // first P follows `founders`, another one. What is finished has no rules any more, and
-// nothing waits for it. Throws Error(usage) for numbers below 1 and a chunk beyond the window.
+// nothing waits for it. T and ranking.tsv are .PRECIOUS: a make that is told to end does
+// not delete them. Throws Error(usage) for numbers below 1 and a chunk beyond the window.
 std::string plan_rules(const std::string& run, const PlanSettings& settings,
                        const std::function<bool(int)>& generation_is_finished);
 

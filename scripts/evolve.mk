@@ -11,7 +11,8 @@
 # A generation is one recursive make, so that a long run stays as quick as a
 # short one. Rules ask only whether a file exists (order-only prerequisites);
 # every file appears under its name when it is whole. Killing the run at any
-# moment and giving the same command again goes on where it was.
+# moment and giving the same command again goes on where it was. What cost steps is
+# .PRECIOUS: told to end, make would delete the results of those that are just ending.
 
 # A recipe ends with make, even if make alone is killed.
 ifneq ($(wildcard /usr/bin/setpriv),)
@@ -22,7 +23,6 @@ else
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 endif
-.DELETE_ON_ERROR:
 .SUFFIXES:
 MAKEFLAGS += --no-builtin-rules --no-print-directory
 
@@ -199,6 +199,8 @@ TRAINED := $(shell awk -v n=$(words $(slots)) -v size='$(launched)' -v folder='$
   for (first = 0; first < n; first = last + 1) { last = (first + size < n ? first + size : n) - 1; \
     printf first == last ? "%s/%02d.json " : "%s/%02d-%02d.trained ", folder, first, last } }')
 endif
+
+.PRECIOUS: $(SLOTS) $(TRAINED) $(GENERATION)/ranking.tsv
 
 # The robots of one launch, trained as run.yaml says.
 $(TRAINED): | $(POPULATION)

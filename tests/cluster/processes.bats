@@ -24,6 +24,25 @@ idle() { ! busy "$1"; }
   done
 }
 
+@test "a signal to make takes nothing away that is done" {
+  local name chunk
+  # It has its results and has not ended yet, as a step of a scheduler.
+  printf '#!/bin/bash\n"%s" "$@" && exec sleep 60\n' "$stand_in" > lingers
+  chmod +x lingers
+  results() { [ "$(find run/gen-000 -name '[0-9][0-9].json' 2> /dev/null | wc -l)" -eq "$1" ]; }
+  for name in ga-window ga; do
+    for chunk in 1 2; do
+      evolve_behind $name run "${small[@]}" -j2 CHUNK=$chunk TRAINER="$PWD/lingers"
+      within 30 results $((2 * chunk))
+      kill -TERM $make
+      wait $make || true
+      within 10 nobody_works
+      results $((2 * chunk))
+      rm -r run
+    done
+  done
+}
+
 @test "a training that dies is tried again; one that always dies is recorded, and the run goes on" {
   export SECONDS_EACH=0.01 DIE_ALWAYS=0.3
   for pipeline in ga-window ga; do

@@ -108,8 +108,15 @@ TrainingPlan training_plan(const RunSettings& settings, int generation, const st
   return plan;
 }
 
+// The controller of FOUNDERS that are a record (scripts/add-record), if they are.
+std::optional<fs::path> policy_of_record(const fs::path& folder) {
+  if (const fs::path policy = folder / "policy.h5"; fs::exists(policy)) return policy;
+  return std::nullopt;
+}
+
 // The controller that all robots of a run had in the last generation that shared one.
 fs::path last_shared_policy(const fs::path& folder) {
+  if (const auto policy = policy_of_record(folder)) return *policy;
   const RunFolder run(folder);
   fs::path last;
   for (int g = 0; run.settings().shares(g) && fs::exists(run.shared_policy(g)); ++g)
@@ -139,8 +146,10 @@ TrainingPlan training_plan(const RunFolder& run, int generation) {
     return plan;
   }
   if (heirs(settings) != Heirs::none && !plan.init) plan.init = run.policies();
-  if (heirs(settings) == Heirs::founders_too)
-    plan.founders_from = fs::path(settings.text("founders")) / "policies";
+  if (heirs(settings) == Heirs::founders_too) {
+    const fs::path founders = settings.text("founders");
+    plan.founders_from = policy_of_record(founders).value_or(founders / "policies");
+  }
   return plan;
 }
 

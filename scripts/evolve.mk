@@ -43,9 +43,11 @@ list_seen = '$(SCRIPTS)seen' '$(RUN)' $(GEN) > '$@.seen.tmp'
 # The number of lines of a file, or a number where there is none yet.
 lines_or = $(if $(wildcard $(1)),$(shell wc -l < '$(1)'),$(2))
 
-# The first robots of a method that may have FOUNDERS: POP of them, or `first_count`.
+# The first robots of a method that may have FOUNDERS, a run, a record or a file: POP of them, or `first_count`.
 first_count ?= $(POP)
-of_founders = evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)'
+robot_of_record := {format: "evo/robot", version, id: .robot, body, fitness}
+of_founders = $(if $(wildcard $(FOUNDERS)/record.json),jq -c '$(robot_of_record)' '$(FOUNDERS)/record.json',\
+  evo-convert --unique '$(FOUNDERS)$(if $(wildcard $(FOUNDERS)/.),/history.jsonl)')
 candidates ?= $(of_founders)
 best_founders = robots=$$($(candidates)); \
   '$(SCRIPTS)founders' $(first_count) '$(if $(screens),SCREEN=$(SCREEN),$(FOUNDERS))' <<< "$$robots"
@@ -53,7 +55,7 @@ unscored = jq -c '{format, version, id, body}'
 first_robots = $(if $(FOUNDERS),$(best_founders) | $(unscored) > '$@.tmp' && mv '$@.tmp' '$@',\
     evo-sample -n $(first_count) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,0) -o '$@')
 try_founders = $(if $(FOUNDERS),$(check_founders),evo-sample -n 0 $(SAMPLE_OPTIONS))
-check_founders = [ '$(INHERIT)' != all ] || [ -d '$(FOUNDERS)/policies' ] || \
+check_founders = [ '$(INHERIT)' != all ] || [ -d '$(FOUNDERS)/policies' ] || [ -e '$(FOUNDERS)/policy.h5' ] || \
     { echo '$(FOUNDERS): has no policies to go on from; INHERIT=yes trains founders anew' >&2; exit 66; }; \
   $(best_founders)
 

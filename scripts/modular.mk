@@ -21,7 +21,8 @@ candidates = $(if $(screens),$(screened),$(of_founders))
 screened = evo-sample -n $(SCREEN) --shape $(SHAPE) $(SAMPLE_OPTIONS) --seed $(call stage_seed,0) | \
   evo-eval -q --task '$(TASK)' $(if $(filter-out task,$(PHYSICS)),--physics '$(PHYSICS)') --seed $(SEED) \
     --failures skip --policy '$(controller_of_founders)'
-controller_of_founders = $(lastword $(sort $(wildcard $(FOUNDERS)/policies/gen-*.policy.h5)))
+controller_of_founders = $(or $(wildcard $(FOUNDERS)/policy.h5),\
+  $(lastword $(sort $(wildcard $(FOUNDERS)/policies/gen-*.policy.h5))))
 first_count = $(shell echo $$(( $(EVALS) < $(POP) ? $(EVALS) : $(POP) )))
 later = $(shell echo $$(( $(EVALS) > $(POP) ? $(EVALS) - $(POP) : 0 )))
 # The generations that have one controller, from 0 to this one.
@@ -40,7 +41,7 @@ include $(dir $(lastword $(MAKEFILE_LIST)))evolve.mk
 
 $(if $(filter yes,$(INHERIT)),$(error INHERIT is no or all in modular.mk, not 'yes': every robot starts with the controller of all))
 $(if $(screens),$(if $(controller_of_founders),,\
-  $(error SCREEN=$(SCREEN) needs FOUNDERS, a run of modular.mk whose controller says which bodies are the first)))
+  $(error SCREEN=$(SCREEN) needs FOUNDERS, a run of modular.mk or a record, whose controller says which bodies are the first)))
 $(if $(screens),$(if $(shell [ $(SCREEN) -ge $(first_count) ] && echo yes),,$(error SCREEN=$(SCREEN) is less than POP=$(POP))))
 $(if $(FOUNDER_STEPS),$(error FOUNDER_STEPS is no setting of modular.mk: all robots of a generation are trained together))
 $(if $(EVALUATE),$(error EVALUATE is no setting of modular.mk: what is not trained has no controller))

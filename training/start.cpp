@@ -25,6 +25,7 @@ std::optional<fs::path> policy_in(const fs::path& folder, const std::string& id)
 std::optional<fs::path> inherited_policy(const TrainingPlan& plan, const Robot& robot) {
   const std::vector<std::string> parents = robot.parents();
   if (parents.empty() && plan.founders_from) {
+    if (fs::is_regular_file(*plan.founders_from)) return plan.founders_from;
     if (auto own = policy_in(*plan.founders_from, robot.id)) return own;
     throw error(Failure::no_input, "{}: has no policy of robot {} to go on from",
                 plan.founders_from->string(), robot.id);

@@ -36,7 +36,7 @@ struct TrainingPlan {
   std::optional<std::filesystem::path> curve;  // a table, of one robot
 
   // Where controllers to start from are: a policy for every robot, or a folder with those
-  // of parents; and a folder that has one of every robot without parents.
+  // of parents; and one for every robot without parents, or a folder that has theirs.
   std::optional<std::filesystem::path> init;
   std::optional<std::filesystem::path> founders_from;
 

@@ -136,6 +136,37 @@ evolve() {
   [ ! -e records/Walker-v0/founders.jsonl ]
 }
 
+@test "a run goes on from a record, and what that took counts" {
+  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=actions TASK=Walker-v0 POP=4 EVALS=8 TRAIN=sequence STEPS=9000 SEED=1 \
+    INHERIT=yes -s actions/history.jsonl
+  "$EVO_SOURCE/scripts/add-record" actions
+  further() {
+    make -f "$EVO_SOURCE/scripts/ga.mk" RUN="$1" TASK=Walker-v0 POP=1 EVALS=1 TRAIN=moments STEPS=16384 SEED=1 INHERIT=all \
+      FOUNDERS="$2" TRAIN_OPTIONS="--train-set evaluation_interval=2 --final-episodes 0" -s "$1/history.jsonl" "${@:3}"
+  }
+  further network records/Walker-v0-sequence
+  "$EVO_SOURCE/scripts/add-record" network
+  record=records/Walker-v0/record.json
+  first=$(jq -r .command records/Walker-v0-sequence/record.json)
+  [[ $(jq -r .command $record) == "${first/record/scout} && make -f scripts/ga.mk RUN=runs/record "*" FOUNDERS=runs/scout "* ]]
+  [ "$(jq .robots $record)" -eq 9 ]
+  [ "$(jq .steps $record)" -eq "$(cat actions/history.jsonl network/history.jsonl | jq -s 'map(.steps) | add')" ]
+  [ "$(jq -r .tools $record)" = "$(jq -r .tools records/Walker-v0-sequence/record.json)" ]
+  # Those commands, one after the other, make the same controller.
+  further again actions
+  cmp network/policies/*.policy.h5 again/policies/*.policy.h5
+  # From a run that went on from it, the commands are numbered anew.
+  further longer network
+  jq '.shifted.mean = -100' $record > worse && mv worse $record
+  "$EVO_SOURCE/scripts/add-record" longer
+  [ "$(jq -r .command $record | grep -o 'RUN=[^ ]*\|FOUNDERS=[^ ]*' | xargs)" = \
+    "RUN=runs/scout-2 RUN=runs/scout FOUNDERS=runs/scout-2 RUN=runs/record FOUNDERS=runs/scout" ]
+  [ "$(jq .robots $record)" -eq 10 ]
+  run further two records/Walker-v0 POP=2
+  [ "$status" -ne 0 ]
+  [[ $output == *"records/Walker-v0: has 1 different robots, not POP=2"* ]]
+}
+
 @test "records.mk makes records of many tasks, in rounds if asked to" {
   round="STEPS=4000 ALGO=gait TRAIN=default TRAIN_OPTIONS='--train-set population=4'"
   search() {

@@ -7,8 +7,8 @@
 # that stay take the places of the worst. A new robot is safe for GRACE selections, since the
 # controller does not know it yet, and LAYERS keep the old from taking all places (scripts/stay).
 # A child starts with its parent's controller as it is, which is that of all. The first
-# generation's is a new one or, with INHERIT=all, goes on from that of another run, FOUNDERS,
-# which also says which of SCREEN sampled bodies are worth learning on.
+# generation's is a new one or, with INHERIT=all, goes on from that of FOUNDERS, another run or a
+# record, which also says which of SCREEN sampled bodies are worth learning on.
 #
 # The generation after the last has the CHAMPIONS best, each with a training of its own, of
 # OWN_STEPS steps, from the controller of all; a launch each, as -j has it. The others have one

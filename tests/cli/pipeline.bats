@@ -465,6 +465,9 @@ modular=(POP=6 CHILDREN=2 EVALS=9 STEPS=3072 CHAMPIONS=2 OWN_STEPS=2048
   record=records/Walker-v0/record.json
   [ "$(jq -r .controller $record)" = modular ] && cmp records/Walker-v0/policy.h5 "next/policies/$(jq -r .robot $record).policy.h5"
   [[ $(jq -r .command $record) == *"modular.mk RUN=runs/scout "*" && "*"modular.mk RUN=runs/record "*"FOUNDERS=runs/scout"* ]]
+  # Others go on from a record.
+  run_make modular further FOUNDERS=records/Walker-v0 INHERIT=all SCREEN=12 SHAPE=4x4 SEED=9 EVALS=6 CHAMPIONS=0 further/history.jsonl
+  [ "$(inherited further/policies/gen-000.policy.h5)" = "inherited=$(hash_of records/Walker-v0/policy.h5)" ]
   head -3 first/history.jsonl > few
   refused_at_once modular FOUNDERS=few "few: has 3 different robots, not POP=6"
   refused_at_once modular SCREEN=12 "SCREEN=12 needs FOUNDERS, a run of modular.mk"

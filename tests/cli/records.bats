@@ -162,6 +162,10 @@ evolve() {
   [ "$(jq -r .command $record | grep -o 'RUN=[^ ]*\|FOUNDERS=[^ ]*' | xargs)" = \
     "RUN=runs/scout-2 RUN=runs/scout FOUNDERS=runs/scout-2 RUN=runs/record FOUNDERS=runs/scout" ]
   [ "$(jq .robots $record)" -eq 10 ]
+  # The page says how it was found, and in a table of costs names what reaches the paper.
+  "$EVO_SOURCE/scripts/records-page" | grep '^| \[Walker-v0\](#walker-v0.*, less | '
+  jq '.fitness = 20' $record > better && mv better $record
+  "$EVO_SOURCE/scripts/records-page" | grep '^| \[Walker-v0\](#walker-v0) | network along a sequence | 20 ([^,]*) | '
   run further two records/Walker-v0 POP=2
   [ "$status" -ne 0 ]
   [[ $output == *"records/Walker-v0: has 1 different robots, not POP=2"* ]]

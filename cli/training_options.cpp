@@ -24,7 +24,7 @@ void TrainingOptions::add_to(Command& command) {
   task.add_to(command);
   command.section("Training");
   command.option("--train", profile, "PROFILE",
-                 "training profile by name or file: default, feedback, gait, lineage, modular, "
+                 "training profile by name or file: default, feedback, gait, lineage, long, modular, "
                  "moments, paper, release2, robust, sequence");
   command.option("--train-set", set, "KEY=VALUE",
                  "one setting of the profile, such as learning_rate=3e-4 (repeatable); "

@@ -9,13 +9,14 @@
 # strict by the end of a run. Robots are compared within a round only. The report is that of the
 # last round.
 #
-# RECIPE names settings for two rounds, as measured in benchmarks/learning/recipes.md:
+# RECIPE names settings for two or three rounds, as measured in benchmarks/learning/recipes.md:
 #
 #   network   36 robots of 65 536 steps (the first twelve 131 072), then the eight best with
 #             524 288 and 16 of their children with 262 144: 11 million steps, for walking, pushing and carrying
 #   moments   16 sequences of actions of 131 072 steps, then a network along each of the two best,
 #             1.4 million: 4.9 million steps, for climbing, stairs and walking; what it makes
 #             observes, and keeps its return from perturbed starts
+#   long      moments, then four million steps more of its better network, in larger batches
 #   sequence  sequences of actions, 100 robots of 131 072 steps, then 90: 25 million, for
 #             leaps, stairs and gaps
 #   shape     3100 robots of 8 192 steps: 25 million, where a posture decides
@@ -40,19 +41,22 @@ network_1 := POP=12 EVALS=36 STEPS=65536 FOUNDER_STEPS=131072 SAMPLE_OPTIONS='--
 network_2 := POP=8 EVALS=24 STEPS=262144 FOUNDER_STEPS=524288 $(lines)
 moments_1 := POP=8 EVALS=16 SAMPLE_OPTIONS='--weights 0.2,0.02,0.03,0.25,0.5' $(actions)
 moments_2 := POP=2 EVALS=2 STEPS=1400000 TRAIN=moments INHERIT=all
+long_1 := $(moments_1)
+long_2 := $(moments_2)
+long_3 := POP=1 EVALS=1 STEPS=4000000 TRAIN=long INHERIT=all
 sequence_1 := POP=24 EVALS=100 SAMPLE_OPTIONS='--weights 0.2,0.02,0.03,0.25,0.5' $(actions)
 sequence_2 := POP=16 EVALS=90 $(actions)
 shape_1 := POP=50 EVALS=2000 $(postures)
 shape_2 := POP=25 EVALS=1100 $(postures)
 
-own := $(strip $(foreach n,1 2 3 4 5 6 7 8 9,$(if $(ROUND_$n),$n)))
+numbers := 1 2 3 4 5 6 7 8 9
+own := $(strip $(foreach n,$(numbers),$(if $(ROUND_$n),$n)))
 ifeq ($(own),)
-$(if $($(RECIPE)_1),,$(error there is no RECIPE '$(RECIPE)'; choose network, moments, sequence or shape, or give ROUND_1, ROUND_2, ..))
-ROUND_1 := $($(RECIPE)_1)
-ROUND_2 := $($(RECIPE)_2)
-own := 1 2
+own := $(strip $(foreach n,$(numbers),$(if $($(RECIPE)_$n),$n)))
+$(if $(own),,$(error there is no RECIPE '$(RECIPE)'; choose network, moments, long, sequence or shape, or give ROUND_1, ROUND_2, ..))
+$(foreach n,$(own),$(eval ROUND_$n = $$($(RECIPE)_$n)))
 endif
-rounds := $(wordlist 1,$(words $(own)),1 2 3 4 5 6 7 8 9)
+rounds := $(wordlist 1,$(words $(own)),$(numbers))
 $(if $(filter-out $(own),$(rounds)),$(error ROUND_$(firstword $(filter-out $(own),$(rounds))) is missing: rounds are numbered from 1 on))
 last := $(lastword $(rounds))
 # What a round decides, nobody else does.

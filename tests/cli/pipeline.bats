@@ -193,13 +193,14 @@ kill_and_repeat() {
     [[ $stderr == *"$1"* ]]
     [ ! -e run ]
   }
-  refused "there is no RECIPE 'nets'; choose network, moments, sequence or shape" RECIPE=nets
+  refused "there is no RECIPE 'nets'; choose network, moments, long, sequence or shape" RECIPE=nets
   refused "ROUND_1 is missing" ROUND_2=POP=3
   refused "EVALS is decided round by round" EVALS=7
   refused "STEPS is decided round by round" STEPS=7 ROUND_1=STEPS=4000
-  for recipe in network moments sequence shape; do
-    make -f "$EVO_SOURCE/scripts/rounds.mk" RUN=run RECIPE=$recipe -n > plan
-    grep -q "evo-run init 'run/1' method=ga" plan
+  for recipe in network:2 moments:2 long:3 sequence:2 shape:2; do
+    make -f "$EVO_SOURCE/scripts/rounds.mk" RUN=run RECIPE=${recipe%:*} -n > plan
+    for ((round = 1; round <= ${recipe#*:}; round++)); do grep -q "evo-run init 'run/$round' method=ga" plan; done
+    [ "$(grep -c "evo-run init" plan)" -eq ${recipe#*:} ]
   done
 }
 

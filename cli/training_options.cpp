@@ -23,9 +23,10 @@ void TrainingOptions::add_to(Command& command) {
   command.section("Task");
   task.add_to(command);
   command.section("Training");
-  command.option("--train", profile, "PROFILE",
-                 "training profile by name or file: default, feedback, gait, lineage, long, modular, "
-                 "moments, paper, release2, robust, sequence");
+  command.option(
+      "--train", profile, "PROFILE",
+      "training profile by name or file: default, feedback, gait, lineage, long, modular, "
+      "moments, paper, release2, robust, sequence");
   command.option("--train-set", set, "KEY=VALUE",
                  "one setting of the profile, such as learning_rate=3e-4 (repeatable); "
                  "'evo-inspect training' lists them");
@@ -42,6 +43,9 @@ void TrainingOptions::add_to(Command& command) {
   command.option("--init", init, "POLICY|DIR",
                  "start from this policy, or in a folder from the parent's (<id>.policy.h5); "
                  "robots without one start from scratch");
+  command.option("--moments", moments, "ROLLOUT|DIR",
+                 "begin episodes at moments of this recording, in a folder of <id>.h5, instead of "
+                 "those of what --init does (with --train moments; repeatable)");
   command.seed_option();
   command.section("Files");
   command.option("--out-dir", out_dir, "DIR", "where <id>.policy.h5 and <id>.log go");
@@ -88,6 +92,7 @@ TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
   plan.logs = out_dir;
   plan.curve = curve;
   plan.init = init;
+  plan.moments.assign(moments.begin(), moments.end());
   if (shared) plan.shared = *shared;
   plan.checkpoint_every = checkpoint_every;
   plan.keep_checkpoint = keep_checkpoint;

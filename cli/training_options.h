@@ -28,6 +28,7 @@ struct TrainingOptions {
   std::optional<int> final_episodes;
   std::optional<double> jitter;
   std::optional<std::string> init;
+  std::vector<std::string> moments;
   std::optional<std::string> shared;
   bool keep_checkpoint = false;
   bool resume = false;

@@ -44,7 +44,9 @@ void Recorder::record(const EpisodeMoment& moment) {
   const auto lane = static_cast<std::size_t>(moment.lane);
   if (moment.targets.empty()) {
     episode.seed = rollout_.seed;
-    episode.random_draws = draws_to_json(moment.draws);
+    episode.random_draws = draws_to_json(moment.start.draws);
+    episode.jitter = moment.start.jitter;
+    episode.jitter_seed = moment.start.jitter_seed;
   } else {
     append(episode.actions, moment.targets);
     episode.rewards.push_back(env.rewards()[lane]);

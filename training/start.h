@@ -15,13 +15,14 @@ namespace evo {
 
 struct TrainingStart {
   std::optional<Inheritance> inheritance;
+  std::vector<Demonstration> demonstrations;
   TrainingOrigin origin;
   TrainingIdentity identity;             // of the whole training
   std::optional<Checkpoint> checkpoint;  // to go on from
 };
 
-// Throws Error(no_input) for a founder without the controller that it is to have,
-// Error(cannot_create) where the checkpoint is of another training, Error(data).
+// Throws Error(no_input) for a founder without the controller that it is to have, or a rollout
+// that is not there, Error(cannot_create) where the checkpoint is of another training, Error(data).
 // `others`: of more robots that get the same controller.
 TrainingStart find_start(const TrainingPlan& plan, const Robot& robot, const Arena& arena,
                          const std::vector<const Arena*>& others = {});

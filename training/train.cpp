@@ -185,7 +185,8 @@ class Training {
     const bool replaces_part = !plan_.replace && start_.checkpoint && fs::exists(paths_.policy) &&
                                is_part(read_policy_identity(paths_.policy), start_);
     Trainer trainer(arenas_.front(), plan_.settings(first()), plan_.seed,
-                    stream_name(plan_, first()), start_.inheritance, others_);
+                    stream_name(plan_, first()), start_.inheritance, others_,
+                    start_.demonstrations);
     begin(trainer);
 
     TrainingLog log(paths_.log);
@@ -366,7 +367,10 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
     inheritance = {travelling_wave(arena->action_length(), 0.5, 20.0, 0.5),
                    anatomy(arena->robot(), arena->layout())};
   const std::vector<const Arena*> others(static_cast<std::size_t>(robots - 1), &*arena);
-  (void)Trainer(*arena, settings, plan.seed, "", std::move(inheritance), others);
+  // Of no step, since they are of other bodies.
+  std::vector<Demonstration> demonstrations(plan.moments.empty() ? 0 : 1);
+  (void)Trainer(*arena, settings, plan.seed, "", std::move(inheritance), others,
+                std::move(demonstrations));
 }
 
 int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, ThreadPool& pool,

@@ -40,6 +40,9 @@ struct TrainingPlan {
   std::optional<std::filesystem::path> init;
   std::optional<std::filesystem::path> founders_from;
 
+  // Rollouts at whose moments episodes begin, or folders with a robot's, ID.h5.
+  std::vector<std::filesystem::path> moments;
+
   std::int64_t checkpoint_every = 100'000;  // environment steps; 0: when interrupted only
   bool keep_checkpoint = false;             // at the end, too
   bool resume = false;                      // go on from checkpoints

@@ -75,6 +75,10 @@ void write_episode(hdf5::Writer& file, const Rollout& rollout, std::size_t k) {
   file.attribute(group, "seed", episode.seed);
   file.attribute(group, "total_steps", static_cast<std::int64_t>(steps));
   file.attribute(group, "random_draws", compact(episode.random_draws));
+  if (episode.jitter != 0.0) {
+    file.attribute(group, "jitter", episode.jitter);
+    file.attribute(group, "jitter_seed", episode.jitter_seed);
+  }
   file.array(group + "/observations",
              {steps + 1, static_cast<std::size_t>(rollout.observation_length)},
              episode.observations);
@@ -163,6 +167,10 @@ RolloutEpisode read_episode(const hdf5::Reader& file, std::size_t k, Lengths& le
   const std::size_t steps = episode.rewards.size();
   if (file.has_attribute(group, "seed")) episode.seed = file.number<std::uint64_t>(group, "seed");
   if (auto draws = draws_of(file, group)) episode.random_draws = std::move(*draws);
+  if (file.has_attribute(group, "jitter")) {
+    episode.jitter = file.number<double>(group, "jitter");
+    episode.jitter_seed = file.number<std::uint64_t>(group, "jitter_seed");
+  }
   episode.observations = read_rows(file, group + "/observations", steps + 1, lengths.observation);
   episode.actions = read_rows(file, group + "/actions", steps, lengths.action);
   episode.terminations = read_flags(file, group + "/terminations", steps);

@@ -16,6 +16,8 @@ namespace evo {
 struct RolloutEpisode {
   std::uint64_t seed = 0;
   Json random_draws = Json::object();
+  double jitter = 0.0;            // by which the start was perturbed, voxels
+  std::uint64_t jitter_seed = 0;  // and how: VecEnv's EpisodeStart
   // Row-major; T steps, T+1 observations and positions.
   std::vector<double> observations;        // [T+1 x D]
   std::vector<double> actions;             // [T x A], targets in [0.6, 1.6]

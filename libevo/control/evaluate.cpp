@@ -14,7 +14,7 @@ struct Running {
   int job = -1;   // index in the work list; -1: idle
   int steps = 0;  // taken so far
   Stream random{0, "random"};
-  Draws draws;
+  EpisodeStart start;
 };
 
 // Targets [E x A] of all lanes that have a job.
@@ -36,11 +36,11 @@ void require_finite(std::span<const double> values, const char* what, const Runn
 
 void start(const Arena& arena, const EvaluationSettings& settings, const Work& work, VecEnv& env,
            int environment, Running& lane) {
-  const auto k = static_cast<std::uint64_t>(work.episode(lane.job));
+  const int episode = work.episode(lane.job);
   lane.steps = 0;
-  lane.random = Stream(settings.seed, "random", k);
-  lane.draws = settings.draws ? *settings.draws : arena.draw(settings.seed, k);
-  env.reset(environment, {lane.draws, settings.jitter, derive_seed(settings.seed, "jitter", k)});
+  lane.random = Stream(settings.seed, "random", static_cast<std::uint64_t>(episode));
+  lane.start = start_of(arena, settings, episode);
+  env.reset(environment, lane.start);
 }
 
 // Runs all jobs, each lane taking the next one when its episode has ended.
@@ -68,7 +68,7 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
     ++running;
     start(arena, settings, work, env, static_cast<int>(l), lanes[l]);
     if (observer)
-      observer({work.episode(lanes[l].job), env, static_cast<int>(l), {}, false, lanes[l].draws});
+      observer({work.episode(lanes[l].job), env, static_cast<int>(l), {}, false, lanes[l].start});
   };
   for (std::size_t l = 0; l < count; ++l) begin(l);
 
@@ -96,7 +96,7 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
       if (observer)
         observer({work.episode(lane.job), env, static_cast<int>(l),
                   std::span<const double>(targets).subspan(l * actions, actions), over,
-                  lane.draws});
+                  lane.start});
       if (!over) continue;
       --running;
       begin(l);
@@ -186,6 +186,12 @@ struct Prepare {
 };
 
 }  // namespace
+
+EpisodeStart start_of(const Arena& arena, const EvaluationSettings& settings, int episode) {
+  const auto k = static_cast<std::uint64_t>(episode);
+  return {settings.draws ? *settings.draws : arena.draw(settings.seed, k), settings.jitter,
+          derive_seed(settings.seed, "jitter", k)};
+}
 
 double Evaluation::mean() const {
   return std::accumulate(returns.begin(), returns.end(), 0.0) / static_cast<double>(returns.size());

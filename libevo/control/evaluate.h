@@ -24,6 +24,9 @@ struct EvaluationSettings {
   int lanes = 16;              // episodes side by side: speed, not results
 };
 
+// How episode k of an evaluation begins.
+EpisodeStart start_of(const Arena& arena, const EvaluationSettings& settings, int episode);
+
 struct Evaluation {
   std::vector<double> returns;     // [episodes], in order
   std::vector<int> lengths;        // control steps
@@ -42,7 +45,7 @@ struct EpisodeMoment {
   int lane = 0;                     // environment of `env` the episode runs in
   std::span<const double> targets;  // [A] just taken, or empty
   bool last = false;                // the episode is over
-  const Draws& draws;
+  const EpisodeStart& start;
 };
 using EpisodeObserver = std::function<void(const EpisodeMoment&)>;
 

@@ -43,7 +43,7 @@ void PpoTraining::check(const TrainingSettings& s) {
 PpoTraining::PpoTraining(const TrainingJob& job)
     : episodes_(VecEnv(job.arena, job.settings.environments), job.seed),
       ppo_(job.settings, first_policy(job), job.seed, job.robot_id),
-      moments_(inherited_moments(job)) {
+      moments_(all_moments(job)) {
   for (int e = 0; e < job.settings.environments; ++e) start_episode(job, e);
   observe();
 }
@@ -82,14 +82,53 @@ void PpoTraining::load(const Checkpoint& checkpoint) {
   episodes_.load(checkpoint);
 }
 
+std::vector<PpoTraining::Moment> PpoTraining::all_moments(const TrainingJob& job) {
+  if (job.settings.moment_share == 0.0) {
+    if (job.demonstrations.empty()) return {};
+    throw error(Failure::usage,
+                "training: no episode begins at a moment while moment_share is 0; the profile "
+                "'moments' has 0.7");
+  }
+  if (job.demonstrations.empty()) return inherited_moments(job);
+  std::vector<Moment> moments;
+  for (const Demonstration& demonstration : job.demonstrations)
+    add_moments(job.arena, demonstration, moments);
+  return moments;
+}
+
+// Every state of the episode but its last.
+void PpoTraining::add_moments(const Arena& arena, const Demonstration& demonstration,
+                              std::vector<Moment>& moments) {
+  const auto& [name, start, replay, rewards] = demonstration;
+  const auto actuators = static_cast<std::size_t>(arena.action_length());
+  if (replay.actions.size() != rewards.size() * actuators)
+    throw error(Failure::data, "{}: has {} actions in {} steps; this robot has {} actuators", name,
+                replay.actions.size(), rewards.size(), actuators);
+  VecEnv env(arena, 1);
+  env.reset(0, start);
+  double sum = 0.0;
+  for (std::size_t t = 0; t < rewards.size(); ++t) {
+    moments.push_back({env.save(0), sum});
+    env.step(std::span(replay.actions).subspan(t * actuators, actuators));
+    require_stable(env);
+    if (env.rewards()[0] != rewards[t])
+      throw error(Failure::data,
+                  "{}: step {} earned {}, and earns {} here; was it recorded with another robot, "
+                  "task or physics?",
+                  name, t, rewards[t], env.rewards()[0]);
+    sum += rewards[t];
+    if (env.terminated()[0] != 0 || env.truncated()[0] != 0) return;
+  }
+}
+
 // Every state of one episode of the inherited controller from the exact start, but its
 // last. An episode that becomes unstable gives the states before that.
 std::vector<PpoTraining::Moment> PpoTraining::inherited_moments(const TrainingJob& job) {
   std::vector<Moment> moments;
-  if (job.settings.moment_share == 0.0) return moments;
   if (!job.inheritance)
     throw error(Failure::usage,
-                "training: moment_share is {}; moments need a controller to start from (--init)",
+                "training: moment_share is {}; moments need a controller to start from (--init), "
+                "or recorded episodes (--moments)",
                 job.settings.moment_share);
   EvaluationSettings episode;
   episode.seed = job.seed;

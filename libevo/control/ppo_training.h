@@ -26,11 +26,14 @@ class PpoTraining {
   void load(const Checkpoint& checkpoint);
 
  private:
-  // Where an episode may begin: a state that the inherited controller came to.
+  // Where an episode may begin: a state that a demonstration, or the inherited controller, came to.
   struct Moment {
     std::vector<std::uint8_t> state;  // VecEnv::save
     double return_so_far = 0.0;
   };
+  static std::vector<Moment> all_moments(const TrainingJob& job);
+  static void add_moments(const Arena& arena, const Demonstration& demonstration,
+                          std::vector<Moment>& moments);
   static std::vector<Moment> inherited_moments(const TrainingJob& job);
 
   // At a moment, or at the start.

@@ -34,7 +34,7 @@ SequenceSearch::SequenceSearch(const Arena& arena, const SequenceSearchSettings&
                                std::optional<Start> start)
     : arena_(&arena),
       settings_(settings),
-      episode_{evaluation.draws ? *evaluation.draws : arena.draw(evaluation.seed, 0)},
+      evaluation_(evaluation),
       places_(anatomy(arena.robot(), {}).actuators),
       random_(random),
       start_(std::move(start)),
@@ -272,8 +272,8 @@ std::int64_t SequenceSearch::measure_level_height(std::int64_t budget) {
     }
     episodes.push_back(whole(episode.at.actions));
   }
-  EvaluationSettings first;
-  first.draws = episode_.draws;
+  EvaluationSettings first = evaluation_;
+  first.episodes = 1;
   const OpenLoopEvaluation result = evaluate_each(*arena_, episodes, first);
   const double peak = *std::max_element(result.peaks.begin(), result.peaks.end());
   const double least = *std::min_element(result.means.begin(), result.means.end());
@@ -283,7 +283,7 @@ std::int64_t SequenceSearch::measure_level_height(std::int64_t budget) {
 }
 
 void SequenceSearch::begin() {
-  env_.reset(0, episode_);
+  env_.reset(0, start_of(*arena_, evaluation_, 0));
   Moment first;
   first.state = env_.save(0);
   soonest_[level_of(0.0)] = std::move(first);

@@ -130,7 +130,7 @@ class SequenceSearch {
 
   const Arena* arena_;
   SequenceSearchSettings settings_;
-  EpisodeStart episode_;
+  EvaluationSettings evaluation_;
   std::vector<Anatomy::Place> places_;  // cells of the actuators
   Stream random_;
   std::optional<Start> start_;

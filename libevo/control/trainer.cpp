@@ -169,6 +169,10 @@ struct Trainer::Impl {
       throw error(Failure::usage,
                   "training: {} makes a controller for each robot; --algo {} makes one for all",
                   name, ModularTraining::name);
+    if (!job.demonstrations.empty() && name != PpoTraining::name)
+      throw error(Failure::usage,
+                  "training: episodes of {} begin at recorded moments, those of {} not",
+                  PpoTraining::name, name);
     return make_method(job);
   }
 
@@ -177,9 +181,10 @@ struct Trainer::Impl {
 
 Trainer::Trainer(const Arena& arena, const TrainingSettings& settings, std::uint64_t seed,
                  std::string_view robot_id, std::optional<Inheritance> inheritance,
-                 std::vector<const Arena*> others)
+                 std::vector<const Arena*> others, std::vector<Demonstration> demonstrations)
     : impl_(std::make_unique<Impl>(TrainingJob{arena, settings, seed, std::string(robot_id),
-                                               std::move(inheritance), std::move(others)})) {}
+                                               std::move(inheritance), std::move(others),
+                                               std::move(demonstrations)})) {}
 
 Trainer::~Trainer() = default;
 Trainer::Trainer(Trainer&&) noexcept = default;

@@ -50,6 +50,14 @@ struct Inheritance {
   Anatomy anatomy;  // what it was attached to
 };
 
+// A recorded episode, at whose moments episodes of a training may begin.
+struct Demonstration {
+  std::string name;  // for messages
+  EpisodeStart start;
+  ReplayController actions;
+  std::vector<double> rewards;  // [T], which the actions earn again, to the last bit
+};
+
 struct TrainResult {
   bool complete = false;                        // not stopped early by the caller
   std::optional<double> fitness;                // best evaluation; none after a failure
@@ -82,10 +90,12 @@ class Trainer {
   // `arena` must outlive this. Throws Error(usage) for settings that make no
   // sense, Error(data) for an inheritance that does not fit them. `robot_id` names
   // the random streams. `others` are more robots of the task that get the same controller,
-  // for a method that can make one for several.
+  // for a method that can make one for several. `demonstrations` are of this robot; episodes
+  // begin there instead of at moments of what is inherited. Throws Error(data) for one that
+  // does not earn what it says.
   Trainer(const Arena& arena, const TrainingSettings& settings, std::uint64_t seed,
           std::string_view robot_id, std::optional<Inheritance> inheritance = {},
-          std::vector<const Arena*> others = {});
+          std::vector<const Arena*> others = {}, std::vector<Demonstration> demonstrations = {});
   ~Trainer();
   Trainer(Trainer&&) noexcept;
   Trainer& operator=(Trainer&&) noexcept;

@@ -1,5 +1,6 @@
 #include "libevo/control/trainer.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -577,6 +578,93 @@ TEST_CASE("episodes begin at moments of what is inherited") {
     CHECK(ended(0.0) == 40);  // in each environment four that ended, and the next
     CHECK(ended(1.0) > 50);   // of 5.5 steps on average
   }
+}
+
+TEST_CASE("episodes begin at moments of demonstrations") {
+  const Arena arena(test::walker(10), test::small_body());
+  // Two of random targets, from perturbed starts.
+  EvaluationSettings starts;
+  starts.episodes = 2;
+  starts.jitter = 1e-3;
+  std::vector<Demonstration> shown(2);
+  evaluate(arena, RandomController{}, starts, [&](const EpisodeMoment& moment) {
+    Demonstration& demonstration = shown[static_cast<std::size_t>(moment.episode)];
+    if (moment.targets.empty()) {
+      demonstration = {"shown", moment.start, {{}, arena.action_length()}, {}};
+      return;
+    }
+    std::vector<double>& actions = demonstration.actions.actions;
+    actions.insert(actions.end(), moment.targets.begin(), moment.targets.end());
+    demonstration.rewards.push_back(moment.env.rewards()[static_cast<std::size_t>(moment.lane)]);
+  });
+  TrainingSettings settings = brief();
+  settings.moment_share = 0.7;
+  const auto trainer = [&](const std::vector<Demonstration>& demonstrations) {
+    return Trainer(arena, settings, 1, "new", {}, {}, demonstrations);
+  };
+  const auto bytes = [&](const std::vector<Demonstration>& demonstrations) {
+    Trainer training = trainer(demonstrations);
+    training.advance();
+    return training.checkpoint();
+  };
+
+  SECTION("a resumed training ends with the same bytes") {
+    Trainer whole = trainer(shown);
+    for (int i = 0; i < 3; ++i) whole.advance();
+    Trainer resumed = trainer(shown);
+    resumed.restore(whole.checkpoint());
+    check_equal(train(resumed), train(whole));
+  }
+  SECTION("each of them decides the result") {
+    CHECK(bytes(shown) != bytes({shown[0]}));
+    CHECK(bytes(shown) != bytes({shown[1]}));
+  }
+  SECTION("they take the place of what is inherited, whose network goes on") {
+    Trainer old_trainer(arena, brief(), 1, "old");
+    const Inheritance inheritance{*train(old_trainer).controller,
+                                  anatomy(arena.robot(), arena.layout())};
+    const auto learnt = [&](const std::vector<Demonstration>& demonstrations) {
+      Trainer training(arena, settings, 1, "new", inheritance, {}, demonstrations);
+      training.advance();
+      return training.checkpoint();
+    };
+    CHECK(learnt(shown) != learnt({}));
+    CHECK(learnt(shown) != bytes(shown));
+  }
+  SECTION("one that earns something else here is refused") {
+    std::vector<Demonstration> wrong = shown;
+    wrong[1].rewards[3] = std::nextafter(wrong[1].rewards[3], 1.0);
+    CHECK_THROWS_WITH(trainer(wrong), Catch::StartsWith("shown: step 3 earned"));
+    wrong = shown;
+    wrong[0].start.jitter = 0.0;
+    CHECK_THROWS_WITH(trainer(wrong), Catch::StartsWith("shown: step 0 earned"));
+    wrong[0].actions.actions.pop_back();
+    CHECK_THROWS_WITH(trainer(wrong), Catch::Contains("this robot has"));
+  }
+  SECTION("where no episode would begin there, that is said") {
+    settings.moment_share = 0.0;
+    CHECK_THROWS_WITH(trainer(shown), Catch::Contains("while moment_share is 0"));
+    settings = brief_sequence();
+    CHECK_THROWS_WITH(trainer(shown), Catch::Contains("those of sequence not"));
+  }
+}
+
+TEST_CASE("a sequence is searched from the start that it is judged from") {
+  const Arena arena(test::walker(10), test::small_body());
+  TrainingSettings settings = brief_sequence();
+  settings.evaluation_jitter = 1e-2;
+  Trainer trainer(arena, settings, 3, "robot");
+  const TrainResult result = train(trainer);
+  const Checkpoint end = trainer.checkpoint();
+  // The first moment of the archive, before any step.
+  EvaluationSettings judged;
+  judged.seed = 3;
+  judged.jitter = 1e-2;
+  VecEnv env(arena, 1);
+  env.reset(0, start_of(arena, judged, 0));
+  const auto first = env.save(0);
+  const auto& states = end.get<std::uint8_t>("search/soonest/states");
+  CHECK(std::search(states.begin(), states.end(), first.begin(), first.end()) != states.end());
 }
 
 TEST_CASE("a network is trained on an inherited sequence") {

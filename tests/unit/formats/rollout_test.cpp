@@ -46,6 +46,10 @@ Rollout example() {
     RolloutEpisode episode;
     episode.seed = stream.bits();
     episode.random_draws = {{"goals", {47, 32}}, {"ox", 3}};
+    if (steps == 2) {  // the other one began at the official start
+      episode.jitter = 1e-4;
+      episode.jitter_seed = stream.bits();
+    }
     episode.observations = numbers(stream, (steps + 1) * 3);
     episode.actions = numbers(stream, steps);
     episode.rewards = numbers(stream, steps);
@@ -114,6 +118,8 @@ TEST_CASE("Rollout: what is written is what is read") {
     const RolloutEpisode& b = written.episodes[k];
     CHECK(a.seed == b.seed);
     CHECK(a.random_draws == b.random_draws);
+    CHECK(a.jitter == b.jitter);
+    CHECK(a.jitter_seed == b.jitter_seed);
     CHECK(a.observations == b.observations);
     CHECK(a.actions == b.actions);
     CHECK(a.rewards == b.rewards);

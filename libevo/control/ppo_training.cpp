@@ -32,6 +32,45 @@ Controller inherited_controller(const TrainingJob& job) {
   return *inherited_gait(job);
 }
 
+// One episode of the inherited controller from the exact start; of one that becomes unstable
+// what was before.
+Demonstration inherited_demonstration(const TrainingJob& job) {
+  EvaluationSettings episode;
+  episode.seed = job.seed;
+  Demonstration demonstration{"the inherited controller",
+                              start_of(job.arena, episode, 0),
+                              {{}, job.arena.action_length()},
+                              {}};
+  const auto keep = [&](const EpisodeMoment& now) {
+    if (now.targets.empty()) return;
+    std::vector<double>& actions = demonstration.actions.actions;
+    actions.insert(actions.end(), now.targets.begin(), now.targets.end());
+    demonstration.rewards.push_back(now.env.rewards()[static_cast<std::size_t>(now.lane)]);
+  };
+  try {
+    evaluate(job.arena, inherited_controller(job), episode, keep);
+  } catch (const Error& failure) {
+    if (failure.kind() != Failure::work) throw;
+  }
+  return demonstration;
+}
+
+std::vector<Demonstration> demonstrations_of(const TrainingJob& job) {
+  if (job.settings.moment_share == 0.0) {
+    if (job.demonstrations.empty()) return {};
+    throw error(Failure::usage,
+                "training: no episode begins at a moment while moment_share is 0; the profile "
+                "'moments' has 0.7");
+  }
+  if (!job.demonstrations.empty()) return job.demonstrations;
+  if (!job.inheritance)
+    throw error(Failure::usage,
+                "training: moment_share is {}; moments need a controller to start from (--init), "
+                "or recorded episodes (--moments)",
+                job.settings.moment_share);
+  return {inherited_demonstration(job)};
+}
+
 }  // namespace
 
 void PpoTraining::check(const TrainingSettings& s) {
@@ -42,8 +81,9 @@ void PpoTraining::check(const TrainingSettings& s) {
 
 PpoTraining::PpoTraining(const TrainingJob& job)
     : episodes_(VecEnv(job.arena, job.settings.environments), job.seed),
-      ppo_(job.settings, first_policy(job), job.seed, job.robot_id),
-      moments_(all_moments(job)) {
+      ppo_(job.settings, first_policy(job), job.seed, job.robot_id) {
+  for (const Demonstration& demonstration : demonstrations_of(job))
+    add_moments(job.arena, demonstration);
   for (int e = 0; e < job.settings.environments; ++e) start_episode(job, e);
   observe();
 }
@@ -82,23 +122,8 @@ void PpoTraining::load(const Checkpoint& checkpoint) {
   episodes_.load(checkpoint);
 }
 
-std::vector<PpoTraining::Moment> PpoTraining::all_moments(const TrainingJob& job) {
-  if (job.settings.moment_share == 0.0) {
-    if (job.demonstrations.empty()) return {};
-    throw error(Failure::usage,
-                "training: no episode begins at a moment while moment_share is 0; the profile "
-                "'moments' has 0.7");
-  }
-  if (job.demonstrations.empty()) return inherited_moments(job);
-  std::vector<Moment> moments;
-  for (const Demonstration& demonstration : job.demonstrations)
-    add_moments(job.arena, demonstration, moments);
-  return moments;
-}
-
 // Every state of the episode but its last.
-void PpoTraining::add_moments(const Arena& arena, const Demonstration& demonstration,
-                              std::vector<Moment>& moments) {
+void PpoTraining::add_moments(const Arena& arena, const Demonstration& demonstration) {
   const auto& [name, start, replay, rewards] = demonstration;
   const auto actuators = static_cast<std::size_t>(arena.action_length());
   if (replay.actions.size() != rewards.size() * actuators)
@@ -108,7 +133,7 @@ void PpoTraining::add_moments(const Arena& arena, const Demonstration& demonstra
   env.reset(0, start);
   double sum = 0.0;
   for (std::size_t t = 0; t < rewards.size(); ++t) {
-    moments.push_back({env.save(0), sum});
+    moments_.push_back({env.save(0), sum});
     env.step(std::span(replay.actions).subspan(t * actuators, actuators));
     require_stable(env);
     if (env.rewards()[0] != rewards[t])
@@ -119,31 +144,6 @@ void PpoTraining::add_moments(const Arena& arena, const Demonstration& demonstra
     sum += rewards[t];
     if (env.terminated()[0] != 0 || env.truncated()[0] != 0) return;
   }
-}
-
-// Every state of one episode of the inherited controller from the exact start, but its
-// last. An episode that becomes unstable gives the states before that.
-std::vector<PpoTraining::Moment> PpoTraining::inherited_moments(const TrainingJob& job) {
-  std::vector<Moment> moments;
-  if (!job.inheritance)
-    throw error(Failure::usage,
-                "training: moment_share is {}; moments need a controller to start from (--init), "
-                "or recorded episodes (--moments)",
-                job.settings.moment_share);
-  EvaluationSettings episode;
-  episode.seed = job.seed;
-  double sum = 0.0;
-  const auto keep = [&](const EpisodeMoment& now) {
-    if (now.last) return;
-    if (!now.targets.empty()) sum += now.env.rewards()[static_cast<std::size_t>(now.lane)];
-    moments.push_back({now.env.save(now.lane), sum});
-  };
-  try {
-    evaluate(job.arena, inherited_controller(job), episode, keep);
-  } catch (const Error& failure) {
-    if (failure.kind() != Failure::work) throw;
-  }
-  return moments;
 }
 
 void PpoTraining::start_episode(const TrainingJob& job, int environment) {

@@ -31,10 +31,7 @@ class PpoTraining {
     std::vector<std::uint8_t> state;  // VecEnv::save
     double return_so_far = 0.0;
   };
-  static std::vector<Moment> all_moments(const TrainingJob& job);
-  static void add_moments(const Arena& arena, const Demonstration& demonstration,
-                          std::vector<Moment>& moments);
-  static std::vector<Moment> inherited_moments(const TrainingJob& job);
+  void add_moments(const Arena& arena, const Demonstration& demonstration);
 
   // At a moment, or at the start.
   void start_episode(const TrainingJob& job, int environment);

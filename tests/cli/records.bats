@@ -85,6 +85,35 @@ evolve() {
   [[ $output == *"is of Walker-v0"* ]]
 }
 
+@test "the best single episode has a place of its own where it is another controller's" {
+  evolve one 1
+  evolve two 2
+  record=records/Walker-v0/record.json episode=records/Walker-v0-episode/record.json
+  claim() { jq "$1" "$2" > claimed && mv claimed "$2"; }
+  "$EVO_SOURCE/scripts/add-record" one
+  fitness=$(jq .fitness $record)
+  [ ! -e $episode ]
+  # Beaten from perturbed starts alone, it goes there; with its bodies, if it has any.
+  claim '.shifted.mean = -100 | .fitness = 100 | .command += " FOUNDERS=records/Walker-v0/founders.jsonl"' $record
+  "$EVO_SOURCE/scripts/add-record" two
+  jq -e '.fitness == 100 and (.command | endswith("FOUNDERS=records/Walker-v0-episode/founders.jsonl"))' $episode
+  jq -e '.fitness < 100' $record
+  grep -q '^### Single episodes' records/README.md
+  # What beats neither is refused; what beats the episode alone takes that place.
+  claim '.shifted.mean = 100 | .fitness = -100' $record
+  fails_with 73 "nothing was changed" -- "$EVO_SOURCE/scripts/add-record" one
+  claim '.fitness = -100' $episode
+  "$EVO_SOURCE/scripts/add-record" one
+  jq -e ".fitness == $fitness" $episode
+  "$EVO_SOURCE/scripts/verify-records" Walker-v0-episode
+  # Who is best in both needs no second place.
+  claim '.shifted.mean = -100' $record
+  claim '.fitness = -100' $episode
+  "$EVO_SOURCE/scripts/add-record" two
+  [ ! -e $episode ]
+  "$EVO_SOURCE/scripts/verify-records"
+}
+
 @test "a record that was judged from perturbed starts is what it earns from the start itself" {
   make -f "$EVO_SOURCE/scripts/ga.mk" RUN=calm TASK=Walker-v0 POP=4 EVALS=4 STEPS=2048 SEED=1 \
     TRAIN_OPTIONS='--train-set evaluation_jitter=1e-2 --train-set evaluation_episodes=4' -s calm/history.jsonl

@@ -16,7 +16,8 @@
 #   moments   16 sequences of actions of 131 072 steps, then a network along each of the two best,
 #             1.4 million: 4.9 million steps, for climbing, stairs and walking; what it makes
 #             observes, and keeps its return from perturbed starts
-#   long      moments, then four million steps more of its better network, in larger batches
+#   long      moments, then four million steps more of its better network, in larger batches;
+#             what moments has made goes on so, too
 #   sequence  sequences of actions, 100 robots of 131 072 steps, then 90: 25 million, for
 #             leaps, stairs and gaps
 #   shape     3100 robots of 8 192 steps: 25 million, where a posture decides

@@ -41,6 +41,20 @@ int nearest(const std::vector<Place>& places, const Place& to) {
   return static_cast<int>(std::min_element(places.begin(), places.end(), closer) - places.begin());
 }
 
+// Of `points` that for the p-th of the others. Where voxels touch at a corner alone, each has a
+// point of its own there; the k-th at a place is for the k-th, or the last that there is.
+int counterpart(const std::vector<Place>& points, const std::vector<Place>& others, std::size_t p) {
+  const auto end = others.begin() + static_cast<std::ptrdiff_t>(p);
+  auto before = std::count(others.begin(), end, others[p]);
+  auto found = points.begin() + nearest(points, others[p]);
+  for (; before > 0; --before) {
+    const auto next = std::find(found + 1, points.end(), *found);
+    if (next == points.end()) break;
+    found = next;
+  }
+  return static_cast<int>(found - points.begin());
+}
+
 // Which input reads which: `read_at` is where an old input is read in the new
 // observation, `moments_of` whose moments a new input starts with.
 struct InputMap {
@@ -69,9 +83,10 @@ void join_points(const ObservationSlice& old_slice, const std::vector<Place>& fr
     const int old_first = old_slice.offset + axis * static_cast<int>(from.size());
     const int new_first = new_slice.offset + axis * static_cast<int>(to.size());
     for (std::size_t p = 0; p < from.size(); ++p)
-      map.read_at[static_cast<std::size_t>(old_first) + p] = new_first + nearest(to, from[p]);
+      map.read_at[static_cast<std::size_t>(old_first) + p] = new_first + counterpart(to, from, p);
     for (std::size_t p = 0; p < to.size(); ++p)
-      map.moments_of[static_cast<std::size_t>(new_first) + p] = old_first + nearest(from, to[p]);
+      map.moments_of[static_cast<std::size_t>(new_first) + p] =
+          old_first + counterpart(from, to, p);
   }
 }
 

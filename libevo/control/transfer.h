@@ -3,7 +3,8 @@
 //
 // Observations of the robot's points are matched on the lattice: each one that
 // the old policy sees is read at the nearest point of the new body, and a point
-// nobody reads starts with weight 0 and the moments of the nearest old one.
+// nobody reads starts with weight 0 and the moments of the nearest old one. Several
+// points may share a place (voxels that touch at a corner alone): in their order.
 // Other parts of an observation are matched by name and length. Actions are
 // matched by cell: an actuator where the old body had none starts as a fresh
 // policy has it. The critic is carried over like the actor.

@@ -1,5 +1,6 @@
 #include "libevo/control/transfer.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -52,6 +53,39 @@ TEST_CASE("carried over to the same body, a policy acts as it did") {
   CHECK(policy.normalizer.mean == old_policy.normalizer.mean);
   CHECK(policy.normalizer.count == 10000);  // adapts
   CHECK(policy.log_std == fresh.log_std);
+}
+
+TEST_CASE("carried over to the same body, it acts as it did where voxels touch at a corner alone") {
+  // The second voxel and that below it to the right have a point each in the same place.
+  const Arena arena(test::walker(10), Body::from_rows({"HH.", "H.H", "HHH"}));
+  const Anatomy body = anatomy_of(arena);
+  REQUIRE(std::count(body.points.begin(), body.points.end(), Anatomy::Place{1, 2}) == 2);
+  const Policy old_policy = fresh_policy(arena, 1);
+  const Policy policy = transferred(old_policy, body, fresh_policy(arena, 2), body);
+  CHECK(policy.actor == old_policy.actor);
+  CHECK(policy.critic == old_policy.critic);
+  CHECK(policy.normalizer.mean == old_policy.normalizer.mean);
+  CHECK(policy.normalizer.variance == old_policy.normalizer.variance);
+}
+
+TEST_CASE("where a body has one point for two of the old one, it is read as both") {
+  const Arena apart(test::walker(10), Body::from_rows({"HH.", "H.H", "HHH"}));
+  const Arena joined(test::walker(10), Body::from_rows({"HHH", "H.H", "HHH"}));
+  const Policy old_policy = fresh_policy(apart, 1);
+  const Policy policy =
+      transferred(old_policy, anatomy_of(apart), fresh_policy(joined, 2), anatomy_of(joined));
+  const std::vector<Anatomy::Place> from = anatomy_of(apart).points;
+  const std::vector<Anatomy::Place> to = anatomy_of(joined).points;
+  const auto column = [](const Policy& of, const std::vector<Anatomy::Place>& points,
+                         std::vector<Anatomy::Place>::const_iterator point) {
+    return of.actor.layers.front().weight.col(2 + (point - points.begin()));
+  };
+  const auto there = std::find(to.begin(), to.end(), Anatomy::Place{1, 2});
+  const auto first = std::find(from.begin(), from.end(), *there);
+  const auto second = std::find(first + 1, from.end(), *there);
+  REQUIRE(second != from.end());
+  CHECK(column(policy, to, there)
+            .isApprox(column(old_policy, from, first) + column(old_policy, from, second)));
 }
 
 TEST_CASE("carried over to a body with a voxel more, old actuators do what they did at rest") {

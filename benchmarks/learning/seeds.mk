@@ -22,7 +22,7 @@ RUN    ?= $(error give RUN=folder, such as RUN=runs/seeds)
 RECIPE ?= moments
 TASKS  ?= Walker-v0 Pusher-v0 Carrier-v0 UpStepper-v0 DownStepper-v0 ObstacleTraverser-v0 Climber-v0 Jumper-v0
 SEEDS  ?= 1 2 3 4 5
-# The rounds of a recipe.
+# How many rounds a recipe has: what RECIPE=long adds to a run is not counted for RECIPE=moments.
 ROUNDS := $(if $(filter long,$(RECIPE)),1 2 3,1 2)
 # Runs get what stands in their command, and nothing that was given to this make.
 MAKEOVERRIDES :=

@@ -24,7 +24,7 @@ struct EvaluationSettings {
   int lanes = 16;              // episodes side by side: speed, not results
 };
 
-// How episode k of an evaluation begins.
+// How an episode of an evaluation, counted from 0, begins.
 EpisodeStart start_of(const Arena& arena, const EvaluationSettings& settings, int episode);
 
 struct Evaluation {

@@ -28,7 +28,7 @@ struct TrainingJob {
   std::optional<Inheritance> inheritance = {};
   // Of more robots that are to have the same controller, in the same task.
   std::vector<const Arena*> others = {};
-  std::vector<Demonstration> demonstrations = {};
+  std::vector<Demonstration> demonstrations = {};  // of this robot
 
   std::vector<const Arena*> arenas() const;  // of all robots
   // Evaluations meet the same episodes for every robot.

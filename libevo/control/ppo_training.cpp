@@ -129,6 +129,8 @@ void PpoTraining::add_moments(const Arena& arena, const Demonstration& demonstra
   if (replay.actions.size() != rewards.size() * actuators)
     throw error(Failure::data, "{}: has {} actions in {} steps; this robot has {} actuators", name,
                 replay.actions.size(), rewards.size(), actuators);
+  if (!ppo::all_finite(replay.actions))
+    throw error(Failure::data, "{}: an action is not a finite number", name);
   VecEnv env(arena, 1);
   env.reset(0, start);
   double sum = 0.0;

@@ -38,5 +38,5 @@ load helpers
   # Both sides of the symmetric ones are the same.
   jq -e 'select(.parents) | all(.body[]; . == (explode | reverse | implode))' \
     runs/examples/symmetric/history.jsonl > same
-  ! grep -v true same
+  run ! grep -v true same
 }

@@ -640,6 +640,9 @@ TEST_CASE("episodes begin at moments of demonstrations") {
     CHECK_THROWS_WITH(trainer(wrong), Catch::StartsWith("shown: step 0 earned"));
     wrong[0].actions.actions.pop_back();
     CHECK_THROWS_WITH(trainer(wrong), Catch::Contains("this robot has"));
+    wrong = shown;
+    wrong[1].actions.actions[3] = NAN;
+    CHECK_THROWS_WITH(trainer(wrong), Catch::Contains("not a finite number"));
   }
   SECTION("where no episode would begin there, that is said") {
     settings.moment_share = 0.0;

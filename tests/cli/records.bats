@@ -99,6 +99,7 @@ evolve() {
   jq -e '.fitness == 100 and (.command | endswith("FOUNDERS=records/Walker-v0-episode/founders.jsonl"))' $episode
   jq -e '.fitness < 100' $record
   grep -q '^### Single episodes' records/README.md
+  grep -q '^| \[Walker-v0\](#walker-v0-episode) | gait, body given | 100 (-100) | ' records/README.md # reaches the paper, which the record does not
   # What beats neither is refused; what beats the episode alone takes that place.
   claim '.shifted.mean = 100 | .fitness = -100' $record
   fails_with 73 "nothing was changed" -- "$EVO_SOURCE/scripts/add-record" one

@@ -16,7 +16,8 @@ install(FILES python/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/python COMPON
 install(FILES web/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/web COMPONENT tools)
 install(FILES api/evo/evo.h api/evo/evo.hpp DESTINATION ${CMAKE_INSTALL_DOCDIR}/api/evo COMPONENT tools)
 install(DIRECTORY tasks DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
-        FILES_MATCHING PATTERN "physics/*" PATTERN "training/*" PATTERN "examples/*" PATTERN "neat.yaml")
+        FILES_MATCHING PATTERN "physics/*" PATTERN "training/*" PATTERN "examples/*" PATTERN "easier/*"
+        PATTERN "neat.yaml")
 
 # Completion is loaded by the name of a tool (bash), or of the function (zsh).
 foreach(tool evo ${EVO_TOOLS})

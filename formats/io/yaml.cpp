@@ -150,11 +150,17 @@ YamlMapping::YamlMapping(YamlNode node, std::string what, std::vector<std::strin
     const std::string key = entry.key.string();
     if (known.count(key) == 0)
       throw entry.key.error(what_ + ": " + unknown_name("key", key, allowed));
+    entries_.push_back(entry);
   }
 }
 
+void YamlMapping::complete_from(const YamlMapping& base) {
+  for (const YamlNode::Entry& entry : base.entries_)
+    if (!has(entry.key.string())) entries_.push_back(entry);
+}
+
 std::optional<YamlNode> YamlMapping::find(std::string_view key) const {
-  for (const YamlNode::Entry& entry : node_.entries())
+  for (const YamlNode::Entry& entry : entries_)
     if (entry.key.string() == key) return entry.value;
   return std::nullopt;
 }

@@ -86,9 +86,13 @@ class YamlMapping {
   std::optional<YamlNode> find(std::string_view key) const;
   YamlNode at(std::string_view key) const;  // throws when it is missing
 
+  // Gives keys that are missing here the values that they have in `base`.
+  void complete_from(const YamlMapping& base);
+
  private:
   YamlNode node_;
   std::string what_;
+  std::vector<YamlNode::Entry> entries_;
 };
 
 // "unknown <what> '<name>' (did you mean 'x'?); allowed: x, y, z"

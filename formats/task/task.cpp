@@ -17,6 +17,10 @@ namespace {
 constexpr int most_steps = 10'000'000;
 constexpr int largest_draw = 100'000;       // voxels
 constexpr int longest_goal_path = 100'000;  // voxels
+constexpr int longest_chain = 16;           // of tasks that start from one another
+
+// load_task, for a task that `depth` others start from, one from the other.
+TaskSpec load(const std::string& name_or_file, const DataFolders& folders, int depth);
 
 Rule read_rule(const YamlNode& node, const Scope& scope) {
   const YamlMapping mapping(node, "rule", {"when", "reward", "terminate"});
@@ -58,16 +62,23 @@ DrawnGoals read_goals(const YamlNode& node) {
 
 // ---- the task -----------------------------------------------------------------------------
 
-// A profile by name or file, or constants given in the task itself.
-Physics read_physics(const YamlNode& node, const fs::path& folder, const DataFolders& folders) {
-  if (node.is_mapping()) return physics_from_yaml(node, folder, folders);
+// What `load` makes of the profile or task that a node names; a file is looked for in `folder`.
+template <typename Load>
+auto load_named(const YamlNode& node, const fs::path& folder, Load load) {
   const std::string name = node.string();
   try {
-    return load_physics(is_file_name(name) ? (folder / name).string() : name, folders);
+    return load(is_file_name(name) ? (folder / name).string() : name);
   } catch (const Error& failure) {
     if (failure.kind() == Failure::data) throw;
     throw node.error(failure.what());
   }
+}
+
+// A profile by name or file, or constants given in the task itself.
+Physics read_physics(const YamlNode& node, const fs::path& folder, const DataFolders& folders) {
+  if (node.is_mapping()) return physics_from_yaml(node, folder, folders);
+  return load_named(node, folder,
+                    [&](const std::string& name) { return load_physics(name, folders); });
 }
 
 std::vector<std::string> read_words(const YamlNode& node) {
@@ -85,9 +96,9 @@ std::string read_task_name(const YamlNode& node) {
 
 YamlMapping task_mapping(std::string_view text, const std::string& where) {
   YamlMapping mapping(YamlNode::parse(text, where), "task",
-                      {"format", "version", "name", "aliases", "difficulty", "description", "notes",
-                       "steps", "robot", "world", "draws", "goals", "observation", "reward",
-                       "folding_reward", "rules", "follow", "physics"});
+                      {"format", "version", "name", "aliases", "base", "difficulty", "description",
+                       "notes", "steps", "robot", "world", "draws", "goals", "observation",
+                       "reward", "folding_reward", "rules", "follow", "physics"});
   check_format(mapping.node(), format::task);
   return mapping;
 }
@@ -99,22 +110,31 @@ bool names_file(const YamlNode& world) {
                      [](const YamlNode::Entry& entry) { return entry.key.string() == "file"; });
 }
 
-// The text needs no other file: no world file, no profile but the built-in one.
+// The task that another starts from, `depth` others that one.
+YamlMapping read_base(const YamlNode& node, const fs::path& folder, const DataFolders& folders,
+                      int depth) {
+  if (depth >= longest_chain) throw node.error("tasks start from one another in a circle");
+  return load_named(node, folder, [&](const std::string& name) {
+    return task_mapping(load(name, folders, depth + 1).source, name);
+  });
+}
+
+// The text needs no other file: no base, no world file, no profile but the built-in one.
 bool is_complete(const YamlMapping& mapping, const TaskSpec& task) {
-  if (names_file(mapping.at("world"))) return false;
+  if (mapping.has("base") || names_file(mapping.at("world"))) return false;
   const auto physics = mapping.find("physics");
   const bool built_in = !physics || (physics->is_scalar() && physics->string() == "evogym");
   return built_in && task.physics == Physics{};
 }
 
-}  // namespace
-
-TaskSpec parse_task(std::string_view text, const std::string& where, const fs::path& folder,
-                    const DataFolders& folders) {
-  const YamlMapping mapping = task_mapping(text, where);
+TaskSpec read_task(std::string_view text, const std::string& where, const fs::path& folder,
+                   const DataFolders& folders, int depth) {
+  YamlMapping mapping = task_mapping(text, where);
   TaskSpec task;
   task.name = read_task_name(mapping.at("name"));
   if (const auto aliases = mapping.find("aliases")) task.aliases = read_words(*aliases);
+  if (const auto base = mapping.find("base"))
+    mapping.complete_from(read_base(*base, folder, folders, depth));
   if (const auto difficulty = mapping.find("difficulty"))
     task.difficulty = difficulty->choice("difficulty", {"easy", "medium", "hard"});
   if (const auto description = mapping.find("description"))
@@ -159,10 +179,9 @@ TaskSpec parse_task(std::string_view text, const std::string& where, const fs::p
 
 // ---- finding -----------------------------------------------------------------------------------
 
-namespace {
-
-TaskSpec load_task_file(const fs::path& path, const DataFolders& folders) {
-  return parse_task(read_file(path, largest_document), path.string(), path.parent_path(), folders);
+TaskSpec load_file(const fs::path& path, const DataFolders& folders, int depth) {
+  return read_task(read_file(path, largest_document), path.string(), path.parent_path(), folders,
+                   depth);
 }
 
 // The head of a task file; nothing for other YAML that lives in the folder.
@@ -206,19 +225,17 @@ std::string hint(const std::string& word, const std::vector<std::string>& names)
   return meant.empty() ? "" : " (did you mean '" + meant + "'?)";
 }
 
-}  // namespace
-
-TaskSpec load_task(const std::string& name_or_file, const DataFolders& folders) {
+TaskSpec load(const std::string& name_or_file, const DataFolders& folders, int depth) {
   if (is_file_name(name_or_file)) {
     std::error_code ignored;
     const std::string stem = fs::path(name_or_file).stem().string();
     if (!fs::exists(name_or_file, ignored) && find_data_file(folders, "", stem))
       throw error(Failure::no_input, "{}: no such file; the task of that name is given as '{}'",
                   name_or_file, stem);
-    return load_task_file(name_or_file, folders);
+    return load_file(name_or_file, folders, depth);
   }
   const auto path = find_data_file(folders, "", name_or_file);
-  if (path && read_head(name_or_file, *path)) return load_task_file(*path, folders);
+  if (path && read_head(name_or_file, *path)) return load_file(*path, folders, depth);
 
   std::vector<std::string> names;
   std::string unreadable;  // the first file that may be what is looked for
@@ -231,7 +248,7 @@ TaskSpec load_task(const std::string& name_or_file, const DataFolders& folders) 
     }
     if (!file) continue;
     if (std::find(file->aliases.begin(), file->aliases.end(), name_or_file) != file->aliases.end())
-      return load_task_file(file->path, folders);
+      return load_file(file->path, folders, depth);
     names.push_back(file->name);
   }
   if (name_or_file.find(".py:") != std::string::npos)
@@ -243,6 +260,17 @@ TaskSpec load_task(const std::string& name_or_file, const DataFolders& folders) 
               "unknown task '{}'{}; `evo-inspect tasks` lists them, a task of your own is given "
               "as a file (NAME.yaml){}",
               name_or_file, hint(name_or_file, names), unreadable);
+}
+
+}  // namespace
+
+TaskSpec parse_task(std::string_view text, const std::string& where, const fs::path& folder,
+                    const DataFolders& folders) {
+  return read_task(text, where, folder, folders, 0);
+}
+
+TaskSpec load_task(const std::string& name_or_file, const DataFolders& folders) {
+  return load(name_or_file, folders, 0);
 }
 
 std::vector<std::string> task_names(const DataFolders& folders) {

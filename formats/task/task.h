@@ -18,8 +18,8 @@ namespace evo {
 // file. Throws Error(usage) for an unknown name, Error(no_input), Error(data).
 TaskSpec load_task(const std::string& name_or_file, const DataFolders& folders);
 
-// A task from text; `where` begins every message. World and physics files that
-// it names are looked for in `folder`, profiles by name in `folders`.
+// A task from text; `where` begins every message. Files that it names (its base, its world,
+// its physics) are looked for in `folder`, tasks and profiles by name in `folders`.
 TaskSpec parse_task(std::string_view text, const std::string& where,
                     const std::filesystem::path& folder = {}, const DataFolders& folders = {});
 

@@ -60,7 +60,9 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
 
 @test "the data that the tools come with fits the schemas" {
   local file
-  for file in "$EVO_SOURCE"/tasks/*-v?.yaml "$EVO_SOURCE"/tasks/examples/*.yaml; do schema task < "$file"; done
+  for file in "$EVO_SOURCE"/tasks/*-v?.yaml "$EVO_SOURCE"/tasks/examples/*.yaml "$EVO_SOURCE"/tasks/easier/*.yaml; do
+    schema task < "$file"
+  done
   for file in "$EVO_SOURCE"/tasks/physics/*.yaml; do schema physics < "$file"; done
   for file in "$EVO_SOURCE"/tasks/training/*.yaml; do schema training < "$file"; done
   schema neat < "$EVO_SOURCE/tasks/neat.yaml"

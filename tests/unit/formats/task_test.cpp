@@ -56,6 +56,59 @@ std::string spoilt(const std::string& piece, const std::string& by) {
 
 }  // namespace
 
+// ---- a task that starts from another ------------------------------------------------
+
+TEST_CASE("what a task does not say is as in its base") {
+  const std::string easier = R"(name: level
+base: PlatformJumper-v0
+world:
+  objects:
+    platform_1: {at: [0, 5], size: [60, 1], fill: "#"}
+)";
+  const TaskSpec task = parse_task(easier, "t.yaml", "", data);
+  const TaskSpec base = load_task("PlatformJumper-v0", data);
+  CHECK(task.name == "level");
+  CHECK(task.aliases.empty());
+  CHECK(task.episode_steps == base.episode_steps);
+  CHECK(task.robot_y == base.robot_y);
+  CHECK(task.observation.size() == base.observation.size());
+  CHECK(task.rules.size() == base.rules.size());
+  CHECK(task.description == base.description);
+  REQUIRE(task.objects.size() == 1);
+  CHECK(task.objects[0].object.body.cols == 60);
+
+  // The source is whole: it is read without any other file.
+  const TaskSpec again = parse_task(task.source, "s.yaml");
+  CHECK(again.source == task.source);
+  CHECK(again.rules.size() == base.rules.size());
+
+  CHECK(parse_task(easier + "steps: 7\n", "t.yaml", "", data).episode_steps == 7);
+  CHECK(parse_task(easier + "physics: fast\n", "t.yaml", "", data).physics ==
+        load_physics("fast", data));
+}
+
+TEST_CASE("a base is a task by name or by file, and no circle") {
+  CHECK(message("name: x\nbase: PlatformJumpr-v0\n") ==
+        "t.yaml:2:7: unknown task 'PlatformJumpr-v0' (did you mean 'PlatformJumper-v0'?); "
+        "`evo-inspect tasks` lists them, a task of your own is given as a file (NAME.yaml)");
+  CHECK_THAT(message("name: x\nbase: nowhere.yaml\n"), Catch::StartsWith("t.yaml:2:7: "));
+  CHECK_THAT(message("base: Walker-v0\n"), Catch::Contains("key 'name' is missing"));
+  // What the base says of an object that the new world has not.
+  CHECK_THAT(message("name: x\nbase: Carrier-v0\nworld: {objects: {ground: {at: [0, 0], size: [9, "
+                     "1], fill: \"#\"}}}\n"),
+             Catch::StartsWith("Carrier-v0:") && Catch::Contains("package"));
+
+  const fs::path folder = fs::temp_directory_path() / "evo-task-bases";
+  fs::create_directories(folder);
+  std::ofstream(folder / "a.yaml") << "name: a\nbase: Walker-v0\nsteps: 3\n";
+  std::ofstream(folder / "b.yaml") << "name: b\nbase: a.yaml\n";
+  std::ofstream(folder / "round.yaml") << "name: round\nbase: round.yaml\n";
+  CHECK(load_task((folder / "b.yaml").string(), data).episode_steps == 3);
+  CHECK_THROWS_WITH(load_task((folder / "round.yaml").string(), data),
+                    Catch::Contains("start from one another in a circle"));
+  fs::remove_all(folder);
+}
+
 // ---- the 32 tasks ------------------------------------------------------------------
 
 namespace {
@@ -598,6 +651,7 @@ TEST_CASE("the pages in docs show the tasks as they are") {
   std::vector<TaskSpec> tasks;
   for (const std::string& name : task_names(data)) tasks.push_back(load_task(name, data));
   CHECK_THAT(page("docs/tasks.md"), Catch::Contains(task_table(tasks, TableStyle::markdown)));
-  for (const char* example : {"tasks/examples/ramp.yaml", "tasks/examples/kick.yaml"})
+  for (const char* example : {"tasks/examples/ramp.yaml", "tasks/examples/kick.yaml",
+                              "tasks/easier/ObstacleTraverser-v1-2.yaml"})
     CHECK_THAT(page("docs/make-a-task.md"), Catch::Contains(page(example)));
 }

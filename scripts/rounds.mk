@@ -9,7 +9,7 @@
 # strict by the end of a run. Robots are compared within a round only. The report is that of the
 # last round.
 #
-# RECIPE names settings for two or three rounds, as measured in benchmarks/learning/recipes.md:
+# RECIPE names settings of the rounds, as measured in benchmarks/learning/recipes.md:
 #
 #   network   36 robots of 65 536 steps (the first twelve 131 072), then the eight best with
 #             524 288 and 16 of their children with 262 144: 11 million steps, for walking, pushing and carrying
@@ -18,6 +18,10 @@
 #             observes, and keeps its return from perturbed starts
 #   long      moments, then four million steps more of its better network, in larger batches;
 #             what moments has made goes on so, too
+#   easier    16 sequences as in moments, then networks of the best three bodies on worlds that are
+#             easier (EASIER [those in tasks/easier], 500 000 steps each), and of the best two on
+#             the task itself, two million steps each: where networks stand in front of what they
+#             have to get over, and there are easier worlds
 #   sequence  sequences of actions, 100 robots of 131 072 steps, then 90: 25 million, for
 #             leaps, stairs and gaps
 #   shape     3100 robots of 8 192 steps: 25 million, where a posture decides
@@ -45,16 +49,27 @@ moments_2 := POP=2 EVALS=2 STEPS=1400000 TRAIN=moments INHERIT=all
 long_1 := $(moments_1)
 long_2 := $(moments_2)
 long_3 := POP=1 EVALS=1 STEPS=4000000 TRAIN=long INHERIT=all
+daring := TRAIN=long TRAIN_OPTIONS='--train-set failure_weight=0.2'
 sequence_1 := POP=24 EVALS=100 SAMPLE_OPTIONS='--weights 0.2,0.02,0.03,0.25,0.5' $(actions)
 sequence_2 := POP=16 EVALS=90 $(actions)
 shape_1 := POP=50 EVALS=2000 $(postures)
 shape_2 := POP=25 EVALS=1100 $(postures)
 
 numbers := 1 2 3 4 5 6 7 8 9
+after = $(words x $(wordlist 1,$(1),$(numbers)))
+ifeq ($(RECIPE),easier)
+EASIER ?= $(sort $(basename $(notdir $(wildcard $(SCRIPTS)../tasks/easier/$(TASK)-[1-9].yaml))))
+$(if $(EASIER),,$(error there is no easier world for $(TASK) in tasks/easier; give EASIER, tasks by name or file))
+easier_1 := $(moments_1)
+easier_2 := TASK=$(firstword $(EASIER)) POP=3 EVALS=3 STEPS=500000 $(daring)
+$(foreach n,$(filter-out 1,$(wordlist 1,$(words $(EASIER)),$(numbers))),$(eval easier_$(call after,$n) := \
+  TASK=$(word $n,$(EASIER)) POP=3 EVALS=3 STEPS=500000 INHERIT=all $(daring)))
+easier_$(call after,$(call after,$(words $(EASIER)))) := POP=2 EVALS=2 STEPS=2000000 INHERIT=all $(daring)
+endif
 own := $(strip $(foreach n,$(numbers),$(if $(ROUND_$n),$n)))
 ifeq ($(own),)
 own := $(strip $(foreach n,$(numbers),$(if $($(RECIPE)_$n),$n)))
-$(if $(own),,$(error there is no RECIPE '$(RECIPE)'; choose network, moments, long, sequence or shape, or give ROUND_1, ROUND_2, ..))
+$(if $(own),,$(error there is no RECIPE '$(RECIPE)'; choose network, moments, long, easier, sequence or shape, or give ROUND_1, ROUND_2, ..))
 $(foreach n,$(own),$(eval ROUND_$n = $$($(RECIPE)_$n)))
 endif
 rounds := $(wordlist 1,$(words $(own)),$(numbers))
@@ -65,12 +80,16 @@ decided := $(foreach setting,POP EVALS STEPS FOUNDER_STEPS TRAIN INHERIT SAMPLE_
   $(if $(and $(filter command,$(origin $(setting))),$(filter $(setting)=%,$(foreach n,$(rounds),$(ROUND_$n)))),$(setting)))
 $(if $(strip $(decided)),$(error $(firstword $(decided)) is decided round by round; give it in ROUND_1, ROUND_2, ..))
 
-.PHONY: all $(rounds:%=round-%)
+.PHONY: all rounds $(rounds:%=round-%)
 all: round-$(last)
+
+# What the rounds are called, for those who read their folders.
+rounds:
+	@echo '$(rounds)'
 
 # One after the other: round n wants round n - 1.
 before_1 :=
-$(foreach n,$(filter-out 1,$(rounds)),$(eval before_$n := $(words $(wordlist 2,$n,$(rounds)))))
+$(foreach n,$(rounds),$(eval before_$(call after,$n) := $n))
 $(foreach n,$(filter-out 1,$(rounds)),$(eval round-$n: round-$(before_$n)))
 
 $(rounds:%=round-%): round-%:

@@ -22,8 +22,6 @@ RUN    ?= $(error give RUN=folder, such as RUN=runs/seeds)
 RECIPE ?= moments
 TASKS  ?= Walker-v0 Pusher-v0 Carrier-v0 UpStepper-v0 DownStepper-v0 ObstacleTraverser-v0 Climber-v0 Jumper-v0
 SEEDS  ?= 1 2 3 4 5
-# How many rounds a recipe has: what RECIPE=long adds to a run is not counted for RECIPE=moments.
-ROUNDS := $(if $(filter long,$(RECIPE)),1 2 3,1 2)
 # Runs get what stands in their command, and nothing that was given to this make.
 MAKEOVERRIDES :=
 
@@ -38,13 +36,14 @@ seed_of = $(lastword $(subst -, ,$(1)))
 
 $(RUN)/%/$(RECIPE).tsv:
 	+@$(MAKE) -s -f '$(SCRIPTS)rounds.mk' RUN='$(@D)' TASK='$(call task_of,$*)' SEED='$(call seed_of,$*)' RECIPE='$(RECIPE)' VIDEO=apng
-	@last='$(@D)/$(lastword $(ROUNDS))'; best=$$last/best.json; \
+	@rounds=$$($(MAKE) -s -f '$(SCRIPTS)rounds.mk' RUN='$(@D)' TASK='$(call task_of,$*)' RECIPE='$(RECIPE)' rounds); \
+	cd '$(@D)'; last=$${rounds##* }; best=$$last/best.json; \
 	official=$$(evo-eval -q --seed $(call seed_of,$*) --policy "$$last/best.policy.h5" "$$best" | jq .fitness); \
 	perturbed=$$(evo-eval -q --seed 990017 --episodes 64 --jitter 1e-4 --policy "$$last/best.policy.h5" "$$best" | jq .fitness); \
-	steps=$$(jq -s 'map(.steps) | add' $(ROUNDS:%='$(@D)/%/history.jsonl')); \
-	seconds=$$(cat $(ROUNDS:%='$(@D)'/%/timings/*.jsonl) | jq -s 'map(.seconds) | add | round'); \
+	steps=$$(for round in $$rounds; do cat "$$round/history.jsonl"; done | jq -s 'map(.steps) | add'); \
+	seconds=$$(for round in $$rounds; do cat "$$round"/timings/*.jsonl; done | jq -s 'map(.seconds) | add | round'); \
 	printf '%s\t%s\t%s\t%.3f\t%.3f\t%s\t%s\n' '$(call task_of,$*)' '$(call seed_of,$*)' '$(RECIPE)' "$$official" "$$perturbed" \
-	  "$$steps" "$$seconds" > '$@.tmp' && mv '$@.tmp' '$@'
+	  "$$steps" "$$seconds" > '$(@F).tmp' && mv '$(@F).tmp' '$(@F)'
 
 $(RUN)/seeds.tsv: $(ROWS)
 	@{ printf 'task\tseed\trecipe\tofficial\tperturbed\tsteps\tseconds\n'; cat $^; } > '$@.tmp' && mv '$@.tmp' '$@'

@@ -9,7 +9,8 @@
 
 namespace evo {
 
-// Each holds tasks as NAME.yaml and physics profiles as physics/NAME.yaml.
+// Each holds tasks as NAME.yaml, easier worlds for them as easier/NAME.yaml, physics profiles as
+// physics/NAME.yaml.
 using DataFolders = std::vector<std::filesystem::path>;
 
 // The folder that holds tasks/ and scripts/: $EVO_DATA; else the first of

@@ -216,6 +216,12 @@ std::string task_meant(const std::string& word, const std::vector<std::string>& 
   return found == stems.end() ? "" : names[static_cast<std::size_t>(found - stems.begin())];
 }
 
+// The file of this name: a benchmark task's, or that of an easier world for one.
+std::optional<fs::path> find_task(const DataFolders& folders, const std::string& name) {
+  auto path = find_data_file(folders, "", name);
+  return path ? path : find_data_file(folders, "easier", name);
+}
+
 // What may have been meant by a name that no task has.
 std::string hint(const std::string& word, const std::vector<std::string>& names) {
   std::error_code ignored;
@@ -229,12 +235,12 @@ TaskSpec load(const std::string& name_or_file, const DataFolders& folders, int d
   if (is_file_name(name_or_file)) {
     std::error_code ignored;
     const std::string stem = fs::path(name_or_file).stem().string();
-    if (!fs::exists(name_or_file, ignored) && find_data_file(folders, "", stem))
+    if (!fs::exists(name_or_file, ignored) && find_task(folders, stem))
       throw error(Failure::no_input, "{}: no such file; the task of that name is given as '{}'",
                   name_or_file, stem);
     return load_file(name_or_file, folders, depth);
   }
-  const auto path = find_data_file(folders, "", name_or_file);
+  const auto path = find_task(folders, name_or_file);
   if (path && read_head(name_or_file, *path)) return load_file(*path, folders, depth);
 
   std::vector<std::string> names;

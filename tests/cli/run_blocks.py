@@ -23,7 +23,7 @@ SMALLER = [  # what costs hours of a core
     (r'by-sequence\)" --steps \d+', 'by-sequence)" --steps 49152'),
     (r"sequence --steps \d+", "sequence --steps 16384"), (r"moments --steps \d+", "moments --steps 8192"),
     (r'(?<!sequence )(?<!sequence\)" )(?<!moments )--steps \d+', "--steps 2048"),
-    (r"EVALS=\d+", "EVALS=4"), (r"POP=\d+", "POP=3"),
+    (r"EVALS=(?!1\b)\d+", "EVALS=4"), (r"POP=(?!1\b)\d+", "POP=3"),
     (r'SEEDS="[^"]*"', 'SEEDS="1 2"'), (r"-j8", "-j2"),
     (r"(make [^|\n]*) RUN=", r"\1 VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' RUN="),
     (r"--episodes \d+", "--episodes 2"), (r"-o walk\.mp4", "-o walk.gif --size 160x90"),

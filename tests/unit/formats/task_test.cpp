@@ -87,6 +87,31 @@ world:
         load_physics("fast", data));
 }
 
+TEST_CASE("an easier world has a name, and is none of the tasks that are listed") {
+  const TaskSpec easier = load_task("PlatformJumper-v0-1", data);
+  CHECK(easier.name == "PlatformJumper-v0-1");
+  CHECK(easier.robot_y == load_task("PlatformJumper-v0", data).robot_y);
+  const auto names = task_names(data);
+  CHECK(std::find(names.begin(), names.end(), "PlatformJumper-v0-1") == names.end());
+}
+
+TEST_CASE("every easier world observes what its task does") {
+  int worlds = 0;
+  for (const auto& entry : fs::directory_iterator(task_folder / "easier")) {
+    const std::string name = entry.path().stem().string();
+    INFO(name);
+    const TaskSpec easier = load_task(name, data);
+    CHECK(easier.name == name);
+    const TaskSpec task = load_task(name.substr(0, name.rfind('-')), data);
+    CHECK(easier.robot_x == task.robot_x);
+    CHECK(easier.robot_y == task.robot_y);
+    CHECK(Arena(easier, body_c).observation_length() ==
+          Arena(task, body_c).observation_length());
+    ++worlds;
+  }
+  CHECK(worlds > 0);
+}
+
 TEST_CASE("a base is a task by name or by file, and no circle") {
   CHECK(message("name: x\nbase: PlatformJumpr-v0\n") ==
         "t.yaml:2:7: unknown task 'PlatformJumpr-v0' (did you mean 'PlatformJumper-v0'?); "

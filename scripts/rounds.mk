@@ -18,10 +18,9 @@
 #             observes, and keeps its return from perturbed starts
 #   long      moments, then four million steps more of its better network, in larger batches;
 #             what moments has made goes on so, too
-#   easier    16 sequences as in moments, then networks of the best three bodies on worlds that are
-#             easier (EASIER [those in tasks/easier], 500 000 steps each), and of the best two on
-#             the task itself, two million steps each: where networks stand in front of what they
-#             have to get over, and there are easier worlds
+#   easier    a network for the best body of FOUNDERS, 700 000 steps on each of some worlds that
+#             are easier (EASIER [those in tasks/easier]), then two million on the task itself:
+#             where networks stand in front of what they have to get over
 #   sequence  sequences of actions, 100 robots of 131 072 steps, then 90: 25 million, for
 #             leaps, stairs and gaps
 #   shape     3100 robots of 8 192 steps: 25 million, where a posture decides
@@ -60,11 +59,10 @@ after = $(words x $(wordlist 1,$(1),$(numbers)))
 ifeq ($(RECIPE),easier)
 EASIER ?= $(sort $(basename $(notdir $(wildcard $(SCRIPTS)../tasks/easier/$(TASK)-[1-9].yaml))))
 $(if $(EASIER),,$(error there is no easier world for $(TASK) in tasks/easier; give EASIER, tasks by name or file))
-easier_1 := $(moments_1)
-easier_2 := TASK=$(firstword $(EASIER)) POP=3 EVALS=3 STEPS=500000 $(daring)
-$(foreach n,$(filter-out 1,$(wordlist 1,$(words $(EASIER)),$(numbers))),$(eval easier_$(call after,$n) := \
-  TASK=$(word $n,$(EASIER)) POP=3 EVALS=3 STEPS=500000 INHERIT=all $(daring)))
-easier_$(call after,$(call after,$(words $(EASIER)))) := POP=2 EVALS=2 STEPS=2000000 INHERIT=all $(daring)
+$(if $(FOUNDERS),,$(error RECIPE=easier is for bodies that are there: give FOUNDERS, a run, a record or a file))
+$(foreach n,$(wordlist 1,$(words $(EASIER)),$(numbers)),$(eval easier_$n := \
+  TASK=$(word $n,$(EASIER)) POP=1 EVALS=1 STEPS=700000 $(daring) $(if $(filter-out 1,$n),INHERIT=all)))
+easier_$(call after,$(words $(EASIER))) := POP=1 EVALS=1 STEPS=2000000 INHERIT=all $(daring)
 endif
 own := $(strip $(foreach n,$(numbers),$(if $(ROUND_$n),$n)))
 ifeq ($(own),)

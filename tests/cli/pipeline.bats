@@ -200,11 +200,14 @@ kill_and_repeat() {
   }
   refused "there is no RECIPE 'nets'; choose network, moments, long, easier, sequence or shape" RECIPE=nets
   refused "there is no easier world for Walker-v0 in tasks/easier; give EASIER" TASK=Walker-v0 RECIPE=easier
+  refused "RECIPE=easier is for bodies that are there: give FOUNDERS" TASK=PlatformJumper-v0 RECIPE=easier
   refused "ROUND_1 is missing" ROUND_2=POP=3
   refused "EVALS is decided round by round" EVALS=7
   refused "STEPS is decided round by round" STEPS=7 ROUND_1=STEPS=4000
-  planned() { make -s -f "$EVO_SOURCE/scripts/rounds.mk" RUN=run TASK=PlatformJumper-v0 RECIPE="$1" "${@:2}"; }
-  for recipe in network:2 moments:2 long:3 easier:5 sequence:2 shape:2; do
+  planned() {
+    make -s -f "$EVO_SOURCE/scripts/rounds.mk" RUN=run TASK=PlatformJumper-v0 RECIPE="$1" FOUNDERS=bodies "${@:2}"
+  }
+  for recipe in network:2 moments:2 long:3 easier:4 sequence:2 shape:2; do
     planned ${recipe%:*} -n > plan
     for ((round = 1; round <= ${recipe#*:}; round++)); do grep -q "evo-run init 'run/$round' method=ga" plan; done
     [ "$(grep -c "evo-run init" plan)" -eq ${recipe#*:} ]
@@ -218,10 +221,9 @@ kill_and_repeat() {
   jq -es 'all(.task == "PlatformJumper-v0-1")' run/1/history.jsonl
   jq -e '.task == "PlatformJumper-v0"' run/2/best.json
   [ "$(jq -r .id run/2/best.json)" = "$(evo-select --keep 1 run/1/history.jsonl | jq -r .id)" ]
-  # The plan of a recipe: bodies by sequences on the task, its easier worlds in order, the task.
-  make -s -n -f "$EVO_SOURCE/scripts/rounds.mk" RUN=plan TASK=Walker-v0 RECIPE=easier EASIER="ramp.yaml BridgeWalker-v0" |
-    sed -n "s/.*evo-run init 'plan.*task='\([^']*\)'.*/\1/p" > tasks
-  diff tasks - <<< "$(printf '%s\n' Walker-v0 ramp.yaml BridgeWalker-v0 Walker-v0)"
+  make -s -n -f "$EVO_SOURCE/scripts/rounds.mk" RUN=plan TASK=Walker-v0 RECIPE=easier EASIER="ramp.yaml BridgeWalker-v0" \
+    FOUNDERS=run/1/best.json | sed -n "s/.*evo-run init 'plan.*task='\([^']*\)'.*/\1/p" > tasks
+  diff tasks - <<< "$(printf '%s\n' ramp.yaml BridgeWalker-v0 Walker-v0)"
 }
 
 @test "neat and bo: exactly as asked, no body twice, twice the same bytes" {

@@ -27,6 +27,7 @@ SMALLER = [  # what costs hours of a core
     (r'SEEDS="[^"]*"', 'SEEDS="1 2"'), (r"-j8", "-j2"),
     (r"(make [^|\n]*) RUN=", r"\1 VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' RUN="),
     (r"--episodes \d+", "--episodes 2"), (r"-o walk\.mp4", "-o walk.gif --size 160x90"),
+    (r"RECIPE=easier", "ROUND_1='TASK=PlatformJumper-v0-1 POP=1 EVALS=1 STEPS=2048' ROUND_2='POP=1 EVALS=1 STEPS=2048'"),
     (r"RECIPE=\w+", "ROUND_1='POP=3 EVALS=4 STEPS=2048' ROUND_2='POP=3 EVALS=4 STEPS=2048'"),
     (r"num_envs=16", "num_envs=4"),
     # of a cluster

@@ -105,8 +105,7 @@ TEST_CASE("every easier world observes what its task does") {
     const TaskSpec task = load_task(name.substr(0, name.rfind('-')), data);
     CHECK(easier.robot_x == task.robot_x);
     CHECK(easier.robot_y == task.robot_y);
-    CHECK(Arena(easier, body_c).observation_length() ==
-          Arena(task, body_c).observation_length());
+    CHECK(Arena(easier, body_c).observation_length() == Arena(task, body_c).observation_length());
     ++worlds;
   }
   CHECK(worlds > 0);

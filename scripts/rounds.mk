@@ -48,7 +48,6 @@ moments_2 := POP=2 EVALS=2 STEPS=1400000 TRAIN=moments INHERIT=all
 long_1 := $(moments_1)
 long_2 := $(moments_2)
 long_3 := POP=1 EVALS=1 STEPS=4000000 TRAIN=long INHERIT=all
-daring := TRAIN=long TRAIN_OPTIONS='--train-set failure_weight=0.2'
 sequence_1 := POP=24 EVALS=100 SAMPLE_OPTIONS='--weights 0.2,0.02,0.03,0.25,0.5' $(actions)
 sequence_2 := POP=16 EVALS=90 $(actions)
 shape_1 := POP=50 EVALS=2000 $(postures)
@@ -59,7 +58,9 @@ after = $(words x $(wordlist 1,$(1),$(numbers)))
 ifeq ($(RECIPE),easier)
 EASIER ?= $(sort $(basename $(notdir $(wildcard $(SCRIPTS)../tasks/easier/$(TASK)-[1-9].yaml))))
 $(if $(EASIER),,$(error there is no easier world for $(TASK) in tasks/easier; give EASIER, tasks by name or file))
+$(if $(word 9,$(EASIER)),$(error EASIER is at most eight tasks; TASK itself is the last round))
 $(if $(FOUNDERS),,$(error RECIPE=easier is for bodies that are there: give FOUNDERS, a run, a record or a file))
+daring := TRAIN=long TRAIN_OPTIONS='--train-set failure_weight=0.2'
 $(foreach n,$(wordlist 1,$(words $(EASIER)),$(numbers)),$(eval easier_$n := \
   TASK=$(word $n,$(EASIER)) POP=1 EVALS=1 STEPS=700000 $(daring) $(if $(filter-out 1,$n),INHERIT=all)))
 easier_$(call after,$(words $(EASIER))) := POP=1 EVALS=1 STEPS=2000000 INHERIT=all $(daring)

@@ -2,9 +2,9 @@
 #
 #   make -f benchmarks/learning/ladder.mk RUN=runs/ladder SEEDS="1 2 3" -j2
 #
-# Each step has what the one before has, and its own: default; bad ends count a fifth (lineage);
+# Each has what the one before has, and its own: default; bad ends count a fifth (lineage);
 # batches of 32 x 128 steps; starts and judging perturbed; moments of the record's sequence. A
-# training per task, step and seed, RUN/TASK/STEP-SEED. Ends with ladder.tsv, a row per training:
+# training per task, ingredient and seed, RUN/TASK/INGREDIENT-SEED. Ends with ladder.tsv, a row per training:
 # what its network earns from the official start, and in the mean of 64 starts perturbed by 1e-3
 # voxels that nothing was chosen by. Killed and given again it goes on; more SEEDS add to it.
 
@@ -31,25 +31,24 @@ options_moments   := --train moments
 # The first three know nothing of the sequence.
 sequence = $(if $(filter perturbed moments,$(1)),--init '$(RECORDS)$(2)-sequence/policy.h5')
 
-ROWS := $(foreach seed,$(SEEDS),$(foreach step,$(LADDER),$(foreach task,$(TASKS),$(RUN)/$(task)/$(step)-$(seed)/row.tsv)))
+ROWS := $(foreach seed,$(SEEDS),$(foreach ingredient,$(LADDER),$(foreach task,$(TASKS),$(RUN)/$(task)/$(ingredient)-$(seed)/row.tsv)))
 
 .PHONY: all
 all: $(RUN)/ladder.tsv
 	@cat '$<'
 
 task_of = $(lastword $(subst /, ,$(dir $(1))))
-step_of = $(firstword $(subst -, ,$(notdir $(1))))
+ingredient_of = $(firstword $(subst -, ,$(notdir $(1))))
 seed_of = $(lastword $(subst -, ,$(1)))
 
 $(RUN)/%/row.tsv:
 	@mkdir -p '$(@D)'
-	@jq -c '{format: "evo/robot", version, id: .robot, body}' '$(RECORDS)$(call task_of,$*)-sequence/record.json' \
-	  | evo-train -q --task $(call task_of,$*) $(options_$(call step_of,$*)) $(call sequence,$(call step_of,$*),$(call task_of,$*)) \
-	      --steps 2000000 --seed $(call seed_of,$*) --out-dir '$(@D)' --resume > '$(@D)/trained.json'
+	@evo-train -q --task $(call task_of,$*) $(options_$(call ingredient_of,$*)) $(call sequence,$(call ingredient_of,$*),$(call task_of,$*)) \
+	  --steps 2000000 --seed $(call seed_of,$*) --out-dir '$(@D)' --resume '$(RECORDS)$(call task_of,$*)-sequence/policy.h5' > '$(@D)/trained.json'
 	@earns() { evo-eval -q "$$@" '$(@D)'/*.policy.h5 | jq .fitness; }; \
 	official=$$(earns); perturbed=$$(earns --seed 990017 --episodes 64 --jitter 1e-3); \
-	printf '%s\t%s\t%s\t%.3f\t%.3f\n' $(call task_of,$*) $(call step_of,$*) $(call seed_of,$*) "$$official" "$$perturbed" \
+	printf '%s\t%s\t%s\t%.3f\t%.3f\n' $(call task_of,$*) $(call ingredient_of,$*) $(call seed_of,$*) "$$official" "$$perturbed" \
 	  > '$@.tmp' && mv '$@.tmp' '$@'
 
 $(RUN)/ladder.tsv: $(ROWS)
-	@{ printf 'task\tstep\tseed\tofficial\tperturbed\n'; cat $^; } > '$@.tmp' && mv '$@.tmp' '$@'
+	@{ printf 'task\tingredient\tseed\tofficial\tperturbed\n'; cat $^; } > '$@.tmp' && mv '$@.tmp' '$@'

@@ -201,6 +201,7 @@ kill_and_repeat() {
   refused "there is no RECIPE 'nets'; choose network, moments, long, easier, sequence or shape" RECIPE=nets
   refused "there is no easier world for Walker-v0 in tasks/easier; give EASIER" TASK=Walker-v0 RECIPE=easier
   refused "RECIPE=easier is for bodies that are there: give FOUNDERS" TASK=PlatformJumper-v0 RECIPE=easier
+  refused "EASIER is at most eight tasks" RECIPE=easier EASIER="1 2 3 4 5 6 7 8 9" FOUNDERS=bodies
   refused "ROUND_1 is missing" ROUND_2=POP=3
   refused "EVALS is decided round by round" EVALS=7
   refused "STEPS is decided round by round" STEPS=7 ROUND_1=STEPS=4000

@@ -40,6 +40,18 @@ evolve() {
   diff $better/history.jsonl again/history.jsonl
 }
 
+@test "a robot of tools whose commit is in no history becomes no record" {
+  evolve run 1
+  mkdir elsewhere
+  cp -r "$EVO_SOURCE/scripts" elsewhere
+  git -C elsewhere init -q
+  elsewhere/scripts/add-record run # nothing is committed there, as in what is installed: nothing to ask
+  rm -r records/Walker-v0
+  git -C elsewhere -c user.name=a -c user.email=b commit -q --allow-empty -m another
+  fails_with 2 "which is not in the history" -- elsewhere/scripts/add-record run
+  [ ! -e records/Walker-v0 ]
+}
+
 @test "what a record does not earn, or another body, or an old page is found out" {
   evolve run 1
   "$EVO_SOURCE/scripts/add-record" run

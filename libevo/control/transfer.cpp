@@ -13,6 +13,7 @@ namespace {
 using Place = Anatomy::Place;
 
 constexpr int none = -1;
+constexpr double memory_of_another_body = 10000.0;  // observations
 
 std::vector<Place> lattice_points(const Body& robot) {
   const Model model(World{{Object{robot_name, robot, 0, 0}}}, Physics{});
@@ -184,7 +185,7 @@ ReplayController transferred(const ReplayController& old_sequence, const Anatomy
 }
 
 Policy transferred(const Policy& old_policy, const Anatomy& from, const Policy& fresh,
-                   const Anatomy& to, double memory) {
+                   const Anatomy& to) {
   if (!same_shape(old_policy.actor, fresh.actor, false) ||
       !same_shape(old_policy.critic, fresh.critic, true))
     throw Error(Failure::data, "the networks have other hidden layers than the settings ask for");
@@ -197,6 +198,7 @@ Policy transferred(const Policy& old_policy, const Anatomy& from, const Policy& 
       match_inputs(from, static_cast<std::size_t>(old_policy.observation_length()), to,
                    static_cast<std::size_t>(fresh.observation_length()), 2 * fresh.clock.size());
   Policy policy = fresh;
+  const double memory = from == to ? old_policy.normalizer.count : memory_of_another_body;
   policy.normalizer = carried(old_policy.normalizer, map, fresh.normalizer, memory);
   policy.critic = carried(old_policy.critic, map);
   policy.actor = carried(old_policy.actor, map);

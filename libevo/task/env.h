@@ -20,6 +20,7 @@ struct ObservationSlice {
   std::string name;
   int offset = 0;
   int length = 0;
+  bool operator==(const ObservationSlice&) const = default;
 };
 
 class Arena {

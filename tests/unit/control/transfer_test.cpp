@@ -43,7 +43,7 @@ TEST_CASE("points and actuators are known by their places on the lattice") {
   CHECK(a.points[7] == Anatomy::Place{2, 2});
 }
 
-TEST_CASE("carried over to the same body, a policy acts as it did, and adapts no faster than it did") {
+TEST_CASE("carried over to the same body, a policy acts as it did and keeps what it has seen") {
   const Arena arena(test::walker(10), test::small_body());
   const Policy old_policy = fresh_policy(arena, 1);
   const Policy fresh = fresh_policy(arena, 2);

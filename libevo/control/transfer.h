@@ -45,11 +45,12 @@ ReplayController transferred(const ReplayController& old_sequence, const Anatomy
                              const Anatomy& to);
 
 // The old policy on the new body. `fresh` is an untrained policy for it: it gives
-// what has no counterpart, and the deviation of actions. On another body, no more
+// what has no counterpart, and the deviation of actions. On another anatomy, no more
 // than 10 000 observations stand behind the moments, so that they adapt; on the same
-// one, as many as before, since networks fall when what they see is scaled otherwise
-// from one update to the next. Throws Error(data) where the two differ otherwise: in
-// hidden layers, inputs beside the observation, or the action map.
+// one (voxels may be of other materials), as many as before, since networks fall when
+// what they see is scaled otherwise from one update to the next. Throws Error(data)
+// where the two differ otherwise: in hidden layers, inputs beside the observation, or
+// the action map.
 Policy transferred(const Policy& old_policy, const Anatomy& from, const Policy& fresh,
                    const Anatomy& to);
 

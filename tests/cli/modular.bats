@@ -118,3 +118,26 @@ file['index'] = index"
   fails_with 66 "lost.policy.h5" -- "$screen" lost.policy.h5 2 -n 3 scored -o no
   [ ! -e no ] && [ ! -e no.screened ]
 }
+
+@test "modular: the benchmark takes returns of own trainings from an earlier table" {
+  measure=$EVO_SOURCE/benchmarks/modular/measure
+  summary=$EVO_SOURCE/benchmarks/modular/summary
+  export SEEN=2 UNSEEN=2 SAMPLE=1 SHARED=1024 OWN=1024 TUNED=1024 SHAPE=3x3
+  "$measure" one Walker-v0 1 2> /dev/null
+  mkdir two
+  cp one/bodies.jsonl two
+  OWN_FROM=one/bodies.tsv "$measure" two Walker-v0 2 2> /dev/null
+  [ ! -e two/own ]
+  cmp <(cut -f 1,2,5 one/bodies.tsv) <(cut -f 1,2,5 two/bodies.tsv)
+  run cmp -s one/bodies.tsv two/bodies.tsv
+  [ "$status" -eq 1 ]
+  # Two seeds are one row per group: the mean of what each has alone.
+  "$summary" A=one,two | grep -q '^| A | all | 2 |'
+  mean=$(tail -qn +2 one/bodies.tsv two/bodies.tsv | awk '$4 != "-" { sum += $3; n++ } END { printf "%.2f", sum / n }')
+  [ "$("$summary" A=one,two | awk '$4 == "all" { print $10 }')" = "$mean" ]
+  # A table of other bodies, and a folder that is not there.
+  run -1 --separate-stderr env SHAPE=4x4 OWN_FROM=one/bodies.tsv "$measure" three Walker-v0
+  [[ $stderr == "measure: none of the bodies in three is in "*/one/bodies.tsv ]]
+  run -1 --separate-stderr "$summary" A=four
+  [[ $stderr == "summary: four/bodies.tsv: No such file"* ]]
+}

@@ -132,9 +132,18 @@ file['index'] = index"
   run cmp -s one/bodies.tsv two/bodies.tsv
   [ "$status" -eq 1 ]
   # Two seeds are one row per group: the mean of what each has alone.
-  "$summary" A=one,two | grep -q '^| A | all | 2 |'
+  "$summary" A=one,two | grep -q '^| A | 2 | all | 2 |'
   mean=$(tail -qn +2 one/bodies.tsv two/bodies.tsv | awk '$4 != "-" { sum += $3; n++ } END { printf "%.2f", sum / n }')
-  [ "$("$summary" A=one,two | awk '$4 == "all" { print $10 }')" = "$mean" ]
+  [ "$("$summary" A=one,two | awk '$6 == "all" { print $12 }')" = "$mean" ]
+  # The same from one table of all tasks and seeds, as the benchmark's own is kept.
+  { printf 'task\tseed\t' && head -n 1 one/bodies.tsv
+    for run in one two; do tail -n +2 $run/bodies.tsv | sed "s/^/A\t$run\t/"; done; } > all.tsv
+  cmp <("$summary" all.tsv) <("$summary" A=one,two)
+  run -1 --separate-stderr "$summary" one/bodies.tsv
+  [[ $stderr == "summary: one/bodies.tsv: has no columns task and seed"* ]]
+  "$summary" "$EVO_SOURCE/benchmarks/modular/200-bodies.tsv" | grep -v '| all |' > published
+  [ "$(wc -l < published)" -gt 2 ]
+  [ "$(grep -cxFf published "$EVO_SOURCE/benchmarks/modular/README.md")" -ge "$(wc -l < published)" ]
   # A table of other bodies, and a folder that is not there.
   run -1 --separate-stderr env SHAPE=4x4 OWN_FROM=one/bodies.tsv "$measure" three Walker-v0
   [[ $stderr == "measure: none of the bodies in three is in "*/one/bodies.tsv ]]

@@ -25,7 +25,7 @@ void TrainingOptions::add_to(Command& command) {
   command.section("Training");
   command.option(
       "--train", profile, "PROFILE",
-      "training profile by name or file: default, feedback, gait, lineage, long, modular, "
+      "training profile by name or file: adapt, default, feedback, gait, lineage, long, modular, "
       "moments, paper, release2, robust, sequence");
   command.option("--train-set", set, "KEY=VALUE",
                  "one setting of the profile, such as learning_rate=3e-4 (repeatable); "

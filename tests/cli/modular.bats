@@ -22,6 +22,8 @@ shared() { evo-train --task Walker-v0 --train modular --train-set environments=2
   [ ! -s warnings ]
   evo-train --task Walker-v0 --train modular --steps 512 --train-set environments=2 --init one.policy.h5 --out-dir own other |
     jq -e '.steps == 512'
+  evo-train --task Walker-v0 --train adapt --steps 2048 --init one.policy.h5 --out-dir adapted other > adapted.json
+  jq -e --slurpfile before <(evo-eval --policy one.policy.h5 other 2> /dev/null) '.fitness >= $before[0].fitness' adapted.json
 }
 
 @test "modular: the same bytes again, for any -j, and interrupted" {

@@ -151,4 +151,6 @@ file['index'] = index"
   [[ $stderr == "measure: none of the bodies in three is in "*/one/bodies.tsv ]]
   run -1 --separate-stderr "$summary" A=four
   [[ $stderr == "summary: four/bodies.tsv: No such file"* ]]
+  run -1 --separate-stderr "$summary" one/bodies.jsonl
+  [[ $stderr == "summary: one/bodies.jsonl: has no columns group"* && -z $output ]]
 }

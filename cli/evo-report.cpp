@@ -4,8 +4,8 @@
 
 #include "cli/command.h"
 #include "formats/io/files.h"
-#include "report/page.h"
-#include "report/run.h"
+#include "render/report/page.h"
+#include "render/report/run.h"
 
 namespace {
 

@@ -12,9 +12,9 @@ install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)
 install(DIRECTORY docs examples benchmarks records DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
         USE_SOURCE_PERMISSIONS PATTERN man EXCLUDE)
-install(FILES python/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/python COMPONENT tools)
-install(FILES web/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/web COMPONENT tools)
-install(FILES api/evo/evo.h api/evo/evo.hpp DESTINATION ${CMAKE_INSTALL_DOCDIR}/api/evo COMPONENT tools)
+install(FILES bindings/python/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bindings/python COMPONENT tools)
+install(FILES bindings/web/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bindings/web COMPONENT tools)
+install(FILES bindings/c/evo/evo.h bindings/c/evo/evo.hpp DESTINATION ${CMAKE_INSTALL_DOCDIR}/bindings/c/evo COMPONENT tools)
 install(DIRECTORY tasks DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
         FILES_MATCHING PATTERN "physics/*" PATTERN "training/*" PATTERN "examples/*" PATTERN "easier/*"
         PATTERN "neat.yaml")
@@ -32,7 +32,7 @@ endif()
 install(FILES scripts/completion/_evo COMPONENT tools
         DESTINATION ${CMAKE_INSTALL_DATADIR}/${EVO_ZSH_FUNCTIONS})
 # Where Debian's Python looks: for its package alone, others have pip.
-install(DIRECTORY python/evo_robots DESTINATION lib/python3/dist-packages COMPONENT python
+install(DIRECTORY bindings/python/evo_robots DESTINATION lib/python3/dist-packages COMPONENT python
         EXCLUDE_FROM_ALL PATTERN __pycache__ EXCLUDE)
 
 # ---- Debian packages: cpack -G DEB ---------------------------------------------

@@ -1,4 +1,4 @@
-# libevo for browsers (`cmake --preset wasm`, web/README.md): Debian's emscripten, and of other
+# libevo for browsers (`cmake --preset wasm`, bindings/web/README.md): Debian's emscripten, and of other
 # packages only headers. What needs threads, processor detection, files or a compiled library
 # has a second source here: NAME_alone.cpp beside NAME.cpp.
 set(CMAKE_EXECUTABLE_SUFFIX .wasm)
@@ -18,4 +18,4 @@ endforeach()
 target_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)
 
 target_compile_options(evo_options INTERFACE
-  -fwasm-exceptions -include ${PROJECT_SOURCE_DIR}/web/wasm/libcxx.h)
+  -fwasm-exceptions -include ${PROJECT_SOURCE_DIR}/bindings/web/wasm/libcxx.h)

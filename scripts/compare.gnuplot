@@ -20,7 +20,7 @@ if (format eq 'png') set terminal pngcairo size width, height font 'DejaVu Sans,
 if (format eq 'pdf') set terminal pdfcairo size width / 100.0, height / 100.0 font 'DejaVu Sans,11'
 set output picture
 
-# The colours of the report (report/charts.js); a method without generations is dashed.
+# The colours of the report (render/report/charts.js); a method without generations is dashed.
 end(method) = strlen(method) - 7  # where -window begins
 bare(method) = end(method) > 0 && method[end(method) + 1:] eq '-window' ? method[1:end(method)] : method
 color(method) = bare(method) eq 'ga' ? 0xD9730D : bare(method) eq 'bo' ? 0x2F86C9 : bare(method) eq 'neat' ? 0x2B9A66 : \

@@ -13,20 +13,19 @@ declare -A may=(
   [libevo/control]="libevo/base libevo/body libevo/sim libevo/task libevo/control"
   [libevo/evolve]="libevo/base libevo/body libevo/evolve"
   [formats]="libevo formats"
-  [api]="libevo formats training render api"
-  [render]="libevo formats render"
+  [render]="libevo formats training evolution render"
   [training]="libevo formats training"
   [evolution]="libevo formats evolution"
-  [report]="libevo formats training evolution render report"
-  [web]="libevo formats training web"
-  [cli]="libevo formats training evolution api render report cli"
+  [bindings/c]="libevo formats training render bindings/c"
+  [bindings/web]="libevo formats training bindings/web"
+  [cli]="libevo formats training evolution bindings/c render cli"
 )
 
 bad=0
 for room in "${!may[@]}"; do
   while IFS=: read -r file line include; do
     target=$(sed -E 's/.*"(.*)".*/\1/' <<<"$include")
-    case $target in libevo/*|formats/*|training/*|evolution/*|api/*|render/*|report/*|cli/*|web/*) ;; *) continue ;; esac
+    case $target in libevo/*|formats/*|training/*|evolution/*|render/*|bindings/*|cli/*) ;; *) continue ;; esac
     allowed=no
     for prefix in ${may[$room]}; do [[ $target == "$prefix"/* ]] && allowed=yes; done
     if [ $allowed = no ]; then echo "$file:$line: $room must not include $target"; bad=1; fi

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "api/session.h"
-#include "api/voxels.h"
+#include "bindings/c/session.h"
+#include "bindings/c/voxels.h"
 #include "formats/io/json.h"
 #include "render/still.h"
 

@@ -5,7 +5,7 @@
 // apart into requests, after answering that, too.
 #pragma once
 
-#include "api/session.h"
+#include "bindings/c/session.h"
 
 namespace evo::cli {
 

@@ -1,11 +1,11 @@
-// YAML where there is no yaml-cpp: in a browser the page reads it (web/site/yaml.js) and
+// YAML where there is no yaml-cpp: in a browser the page reads it (bindings/web/site/yaml.js) and
 // answers with a tree.
 #include <utility>
 
 #include "formats/io/json.h"
 #include "formats/io/yaml_data.h"
 
-// Reads the documents of a text into JSON for free(), as web/site/yaml.js says.
+// Reads the documents of a text into JSON for free(), as bindings/web/site/yaml.js says.
 extern "C" char* evo_page_read_yaml(const char* text, std::size_t length)
     __attribute__((import_module("env"), import_name("evo_page_read_yaml")));
 

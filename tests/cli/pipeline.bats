@@ -600,7 +600,7 @@ modular=(POP=6 CHILDREN=2 EVALS=9 STEPS=3072 CHAMPIONS=2 OWN_STEPS=2048
   for color in '217, *115, *13' '47, *134, *201'; do grep -qiE "rgb\\( *$color\\)" all/compare.svg; done
   sed -n 's|.*id="data">\(.*\)</script>|\1|p' all/compare.html |
     jq -e '.charts["chart-1"] as $c | [$c.labels[1:], $c.series] | transpose | all(if .[0] | test("(^|/)ga") then .[1].color == 0 else .[1].color == 1 end)'
-  grep -q "palette = \['#d9730d', '#2f86c9'" "$EVO_SOURCE/report/charts.js"
+  grep -q "palette = \['#d9730d', '#2f86c9'" "$EVO_SOURCE/render/report/charts.js"
   [ -s all/compare.html ]
   # A further seed adds to what is there.
   touch all/mark

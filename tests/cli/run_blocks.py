@@ -52,7 +52,7 @@ def blocks(text):
                                       re.M):
         if fence:
             kind, code = fence.split("\n", 1)
-            # Gymnasium's are run by python/tests, where Gymnasium is.
+            # Gymnasium's are run by bindings/python/tests, where Gymnasium is.
             if kind == "sh" or kind == "python" and "gymnasium" not in code:
                 yield kind, code, None
             continue

@@ -7,7 +7,7 @@ import { dataFiles, loadScripts, read } from './native.mjs';
 const [root, build, cases] = process.argv.slice(2);
 loadScripts(root);
 const lines = (path) => readFileSync(path, 'utf8').trim().split('\n');
-const bytes = (name) => readFileSync(`${build}/web/${name}.wasm`);
+const bytes = (name) => readFileSync(`${build}/bindings/web/${name}.wasm`);
 const files = dataFiles(root);
 const slow = Boolean(process.env.EVO_SLOW);
 

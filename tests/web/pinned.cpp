@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "formats/task/task.h"
-#include "web/page.h"
+#include "bindings/web/page.h"
 
 extern "C" EVO_EXPORTED int evo_pinned(const char* task, int steps);
 

@@ -1,4 +1,4 @@
-#include "report/statistics.h"
+#include "render/report/statistics.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,0 +1,298 @@
+// Environments of evo/evo.h.
+#include <numeric>
+#include <optional>
+
+#include "bindings/c/handles.h"
+#include "bindings/c/pictures.h"
+#include "bindings/c/session.h"
+#include "bindings/c/voxels.h"
+#include "libevo/task/measure.h"
+#include "training/episodes.h"
+
+using namespace evo::c;  // NOLINT(google-build-using-namespace)
+using evo::Failure;
+
+struct evo_envs {
+  evo_envs(const evo::TaskSpec& task, std::vector<evo::Robot> robots, int per_robot, int threads)
+      : owner(threads), session(task, std::move(robots), per_robot, 0, threads) {
+    const auto count = static_cast<std::size_t>(session.environments());
+    rewards.resize(count);
+    status.resize(count);
+    steps.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto e = static_cast<int>(i);
+      observation_offsets.push_back(session.envs().observation_offset(e));
+      action_offsets.push_back(session.envs().action_offset(e));
+      point_offsets.push_back(session.envs().point_offset(e));
+    }
+    observation_offsets.push_back(session.envs().observations().size());
+    action_offsets.push_back(session.action_values());
+    point_offsets.push_back(session.envs().positions().size());
+    refresh();
+  }
+
+  // What a session is asked one environment at a time.
+  void refresh() {
+    for (std::size_t i = 0; i < rewards.size(); ++i) {
+      const auto e = static_cast<int>(i);
+      rewards[i] = session.reward(e);
+      status[i] = static_cast<std::uint8_t>(session.status(e));
+      steps[i] = session.envs().steps(e);
+    }
+  }
+
+  const evo::SessionVoxels& seen() {
+    if (!voxels) voxels.emplace(session);
+    return *voxels;
+  }
+
+  Owner owner;
+  evo::Session session;
+  std::optional<evo::SessionVoxels> voxels;  // once asked for
+  std::vector<double> rewards;
+  std::vector<std::uint8_t> status;
+  std::vector<std::int32_t> steps;
+  std::vector<std::size_t> observation_offsets;
+  std::vector<std::size_t> action_offsets;
+  std::vector<std::size_t> point_offsets;
+  std::atomic_flag busy;
+};
+
+namespace {
+
+static_assert(EVO_ENV_UNSTABLE == static_cast<int>(evo::EnvironmentStatus::unstable));
+
+// Changes environments, and what is shown of them.
+template <typename Work>
+int change(evo_envs* envs, const Work& work) {
+  return guarded([&] {
+    evo_envs& all = object_of(envs);
+    all.owner.check();
+    const Busy busy(all.busy);
+    work(all.session);
+    all.refresh();
+  });
+}
+
+const evo::ModelObject& object_at(const evo_envs& envs, std::int32_t environment,
+                                  std::size_t index) {
+  envs.session.check_environment(environment);
+  const auto& objects = envs.session.envs().model(environment).objects();
+  if (index >= objects.size())
+    throw evo::error(Failure::usage, "there is no object {}: the world has {}", index,
+                     objects.size());
+  return objects[index];
+}
+
+// Numbers that a caller gives with their count.
+template <typename T>
+std::span<const T> values_of(const T* values, std::size_t count, const char* name) {
+  if (values == nullptr && count > 0) throw evo::error(Failure::usage, "`{}` is NULL", name);
+  return {values, count};
+}
+
+}  // namespace
+
+int evo_envs_open(const evo_task* task, const evo_robots* robots, int32_t per_robot,
+                  int32_t threads, evo_envs** envs) {
+  return open(envs, [&] {
+    const evo::TaskSpec& spec = object_of(task).spec;
+    const std::vector<evo::Robot>& list = object_of(robots).list;
+    if (list.empty()) throw evo::Error(Failure::usage, "environments need a robot; none is given");
+    if (threads < 1)
+      throw evo::error(Failure::usage, "environments need 1 thread or more, not {}", threads);
+    return std::make_unique<evo_envs>(spec, list, per_robot, threads);
+  });
+}
+
+void evo_envs_free(evo_envs* envs) { close(envs); }
+
+int evo_envs_arrays(const evo_envs* envs, evo_arrays* arrays, size_t size) {
+  return guarded([&] {
+    const evo_envs& all = object_of(envs);
+    const evo::VecEnv& shown = all.session.envs();
+    static_assert(sizeof(evo::Vec2) == 2 * sizeof(double));
+    hand_over({all.rewards.size(), shown.observations().size(), all.session.action_values(),
+               shown.positions().size(), all.observation_offsets.data(), all.action_offsets.data(),
+               all.point_offsets.data(), shown.observations().data(), all.rewards.data(),
+               shown.terminated().data(), shown.truncated().data(), all.status.data(),
+               all.steps.data(), reinterpret_cast<const double*>(shown.positions().data()),
+               reinterpret_cast<const double*>(shown.velocities().data())},
+              arrays, size);
+  });
+}
+
+int evo_envs_reset(evo_envs* envs, const int32_t* environments, size_t count,
+                   const evo_start* start) {
+  return change(envs, [&](evo::Session& session) {
+    evo::ResetRequest request;
+    if (environments == nullptr) {
+      request.environments.resize(static_cast<std::size_t>(session.environments()));
+      std::iota(request.environments.begin(), request.environments.end(), 0);
+    } else {
+      request.environments.assign(environments, environments + count);
+    }
+    if (start != nullptr) {
+      if (start->has_seed != 0) request.seed = start->seed;
+      if (start->has_episode != 0) request.episode = start->episode;
+      if (start->draws != nullptr)
+        request.draws =
+            evo::draws_from_json(evo::parse_json(start->draws, "draws"), session.task(), "draws");
+      request.jitter = start->jitter;
+    }
+    session.reset(request);
+  });
+}
+
+int evo_envs_step(evo_envs* envs, const double* actions, size_t values, const uint8_t* active,
+                  size_t active_values) {
+  return change(envs, [&](evo::Session& session) {
+    if (values != session.action_values())
+      throw evo::error(Failure::usage, "{} actions are expected, not {}", session.action_values(),
+                       values);
+    if (active != nullptr && active_values != static_cast<std::size_t>(session.environments()))
+      throw evo::error(Failure::usage, "`active` has {} values for {} environments", active_values,
+                       session.environments());
+    session.step(values_of(actions, values, "actions"), active == nullptr
+                                                            ? std::span<const std::uint8_t>()
+                                                            : std::span(active, active_values));
+  });
+}
+
+int evo_envs_voxels(evo_envs* envs, int32_t environment, evo_voxels* voxels, size_t size) {
+  return guarded([&] {
+    evo_envs& all = object_of(envs);
+    all.session.check_environment(environment);
+    const Busy busy(all.busy);
+    const evo::VoxelViews& views = all.seen().of(environment);
+    const auto links = all.seen().links(environment);
+    static_assert(sizeof links[0] == 2 * sizeof(std::int32_t));
+    hand_over({static_cast<std::size_t>(views.voxels()), views.actuators().size(), links.size(),
+               evo::VoxelViews::local_length, static_cast<std::size_t>(views.task_length()),
+               evo::VoxelViews::fixed_length, views.fixed().data(), views.actuators().data(),
+               reinterpret_cast<const std::int32_t*>(links.data())},
+              voxels, size);
+  });
+}
+
+int evo_envs_look(evo_envs* envs, double* local, size_t local_values, double* task,
+                  size_t task_values) {
+  return guarded([&] {
+    evo_envs& all = object_of(envs);
+    const Busy busy(all.busy);
+    const evo::SessionVoxels& voxels = all.seen();
+    if (local_values != voxels.local_values() || task_values != voxels.task_values())
+      throw evo::error(Failure::usage, "{} local and {} task values are expected, not {} and {}",
+                       voxels.local_values(), voxels.task_values(), local_values, task_values);
+    target(local, "local");
+    if (task_values > 0) target(task, "task");
+    all.seen().look({local, local_values}, {task, task_values});
+  });
+}
+
+int evo_envs_act(evo_envs* envs, const evo_policy* policy, double* actions, size_t values) {
+  return guarded([&] {
+    evo_envs& all = object_of(envs);
+    const Busy busy(all.busy);
+    if (values != all.session.action_values())
+      throw evo::error(Failure::usage, "{} actions are expected, not {}",
+                       all.session.action_values(), values);
+    if (values > 0) target(actions, "actions");
+    evo::act(object_of(policy).file.controller, all.seen(), {actions, values});
+  });
+}
+
+int evo_envs_save(const evo_envs* envs, int32_t environment, void** bytes, size_t* count) {
+  return guarded([&] {
+    const std::vector<std::uint8_t> state = object_of(envs).session.save(environment);
+    target(bytes, "bytes");
+    target(count, "count") = state.size();
+    *bytes = given({reinterpret_cast<const char*>(state.data()), state.size()});
+  });
+}
+
+int evo_envs_restore(evo_envs* envs, int32_t environment, const void* bytes, size_t count) {
+  return change(envs, [&](evo::Session& session) {
+    const evo::Session::Restored one{
+        environment, values_of(static_cast<const std::uint8_t*>(bytes), count, "bytes")};
+    session.restore({&one, 1});
+  });
+}
+
+int evo_envs_perturb(evo_envs* envs, int32_t environment, double jitter, uint64_t seed) {
+  return change(envs, [&](evo::Session& session) { session.perturb(environment, jitter, seed); });
+}
+
+int evo_envs_translate(evo_envs* envs, int32_t environment, size_t object, double x, double y) {
+  return change(envs, [&](evo::Session& session) {
+    session.check_environment(environment);
+    check_translation(object_at(object_of(envs), environment, object), x, y);
+    session.translate(environment, object, {x, y});
+  });
+}
+
+int evo_envs_object_count(const evo_envs* envs, int32_t environment, size_t* count) {
+  return guarded([&] {
+    const evo::Session& session = object_of(envs).session;
+    session.check_environment(environment);
+    target(count, "count") = session.envs().model(environment).objects().size();
+  });
+}
+
+int evo_envs_object(const evo_envs* envs, int32_t environment, size_t index, evo_object* object,
+                    size_t size) {
+  return guarded([&] {
+    const evo::ModelObject& found = object_at(object_of(envs), environment, index);
+    hand_over({found.name.c_str(), static_cast<std::size_t>(found.first_point),
+               static_cast<std::size_t>(found.points)},
+              object, size);
+  });
+}
+
+int evo_envs_orientation(const evo_envs* envs, int32_t environment, size_t object,
+                         const double* positions, double* angles, size_t count) {
+  return guarded([&] {
+    const evo_envs& all = object_of(envs);
+    const evo::ModelObject& found = object_at(all, environment, object);
+    const evo::VecEnv& shown = all.session.envs();
+    if (positions == nullptr && count != 1)
+      throw evo::error(Failure::usage, "1 angle is expected, not {}", count);
+    target(angles, "angles");
+    const evo::Model& model = shown.model(environment);
+    const evo::PointRange points{found.first_point, found.points};
+    const evo::InitialShape initial(points.of(model.initial_positions()));
+    const auto own = static_cast<std::size_t>(model.points());
+    const std::vector<evo::Vec2> given =
+        points_of(positions, positions == nullptr ? 0 : count * own);
+    const std::span<const evo::Vec2> moments =
+        positions == nullptr ? shown.positions(environment) : given;
+    for (std::size_t i = 0; i < count; ++i)
+      angles[i] = evo::orientation(initial, points.of(moments.subspan(i * own, own)));
+  });
+}
+
+int evo_envs_observed(const evo_envs* envs, int32_t environment, char** json) {
+  return guarded([&] {
+    const evo::Session& session = object_of(envs).session;
+    session.check_environment(environment);
+    evo::Json slices = evo::Json::array();
+    for (const evo::ObservationSlice& slice : session.envs().arena(environment).layout())
+      slices.push_back({{"name", slice.name}, {"offset", slice.offset}, {"length", slice.length}});
+    give(slices.dump(), json, "json");
+  });
+}
+
+int evo_envs_render(const evo_envs* envs, int32_t environment, const double* positions,
+                    const evo_view* view, size_t size, uint8_t* pixels, size_t bytes) {
+  return guarded([&] {
+    const evo::Session& session = object_of(envs).session;
+    session.check_environment(environment);
+    if (session.status(environment) != evo::EnvironmentStatus::ok)
+      throw evo::error(Failure::usage, "environment {} is {}: reset it first", environment,
+                       evo::to_string(session.status(environment)));
+    const evo::Model& model = session.envs().model(environment);
+    const auto now = session.envs().positions().subspan(session.envs().point_offset(environment),
+                                                        static_cast<std::size_t>(model.points()));
+    draw(model, now, positions, &session.task(), view, size, pixels, bytes);
+  });
+}

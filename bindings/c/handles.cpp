@@ -1,0 +1,121 @@
+#include "bindings/c/handles.h"
+
+#include <dlfcn.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <mutex>
+#include <shared_mutex>
+#include <system_error>
+#include <unordered_map>
+
+namespace evo::c {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+thread_local std::string last_error;
+
+struct Handles {
+  std::shared_mutex mutex;
+  std::unordered_map<const void*, std::string_view> kinds;
+};
+
+// Never destroyed: handles may be freed while a program ends.
+Handles& handles() {
+  static auto* const all = new Handles;
+  return *all;
+}
+
+}  // namespace
+
+void remember(const std::string& message) { last_error = message; }
+
+void enter(const void* handle, std::string_view kind) {
+  const std::unique_lock lock(handles().mutex);
+  handles().kinds[handle] = kind;
+}
+
+bool leave(const void* handle, std::string_view kind) {
+  const std::unique_lock lock(handles().mutex);
+  const auto found = handles().kinds.find(handle);
+  if (found == handles().kinds.end() || found->second != kind) return false;
+  handles().kinds.erase(found);
+  return true;
+}
+
+void require(const void* handle, std::string_view kind) {
+  if (handle == nullptr) throw error(Failure::usage, "a handle of {} is expected, not NULL", kind);
+  const std::shared_lock lock(handles().mutex);
+  const auto found = handles().kinds.find(handle);
+  if (found == handles().kinds.end())
+    throw error(Failure::usage, "a handle of {} is expected; this one was freed, or is none", kind);
+  if (found->second != kind)
+    throw error(Failure::usage, "a handle of {} is expected, not of {}", kind, found->second);
+}
+
+std::string text_of(const char* text, const char* name) {
+  if (text == nullptr) throw error(Failure::usage, "`{}` is NULL", name);
+  return text;
+}
+
+std::vector<Vec2> points_of(const double* positions, std::size_t count) {
+  std::vector<Vec2> points(count);
+  for (std::size_t p = 0; p < count; ++p) points[p] = {positions[2 * p], positions[2 * p + 1]};
+  return points;
+}
+
+void give(std::string_view text, char** place, const char* name) {
+  char*& to = target(place, name);  // before there is a copy that could be lost
+  to = given(text);
+}
+
+void check_translation(const ModelObject& object, double x, double y) {
+  if (object.is_static)
+    throw error(Failure::usage, "object '{}' is terrain, which stays where it is", object.name);
+  constexpr double largest = 1e6;
+  if (!(std::abs(x) <= largest && std::abs(y) <= largest))
+    throw error(Failure::usage, "object '{}' cannot be moved by ({}, {})", object.name, x, y);
+}
+
+char* given(std::string_view text) {
+  auto* const copy = static_cast<char*>(std::malloc(text.size() + 1));
+  if (copy == nullptr) throw std::bad_alloc();
+  std::memcpy(copy, text.data(), text.size());
+  copy[text.size()] = '\0';
+  return copy;
+}
+
+Busy::Busy(std::atomic_flag& flag) : flag_(flag) {
+  if (flag_.test_and_set())
+    throw Error(Failure::usage, "another thread is changing what this handle stands for");
+}
+
+Owner::Owner(int threads) : process_(threads > 1 ? getpid() : 0) {}
+
+bool Owner::lost() const { return process_ != 0 && process_ != getpid(); }
+
+void Owner::check() const {
+  if (lost())
+    throw Error(Failure::usage,
+                "this was made with several threads, which a forked process does not have; make it "
+                "anew, or with one thread");
+}
+
+DataFolders data_folders() {
+  Dl_info self{};
+  fs::path here;
+  std::error_code failed;
+  if (dladdr(reinterpret_cast<const void*>(&evo_version), &self) != 0 && self.dli_fname != nullptr)
+    here = fs::canonical(self.dli_fname, failed).parent_path();
+  return evo::data_folders(
+      evo::data_root({here / EVO_DATA_FROM_LIBRARY, here / EVO_CHECKOUT_FROM_LIBRARY}));
+}
+
+}  // namespace evo::c
+
+const char* evo_version() { return EVO_LIBRARY_VERSION; }
+const char* evo_error() { return evo::c::last_error.c_str(); }
+void evo_free(void* given) { std::free(given); }

@@ -1,0 +1,201 @@
+// A learner for environments of a caller's own, of evo/evo.h.
+#include "bindings/c/created_by.h"
+#include "bindings/c/handles.h"
+#include "formats/task/physics_profile.h"
+#include "formats/training/training.h"
+#include "libevo/control/ppo.h"
+
+using namespace evo::c;  // NOLINT(google-build-using-namespace)
+using evo::Failure;
+
+struct evo_learner {
+  evo_learner(const evo::TrainingSettings& chosen, std::uint64_t from, const std::string& name,
+              int observed, int acted, double low, double high)
+      : settings(chosen),
+        seed(from),
+        observations(static_cast<std::size_t>(observed)),
+        actions(static_cast<std::size_t>(acted)),
+        ppo(settings,
+            evo::initial_policy(settings, observed, acted, low, high, std::nullopt,
+                                evo::Stream(seed, "train/initial", name)),
+            seed, name) {}
+
+  // What a rollout consists of, in this order; learn() comes where act() would begin it anew.
+  enum class Call { observe, act, reward };
+  static const char* name_of(Call call) {
+    switch (call) {
+      case Call::observe:
+        return "evo_learner_observe";
+      case Call::act:
+        return "evo_learner_act";
+      case Call::reward:
+        return "evo_learner_reward";
+    }
+    return "";
+  }
+  std::size_t environments() const { return static_cast<std::size_t>(settings.environments); }
+  bool collected() const { return rounds == settings.rollout; }
+  void expect(Call call) const {
+    if (call != next || (call == Call::act && collected()))
+      throw evo::error(Failure::usage, "{} is out of turn: {} is next", name_of(call),
+                       next == Call::act && collected() ? "evo_learner_learn" : name_of(next));
+  }
+  void require_finite() const {
+    if (ppo.divergence()) throw evo::error(Failure::work, "the training: {}", *ppo.divergence());
+  }
+
+  evo::TrainingSettings settings;
+  std::uint64_t seed;
+  std::size_t observations;  // of an environment
+  std::size_t actions;
+  evo::Ppo ppo;
+  Call next = Call::observe;
+  int rounds = 0;  // of the rollout
+  std::vector<double> learned;
+  std::atomic_flag busy;
+};
+
+namespace {
+
+// Changes a learner; nothing may follow once its numbers have left the finite ones.
+template <typename Work>
+int change(evo_learner* learner, const Work& work) {
+  return guarded([&] {
+    evo_learner& own = object_of(learner);
+    const Busy busy(own.busy);
+    own.require_finite();
+    work(own);
+    own.require_finite();
+  });
+}
+
+void check_count(std::size_t given, std::size_t expected, const char* what) {
+  if (given != expected)
+    throw evo::error(Failure::usage, "{} {} are expected, not {}", expected, what, given);
+}
+
+// As the suite counts bad ends: by the share that the settings say.
+std::span<const double> learned_rewards(evo_learner& own, const double* rewards,
+                                        const std::uint8_t* terminated) {
+  own.learned.assign(rewards, rewards + own.environments());
+  for (std::size_t e = 0; e < own.learned.size(); ++e)
+    if (terminated[e] != 0 && own.learned[e] < 0.0) own.learned[e] *= own.settings.failure_weight;
+  return own.learned;
+}
+
+}  // namespace
+
+int evo_learner_open(const evo_training* training, size_t size, int32_t observation_length,
+                     int32_t action_length, double low, double high, const char* name,
+                     evo_learner** learner) {
+  return open(learner, [&] {
+    const evo_training wanted = training_of(training, size);
+    const evo::TrainingSettings settings = settings_of(wanted);
+    if (settings.algorithm.name() != "ppo")
+      throw evo::error(Failure::usage,
+                       "a learner is of PPO; algorithm {} needs a task of the suite",
+                       settings.algorithm.name());
+    if (settings.updates() < 1)
+      throw evo::error(Failure::usage, "{} steps are less than one rollout of {} x {}",
+                       settings.steps, settings.environments, settings.rollout);
+    if (settings.moment_share != 0.0)
+      throw evo::Error(Failure::usage, "moment_share needs a task of the suite");
+    constexpr int most = 1 << 20;
+    if (observation_length < 1 || action_length < 1 || observation_length > most ||
+        action_length > most)
+      throw evo::error(Failure::usage, "{} observations and {} actions: 1 or more are expected",
+                       observation_length, action_length);
+    if (!(low < high) || !(high - low < 1e300))
+      throw evo::error(Failure::usage, "actions from {} to {} make no range", low, high);
+    return std::make_unique<evo_learner>(settings, wanted.seed, text_of(name, "name"),
+                                         observation_length, action_length, low, high);
+  });
+}
+
+void evo_learner_free(evo_learner* learner) { close(learner); }
+
+int evo_learner_describe(const evo_learner* learner, evo_learner_facts* facts, size_t size) {
+  return guarded([&] {
+    const evo_learner& own = object_of(learner);
+    hand_over({own.settings.environments, own.settings.rollout, own.settings.updates(),
+               own.settings.evaluation_interval, 0},
+              facts, size);
+  });
+}
+
+int evo_learner_observe(evo_learner* learner, const double* observations, size_t values,
+                        const int32_t* steps, size_t environments) {
+  return change(learner, [&](evo_learner& own) {
+    own.expect(evo_learner::Call::observe);
+    check_count(environments, own.environments(), "environments");
+    check_count(values, own.environments() * own.observations, "observations");
+    target(observations, "observations");
+    target(steps, "steps");
+    own.ppo.observe({observations, values}, {steps, environments});
+    own.next = evo_learner::Call::act;
+  });
+}
+
+int evo_learner_act(evo_learner* learner, double* actions, size_t values) {
+  return change(learner, [&](evo_learner& own) {
+    own.expect(evo_learner::Call::act);
+    check_count(values, own.environments() * own.actions, "actions");
+    target(actions, "actions");
+    std::ranges::copy(own.ppo.act(), actions);
+    own.next = evo_learner::Call::reward;
+  });
+}
+
+int evo_learner_reward(evo_learner* learner, const double* rewards, const uint8_t* terminated,
+                       const uint8_t* truncated, const double* reached, size_t values,
+                       const int32_t* steps, size_t environments) {
+  return change(learner, [&](evo_learner& own) {
+    own.expect(evo_learner::Call::reward);
+    check_count(environments, own.environments(), "environments");
+    check_count(values, own.environments() * own.observations, "observations");
+    target(rewards, "rewards");
+    target(terminated, "terminated");
+    target(truncated, "truncated");
+    target(reached, "reached");
+    target(steps, "steps");
+    own.ppo.reward(learned_rewards(own, rewards, terminated), {terminated, environments},
+                   {truncated, environments}, {reached, values}, {steps, environments});
+    ++own.rounds;
+    own.next = evo_learner::Call::observe;
+  });
+}
+
+int evo_learner_learn(evo_learner* learner) {
+  return change(learner, [](evo_learner& own) {
+    if (own.next != evo_learner::Call::act || !own.collected())
+      throw evo::error(Failure::usage,
+                       "the rollout has {} of its {} rounds of act, reward, observe", own.rounds,
+                       own.settings.rollout);
+    own.ppo.learn();
+    own.rounds = 0;
+  });
+}
+
+int evo_learner_policy(const evo_learner* learner, const evo_robots* robots, size_t index,
+                       const evo_curve_point* curve, size_t points, evo_policy** policy) {
+  return open(policy, [&] {
+    const evo_learner& own = object_of(learner);
+    if (curve == nullptr && points > 0) throw evo::Error(Failure::usage, "`curve` is NULL");
+    evo::PolicyFile file;
+    file.robot = robot_at(object_of(robots), index);
+    file.task = "own";  // without task_yaml: see policy_task
+    file.physics_yaml = evo::physics_to_yaml(evo::Physics());
+    file.training_yaml = evo::training_to_yaml(own.settings);
+    file.layout = {{"own", 0, static_cast<int>(own.observations)}};
+    file.seed = own.seed;
+    file.created_by = evo::created_by();
+    file.controller = own.ppo.policy();
+    file.steps = own.ppo.updates() * own.settings.batch();
+    for (std::size_t i = 0; i < points; ++i) {
+      file.curve.push_back({curve[i].step, curve[i].evaluation, curve[i].best});
+      file.fitness = curve[i].best;
+      file.best_step = curve[i].step;
+    }
+    return policy_of(std::move(file));
+  });
+}

@@ -1,0 +1,399 @@
+// Worlds built in code, and their simulations, of evo/evo.h.
+#include <algorithm>
+#include <cmath>
+
+#include "bindings/c/handles.h"
+#include "bindings/c/pictures.h"
+#include "formats/foreign/evogym.h"
+#include "formats/io/json.h"
+#include "formats/task/physics_profile.h"
+#include "libevo/base/digest.h"
+#include "libevo/base/parallel.h"
+#include "libevo/sim/batch.h"
+#include "libevo/task/measure.h"
+
+using namespace evo::c;  // NOLINT(google-build-using-namespace)
+using evo::Failure;
+
+struct evo_world {
+  evo::World world;
+};
+
+namespace {
+
+constexpr int most_sims = 65536;
+
+// Of an object among all actuators.
+struct ActuatorRange {
+  std::size_t first = 0;
+  std::size_t count = 0;
+};
+
+std::vector<evo::Object>::iterator find_object(evo::World& world, const std::string& name) {
+  const auto found = std::find_if(world.objects.begin(), world.objects.end(),
+                                  [&](const evo::Object& object) { return object.name == name; });
+  if (found == world.objects.end()) {
+    std::vector<std::string> names;
+    for (const evo::Object& object : world.objects) names.push_back(object.name);
+    throw evo::error(Failure::usage, "the world has no object '{}'{}", name,
+                     evo::did_you_mean(name, names));
+  }
+  return found;
+}
+
+void check_position(std::int32_t x, std::int32_t y) {
+  if (x < 0 || y < 0)
+    throw evo::error(Failure::usage, "cell ({}, {}) is outside of the world: both are from 0 on", x,
+                     y);
+}
+
+evo::Body body_of(const std::uint8_t* voxels, std::int32_t rows, std::int32_t columns,
+                  const std::int32_t* links, std::size_t link_count) {
+  target(voxels, "voxels");
+  if (rows < 1 || columns < 1 || rows > evo::largest_side || columns > evo::largest_side)
+    throw evo::error(Failure::usage, "a matrix of {} rows and {} columns: 1 to {} are allowed",
+                     rows, columns, evo::largest_side);
+  std::vector<evo::Voxel> cells;
+  const std::size_t count = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (voxels[i] > EVO_FIXED)
+      throw evo::error(Failure::usage, "voxel {} is {}: 0 to {} are allowed", i, voxels[i],
+                       static_cast<int>(EVO_FIXED));
+    cells.push_back(static_cast<evo::Voxel>(voxels[i]));
+  }
+  evo::Body body(rows, columns, std::move(cells));
+  if (links != nullptr) {
+    body.links.clear();
+    for (std::size_t k = 0; k < link_count; ++k)
+      body.links.push_back(
+          {std::min(links[2 * k], links[2 * k + 1]), std::max(links[2 * k], links[2 * k + 1])});
+    std::sort(body.links.begin(), body.links.end());
+    body.links.erase(std::unique(body.links.begin(), body.links.end()), body.links.end());
+    if (const auto fault = evo::link_defect(body)) throw evo::Error(Failure::usage, *fault);
+  }
+  return body;
+}
+
+std::string doubles(const std::vector<double>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
+}
+
+}  // namespace
+
+// ---- simulations ------------------------------------------------------------------------
+
+struct evo_sims {
+  evo_sims(const evo::World& world, const evo::Physics& physics, std::size_t count, int threads)
+      : owner(threads),
+        model(world, physics),
+        batch(count),
+        pool(threads),
+        status(count),
+        moving(count) {
+    const auto own = static_cast<std::size_t>(model.points());
+    positions.resize(count * own);
+    velocities.resize(count * own);
+    actuators.resize(model.objects().size());
+    for (std::size_t i = 0; i < actuators.size(); ++i) {
+      const evo::ModelObject& object = model.objects()[i];
+      const auto first = model.cells().begin() + object.first_cell;
+      actuators[i].first = i == 0 ? 0 : actuators[i - 1].first + actuators[i - 1].count;
+      actuators[i].count = static_cast<std::size_t>(
+          std::count_if(first, first + object.cells,
+                        [](const evo::ModelCell& cell) { return evo::is_actuator(cell.type); }));
+      shapes.emplace_back(
+          evo::PointRange{object.first_point, object.points}.of(model.initial_positions()));
+    }
+    for (std::size_t sim = 0; sim < count; ++sim) place(sim);
+    seal = evo::sha256_hex(evo::evogym_world_to_json(world) + evo::physics_to_yaml(physics));
+  }
+
+  std::size_t count() const { return status.size(); }
+  std::size_t targets() const {
+    return actuators.empty() ? 0 : actuators.back().first + actuators.back().count;
+  }
+
+  std::size_t checked(std::int64_t sim) const {
+    if (sim < 0 || static_cast<std::size_t>(sim) >= count())
+      throw evo::error(Failure::usage, "there is no simulation {}: they are 0 to {}", sim,
+                       count() - 1);
+    return static_cast<std::size_t>(sim);
+  }
+
+  const evo::ModelObject& object(std::size_t index) const {
+    if (index >= shapes.size())
+      throw evo::error(Failure::usage, "there is no object {}: the world has {}", index,
+                       shapes.size());
+    return model.objects()[index];
+  }
+
+  std::span<evo::Vec2> points(std::vector<evo::Vec2>& of, std::size_t sim) const {
+    const auto own = static_cast<std::size_t>(model.points());
+    return std::span(of).subspan(sim * own, own);
+  }
+
+  void place(std::size_t sim) {
+    batch.place(sim, model);
+    std::ranges::copy(model.initial_positions(), points(positions, sim).begin());
+    std::ranges::fill(points(velocities, sim), evo::Vec2{});
+    status[sim] = EVO_SIM_OK;
+  }
+
+  void show(std::size_t sim) {
+    batch.read_moving(sim, points(positions, sim), points(velocities, sim));
+    status[sim] = static_cast<std::uint8_t>(batch.status(sim));
+  }
+
+  Owner owner;
+  evo::Model model;
+  evo::Batch batch;
+  evo::ThreadPool pool;
+  std::vector<std::uint8_t> status;
+  std::vector<evo::Vec2> positions;
+  std::vector<evo::Vec2> velocities;
+  std::vector<ActuatorRange> actuators;   // of each object
+  std::vector<evo::InitialShape> shapes;  // of each object
+  std::vector<std::uint8_t> moving;       // in the step being taken
+  std::string seal;                       // of world and physics
+  std::atomic_flag busy;
+};
+
+namespace {
+
+static_assert(EVO_SIM_FOLDED == static_cast<int>(evo::LaneStatus::self_folding) &&
+              EVO_SIM_UNSTABLE == static_cast<int>(evo::LaneStatus::unstable));
+
+template <typename Work>
+int change(evo_sims* sims, const Work& work) {
+  return guarded([&] {
+    evo_sims& all = object_of(sims);
+    all.owner.check();
+    const Busy busy(all.busy);
+    work(all);
+  });
+}
+
+// A state and the seal of what it belongs to, so that damage is seen.
+std::string sealed(const evo_sims& sims, const std::string& state) {
+  return evo::sha256_hex(sims.seal + state) + state;
+}
+
+}  // namespace
+
+int evo_sims_open(const evo_world* world, const char* physics, int32_t sims, int32_t threads,
+                  evo_sims** opened) {
+  return open(opened, [&] {
+    const evo::World& built = object_of(world).world;
+    if (built.objects.empty()) throw evo::Error(Failure::usage, "the world has no objects");
+    if (sims < 1 || sims > most_sims)
+      throw evo::error(Failure::usage, "there may be 1 to {} simulations, not {}", most_sims, sims);
+    if (threads < 1)
+      throw evo::error(Failure::usage, "simulations need 1 thread or more, not {}", threads);
+    const evo::Physics constants =
+        physics == nullptr ? evo::Physics() : evo::load_physics(physics, data_folders());
+    return std::make_unique<evo_sims>(built, constants, static_cast<std::size_t>(sims), threads);
+  });
+}
+
+void evo_sims_free(evo_sims* sims) { close(sims); }
+
+int evo_sims_arrays(const evo_sims* sims, evo_sim_arrays* arrays, size_t size) {
+  return guarded([&] {
+    const evo_sims& all = object_of(sims);
+    hand_over({all.count(), static_cast<std::size_t>(all.model.points()), all.targets(),
+               reinterpret_cast<const double*>(all.positions.data()),
+               reinterpret_cast<const double*>(all.velocities.data()), all.status.data(),
+               all.model.physics().min_target, all.model.physics().max_target},
+              arrays, size);
+  });
+}
+
+int evo_sims_reset(evo_sims* sims, int32_t sim) {
+  return change(sims, [&](evo_sims& all) {
+    if (sim != -1) return all.place(all.checked(sim));
+    for (std::size_t i = 0; i < all.count(); ++i) all.place(i);
+  });
+}
+
+int evo_sims_step(evo_sims* sims, const double* targets, size_t values, const uint8_t* active,
+                  size_t active_values) {
+  return change(sims, [&](evo_sims& all) {
+    if (values != all.count() * all.targets())
+      throw evo::error(Failure::usage, "{} targets are expected ({} simulations of {}), not {}",
+                       all.count() * all.targets(), all.count(), all.targets(), values);
+    if (active != nullptr && active_values != all.count())
+      throw evo::error(Failure::usage, "`active` has {} values for {} simulations", active_values,
+                       all.count());
+    if (values > 0) target(targets, "targets");
+    std::vector<std::uint8_t>& moving = all.moving;
+    for (std::size_t i = 0; i < all.count(); ++i) {
+      moving[i] = (active == nullptr || active[i] != 0) && all.status[i] != EVO_SIM_UNSTABLE;
+      if (moving[i] == 0) continue;
+      for (std::size_t k = 0; k < all.targets(); ++k)
+        if (!std::isfinite(targets[i * all.targets() + k]))
+          throw evo::error(Failure::usage, "target {} of simulation {} is not a finite number", k,
+                           i);
+    }
+    for (std::size_t i = 0; i < all.count(); ++i)
+      if (moving[i] != 0)
+        std::copy_n(targets + i * all.targets(), all.targets(), all.batch.targets(i).begin());
+    all.batch.step(moving, &all.pool, [&all](std::size_t i) { all.show(i); });
+  });
+}
+
+int evo_sims_save(const evo_sims* sims, int32_t sim, void** bytes, size_t* count) {
+  return guarded([&] {
+    const evo_sims& all = object_of(sims);
+    const std::size_t i = all.checked(sim);
+    if (all.status[i] == EVO_SIM_UNSTABLE)
+      throw evo::error(Failure::usage, "simulation {} is unstable: there is no state to save", sim);
+    const evo::State state = all.batch.state(i);
+    std::string values;
+    for_each_array(state, [&](const auto& array) { values += doubles(array); });
+    values = sealed(all, values);
+    target(bytes, "bytes");
+    target(count, "count") = values.size();
+    *bytes = given(values);
+  });
+}
+
+int evo_sims_restore(evo_sims* sims, int32_t sim, const void* bytes, size_t count) {
+  return change(sims, [&](evo_sims& all) {
+    const std::size_t i = all.checked(sim);
+    if (bytes == nullptr) throw evo::Error(Failure::usage, "`bytes` is NULL");
+    const std::string found(static_cast<const char*>(bytes), count);
+    const std::size_t seal_length = all.seal.size();
+    const std::string values = found.size() < seal_length ? "" : found.substr(seal_length);
+    evo::State state = all.batch.state(i);
+    std::size_t expected = 0;
+    for_each_array(state, [&](const auto& array) { expected += array.size() * sizeof(double); });
+    if (values.size() != expected || sealed(all, values) != found)
+      throw evo::error(Failure::data,
+                       "the state for simulation {} is damaged, or of another world or version",
+                       sim);
+    std::size_t at = 0;
+    for_each_array(state, [&](auto& array) {
+      std::memcpy(array.data(), values.data() + at, array.size() * sizeof(double));
+      at += array.size() * sizeof(double);
+    });
+    all.batch.set_state(i, state);
+    all.show(i);
+  });
+}
+
+int evo_sims_translate(evo_sims* sims, int32_t sim, size_t object, double x, double y) {
+  return change(sims, [&](evo_sims& all) {
+    const std::size_t i = all.checked(sim);
+    check_translation(all.object(object), x, y);
+    if (all.status[i] == EVO_SIM_UNSTABLE)
+      throw evo::error(Failure::usage, "simulation {} is unstable: all that is left is a reset",
+                       sim);
+    evo::State state = all.batch.state(i);
+    evo::translate(all.model, object, {x, y}, state);
+    all.batch.set_state(i, state);
+    all.show(i);
+  });
+}
+
+int evo_sims_object_count(const evo_sims* sims, size_t* count) {
+  return guarded([&] { target(count, "count") = object_of(sims).model.objects().size(); });
+}
+
+int evo_sims_object(const evo_sims* sims, size_t index, evo_sim_object* object, size_t size) {
+  return guarded([&] {
+    const evo_sims& all = object_of(sims);
+    const evo::ModelObject& found = all.object(index);
+    hand_over({found.name.c_str(), static_cast<std::size_t>(found.first_point),
+               static_cast<std::size_t>(found.points), all.actuators[index].first,
+               all.actuators[index].count},
+              object, size);
+  });
+}
+
+int evo_sims_orientation(const evo_sims* sims, size_t object, const double* positions,
+                         double* angles, size_t count) {
+  return guarded([&] {
+    const evo_sims& all = object_of(sims);
+    const evo::ModelObject& found = all.object(object);
+    if (positions == nullptr && count != all.count())
+      throw evo::error(Failure::usage, "{} angles are expected, not {}", all.count(), count);
+    target(angles, "angles");
+    const evo::PointRange points{found.first_point, found.points};
+    const auto own = static_cast<std::size_t>(all.model.points());
+    const std::vector<evo::Vec2> given =
+        points_of(positions, positions == nullptr ? 0 : count * own);
+    const std::span<const evo::Vec2> shown =
+        positions == nullptr ? std::span(all.positions) : given;
+    for (std::size_t i = 0; i < count; ++i)
+      angles[i] = evo::orientation(all.shapes[object], points.of(shown.subspan(i * own, own)));
+  });
+}
+
+int evo_sims_render(const evo_sims* sims, int32_t sim, const double* positions,
+                    const evo_view* view, size_t size, uint8_t* pixels, size_t bytes) {
+  return guarded([&] {
+    const evo_sims& all = object_of(sims);
+    const auto own = static_cast<std::size_t>(all.model.points());
+    const auto now = std::span<const evo::Vec2>(all.positions).subspan(all.checked(sim) * own, own);
+    draw(all.model, now, positions, nullptr, view, size, pixels, bytes);
+  });
+}
+
+// ---- worlds -----------------------------------------------------------------------------
+
+int evo_world_new(evo_world** world) {
+  return open(world, [] { return std::make_unique<evo_world>(); });
+}
+
+int evo_world_read(const char* file, evo_world** world) {
+  return open(world, [&] {
+    return std::make_unique<evo_world>(evo_world{evo::read_evogym_world(text_of(file, "file"))});
+  });
+}
+
+int evo_world_parse(const char* json, evo_world** world) {
+  return open(world, [&] {
+    const std::string text = text_of(json, "json");
+    return std::make_unique<evo_world>(
+        evo_world{evo::evogym_world_from_json(evo::parse_json(text, "world"), "world")});
+  });
+}
+
+void evo_world_free(evo_world* world) { close(world); }
+
+int evo_world_add(evo_world* world, const char* name, const uint8_t* voxels, int32_t rows,
+                  int32_t columns, const int32_t* links, size_t link_count, int32_t x, int32_t y) {
+  return guarded([&] {
+    evo::World& built = object_of(world).world;
+    const std::string called = text_of(name, "name");
+    if (called.empty()) throw evo::Error(Failure::usage, "an object needs a name");
+    for (const evo::Object& object : built.objects)
+      if (object.name == called)
+        throw evo::error(Failure::usage, "the world has an object '{}' already", called);
+    check_position(x, y);
+    evo::Object object{called, body_of(voxels, rows, columns, links, link_count), x, y};
+    if (const auto fault = evo::defect(object.body, false))
+      throw evo::error(Failure::usage, "object '{}': {}", called, *fault);
+    built.objects.push_back(std::move(object));
+  });
+}
+
+int evo_world_move(evo_world* world, const char* name, int32_t x, int32_t y) {
+  return guarded([&] {
+    const auto found = find_object(object_of(world).world, text_of(name, "name"));
+    check_position(x, y);
+    found->x = x;
+    found->y = y;
+  });
+}
+
+int evo_world_remove(evo_world* world, const char* name) {
+  return guarded([&] {
+    evo::World& built = object_of(world).world;
+    built.objects.erase(find_object(built, text_of(name, "name")));
+  });
+}
+
+int evo_world_json(const evo_world* world, char** json) {
+  return guarded([&] { give(evo::evogym_world_to_json(object_of(world).world), json, "json"); });
+}

@@ -1,0 +1,131 @@
+// Tasks and robots of evo/evo.h.
+#include <fmt/ranges.h>
+
+#include "bindings/c/handles.h"
+#include "formats/task/physics_profile.h"
+#include "formats/task/task.h"
+
+using namespace evo::c;  // NOLINT(google-build-using-namespace)
+using evo::Failure;
+
+namespace evo::c {
+
+std::unique_ptr<evo_task> task_of(TaskSpec spec) {
+  std::string yaml = task_to_yaml(spec);
+  std::string physics = physics_to_yaml(spec.physics);
+  return std::make_unique<evo_task>(evo_task{std::move(spec), std::move(yaml), std::move(physics)});
+}
+
+std::unique_ptr<evo_robots> list_of(std::vector<Robot> robots) {
+  std::vector<std::string> json;
+  for (const Robot& robot : robots) json.push_back(robot_to_line(robot));
+  return std::make_unique<evo_robots>(evo_robots{std::move(robots), std::move(json)});
+}
+
+const Robot& robot_at(const evo_robots& robots, std::size_t index) {
+  if (index >= robots.list.size())
+    throw error(Failure::usage, "there is no robot {}: the list has {}", index, robots.list.size());
+  return robots.list[index];
+}
+
+}  // namespace evo::c
+
+namespace {
+
+// A task's physics, and the text that says it.
+void change_physics(evo_task& task, const evo::Physics& physics) {
+  evo::TaskSpec changed = task.spec;
+  evo::set_physics(changed, physics);
+  task = *task_of(std::move(changed));
+}
+
+}  // namespace
+
+int evo_task_open(const char* name_or_file, evo_task** task) {
+  return open(task, [&] {
+    return task_of(evo::load_task(text_of(name_or_file, "name_or_file"), data_folders()));
+  });
+}
+
+int evo_task_parse(const char* yaml, const char* origin, evo_task** task) {
+  return open(task, [&] {
+    const std::string where = origin == nullptr ? "task" : origin;
+    return task_of(evo::parse_task(text_of(yaml, "yaml"), where,
+                                   std::filesystem::path(where).parent_path(), data_folders()));
+  });
+}
+
+int evo_task_copy(const evo_task* task, evo_task** copy) {
+  return open(copy, [&] { return task_of(object_of(task).spec); });
+}
+
+void evo_task_free(evo_task* task) { close(task); }
+
+int evo_task_set_physics(evo_task* task, const char* profile_or_file) {
+  return guarded([&] {
+    change_physics(object_of(task),
+                   evo::load_physics(text_of(profile_or_file, "profile_or_file"), data_folders()));
+  });
+}
+
+int evo_task_set(evo_task* task, const char* assignment) {
+  return guarded([&] {
+    evo::Physics physics = object_of(task).spec.physics;
+    evo::apply_override(physics, text_of(assignment, "assignment"));
+    change_physics(object_of(task), physics);
+  });
+}
+
+int evo_task_describe(const evo_task* task, evo_task_facts* facts, size_t size) {
+  return guarded([&] {
+    const auto& [spec, yaml, physics] = object_of(task);
+    hand_over({spec.name.c_str(), yaml.c_str(), spec.episode_steps, 0, spec.physics.min_target,
+               spec.physics.max_target, physics.c_str()},
+              facts, size);
+  });
+}
+
+int evo_task_names(char** names) {
+  return guarded([&] {
+    give(fmt::format("{}", fmt::join(evo::task_names(data_folders()), "\n")), names, "names");
+  });
+}
+
+int evo_robots_read(const char* file, evo_robots** robots) {
+  return open(robots, [&] { return list_of(evo::read_robots(text_of(file, "file"))); });
+}
+
+int evo_robots_parse(const char* text, evo_robots** robots) {
+  return open(robots, [&] { return list_of(evo::parse_robots(text_of(text, "text"), "robots")); });
+}
+
+int evo_robots_new(evo_robots** robots) {
+  return open(robots, [] { return list_of({}); });
+}
+
+int evo_robots_append(evo_robots* robots, const evo_robots* others, size_t index) {
+  return guarded([&] {
+    evo_robots& list = object_of(robots);
+    const evo::Robot robot = robot_at(object_of(others), index);
+    list.json.push_back(evo::robot_to_line(robot));
+    list.list.push_back(robot);
+  });
+}
+
+void evo_robots_free(evo_robots* robots) { close(robots); }
+
+int evo_robots_count(const evo_robots* robots, size_t* count) {
+  return guarded([&] { target(count, "count") = object_of(robots).list.size(); });
+}
+
+int evo_robots_describe(const evo_robots* robots, size_t index, evo_robot_facts* facts,
+                        size_t size) {
+  return guarded([&] {
+    const evo_robots& all = object_of(robots);
+    const evo::Robot& robot = robot_at(all, index);
+    static_assert(sizeof(evo::Voxel) == 1 && static_cast<int>(evo::Voxel::fixed) == EVO_FIXED);
+    hand_over({robot.id.c_str(), all.json[index].c_str(), robot.body.rows, robot.body.cols,
+               reinterpret_cast<const std::uint8_t*>(robot.body.cells.data())},
+              facts, size);
+  });
+}

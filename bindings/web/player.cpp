@@ -1,0 +1,332 @@
+#include "bindings/web/player.h"
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "formats/foreign/evogym.h"
+#include "formats/robot/robot.h"
+#include "formats/task/draft.h"
+#include "formats/task/pieces.h"
+#include "formats/task/task.h"
+#include "formats/training/controller_json.h"
+#include "libevo/base/overloaded.h"
+#include "libevo/body/operators.h"
+#include "training/episodes.h"
+
+namespace evo::web {
+namespace {
+
+bool begins_with(const std::string& text, char sign) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && text[first] == sign;
+}
+
+TaskSpec read_task(const std::string& text) {
+  if (begins_with(text, '{')) {
+    const World world = evogym_world_from_json(parse_json(text, "world"), "world");
+    return parse_task(draft_task(world, "world"), "the task of this world", {}, folders());
+  }
+  if (text.find('\n') == std::string::npos) return load_task(text, folders());
+  return parse_task(text, "task", {}, folders());
+}
+
+Robot one_robot(const std::string& text) {
+  std::vector<Robot> robots = parse_robots(text, "robot");
+  if (robots.empty()) throw Error(Failure::data, "robot: there is none in this text");
+  return std::move(robots.front());
+}
+
+std::string read_conditions_words(const std::vector<Condition>& when, const Physics& physics) {
+  return when.empty() ? std::string() : conditions_to_words(when, physics);
+}
+
+Json facts(const TaskSpec& task) {
+  Json observation = Json::array();
+  for (const ObservationPart& part : task.observation)
+    observation.push_back(part_to_words(part, task.physics));
+  Json reward = Json::array();
+  for (const RewardTerm& term : task.reward) {
+    const TermWords words = term_to_words(term.term, task.physics);
+    reward.push_back({{"formula", words.formula},
+                      {"words", words.words},
+                      {"weight", term.weight},
+                      {"when", read_conditions_words(term.when, task.physics)}});
+  }
+  Json rules = Json::array();
+  for (const Rule& rule : task.rules)
+    rules.push_back({{"when", conditions_to_words(rule.when, task.physics)},
+                     {"reward", rule.reward},
+                     {"ends", rule.terminate}});
+  return {{"name", task.name},
+          {"description", task.description},
+          {"difficulty", task.difficulty},
+          {"notes", task.notes},
+          {"steps", task.episode_steps},
+          {"yaml", task.source},
+          {"observation", observation},
+          {"reward", reward},
+          {"rules", rules},
+          {"folding", task.folding_reward},
+          {"random", !task.draws.empty() || task.goals.has_value()}};
+}
+
+// The same task with a part of its reward only.
+TaskSpec with_reward(TaskSpec task, std::vector<RewardTerm> terms, std::vector<Rule> rules) {
+  task.reward = std::move(terms);
+  task.rules = std::move(rules);
+  task.folding_reward = 0.0;
+  return task;
+}
+
+// What one part of the reward adds to the return.
+struct Share {
+  std::unique_ptr<Arena> arena;  // of the task with this part only
+  Episode episode;
+};
+
+enum class Ended { no, by_rule, by_time, with_sequence, folded };
+
+// Of evo_counts().
+enum Count : std::size_t { total, reward, steps, ended, folding, rules, terms };
+
+}  // namespace
+}  // namespace evo::web
+
+using namespace evo::web;  // NOLINT(google-build-using-namespace)
+
+struct evo_player {
+  evo_player(evo::TaskSpec task, evo::Robot robot_)
+      : robot(std::move(robot_)), arena(std::move(task), robot.body), env(arena, 1) {
+    const evo::TaskSpec& spec = arena.task();
+    shares.push_back(share(with_reward(spec, {}, spec.rules)));
+    for (const evo::RewardTerm& term : spec.reward)
+      shares.push_back(share(with_reward(spec, {term}, {})));
+    counts.resize(Count::terms + spec.reward.size());
+    targets.resize(static_cast<std::size_t>(arena.action_length()), 1.0);
+    controller = evo::travelling_wave(arena.action_length(), 0.0, 1.0, 0.0);
+    std::get<evo::SineController>(controller).middle = 1.0;
+  }
+
+  Share share(evo::TaskSpec task) const {
+    return {std::make_unique<evo::Arena>(std::move(task), robot.body), {}};
+  }
+
+  void control(const evo::Json& document) {
+    const evo::Json kind = document.is_object() ? document.value("kind", evo::Json()) : evo::Json();
+    const int actuators = arena.action_length();
+    if (kind == "wave") {
+      controller = evo::travelling_wave(actuators, document.at("amplitude").get<double>(),
+                                        document.at("period").get<double>(),
+                                        document.at("phase").get<double>());
+    } else if (kind == "rest") {
+      evo::SineController rest = evo::travelling_wave(actuators, 0.0, 1.0, 0.0);
+      rest.middle = 1.0;
+      controller = rest;
+    } else {
+      evo::TrainedController read = evo::controller_from_json(document, "controller");
+      check_lengths(read);
+      controller = std::move(read);
+      modular.reset();
+      if (const auto* policy = std::get_if<evo::ModularPolicy>(&controller))
+        modular.emplace(*policy, arena);
+    }
+  }
+
+  void check_lengths(const evo::TrainedController& read) const {
+    const auto require = [](const char* what, std::ptrdiff_t has, std::ptrdiff_t needs) {
+      if (has != needs)
+        throw evo::error(evo::Failure::data, "the controller has {} {}, robot and task need {}",
+                         has, what, needs);
+    };
+    const evo::Overloaded open_loop{
+        [&](const evo::SineController& sine) {
+          require("amplitudes", std::ssize(sine.amplitude), arena.action_length());
+          require("phases", std::ssize(sine.phase), arena.action_length());
+          if (!sine.shift.empty()) require("shifts", std::ssize(sine.shift), arena.action_length());
+        },
+        [&](const evo::ReplayController& sequence) {
+          require("actions a step", sequence.actuators, arena.action_length());
+        }};
+    std::visit(evo::Overloaded{
+                   [&](const evo::Policy& policy) {
+                     require("inputs", policy.observation_length(), arena.observation_length());
+                     require("outputs", policy.action_length(), arena.action_length());
+                     if (policy.base) std::visit(open_loop, *policy.base);
+                   },
+                   [&](const evo::ModularPolicy& policy) {
+                     (void)evo::ModularActor(policy, arena);  // refuses what does not fit
+                   },
+                   open_loop},
+               read);
+  }
+
+  void reset(std::uint64_t seed, std::uint64_t episode, double jitter,
+             const std::optional<evo::Draws>& draws) {
+    env.reset(0, {draws ? *draws : arena.draw(seed, episode), jitter,
+                  evo::derive_seed(seed, "jitter", episode)});
+    for (Share& each : shares) each.episode = {draws ? *draws : arena.draw(seed, episode), 0, 0};
+    std::fill(counts.begin(), counts.end(), 0.0);
+    std::fill(targets.begin(), targets.end(), 1.0);
+    look(now);
+  }
+
+  void look(evo::Snapshot& snapshot) const {
+    const auto positions = env.positions(0);
+    const auto velocities = env.velocities(0);
+    snapshot.positions.assign(positions.begin(), positions.end());
+    snapshot.velocities.assign(velocities.begin(), velocities.end());
+  }
+
+  void choose() {
+    const int t = env.steps(0);
+    std::visit(evo::Overloaded{[&](const evo::Policy& policy) {
+                                 evo::act(policy, env.observations(), {&t, 1}, targets, scratch);
+                               },
+                               [&](const evo::ModularPolicy&) {
+                                 modular->act(env, {&t, 1}, targets);
+                               },
+                               [&](const auto& open_loop) { evo::act(open_loop, t, targets); }},
+               controller);
+  }
+
+  bool over() const { return counts[Count::ended] != 0.0; }
+
+  void step() {
+    choose();
+    std::swap(before, now);
+    env.step(targets);
+    evo::require_stable(env);
+    look(now);
+    const bool folded = env.status(0) == evo::LaneStatus::self_folding;
+    counts[Count::reward] = env.rewards()[0];
+    counts[Count::total] += env.rewards()[0];
+    counts[Count::steps] = env.steps(0);
+    if (folded) counts[Count::folding] += arena.task().folding_reward;
+    for (std::size_t i = 0; i < shares.size(); ++i)
+      counts[Count::rules + i] +=
+          evo::judge(*shares[i].arena, env.model(0), shares[i].episode, before, now, folded).reward;
+    counts[Count::ended] = static_cast<double>(how_it_ended(folded));
+  }
+
+  Ended how_it_ended(bool folded) const {
+    if (folded) return Ended::folded;
+    if (env.terminated()[0] != 0) return Ended::by_rule;
+    if (env.truncated()[0] != 0) return Ended::by_time;
+    const auto* sequence = std::get_if<evo::ReplayController>(&controller);
+    if (sequence != nullptr && env.steps(0) >= sequence->steps()) return Ended::with_sequence;
+    return Ended::no;
+  }
+
+  evo::Robot robot;
+  evo::Arena arena;
+  evo::VecEnv env;
+  evo::TrainedController controller;
+  evo::NetworkScratch scratch;
+  std::optional<evo::ModularActor> modular;  // of `controller`, where it is one
+  std::vector<Share> shares;                 // of the rules, then of each term
+  evo::Snapshot before;
+  evo::Snapshot now;
+  std::vector<double> targets;
+  std::vector<double> counts;
+};
+
+int evo_robot(const char* text) {
+  return guarded([&] { answer() = evo::robot_to_line(one_robot(text)); });
+}
+
+int evo_sample(int rows, int columns, std::uint32_t seed) {
+  return guarded([&] {
+    evo::Stream stream(seed, "page/sample");
+    answer() = evo::robot_to_line(
+        evo::Robot(evo::sample_body(rows, columns, evo::default_weights, stream)));
+  });
+}
+
+int evo_mutate(const char* robot, double rate, std::uint32_t seed) {
+  return guarded([&] {
+    const evo::Robot parent = one_robot(robot);
+    evo::Stream stream(seed, "page/mutate");
+    evo::MutationSettings settings;
+    settings.rate = rate;
+    const std::optional<evo::Body> child = evo::mutate(parent.body, settings, stream);
+    answer() = evo::robot_to_line(child ? evo::Robot(*child) : parent);
+  });
+}
+
+int evo_task(const char* task) {
+  return guarded([&] { answer() = evo::compact(facts(read_task(task))); });
+}
+
+evo_player* evo_open(const char* task, const char* robot) {
+  evo_player* opened = nullptr;
+  guarded(
+      [&] { opened = std::make_unique<evo_player>(read_task(task), one_robot(robot)).release(); });
+  return opened;
+}
+
+void evo_close(evo_player* player) { delete player; }  // NOLINT(cppcoreguidelines-owning-memory)
+
+int evo_describe(const evo_player* player) {
+  return guarded([&] {
+    const evo::Arena& arena = player->arena;
+    const evo::Model& model = arena.model();
+    evo::Json objects = evo::Json::array();
+    for (const evo::ModelObject& object : model.objects())
+      objects.push_back({{"name", object.name},
+                         {"first", object.first_point},
+                         {"points", object.points},
+                         {"static", object.is_static}});
+    evo::Json cells = evo::Json::array();
+    for (const evo::ModelCell& cell : model.cells())
+      cells.push_back({cell.object, std::string(1, evo::letter(cell.type)), cell.points[0],
+                       cell.points[1], cell.points[2], cell.points[3]});
+    evo::Json terms = evo::Json::array();
+    for (const evo::RewardTerm& term : arena.task().reward)
+      terms.push_back(evo::term_to_words(term.term, arena.task().physics).formula);
+    answer() = evo::compact({{"task", arena.task().name},
+                             {"robot", evo::parse_json(evo::robot_to_line(player->robot), "robot")},
+                             {"steps", arena.task().episode_steps},
+                             {"actuators", arena.action_length()},
+                             {"observation", arena.observation_length()},
+                             {"points", model.points()},
+                             {"voxel", arena.task().physics.voxel_length},
+                             {"objects", objects},
+                             {"cells", cells},
+                             {"follow", arena.task().follow},
+                             {"terms", terms}});
+  });
+}
+
+int evo_control(evo_player* player, const char* controller) {
+  return guarded([&] { player->control(evo::parse_json(controller, "controller")); });
+}
+
+int evo_reset(evo_player* player, std::uint32_t seed, std::uint32_t episode, double jitter,
+              const char* draws) {
+  return guarded([&] {
+    std::optional<evo::Draws> given;
+    if (draws != nullptr)
+      given = evo::draws_from_json(evo::parse_json(draws, "draws"), player->arena.task(), "draws");
+    player->reset(seed, episode, jitter, given);
+  });
+}
+
+int evo_step(evo_player* player, int most) {
+  return guarded([&] {
+    for (int taken = 0; taken < most && !player->over(); ++taken) player->step();
+  });
+}
+
+const double* evo_positions(const evo_player* player) {
+  return reinterpret_cast<const double*>(player->env.positions(0).data());
+}
+const double* evo_targets(const evo_player* player) { return player->targets.data(); }
+const double* evo_observation(const evo_player* player) {
+  return player->env.observations().data();
+}
+const double* evo_counts(const evo_player* player) { return player->counts.data(); }

@@ -1,0 +1,480 @@
+#include "render/report/cards.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "formats/io/values.h"
+#include "render/report/choice.h"
+#include "render/report/markup.h"
+#include "render/report/verdict.h"
+
+namespace evo::report {
+namespace {
+
+constexpr std::size_t changes_listed = 4;  // of one mutation, in words
+constexpr std::array kinds{Voxel::rigid, Voxel::soft, Voxel::horizontal, Voxel::vertical};
+
+}  // namespace
+
+std::string purpose_in_words(const Run& run) {
+  std::string purpose = run.purpose;
+  while (!purpose.empty() && purpose.back() == '.') purpose.pop_back();
+  if (!purpose.empty() && purpose.front() >= 'A' && purpose.front() <= 'Z')
+    purpose.front() = static_cast<char>(purpose.front() - 'A' + 'a');
+  return purpose;
+}
+
+// ---- the verdict ------------------------------------------------------------------------
+
+std::string verdict_card(const Run& run) {
+  const Verdict verdict = judge(run);
+  const char* look = verdict.level == Verdict::Level::good    ? "good"
+                     : verdict.level == Verdict::Level::doubt ? "doubt"
+                                                              : "bad";
+  std::string html = fmt::format("<section class=\"card verdict {}\">\n<h3>{}</h3>\n<p>{}</p>\n",
+                                 look, escape(verdict.headline),
+                                 escape(fmt::format("{}", fmt::join(verdict.sentences, " "))));
+  return html + "</section>\n";
+}
+
+std::string next_card(const Run& run, const std::string& anchor) {
+  const Verdict verdict = judge(run);
+  if (verdict.commands.empty()) return "";
+  std::string html = "<section class=\"card\">\n" +
+                     heading(anchor + "-next", "What to do next",
+                             "Commands for the folder in which this page was made.");
+  for (const Verdict::Command& command : verdict.commands)
+    html += fmt::format(
+        "<div class=\"command\"><span>{0}</span><code>{1}</code><button type=\"button\" "
+        "data-copy=\"{1}\" aria-label=\"Copy: {0}\">Copy</button></div>\n",
+        escape(command.why), escape(command.line));
+  return html + "</section>\n";
+}
+
+namespace {
+
+// ---- about a run -----------------------------------------------------------------------
+
+bool finished(const Run& run) {
+  const auto wanted = run.evaluations();
+  return wanted && run.robots.size() >= *wanted;
+}
+
+}  // namespace
+
+std::string badge(const Run& run) {
+  return finished(run) ? "<span class=\"badge\">finished</span>"
+                       : "<span class=\"badge open\">unfinished</span>";
+}
+
+std::string trained(const Run& run) {
+  const auto wanted = run.evaluations();
+  return wanted ? fmt::format("{} <small>of {}</small>", run.robots.size(), *wanted)
+                : fmt::to_string(run.robots.size());
+}
+
+namespace {
+
+long long training_steps(const Run& run) {
+  long long steps = 0;
+  for (const Entry& entry : run.robots) steps += entry.robot.steps().value_or(0);
+  return steps;
+}
+
+std::string tile(const std::string& name, const std::string& value) {
+  return fmt::format("<div class=\"tile\"><dt>{}</dt><dd>{}</dd></div>\n", name, value);
+}
+
+std::string duration(double seconds) {
+  constexpr double minute = 60;
+  constexpr double hour = 60 * minute;
+  if (seconds < 2 * minute) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 2 * hour) return fmt::format("{:.0f} min", seconds / minute);
+  return fmt::format("{:.1f} h", seconds / hour);
+}
+
+}  // namespace
+
+std::string tiles(const Run& run) {
+  std::string html = "<dl class=\"tiles\">\n";
+  html +=
+      tile("best fitness", run.champion ? shown(run.robots[*run.champion].fitness) : "none yet");
+  html += tile("robots trained", trained(run));
+  html += tile("generations", fmt::to_string(run.generations.size()));
+  html += tile("failed trainings", fmt::to_string(run.failures()));
+  html += tile("training steps", grouped(training_steps(run)));
+  if (run.seconds > 0) {
+    const auto elapsed = static_cast<double>(run.ended - run.began);
+    html += tile("training time of one core",
+                 duration(run.seconds) +
+                     (elapsed > 0 ? " <small>within " + duration(elapsed) + "</small>" : ""));
+  }
+  return html + "</dl>\n";
+}
+
+namespace {
+
+std::string kinds_of(const Body& body) {
+  std::vector<std::string> parts;
+  for (const Voxel kind : kinds)
+    if (const auto count = std::count(body.cells.begin(), body.cells.end(), kind); count > 0)
+      parts.push_back(
+          fmt::format("<span class=\"part\"><span class=\"swatch {0}\"></span>{1} {0}</span>",
+                      kind_name(kind), count));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+// ---- the champion ------------------------------------------------------------------------
+
+// Both themes; the style sheet shows one.
+std::string still_pictures(const Film& film) {
+  const auto image = [](const char* theme, const std::string& svg) {
+    return fmt::format(
+        "<img class=\"film {}\" src=\"{}\" alt=\"The way of the champion at its task, six moments "
+        "of it\">\n",
+        theme, data_uri("image/svg+xml", svg));
+  };
+  return image("light", film.light) + image("dark", film.dark);
+}
+
+std::string champion_facts(const Run& run) {
+  const Entry& entry = run.robots[*run.champion];
+  const Body& body = entry.robot.body;
+  std::string facts = "<dl class=\"facts\">\n";
+  facts += fact("id", fmt::format("<span class=\"id\">{}</span>", entry.robot.id));
+  facts += fact("fitness", shown(entry.fitness));
+  if (const auto& score = entry.training.final_score)
+    facts += fact("from perturbed starts",
+                  fmt::format("{} (mean of {}, standard error)",
+                              with_error(score->mean, score->standard_error),
+                              count_of(static_cast<std::size_t>(score->episodes), "episode")));
+  facts += fact("trained as", fmt::format("robot {} of the run, in generation {}",
+                                          *run.champion + 1, entry.generation));
+  facts += fact("body", fmt::format("{}&times;{}, {}: {}", body.rows, body.cols,
+                                    count_of(static_cast<std::size_t>(count_voxels(body)), "voxel"),
+                                    kinds_of(body)));
+  return facts + "</dl>\n";
+}
+
+// "In 9.9 s it moves 98 voxels to the right; goal reached: robot beyond x = 99. "
+std::string what_happened(const Json& replay) {
+  constexpr double steps_a_second = 50.0;  // as the page plays them
+  constexpr int far = 5;                   // voxels; less is no travel
+  const double seconds = replay["steps"].get<double>() / steps_a_second;
+  const auto moved = std::lround(replay["moved"].get<double>());
+  const std::string way = std::abs(moved) < far
+                              ? fmt::format("Its episode lasts {:.3g} s", seconds)
+                              : fmt::format("In {:.3g} s it moves {} voxels to the {}", seconds,
+                                            std::abs(moved), moved > 0 ? "right" : "left");
+  return fmt::format("{}; {}. ", way, replay["ending"].get<std::string>());
+}
+
+// For whoever sees such a page for the first time.
+std::string introduction(const Run& run) {
+  const std::string purpose = purpose_in_words(run);
+  const std::string task = run.setting("task");
+  const std::size_t tried = run.robots.size();
+  std::string text = fmt::format(
+      "This robot was evolved {}: {}. ", purpose.empty() ? "for " + task : "to " + purpose,
+      tried == 1
+          ? "the only one tried"
+          : fmt::format("the best of {} that were tried", grouped(static_cast<long long>(tried))));
+  if (const auto replay = run.replays.find(*run.champion); replay != run.replays.end())
+    text += what_happened(replay->second);
+  const Entry& champion = run.robots[*run.champion];
+  return text + fmt::format("Its fitness, {}, is what {} paid it {}.", shown(champion.fitness),
+                            purpose.empty() ? "the task" : "the task " + task,
+                            champion.sharing ? "with the controller of all robots"
+                                             : "in its best episode during training");
+}
+
+}  // namespace
+
+std::string champion_card(const Run& run, const std::string& anchor, Page& page) {
+  const Robot& robot = run.robots[*run.champion].robot;
+  const bool moving = run.replays.contains(*run.champion);
+  std::string html =
+      "<section class=\"card\">\n" +
+      fmt::format(
+          "<h3 id=\"{}-champion\">Champion</h3>\n<p class=\"introduction\">{}</p>\n"
+          "<p class=\"about on-screen\">Every picture of a robot opens its card, where it "
+          "moves, if wanted beside its parent. Commands to go on with are at the end.</p>\n",
+          anchor, escape(introduction(run)));
+  html += fmt::format("<div class=\"champion{}\">\n", moving ? "" : " still");
+  if (moving)
+    html += stage({{anchor, robot.id, "The champion"}}) + "<div>" + page.link(robot, anchor);
+  else
+    html += fmt::format("<div>{}</div>\n<div>", page.link(robot, anchor));
+  html += champion_facts(run) + "</div>\n</div>\n";
+  if (run.film) html += "<div class=\"scroll\">\n" + still_pictures(*run.film) + "</div>\n";
+  return html + "</section>\n";
+}
+
+namespace {
+
+// ---- the evolution sheet -------------------------------------------------------------------
+
+std::string sheet_cell(const Run& run, const Generation& generation, std::size_t place,
+                       const std::string& anchor, Page& page) {
+  const std::size_t robot = generation.members[place];
+  const Entry& entry = run.robots[robot];
+  const bool champion = robot == run.champion;
+  return fmt::format("<a class=\"{}{}\" href=\"#{}-{}\">{}{}</a>",
+                     entry.generation == generation.number ? "new" : "kept",
+                     champion ? " best" : "", anchor, entry.robot.id, page.body(entry.robot),
+                     shown(generation.scores[place]));
+}
+
+std::string sheet_column(const Run& run, const SheetColumn& chosen, const std::string& anchor,
+                         Page& page) {
+  const Generation& generation = *chosen.generation;
+  const bool partial = generation.members.size() < generation.planned;
+  std::string column = fmt::format(
+      "<li class=\"generation\"><b>{}{}</b>", generation.number,
+      partial ? fmt::format(" ({}/{})", generation.members.size(), generation.planned) : "");
+  for (const std::size_t place : chosen.best)
+    column += sheet_cell(run, generation, place, anchor, page);
+  return column + "</li>\n";
+}
+
+}  // namespace
+
+std::string evolution_card(const Run& run, const std::string& anchor, Page& page) {
+  const std::vector<SheetColumn> generations = sheet(run);
+  std::string columns = "<li class=\"ranks\"><b>generation</b><span>best</span>";
+  for (std::size_t rank = 2; rank <= sheet_rows; ++rank)
+    columns += fmt::format("<span>{}.</span>", rank);
+  columns += "</li>\n";
+  for (const SheetColumn& generation : generations)
+    columns += sheet_column(run, generation, anchor, page);
+  const std::string some =
+      generations.size() < run.generations.size() ? " Not every generation is shown." : "";
+  return fmt::format(
+      "<section class=\"card long\">\n{}<div class=\"scroll\"><ol class=\"sheet\">\n{}</ol></div>\n"
+      "</section>\n",
+      heading(anchor + "-evolution", "Evolution",
+              "The best four robots of each generation, with what they earned in it. A frame marks "
+              "robots that "
+              "were new in their generation, a coloured one the champion." +
+                  some),
+      columns);
+}
+
+namespace {
+
+// ---- the lineage ------------------------------------------------------------------------------
+
+std::string change_list(const std::vector<Change>& changed) {
+  std::string items;
+  for (std::size_t k = 0; k < std::min(changed.size(), changes_listed); ++k)
+    items += fmt::format(
+        "<li><span class=\"swatch {0}\"></span>{0} &rarr; "
+        "<span class=\"swatch {1}\"></span>{1}</li>",
+        kind_name(changed[k].before), kind_name(changed[k].after));
+  if (changed.size() > changes_listed)
+    items += fmt::format("<li>and {} more</li>", changed.size() - changes_listed);
+  return items;
+}
+
+std::string gain(double difference) {
+  return fmt::format("<span class=\"{}\">{:+.3g}</span>", difference < 0 ? "down" : "up",
+                     difference);
+}
+
+// What the robot has from its parent and what it has not.
+std::string descent(const Run& run, const Entry& child, const Entry& from,
+                    const std::optional<std::vector<Change>>& changed) {
+  std::string html;
+  if (child.fitness && from.fitness) html += " " + gain(*child.fitness - *from.fitness);
+  html += "<ul>";
+  if (!changed) {
+    html += "<li>another size</li>";
+  } else {
+    html += fmt::format("<li>{} changed</li>", count_of(changed->size(), "voxel"));
+    html += change_list(*changed);
+  }
+  for (const std::string& id : child.robot.parents())
+    if (id != from.robot.id)
+      html += fmt::format("<li>{} <span class=\"id\">{}</span></li>",
+                          run.by_id.contains(id) ? "also from" : "also from, not in this run,",
+                          escape(id));
+  return html + "</ul>";
+}
+
+std::string lineage_step(const Run& run, const Entry& entry, const Entry* from,
+                         const std::string& anchor, Page& page) {
+  std::optional<std::vector<Change>> changed;
+  if (from != nullptr) changed = changes(from->robot.body, entry.robot.body);
+  const std::string moving = run.replays.contains(run.by_id.at(entry.robot.id))
+                                 ? fmt::format(
+                                       "<canvas class=\"ancestor\" data-robot=\"{0}\" role=\"img\" "
+                                       "aria-label=\"robot {0} moving\"></canvas>",
+                                       entry.robot.id)
+                                 : "";
+  return fmt::format(
+      "<li><div class=\"step\"><a href=\"#{}-{}\">{}{}</a><div><span class=\"score\">{}</span>{}"
+      "<div class=\"note\">generation {}</div></div></div></li>\n",
+      anchor, entry.robot.id, moving,
+      page.body(entry.robot, changed.value_or(std::vector<Change>{})), shown(entry.fitness),
+      from != nullptr ? descent(run, entry, *from, changed) : "", entry.generation);
+}
+
+}  // namespace
+
+std::string lineage_card(const Run& run, const std::string& anchor, Page& page) {
+  const std::vector<std::size_t> line = lineage(run, *run.champion);
+  std::string html = "<section class=\"card long\">\n";
+  if (line.size() == 1) {
+    html += heading(anchor + "-lineage", "Lineage of the champion",
+                    run.robots[line[0]].robot.parents().empty()
+                        ? "It has no parents: it was drawn anew, not made from another robot."
+                        : "Its parents are not in this run.");
+  } else {
+    html += heading(anchor + "-lineage", "Lineage of the champion",
+                    fmt::format("{} from the first ancestor. Voxels that differ from the robot "
+                                "before are outlined, and flash while it moves; the gain in "
+                                "fitness stands below.",
+                                count_of(line.size() - 1, "step")));
+  }
+  html += fmt::format("<ol class=\"line\" data-run=\"{}\">\n", anchor);
+  for (std::size_t k = 0; k < line.size(); ++k)
+    html += lineage_step(run, run.robots[line[k]], k > 0 ? &run.robots[line[k - 1]] : nullptr,
+                         anchor, page);
+  return html + "</ol>\n<div class=\"replay\"></div>\n</section>\n";
+}
+
+namespace {
+
+// ---- all robots -----------------------------------------------------------------------
+
+// The number of a genome's genes; nothing for robots without genome.
+std::optional<std::size_t> genes(const Robot& robot, const char* which) {
+  const auto genome = robot.document.find("genome");
+  if (genome == robot.document.end() || !genome->is_object()) return std::nullopt;
+  const auto list = genome->find(which);
+  if (list == genome->end() || !list->is_array()) return std::nullopt;
+  return list->size();
+}
+
+std::string optional_cell(const std::optional<std::size_t>& value) {
+  return value ? cell(*value) : cell("", "");
+}
+
+std::optional<std::size_t> voxels_changed(const Run& run, std::size_t robot) {
+  const auto from = parent(run, robot);
+  if (!from) return std::nullopt;
+  const auto changed = changes(run.robots[*from].robot.body, run.robots[robot].robot.body);
+  return changed ? std::optional(changed->size()) : std::nullopt;
+}
+
+std::string robot_row(const Run& run, std::size_t number, bool has_genomes,
+                      const std::string& anchor, Page& page) {
+  const Entry& entry = run.robots[number];
+  const Body& body = entry.robot.body;
+  std::string row = fmt::format("<tr id=\"{}-{}\"{}>", anchor, entry.robot.id,
+                                number == run.champion ? " class=\"champion-row\"" : "");
+  row += fmt::format("<td>{}</td>", page.link(entry.robot, anchor));
+  row += entry.fitness ? fitness_cell(entry.fitness)
+                       : cell("", "failed: " + escape(entry.failure), "n failed");
+  const auto& score = entry.training.final_score;
+  row += score ? cell(fmt::to_string(score->mean), with_error(score->mean, score->standard_error))
+               : cell("", "");
+  row += cell(number + 1);
+  row += cell(static_cast<std::size_t>(entry.generation));
+  row += cell(static_cast<std::size_t>(count_voxels(body)));
+  row += cell(static_cast<std::size_t>(count_actuators(body)));
+  for (const Voxel kind : kinds)
+    row += cell(static_cast<std::size_t>(std::count(body.cells.begin(), body.cells.end(), kind)));
+  row += optional_cell(voxels_changed(run, number));
+  if (has_genomes)
+    row += optional_cell(genes(entry.robot, "nodes")) +
+           optional_cell(genes(entry.robot, "connections"));
+  row += cell(entry.robot.id, "<span class=\"id\">" + entry.robot.id + "</span>", "");
+  return row + "</tr>\n";
+}
+
+}  // namespace
+
+std::string which_robots(const Run& run) {
+  const std::size_t count = run.robots.size();
+  if (run.shown.size() == count) return count_of(count, "robot");
+  return fmt::format(
+      "{} of {} robots: the fittest, the champion&rsquo;s ancestors, those that were the best "
+      "when they came, and others evenly spread over the run (all of them: "
+      "<code>evo-report --robots {}</code>, or history.jsonl)",
+      grouped(static_cast<long long>(run.shown.size())), grouped(static_cast<long long>(count)),
+      count);
+}
+
+std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
+  const bool has_genomes =
+      std::any_of(run.robots.begin(), run.robots.end(),
+                  [](const Entry& entry) { return genes(entry.robot, "nodes").has_value(); });
+  std::vector<Column> columns{{"robot", "", nullptr},
+                              {"fitness", "n", "descending", true},
+                              {"perturbed starts"},
+                              {"number", "n", "ascending"},
+                              {"generation", "n", "ascending"},
+                              {"voxels"},
+                              {"actuators"},
+                              {"rigid"},
+                              {"soft"},
+                              {"horizontal"},
+                              {"vertical"},
+                              {"changed"}};
+  if (has_genomes) columns.insert(columns.end(), {{"nodes"}, {"links"}});
+  columns.push_back({"id", "", "ascending"});
+  std::string rows;
+  for (const std::size_t k : ranked(run))
+    if (run.shows(k)) rows += robot_row(run, k, has_genomes, anchor, page);
+  return fmt::format(
+      "<section class=\"card long\">\n{}<div class=\"scroll\">"
+      "<table class=\"data robots sortable\">\n{}<tbody>\n{}</tbody></table></div>\n</section>\n",
+      heading(
+          anchor + "-robots", run.shown.size() < run.robots.size() ? "Robots" : "All robots",
+          fmt::format("{}. A click on a heading sorts by it, one on a robot opens its card. "
+                      "&ldquo;Perturbed starts&rdquo; is the mean return from slightly "
+                      "moved starts, with its standard error. Numbers are the order of training, "
+                      "generations where a robot was new; &ldquo;changed&rdquo; counts the "
+                      "voxels that differ from its parent{}.",
+                      which_robots(run),
+                      has_genomes ? ", nodes and links the genes of its network" : "")),
+      table_head(columns), rows);
+}
+
+// ---- settings -------------------------------------------------------------------------
+
+std::string settings_card(const std::vector<const Run*>& runs) {
+  std::vector<std::string> names;
+  for (const Run* run : runs)
+    for (const Setting& setting : run->settings)
+      if (std::find(names.begin(), names.end(), setting.name) == names.end())
+        names.push_back(setting.name);
+  std::string head;
+  if (runs.size() > 1) {
+    head = "<thead><tr><th>setting</th>";
+    for (const Run* run : runs) head += "<th>" + escape(run->label) + "</th>";
+    head += "</tr></thead>\n";
+  }
+  std::string rows;
+  for (const std::string& name : names) {
+    std::set<std::string> values;
+    std::string cells;
+    for (const Run* run : runs) {
+      const std::string value = run->setting(name);
+      values.insert(value);
+      cells += fmt::format("<td class=\"wrap\">{}</td>", value.empty() ? "&ndash;" : escape(value));
+    }
+    rows += fmt::format("<tr{}><td>{}</td>{}</tr>\n", values.size() > 1 ? " class=\"differs\"" : "",
+                        escape(name), cells);
+  }
+  return fmt::format(
+      "<section class=\"card\">\n<h3 id=\"settings\">Settings</h3>\n<div class=\"scroll\">"
+      "<table class=\"data\">\n{}<tbody>\n{}</tbody></table></div>\n</section>\n",
+      head, rows);
+}
+
+}  // namespace evo::report

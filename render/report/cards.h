@@ -1,0 +1,31 @@
+// The sections about one run, each a card on the page.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/report/parts.h"
+
+namespace evo::report {
+
+// "walk to the right over flat ground"; empty where no policy says it.
+std::string purpose_in_words(const Run& run);
+
+// What the run says.
+std::string verdict_card(const Run& run);
+// Commands that go on from it; nothing where there are none.
+std::string next_card(const Run& run, const std::string& anchor);
+// The figures of a run in one row.
+std::string tiles(const Run& run);
+std::string badge(const Run& run);    // finished or not
+std::string trained(const Run& run);  // "24 of 250"
+
+std::string champion_card(const Run& run, const std::string& anchor, Page& page);
+// The best robots of every generation.
+std::string evolution_card(const Run& run, const std::string& anchor, Page& page);
+std::string lineage_card(const Run& run, const std::string& anchor, Page& page);
+std::string robots_card(const Run& run, const std::string& anchor, Page& page);
+// A row a setting, a column a run; rows in which runs differ stand out.
+std::string settings_card(const std::vector<const Run*>& runs);
+
+}  // namespace evo::report

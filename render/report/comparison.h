@@ -1,0 +1,39 @@
+// Which method finds the fitter robots, and how sure that is.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/report/repetitions.h"
+#include "render/report/statistics.h"
+
+namespace evo::report {
+
+// Of one method, over its runs. Runs count as far as the shortest of all goes.
+struct MethodResult {
+  Repetitions group;
+  std::vector<double> best;  // fitness, a run each; only of runs in which a robot has one
+  double median = 0.0;
+  Interval interval;  // of the median, 95 %
+  // Against the method with the highest median; of itself 0.5 and 1.
+  double leader_ahead = 0.5;  // how often one of its runs is better than one of these
+  double p = 1.0;             // of the rank test, corrected for the number of methods
+  // Robots until half of its runs had Comparison::target; nothing: fewer have it.
+  std::optional<std::size_t> needed;
+};
+
+struct Comparison {
+  std::size_t robots = 0;             // of each run that count
+  double target = 0.0;                // the lowest of the medians
+  std::vector<MethodResult> methods;  // the highest median first; those with a fitness
+  std::string headline;
+  std::vector<std::string> sentences;
+};
+
+// Of runs on one task.
+Comparison compare(const std::vector<const Run*>& runs);
+
+inline constexpr double significant = 0.05;
+
+}  // namespace evo::report

@@ -1,0 +1,40 @@
+// Pieces of HTML and SVG. Everything that comes from a file goes through escape().
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "libevo/body/body.h"
+#include "render/report/lineage.h"
+
+namespace evo::report {
+
+// Text for an element or a quoted attribute.
+std::string escape(std::string_view text);
+
+// "data:<media type>;base64,<bytes>"
+std::string data_uri(const std::string& media_type, std::string_view bytes);
+
+// {{name}} in `page` replaced by values[name]; values are not searched again.
+// Throws std::logic_error for a name without value.
+std::string fill(std::string_view page, const std::map<std::string, std::string>& values);
+
+// Four significant digits, for people; "failed" for nothing.
+std::string shown(const std::optional<double>& fitness);
+// "9.99 ± 0.22": both to the second digit of the error.
+std::string with_error(double value, double error);
+
+// "rigid"; "empty".
+const char* kind_name(Voxel voxel);
+
+// The body once for the whole page, to be drawn by picture(). Voxels of a kind
+// are one path, so that a body is a few hundred bytes.
+std::string symbol(const std::string& id, const Body& body);
+// A drawing of it, `changed` cells outlined.
+std::string picture(const std::string& id, const Body& body,
+                    const std::vector<Change>& changed = {});
+
+}  // namespace evo::report

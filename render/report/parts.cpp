@@ -1,0 +1,71 @@
+#include "render/report/parts.h"
+
+#include <fmt/format.h>
+
+#include "render/report/markup.h"
+
+namespace evo::report {
+
+std::string Page::body(const Robot& robot, const std::vector<Change>& changed) {
+  if (drawn.insert(robot.id).second) symbols += symbol(robot.id, robot.body);
+  return picture(robot.id, robot.body, changed);
+}
+
+std::string Page::link(const Robot& robot, const std::string& anchor,
+                       const std::vector<Change>& changed) {
+  return fmt::format("<a class=\"to-robot\" href=\"#{}-{}\">{}</a>", anchor, robot.id,
+                     body(robot, changed));
+}
+
+std::string Page::chart(Json data, const std::string& run, const std::string& name,
+                        const std::string& look) {
+  const std::string key = fmt::format("chart-{}", charts.size() + 1);
+  charts[key] = std::move(data);
+  return fmt::format(
+      "<div class=\"chart {}\" data-chart=\"{}\" data-run=\"{}\" data-name=\"{}\"></div>\n", look,
+      key, run, escape(name));
+}
+
+void Page::navigate(const std::string& anchor, const std::string& text) {
+  navigation += fmt::format("<a href=\"#{}\">{}</a>\n", anchor, escape(text));
+}
+
+std::string stage(const std::vector<Actor>& cast) {
+  Json list = Json::array();
+  for (const Actor& actor : cast) list.push_back({actor.anchor, actor.id, actor.name});
+  return fmt::format("<div class=\"replay\" data-cast=\"{}\"></div>\n", escape(compact(list)));
+}
+
+std::string heading(const std::string& id, const std::string& title, const std::string& about) {
+  return fmt::format("<h3{}>{}</h3>\n<p class=\"about\">{}</p>\n",
+                     id.empty() ? "" : fmt::format(" id=\"{}\"", id), title, about);
+}
+
+std::string count_of(std::size_t count, const std::string& thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
+std::string fact(const std::string& name, const std::string& html) {
+  return fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, html);
+}
+
+std::string cell(const std::string& sort_value, const std::string& html, const std::string& look) {
+  return fmt::format("<td class=\"{}\" data-v=\"{}\">{}</td>", look, escape(sort_value), html);
+}
+std::string cell(std::size_t value) { return cell(fmt::to_string(value), fmt::to_string(value)); }
+std::string fitness_cell(const std::optional<double>& fitness) {
+  return cell(fitness ? fmt::to_string(*fitness) : "", shown(fitness), "n fitness");
+}
+
+std::string table_head(const std::vector<Column>& columns) {
+  std::string head = "<thead><tr>";
+  for (const Column& column : columns) {
+    head += fmt::format("<th class=\"{}\"", column.look);
+    if (column.first_order != nullptr) head += fmt::format(" data-sort=\"{}\"", column.first_order);
+    if (column.sorted) head += fmt::format(" aria-sort=\"{}\"", column.first_order);
+    head += fmt::format(">{}</th>", column.name);
+  }
+  return head + "</tr></thead>\n";
+}
+
+}  // namespace evo::report

@@ -1,0 +1,60 @@
+// The page under construction, and the pieces its sections are made of.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "render/report/lineage.h"
+#include "render/report/run.h"
+
+namespace evo::report {
+
+struct Page {
+  std::string symbols;
+  std::set<std::string> drawn;  // ids that have a symbol
+  std::string sections;
+  std::string navigation;
+  Json charts = Json::object();
+  Json runs = Json::object();  // what report.js knows of robots, by the anchors of runs
+
+  // A picture, whose symbol is there after the first use.
+  std::string body(const Robot& robot, const std::vector<Change>& changed = {});
+  // The same, leading to the robot's card.
+  std::string link(const Robot& robot, const std::string& anchor,
+                   const std::vector<Change>& changed = {});
+  // The place where report.js draws the chart; saved files are called `name`.
+  std::string chart(Json data, const std::string& run, const std::string& name,
+                    const std::string& look = "");
+  void navigate(const std::string& anchor, const std::string& text);
+};
+
+// The place where report.js plays episodes side by side.
+struct Actor {
+  std::string anchor;  // of its run
+  std::string id;
+  std::string name;  // as the page calls it
+};
+std::string stage(const std::vector<Actor>& cast);
+
+std::string heading(const std::string& id, const std::string& title, const std::string& about);
+std::string count_of(std::size_t count, const std::string& thing);
+std::string fact(const std::string& name, const std::string& html);
+
+// ---- tables -------------------------------------------------------------------------
+
+// A cell with what it is sorted by; empty sorts last.
+std::string cell(const std::string& sort_value, const std::string& html,
+                 const std::string& look = "n");
+std::string cell(std::size_t value);
+std::string fitness_cell(const std::optional<double>& fitness);
+
+struct Column {
+  const char* name;
+  const char* look = "n";
+  const char* first_order = "descending";  // nothing: not to be sorted by
+  bool sorted = false;                     // in that order, as it is
+};
+std::string table_head(const std::vector<Column>& columns);
+
+}  // namespace evo::report

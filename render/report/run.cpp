@@ -1,0 +1,200 @@
+#include "render/report/run.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+#include <string_view>
+
+#include "formats/rollout/rollout.h"
+#include "formats/run/run.h"
+#include "formats/task/yaml.h"
+#include "formats/training/policy.h"
+#include "libevo/base/parallel.h"
+#include "render/report/choice.h"
+#include "render/report/replay.h"
+#include "training/episodes.h"
+#include "training/run_policy.h"
+
+namespace evo::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder as it is called, "." too; the folders above need not be readable.
+fs::path full_path(const fs::path& folder) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();
+}
+
+std::string folder_in_commands(const fs::path& folder) {
+  const fs::path given = folder.lexically_normal();
+  const bool here = given.is_relative() && *given.begin() != ".." && *given.begin() != ".";
+  if (!here) return full_path(folder).filename().string();
+  return (given.has_filename() ? given : given.parent_path()).string();
+}
+
+std::string purpose_of(const PolicyFile& policy) {
+  if (policy.task_yaml.empty()) return "";  // of a task in Python
+  const auto text = value_of(YamlNode::parse(policy.task_yaml, "task of a policy"), "description");
+  return text && text->is_scalar() ? text->text() : "";
+}
+
+std::vector<Setting> masked(const RunSettings& settings) {
+  std::vector<Setting> list;
+  for (const auto& [name, value] : settings.list()) list.push_back({name, without_folders(value)});
+  return list;
+}
+
+void add_history(const RunHistory& history, Run& run) {
+  for (const TrainedRobot& trained : history.robots())
+    run.robots.push_back(
+        {trained.robot, trained.generation, trained.fitness, without_folders(trained.failure), {}});
+  run.by_id = history.by_id();
+  run.champion = history.champion_index();
+  for (const RunHistory::Generation& begun : history.generations()) {
+    Generation generation{begun.number, {}, {}, begun.slots.size()};
+    for (std::size_t slot = 0; slot < begun.slots.size(); ++slot) {
+      if (!begun.slots[slot]) continue;
+      generation.members.push_back(*begun.slots[slot]);
+      generation.scores.push_back(begun.scores[slot]);
+    }
+    run.generations.push_back(std::move(generation));
+  }
+}
+
+// ---- trainings and episodes --------------------------------------------------------
+
+void read_shared(const RunFolder& folder, Run& run) {
+  for (const int generation : folder.generations()) {
+    const fs::path file = folder.shared_policy(generation);
+    if (!folder.settings().shares(generation) || !fs::exists(file)) continue;
+    Training training = training_of(read_policy(file));
+    add_log(folder.log(generation, ""), training);
+    run.shared.push_back({generation, std::move(training)});
+  }
+}
+
+// Each on its own, whatever the number of threads.
+void read_trainings(const RunFolder& folder, std::size_t replays, int threads, Run& run) {
+  constexpr std::size_t smooth = 20;  // beside the champion and its ancestors
+  const std::set<std::size_t> moving = looked_at_first(run, replays);
+  const std::set<std::size_t> first = looked_at_first(run, std::min(smooth, replays));
+  std::vector<Json> episodes(run.shown.size());
+  std::vector<Json> worlds(run.shown.size());
+  std::vector<std::string> purposes(run.shown.size());
+  ThreadPool pool(threads);
+  pool.run(run.shown.size(), [&](std::size_t k, int /*worker*/) {
+    Entry& entry = run.robots[run.shown[k]];
+    const std::optional<RunPolicy> stored = policy_of(folder, entry.robot);
+    if (!stored) return;
+    const PolicyFile& policy = stored->policy;
+    entry.policy = stored->file.lexically_relative(folder.path()).string();
+    entry.sharing = stored->sharing;
+    purposes[k] = purpose_of(policy);
+    if (entry.sharing) {
+      entry.training.created_by = policy.created_by;
+    } else {
+      entry.training = training_of(policy);
+      add_log(folder.log(entry.robot.id), entry.training);
+    }
+    if (!moving.contains(run.shown[k])) return;
+    const Rollout rollout = play(policy, "evo-report");
+    episodes[k] = replay_of(rollout, first.contains(run.shown[k]) ? fine_stride : coarse_stride);
+    worlds[k] = world_of(rollout);
+  });
+  for (std::size_t k = 0; k < run.shown.size(); ++k) {
+    if (!episodes[k].is_null()) run.replays.emplace(run.shown[k], std::move(episodes[k]));
+    if (run.purpose.empty()) run.purpose = purposes[k];
+    if (run.world.is_null() && !worlds[k].is_null()) run.world = std::move(worlds[k]);
+  }
+}
+
+// The champion's recorded episode: its way as a picture, and its replay where its
+// policy is gone.
+void read_recording(const fs::path& folder, const std::string& id, Run& run) {
+  const fs::path file = folder / "best.rollout.h5";
+  if (!fs::exists(file)) return;
+  const Rollout rollout = read_rollout(file);
+  if (!rollout.robot || rollout.robot->id != id) return;
+  run.film = draw_film(rollout);
+  if (run.replays.contains(*run.champion)) return;
+  run.replays.emplace(*run.champion, replay_of(rollout));
+  run.world = world_of(rollout);
+}
+
+}  // namespace
+
+std::string Run::setting(const std::string& name) const {
+  for (const Setting& setting : settings)
+    if (setting.name == name) return setting.value;
+  return "";
+}
+
+std::optional<std::size_t> Run::evaluations() const {
+  const std::string text = setting("evals");
+  std::size_t value = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size())
+    return std::nullopt;
+  return value;
+}
+
+std::size_t Run::failures() const {
+  return static_cast<std::size_t>(std::count_if(robots.begin(), robots.end(),
+                                                [](const Entry& entry) { return !entry.fitness; }));
+}
+
+bool Run::shows(std::size_t robot) const {
+  return std::binary_search(shown.begin(), shown.end(), robot);
+}
+
+Run read_run(const fs::path& folder, const Extent& extent, int threads) {
+  const RunHistory history{RunFolder(folder)};
+  Run run;
+  run.label = full_path(folder).filename().string();
+  run.folder = folder_in_commands(folder);
+  run.settings = masked(history.folder().settings());
+  add_history(history, run);
+  run.seconds = history.seconds();
+  run.began = std::llround(history.began());
+  run.ended = std::llround(history.ended());
+  run.machines = {history.machines().begin(), history.machines().end()};
+  run.shown = shown_one_by_one(run, extent.robots);
+  read_trainings(history.folder(), extent.replays, threads, run);
+  read_shared(history.folder(), run);
+  if (run.champion) read_recording(folder, run.robots[*run.champion].robot.id, run);
+  return run;
+}
+
+void tell_apart(std::vector<Run>& runs, const std::vector<fs::path>& folders) {
+  const auto count_labels = [&] {
+    std::map<std::string, int> uses;
+    for (const Run& run : runs) ++uses[run.label];
+    return uses;
+  };
+  const auto by_name = count_labels();
+  for (std::size_t k = 0; k < runs.size(); ++k)
+    if (by_name.at(runs[k].label) > 1)
+      runs[k].label = full_path(folders[k]).parent_path().filename().string() + "/" + runs[k].label;
+  const auto by_both = count_labels();
+  std::map<std::string, int> seen;
+  for (Run& run : runs)
+    if (by_both.at(run.label) > 1) run.label += fmt::format(" ({})", ++seen[run.label]);
+}
+
+std::string without_folders(const std::string& text) {
+  constexpr std::string_view ends = " \t\n'\"=,:;()";
+  std::string shorter;
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find_first_of(ends, start), text.size());
+    const std::string_view word = std::string_view(text).substr(start, end - start);
+    const std::size_t slash = word.find_last_of('/');
+    shorter += word.starts_with('/') || word.starts_with('~') ? word.substr(slash + 1) : word;
+    if (end < text.size()) shorter += text[end];
+    start = end + 1;
+  }
+  return shorter;
+}
+
+}  // namespace evo::report

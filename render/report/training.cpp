@@ -1,0 +1,68 @@
+#include "render/report/training.h"
+
+#include <cstdlib>
+#include <map>
+#include <sstream>
+
+#include "formats/io/files.h"
+
+namespace evo::report {
+namespace {
+
+constexpr std::size_t most_points = 60;
+
+// The last point is always kept.
+template <typename T>
+std::vector<T> thinned(const std::vector<T>& points) {
+  if (points.size() <= most_points) return points;
+  std::vector<T> fewer;
+  for (std::size_t k = 0; k < most_points; ++k)
+    fewer.push_back(points[k * (points.size() - 1) / (most_points - 1)]);
+  return fewer;
+}
+
+}  // namespace
+
+Training training_of(const PolicyFile& policy) {
+  Training training;
+  training.curve = thinned(policy.curve);
+  training.final_score = policy.final_score;
+  training.best_step = policy.best_step;
+  training.steps = policy.steps;
+  training.created_by = policy.created_by;
+  return training;
+}
+
+// A line an update: "name value<tab>name value<tab>..".
+void add_log(const std::filesystem::path& file, Training& training) {
+  if (!std::filesystem::exists(file)) return;
+  const std::map<std::string, std::string> wanted{
+      {"losses/entropy", "entropy"},
+      {"losses/approx_kl", "KL divergence"},
+      {"losses/explained_variance", "explained variance"}};
+  std::map<std::string, std::vector<std::pair<double, double>>> series;
+  std::istringstream lines(read_file(file));
+  double before = 0;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line);
+    std::map<std::string, double> values;
+    for (std::string field; std::getline(fields, field, '\t');)
+      if (const std::size_t space = field.find(' '); space != std::string::npos)
+        values[field.substr(0, space)] = std::strtod(field.c_str() + space, nullptr);
+    const auto step = values.find("charts/global_step");
+    if (step == values.end()) continue;
+    for (const auto& [key, name] : wanted)
+      if (const auto value = values.find(key); value != values.end())
+        series[name].emplace_back(step->second, value->second);
+    // Steps a second of the training so far.
+    if (const auto speed = values.find("charts/SPS"); speed != values.end() && speed->second > 0) {
+      if (step->second < before) training.seconds = 0;  // begun anew
+      training.seconds = step->second / speed->second;
+    }
+    before = step->second;
+  }
+  for (const auto& [key, name] : wanted)
+    if (!series[name].empty()) training.log.push_back({name, thinned(series[name])});
+}
+
+}  // namespace evo::report

@@ -1,0 +1,173 @@
+#include "render/report/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "evolution/run_command.h"
+#include "render/report/markup.h"
+
+namespace evo::report {
+namespace {
+
+// Fitness of the best of a generation's scored robots.
+std::optional<double> best_of(const Generation& generation) {
+  std::optional<double> best;
+  for (const auto& score : generation.scores)
+    if (score && (!best || *score > *best)) best = score;
+  return best;
+}
+
+// What the champion's training, or evolution from the first generation, has added.
+double gain(const Run& run, double best) {
+  double most = 0;
+  const auto& curve = run.robots[*run.champion].training.curve;
+  if (!curve.empty()) most = best - curve.front().evaluation;
+  std::vector<double> first;
+  for (const auto& score : run.generations.front().scores)
+    if (score) first.push_back(*score);
+  if (!first.empty()) {
+    const auto middle = first.begin() + static_cast<std::ptrdiff_t>(first.size() / 2);
+    std::nth_element(first.begin(), middle, first.end());
+    most = std::max(most, best - *middle);
+  }
+  return most;
+}
+
+std::string times(long factor, const std::string& number) {  // 2, "512000": "1024000"
+  const long value = std::strtol(number.c_str(), nullptr, 10);
+  return value > 0 ? fmt::format("{}", factor * value) : number;
+}
+
+bool is_over(const Run& run) {
+  return run.evaluations() && run.robots.size() >= *run.evaluations();
+}
+
+// Of the best fitness, from the first generation on.
+std::string progress(const Run& run, double best) {
+  const auto start = best_of(run.generations.front());
+  return start && best > *start
+             ? fmt::format("Improved from {} to {}", shown(start), shown(best))
+             : fmt::format("{} from the first generation on: evolution added nothing", shown(best));
+}
+
+void say_progress(const Run& run, double best, double gained, Verdict& verdict) {
+  const std::size_t number = *run.champion + 1;
+  if (gained < least_gain)
+    verdict.sentences.push_back(
+        fmt::format("The best fitness after {} robots is {}, {:.2g} more than it began with; less "
+                    "than {} is no success.",
+                    run.robots.size(), shown(best), gained, least_gain));
+  verdict.sentences.push_back(
+      number == run.robots.size()
+          ? fmt::format("The last improvement is the last robot trained, number {}.", number)
+          : fmt::format("The last improvement was robot {} of {}.", number, run.robots.size()));
+  if (const auto replay = run.replays.find(*run.champion); replay != run.replays.end())
+    verdict.sentences.push_back(fmt::format("Its episode ends after {} steps: {}.",
+                                            replay->second["steps"].get<int>(),
+                                            replay->second["ending"].get<std::string>()));
+}
+
+// Luck in the evaluation that made it champion shows from perturbed starts.
+bool say_robustness(const Run& run, double best, Verdict& verdict) {
+  const auto& score = run.robots[*run.champion].training.final_score;
+  if (!score) return true;
+  constexpr double fair = 0.8;  // of the fitness
+  const bool robust = score->mean >= best - (1 - fair) * std::abs(best);
+  verdict.sentences.push_back(
+      fmt::format("From perturbed starts the champion earns {}{}.",
+                  with_error(score->mean, score->standard_error),
+                  robust ? "" : ", much less: part of its fitness is luck"));
+  return robust;
+}
+
+bool still_rising(const Run& run) {
+  const Training& training = run.robots[*run.champion].training;
+  constexpr double late = 0.9;  // of the training
+  return training.steps > 0 &&
+         static_cast<double>(training.best_step) >= late * static_cast<double>(training.steps);
+}
+
+void advise(const Run& run, bool robust, Verdict& verdict) {
+  const auto add = [&](const std::string& why, const std::string& line) {
+    verdict.commands.push_back({why, line});
+  };
+  const bool over = is_over(run);
+  const bool bad = verdict.level == Verdict::Level::bad;
+  const bool rising = still_rising(run);
+  const std::size_t since = run.robots.size() - (*run.champion + 1);
+  const bool settled = 4 * since >= run.robots.size();  // nothing better for a quarter of the run
+  const auto longer = [&](long factor) {
+    std::vector<std::pair<std::string, std::string>> changed{
+        {"RUN", run.folder + "-longer"}, {"STEPS", times(factor, run.setting("steps"))}};
+    for (const auto& [name, variable] :
+         {std::pair{"founder_steps", "FOUNDER_STEPS"}, {"own_steps", "OWN_STEPS"}})
+      if (const std::string steps = run.setting(name); !steps.empty())
+        changed.emplace_back(variable, times(factor, steps));
+    return run_command(run, changed);
+  };
+  if (!over) add("go on where it is", run_command(run, {}));
+  if (over && bad)
+    add("train each robot ten times as long", longer(10));
+  else if (over && rising)
+    add("train longer: the champion was still learning", longer(2));
+  if (over && !bad && !settled)
+    add("evolve on: it was still improving",
+        run_command(run,
+                    {{"RUN", run.folder + "-more"}, {"EVALS", times(2, run.setting("evals"))}}));
+  if (over && !bad && settled && !rising)
+    add("enough: see whether another seed agrees",
+        run_command(run, {{"RUN", run.folder + "-again"},
+                          {"SEED", fmt::format("{}", 1 + std::strtol(run.setting("seed").c_str(),
+                                                                     nullptr, 10))}}));
+  if (!robust || !run.robots[*run.champion].training.final_score)
+    add("measure the champion from other starts",
+        fmt::format("evo-eval {} --episodes 20 --jitter 1e-3 -o -",
+                    shell_word(run.folder + "/best.json")));
+  add("its way as a figure", fmt::format("evo-render {} --strip 6 --theme paper -o champion.pdf",
+                                         shell_word(run.folder + "/best.rollout.h5")));
+}
+
+}  // namespace
+
+std::string run_command(const Run& run, std::vector<std::pair<std::string, std::string>> changed) {
+  changed.insert(changed.begin(), {"RUN", run.folder});  // a later one counts
+  return evo::run_command([&](const std::string& name) { return run.setting(name); }, changed);
+}
+
+Verdict judge(const Run& run) {
+  Verdict verdict;
+  if (!run.champion) {
+    verdict.level = run.robots.empty() ? Verdict::Level::doubt : Verdict::Level::bad;
+    verdict.headline =
+        run.robots.empty() ? "Nothing has been trained yet" : "Every training failed";
+    if (!run.robots.empty())
+      verdict.sentences.push_back("The first failure: " + run.robots.front().failure + ".");
+    return verdict;
+  }
+  const double best = *run.robots[*run.champion].fitness;
+  const double gained = gain(run, best);
+  const bool learnt = gained >= least_gain;
+  const bool over = is_over(run);
+  verdict.level = !learnt ? Verdict::Level::bad
+                  : over  ? Verdict::Level::good
+                          : Verdict::Level::doubt;
+  say_progress(run, best, gained, verdict);
+  const bool robust = say_robustness(run, best, verdict);
+  if (learnt && !robust) verdict.level = Verdict::Level::doubt;
+  if (const std::size_t failures = run.failures(); failures > 0) {
+    verdict.sentences.push_back(
+        fmt::format("{} of {} trainings failed.", failures, run.robots.size()));
+    if (5 * failures > run.robots.size() && learnt) verdict.level = Verdict::Level::doubt;
+  }
+  verdict.headline = !learnt  ? "Nothing was learnt"
+                     : !over  ? progress(run, best) + ", and it is not over"
+                     : robust ? progress(run, best)
+                              : progress(run, best) + ", in part by luck";
+  advise(run, robust, verdict);
+  return verdict;
+}
+
+}  // namespace evo::report

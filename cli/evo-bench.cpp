@@ -4,11 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
-#include <deque>
 #include <numeric>
-#include <span>
 
 #include "cli/command.h"
 #include "cli/data.h"
@@ -19,7 +16,6 @@
 #include "formats/task/task.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
-#include "libevo/sim/batch.h"
 #include "libevo/sim/isa.h"
 #include "libevo/task/env.h"
 
@@ -38,8 +34,6 @@ struct Settings {
   std::string envs = "1,8";
   std::string isa = "best";
   bool tasks = false;
-  bool mixed = false;
-  bool model = false;
   bool json = false;
   int bodies = 1;
   int threads = 1;
@@ -53,7 +47,7 @@ struct Measurement {
   Body body;
   std::uint64_t seed = 0;
   int envs = 0;
-  int voxels = 0;             // of a body, on average
+  int voxels = 0;
   std::vector<double> rates;  // sorted
   double median() const { return rates[rates.size() / 2]; }
 };
@@ -73,8 +67,7 @@ Body random_body(int rows, int cols, std::uint64_t seed) {
   return sample_body(rows, cols, body_weights, random);
 }
 
-// A body in a task, as often as --tasks, --sizes and --bodies say; with --mixed, the
-// first of the bodies that are stepped together.
+// A body in a task, as often as --tasks, --sizes and --bodies say.
 struct Subject {
   TaskSpec task;
   Body body;
@@ -100,13 +93,11 @@ std::vector<Subject> subjects(const Settings& settings, std::uint64_t seed) {
 // Episodes under random actions, begun again as they end.
 class Runner {
  public:
-  Runner(std::span<const Arena* const> arenas, std::uint64_t seed) : seed_(seed), envs_(arenas) {
+  Runner(const Arena& arena, int envs, std::uint64_t seed) : seed_(seed), envs_(arena, envs) {
     Stream random(seed, "bench/actions");
-    const int envs = envs_.environments();
-    const Arena& last = envs_.arena(envs - 1);
     const std::size_t length =
-        envs_.action_offset(envs - 1) + static_cast<std::size_t>(last.action_length());
-    const Physics& physics = last.task().physics;
+        static_cast<std::size_t>(envs) * static_cast<std::size_t>(arena.action_length());
+    const Physics& physics = arena.task().physics;
     const double range = physics.max_target - physics.min_target;
     for (auto& set : actions_) {
       for (std::size_t i = 0; i < length; ++i)
@@ -153,34 +144,18 @@ double rate_of(Runner& runner, int envs, double seconds, double (*clock)()) {
   return static_cast<double>(steps) * envs / used;
 }
 
-// What `envs` environments are of: one body, or each another one of its shape.
-std::deque<Arena> arenas_of(const Subject& subject, int envs, bool mixed) {
-  const auto& [task, body, seed] = subject;
-  std::deque<Arena> arenas;
-  arenas.emplace_back(task, body);
-  for (int i = 1; mixed && i < envs; ++i)
-    arenas.emplace_back(task,
-                        random_body(body.rows, body.cols, seed + static_cast<std::uint64_t>(i)));
-  return arenas;
-}
-
 // One thread is measured in its processor time, several in the time that passes:
 // what they take from one another is to count.
 Measurement measure(const Subject& subject, int envs, const Settings& settings) {
   const auto& [task, body, seed] = subject;
-  const std::deque<Arena> arenas = arenas_of(subject, envs, settings.mixed);
-  std::vector<const Arena*> lanes;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(envs); ++i)
-    lanes.push_back(&arenas[i % arenas.size()]);
+  const Arena arena(task, body);
   const auto clock = settings.threads == 1 ? seconds_used : wall_clock;
   std::vector<Runner> runners;
   runners.reserve(static_cast<std::size_t>(settings.threads));
   for (int i = 0; i < settings.threads; ++i)
-    runners.emplace_back(lanes, seed + static_cast<std::uint64_t>(i));
-  int voxels = 0;
-  for (const Arena* arena : lanes) voxels += count_voxels(arena->robot());
-  Measurement result{task.name, cli::profile_name(task.physics), body, seed, envs, voxels / envs,
-                     {}};
+    runners.emplace_back(arena, envs, seed + static_cast<std::uint64_t>(i));
+  Measurement result{task.name, cli::profile_name(task.physics), body, seed, envs,
+                     count_voxels(body), {}};
   ThreadPool pool(settings.threads);
   if (pool.threads() < settings.threads)
     throw error(Failure::work, "--threads: only {} of {} could be started", pool.threads(),
@@ -200,8 +175,7 @@ Measurement measure(const Subject& subject, int envs, const Settings& settings) 
 
 class Report {
  public:
-  explicit Report(const Settings& settings)
-      : json_(settings.json), mixed_(settings.mixed), threads_(settings.threads) {
+  explicit Report(const Settings& settings) : json_(settings.json), threads_(settings.threads) {
     if (!json_)
       fmt::print("{:<24} {:>7} {:>6} {:>5} {:>10} {:>7} {:>12} {:>14}\n", "task", "shape", "voxels",
                  "envs", "isa", "profile", "steps/s", "steps*voxels/s");
@@ -217,7 +191,6 @@ class Report {
                       {"width", m.envs},
                       {"isa", isa},
                       {"profile", m.profile},
-                      {"mixed", mixed_},
                       {"threads", threads_},
                       {"steps_per_second", m.median()},
                       {"steps_per_second_min", m.rates.front()},
@@ -235,59 +208,12 @@ class Report {
 
  private:
   bool json_;
-  bool mixed_;
   int threads_;
 };
 
 std::vector<std::string> isas(const std::string& text) {
   if (text == "best") return {best_isa()};
   return text == "all" ? available_isas() : std::vector<std::string>{text};
-}
-
-// ---- compiling and memory ----------------------------------------------------------
-
-constexpr int builds = 20;                  // of which the quickest counts
-constexpr int steps_to_settle = 200;        // until contact lists have their size
-constexpr std::size_t lanes_of_memory = 8;  // that share the arrays they are stepped in
-
-void describe_model(const Subject& subject, bool json) {
-  double build = HUGE_VAL;
-  for (int i = 0; i < builds; ++i) {
-    const double start = seconds_used();
-    const Arena arena(subject.task, subject.body);
-    build = std::min(build, seconds_used() - start);
-  }
-  const Arena arena(subject.task, subject.body);
-  Batch batch(lanes_of_memory);
-  Stream random(subject.seed, "bench/targets");
-  const Physics& physics = arena.task().physics;
-  for (std::size_t lane = 0; lane < batch.lanes(); ++lane) batch.place(lane, arena.model());
-  for (int t = 0; t < steps_to_settle; ++t) {
-    for (std::size_t lane = 0; lane < batch.lanes(); ++lane)
-      for (double& target : batch.targets(lane))
-        target = physics.min_target + (physics.max_target - physics.min_target) * random.uniform();
-    batch.step();
-  }
-  const std::size_t bytes = batch.bytes() / batch.lanes();
-  const int voxels = count_voxels(subject.body);
-  if (json) {
-    const Json line{{"task", subject.task.name}, {"shape", {subject.body.rows, subject.body.cols}},
-                    {"voxels", voxels},          {"points", arena.model().points()},
-                    {"build_seconds", build},    {"bytes_per_environment", bytes}};
-    fmt::print("{}\n", line.dump());
-  } else {
-    fmt::print("{:<24} {:>7} {:>6} {:>7} {:>10.3f} {:>9.1f}\n", subject.task.name,
-               Report::shape(subject.body), voxels, arena.model().points(), 1e3 * build,
-               1e-3 * static_cast<double>(bytes));
-  }
-}
-
-int describe_models(const Settings& settings, std::uint64_t seed) {
-  if (!settings.json)
-    fmt::print("{:<24} {:>7} {:>6} {:>7} {:>10} {:>9}\n", "task", "shape", "voxels", "points",
-               "build, ms", "kB/env");
-  for (const Subject& subject : subjects(settings, seed)) describe_model(subject, settings.json);
-  return 0;
 }
 
 // ---- the tool ------------------------------------------------------------------------
@@ -305,10 +231,6 @@ int bench(const Settings& settings, std::uint64_t seed) {
     throw error(Failure::usage, "--bodies must be at least 1, got {}", settings.bodies);
   if (settings.bodies > 1 && settings.tasks)
     throw error(Failure::usage, "--bodies: --tasks has one body for all; leave one of them out");
-  if (settings.mixed && (settings.tasks || settings.model))
-    throw error(Failure::usage, "--mixed: {} is about one body; leave one of them out",
-                settings.tasks ? "--tasks" : "--model");
-  if (settings.model) return describe_models(settings, seed);
   const std::vector<int> envs = parse_wholes(settings.envs, "--envs", 1, most_counted);
   const std::vector<Subject> measured = subjects(settings, seed);
   const std::vector<std::string> chosen = isas(settings.isa);
@@ -336,15 +258,10 @@ int main(int argc, char** argv) {
   command.flag("--tasks", settings.tasks,
                "all tasks, with one 5x5 body, instead of --task and --sizes");
   command.option("--envs", settings.envs, "N,N,..", "environments stepped together");
-  command.flag("--mixed", settings.mixed,
-               "each of these another random body, those of --seed and of the numbers after it, "
-               "instead of one body in all");
   command.option("--threads", settings.threads, "N",
                  "batches of environments at a time, one per thread");
   command.option("--isa", settings.isa, "NAME",
                  "instruction set, e.g. x86-64-v3, or all, one after the other");
-  command.flag("--model", settings.model,
-               "instead of speed: time to compile a world, memory an environment takes");
   command.section("How");
   command.option("--repetitions", settings.repetitions, "N", "of which the median is reported");
   command.option("--seconds", settings.seconds, "T",
@@ -352,7 +269,6 @@ int main(int argc, char** argv) {
   command.flag("--json", settings.json, "one JSON object a line instead of a table");
   command.seed_option();
   command.example("evo-bench --sizes 5 --envs 8", "a batch of eight 5x5 robots on flat ground");
-  command.example("evo-bench --sizes 5 --envs 16 --mixed", "sixteen robots, no two of them alike");
   command.example("evo-bench --tasks --envs 8 --fast --json > tasks.jsonl",
                   "every task in fast arithmetic, for a program");
   return command.run(argc, argv, [&] { return bench(settings, command.seed); });

@@ -209,7 +209,7 @@ $(TRAINED): | $(POPULATION)
 	@$(train_slots) $(GEN) $(basename $(@F))
 
 $(GENERATION)/scores.jsonl: | $(TRAINED)
-	@cat $(SLOTS) /dev/null > '$@.tmp' && mv '$@.tmp' '$@'
+	@cd '$(@D)' && seq -f %02.0f.json 0 $$(( $(words $(slots)) - 1 )) | xargs -r cat > '$(@F).tmp' && mv '$(@F).tmp' '$(@F)'
 
 $(GENERATION)/ranking.tsv: | $(GENERATION)/scores.jsonl
 	@$(rank_generation) $(GEN)

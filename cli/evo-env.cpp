@@ -1,57 +1,295 @@
-// evo-env: environments that any program can step, over pipes.
-#include <unistd.h>
-
+// evo-env: environments that any program can step, over pipes: a request a line, an answer a
+// line, both JSON (docs/evo-env.md).
 #include <algorithm>
-#include <csignal>
+#include <iostream>
+#include <memory>
+#include <numeric>
 
+#include "bindings/c/session.h"
 #include "cli/command.h"
-#include "cli/env/serve.h"
 #include "cli/robots.h"
 #include "cli/task_options.h"
+#include "formats/io/base64.h"
 #include "formats/io/files.h"
+#include "formats/io/format.h"
+#include "formats/io/json_object.h"
+#include "formats/task/physics_profile.h"
+#include "training/episodes.h"
 
 namespace {
 
 using namespace evo;
 
-struct Settings {
-  cli::TaskOptions task;
-  int envs = 1;
-  decltype(&cli::serve_lines) serve = cli::serve_lines;
+constexpr std::size_t longest_request = std::size_t{64} << 20U;  // bytes
+
+// The first thing a client hears.
+Json describe(const Session& session) {
+  const TaskSpec& task = session.task();
+  Json robots = Json::array();
+  for (std::size_t r = 0; r < session.robots().size(); ++r) {
+    const Robot& robot = session.robots()[r];
+    const Arena& arena = session.envs().arena(static_cast<int>(r) * session.per_robot());
+    Json layout = Json::array();
+    for (const ObservationSlice& slice : arena.layout())
+      layout.push_back({{"name", slice.name}, {"offset", slice.offset}, {"length", slice.length}});
+    robots.push_back({{"id", robot.id},
+                      {"rows", robot.body.rows},
+                      {"cols", robot.body.cols},
+                      {"observation_length", arena.observation_length()},
+                      {"action_length", arena.action_length()},
+                      {"observation_layout", std::move(layout)}});
+  }
+  return {{"format", format::env.name},
+          {"version", format::env.version},
+          {"created_by", cli::created_by("evo-env")},
+          {"task", task.name},
+          {"episode_steps", task.episode_steps},
+          {"environments_per_robot", session.per_robot()},
+          {"action_low", task.physics.min_target},
+          {"action_high", task.physics.max_target},
+          {"robots", std::move(robots)}};
+}
+
+// Of these environments, a value each.
+Json state(const Session& session, const std::vector<int>& environments) {
+  Json answer{{"environments", environments}};
+  const auto add = [&](const char* name, const auto& of) {
+    Json& list = answer[name] = Json::array();
+    for (const int e : environments) list.push_back(of(e));
+  };
+  add("observations", [&](int e) {
+    const auto observation = session.observation(e);
+    return std::vector<double>(observation.begin(), observation.end());
+  });
+  add("rewards", [&](int e) { return session.reward(e); });
+  add("terminated", [&](int e) { return session.terminated(e); });
+  add("truncated", [&](int e) { return session.truncated(e); });
+  add("status", [&](int e) { return to_string(session.status(e)); });
+  add("steps", [&](int e) { return session.envs().steps(e); });
+  return answer;
+}
+
+// A misspelt field would otherwise be left out without a word.
+void check_fields(const Json& object, const std::string& path,
+                  const std::vector<std::string>& known) {
+  const JsonObject checked(object, path);
+  for (const auto& [name, value] : object.items())
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw refusal(checked.path_of(name), "is not known{}; there may be: {}",
+                    did_you_mean(name, known),
+                    known.empty() ? "nothing" : fmt::format("{}", fmt::join(known, ", ")));
+}
+
+// The list of this name, each environment at most once; all when there is none.
+std::vector<int> chosen_environments(const Session& session, const Json& object,
+                                     const std::string& path) {
+  std::vector<int> chosen;
+  if (!object.contains("environments")) {
+    chosen.resize(static_cast<std::size_t>(session.environments()));
+    std::iota(chosen.begin(), chosen.end(), 0);
+    return chosen;
+  }
+  const JsonObject checked(object, path);
+  const std::string list = checked.path_of("environments");
+  for (const Json& value : checked.array("environments")) {
+    chosen.push_back(json_integer(value, list, 0, session.environments() - 1));
+    if (std::count(chosen.begin(), chosen.end(), chosen.back()) > 1)
+      throw refusal(list, "names {} twice", chosen.back());
+  }
+  if (chosen.empty()) throw refusal(list, "is empty");
+  return chosen;
+}
+
+Json reset(Session& session, const Json& request) {
+  const std::string path = "/reset";
+  const Json& wanted = request["reset"];
+  check_fields(wanted, path, {"environments", "seed", "episode", "draws", "jitter"});
+  const auto natural = [&](const char* name, std::optional<std::uint64_t>& value) {
+    if (!wanted.contains(name)) return;
+    if (!wanted[name].is_number_unsigned())
+      throw refusal(path + "/" + name, "expected a whole number from 0, found {}",
+                    shown(wanted[name]));
+    value = wanted[name].get<std::uint64_t>();
+  };
+  ResetRequest start;
+  start.environments = chosen_environments(session, wanted, path);
+  natural("seed", start.seed);
+  natural("episode", start.episode);
+  if (wanted.contains("jitter")) start.jitter = JsonObject(wanted, path).number("jitter");
+  if (wanted.contains("draws"))
+    start.draws = draws_from_json(wanted["draws"], session.task(), path + "/draws");
+  session.reset(start);
+  return state(session, start.environments);
+}
+
+Json step(Session& session, const Json& request) {
+  const std::vector<int> environments = chosen_environments(session, request, "");
+  const Json& rows = JsonObject(request, "").array("step");
+  if (rows.size() != environments.size())
+    throw refusal("/step", "has {} rows of actions for {} environments", rows.size(),
+                  environments.size());
+  std::vector<double> actions(session.action_values());
+  std::vector<std::uint8_t> active(static_cast<std::size_t>(session.environments()));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const int e = environments[i];
+    const std::string path = fmt::format("/step/{}", i);
+    const auto length = static_cast<std::size_t>(session.envs().arena(e).action_length());
+    if (!rows[i].is_array() || rows[i].size() != length)
+      throw refusal(path, "expected {} actions, found {}", length, shown(rows[i]));
+    for (std::size_t k = 0; k < length; ++k)
+      actions[session.envs().action_offset(e) + k] =
+          json_number(rows[i][k], fmt::format("{}/{}", path, k));
+    active[static_cast<std::size_t>(e)] = 1;
+  }
+  session.step(actions, active);
+  return state(session, environments);
+}
+
+Json save(Session& session, const Json& request) {
+  check_fields(request["save"], "/save", {"environments"});
+  const std::vector<int> environments = chosen_environments(session, request["save"], "/save");
+  Json states = Json::array();
+  for (const int e : environments) {
+    const std::vector<std::uint8_t> bytes = session.save(e);
+    states.push_back(base64({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+  }
+  return {{"environments", environments}, {"states", std::move(states)}};
+}
+
+Json restore(Session& session, const Json& request) {
+  const std::string path = "/restore";
+  const Json& wanted = request["restore"];
+  check_fields(wanted, path, {"environments", "states"});
+  const std::vector<int> environments = chosen_environments(session, wanted, path);
+  const Json& texts = JsonObject(wanted, path).array("states");
+  if (texts.size() != environments.size())
+    throw refusal(path + "/states", "has {} states for {} environments", texts.size(),
+                  environments.size());
+  std::vector<std::vector<std::uint8_t>> states;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    auto bytes =
+        texts[i].is_string() ? from_base64(texts[i].get_ref<const std::string&>()) : std::nullopt;
+    if (!bytes)
+      throw refusal(fmt::format("{}/states/{}", path, i), "expected a saved state, found {}",
+                    shown(texts[i]));
+    states.push_back(std::move(*bytes));
+  }
+  std::vector<Session::Restored> restored;
+  for (std::size_t i = 0; i < states.size(); ++i) restored.push_back({environments[i], states[i]});
+  session.restore(restored);
+  return state(session, environments);
+}
+
+Json positions(Session& session, const Json& request) {
+  const auto pairs = [](std::span<const Vec2> points) {
+    std::vector<std::pair<double, double>> list;
+    for (const Vec2& p : points) list.emplace_back(p.x, p.y);
+    return list;
+  };
+  check_fields(request["positions"], "/positions", {"environments"});
+  const VecEnv& envs = session.envs();
+  Json list = Json::array();
+  for (const int e : chosen_environments(session, request["positions"], "/positions")) {
+    Json objects = Json::array();
+    for (const ModelObject& object : envs.model(e).objects())
+      objects.push_back(
+          {{"name", object.name}, {"first_point", object.first_point}, {"points", object.points}});
+    list.push_back({{"environment", e},
+                    {"objects", std::move(objects)},
+                    {"positions", pairs(envs.positions(e))},
+                    {"velocities", pairs(envs.velocities(e))}});
+  }
+  return {{"positions", std::move(list)}};
+}
+
+// What a policy file keeps of the task.
+Json task_of(Session& session, const Json& request) {
+  check_fields(request["task"], "/task", {});
+  return {{"task", session.task().name},
+          {"task_yaml", session.task().source},
+          {"physics_yaml", physics_to_yaml(session.task().physics)}};
+}
+
+struct Request {
+  std::string name;
+  Json (*answer)(Session&, const Json&);
 };
+
+// Throws Refusal or Error for what is no request or cannot be fulfilled; nothing has changed
+// then.
+Json answer(Session& session, const Json& request) {
+  static const std::vector<Request> all{{"reset", reset},     {"step", step},
+                                        {"save", save},       {"restore", restore},
+                                        {"positions", positions}, {"task", task_of}};
+  std::vector<std::string> names;
+  for (const auto& [name, respond] : all) {
+    names.push_back(name);
+    if (!request.is_object() || !request.contains(name)) continue;
+    check_fields(request, "", name == "step" ? std::vector<std::string>{name, "environments"}
+                                             : std::vector{name});
+    return respond(session, request);
+  }
+  check_fields(request, "", names);
+  throw refusal("", "expected one of: {}", fmt::join(names, ", "));
+}
+
+// Until the input ends. Throws Error(data) for a line that is too long.
+void serve(Session& session) {
+  LineWriter out{std::string(standard_stream)};
+  out.line(compact(describe(session)));
+  std::ios::sync_with_stdio(false);
+  const auto line = std::make_unique_for_overwrite<char[]>(longest_request);
+  for (int number = 1; std::cin.getline(line.get(), longest_request); ++number) {
+    const auto taken = static_cast<std::size_t>(std::cin.gcount());  // with the line's end
+    const std::string_view text(line.get(), std::cin.eof() ? taken : taken - 1);
+    if (text.find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    const std::string where = fmt::format("request {}", number);
+    try {
+      Json said;
+      try {
+        said = answer(session, parse_json(text, where));
+      } catch (const Refusal& refused) {
+        throw refused.at(where);
+      }
+      out.line(compact(said));
+    } catch (const Error& failure) {
+      if (failure.kind() == Failure::io) throw;
+      out.line(compact({{"error", failure.what()}}));
+    }
+  }
+  if (!std::cin.eof())
+    throw error(Failure::data, "standard input: a request is longer than {} bytes",
+                longest_request);
+}
 
 }  // namespace
 
 int main(int argc, char** argv) {
   cli::Command command("evo-env");
-  Settings settings;
+  cli::TaskOptions task;
+  int envs = 1;
   std::vector<std::string> files;
   command.arguments(files, "ROBOT...",
                     {{"ROBOT...",
                       "files of robots; standard input carries the requests, which evo-formats(5) "
                       "describes"}});
-  settings.task.add_to(command);
-  command.option("--envs", settings.envs, "N", "environments of each robot, stepped together");
-  command.choice("--mode", settings.serve, "MODE",
-                 {{"json", cli::serve_lines}, {"binary", cli::serve_frames}},
-                 "json (a request a line, an answer a line) or binary (frames, for speed)");
+  task.add_to(command);
+  command.option("--envs", envs, "N", "environments of each robot, stepped together");
   command.seed_option();
   command.jobs_option();
   command.example("echo '{\"reset\":{\"seed\":1}}' | evo-env --task Walker-v0 walker.json",
                   "what the environment is, and its first observation");
-  command.example("evo-env --task Carrier-v0 --envs 16 --mode binary -j 1 walker.json",
-                  "as the Python package starts it for a batch of sixteen");
+  command.example("evo-env --task Carrier-v0 --envs 16 -j 1 walker.json < requests.jsonl",
+                  "sixteen environments of one robot, stepped together");
 
   return command.run(argc, argv, [&] {
-    const TaskSpec task = settings.task.load();
+    const TaskSpec spec = task.load();
     if (files.empty() || std::find(files.begin(), files.end(), standard_stream) != files.end())
       throw Error(Failure::usage, "name a file of robots: standard input carries the requests");
     std::vector<Robot> robots = cli::read_robots(files);
     if (robots.empty()) throw error(Failure::data, "{}: there are no robots", files.front());
-    // A client that is gone ends the session, not the process.
-    std::signal(SIGPIPE, SIG_IGN);
-    Session session(task, std::move(robots), settings.envs, command.seed, command.jobs);
-    settings.serve(session, STDIN_FILENO, STDOUT_FILENO);
+    Session session(spec, std::move(robots), envs, command.seed, command.jobs);
+    serve(session);
     return 0;
   });
 }

@@ -73,8 +73,7 @@ INPUTS = [
     ["evo-run", "train", "{}"],
     ["evo-bench", "--sizes", "3", "--physics", "{}"],
     ["evo-env", "--task", "{}"],
-    ["evo-env", "--task", "Walker-v0", "--mode", "json", "<"],
-    ["evo-env", "--task", "Walker-v0", "--mode", "binary", "<"],
+    ["evo-env", "--task", "Walker-v0", "<", "valid/one.txt"],
 ]
 # What comes again and again. A name's ending says what a tool takes a file for.
 FEEDS = {

@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <concepts>
@@ -19,11 +18,9 @@
 #include <limits>
 #include <map>
 #include <new>
-#include <sstream>
 #include <system_error>
 #include <utility>
 
-#include "cli/config_file.h"
 #include "cli/terminal.h"
 #include "cli/tools.h"
 #include "formats/io/values.h"
@@ -33,62 +30,52 @@
 namespace evo::cli {
 namespace {
 
-// What is said on standard error, by whom.
-enum class Detail { errors, normal, more };
-Detail wanted = Detail::normal;
-std::string speaker;
-
-void say(Detail detail, const std::string& text) {
-  if (detail > wanted) return;
-  const std::string line = speaker + ": " + printable(text) + "\n";
-  std::fwrite(line.data(), 1, line.size(), stderr);  // at once, whatever other threads say
-}
-void say_error(const std::string& text) { say(Detail::errors, text); }
-
-struct Entry {
-  std::string names;  // "-n, --count N"
-  std::string help;   // with the default in brackets
-};
-
-struct Section {
-  std::string title;
-  std::vector<Entry> entries;
-};
-
 constexpr std::size_t help_column = 28;
 constexpr std::size_t help_width = 80;
 
-// `text` broken into lines that fit beside a column of names.
-void print_wrapped(std::ostream& out, const std::string& text) {
-  std::istringstream words(text);
-  std::string word;
-  std::size_t column = help_column;
-  bool first = true;
-  while (words >> word) {
-    if (!first && column + 1 + word.size() > help_width) {
-      out << '\n' << std::string(help_column, ' ');
-      column = help_column;
-    } else if (!first) {
-      out << ' ';
-      ++column;
-    }
-    out << word;
-    column += word.size();
-    first = false;
+// The help that CLI11 makes, in the form of the other tools of a Unix system.
+class Help : public CLI::Formatter {
+ public:
+  Help() {
+    label("ARGUMENTS", "");
+    label("FORMS", "");
   }
-  out << '\n';
-}
-
-void print_entry(std::ostream& out, const Entry& entry) {
-  const std::string left = "  " + entry.names;
-  out << left;
-  if (left.size() + 2 > help_column) {
-    out << '\n' << std::string(help_column, ' ');
-  } else {
-    out << std::string(help_column - left.size(), ' ');
+  static std::string name(const CLI::App* app) {
+    const CLI::App* within = app->get_parent();
+    return (within == nullptr ? "" : name(within) + " ") + app->get_name();
   }
-  print_wrapped(out, entry.help);
-}
+  std::string make_description(const CLI::App* app) const override {
+    return name(app) + " - " + app->get_description() + "\n\n";
+  }
+  std::string make_usage(const CLI::App* app, std::string /*name*/) const override {
+    return "Usage: " + name(app) + " [OPTION]..." + get_label("ARGUMENTS") + "\n";
+  }
+  std::string make_positionals(const CLI::App* /*app*/) const override { return get_label("FORMS"); }
+  std::string make_option_name(const CLI::Option* option, bool /*positional*/) const override {
+    const auto& letters = option->get_snames();
+    return (letters.empty() ? "    " : "-" + letters[0] + ", ") + "--" + option->get_lnames()[0];
+  }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    const std::string value = option->get_type_name();
+    return value.empty() ? "" : " " + value;
+  }
+  std::string make_option(const CLI::Option* option, bool positional) const override {
+    const std::string initial = option->get_default_str();
+    return entry(make_option_name(option, positional) + make_option_opts(option),
+                 option->get_description() + (initial.empty() ? "" : " [" + initial + "]"));
+  }
+  std::string make_subcommand(const CLI::App* app) const override {
+    return entry(app->get_name(), app->get_description());
+  }
+  // A name and what it is, in a column two blanks or more beside it.
+  static std::string entry(const std::string& name, const std::string& what) {
+    const std::string lines = wrapped(what, help_width - help_column, 0);
+    const std::string pad(help_column, ' ');
+    const std::string left = "  " + name;
+    return left + (left.size() + 2 <= help_column ? pad.substr(left.size()) : "\n" + pad) +
+           CLI::detail::find_and_replace(lines, "\n", "\n" + pad) + "\n";
+  }
+};
 
 // "--count" of "-n,--count".
 std::string long_name(const std::string& names) { return names.substr(names.rfind("--")); }
@@ -107,6 +94,15 @@ T value_of(const std::string& text, const std::string& option) {
 }
 
 template <typename T>
+constexpr bool is_optional = false;
+template <typename T>
+constexpr bool is_optional<std::optional<T>> = true;
+template <typename T>
+constexpr bool is_vector = false;
+template <typename T>
+constexpr bool is_vector<std::vector<T>> = true;
+
+template <typename T>
 void assign(T& target, const std::vector<std::string>& texts, const std::string& option) {
   target = value_of<T>(texts.back(), option);
 }
@@ -121,21 +117,6 @@ void assign(std::vector<std::string>& target, const std::vector<std::string>& te
   for (const std::string& text : texts) target.push_back(value_of<std::string>(text, option));
 }
 
-std::string with_default(const std::string& help, const std::string& value) {
-  return value.empty() ? help : help + " [" + value + "]";
-}
-
-std::string shown(const std::string& names, const std::string& value) {
-  std::string text = names;
-  const std::size_t comma = text.find(',');
-  if (comma != std::string::npos) {
-    text.replace(comma, 1, ", ");
-  } else {
-    text = "    " + text;
-  }
-  return value.empty() ? text : text + " " + value;
-}
-
 // A program started with a standard stream closed would give the next file it
 // opens that number, and results would go into the wrong file. What is opened
 // here cannot be used, so that using the stream fails.
@@ -147,28 +128,8 @@ void occupy_standard_streams() {
     }
 }
 
-// What other programs call it, and what it is called here.
-constexpr std::array<std::pair<const char*, const char*>, 20> other_names{{
-    {"--top", "--keep"},         {"--best", "--keep"},          {"--number", "--count"},
-    {"--num", "--count"},        {"--population", "--pop"},     {"--population", "--count"},
-    {"--of", "--evals"},         {"--size", "--shape"},         {"--env", "--task"},
-    {"--environment", "--task"}, {"--threads", "--jobs"},       {"--workers", "--jobs"},
-    {"--cores", "--jobs"},       {"--out", "--output"},         {"--outfile", "--output"},
-    {"--dir", "--out-dir"},      {"--output-dir", "--out-dir"}, {"--timesteps", "--steps"},
-    {"--algorithm", "--algo"},   {"--mutation-rate", "--rate"},
-}};
-
-// "follow, world or fixed"
-std::string either(const std::vector<std::string>& words) {
-  if (words.size() < 2) return fmt::format("{}", fmt::join(words, ""));
-  return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
-}
-
 // What an option that does not exist may have meant, as words for the message.
 std::string option_meant(const std::string& option, const std::vector<std::string>& names) {
-  for (const auto& [elsewhere, here] : other_names)
-    if (option == elsewhere && std::find(names.begin(), names.end(), here) != names.end())
-      return fmt::format(" (did you mean '{}'?)", here);
   // Compared without the dashes, which all have in common.
   std::vector<std::string> words;
   for (const std::string& name : names) words.push_back(name.substr(2));
@@ -199,92 +160,70 @@ extern "C" void remember_signal(int signal) {
 }  // namespace
 
 struct Command::Impl {
-  std::string name;
-  std::string purpose;
-  CLI::App app;
-  std::vector<Section> sections{{"Options", {}}};
-  Section common{"Common options", {}};
-  std::string arguments_usage;
-  std::vector<Entry> arguments;
-  std::vector<std::pair<std::string, std::string>> examples;
-  bool help = false;
-  bool version = false;
+  explicit Impl(CLI::App* within) : app(within) {}
+
+  std::unique_ptr<CLI::App> owned;  // but of a subcommand
+  CLI::App* app;
+  std::shared_ptr<Help> help = std::make_shared<Help>();
+  std::string section = "Options";
+  std::string examples;
+  bool has_progress = false;
   bool has_jobs = false;
   std::optional<int> jobs;
-  std::map<std::string, std::function<std::vector<std::string>()>> words;  // by long name
-
-  template <typename T>
-  CLI::Option* add(const std::string& names, T& target, const std::string& value,
-                   const std::string& help_text, const std::string& default_text,
-                   bool is_common = false) {
-    Section& section = is_common ? common : sections.back();
-    section.entries.push_back({shown(names, value), with_default(help_text, default_text)});
-    const CLI::callback_t set = [&target, option = long_name(names)](const CLI::results_t& texts) {
-      assign(target, texts, option);
-      return true;
-    };
-    // Given twice, the last one counts.
-    return app.add_option(names, set)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  }
+  std::map<std::string, Option::Words> words;  // by long name, or argument
+  std::vector<std::unique_ptr<Command>> subcommands;
+  std::string level = "info";
+  std::optional<std::string> log_file;
+  bool quiet = false;
+  bool verbose = false;
 
   // For completion: the words that an option may have as its value, one a line.
   void print_values(const std::string& option) const {
-    const auto found = words.find(option);
-    if (found == words.end()) return;
-    for (const std::string& word : found->second()) fmt::print("{}\n", word);
+    if (const auto found = words.find(option); found != words.end())
+      for (const std::string& word : found->second()) fmt::print("{}\n", word);
+    else
+      for (const auto& command : subcommands) command->impl_->print_values(option);
   }
 
   std::vector<std::string> long_names() const {
     std::vector<std::string> names;
-    for (const CLI::Option* option : app.get_options())
+    for (const CLI::Option* option : app->get_options())
       for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const auto& command : subcommands)
+      if (command->given())
+        for (std::string& name : command->impl_->long_names()) names.push_back(std::move(name));
     return names;
   }
 
-  void print_help() const {
-    std::ostringstream out;
-    out << name << " - " << purpose << "\n\nUsage: " << name << " [OPTION]...";
-    if (!arguments.empty()) out << " " << arguments_usage << "\n";
-    out << "\n";
-    for (const Entry& entry : arguments) print_entry(out, entry);
-    std::vector<Section> all = sections;
-    all.push_back(common);
-    for (const Section& section : all) {
-      if (section.entries.empty()) continue;
-      out << "\n" << section.title << ":\n";
-      for (const Entry& entry : section.entries) print_entry(out, entry);
-    }
-    if (!examples.empty()) {
-      out << "\nExamples:\n";
-      for (const auto& [command, what] : examples)
-        out << "  # " << what << "\n  " << command << "\n";
-    }
-    out << "\nExit status: 0 done, 1 the work failed, 2 wrong usage, 65 bad input data,\n"
-           "66 an input file is missing, 73 an output cannot be created or belongs to\n"
-           "other settings, 74 an I/O error, 130 or 143 interrupted.\n";
-    std::fputs(out.str().c_str(), stdout);
+  void finish_help() {
+    app->formatter(help);
+    app->footer((examples.empty() ? "" : "Examples:\n" + examples + "\n") +
+                "Exit status: 0 done, 1 the work failed, 2 wrong usage, 65 bad input data,\n"
+                "66 an input file is missing, 73 an output cannot be created or belongs to\n"
+                "other settings, 74 an I/O error, 130 or 143 interrupted.");
+    for (const auto& command : subcommands) command->impl_->finish_help();
   }
 
   // CLI11's complaint in one line that says what to do.
   Error explain(const CLI::ParseError& e) const {
-    const std::string see = "; see " + name + " --help";
+    const std::string see = "; see " + app->get_name() + " --help";
+    const std::vector<std::string> left = app->remaining(true);
     // A misspelt option is the likelier reason of whatever else is missing.
-    for (const std::string& word : app.remaining())
+    for (const std::string& word : left)
       if (word.size() > 1 && word.front() == '-') {
         const std::string option = word.substr(0, word.find('='));
         return {Failure::usage, fmt::format("unknown option {}{}{}", option,
                                             option_meant(option, long_names()), see)};
       }
-    if (dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr)
-      return {Failure::usage, "unexpected argument '" + app.remaining().front() + "'" + see};
-    if (dynamic_cast<const CLI::ConfigError*>(&e) != nullptr) {
-      const std::string what = e.what();
-      const std::string key = what.substr(what.rfind(' ') + 1);
-      return {Failure::usage, "--config: unknown option '" + key + "'" +
-                                  option_meant("--" + key, long_names()) + see};
+    if (!left.empty() && !subcommands.empty()) {
+      std::vector<std::string> names;
+      for (const auto& command : subcommands) names.push_back(command->name());
+      return {Failure::usage, fmt::format("'{}' is not one of {}{}{}", left.front(),
+                                          fmt::join(names, ", "), did_you_mean(left.front(), names),
+                                          see)};
     }
-    if (dynamic_cast<const CLI::FileError*>(&e) != nullptr)
-      return {Failure::no_input, std::string("--config: ") + e.what()};
+    if (dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr)
+      return {Failure::usage, "unexpected argument '" + left.front() + "'" + see};
     std::string what = e.what();
     std::replace(what.begin(), what.end(), '\n', ' ');
     // "--count: 1 required INT missing"
@@ -294,89 +233,128 @@ struct Command::Impl {
   }
 };
 
-Command::Command(const std::string& executable) : impl_(std::make_unique<Impl>()) {
-  impl_->name = executable;
-  impl_->purpose = purpose_of(executable);
-  impl_->app.set_help_flag();
-  impl_->app.allow_extras(false);
+Command::Command(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Command::Command(const std::string& executable) : impl_(std::make_unique<Impl>(nullptr)) {
+  impl_->owned = std::make_unique<CLI::App>(purpose_of(executable), executable);
+  impl_->app = impl_->owned.get();
+  impl_->app->set_help_flag();
 }
 
 Command::~Command() = default;
 
-const std::string& Command::name() const { return impl_->name; }
+const std::string& Command::name() const { return impl_->app->get_name(); }
 
-void Command::option(const std::string& names, std::string& target, const std::string& value,
-                     const std::string& help) {
-  impl_->add(names, target, value, help, target);
+Command& Command::subcommand(const std::string& name, const std::string& purpose) {
+  CLI::App* app = impl_->app->add_subcommand(name, purpose);
+  app->fallthrough()->group("Commands");
+  impl_->app->require_subcommand(1);
+  auto command = std::unique_ptr<Command>(new Command(std::make_unique<Impl>(app)));
+  impl_->subcommands.push_back(std::move(command));
+  return *impl_->subcommands.back();
 }
-void Command::option(const std::string& names, int& target, const std::string& value,
-                     const std::string& help) {
-  impl_->add(names, target, value, help, fmt::format("{}", target));
+
+bool Command::given() const { return impl_->app->parsed(); }
+
+Option Command::add(const std::string& names, const std::string& value, const std::string& help,
+                    const std::string& initial, const Set& set) {
+  CLI::Option* option = impl_->app->add_option(
+      names,
+      [set](const CLI::results_t& texts) {
+        set(texts);
+        return true;
+      },
+      help);
+  option->group(impl_->section)->type_name(value)->default_str(initial);
+  option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  return {option, &impl_->words};
 }
-void Command::option(const std::string& names, std::uint64_t& target, const std::string& value,
-                     const std::string& help) {
-  impl_->add(names, target, value, help, fmt::format("{}", target));
-}
-void Command::option(const std::string& names, double& target, const std::string& value,
-                     const std::string& help) {
-  impl_->add(names, target, value, help, fmt::format("{}", target));
-}
-void Command::option(const std::string& names, std::optional<std::string>& target,
-                     const std::string& value, const std::string& help) {
-  impl_->add(names, target, value, help, "");
-}
-void Command::option(const std::string& names, std::optional<int>& target, const std::string& value,
-                     const std::string& help) {
-  impl_->add(names, target, value, help, "");
-}
-void Command::option(const std::string& names, std::optional<double>& target,
-                     const std::string& value, const std::string& help) {
-  impl_->add(names, target, value, help, "");
-}
-void Command::option(const std::string& names, std::vector<std::string>& target,
-                     const std::string& value, const std::string& help) {
+
+template <typename T>
+Option Command::option(const std::string& names, T& target, const std::string& value,
+                       const std::string& help) {
+  std::string initial;
+  if constexpr (!is_vector<T> && !is_optional<T>) initial = fmt::format("{}", target);
+  const Option option = add(names, value, help, initial,
+                            [&target, option = long_name(names)](const auto& texts) {
+                              assign(target, texts, option);
+                            });
   // Repeated, never greedy: the word after the value is not another value.
-  impl_->add(names, target, value, help, "")
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->expected(1, std::numeric_limits<int>::max())
-      ->allow_extra_args(false);
+  if constexpr (is_vector<T>)
+    impl_->app->get_option(long_name(names))
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->expected(1, std::numeric_limits<int>::max())
+        ->allow_extra_args(false);
+  return option;
+}
+template Option Command::option(const std::string&, std::string&, const std::string&,
+                                const std::string&);
+template Option Command::option(const std::string&, int&, const std::string&, const std::string&);
+template Option Command::option(const std::string&, std::uint64_t&, const std::string&,
+                                const std::string&);
+template Option Command::option(const std::string&, double&, const std::string&,
+                                const std::string&);
+template Option Command::option(const std::string&, std::optional<std::string>&, const std::string&,
+                                const std::string&);
+template Option Command::option(const std::string&, std::optional<int>&, const std::string&,
+                                const std::string&);
+template Option Command::option(const std::string&, std::optional<std::uint64_t>&,
+                                const std::string&, const std::string&);
+template Option Command::option(const std::string&, std::optional<double>&, const std::string&,
+                                const std::string&);
+template Option Command::option(const std::string&, std::vector<std::string>&, const std::string&,
+                                const std::string&);
+
+Option Command::flag(const std::string& names, bool& target, const std::string& help) {
+  return {impl_->app->add_flag(names, target, help)->group(impl_->section), &impl_->words};
 }
 
-void Command::add_choice(const std::string& names, const std::string& value,
-                         const std::string& help, const std::string& initial,
-                         const std::vector<std::string>& words,
-                         const std::function<void(const std::string&)>& choose) {
-  const std::string option = long_name(names);
-  impl_->sections.back().entries.push_back({shown(names, value), with_default(help, initial)});
-  impl_->words[option] = [words] { return words; };
-  const CLI::callback_t set = [option, words, choose](const CLI::results_t& texts) {
-    const auto word = value_of<std::string>(texts.back(), option);
-    if (std::find(words.begin(), words.end(), word) == words.end())
-      throw error(Failure::usage, "{}: '{}' is not {}{}", option, word, either(words),
-                  did_you_mean(word, words));
-    choose(word);
-    return true;
-  };
-  impl_->app.add_option(names, set)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+Option& Option::required() {
+  option_->required();
+  return *this;
 }
 
-void Command::suggestions(const std::string& long_name,
-                          const std::function<std::vector<std::string>()>& words) {
+// What is not a number is told when it is read.
+Option& Option::at_least(double low) {
+  option_->check([low](const std::string& text) {
+    return number_of_text(text).value_or(low) >= low
+               ? std::string()
+               : fmt::format("must be at least {}, not {}", low, text);
+  });
+  return *this;
+}
+
+Option& Option::between(double low, double high) {
+  option_->check([low, high](const std::string& text) {
+    const double value = number_of_text(text).value_or(low);
+    return value >= low && value <= high
+               ? std::string()
+               : fmt::format("must be from {} to {}, not {}", low, high, text);
+  });
+  return *this;
+}
+
+Option& Option::one_of(const std::vector<std::string>& words) {
+  option_->check(CLI::IsMember(words).description(""));
+  (*completions_)["--" + option_->get_lnames()[0]] = [words] { return words; };
+  return *this;
+}
+
+Option& Option::needs(const Option& other) {
+  option_->needs(other.option_);
+  return *this;
+}
+
+Option& Option::excludes(const std::vector<Option>& others) {
+  for (const Option& other : others) option_->excludes(other.option_);
+  return *this;
+}
+
+void Command::suggestions(const std::string& long_name, const Option::Words& words) {
   impl_->words[long_name] = words;
 }
 
-void Command::flag(const std::string& names, bool& target, const std::string& help) {
-  impl_->sections.back().entries.push_back({shown(names, ""), help});
-  impl_->app.add_flag(names, target);
-}
-
-void Command::section(const std::string& title) {
-  if (impl_->sections.back().entries.empty()) {
-    impl_->sections.back().title = title;
-  } else {
-    impl_->sections.push_back({title, {}});
-  }
-}
+void Command::section(const std::string& title) { impl_->section = title; }
 
 void Command::arguments(std::vector<std::string>& target, const std::string& value,
                         const std::string& help) {
@@ -385,55 +363,73 @@ void Command::arguments(std::vector<std::string>& target, const std::string& val
 
 void Command::arguments(std::vector<std::string>& target, const std::string& usage,
                         const std::vector<Form>& forms) {
-  impl_->arguments_usage = usage;
-  for (const Form& form : forms) impl_->arguments.push_back({"    " + form.words, form.help});
-  impl_->app.add_option("ARGUMENT", target);
-}
-
-void Command::require(const std::string& long_name) {
-  impl_->app.get_option(long_name)->required();
+  std::string shown = "\n";
+  for (const Form& form : forms) shown += Help::entry("    " + form.words, form.help);
+  impl_->help->label("ARGUMENTS", " " + usage);
+  impl_->help->label("FORMS", shown);
+  impl_->app->add_option("ARGUMENT", target);
 }
 
 void Command::only(bool applies, const std::vector<std::string>& long_names,
                    const std::string& where) const {
   if (applies) return;
   for (const std::string& name : long_names)
-    if (impl_->app.get_option(name)->count() > 0)
+    if (impl_->app->get_option(name)->count() > 0)
       throw error(Failure::usage, "{} goes with {}; here it would mean nothing", name, where);
 }
 
 void Command::example(const std::string& command, const std::string& what) {
-  impl_->examples.emplace_back(command, what);
+  impl_->examples += "  # " + what + "\n  " + command + "\n";
 }
 
 void Command::seed_option() {
-  impl_->add("--seed", seed, "N", "names the random streams; the same seed gives the same bytes",
-             "0");
-}
-
-void Command::jobs_option() {
-  impl_->has_jobs = true;
-  impl_->add("-j,--jobs", impl_->jobs, "N",
-             "worker threads; results do not depend on it [all cores; 1 under make]", "", true);
+  option("--seed", seed, "N", "names the random streams; the same seed gives the same bytes");
 }
 
 void Command::output_option(const std::string& what) {
-  impl_->add("-o,--output", output, "FILE", what, output == "-" ? "standard output" : output);
+  const auto set = [&](const std::vector<std::string>& texts) {
+    assign(output, texts, "--output");
+  };
+  add("-o,--output", "FILE", what, output == "-" ? "standard output" : output, set);
 }
 
-void Command::progress_option() {
-  static const std::vector<std::string> words{"auto", "always", "lines", "never"};
-  impl_
-      ->add("--progress", progress, "WHEN",
-            "auto, always, lines (one every ten seconds) or never; auto draws on a terminal, "
-            "writes a line a minute elsewhere, and nothing under make",
-            "auto", true)
-      ->check(CLI::IsMember(words));
-  suggestions("--progress", [] { return words; });
+// Common options stand last in the help.
+void Command::jobs_option() { impl_->has_jobs = true; }
+void Command::progress_option() { impl_->has_progress = true; }
+
+void Command::common_options() {
+  section("Common options");
+  if (impl_->has_jobs)
+    option("-j,--jobs", impl_->jobs, "N",
+           "worker threads; results do not depend on it [all cores; 1 under make]")
+        .between(1, most_threads);
+  if (impl_->has_progress)
+    option("--progress", progress, "WHEN",
+           "auto, always, lines (one every ten seconds) or never; auto draws on a terminal, "
+           "writes a line a minute elsewhere, and nothing under make")
+        .one_of({"auto", "always", "lines", "never"});
+  for (const auto& command : impl_->subcommands) command->common_options();
+  const auto help = [&] {
+    impl_->app->set_help_flag("-h,--help", "show this help")->group(impl_->section);
+  };
+  if (impl_->owned == nullptr) return help();
+  const Option level = option("--log-level", impl_->level, "LEVEL",
+                              "what is said: debug, info, warning, error or off")
+                           .one_of(log::levels());
+  const Option quiet = flag("-q,--quiet", impl_->quiet, "say nothing but errors").excludes({level});
+  flag("-v,--verbose", impl_->verbose, "say more: --log-level debug").excludes({level, quiet});
+  option("--log-file", impl_->log_file, "FILE",
+         "what is said goes to the end of this file, too, with the time");
+  help();
+  impl_->app
+      ->set_version_flag("--version", [&] { return created_by(name()) + " " + best_isa(); },
+                         "show version, commit, instruction set")
+      ->group(impl_->section);
+  impl_->finish_help();
 }
 
 Progress Command::progress_style() const {
-  if (quiet || progress == "never") return Progress::none;
+  if (quiet_ || progress == "never") return Progress::none;
   if (progress == "always") return Progress::drawn;
   if (progress == "lines") return Progress::often;
   // Under make, others draw on the same terminal.
@@ -441,12 +437,6 @@ Progress Command::progress_style() const {
   if (isatty(STDERR_FILENO) != 1) return Progress::rarely;
   return terminal_redraws() ? Progress::drawn : Progress::often;
 }
-
-void say_note(const std::string& text) { say(Detail::normal, text); }
-void say_detail(const std::string& text) { say(Detail::more, text); }
-void Command::detail(const std::string& text) const { say_detail(text); }
-void Command::note(const std::string& text) const { say(Detail::normal, text); }
-void Command::warn(const std::string& text) const { say(Detail::normal, text); }
 
 namespace {
 
@@ -461,105 +451,94 @@ Workers::Workers(const Command& command, std::size_t tasks)
     : pool(threads_for(tasks, command.jobs)) {
   const int wanted = threads_for(tasks, command.jobs);
   if (pool.threads() < wanted)
-    command.warn(fmt::format("{} of {} threads could be started; going on with these",
+    log::warn(fmt::format("{} of {} threads could be started; going on with these",
                              pool.threads(), wanted));
 }
 
 void Command::parse(std::vector<std::string> words) {
   std::reverse(words.begin(), words.end());  // as CLI11 takes them
   try {
-    impl_->app.parse(words);
+    impl_->app->parse(words);
   } catch (const CLI::ParseError& e) {
     throw impl_->explain(e);
   }
 }
 
+// Of the command and of what stands within it, after parsing.
+void Command::resolve(bool is_quiet) {
+  quiet_ = is_quiet;
+  // make runs as many of us as it was asked to; each then has one core.
+  jobs = impl_->jobs.value_or(
+      std::getenv("MAKELEVEL") != nullptr ? 1 : std::min(available_cores(), most_threads));
+  for (const auto& command : impl_->subcommands) command->resolve(is_quiet);
+}
+
 int Command::answer(int argc, char** argv, const std::function<int()>& work) {
   Impl& impl = *impl_;
+  common_options();
   if (argc == 3 && std::string(argv[1]) == "--values-of") {
     impl.print_values(argv[2]);
     return 0;
   }
-  // Asked for help, a tool helps, whatever else stands on the line.
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--") break;
-    impl.help |= word == "-h" || word == "--help";
-    impl.version |= word == "--version";
     // The parser would take the next word for the value.
     if (word.size() > 3 && word.starts_with("--") && word.find('=') == word.size() - 1)
       throw error(Failure::usage, "{}: its value is empty", word.substr(0, word.size() - 1));
   }
-  if (impl.help) {
-    impl.print_help();
-    return 0;
-  }
-  if (impl.version) {
-    fmt::print("{} {}\n", created_by(impl.name), best_isa());
-    return 0;
-  }
   try {
-    impl.app.parse(argc, argv);
+    impl.app->parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    // Between groups CLI11 leaves two lines.
+    const std::string help = CLI::detail::find_and_replace(impl.app->help(), "\n\n\n", "\n\n");
+    fmt::print("{}", help);
+    return 0;
+  } catch (const CLI::CallForVersion& e) {
+    fmt::print("{}\n", e.what());
+    return 0;
   } catch (const CLI::ParseError& e) {
     throw impl.explain(e);
   }
-  wanted = quiet ? Detail::errors : verbose ? Detail::more : Detail::normal;
-  if (impl.jobs && (*impl.jobs < 1 || *impl.jobs > most_threads))
-    throw error(Failure::usage, "--jobs must be from 1 to {}, not {}", most_threads, *impl.jobs);
-  // make runs as many of us as it was asked to; each then has one core.
-  jobs = impl.jobs.value_or(
-      std::getenv("MAKELEVEL") != nullptr ? 1 : std::min(available_cores(), most_threads));
+  const std::string level = impl.quiet ? "error" : impl.verbose ? "debug" : impl.level;
+  log::set(level, impl.log_file);
+  resolve(level == "error" || level == "off");
   const auto start = std::chrono::steady_clock::now();
   const int status = work();
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-  detail(fmt::format("took {}", duration(taken.count())));
+  log::debug(fmt::format("took {}", duration(taken.count())));
   return status;
 }
 
 int Command::run(int argc, char** argv, const std::function<int()>& work) {
-  Impl& impl = *impl_;
-  impl.common.entries.push_back({shown("-q,--quiet", ""), "say nothing but errors"});
-  impl.app.add_flag("-q,--quiet", quiet);
-  impl.common.entries.push_back({shown("-v,--verbose", ""), "say more"});
-  impl.app.add_flag("-v,--verbose", verbose);
-  impl.common.entries.push_back(
-      {shown("--config", "FILE"), "read options from a YAML file; the command line wins"});
-  impl.app.set_config("--config");
-  impl.app.config_formatter(std::make_shared<YamlConfig>(impl.app));
-  impl.app.allow_config_extras(false);
-  impl.common.entries.push_back({shown("-h,--help", ""), "show this help"});
-  impl.app.add_flag("-h,--help", impl.help);
-  impl.common.entries.push_back({shown("--version", ""), "show version, commit, instruction set"});
-  impl.app.add_flag("--version", impl.version);
-
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error of writing
-  const auto advice = [&] { return impl.has_jobs && jobs > 1 ? "; fewer --jobs need less" : ""; };
+  const auto advice = [&] { return impl_->has_jobs && jobs > 1 ? "; fewer --jobs need less" : ""; };
   return run_as(
-      impl.name, [&] { return answer(argc, argv, work); }, advice);
+      name(), [&] { return answer(argc, argv, work); }, advice);
 }
 
 int run_as(const std::string& executable, const std::function<int()>& work,
            const std::function<std::string()>& memory_advice) {
   occupy_standard_streams();
-  speaker = executable;
+  log::begin(executable);
   try {
     const int status = work();
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
       throw error(Failure::io, "cannot write standard output");
     return status;
   } catch (const Error& e) {
-    say_error(e.what());
+    log::error(e.what());
     return static_cast<int>(e.kind());
   } catch (const std::bad_alloc&) {
-    say_error("out of memory" + (memory_advice ? memory_advice() : ""));
+    log::error("out of memory" + (memory_advice ? memory_advice() : ""));
   } catch (const std::filesystem::filesystem_error& e) {
-    say_error(e.what());
+    log::error(e.what());
     return static_cast<int>(Failure::io);
   } catch (const std::system_error& e) {  // of printing
-    say_error("standard output: cannot be written: " + e.code().message());
+    log::error("standard output: cannot be written: " + e.code().message());
     return static_cast<int>(Failure::io);
   } catch (const std::exception& e) {
-    say_error(std::string("unexpected failure: ") + e.what());
+    log::error(std::string("unexpected failure: ") + e.what());
   }
   return static_cast<int>(Failure::work);
 }

@@ -1,23 +1,49 @@
-// What every tool shares: options, help, version, configuration file, logging,
-// exit statuses (docs/tools.md). A tool describes
-// itself to a Command and hands over its work; main() is then one call.
+// What every tool shares: options, help, version, messages (log.h), exit statuses
+// (docs/tools.md). A tool describes itself to a Command, which is over CLI11, and hands over
+// its work; main() is then one call.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "cli/log.h"
 #include "cli/progress.h"
 #include "libevo/base/error.h"
 #include "libevo/base/parallel.h"
 
+namespace CLI {
+class Option;
+}
+
 namespace evo::cli {
 
 constexpr int most_threads = 1024;
+
+// An option that was declared: what its value may be and what it goes with. Wrong values and
+// combinations end in one line and status 2.
+class Option {
+ public:
+  using Words = std::function<std::vector<std::string>()>;
+  Option(CLI::Option* option, std::map<std::string, Words>* completions)
+      : option_(option), completions_(completions) {}
+
+  Option& required();
+  Option& at_least(double low);
+  Option& between(double low, double high);
+  Option& one_of(const std::vector<std::string>& words);
+  Option& needs(const Option& other);
+  Option& excludes(const std::vector<Option>& others);
+
+ private:
+  CLI::Option* option_;
+  std::map<std::string, Words>* completions_;
+};
 
 class Command {
  public:
@@ -26,46 +52,35 @@ class Command {
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
 
-  // An option that takes a value: `names` is "-n,--count" or "--rate", `value`
-  // the word for it in the help. The value held by the target is the default;
-  // an option for std::optional has none, one for a vector may be repeated.
-  void option(const std::string& names, std::string& target, const std::string& value,
-              const std::string& help);
-  void option(const std::string& names, int& target, const std::string& value,
-              const std::string& help);
-  void option(const std::string& names, std::uint64_t& target, const std::string& value,
-              const std::string& help);
-  void option(const std::string& names, double& target, const std::string& value,
-              const std::string& help);
-  void option(const std::string& names, std::optional<std::string>& target,
-              const std::string& value, const std::string& help);
-  void option(const std::string& names, std::optional<int>& target, const std::string& value,
-              const std::string& help);
-  void option(const std::string& names, std::optional<double>& target, const std::string& value,
-              const std::string& help);
-  void option(const std::string& names, std::vector<std::string>& target, const std::string& value,
-              const std::string& help);
-  void flag(const std::string& names, bool& target, const std::string& help);
-  // An option whose value is one of some words, each of which stands for a value of the
-  // target; another word is refused with the nearest of them.
+  // A command within the tool, "evo-tool NAME", with arguments, options and examples of its
+  // own; common options hold for all. Of a tool that has some, one must be given.
+  Command& subcommand(const std::string& name, const std::string& purpose);
+  bool given() const;  // this is the subcommand that was
+
+  // An option that takes a value: `names` is "-n,--count" or "--rate", `value` the word for
+  // it in the help. T is std::string, int, std::uint64_t or double: what the target holds is
+  // the default. Or std::optional of one of them, which has none, or a vector of strings:
+  // the option may be repeated. Given twice otherwise, the last one counts.
   template <typename T>
-  void choice(const std::string& names, T& target, const std::string& value,
-              const std::vector<std::pair<std::string, T>>& words, const std::string& help) {
+  Option option(const std::string& names, T& target, const std::string& value,
+                const std::string& help);
+  Option flag(const std::string& names, bool& target, const std::string& help);
+  // An option whose value is one of some words, each of which stands for a value of the target.
+  template <typename T>
+  Option choice(const std::string& names, T& target, const std::string& value,
+                const std::vector<std::pair<std::string, T>>& words, const std::string& help) {
     std::vector<std::string> allowed;
     std::string initial;
     for (const auto& [word, meaning] : words) {
       allowed.push_back(word);
       if (meaning == target) initial = word;
     }
-    add_choice(names, value, help, initial, allowed, [&target, words](const std::string& chosen) {
+    const auto set = [&target, words](const std::vector<std::string>& texts) {
       for (const auto& [word, meaning] : words)
-        if (word == chosen) target = meaning;
-    });
+        if (word == texts.back()) target = meaning;
+    };
+    return add(names, value, help, initial, set).one_of(allowed);
   }
-  // Words that an option may have as its value among others, or a command among its
-  // arguments, for the shell to complete.
-  void suggestions(const std::string& long_name,
-                   const std::function<std::vector<std::string>()>& words);
   // The next option begins a group with this title in the help.
   void section(const std::string& title);
 
@@ -79,7 +94,9 @@ class Command {
   };
   void arguments(std::vector<std::string>& target, const std::string& usage,
                  const std::vector<Form>& forms);
-  void require(const std::string& long_name);  // the option must be given
+  // Words that the value of an option, or what follows an argument, may be among others,
+  // for the shell to complete.
+  void suggestions(const std::string& long_name, const Option::Words& words);
   // Refuses options that were given where they mean nothing: `where` says what they go with.
   // Throws Error(usage).
   void only(bool applies, const std::vector<std::string>& long_names,
@@ -98,15 +115,8 @@ class Command {
   std::string output = "-";  // "-" is standard output
   std::string progress = "auto";
   Progress progress_style() const;  // on standard error
-  bool quiet = false;
-  bool verbose = false;
 
   const std::string& name() const;
-
-  // A line on standard error; `detail` only with -v, `note` and `warn` not with -q.
-  void detail(const std::string& text) const;
-  void note(const std::string& text) const;
-  void warn(const std::string& text) const;
 
   // Options kept elsewhere than on a command line. Throws Error(usage).
   void parse(std::vector<std::string> words);
@@ -116,13 +126,18 @@ class Command {
   int run(int argc, char** argv, const std::function<int()>& work);
 
  private:
-  void add_choice(const std::string& names, const std::string& value, const std::string& help,
-                  const std::string& initial, const std::vector<std::string>& words,
-                  const std::function<void(const std::string&)>& choose);
+  struct Impl;
+  explicit Command(std::unique_ptr<Impl> impl);
+
+  using Set = std::function<void(const std::vector<std::string>&)>;
+  Option add(const std::string& names, const std::string& value, const std::string& help,
+             const std::string& initial, const Set& set);
+  void common_options();
+  void resolve(bool is_quiet);
   int answer(int argc, char** argv, const std::function<int()>& work);
 
-  struct Impl;
   std::unique_ptr<Impl> impl_;
+  bool quiet_ = false;
 };
 
 // Threads for this many tasks, -j at most; a word where the system has fewer.
@@ -131,10 +146,6 @@ class Workers {
   Workers(const Command& command, std::size_t tasks);
   ThreadPool pool;
 };
-
-// As Command::note and Command::detail, from parts of a tool that know no Command.
-void say_note(const std::string& text);
-void say_detail(const std::string& text);
 
 // The value of `work` as the exit status of a program that is no Command; failures end as
 // in Command::run. `memory_advice` is what to do when there is too little of it.

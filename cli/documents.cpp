@@ -78,15 +78,6 @@ std::string describe_steady_state(const std::string& text, const std::string& na
       printable(name), state.robots, state.method.told);
 }
 
-std::string describe_config(const std::string& text, const std::string& name) {
-  std::string told = fmt::format("{}: options of a tool\n", printable(name));
-  const YamlNode node = YamlNode::parse(text, name);
-  for (const auto& [key, value] : node.entries())
-    if (key.string() != "format" && key.string() != "version")
-      told += fmt::format("--{}\n", printable(key.string()));
-  return told;
-}
-
 std::string describe_world(const std::string& text, const std::string& name) {
   const World world = evogym_world_from_json(parse_json(text, name), name);
   std::string told = fmt::format("{}: world of the design tool, {} objects\n", printable(name),
@@ -119,7 +110,7 @@ std::optional<Kind> kind_of(const std::string& text) {
       {format::task.name, describe_task_file},        {format::physics.name, describe_physics},
       {format::training.name, describe_training},     {format::neat.name, describe_neat_settings},
       {format::neat_state.name, describe_neat_state}, {format::run.name, describe_run},
-      {format::steady.name, describe_steady_state},   {format::config.name, describe_config}};
+      {format::steady.name, describe_steady_state}};
   const std::string found = format_of(text);
   for (const Kind& kind : kinds)
     if (kind.name == found) return kind;

@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
       }
       out.finish();
     }
-    command.note(
+    cli::log::info(
         fmt::format("{} of {} cells have an elite", archive.elites().size(), archive.cells()));
     return 0;
   });

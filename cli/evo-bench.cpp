@@ -219,18 +219,6 @@ std::vector<std::string> isas(const std::string& text) {
 // ---- the tool ------------------------------------------------------------------------
 
 int bench(const Settings& settings, std::uint64_t seed) {
-  if (settings.repetitions < 1)
-    throw error(Failure::usage, "--repetitions must be at least 1, got {}", settings.repetitions);
-  if (settings.threads < 1 || settings.threads > cli::most_threads)
-    throw error(Failure::usage, "--threads must be from 1 to {}, got {}", cli::most_threads,
-                settings.threads);
-  if (!(settings.seconds >= 0.0 && settings.seconds <= longest_repetition))
-    throw error(Failure::usage, "--seconds must be from 0 to {}, got {}", longest_repetition,
-                settings.seconds);
-  if (settings.bodies < 1)
-    throw error(Failure::usage, "--bodies must be at least 1, got {}", settings.bodies);
-  if (settings.bodies > 1 && settings.tasks)
-    throw error(Failure::usage, "--bodies: --tasks has one body for all; leave one of them out");
   const std::vector<int> envs = parse_wholes(settings.envs, "--envs", 1, most_counted);
   const std::vector<Subject> measured = subjects(settings, seed);
   const std::vector<std::string> chosen = isas(settings.isa);
@@ -253,19 +241,29 @@ int main(int argc, char** argv) {
   command.section("What is measured");
   settings.task.add_to(command);
   command.option("--sizes", settings.sizes, "N,N,..", "bodies of N x N voxels");
-  command.option("--bodies", settings.bodies, "N",
-                 "random bodies of each size, a line each: those of --seed, and the N-1 after it");
-  command.flag("--tasks", settings.tasks,
-               "all tasks, with one 5x5 body, instead of --task and --sizes");
+  const cli::Option bodies =
+      command
+          .option("--bodies", settings.bodies, "N",
+                  "random bodies of each size, a line each: those of --seed, and the N-1 after it")
+          .at_least(1);
+  command
+      .flag("--tasks", settings.tasks,
+            "all tasks, with one 5x5 body, instead of --task and --sizes")
+      .excludes({bodies});
   command.option("--envs", settings.envs, "N,N,..", "environments stepped together");
-  command.option("--threads", settings.threads, "N",
-                 "batches of environments at a time, one per thread");
+  command
+      .option("--threads", settings.threads, "N",
+              "batches of environments at a time, one per thread")
+      .between(1, cli::most_threads);
   command.option("--isa", settings.isa, "NAME",
                  "instruction set, e.g. x86-64-v3, or all, one after the other");
   command.section("How");
-  command.option("--repetitions", settings.repetitions, "N", "of which the median is reported");
-  command.option("--seconds", settings.seconds, "T",
-                 "length of one repetition, s of processor time (of wall time with --threads)");
+  command.option("--repetitions", settings.repetitions, "N", "of which the median is reported")
+      .at_least(1);
+  command
+      .option("--seconds", settings.seconds, "T",
+              "length of one repetition, s of processor time (of wall time with --threads)")
+      .between(0.0, longest_repetition);
   command.flag("--json", settings.json, "one JSON object a line instead of a table");
   command.seed_option();
   command.example("evo-bench --sizes 5 --envs 8", "a batch of eight 5x5 robots on flat ground");

@@ -259,7 +259,7 @@ int main(int argc, char** argv) {
       write_task_world(task, command.output);
       return 0;
     }
-    const WorldWarning warn = [&](const std::string& text) { command.warn(text); };
+    const WorldWarning warn = cli::log::warn;
     const Target& target = target_of(format, command.output);
     const std::string& to = target.name;
     if (to == "minari") {

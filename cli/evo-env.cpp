@@ -215,9 +215,9 @@ struct Request {
   Json (*answer)(Session&, const Json&);
 };
 
-// Throws Refusal or Error for what is no request or cannot be fulfilled; nothing has changed
+// Throws Error for what is no request or cannot be fulfilled; nothing has changed
 // then.
-Json answer(Session& session, const Json& request) {
+Json answer(Session& session, const Json& request, const std::string& where) try {
   static const std::vector<Request> all{{"reset", reset},     {"step", step},
                                         {"save", save},       {"restore", restore},
                                         {"positions", positions}, {"task", task_of}};
@@ -231,6 +231,10 @@ Json answer(Session& session, const Json& request) {
   }
   check_fields(request, "", names);
   throw refusal("", "expected one of: {}", fmt::join(names, ", "));
+} catch (const Refusal& refused) {
+  throw refused.at(where);
+} catch (const Error& failure) {
+  throw failure.at(where);
 }
 
 // Until the input ends. Throws Error(data) for a line that is too long.
@@ -245,13 +249,7 @@ void serve(Session& session) {
     if (text.find_first_not_of(" \t\r") == std::string_view::npos) continue;
     const std::string where = fmt::format("request {}", number);
     try {
-      Json said;
-      try {
-        said = answer(session, parse_json(text, where));
-      } catch (const Refusal& refused) {
-        throw refused.at(where);
-      }
-      out.line(compact(said));
+      out.line(compact(answer(session, parse_json(text, where), where)));
     } catch (const Error& failure) {
       if (failure.kind() == Failure::io) throw;
       out.line(compact({{"error", failure.what()}}));

@@ -106,24 +106,6 @@ Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, 
   return trial;
 }
 
-void check(const Settings& settings) {
-  const int controllers = static_cast<int>(settings.policy.has_value()) +
-                          static_cast<int>(settings.actions.has_value()) +
-                          static_cast<int>(settings.sine.has_value()) +
-                          static_cast<int>(settings.random);
-  if (controllers > 1)
-    throw error(Failure::usage, "give one of --policy, --actions, --sine and --random");
-  if (settings.rollout && settings.rollout_dir)
-    throw error(Failure::usage, "give one of --rollout and --rollout-dir");
-  if (settings.episodes < 1)
-    throw error(Failure::usage, "--episodes must be at least 1, got {}", settings.episodes);
-  if (settings.max_steps.value_or(1) < 1)
-    throw error(Failure::usage, "--max-steps must be at least 1, got {}", *settings.max_steps);
-  if (!(settings.jitter >= 0.0 && settings.jitter < 0.5))
-    throw error(Failure::usage, "--jitter must be between 0 and 0.5 voxels, got {}",
-                settings.jitter);
-}
-
 std::optional<std::string> rollout_of(const Settings& settings, const Robot& robot) {
   if (settings.rollout_dir) return *settings.rollout_dir + "/" + robot.id + ".h5";
   return settings.rollout;
@@ -206,28 +188,42 @@ int main(int argc, char** argv) {
   command.section("Task");
   settings.task.add_to(command, " [the one the policy was trained on; else required]");
   command.section("Controller (default: the policy named by each robot)");
-  command.option("--policy", settings.policy, "FILE.h5", "a trained policy, for every robot read");
-  command.option("--actions", settings.actions, "FILE",
-                 "replay actions [T, A] of an HDF5 file or rollout, of NumPy, or rows of a CSV");
-  command.option("--sine", settings.sine, "A,PERIOD,PHASE",
-                 "targets 1.1 + A sin(2 pi t / PERIOD + PHASE i) of actuator i, PERIOD in control "
-                 "steps, PHASE in radian");
-  command.flag("--random", settings.random, "uniform random targets");
+  const cli::Option policy = command.option("--policy", settings.policy, "FILE.h5",
+                                            "a trained policy, for every robot read");
+  const cli::Option actions =
+      command
+          .option("--actions", settings.actions, "FILE",
+                  "replay actions [T, A] of an HDF5 file or rollout, of NumPy, or rows of a CSV")
+          .excludes({policy});
+  const cli::Option sine =
+      command
+          .option("--sine", settings.sine, "A,PERIOD,PHASE",
+                  "targets 1.1 + A sin(2 pi t / PERIOD + PHASE i) of actuator i, PERIOD in control "
+                  "steps, PHASE in radian")
+          .excludes({policy, actions});
+  command.flag("--random", settings.random, "uniform random targets")
+      .excludes({policy, actions, sine});
   command.section("Episodes");
-  command.option("--episodes", settings.episodes, "N", "episodes of each robot");
-  command.option("--max-steps", settings.max_steps, "N",
-                 "end episodes after N control steps [the task's limit]");
+  command.option("--episodes", settings.episodes, "N", "episodes of each robot").at_least(1);
+  command
+      .option("--max-steps", settings.max_steps, "N",
+              "end episodes after N control steps [the task's limit]")
+      .at_least(1);
   command.option("--draws", settings.draws, "JSON|FILE",
                  "what a random task draws, such as '{\"ox\":0,\"oy\":3}', or a rollout to take it "
                  "from");
-  command.option("--jitter", settings.jitter, "VOXELS",
-                 "move every start coordinate by up to this, to test robustness");
+  command
+      .option("--jitter", settings.jitter, "VOXELS",
+              "move every start coordinate by up to this, to test robustness")
+      .between(0.0, 0.49);
   command.seed_option();
   command.section("Output");
   command.output_option("where the robots go, with fitness, returns and lengths");
   command.flag("--behaviour", settings.behaviour, cli::behaviour_help);
-  command.option("--rollout", settings.rollout, "FILE.h5", "record the episodes of one robot");
-  command.option("--rollout-dir", settings.rollout_dir, "DIR", "record into DIR/<id>.h5");
+  const cli::Option rollout = command.option("--rollout", settings.rollout, "FILE.h5",
+                                             "record the episodes of one robot");
+  command.option("--rollout-dir", settings.rollout_dir, "DIR", "record into DIR/<id>.h5")
+      .excludes({rollout});
   command.flag("--rollout-velocities", settings.velocities, "record velocities, too");
   command.choice("--failures", settings.skip_failures, "WHAT", {{"stop", false}, {"skip", true}},
                  "a robot that cannot be measured: stop, or skip (fitness null)");
@@ -239,7 +235,6 @@ int main(int argc, char** argv) {
                   "a trained robot from slightly different starts, recorded");
 
   return command.run(argc, argv, [&] {
-    check(settings);
     std::optional<TaskSpec> task;
     if (settings.task.given()) task = settings.task.load();
     const std::vector<Robot> robots = cli::read_robots(files);
@@ -249,7 +244,7 @@ int main(int argc, char** argv) {
                   robots.size());
     check_files(settings, robots, files, command.output);
     if (settings.rollout_dir) make_folders(*settings.rollout_dir);
-    const Warn warn = [&](const std::string& text) { command.warn(text); };
+    const Warn warn = cli::log::warn;
     OrderedWriter out(command.output);
     // Robots that go to the terminal are progress enough.
     const bool shows = command.progress == "auto" && command.output == standard_stream &&

@@ -385,9 +385,12 @@ int main(int argc, char** argv) {
   command.flag("--watch", watch,
                "follow a run, or one that is to begin, until it is over: a line per generation, on "
                "a terminal the champion's body and live curves");
-  command.flag("--check", check,
-               "read the files, or every file of a run, whole: structure, ids, checksums, fitness");
-  command.flag("--replay", replay, "with --check, run the policies: each earns its fitness again");
+  const cli::Option whole = command.flag(
+      "--check", check,
+      "read the files, or every file of a run, whole: structure, ids, checksums, fitness");
+  command
+      .flag("--replay", replay, "with --check, run the policies: each earns its fitness again")
+      .needs(whole);
   command.progress_option();
   command.example("evo-inspect tasks", "the benchmark's tasks with difficulty and lengths");
   command.example("evo-inspect task Carrier-v0", "what is observed, rewarded, and ends an episode");
@@ -400,7 +403,6 @@ int main(int argc, char** argv) {
     command.only(subject == "tasks", {"--markdown"}, "'tasks'");
     command.only(subject == "task", {"--shape"}, "'task NAME'");
     const bool colored = cli::use_color(color);
-    if (replay && !check) throw error(Failure::usage, "--replay goes with --check");
     if (check) {
       if (words.empty()) throw error(Failure::usage, "--check: name files or run folders");
       cli::check_paths(words, replay);

@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> avoid;
   std::vector<std::string> files;
   command.arguments(files, "FILE", "robots (JSON, JSON Lines, YAML, letters) [standard input]");
-  command.option("-n,--count", count, "N", "children to make [as many as robots read]");
+  command.option("-n,--count", count, "N", "children to make [as many as robots read]")
+      .at_least(0);
   cli::add_breeding_options(command, breeding);
   command.option("--avoid", avoid, "FILE", "robots or ids that must not come again (repeatable)");
   command.seed_option();
@@ -26,8 +27,6 @@ int main(int argc, char** argv) {
                   "three bodies near the best that were never tried");
 
   return command.run(argc, argv, [&] {
-    if (count.value_or(0) < 0)
-      throw error(Failure::usage, "--count must not be negative, got {}", *count);
     check(breeding);
     const std::vector<Robot> robots = cli::read_robots(files);
     const int children = count.value_or(static_cast<int>(robots.size()));

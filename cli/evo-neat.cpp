@@ -53,17 +53,21 @@ int main(int argc, char** argv) {
                     "the scored population [standard input]; not read without "
                     "--state-in");
   command.option("-n,--count", count, "N",
-                 fmt::format("population size [pop_size of --neat, else {}]", default_population));
-  command.option("--shape", shape_text, "ROWSxCOLS", "of the first population's bodies, in voxels");
-  command.option("--state-in", state_in, "FILE",
-                 "species of the population read; without it, a first population is made");
-  command.option("--state-out", state_out, "FILE", "where the species of the new one go; required");
+                 fmt::format("population size [pop_size of --neat, else {}]", default_population))
+      .at_least(2);
+  const cli::Option first_shape = command.option("--shape", shape_text, "ROWSxCOLS",
+                                                 "of the first population's bodies, in voxels");
+  command
+      .option("--state-in", state_in, "FILE",
+              "species of the population read; without it, a first population is made")
+      .excludes({first_shape});
+  command.option("--state-out", state_out, "FILE", "where the species of the new one go; required")
+      .required();
   command.option("--neat", settings_file, "FILE",
                  "settings of NEAT, or FILE.cfg in neat-python's own form [tasks/neat.yaml]");
   command.option("--avoid", avoid, "FILE", "robots or ids that must not come again (repeatable)");
   command.seed_option();
   command.output_option("where the new population goes");
-  command.require("--state-out");
   command.example("evo-neat -n 25 --seed 1 --state-out old.json -o population.jsonl",
                   "a first population and its species");
   command.example("evo-neat -n 25 --seed 2 --state-in old.json --state-out new.json scores.jsonl",
@@ -71,14 +75,11 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     cli::check_outputs({{"--output", command.output}, {"--state-out", state_out}});
-    if (count && *count < 2)
-      throw error(Failure::usage, "--count must be at least 2, got {}", *count);
     const NeatSettings settings = neat_settings(settings_file, count, cli::data_folders());
     std::set<std::string> seen = cli::read_ids(avoid);
     NeatState state;
     Parents parents;
     std::vector<CppnRobot> made;
-    command.only(!state_in, {"--shape"}, "a first population, without --state-in");
     if (!state_in && !files.empty())
       throw error(Failure::usage, "{}: a scored population goes with --state-in", files.front());
     if (state_in) {

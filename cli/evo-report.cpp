@@ -29,10 +29,12 @@ int main(int argc, char** argv) {
   command.option("--title", options.title, "TEXT", "of the page [the task and the folder's name]");
   command.option("--robots", robots, "N",
                  "robots of a run to show one by one; of more, the fittest, the champion's "
-                 "ancestors, and others evenly spread [1500, of several runs 4000 altogether]");
+                 "ancestors, and others evenly spread [1500, of several runs 4000 altogether]")
+      .at_least(1);
   command.option("--replays", replays, "N",
                  "episodes to play on the page: of a run's N fittest robots, beside the champion "
-                 "and its ancestors [all that are shown; of several runs 1500 altogether]");
+                 "and its ancestors [all that are shown; of several runs 1500 altogether]")
+      .at_least(0);
   command.output_option("where the page goes, HTML that needs no other file and no network");
   command.jobs_option();
   command.example("evo-report runs/walker -o report.html", "one run, at any time");
@@ -41,10 +43,6 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     if (names.empty()) throw error(Failure::usage, "name at least one run folder");
-    if (replays && *replays < 0)
-      throw error(Failure::usage, "--replays must be at least 0, got {}", *replays);
-    if (robots && *robots < 1)
-      throw error(Failure::usage, "--robots must be at least 1, got {}", *robots);
     report::Extent extent;
     if (replays)
       extent.replays = static_cast<std::size_t>(*replays);

@@ -290,7 +290,7 @@ int train_together(const cli::Command& command, const RunFolder& run, int genera
     add_steps(robot, robots[trained.index].steps());
   });
   if (scored.empty()) {
-    command.warn("interrupted; give the same command again to go on");
+    cli::log::warn("interrupted; give the same command again to go on");
     return status;
   }
   if (!fs::exists(*plan.shared))
@@ -339,7 +339,7 @@ int train_slots(const cli::Command& command, const RunFolder& run, int generatio
     write_slot(run, address, robot);
   };
   const int status = cli::train_robots(command, training_plan(run, generation), robots, ended);
-  if (status != 0) command.warn("interrupted; give the same command again to go on");
+  if (status != 0) cli::log::warn("interrupted; give the same command again to go on");
   return status;
 }
 

@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
   std::string weights_text = "0.6,0.2,0.2,0.2,0.2";
   bool painted = false;
   std::vector<std::string> avoid;
-  command.option("-n,--count", count, "N", "how many, no two alike");
+  command.option("-n,--count", count, "N", "how many, no two alike").at_least(0);
   command.option("--shape", shape_text, "ROWSxCOLS", "size of the body's matrix, in voxels");
   command.option("--weights", weights_text, "E,R,S,H,V",
                  "relative weights of empty, rigid, soft, horizontal and vertical voxels");
@@ -61,7 +61,6 @@ int main(int argc, char** argv) {
                   "a first population for Lifter-v0");
 
   return command.run(argc, argv, [&] {
-    if (count < 0) throw error(Failure::usage, "--count must not be negative, got {}", count);
     const Shape shape = parse_shape(shape_text);
     const VoxelWeights weights = parse_weights(weights_text);
     command.only(!painted, {"--weights"}, "--encoding voxel");

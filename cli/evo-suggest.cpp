@@ -42,10 +42,11 @@ int main(int argc, char** argv) {
   int count = 25;
   std::string shape_text = "5x5";
   std::vector<std::string> history_files;
-  command.option("-n,--count", count, "N", "bodies to propose; all valid and new");
+  command.option("-n,--count", count, "N", "bodies to propose; all valid and new").at_least(1);
   command.option("--history", history_files, "FILE", "scored robots (repeatable)");
   command.option("--shape", shape_text, "ROWSxCOLS", "of the bodies, while there is no history");
-  command.option("--candidates", settings.candidates, "N", "random valid bodies considered");
+  command.option("--candidates", settings.candidates, "N", "random valid bodies considered")
+      .at_least(1);
   command.seed_option();
   command.output_option("where the bodies go, one JSON document per line");
   command.jobs_option();
@@ -54,22 +55,19 @@ int main(int argc, char** argv) {
                   "the most promising body, drawn");
 
   return command.run(argc, argv, [&] {
-    if (count < 1) throw error(Failure::usage, "--count must be at least 1, got {}", count);
-    if (settings.candidates < 1)
-      throw error(Failure::usage, "--candidates must be at least 1, got {}", settings.candidates);
     History history;
     if (!history_files.empty()) history = read_history(history_files);
     const Shape shape = history.observations.empty() ? parse_shape(shape_text) : history.shape;
     cli::Workers workers(command, static_cast<std::size_t>(command.jobs));
     const SuggestedBatch batch = suggest(shape.rows, shape.cols, history.observations, {}, count,
                                          settings, command.seed, &workers.pool);
-    if (!batch.from_model) command.warn("no scored robot to learn from; these bodies are random");
+    if (!batch.from_model) cli::log::warn("no scored robot to learn from; these bodies are random");
     RobotWriter out(command.output);
     int index = 0;
     for (const Suggestion& suggestion : batch.designs) {
       Robot robot = robot_of({suggestion.body, MadeBy::suggestion}, command.seed, index++);
       if (batch.from_model)
-        command.detail(fmt::format("{}: expected {:.4g} +- {:.2g}", robot.id, suggestion.mean,
+        cli::log::debug(fmt::format("{}: expected {:.4g} +- {:.2g}", robot.id, suggestion.mean,
                                    suggestion.stddev));
       out.write(std::move(robot));
     }

@@ -30,10 +30,10 @@ void check_files(const TrainingPlan& plan, const std::vector<Robot>& robots,
 
 // PPO trains by whole updates; a number of steps that this cuts by more than a tenth is
 // told.
-void warn_of_fewer_steps(const cli::Command& command, const TrainingSettings& settings) {
+void warn_of_fewer_steps(const TrainingSettings& settings) {
   const std::int64_t trained = settings.updates() * settings.batch();
   if (settings.algorithm != Algorithm("ppo") || 10 * trained >= 9 * settings.steps) return;
-  command.warn(
+  cli::log::warn(
       fmt::format("{} of {} steps are trained: an update takes {} (environments x rollout)",
                   trained, settings.steps, settings.batch()));
 }
@@ -58,7 +58,7 @@ int main(int argc, char** argv) {
     const std::vector<Robot> robots = cli::read_robots(files);
     const TrainingPlan plan = options.plan(command.seed);
     check_files(plan, robots, command.output);
-    warn_of_fewer_steps(command, plan.children);
+    warn_of_fewer_steps(plan.children);
     OrderedWriter out(command.output);
     const int status = cli::train_robots(command, plan, robots, [&](const Trained& trained) {
       if (trained.robot) out.put(trained.index, *trained.robot);
@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
     if (status == 0)
       out.finish();
     else
-      command.warn(cli::how_to_go_on);
+      cli::log::warn(cli::how_to_go_on);
     return status;
   });
 }

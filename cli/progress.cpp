@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 
+#include "cli/log.h"
 #include "cli/terminal.h"
 #include "formats/io/values.h"
 
@@ -97,14 +98,15 @@ bool LiveLine::due() const {
 void LiveLine::draw(const std::vector<std::string>& lines) {
   if (style_ == Progress::none || lines.empty()) return;
   last_drawn_ = clock_.seconds();
-  std::string text = drawn() ? home() : "";
-  for (std::size_t k = 0; k < lines.size(); ++k)
-    text += drawn() ? (k == 0 ? "" : "\n") + cut_to_width(lines[k], terminal_columns() - 1)
-                    : lines[k] + "\n";
-  if (drawn()) {
-    drawn_ = lines.size();
-    if (drawn_ > 1) text += fmt::format("\x1b[{}A\r", drawn_ - 1);
+  if (!drawn()) {
+    for (const std::string& line : lines) log::info(line);
+    return;
   }
+  std::string text = home();
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    text += (k == 0 ? "" : "\n") + cut_to_width(lines[k], terminal_columns() - 1);
+  drawn_ = lines.size();
+  if (drawn_ > 1) text += fmt::format("\x1b[{}A\r", drawn_ - 1);
   std::fputs(text.c_str(), stderr);  // a terminal gone is no failure
   std::fflush(stderr);
 }

@@ -28,13 +28,13 @@ std::vector<Robot> read_robots(const std::vector<std::string>& files, BodyCheck 
   const std::vector<std::string> sources =
       files.empty() ? std::vector<std::string>{std::string(standard_stream)} : files;
   if (files.empty() && isatty(STDIN_FILENO) == 1)
-    say_note("reading robots from the terminal; Ctrl-D ends them, Ctrl-C the command");
+    log::info("reading robots from the terminal; Ctrl-D ends them, Ctrl-C the command");
   std::vector<Robot> robots;
   for (const std::string& source : sources) {
     refuse_task_as_file(source);
     for (Robot& robot : with_policies_seen_from_here(evo::read_robots(source, check), source))
       robots.push_back(std::move(robot));
-    say_detail(fmt::format("{} robots read, the last from {}", robots.size(), input_label(source)));
+    log::debug(fmt::format("{} robots read, the last from {}", robots.size(), input_label(source)));
   }
   return robots;
 }

@@ -203,12 +203,12 @@ bool not_begun(const fs::path& folder) {
 // False if the wait was ended from outside.
 bool wait_for_begin(const fs::path& folder, pid_t caller, Progress style) {
   if (!not_begun(folder)) return true;
-  const std::string text = fmt::format("waiting for {} to begin", printable(folder.string()));
+  const std::string text = fmt::format("waiting for {} to begin", folder.string());
   LiveLine line(style == Progress::drawn ? style : Progress::none);
   if (style == Progress::drawn)
     line.draw(text);
   else if (style != Progress::none)
-    fmt::print(stderr, "{}\n", text);
+    log::info(text);
   while (not_begun(folder)) {
     ::poll(nullptr, 0, 200);
     if (interrupted() != 0 || ::getppid() != caller) return false;

@@ -157,7 +157,8 @@ std::size_t last_column(const std::string& line, std::size_t columns) {
   return found;
 }
 
-void wrap_line(const std::string& line, std::size_t columns, std::string& text) {
+void wrap_line(const std::string& line, std::size_t columns, std::size_t further,
+               std::string& text) {
   if (characters(line) <= columns) {
     text += line;
     return;
@@ -167,7 +168,7 @@ void wrap_line(const std::string& line, std::size_t columns, std::string& text) 
   std::string rest = line;
   constexpr std::size_t least = 35;  // a last column that is narrower stands in lines of its own
   if (last == 0 || indent + least > columns) {
-    indent = std::min(line.find_first_not_of(' '), line.size()) + 4;
+    indent = std::min(line.find_first_not_of(' '), line.size()) + further;
     if (last > 0) {
       text += line.substr(0, line.find_last_not_of(' ', last - 1) + 1) + '\n';
       rest = std::string(indent, ' ') + line.substr(last);
@@ -191,11 +192,11 @@ void wrap_line(const std::string& line, std::size_t columns, std::string& text) 
 
 }  // namespace
 
-std::string wrapped(const std::string& text, std::size_t columns) {
+std::string wrapped(const std::string& text, std::size_t columns, std::size_t further) {
   std::string result;
   for (std::size_t from = 0; from < text.size();) {
     const std::size_t end = std::min(text.find('\n', from), text.size());
-    wrap_line(text.substr(from, end - from), columns, result);
+    wrap_line(text.substr(from, end - from), columns, further, result);
     if (end < text.size()) result += '\n';
     from = end + 1;
   }

@@ -110,9 +110,9 @@ int train_robots(const Command& command, const TrainingPlan& plan, const std::ve
   std::vector<TrainingView> views(robots.size());  // each of one thread at a time
   std::vector<std::int64_t> last_steps(robots.size(), 0);
   TrainingObserver observer;
-  observer.note = [&](const std::string& text) { command.note(text); };
+  observer.note = log::info;
   observer.interrupted = interrupted;
-  observer.farewell = [&] { command.warn(how_to_go_on); };
+  observer.farewell = [] { log::warn(how_to_go_on); };
   observer.progress = [&](std::size_t i, const TrainingReport& report) {
     TrainingView& view = views[i];
     view.id = robots[i].id;
@@ -120,6 +120,8 @@ int train_robots(const Command& command, const TrainingPlan& plan, const std::ve
     if (const auto value = metric(report, "eval/return")) {
       view.evaluations.push_back(*value);
       view.best = metric(report, "eval/best").value_or(*value);
+      log::debug(fmt::format("robot {}: step {} of {}, return {:.4g}, best {:.4g}", view.id,
+                             report.step, report.steps, *value, view.best));
     }
     progress.update(i, view, static_cast<double>(report.step - last_steps[i]));
     last_steps[i] = report.step;

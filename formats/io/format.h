@@ -18,7 +18,6 @@ struct Format {
 
 // All formats of the suite.
 namespace format {
-inline constexpr Format config{"evo/config", 1};
 inline constexpr Format robot{"evo/robot", 1};
 inline constexpr Format task{"evo/task", 1};
 inline constexpr Format physics{"evo/physics", 1};

@@ -74,9 +74,17 @@ std::uint64_t parse_unsigned(const std::string& text, const std::string& option)
   return *value;
 }
 
-double parse_number(const std::string& text, const std::string& option) {
+std::optional<double> number_of_text(std::string_view text) {
+  const double unit = text.ends_with('k') ? 1e3 : text.ends_with('M') ? 1e6 : 1.0;
+  if (unit != 1.0) text.remove_suffix(1);
   const auto value = whole_text<double>(text);
-  if (!value || !std::isfinite(*value))
+  if (!value || !std::isfinite(*value * unit)) return std::nullopt;
+  return *value * unit;
+}
+
+double parse_number(const std::string& text, const std::string& option) {
+  const auto value = number_of_text(text);
+  if (!value)
     throw error(Failure::usage, "{}: '{}' is not a number", option, text);
   return *value;
 }

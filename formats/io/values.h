@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace evo {
@@ -13,7 +15,8 @@ std::int64_t parse_whole(const std::string& text, const std::string& option, std
                          std::int64_t high);
 std::uint64_t parse_unsigned(const std::string& text, const std::string& option);
 
-// A finite number.
+// A finite number, with k and M as above; nothing for another text.
+std::optional<double> number_of_text(std::string_view text);
 double parse_number(const std::string& text, const std::string& option);
 
 // "0.6,0.2,..."; at least one number.

@@ -107,8 +107,6 @@ with h5py.File(sys.argv[1], 'r+') as f:
   evo-inspect run/run.yaml | grep -qx 'task  *Walker-v0'
   evo-inspect run/steady.json | grep -q '2 robots proposed, 0 scores known'
   evo-inspect --check run/run.yaml run/steady.json
-  printf 'format: evo/config\nversion: 1\ncount: 3\n' > options.yaml
-  evo-inspect options.yaml | grep -qx -e --count
   evo-mutate -n 1 < walk.h5 | jq -e '.parents | length == 1'
   printf 'RS\n' > idle.txt
   fails_with 65 "actuator" -- evo-convert idle.txt

@@ -68,16 +68,6 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
   schema neat < "$EVO_SOURCE/tasks/neat.yaml"
 }
 
-@test "options in a file fit their schema, and what the tools refuse does not" {
-  printf 'format: evo/config\nversion: 1\ncount: 3\nseed: 7\navoid: [a, b]\n' | schema config
-  sed -n '/^format: evo.config/,/^```/p' "$EVO_SOURCE/docs/formats/profiles.md" | grep -v '```' | schema config
-  local wrong
-  for wrong in 'help: true' 'config: x' 'version: 2' 'count: {a: 1}'; do
-    run schema config <<< "$wrong"; [ "$status" -eq 1 ]
-    fails_with 65 "--config" -- evo-sample --config <(echo "$wrong")
-  done
-}
-
 @test "a schema refuses what the tools refuse" {
   evo-sample -n 1 > robot
   run schema robot < <(jq -c '.body[0] = "XYZ"' robot); [ "$status" -eq 1 ]

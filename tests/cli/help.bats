@@ -82,10 +82,7 @@ commit_of() {
   fails_with 2 "--jobs" -- evo-eval -j 0 --task Walker-v0 --random
 }
 
-@test "what other programs call it, names cut short, tasks and files mixed up: what was meant is named" {
-  fails_with 2 "--top" "did you mean '--keep'" -- evo-select --top 3
-  fails_with 2 "did you mean '--count'" -- evo-sample --number 3
-  fails_with 2 "did you mean '--task'" -- evo-train --env Walker-v0
+@test "names misspelt or cut short, tasks and files mixed up: what was meant is named" {
   fails_with 2 "did you mean '--keep'" -- evo-select --kepp 3
   evo-sample -n 1 > robot
   local word
@@ -98,13 +95,4 @@ commit_of() {
   fails_with 66 "given as 'Walker-v0'" -- evo-eval --task Walker-v0.yaml --random robot
   fails_with 66 "but a task" "--task Walker-v0" -- evo-eval Walker-v0
   fails_with 66 "but a task" "evo-inspect task Walker-v0" -- evo-inspect Walker-v0
-}
-
-@test "options from a file, the command line winning" {
-  printf 'count: 3\nseed: 9\n' > options.yaml
-  evo-sample --config options.yaml | cmp - <(evo-sample -n 3 --seed 9)
-  evo-sample --config options.yaml -n 2 | cmp - <(evo-sample -n 2 --seed 9)
-  printf 'cuont: 3\n' > wrong.yaml
-  fails_with 2 "cuont" "--count" -- evo-sample --config wrong.yaml
-  fails_with 66 "missing.yaml" -- evo-sample --config missing.yaml
 }

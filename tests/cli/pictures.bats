@@ -135,7 +135,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   evo-render r.h5 --at 30 --contacts --plot return -o contacts.svg
   grep -q 'robot weights\?<' contacts.svg
   grep -q '>return<' contacts.svg
-  fails_with 2 "--tint" "did you mean 'strain'" -- evo-render r.h5 --at 1 --tint strian -o x.png
+  fails_with 2 "--tint: strian not in" "strain" -- evo-render r.h5 --at 1 --tint strian -o x.png
   fails_with 2 "--plot" "return" -- evo-render r.h5 --at 1 --plot speed -o x.png
   fails_with 2 "--race" "--contacts" -- evo-render --race r.h5 r.h5 --contacts -o x.mp4
 }

@@ -40,6 +40,52 @@ setup_file() {
   done
 }
 
+@test "a warning is told from a note, filtered, and written to a file" {
+  cd "$made"
+  evo-archive scored.jsonl 2> "$BATS_TEST_TMPDIR/note" > /dev/null
+  evo-suggest -n 1 2> "$BATS_TEST_TMPDIR/warning" > /dev/null
+  cd "$BATS_TEST_TMPDIR"
+  grep -qx 'evo-archive: info: [0-9]* of [0-9]* cells have an elite' note
+  grep -qx 'evo-suggest: warning: no scored robot to learn from; these bodies are random' warning
+  local level
+  for level in debug info warning error off; do
+    evo-archive --log-level $level "$made/scored.jsonl" 2>> $level > /dev/null
+    evo-suggest --log-level $level -n 1 2>> $level > /dev/null
+  done
+  cat note warning | cmp - info
+  [ ! -s error ] && [ ! -s off ]
+  [ "$(grep -c ': debug: ' debug)" -ge 2 ]
+  evo-suggest -q -n 1 2> quiet > /dev/null; [ ! -s quiet ]
+  evo-suggest -v -n 1 2> more > /dev/null; grep -q '^evo-suggest: debug: took' more
+  fails_with 2 "--quiet" "--log-level" -- evo-suggest -q --log-level info
+
+  evo-suggest --log-file messages --log-level warning -n 1 2> /dev/null > /dev/null
+  evo-archive --log-file messages "$made/scored.jsonl" 2> /dev/null > /dev/null
+  [ "$(wc -l < messages)" -eq 2 ]
+  grep -Eq '^20[0-9]{2}-[0-9]{2}-[0-9]{2}T[0-9:.]+[+-][0-9:]+ evo-suggest\[[0-9]+\] warning: no scored robot' messages
+  grep -Eq ' evo-archive\[[0-9]+\] info: [0-9]+ of' messages
+  fails_with 73 "--log-file" -- evo-suggest --log-file / -n 1
+  # What a training says of itself, in time.
+  evo-train -v --log-file training "$made/small.txt" --task Walker-v0 --train "$made/tiny.yaml" --steps 8 --out-dir . \
+    > /dev/null 2> /dev/null
+  grep -Eq 'debug: robot [0-9a-f]{12}: step [0-9]+ of 8, return' training
+}
+
+@test "levels have colours on a terminal, but where NO_COLOR is set" {
+  needs_terminal
+  TERM=xterm-256color script -qec "evo-suggest -n 1 -o /dev/null" /dev/null | grep -q $'evo-suggest: \e\[.*warning'
+  NO_COLOR=1 TERM=xterm-256color script -qec "evo-suggest -n 1 -o /dev/null" /dev/null > said
+  grep -q 'evo-suggest: warning: ' said
+  run ! grep -q $'\e' said
+}
+
+@test "every message goes through the log" {
+  cd "$EVO_SOURCE"
+  local by_itself='(print|fputs|fwrite|fprintf|fputc)\([^;]*stderr|std::(cerr|clog)'
+  # But the line of progress, which is drawn again and again.
+  run ! grep -rnE --include='*.cpp' --include='*.h' --exclude=progress.cpp "$by_itself" cli libevo formats render bindings/c
+}
+
 @test "standard streams that are closed: no file takes their place" {
   cp "$made/small.txt" .
   fails_with 74 "standard output" -- bash -c 'evo-train small.txt --task Walker-v0 --algo sine --steps 8000 --out-dir out >&-'
@@ -83,7 +129,7 @@ setup_file() {
     [[ $stderr == *"memory"* ]]
   fi
   fails_with 1 "could be started" -- timeout 60 bash -c "ulimit -v 300000; evo-bench --json --sizes 3 --threads 64 --seconds 0.01"
-  fails_with 2 "--jobs must be from 1 to 1024" -- evo-eval -j100000 --task Walker-v0 --random six.jsonl
+  fails_with 2 "--jobs: must be from 1 to 1024" -- evo-eval -j100000 --task Walker-v0 --random six.jsonl
   fails_with 2 "--threads must be from 1 to 1024" -- evo-bench --threads 100000
 }
 

@@ -1,4 +1,4 @@
-# Values of options, on the command line and in --config files.
+# Values of options.
 load helpers
 
 @test "an empty value, as of an unset variable, is refused" {
@@ -82,35 +82,6 @@ load helpers
   fails_with 2 "'soft.edge'" "'x'" -- evo-eval --task Walker-v0 --random --set soft.edge=x h
 }
 
-@test "--config: places, keys twice, lists, other documents" {
-  printf 'count: 2\nseed: 3\n' > ok.yaml
-  evo-sample --config ok.yaml | cmp - <(evo-sample -n 2 --seed 3)
-  evo-sample --config ok.yaml -n 1 | cmp - <(evo-sample -n 1 --seed 3)
-  printf 'format: evo/config\nversion: 1\ncount: 1\n' > headed.yaml
-  evo-sample --config headed.yaml | cmp - <(evo-sample -n 1)
-  printf 'format: evo/neat\nversion: 1\n' > neat.yaml
-  fails_with 65 "--config" "evo/config" "evo/neat" -- evo-neat --state-out s --config neat.yaml
-  printf 'count: 2\ncount: 3\n' > twice.yaml
-  fails_with 65 "--config:2" "twice" -- evo-sample --config twice.yaml
-  printf '[count]: 2\n' > key.yaml
-  fails_with 65 "--config:1" "key" -- evo-sample --config key.yaml
-  printf 'help: true\n' > help.yaml
-  fails_with 65 "--config:1" "'help'" -- evo-sample --config help.yaml
-  printf 'count:\n' > nothing.yaml
-  fails_with 65 "'count' needs a value" -- evo-sample --config nothing.yaml
-  printf 'count: [1, 2]\n' > single.yaml
-  fails_with 65 "--config:1:8" "'count' takes one value, not a list" -- evo-sample --config single.yaml
-  printf 'cuont: 1\n' > typo.yaml
-  fails_with 2 "cuont" "--count" -- evo-sample --config typo.yaml
-  printf 'count: x\n' > value.yaml
-  fails_with 2 "--count" "'x'" -- evo-sample --config value.yaml
-  fails_with 66 "no-such.yaml" -- evo-sample --config no-such.yaml
-  fails_with 65 "--config" -- timeout 20 evo-sample --config /dev/zero
-  printf 'avoid: [a.jsonl, b.jsonl]\nseed: 1\n' > list.yaml
-  evo-sample -n 2 > a.jsonl; evo-sample -n 2 --seed 9 > b.jsonl
-  evo-sample --config list.yaml -n 3 | cmp - <(evo-sample --avoid a.jsonl --avoid b.jsonl --seed 1 -n 3)
-}
-
 @test "what would be ignored is refused, or told" {
   printf 'HV\nS.\n' > r.txt
   fails_with 2 "x.foo" ".foo" "--to" -- evo-convert r.txt -o x.foo
@@ -189,7 +160,7 @@ END
   fails_with 2 "--tournament-size goes with --method tournament" -- evo-select --tournament-size 2 s.json
   fails_with 2 "s.json: a scored population goes with --state-in" -- evo-neat --state-out x.json s.json
   evo-neat -n 2 --state-out x.json > g.jsonl
-  fails_with 2 "--shape goes with" -- evo-neat --shape 3x3 --state-in x.json --state-out y.json g.jsonl
+  fails_with 2 "--shape excludes --state-in" -- evo-neat --shape 3x3 --state-in x.json --state-out y.json g.jsonl
   fails_with 2 "--markdown goes with 'tasks'" -- evo-inspect --markdown r.txt
   fails_with 2 "--shape goes with 'task NAME'" -- evo-inspect --shape 3x3 r.txt
   fails_with 2 "--episode goes with rollouts" -- evo-render r.txt --episode 1 -o a.png

@@ -30,7 +30,6 @@ INPUTS = [
     ["evo-mutate", "-n", "1", "{}"],
     ["evo-mutate", "-n", "1", "--avoid", "{}", "valid/one.txt"],
     ["evo-sample", "-n", "1", "--avoid", "{}"],
-    ["evo-sample", "-n", "1", "--config", "{}"],
     ["evo-suggest", "-n", "1", "--history", "{}"],
     ["evo-neat", "-n", "2", "--state-out", "o.json", "--state-in", "valid/species.json", "{}"],
     ["evo-neat", "-n", "2", "--state-out", "o.json", "--state-in", "{}", "valid/genomes.jsonl"],

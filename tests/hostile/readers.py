@@ -58,7 +58,6 @@ READERS = [
     ("training profile", "training.yaml", "text",
      ["evo-train", "-j1", "--task", "Walker-v0", "--steps", "512", "--train", "{}", "--out-dir",
       "policies", "--force", "--train-set", "final_episodes=0", "valid/one.txt"], (65, 66, 1, 2), 2),
-    ("options", "config.yaml", "text", ["evo-sample", "--config", "{}"], (65, 66, 73, 1, 2), 3),
     ("settings of a run", "run.yaml", "text", ["evo-inspect", "{}"], (65,), 1),
     ("state of a run", "steady.json", "json", ["evo-inspect", "{}"], (65,), 1),
     ("actions, CSV", "actions.csv", "text", EVAL + ["--actions", "{}", "valid/one.txt"],

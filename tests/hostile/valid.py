@@ -83,8 +83,6 @@ def make(folder, source):
                 key, colon, value = line.partition("#")[0].partition(":")
                 if colon and key not in ("format", "version"):
                     ini.write(f"{key} = {value.strip(' []') or ''}".rstrip() + "\n")
-        with open("config.yaml", "w") as file:
-            file.write("format: evo/config\nversion: 1\ncount: 2\nshape: 2x3\nseed: 3\nquiet: true\n")
         with open("actions.csv", "w") as file:
             file.write("a,b,c,d\n1.0,1.1,0.6,1.6\n0.9,1.2,1.1,1.0\n")
         with open("draws.json", "w") as file:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 import io
+import math
 import os
 import pickle
+import re
 import zipfile
 from pathlib import Path
 from typing import Any, Iterator
@@ -57,6 +58,8 @@ def _document(row: dict[str, Any], policies: Any) -> dict[str, Any]:
         "tool": "evogym-dataset", "uid": row["uid"],
         **({"generated_by": row["generated_by"]} if row.get("generated_by") else {})})
     if policies is not None and row["policy_blob"] is not None:
+        if not re.fullmatch(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*", str(row["uid"])):
+            raise ValueError("its uid cannot be the name of a file")
         os.makedirs(policies, exist_ok=True)
         file = Path(policies, f"{row['uid']}.policy.h5")
         _write_policy(file, document, row["policy_blob"])
@@ -86,24 +89,87 @@ class _Storage:
              "IntStorage": np.int32}
 
 
-def _tensor(storage: np.ndarray, offset: int, size: tuple, stride: tuple, *_: Any) -> np.ndarray:
-    bytes_each = storage.itemsize
+def _exactly(kind: type, *values: Any) -> None:
+    if not all(type(value) is kind for value in values):
+        raise ValueError(f"the policy has something else where {kind.__name__} is expected")
+
+
+def _tensor(storage: Any, offset: Any, size: Any, stride: Any, *_: Any) -> np.ndarray:
+    _exactly(np.ndarray, storage)
+    _exactly(tuple, size, stride)
+    _exactly(int, offset, *size, *stride)
+    if min(offset, *size, *stride, 0) < 0 or len(size) != len(stride):
+        raise ValueError("the policy has a tensor of an impossible shape")
     last = offset + sum((n - 1) * step for n, step in zip(size, stride)) if all(size) else offset
-    if offset < 0 or min(stride, default=0) < 0 or (all(size) and last >= storage.size):
+    if math.prod(size) > storage.size or (all(size) and last >= storage.size):
         raise ValueError("the policy's tensors reach beyond their numbers")
     return np.lib.stride_tricks.as_strided(
-        storage[offset:], size, tuple(step * bytes_each for step in stride)).copy()
+        storage[offset:], size, tuple(step * storage.itemsize for step in stride)).copy()
+
+
+class _Type(_Thing):
+    """A type of numbers, by NumPy's names."""
+
+    def __init__(self, name: Any, *_: Any) -> None:
+        _exactly(str, name)
+        self.name, self.order = name, "<"
+
+    def __setstate__(self, state: Any) -> None:
+        _exactly(tuple, state)
+        if len(state) < 2 or state[1] not in ("<", "|"):
+            raise ValueError("the policy has numbers in an order of bytes that is not read")
+
+    def numbers(self, data: Any, shape: Any) -> np.ndarray:
+        """[*shape], as many as there are bytes for."""
+        _exactly(tuple, shape)
+        _exactly(int, *shape)
+        _exactly(bytes, data)
+        if not re.fullmatch("[fiub][1248]", self.name):  # an object would be an address
+            raise ValueError(f"the policy has numbers of the type {self.name!r}")
+        found = np.frombuffer(data, "<" + self.name)
+        if min(shape, default=0) < 0 or found.size != math.prod(shape):
+            raise ValueError("the policy has an array of another shape than its numbers")
+        return found.reshape(shape)
+
+
+class _Array(_Thing):
+    """An array of NumPy's; ``values`` once its state is there."""
+
+    values = np.empty(0)
+
+    def __setstate__(self, state: Any) -> None:
+        _exactly(tuple, state)
+        _, shape, kind, by_columns, data = state
+        _exactly(_Type, kind)
+        self.values = kind.numbers(data, shape if not by_columns else shape[::-1])
+        if by_columns:
+            self.values = self.values.T
+
+
+def _scalar(kind: Any, data: Any) -> _Array:
+    _exactly(_Type, kind)
+    found = _Array()
+    found.values = kind.numbers(data, ())
+    return found
+
+
+def _bytes(text: Any, encoding: Any) -> bytes:
+    _exactly(str, text)
+    return text.encode("latin1")
 
 
 class _Reader(pickle.Unpickler):
-    """Numbers and containers are read; every other class becomes a _Thing."""
+    """Numbers and containers are read, exactly the types that are named here; every other class
+    becomes a _Thing."""
 
     KNOWN = {
         ("collections", "OrderedDict"): dict,
-        ("_codecs", "encode"): lambda text, encoding: text.encode(encoding),  # bytes of arrays
+        ("_codecs", "encode"): _bytes,  # of arrays
         ("torch._utils", "_rebuild_tensor_v2"): _tensor,
         ("torch._utils", "_rebuild_parameter"): lambda data, *_: data,
-        ("numpy", "ndarray"): np.ndarray, ("numpy", "dtype"): np.dtype,
+        ("numpy", "ndarray"): _Array, ("numpy", "dtype"): _Type,
+        **{(f"numpy.{core}.multiarray", name): made for core in ("core", "_core")
+           for name, made in (("_reconstruct", _Array), ("scalar", _scalar))},
     }
 
     def __init__(self, archive: zipfile.ZipFile, folder: str) -> None:
@@ -111,18 +177,14 @@ class _Reader(pickle.Unpickler):
         self._archive, self._folder = archive, folder
 
     def find_class(self, module: str, name: str) -> Any:
-        if module in ("numpy.core.multiarray", "numpy._core.multiarray"):
-            numbers = importlib.import_module(  # NumPy 2 renamed it
-                "numpy.core.multiarray" if np.__version__ < "2" else "numpy._core.multiarray")
-            if name in ("_reconstruct", "scalar"):
-                return getattr(numbers, name)
         if module == "torch" and name in _Storage.TYPES:
             return type(name, (_Storage,), {"kind": _Storage.TYPES[name]})
         return self.KNOWN.get((module, name)) or type(name, (_Thing,), {})
 
-    def persistent_load(self, saved: tuple) -> np.ndarray:
+    def persistent_load(self, saved: Any) -> np.ndarray:
+        _exactly(tuple, saved)
         _, kind, key, *_ = saved
-        if not hasattr(kind, "kind"):
+        if not (isinstance(kind, type) and issubclass(kind, _Storage)):
             raise ValueError("the policy has tensors of an unknown type")
         return np.frombuffer(self._archive.read(f"{self._folder}/data/{key}"), kind.kind)
 
@@ -132,8 +194,7 @@ def _read_archive(blob: bytes) -> Any:
         with zipfile.ZipFile(io.BytesIO(blob)) as archive:
             [pickled] = [name for name in archive.namelist() if name.endswith("/data.pkl")]
             return _Reader(archive, pickled[: -len("/data.pkl")]).load()
-    except (zipfile.BadZipFile, ValueError, KeyError, pickle.UnpicklingError, EOFError, AttributeError,
-            TypeError, IndexError) as error:
+    except Exception as error:  # whatever a damaged pickle asks for
         raise ValueError(f"the policy is no archive of PyTorch that can be read: {error}") from None
 
 
@@ -164,7 +225,7 @@ def _write_policy(path: Path, document: dict[str, Any], blob: bytes) -> None:
     layers.append(_linear(getattr(parts.get("dist"), "_modules", {}).get("fc_mean"), "head"))
     with Simulator(document["task"], document) as simulator:
         length = int(simulator.observation_lengths[0])
-        mean, variance = (np.asarray(getattr(normaliser, name, ()), float).ravel()
+        mean, variance = (np.asarray(getattr(getattr(normaliser, name, None), "values", ()), float).ravel()
                           for name in ("mean", "var"))
         if normaliser is None:
             mean = variance = None

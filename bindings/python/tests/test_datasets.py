@@ -109,6 +109,43 @@ class Table(unittest.TestCase):
             self.assertFalse(os.path.exists("ran"))
             self.assertEqual(os.listdir(folder), ["policies.parquet"])
 
+    def test_a_policy_names_no_address_and_no_place(self):
+        """Arrays of objects hold addresses of memory; a uid becomes the name of a file."""
+        def array(kind, shape, data):
+            class Array:
+                def __reduce__(self):
+                    made = np.empty(0).__reduce__()
+                    return made[0], made[1], (1, shape, np.dtype(kind), False, data)
+            return Array()
+
+        with evo_robots.Simulator("Walker-v0", BODY) as simulator:
+            lengths = int(simulator.observation_lengths[0]), int(simulator.action_lengths[0])
+        rms = types.SimpleNamespace()
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "policies.parquet")
+
+            def refused(text, uid="a", mean=None, blob=None):
+                if blob is None:
+                    file = io.BytesIO()
+                    rms.mean = mean
+                    torch.save((None, rms), file)
+                    blob = file.getvalue()
+                pyarrow.parquet.write_table(pyarrow.Table.from_pylist([{
+                    "uid": uid, "body": BODY.tolist(), "reward": 1.0, "env_name": "Walker-v0",
+                    "connections": evo_robots.get_full_connectivity(BODY).tolist(),
+                    "policy_blob": blob}]), path)
+                with self.assertRaisesRegex(ValueError, text):
+                    list(read_evogym(path, policies=Path(folder, "in")))
+
+            refused("numbers of the type 'O8'", mean=array("O", (1,), b"A" * 8))
+            refused("another shape", mean=array("f8", (1 << 40,), b"A" * 8))
+            refused("another shape", mean=array("f8", (-1,), b"A" * 8))
+            refused("tuple is expected", mean=array("f8", [1], b"A" * 8))
+            good, _ = archive(*lengths)
+            for uid in ("../out", "/tmp/out", "..", "a/b", ""):
+                refused("name of a file", uid=uid, blob=good)
+            self.assertFalse(list(Path(folder).glob("*out*")))
+
 
 if __name__ == "__main__":
     unittest.main()

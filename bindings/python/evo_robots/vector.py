@@ -65,13 +65,21 @@ class VectorEnvironment(VectorEnv):
         self._jitter = jitter
         self._ended = np.zeros(num_envs, bool)
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None):
-        super().reset(seed=seed)
+    def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None):
+        """seed: one, or one for each environment, whose first episode it then meets."""
+        each = np.ndim(seed) > 0
+        super().reset(seed=None if each else seed)
         options = dict(options or {})
         mask = options.pop("reset_mask", None)
-        environments = None if mask is None else np.flatnonzero(env_mask(mask, self.num_envs))
-        state = self._reset(environments, seed=seed, **options)
-        return state.observations, {}
+        chosen = np.arange(self.num_envs) if mask is None else np.flatnonzero(env_mask(mask, self.num_envs))
+        if not each:
+            return self._reset(chosen, seed=seed, **options).observations, {}
+        if len(seed) != self.num_envs:
+            raise ValueError(f"seed: {len(seed)} seeds for {self.num_envs} environments")
+        for e in chosen:
+            first = {} if seed[e] is None else {"episode": 0}
+            self._reset([e], seed=seed[e], **{**first, **options})
+        return self.simulator.state().observations, {}
 
     def step(self, actions: Any):
         moving = None
@@ -94,7 +102,8 @@ class VectorEnvironment(VectorEnv):
             final = np.full(self.num_envs, None, object)
             for e in np.flatnonzero(self._ended):
                 final[e] = observations[e]
-            infos.update(final_obs=final, _final_obs=self._ended.copy())
+            infos.update(final_obs=final, _final_obs=self._ended.copy(), final_info={},
+                         _final_info=self._ended.copy())
             observations = self._reset(np.flatnonzero(self._ended)).observations
         return observations, rewards, terminated, truncated, infos
 
@@ -105,11 +114,11 @@ class VectorEnvironment(VectorEnv):
         return tuple(self.simulator.picture(e, *self._size) for e in range(self.num_envs))
 
     def close_extras(self, **_: Any) -> None:
-        self.simulator.close()
+        if "simulator" in self.__dict__:  # __del__ of one that was refused comes here, too
+            self.simulator.close()
 
     def _reset(self, environments, **options: Any) -> State:
         state = self.simulator.reset(environments, **{"jitter": self._jitter, **options})
-        begun = slice(None) if environments is None else environments
-        self._steps[begun] = 0
-        self._ended[begun] = False
+        self._steps[environments] = 0
+        self._ended[environments] = False
         return state

@@ -205,6 +205,24 @@ class Many(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "'ansi' is not 'rgb_array'"):
                 make("evo/Walker-v0", body=SMALL, render_mode="ansi")
 
+    def test_a_seed_for_each(self):
+        made = gymnasium.make_vec("evo/Catcher-v0", num_envs=3, body=SMALL)
+        seen = made.reset(seed=[4, 5, 6])[0]
+        for e, seed in enumerate((4, 5, 6)):
+            alone = gymnasium.make("evo/Catcher-v0", body=SMALL).reset(seed=seed)[0]
+            np.testing.assert_array_equal(seen[e], alone)
+        for wrong in ([1], [1, 2, 3.5]):
+            with self.assertRaisesRegex(ValueError, "seed"):
+                made.reset(seed=wrong)
+
+    def test_a_refusal_is_one_error(self):
+        said = subprocess.run(
+            [sys.executable, "-c", "import evo_robots.envs, gymnasium\n"
+             "gymnasium.make_vec('Walker-v0', num_envs=2, robot='none.json')"],
+            capture_output=True, text=True)
+        self.assertNotIn("ignored", said.stderr)
+        self.assertIn("none.json", said.stderr)
+
     def test_some_of_them_reset(self):
         envs = gymnasium.make_vec("evo/Walker-v0", num_envs=3, body=SMALL,
                                   autoreset_mode=AutoresetMode.DISABLED)

@@ -6,11 +6,12 @@ import ctypes
 import ctypes.util
 import functools
 import json
+import operator
 import os
 import shutil
 import sys
 from ctypes import (POINTER, Structure, byref, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t,
-                    c_uint8, c_uint64, c_void_p)
+                    c_uint64, c_void_p)
 from pathlib import Path
 from typing import Any, Sequence
 
@@ -23,6 +24,46 @@ class EvoError(RuntimeError):
     def __init__(self, text: str, diverged: bool = False) -> None:
         super().__init__(text)
         self.diverged = diverged
+
+
+def whole(name: str, value: Any, low: int, high: int) -> int:
+    """A whole number within bounds, of which nothing is cut off: 1.9, "5" and 2**64 are refused."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise ValueError(f"{name}: {value!r} is not a whole number") from None
+    if not low <= number <= high:
+        raise ValueError(f"{name}: {number} is not from {low} to {high}")
+    return number
+
+
+def whole64(name: str, value: Any, low: int = 0) -> int:
+    """What an unsigned number of 64 bits holds."""
+    return whole(name, value, low, (1 << 64) - 1)
+
+
+def numbers(name: str, values: Any) -> np.ndarray:
+    """An array of doubles; texts, masked and complex arrays are refused."""
+    given = np.asanyarray(values)
+    if given.dtype.kind not in "biuf" or isinstance(given, np.ma.MaskedArray):
+        raise ValueError(f"{name}: plain numbers are expected, not {type(values).__name__} of {given.dtype}")
+    return np.ascontiguousarray(given, np.float64)
+
+
+def targets(values: Any, low: float, high: float) -> np.ndarray:
+    """Targets of actuators as doubles. Those of single precision are clipped in it, as the
+    benchmark does: 1.6 is 1.600000023841858 then, which the library takes for the bound."""
+    if isinstance(values, np.ndarray) and values.dtype in (np.float32, np.float16):
+        values = np.clip(values, low, high)
+    return numbers("actions", values)
+
+
+class Whole32:
+    """An argument of 32 bits, which ctypes by itself would cut larger numbers to."""
+
+    @staticmethod
+    def from_param(value: Any) -> c_int32:
+        return c_int32(whole("an argument", value, -(1 << 31), (1 << 31) - 1))
 
 
 class TaskFacts(Structure):
@@ -98,8 +139,8 @@ class LearnerFacts(Structure):
 
 EVO_WORK = 1
 _HANDLE, _OPENED = c_void_p, POINTER(c_void_p)
-_STATE = [_HANDLE, c_int32, POINTER(c_void_p), POINTER(c_size_t)]
-_RENDER = [_HANDLE, c_int32, c_void_p, POINTER(View), c_size_t, c_void_p, c_size_t]
+_STATE = [_HANDLE, Whole32, POINTER(c_void_p), POINTER(c_size_t)]
+_RENDER = [_HANDLE, Whole32, c_void_p, POINTER(View), c_size_t, c_void_p, c_size_t]
 SIGNATURES = {
     "evo_task_open": [c_char_p, _OPENED],
     "evo_task_parse": [c_char_p, c_char_p, _OPENED],
@@ -112,38 +153,38 @@ SIGNATURES = {
     "evo_robots_append": [_HANDLE, _HANDLE, c_size_t],
     "evo_robots_count": [_HANDLE, POINTER(c_size_t)],
     "evo_robots_describe": [_HANDLE, c_size_t, POINTER(RobotFacts), c_size_t],
-    "evo_robots_svg": [_HANDLE, c_size_t, c_int32, POINTER(c_void_p)],
-    "evo_envs_open": [_HANDLE, _HANDLE, c_int32, c_int32, _OPENED],
+    "evo_robots_svg": [_HANDLE, c_size_t, Whole32, POINTER(c_void_p)],
+    "evo_envs_open": [_HANDLE, _HANDLE, Whole32, Whole32, _OPENED],
     "evo_envs_arrays": [_HANDLE, POINTER(EnvArrays), c_size_t],
     "evo_envs_reset": [_HANDLE, c_void_p, c_size_t, POINTER(Start)],
     "evo_envs_step": [_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t],
     "evo_envs_save": _STATE,
-    "evo_envs_restore": [_HANDLE, c_int32, c_char_p, c_size_t],
-    "evo_envs_perturb": [_HANDLE, c_int32, c_double, c_uint64],
-    "evo_envs_translate": [_HANDLE, c_int32, c_size_t, c_double, c_double],
-    "evo_envs_object_count": [_HANDLE, c_int32, POINTER(c_size_t)],
-    "evo_envs_object": [_HANDLE, c_int32, c_size_t, POINTER(EnvObject), c_size_t],
-    "evo_envs_orientation": [_HANDLE, c_int32, c_size_t, c_void_p, POINTER(c_double), c_size_t],
-    "evo_envs_observed": [_HANDLE, c_int32, POINTER(c_void_p)],
-    "evo_envs_voxels": [_HANDLE, c_int32, POINTER(VoxelFacts), c_size_t],
+    "evo_envs_restore": [_HANDLE, Whole32, c_char_p, c_size_t],
+    "evo_envs_perturb": [_HANDLE, Whole32, c_double, c_uint64],
+    "evo_envs_translate": [_HANDLE, Whole32, c_size_t, c_double, c_double],
+    "evo_envs_object_count": [_HANDLE, Whole32, POINTER(c_size_t)],
+    "evo_envs_object": [_HANDLE, Whole32, c_size_t, POINTER(EnvObject), c_size_t],
+    "evo_envs_orientation": [_HANDLE, Whole32, c_size_t, c_void_p, POINTER(c_double), c_size_t],
+    "evo_envs_observed": [_HANDLE, Whole32, POINTER(c_void_p)],
+    "evo_envs_voxels": [_HANDLE, Whole32, POINTER(VoxelFacts), c_size_t],
     "evo_envs_look": [_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t],
     "evo_envs_act": [_HANDLE, _HANDLE, c_void_p, c_size_t],
     "evo_envs_render": _RENDER,
     "evo_world_new": [_OPENED],
     "evo_world_read": [c_char_p, _OPENED],
     "evo_world_parse": [c_char_p, _OPENED],
-    "evo_world_add": [_HANDLE, c_char_p, c_void_p, c_int32, c_int32, c_void_p, c_size_t, c_int32,
-                      c_int32],
-    "evo_world_move": [_HANDLE, c_char_p, c_int32, c_int32],
+    "evo_world_add": [_HANDLE, c_char_p, c_void_p, Whole32, Whole32, c_void_p, c_size_t, Whole32,
+                      Whole32],
+    "evo_world_move": [_HANDLE, c_char_p, Whole32, Whole32],
     "evo_world_remove": [_HANDLE, c_char_p],
     "evo_world_json": [_HANDLE, POINTER(c_void_p)],
-    "evo_sims_open": [_HANDLE, c_char_p, c_int32, c_int32, _OPENED],
+    "evo_sims_open": [_HANDLE, c_char_p, Whole32, Whole32, _OPENED],
     "evo_sims_arrays": [_HANDLE, POINTER(SimArrays), c_size_t],
-    "evo_sims_reset": [_HANDLE, c_int32],
+    "evo_sims_reset": [_HANDLE, Whole32],
     "evo_sims_step": [_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t],
     "evo_sims_save": _STATE,
-    "evo_sims_restore": [_HANDLE, c_int32, c_char_p, c_size_t],
-    "evo_sims_translate": [_HANDLE, c_int32, c_size_t, c_double, c_double],
+    "evo_sims_restore": [_HANDLE, Whole32, c_char_p, c_size_t],
+    "evo_sims_translate": [_HANDLE, Whole32, c_size_t, c_double, c_double],
     "evo_sims_object_count": [_HANDLE, POINTER(c_size_t)],
     "evo_sims_object": [_HANDLE, c_size_t, POINTER(SimObject), c_size_t],
     "evo_sims_orientation": [_HANDLE, c_size_t, c_void_p, c_void_p, c_size_t],
@@ -153,7 +194,7 @@ SIGNATURES = {
     "evo_policy_act": [_HANDLE, c_void_p, c_void_p, c_size_t, c_void_p, c_size_t],
     "evo_policy_write": [_HANDLE, c_char_p],
     "evo_train": [_HANDLE, _HANDLE, c_size_t, POINTER(Training), c_size_t, _OPENED],
-    "evo_learner_open": [POINTER(Training), c_size_t, c_int32, c_int32, c_double, c_double, c_char_p,
+    "evo_learner_open": [POINTER(Training), c_size_t, Whole32, Whole32, c_double, c_double, c_char_p,
                          _OPENED],
     "evo_learner_describe": [_HANDLE, POINTER(LearnerFacts), c_size_t],
     "evo_learner_observe": [_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t],
@@ -213,7 +254,10 @@ def library() -> ctypes.CDLL:
 
 def call(name: str, *arguments: Any) -> None:
     """A function of the library; its error becomes an EvoError."""
-    status = getattr(library(), name)(*arguments)
+    try:
+        status = getattr(library(), name)(*arguments)
+    except ctypes.ArgumentError as error:
+        raise ValueError(f"{name}: {error}") from None
     if status != 0:
         raise failure(status)
 
@@ -224,7 +268,10 @@ def failure(status: int) -> EvoError:
 
 
 def text_of(value: Any) -> bytes:
-    return os.fspath(value).encode()
+    text = os.fspath(value)
+    if "\0" in text:  # where C would end it
+        raise ValueError(f"{text!r} has a NUL in it")
+    return text.encode()
 
 
 def address(values: np.ndarray) -> int:
@@ -270,6 +317,8 @@ def picture(function: str, handle: "Handle", index: int, width: int, height: int
     unknown = set(hide) - set(HIDDEN)
     if unknown:
         raise ValueError(f"hide: {unknown.pop()!r} is none of {', '.join(HIDDEN)}")
+    width, height = (whole(name, size, -(1 << 31), (1 << 31) - 1) for name, size in
+                     (("width", width), ("height", height)))
     view = View(width, height, sum(1 << HIDDEN.index(part) for part in set(hide)))
     if window is not None:
         view.window[:] = [float(value) for value in window]

@@ -12,16 +12,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import ctypes
 import os
+import signal
+import threading
 from dataclasses import dataclass, field
-from typing import Any, Callable, Mapping
+from typing import Any, Callable, Iterator, Mapping
 
 import numpy as np
 
 from .library import (CurvePoint, EvoError, Handle, LearnerFacts, PolicyFacts, Training,
-                      address, call, facts, failure, library, robots_of, task_of, text_of)
+                      address, call, facts, failure, library, numbers, robots_of, task_of, text_of,
+                      whole, whole64)
 from .robots import Robot
 from .video import Video
 from .worlds import SIM_STATUS, Simulations, World
@@ -152,7 +156,7 @@ class TaskEnvironments:
             self._steps[:] = 0
         else:
             for index in np.flatnonzero(mask):
-                self.sims.reset(int(index))
+                self.sims.reset(index)
                 self._steps[index] = 0
         return self.observe()
 
@@ -214,7 +218,7 @@ class Trained:
         known = facts("evo_policy_describe", PolicyFacts, self._policy)
         if known.observation_length == 0:
             raise EvoError("a modular policy acts on voxels, not on an observation: Simulator.act")
-        values = np.ascontiguousarray(observations, np.float64).reshape(-1, known.observation_length)
+        values = numbers("observations", observations).reshape(-1, known.observation_length)
         at = np.ascontiguousarray(np.broadcast_to(np.asarray(steps, np.int32), len(values)))
         actions = np.empty((len(values), known.action_length))
         call("evo_policy_act", self._policy, address(values), address(at), len(values),
@@ -276,9 +280,11 @@ class _Wanted:
         texts = [f"{name}={value}".encode() for name, value in (settings or {}).items()]
         self._texts = (ctypes.c_char_p * max(1, len(texts)))(*texts)
         self._profile = text_of(profile)
-        if steps is not None and steps < 1:
-            raise ValueError(f"steps: {steps} is not above 0")
-        self.struct = Training(self._profile, self._texts, len(texts), steps or 0, seed)
+        if any(b"\0" in text for text in texts):
+            raise ValueError("settings: a NUL is in one of them")
+        self.struct = Training(self._profile, self._texts, len(texts),
+                               0 if steps is None else whole("steps", steps, 1, (1 << 63) - 1),
+                               whole64("seed", seed))
 
 
 def _reporter(progress: Any) -> tuple[Callable[[int], Any], Callable[[], Any]]:
@@ -296,21 +302,49 @@ def _train_known(task: Handle, robot: Robot, wanted: _Wanted, report: Callable) 
     raised: list[BaseException] = []
 
     def go_on(step: int, _: Any) -> int:
-        try:
-            report(step)
-        except BaseException as error:  # Ctrl-C, too: ctypes would drop it
-            raised.append(error)
+        if not raised:
+            try:
+                report(step)
+            except BaseException as error:  # ctypes would drop it
+                raised.append(error)
         return 0 if raised else 1
 
     wanted.struct.go_on = Training.GO_ON(go_on)
-    try:
-        policy = Handle("policy", "evo_train", task, robot._handle, 0, ctypes.byref(wanted.struct),
-                        ctypes.sizeof(wanted.struct))
-    except EvoError:
-        if raised:
-            raise raised[0] from None
-        raise
+    policy = None
+    with _signals_into(raised):
+        try:
+            policy = Handle("policy", "evo_train", task, robot._handle, 0,
+                            ctypes.byref(wanted.struct), ctypes.sizeof(wanted.struct))
+        except EvoError as error:
+            raised.append(error)
+    if raised:
+        raise raised[0] from None
     return _trained(robot, policy)
+
+
+@contextlib.contextmanager
+def _signals_into(raised: list[BaseException]) -> Iterator[None]:
+    """What Python's handlers of signals raise is put into a list. Raised on the way into a
+    callback, before its first line, it would be lost in ctypes, as Ctrl-C was."""
+    def keeping(handler: Callable) -> Callable:
+        def keep(number: int, frame: Any) -> None:
+            try:
+                handler(number, frame)
+            except BaseException as error:
+                raised.append(error)
+        return keep
+
+    handlers = {}
+    if threading.current_thread() is threading.main_thread():  # which alone has any
+        handlers = {number: handler for number in signal.valid_signals()
+                    if callable(handler := signal.getsignal(number))}
+    try:
+        for number, handler in handlers.items():
+            signal.signal(number, keeping(handler))
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
 
 
 def _trained(robot: Robot, policy: Handle) -> Trained:

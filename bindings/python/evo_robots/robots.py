@@ -94,6 +94,8 @@ def cell_pairs(connections: Any, cells: np.ndarray) -> list[list[int]]:
     if links.ndim != 2 or len(links) != 2:
         raise ValueError(f"connections of shape {links.shape}; expected (2, n): a row of cells and "
                          "one of their neighbours")
+    if not np.array_equal(links, links.astype(int)):
+        raise ValueError("connections: numbers of cells are whole")
     pairs = [sorted(int(cell) for cell in link) for link in links.T]
     known = {tuple(link) for link in get_full_connectivity(cells).T.tolist()}
     for (a, b) in pairs:

@@ -12,7 +12,7 @@ import numpy as np
 
 from .library import (EnvArrays, EnvObject, EvoError, Handle, RobotFacts, Start, TaskFacts, VoxelFacts,
                       address, array_at, bytes_given, call, count_of, facts, failure, library, picture,
-                      robots_of, task_of, text_given)
+                      robots_of, targets, task_of, text_given, whole, whole64)
 
 __all__ = ["STATUS", "Simulator", "State", "Voxels", "env_mask"]
 
@@ -96,7 +96,7 @@ class Simulator:
         self._task = task_of(task, fast, physics, settings)
         known = robots_of(robots)
         self._open(known, envs, jobs)
-        self._seed = int(seed)
+        self._seed = whole64("seed", seed)
         described = [facts("evo_robots_describe", RobotFacts, known, index)
                      for index in range(self.num_envs // envs)]
         task_facts = self._task_facts()
@@ -171,13 +171,9 @@ class Simulator:
         """Begins episodes. What is not given: the seed stays, episodes are
         counted on, the task's draws follow from seed and episode."""
         chosen = np.arange(self.num_envs) if environments is None else np.array(
-            [int(e) for e in environments], int)
-        known = chosen[(chosen >= 0) & (chosen < self.num_envs)]
-        if len(known) != len(chosen):
-            raise EvoError(f"there is no environment {next(e for e in chosen if e not in known)}: "
-                           f"they are 0 to {self.num_envs - 1}")
+            [whole("environment", e, 0, self.num_envs - 1) for e in environments], int)
         if seed is not None:
-            self._begin(chosen, int(seed), episode, draws, jitter)
+            self._begin(chosen, whole64("seed", seed), episode, draws, jitter)
         else:  # the seed of the constructor is in force from the first reset on
             first = ~self._begun[chosen]
             for group, begun in ((chosen[first], self._seed), (chosen[~first], None)):
@@ -187,10 +183,9 @@ class Simulator:
 
     def _begin(self, chosen: np.ndarray, seed: int | None, episode: int | None, draws: Any,
                jitter: float) -> None:
-        for name, number in (("seed", seed), ("episode", episode)):
-            if number is not None and not 0 <= int(number) < 1 << 64:
-                raise ValueError(f"{name}: {number} is not from 0 to 2^64 - 1")
-        start = Start(seed is not None, episode is not None, seed or 0, int(episode or 0), jitter,
+        if episode is not None:
+            episode = whole64("episode", episode)
+        start = Start(seed is not None, episode is not None, seed or 0, episode or 0, jitter,
                       None if draws is None else json.dumps(draws).encode())
         numbers = np.ascontiguousarray(chosen, np.int32)
         call("evo_envs_reset", self._running(), address(numbers), len(numbers), ctypes.byref(start))
@@ -198,7 +193,7 @@ class Simulator:
             self._seeds[chosen] = seed
             self._next[chosen] = chosen % self._per_robot
         if episode is not None:
-            self._next[chosen] = int(episode)
+            self._next[chosen] = episode
         self._next[chosen] += np.uint64(self._per_robot)
         self._begun[chosen] = True
 
@@ -210,7 +205,7 @@ class Simulator:
 
     def advance(self, actions: Any, mask: Any = None) -> None:
         """step() for those who look at the arrays."""
-        values = np.ascontiguousarray(actions, np.float64)
+        values = targets(actions, self.info["action_low"], self.info["action_high"])
         if values.shape not in self._action_shapes:
             raise ValueError(f"actions of shape {values.shape}; expected "
                              + " or ".join(map(str, self._action_shapes)))
@@ -233,12 +228,12 @@ class Simulator:
         """The states of episodes in progress, of all environments or of these: opaque,
         for restore() in this or another Simulator of the same robots and task."""
         chosen = range(self.num_envs) if environments is None else environments
-        return [bytes_given("evo_envs_save", self._running(), int(e)) for e in chosen]
+        return [bytes_given("evo_envs_save", self._running(), e) for e in chosen]
 
     def restore(self, states: Sequence[bytes], environments: Sequence[int] | None = None) -> State:
         """Puts states into the environments, each into one: their episodes go on from
         there, as often as they are restored, to the same bits. All of them, or none."""
-        places = [int(e) for e in (range(self.num_envs) if environments is None else environments)]
+        places = list(range(self.num_envs) if environments is None else environments)
         if isinstance(states, bytes) or len(states) != len(places):
             raise ValueError(f"a list of {len(places)} states is expected")
         before = [(e, self.save([e])[0]) for e in places
@@ -349,7 +344,7 @@ class Simulator:
 
     def __reduce__(self) -> Any:
         self._running()
-        states = [(int(self._seeds[e]), int(self._next[e]) - self._per_robot,
+        states = [(int(self._seeds[e]), (int(self._next[e]) - self._per_robot) % (1 << 64),
                    self.save([e])[0] if self.status[e] == 0 else None)
                   if self._begun[e] else None for e in range(self.num_envs)]
         return _rebuilt, (self._made, states)

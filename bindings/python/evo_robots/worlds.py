@@ -21,7 +21,8 @@ from typing import Any
 import numpy as np
 
 from .library import (Handle, SimArrays, SimObject, address, array_at, bytes_given, call, count_of,
-                      facts, failure, library, picture, text_given, text_of)
+                      facts, failure, library, numbers, picture, targets as as_targets,
+                      text_given, text_of, whole)
 from .robots import cell_pairs
 from .simulator import env_mask
 
@@ -50,7 +51,7 @@ class World:
         (empty), 1 (rigid), 2 (soft), 3 and 4 (horizontal and vertical actuators), 5
         (fixed), [rows, columns]. connections: [2, n] pairs of neighbouring cells that are
         joined, as row-major indices [all neighbours]."""
-        given = np.asarray(body)
+        given = numbers(f"body of {name!r}", body)
         if given.ndim != 2 or given.size == 0 or not np.isin(given, range(6)).all():
             raise ValueError(f"body of {name!r}: a matrix of the numbers 0 to 5 is expected")
         voxels = np.ascontiguousarray(given, np.uint8)
@@ -59,10 +60,10 @@ class World:
             links = np.array(cell_pairs(connections, voxels), np.int32).reshape(-1, 2)
         call("evo_world_add", self._handle, text_of(name), address(voxels), *voxels.shape,
              None if links is None else address(links), 0 if links is None else len(links),
-             int(x), int(y))
+             x, y)
 
     def move(self, name: str, x: int, y: int) -> None:
-        call("evo_world_move", self._handle, text_of(name), int(x), int(y))
+        call("evo_world_move", self._handle, text_of(name), x, y)
 
     def remove(self, name: str) -> None:
         call("evo_world_remove", self._handle, text_of(name))
@@ -126,7 +127,7 @@ class Simulations:
     def step(self, targets: Any, mask: Any = None) -> None:
         """One control step. targets: [count, A], lengths of the actuators as shares of
         their rest lengths. mask: [count], those that take part [all]."""
-        values = np.ascontiguousarray(targets, np.float64)
+        values = as_targets(targets, self.action_low, self.action_high)
         if values.shape != (self.num_sims, self.num_actuators):
             raise ValueError(f"targets of shape {values.shape}; expected "
                              f"{(self.num_sims, self.num_actuators)}")
@@ -182,9 +183,7 @@ class Simulations:
         return self.objects[name]
 
     def _number(self, sim: int) -> int:
-        if not 0 <= sim < self.num_sims:
-            raise ValueError(f"there is no simulation {sim}: they are 0 to {self.num_sims - 1}")
-        return int(sim)
+        return whole("simulation", sim, 0, self.num_sims - 1)
 
     def _object(self, index: int) -> tuple[str, Object]:
         found = facts("evo_sims_object", SimObject, self._handle, index)

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -150,6 +151,27 @@ class Training(unittest.TestCase):
             with self.assertRaises(KeyboardInterrupt):
                 evo_robots.train(task, WALKER, steps=100_000, settings=FEW, progress=interrupt)
 
+    def test_ctrl_c_from_another_process(self):
+        """Wherever the training is, in the library or on its way into Python."""
+        program = ("import evo_robots, numpy\n"
+                   f"body = numpy.array({WALKER.tolist()})\n"
+                   "print('begun', flush=True)\n"
+                   "evo_robots.train('Walker-v0', body, steps=10**9, settings={'rollout': 8})")
+        for pause in (0.3, 0.5, 0.7):
+            with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE,
+                                  stderr=subprocess.PIPE, text=True) as running:
+                running.stdout.readline()
+                time.sleep(pause)
+                running.send_signal(signal.SIGINT)
+                try:
+                    said = running.communicate(timeout=20)[1]
+                except subprocess.TimeoutExpired:
+                    running.kill()
+                    raise
+                self.assertEqual(running.returncode, -signal.SIGINT, said)
+                self.assertTrue(said.rstrip().endswith("KeyboardInterrupt"), said)
+                self.assertNotIn("ignored", said)
+
     def test_what_makes_no_sense_is_refused(self):
         class Wild(Walk):
             def reward(self, before, now):
@@ -165,6 +187,14 @@ class Training(unittest.TestCase):
                 wrong()
         with self.assertRaises(TypeError):
             evo_robots.train(Walk, WALKER, fast=True)
+
+    def test_numbers_of_a_training_are_not_cut(self):
+        for wrong in ({"steps": (1 << 64) + 2048}, {"seed": (1 << 64) + 3}, {"seed": -1},
+                      {"steps": 1 << 70}, {"steps": 2048.5}, {"steps": "2048"}, {"steps": 0}):
+            with self.assertRaisesRegex(ValueError, f"{[*wrong][0]}: .* is not"):
+                evo_robots.train("Walker-v0", WALKER, **wrong)
+        with self.assertRaisesRegex(ValueError, "NUL"):
+            evo_robots.train("Walker-v0", WALKER, profile="default\0x")
 
     def test_in_a_pipeline(self):
         with tempfile.TemporaryDirectory() as folder:

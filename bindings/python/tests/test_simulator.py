@@ -234,7 +234,7 @@ class Failures(unittest.TestCase):
                 simulator.step([1, 1, 1, np.nan])
             with self.assertRaises(ValueError):
                 simulator.step(np.ones(5))
-            with self.assertRaisesRegex(EvoError, "no environment|from 0 to 0"):
+            with self.assertRaisesRegex(ValueError, "environment: 4 is not from 0 to 0"):
                 simulator.reset([4])
             for wrong in ({"seed": -1}, {"episode": 1 << 64}):
                 with self.assertRaises(ValueError):
@@ -469,6 +469,42 @@ class Views(unittest.TestCase):
         np.testing.assert_array_equal(simulator.act(trained), trained.act(simulator.observations, simulator.steps))
         with self.assertRaisesRegex(EvoError, "observations, robot .* has"):
             Simulator("Walker-v0", WALKER).act(trained)
+
+
+class Numbers(unittest.TestCase):
+    """No number is silently another."""
+
+    def test_whole_numbers_are_not_cut(self):
+        with Simulator("Walker-v0", SMALL) as sim:
+            for wrong in (1.9, "5", 1 << 64, -1, None):
+                for name in ("seed", "episode"):
+                    if wrong is not None:
+                        with self.assertRaisesRegex(ValueError, name):
+                            sim.reset(**{name: wrong})
+            sim.reset(seed=np.uint64((1 << 64) - 1))
+            for wrong in ((1 << 32), 0.0, "0"):
+                with self.assertRaisesRegex(ValueError, "not"):
+                    sim.save([wrong])
+                with self.assertRaisesRegex(ValueError, "width"):
+                    sim.picture(width=wrong)
+        for given in ({"envs": (1 << 32) + 1}, {"envs": 1.5}, {"jobs": (1 << 32) + 1}, {"seed": 1 << 64}):
+            with self.assertRaisesRegex(ValueError, "not"):
+                Simulator("Walker-v0", SMALL, **given)
+        with self.assertRaisesRegex(ValueError, "NUL"):
+            Simulator("Walker-v0\0x", SMALL)
+
+    def test_actions_are_plain_numbers(self):
+        with Simulator("Walker-v0", SMALL) as sim:
+            sim.reset()
+            for wrong in (np.ma.masked_array([[1.0] * 4], [[True] * 4]), [["1"] * 4], [[1j] * 4], [[None] * 4]):
+                with self.assertRaisesRegex(ValueError, "actions: plain numbers"):
+                    sim.step(wrong)
+
+    def test_the_last_episode_of_a_seed_is_copied(self):
+        with Simulator("Walker-v0", SMALL) as sim:
+            sim.reset(seed=1, episode=(1 << 64) - 1)
+            again = copy.deepcopy(sim)
+            np.testing.assert_array_equal(again.observations, sim.observations)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..library import library
+from ..library import library, targets
 from ..simulator import Simulator
 from ..worlds import Simulations, World
 from .utils import VOXEL_TYPES
@@ -70,7 +70,7 @@ class EvoSim:
 
     def set_action(self, robot_name: str, action: Any) -> None:
         """Targets of the next steps: an actuator's length as a share of its rest length."""
-        values = np.asarray(action, float).ravel()
+        values = targets(action, 0.6, 1.6).ravel()
         wanted = len(self._robot(robot_name))
         if values.size != wanted:
             raise ValueError(f"{robot_name} takes {wanted} values, not {values.size}")
@@ -197,7 +197,7 @@ class TaskSim(EvoSim):
         self.simulator.translate(name, by)
 
     def set_action(self, robot_name: str, action: Any) -> None:
-        values = np.asarray(action, float).ravel()
+        values = targets(action, 0.6, 1.6).ravel()
         if values.size != len(self._robot(robot_name)):
             raise ValueError(f"{robot_name} takes {len(self._robot(robot_name))} values, not "
                              f"{values.size}")

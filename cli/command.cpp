@@ -429,7 +429,7 @@ void Command::common_options() {
 }
 
 Progress Command::progress_style() const {
-  if (quiet_ || progress == "never") return Progress::none;
+  if (quiet || progress == "never") return Progress::none;
   if (progress == "always") return Progress::drawn;
   if (progress == "lines") return Progress::often;
   // Under make, others draw on the same terminal.
@@ -465,12 +465,13 @@ void Command::parse(std::vector<std::string> words) {
 }
 
 // Of the command and of what stands within it, after parsing.
-void Command::resolve(bool is_quiet) {
-  quiet_ = is_quiet;
+void Command::resolve(const std::string& level) {
+  quiet = level == "error" || level == "off";
+  verbose = level == "debug";
   // make runs as many of us as it was asked to; each then has one core.
   jobs = impl_->jobs.value_or(
       std::getenv("MAKELEVEL") != nullptr ? 1 : std::min(available_cores(), most_threads));
-  for (const auto& command : impl_->subcommands) command->resolve(is_quiet);
+  for (const auto& command : impl_->subcommands) command->resolve(level);
 }
 
 int Command::answer(int argc, char** argv, const std::function<int()>& work) {
@@ -502,7 +503,7 @@ int Command::answer(int argc, char** argv, const std::function<int()>& work) {
   }
   const std::string level = impl.quiet ? "error" : impl.verbose ? "debug" : impl.level;
   log::set(level, impl.log_file);
-  resolve(level == "error" || level == "off");
+  resolve(level);
   const auto start = std::chrono::steady_clock::now();
   const int status = work();
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;

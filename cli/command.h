@@ -115,6 +115,8 @@ class Command {
   std::string output = "-";  // "-" is standard output
   std::string progress = "auto";
   Progress progress_style() const;  // on standard error
+  bool quiet = false;               // nothing but errors is said
+  bool verbose = false;             // all is
 
   const std::string& name() const;
 
@@ -133,11 +135,10 @@ class Command {
   Option add(const std::string& names, const std::string& value, const std::string& help,
              const std::string& initial, const Set& set);
   void common_options();
-  void resolve(bool is_quiet);
+  void resolve(const std::string& level);
   int answer(int argc, char** argv, const std::function<int()>& work);
 
   std::unique_ptr<Impl> impl_;
-  bool quiet_ = false;
 };
 
 // Threads for this many tasks, -j at most; a word where the system has fewer.

@@ -196,7 +196,7 @@ class Sims(unittest.TestCase):
                 np.testing.assert_array_equal(sim.pos_at_time(12), ahead)
                 sim.revert(11)
         self.assertEqual(sim.get_time(), 20)
-        self.assertEqual(sim.get_indices_of_actuators("a").tolist(), [[0], [2], [3]])
+        self.assertEqual(sim.get_indices_of_actuators("a").tolist(), [[0, 2, 3]])
         with self.assertRaisesRegex(evo_robots.EvoError, "terrain"):
             sim.translate_object(1, 1, "ground")
         with self.assertRaisesRegex(NotImplementedError, "EvoWorld"):

@@ -500,6 +500,55 @@ if __name__ == "__main__":
             self.assertEqual(missing.returncode, 1)
 
 
+class BenchmarksNames(unittest.TestCase):
+    """Programs for the benchmark's package, each in a process of its own."""
+
+    def run_program(self, program, *arguments):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, "program.py")
+            file.write_text(program)
+            return subprocess.run([sys.executable, "-W", "ignore", "-m", "evo_robots.evogym", file, *arguments],
+                                  capture_output=True, text=True)
+
+    def test_every_name_of_every_module(self):
+        """evogym_names.txt: modules of evogym 2.0.0, their public names, and the methods of classes."""
+        said = self.run_program(
+            "import importlib, sys\n"
+            "for line in open(sys.argv[1]):\n"
+            "    module, *names = line.split()\n"
+            "    found, star = importlib.import_module(module), {}\n"
+            "    exec(f'from {module} import *', star)\n"
+            "    for name, methods in (n.partition(':')[::2] for n in names):\n"
+            "        lacks = name not in star and [name] or [m for m in methods.split(',')\n"
+            "                                                if m and not hasattr(star[name], m)]\n"
+            "        print(*[f'{module} {name} {what}' for what in lacks], sep='\\n', end='')\n",
+            Path(__file__).parent / "evogym_names.txt")
+        self.assertEqual((said.stdout, said.stderr), ("", ""))
+
+    def test_the_old_gym_is_a_line_that_says_the_way(self):
+        said = self.run_program("import gym\n")
+        self.assertIn("import gymnasium as gym", said.stderr.splitlines()[-1])
+
+    def test_programs_as_options_and_from_standard_input(self):
+        for arguments, program in ((["-c", "import evogym, sys; print(evogym.EvoSim.__name__, sys.argv)", "a"], ""),
+                                   (["-", "a"], "import evogym, sys; print(evogym.EvoSim.__name__, sys.argv)")):
+            said = subprocess.run([sys.executable, "-m", "evo_robots.evogym", *arguments], input=program,
+                                  capture_output=True, text=True)
+            self.assertEqual(said.stdout, f"EvoSim ['{arguments[0]}', 'a']\n", said.stderr)
+
+    def test_what_would_be_half_heard_is_refused(self):
+        from evo_robots.evogym.envs import CarrySmallRect, WalkingFlat
+
+        for parent, name in ((WalkingFlat, "get_relative_pos_obs"), (WalkingFlat, "VOXEL_SIZE"),
+                             (WalkingFlat, "world"), (CarrySmallRect, "thresh_height"),
+                             (CarrySmallRect, "get_obs")):
+            with self.assertRaisesRegex(TypeError, f"overrides {name}, which"):
+                type("Own", (parent,), {name: None})
+        type("Own", (WalkingFlat,), {"step": None, "reset": None, "get_relative_pos_obs": None})
+        with self.assertRaisesRegex(AttributeError, "sight_dist of Walker-v0"):
+            WalkingFlat(body=SMALL).sight_dist = 3
+
+
 class Readme(unittest.TestCase):
     def test_what_the_readme_shows_runs(self):
         text = (Path(__file__).parents[1] / "README.md").read_text()

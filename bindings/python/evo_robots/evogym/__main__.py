@@ -1,4 +1,4 @@
-"""python -m evo_robots.evogym SCRIPT [ARGUMENT]..., or -m MODULE [ARGUMENT]...: runs a program that
+"""python -m evo_robots.evogym SCRIPT [ARGUMENT]..., or -m MODULE, -c PROGRAM, -: runs a program that
 says ``import evogym`` on this simulator, without changing a letter."""
 
 from __future__ import annotations
@@ -10,12 +10,11 @@ from pathlib import Path
 
 
 def main(arguments: list[str]) -> None:
-    as_module = arguments[:1] == ["-m"]
-    if as_module:
+    option = arguments[0] if arguments[:1] in (["-m"], ["-c"]) else ""
+    if option:
         arguments = arguments[1:]
-    if not arguments or arguments[0] in ("-h", "--help"):
-        print("usage: python -m evo_robots.evogym SCRIPT [ARGUMENT]...\n"
-              "       python -m evo_robots.evogym -m MODULE [ARGUMENT]...\n"
+    if not arguments or not option and arguments[0] in ("-h", "--help"):
+        print("usage: python -m evo_robots.evogym (SCRIPT | -m MODULE | -c PROGRAM | -) [ARGUMENT]...\n"
               'runs a program that says "import evogym" on this simulator')
         sys.exit(0 if arguments else 2)
     stand_in = str(Path(__file__).parent / "shim")
@@ -26,9 +25,15 @@ def main(arguments: list[str]) -> None:
     import evogym  # noqa: F401
 
     sys.argv = arguments
-    if as_module:
+    if option or arguments[0] == "-":
         sys.path.insert(0, os.getcwd())
+    if option == "-m":
         runpy.run_module(arguments[0], run_name="__main__", alter_sys=True)
+    elif option == "-c":
+        sys.argv, program = ["-c", *arguments[1:]], arguments[0]
+        exec(compile(program, "<string>", "exec"), {"__name__": "__main__"})
+    elif arguments[0] == "-":
+        exec(compile(sys.stdin.read(), "<stdin>", "exec"), {"__name__": "__main__"})
     elif not os.path.isfile(arguments[0]):
         sys.exit(f"python -m evo_robots.evogym: there is no file {arguments[0]}")
     else:

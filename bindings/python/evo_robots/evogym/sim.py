@@ -84,8 +84,8 @@ class EvoSim:
         return len(self._robot(robot_name))
 
     def get_indices_of_actuators(self, robot_name: str) -> np.ndarray:
-        """[A, 1], the same as get_actuator_indices."""
-        return self._robot(robot_name)[:, None].astype(float)
+        """[1, A] int32, the same as get_actuator_indices."""
+        return self._robot(robot_name)[None].astype(np.int32)
 
     def translate_object(self, x: float, y: float, object_name: str) -> None:
         """Moves an object that is no terrain, raw units (a voxel is 0.1), without changing its shape or

@@ -105,7 +105,7 @@ class Timer:
         self._all_steps += self._steps
         self.total_count += 1
         if verbose:
-            print(f"{self._steps} steps per second, {self._all_steps / self.total_count:.2f} on average")
+            print(f"rps: {self._steps} | avg rps: {self._all_steps / self.total_count:.2f}")
         self._since += 1
         self._steps = 0
 

@@ -11,6 +11,7 @@ import numpy as np
 from ..library import EvoError
 from ..video import Video
 from .sim import EvoSim
+from .utils import Timer
 
 __all__ = ["MODES", "EvoViewer"]
 
@@ -33,6 +34,7 @@ class EvoViewer:
                                           **dict.fromkeys(LOCKS, False)}
         self._followed_at: int | None = None  # time of the simulation
         self._shown_at = 0.0
+        self._timer = Timer()
         self.set_target_rps(target_rps)
         self.set_pos(pos)
         self.set_view_size(view_size)
@@ -72,7 +74,7 @@ class EvoViewer:
                hide_grid: bool = False, hide_edges: bool = False,
                hide_voxels: bool = False) -> np.ndarray | None:
         """A picture: shown by ``screen`` and ``human``, returned by ``img`` and ``rgb_array`` as
-        [height, width, 3] uint8. verbose: prints how many are shown per second."""
+        [height, width, 3] uint8. verbose: prints once a second how many were shown."""
         if mode not in MODES:
             raise ValueError(f"mode {mode!r} is none of {', '.join(MODES)}")
         self._follow()
@@ -87,8 +89,7 @@ class EvoViewer:
         now = time.perf_counter()
         if self._target_rps is not None:
             time.sleep(max(0.0, min(1.0, self._shown_at + 1 / self._target_rps - now)))
-        if verbose:
-            print(f"{1 / max(1e-6, time.perf_counter() - self._shown_at):.0f} pictures per second")
+        self._timer.step(verbose)
         self._shown_at = time.perf_counter()
         return None
 

@@ -100,8 +100,8 @@ class PackageBase(BenchmarkBase):
                 + apart - abs(centre(robot_pos_final)[0] - centre(package_pos_final)[0])
                 + self._dropped(package_pos_init, package_pos_final))
 
-    def _dropped(self, before: np.ndarray, now: np.ndarray) -> float:
-        return 10 * moved(before, now, 1) if centre(now)[1] < self.thresh_height else 0.0
+    def _dropped(self, before: np.ndarray, now: np.ndarray, height: float | None = None) -> float:
+        return 10 * moved(before, now, 1) if centre(now)[1] < (height or self.thresh_height) else 0.0
 
     def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None):
         super().reset(seed=seed, options=options)

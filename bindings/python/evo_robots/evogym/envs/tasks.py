@@ -36,10 +36,28 @@ V = BenchmarkBase.VOXEL_SIZE
 class TaskBase(BenchmarkBase):
     """A robot in the task that a class below names. The simulator observes and rewards; the
     methods get_obs and get_reward.. say the same of positions that they are given. A class of one's own
-    that overrides the one that the benchmark's step() asks (REWARD) is rewarded by it."""
+    that overrides the one that the benchmark's step() asks (REWARD) is rewarded by it. What else it
+    overrides of what the benchmark's step() and reset() ask is refused, unless it has both of its own."""
 
     TASK = ""
     REWARD: tuple[str, ...] = ()  # the method, and the objects whose positions it takes, before and after
+    OWN = {"render", "close", "video", "metadata", "step", "reset"}  # that nothing here asks
+
+    def __init_subclass__(cls) -> None:
+        if cls.__module__ == __name__ or all(
+                getattr(cls, name) is not getattr(TaskBase, name) for name in ("step", "reset")):
+            return
+        for name in vars(cls):
+            if not name.startswith("_") and hasattr(super(cls, cls), name) and name not in cls.OWN | {*cls.REWARD[:1]}:
+                raise TypeError(
+                    f"{cls.__name__} overrides {name}, which {cls.TASK} does not ask here: its simulator observes "
+                    "and rewards. Override step() and reset(), too, or derive from BenchmarkBase")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in ("VOXEL_SIZE", "sight_dist", "terrain_list", "thresh_height"):
+            raise AttributeError(f"{name} of {self.TASK} is the simulator's and cannot be set here; derive "
+                                 "from BenchmarkBase for a task of one's own")
+        super().__setattr__(name, value)
 
     def __init__(self, body: Any, connections: Any = None, render_mode: str | None = None,
                  render_options: Mapping[str, Any] | None = None) -> None:
@@ -216,9 +234,9 @@ class CarrySmallRectToTable(TaskBase, PackageBase):
     thresh_height = 6 * V
 
     def get_reward_carry(self, package_pos_init, package_pos_final, robot_pos_init, robot_pos_final):
-        self.thresh_height = (4 if centre(package_pos_final)[0] > 20 * V else 6) * V
+        height = (4 if centre(package_pos_final)[0] > 20 * V else 6) * V
         return (nearer(40 * V, robot_pos_init, robot_pos_final)
-                + self._dropped(package_pos_init, package_pos_final))
+                + self._dropped(package_pos_init, package_pos_final, height))
 
 
 class PushSmallRect(TaskBase, PackageBase):

@@ -525,6 +525,11 @@ class BenchmarksNames(unittest.TestCase):
             Path(__file__).parent / "evogym_names.txt")
         self.assertEqual((said.stdout, said.stderr), ("", ""))
 
+    def test_actions_of_single_precision(self):
+        """float32.tsv is what float32.py prints with evogym 2.0.0 (but for its version)."""
+        here = Path(__file__).parent
+        self.assertEqual(self.run_program((here / "float32.py").read_text()).stdout, (here / "float32.tsv").read_text())
+
     def test_the_old_gym_is_a_line_that_says_the_way(self):
         said = self.run_program("import gym\n")
         self.assertIn("import gymnasium as gym", said.stderr.splitlines()[-1])

@@ -24,10 +24,11 @@ void refuse_task_as_file(const std::string& name) {
   if (name.empty() || is_file_name(name) || fs::exists(name, ignored)) return;
   const std::vector<std::string> tasks = task_names(data_folders());
   if (std::find(tasks.begin(), tasks.end(), name) == tasks.end()) return;
-  throw error(Failure::no_input,
-              "{}: no such file, but a task; it is given as --task {}, and `evo-inspect task {}` "
-              "explains it",
-              name, name, name);
+  throw error(
+      Failure::no_input,
+      "{}: this is a task and no file; give it as --task {}. `evo-inspect task {}` explains "
+      "it",
+      name, name, name);
 }
 
 }  // namespace evo::cli

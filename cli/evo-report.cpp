@@ -27,13 +27,15 @@ int main(int argc, char** argv) {
   command.arguments(names, "RUN_DIR",
                     "run folders, finished or not; several are compared on one page");
   command.option("--title", options.title, "TEXT", "of the page [the task and the folder's name]");
-  command.option("--robots", robots, "N",
-                 "robots of a run to show one by one; of more, the fittest, the champion's "
-                 "ancestors, and others evenly spread [1500, of several runs 4000 altogether]")
+  command
+      .option("--robots", robots, "N",
+              "robots of a run to show one by one: all if there are no more, else the fittest, the "
+              "champion's ancestors, and others evenly spread [1500; 4000 for several runs]")
       .at_least(1);
-  command.option("--replays", replays, "N",
-                 "episodes to play on the page: of a run's N fittest robots, beside the champion "
-                 "and its ancestors [all that are shown; of several runs 1500 altogether]")
+  command
+      .option("--replays", replays, "N",
+              "episodes to play on the page: those of a run's N fittest robots, the champion and "
+              "its ancestors [all robots shown; 1500 for several runs]")
       .at_least(0);
   command.output_option("where the page goes, HTML that needs no other file and no network");
   command.jobs_option();

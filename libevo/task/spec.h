@@ -2,7 +2,7 @@
 // it is rewarded for, and when an episode ends. The pieces are three closed lists,
 // observation parts, conditions and reward terms; they combine freely. What each
 // one does stands in observation.cpp, conditions.cpp and reward.cpp, how it is
-// written in files of those names in formats/ (task_reward.cpp, ..): a piece in a
+// written in files of those names in formats/task (reward.cpp, ..): a piece in a
 // list here that is missing there does not compile. See docs/tasks.md.
 //
 // Lengths here are in voxels, as tasks are drawn and written; they are turned

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -180,7 +179,7 @@ std::string identity(const Body& body) {
   std::string text = fmt::format("evo1\n{}x{}\n", body.rows, body.cols);
   for (const std::string& row : body.to_rows()) text.append(row).push_back('\n');
   for (const Link& link : links)
-    fmt::format_to(std::back_inserter(text), "{}-{}\n", link.a, link.b);
+    text += fmt::format("{}-{}\n", link.a, link.b);
 
   constexpr std::size_t identity_digits = 12;
   return sha256_hex(text).substr(0, identity_digits);

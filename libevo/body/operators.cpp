@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -85,7 +86,7 @@ Voxel draw_voxel(const VoxelWeights& weights, Stream& stream) {
   return static_cast<Voxel>(stream.discrete(weights));
 }
 
-double sum_of(const VoxelWeights& weights) {
+void check_weights(const VoxelWeights& weights) {
   double sum = 0.0;
   for (const double w : weights) {
     if (!std::isfinite(w) || w < 0.0)
@@ -94,14 +95,13 @@ double sum_of(const VoxelWeights& weights) {
   }
   if (!(sum > 0.0) || !std::isfinite(sum))
     throw Error(Failure::usage, "voxel weights: at least one must be above 0");
-  return sum;
 }
 
 void check_sampling(int rows, int cols, const VoxelWeights& weights) {
   if (rows < 1 || cols < 1 || rows > largest_side || cols > largest_side)
     throw error(Failure::usage, "shape {}x{}: rows and columns go from 1 to {}", rows, cols,
                 largest_side);
-  sum_of(weights);
+  check_weights(weights);
   if (weights[static_cast<std::size_t>(Voxel::horizontal)] == 0.0 &&
       weights[static_cast<std::size_t>(Voxel::vertical)] == 0.0)
     throw Error(Failure::usage,
@@ -134,13 +134,13 @@ Body sample_body(int rows, int cols, const VoxelWeights& weights, Stream& stream
               "no valid robot among {} random matrices of {}x{} cells; with {:.0f}% empty cells "
               "they are hardly ever connected: give empty (the first weight) less, or choose a "
               "smaller shape",
-              tried, rows, cols, 100.0 * weights[0] / sum_of(weights));
+              tried, rows, cols, 100.0 * weights[0] / std::accumulate(weights.begin(), weights.end(), 0.0));
 }
 
 std::optional<Body> mutate(const Body& parent, const MutationSettings& settings, Stream& stream) {
   if (!(settings.rate >= 0.0 && settings.rate <= 1.0))
     throw error(Failure::usage, "mutation rate {}: a rate lies between 0 and 1", settings.rate);
-  sum_of(settings.weights);
+  check_weights(settings.weights);
   const std::array<double, 2> redraw_or_keep{settings.rate, 1.0 - settings.rate};
   std::vector<Voxel> cells = parent.cells;
   GrowingMatrix matrix(parent.rows, parent.cols);

@@ -1,12 +1,11 @@
 #include "libevo/control/methods.h"
 
-#include <fmt/ranges.h>
-
 #include <optional>
 #include <utility>
 
 #include "libevo/base/alternatives.h"
 #include "libevo/base/error.h"
+#include "libevo/base/join.h"
 
 namespace evo {
 namespace {
@@ -29,7 +28,7 @@ Algorithm::Algorithm(std::string_view name) : name_(name) {
   with_method(*this, [&](auto) { known = true; });
   if (!known)
     throw error(Failure::usage, "unknown algorithm '{}'{}; there are {}", name,
-                did_you_mean(name_, algorithm_names()), fmt::join(algorithm_names(), ", "));
+                did_you_mean(name_, algorithm_names()), joined(algorithm_names()));
 }
 
 void check_method(const TrainingSettings& settings) {

@@ -1,10 +1,12 @@
 // From names to indices.
-#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "libevo/base/error.h"
+#include "libevo/base/join.h"
 #include "libevo/task/binder.h"
 
 namespace evo {
@@ -17,7 +19,7 @@ int Binder::object(const std::string& name) const {
   std::vector<std::string> names;
   for (const ModelObject& known : arena_.world->model.objects()) names.push_back(known.name);
   throw error(Failure::data, "unknown object '{}'{}; the world has {}", name,
-              did_you_mean(name, names), fmt::join(names, ", "));
+              did_you_mean(name, names), joined(names));
 }
 
 PointRange Binder::points(const std::string& name) const {

@@ -3,7 +3,7 @@
 
     hostile.py [--runs N] [--first K] [--seed S] [--jobs J] [--table FILE] [--keep DIR]
 
-Each run must end by itself with a documented status, in at most 2 s of processor
+Each run must end by itself with a documented status, in at most 20 s of processor
 time and 200 MB; a failure in exactly one line of printable text on standard
 error. Runs are numbered from 0, or from K, and depend on seed and number alone;
 --only N does one again, and --keep leaves the damaged files of failures in a
@@ -24,7 +24,7 @@ import options
 import readers
 import valid
 
-SECONDS = 2.0  # of processor time
+SECONDS = 20.0  # of processor time: what runs on and on, however slow the machine
 KILOBYTES = 200_000
 PATIENCE = 120  # s of wall time until a run counts as hanging
 Outcome = collections.namedtuple("Outcome", "row status fault words")
@@ -156,7 +156,7 @@ def table(outcomes):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=3000)
+    parser.add_argument("--runs", type=int, default=400)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())

@@ -360,7 +360,7 @@ TEST_CASE("EvoGym world: a robot keeps its empty border, its id with it") {
   }
 }
 
-TEST_CASE("EvoGym world: 400x400 cells are written and read in time linear in them") {
+TEST_CASE("EvoGym world: 400x400 cells are written and read") {
   const Robot robot(full_body(400, 400));
   const std::string text = evogym_world_to_json(evogym_world_of_robot(robot));
   const World world = world_of(parse_json(text, "large"));

@@ -8,6 +8,11 @@ load helpers
   done
 }
 
+@test "the tour of README prints what it says, to the last digit" {
+  [ -n "${EVO_SLOW:-}" ] || skip "with EVO_SLOW: it trains for half a minute"
+  python3 "$EVO_SOURCE/tests/cli/run_blocks.py" --in-full "$EVO_SOURCE/README.md"
+}
+
 @test "what a text says wrongly is found, also after a command that was made smaller" {
   blocks() { cat > text.md; run python3 "$EVO_SOURCE/tests/cli/run_blocks.py" text.md; echo "$output"; }
   text='    $ echo --steps 512000 > less; echo more

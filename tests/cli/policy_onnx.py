@@ -50,7 +50,7 @@ def episode(rollout):
 
 
 def modular_episode(policy, robot):
-    sys.path.insert(0, os.environ["EVO_SOURCE"] + "/python")
+    sys.path.insert(0, os.environ["EVO_SOURCE"] + "/bindings/python")
     import evo_robots
 
     controller = evo_robots.Trained.read(policy)

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """Runs the command blocks of Markdown files, each file in a folder of its own, top
-to bottom: run_blocks.py FILE...
+to bottom: run_blocks.py [--in-full | --update] FILE...
 
 Blocks are those fenced as sh, each in a shell of its own, and indented lines after a
 "$ " with what they print, which is compared. Large numbers are made smaller first: what
 such a command prints is not compared, nor is what commands print that name a file it has
 written, and so on. Python fences are run, too.
+
+With --in-full the indented commands are run as they stand, and all that they print is
+compared; with --update it is written into the file.
 """
 import contextlib
 import fnmatch
@@ -112,15 +115,20 @@ def temporary_folder():
                 time.sleep(0.5)
 
 
-def run(path):
+def indented(lines):
+    return "".join(f"    {line}\n" if line else "\n" for line in lines.split("\n"))
+
+
+def run(path, in_full, update):
     with open(path) as file:
-        found = list(blocks(file.read()))
+        text = file.read()
+    found = [block for block in blocks(text) if not in_full or block[2] is not None]
     assert found, f"{path}: no commands"
     smaller_files = set()  # written by commands that did less than they say
     compared = 0
     with temporary_folder() as folder:
         for kind, command, output in found:
-            less = smaller(command)
+            less = command if in_full else smaller(command)
             changed = less != command or names_one_of(command, smaller_files)
             before = files_in(folder)
             interpreter = ["bash", "-euo", "pipefail", "-c"] if kind == "sh" else ["/usr/bin/python3", "-c"]
@@ -133,12 +141,19 @@ def run(path):
                 compared += 1
                 if re.sub(*COMMIT, done.stdout.strip("\n")) == re.sub(*COMMIT, output):
                     continue
+                if update:
+                    text = text.replace(indented(f"$ {command}\n{output}"), indented(f"$ {command}\n{done.stdout.strip()}"))
+                    continue
                 sys.exit(f"{path}:\n{less}\nprinted\n{done.stdout}\nbut the text says\n{output}")
+    if update:
+        with open(path, "w") as file:
+            file.write(text)
     print(f"{path}: {len(found)} commands, {compared} outputs compared")
 
 
 if __name__ == "__main__":
     os.environ["PATH"] = os.environ["EVO_BIN"] + ":/usr/bin:" + os.environ["PATH"]  # Debian's Python
-    os.environ["PYTHONPATH"] = os.environ["EVO_SOURCE"] + "/python"  # as installed
-    for name in sys.argv[1:]:
-        run(name)
+    os.environ["PYTHONPATH"] = os.environ["EVO_SOURCE"] + "/bindings/python"  # as installed
+    options = [word for word in sys.argv[1:] if word.startswith("--")]
+    for name in sys.argv[1 + len(options):]:
+        run(name, bool(options), "--update" in options)

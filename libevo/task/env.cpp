@@ -431,8 +431,8 @@ Episode load_episode(ByteReader& in) {
 
 // Everything an environment has but its world, which follows from the draws,
 // and contact candidates, which are found again. One list for both directions.
-template <typename State, typename Environment, typename Visit>
-void for_each_array(State& state, Environment& e, Visit visit) {
+template <typename AnyState, typename AnyEnvironment, typename Visit>
+void for_each_kept_array(AnyState& state, AnyEnvironment& e, Visit visit) {
   for_each_array(state, visit);
   visit(e.positions);
   visit(e.velocities);
@@ -451,7 +451,7 @@ void save_environment(const Environments& all, std::size_t index, ByteWriter& ou
   const auto& e = all.environments[index];
   const State state = all.batch.state(index);
   save_episode(out, e.episode);
-  for_each_array(state, e, [&](const auto& values) { out.values(values); });
+  for_each_kept_array(state, e, [&](const auto& values) { out.values(values); });
   for (const InitialShape& shape : e.initial_shapes) {
     for_each_shape_array(shape, [&](const auto& values) { out.values(values); });
     out.value(shape.radius_sum);
@@ -475,7 +475,7 @@ void load_environment(ByteReader& in, std::size_t index, Environments& all) {
   const bool begun = !e.episode.draws.integers.empty() || !moves_objects(arena.task);
   if (begun) all.place(index, episode_world_for(arena, e.episode.draws));
   State state = all.batch.state(index);
-  for_each_array(state, e, [&](auto& values) { in.fill(values); });
+  for_each_kept_array(state, e, [&](auto& values) { in.fill(values); });
   all.batch.set_state(index, state);
   for (InitialShape& shape : e.initial_shapes) {
     for_each_shape_array(shape, [&](auto& values) { in.fill(values); });

@@ -254,7 +254,7 @@ int main(int argc, char** argv) {
   command
       .option("--threads", settings.threads, "N",
               "batches of environments at a time, one per thread")
-      .between(1, cli::most_threads);
+      .between(1, most_threads);
   command.option("--isa", settings.isa, "NAME",
                  "instruction set, e.g. x86-64-v3, or all, one after the other");
   command.section("How");

@@ -99,8 +99,7 @@ int evo_envs_open(const evo_task* task, const evo_robots* robots, int32_t per_ro
     const evo::TaskSpec& spec = object_of(task).spec;
     const std::vector<evo::Robot>& list = object_of(robots).list;
     if (list.empty()) throw evo::Error(Failure::usage, "environments need a robot; none is given");
-    if (threads < 1)
-      throw evo::error(Failure::usage, "environments need 1 thread or more, not {}", threads);
+    check_threads(threads);
     return std::make_unique<evo_envs>(spec, list, per_robot, threads);
   });
 }

@@ -10,6 +10,8 @@
 #include <system_error>
 #include <unordered_map>
 
+#include "libevo/base/parallel.h"
+
 namespace evo::c {
 
 namespace {
@@ -54,6 +56,11 @@ void require(const void* handle, std::string_view kind) {
     throw error(Failure::usage, "a handle of {} is expected; this one was freed, or is none", kind);
   if (found->second != kind)
     throw error(Failure::usage, "a handle of {} is expected, not of {}", kind, found->second);
+}
+
+void check_threads(std::int32_t threads) {
+  if (threads < 1 || threads > most_threads)
+    throw error(Failure::usage, "there may be 1 to {} threads, not {}", most_threads, threads);
 }
 
 std::string text_of(const char* text, const char* name) {

@@ -77,6 +77,9 @@ T& target(T* place, const char* name) {
 
 std::string text_of(const char* text, const char* name);  // refuses NULL
 
+// Throws Error(usage) for less than 1 thread, or more than anybody means.
+void check_threads(std::int32_t threads);
+
 // Points that a caller gives as pairs of numbers.
 std::vector<Vec2> points_of(const double* positions, std::size_t count);
 
@@ -84,10 +87,10 @@ std::vector<Vec2> points_of(const double* positions, std::size_t count);
 template <typename Handle, typename Make>
 int open(Handle** place, const Make& make) {
   return guarded([&] {
-    target(place, "place of the handle") = nullptr;
+    Handle*& opened = target(place, "place of the handle");
     std::unique_ptr<Handle> made = make();
     enter(made.get(), kind_of<Handle>);
-    *place = made.release();
+    opened = made.release();
   });
 }
 

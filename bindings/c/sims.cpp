@@ -41,10 +41,12 @@ std::vector<evo::Object>::iterator find_object(evo::World& world, const std::str
   return found;
 }
 
+constexpr std::int32_t largest_coordinate = 100'000;  // cells, as in files
+
 void check_position(std::int32_t x, std::int32_t y) {
-  if (x < 0 || y < 0)
-    throw evo::error(Failure::usage, "cell ({}, {}) is outside of the world: both are from 0 on", x,
-                     y);
+  if (x < 0 || y < 0 || x > largest_coordinate || y > largest_coordinate)
+    throw evo::error(Failure::usage, "cell ({}, {}) is outside of the world: both are from 0 to {}",
+                     x, y, largest_coordinate);
 }
 
 evo::Body body_of(const std::uint8_t* voxels, std::int32_t rows, std::int32_t columns,
@@ -187,8 +189,7 @@ int evo_sims_open(const evo_world* world, const char* physics, int32_t sims, int
     if (built.objects.empty()) throw evo::Error(Failure::usage, "the world has no objects");
     if (sims < 1 || sims > most_sims)
       throw evo::error(Failure::usage, "there may be 1 to {} simulations, not {}", most_sims, sims);
-    if (threads < 1)
-      throw evo::error(Failure::usage, "simulations need 1 thread or more, not {}", threads);
+    check_threads(threads);
     const evo::Physics constants =
         physics == nullptr ? evo::Physics() : evo::load_physics(physics, data_folders());
     return std::make_unique<evo_sims>(built, constants, static_cast<std::size_t>(sims), threads);

@@ -12,6 +12,9 @@ namespace evo {
 // Cores this process may use (its affinity mask), at least 1.
 int available_cores();
 
+// More is asked for by mistake, and would take the processes of the whole machine.
+inline constexpr int most_threads = 1024;
+
 class ThreadPool {
  public:
   // `threads` counts the caller, which works too; 1 starts no thread.

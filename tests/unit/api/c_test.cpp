@@ -254,6 +254,9 @@ TEST_CASE("c: objects that cannot stand in a world are refused") {
   fails(EVO_USAGE, "already", evo_world_add(world, "left", corner.data(), 2, 2, nullptr, 0, 1, 5));
   fails(EVO_USAGE, "name", evo_world_add(world, "", corner.data(), 2, 2, nullptr, 0, 1, 5));
   fails(EVO_USAGE, "outside", evo_world_add(world, "x", corner.data(), 2, 2, nullptr, 0, -1, 5));
+  fails(EVO_USAGE, "outside",
+        evo_world_add(world, "x", corner.data(), 2, 2, nullptr, 0, INT32_MAX - 1, 5));
+  fails(EVO_USAGE, "outside", evo_world_move(world, "left", 1, INT32_MAX));
   fails(EVO_USAGE, "rows", evo_world_add(world, "x", corner.data(), 0, 2, nullptr, 0, 1, 5));
   fails(EVO_USAGE, "rows",
         evo_world_add(world, "x", corner.data(), 1 << 30, 1 << 30, nullptr, 0, 1, 5));
@@ -270,6 +273,12 @@ TEST_CASE("c: objects that cannot stand in a world are refused") {
   REQUIRE(evo_world_remove(world, "left") == EVO_OK);
   fails(EVO_USAGE, "simulations", evo_sims_open(world, nullptr, 0, 1, &sims));
   fails(EVO_USAGE, "thread", evo_sims_open(world, nullptr, 1, 0, &sims));
+  fails(EVO_USAGE, "1024 threads", evo_sims_open(world, nullptr, 1, 1'000'000, &sims));
+  REQUIRE(evo_sims_open(world, nullptr, 1, 1, &sims) == EVO_OK);
+  evo_sims* const before = sims;
+  fails(EVO_USAGE, "simulations", evo_sims_open(world, nullptr, 0, 1, &sims));
+  CHECK(sims == before);  // a failed call changes nothing
+  evo_sims_free(sims);
   fails(EVO_USAGE, "fast", evo_sims_open(world, "fats", 1, 1, &sims));
   evo_world_free(world);
 }

@@ -267,7 +267,6 @@ int main(int argc, char** argv) {
   command.flag("--json", settings.json, "one JSON object a line instead of a table");
   command.seed_option();
   command.example("evo-bench --sizes 5 --envs 8", "a batch of eight 5x5 robots on flat ground");
-  command.example("evo-bench --tasks --envs 8 --fast --json > tasks.jsonl",
-                  "every task in fast arithmetic, for a program");
+  command.example("evo-bench --tasks --envs 8 --json > tasks.jsonl", "every task, for a program");
   return command.run(argc, argv, [&] { return bench(settings, command.seed); });
 }

@@ -6,20 +6,12 @@
 
 namespace evo::cli {
 
-namespace {
-
-constexpr const char* fast_profile = "fast";
-
-}  // namespace
-
 void TaskOptions::add_to(Command& command, const std::string& otherwise) {
   command.option("--task", task, "TASK",
                  "a benchmark task by name, or a task file of your own" +
                      (task ? " [" + *task + "]" : otherwise));
   command.option("--physics", physics, "PROFILE",
-                 "physics profile by name or file (evogym, package, paper, fast) [the task's]");
-  command.flag("--fast", fast,
-               "as --physics fast: the same physics, but single precision within a substep");
+                 "physics profile by name or file (evogym, paper) [the task's]");
   command.option(
       "--set", set, "KEY=VALUE",
       "one constant of the physics, such as gravity=50 (repeatable); 'evo-inspect physics' "
@@ -37,15 +29,8 @@ TaskSpec TaskOptions::load() const {
 }
 
 void TaskOptions::change_physics(TaskSpec& spec) const {
-  if (fast && physics.value_or(fast_profile) != fast_profile)
-    throw error(Failure::usage,
-                "--fast means --physics fast and does not go with --physics {}; to change another "
-                "profile give --set arithmetic=fast",
-                *physics);
-  const std::optional<std::string> profile =
-      fast ? std::optional<std::string>(fast_profile) : physics;
-  if (!profile && set.empty()) return;
-  Physics changed = profile ? load_physics(*profile, data_folders()) : spec.physics;
+  if (!physics && set.empty()) return;
+  Physics changed = physics ? load_physics(*physics, data_folders()) : spec.physics;
   for (const std::string& assignment : set) apply_override(changed, assignment);
   set_physics(spec, changed);
 }

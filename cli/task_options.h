@@ -1,4 +1,4 @@
-// --task, --physics, --fast and --set: what robots are trained and measured in.
+// --task, --physics and --set: what robots are trained and measured in.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,6 @@ namespace evo::cli {
 struct TaskOptions {
   std::optional<std::string> task;
   std::optional<std::string> physics;
-  bool fast = false;
   std::vector<std::string> set;
 
   // `otherwise` says in the help what holds without --task.

@@ -73,9 +73,8 @@ def compare(task, rows, benched=""):
     env = gymnasium.make("evo/" + task, body=body, connections=connections)
     one, own = alone(env, actions)
     many = together(task, body, connections, actuators)
-    fast = together(task, body, connections, actuators, fast=True)
     apart = "" if task in RANDOM_TASKS else f"{np.abs(seen - own).max():.1e}"
-    print(task, "x".join(map(str, body.shape)), *(round(r) for r in (theirs, one, many, fast)),
+    print(task, "x".join(map(str, body.shape)), *(round(r) for r in (theirs, one, many)),
           benched, round(many / theirs, 1), apart, sep="\t", file=TABLE, flush=True)
 
 
@@ -89,8 +88,7 @@ def bench(size):
     return found["body"], round(found["steps_per_second"])
 
 
-print("task", "body", "evogym", "evo, one", f"evo, {LANES}", f"evo --fast, {LANES}",
-      f"evo-bench, {LANES}", "ratio", f"apart after {COMPARED_STEPS} steps", sep="\t", file=TABLE,
+print("task", "body", "evogym", "evo, one", f"evo, {LANES}", f"evo-bench, {LANES}", "ratio", f"apart after {COMPARED_STEPS} steps", sep="\t", file=TABLE,
       flush=True)
 for size in (5, 10, 20, 35):
     compare("Walker-v0", *bench(size))

@@ -11,30 +11,8 @@
 
 #include "formats/io/format.h"
 #include "formats/io/profile.h"
-#include "libevo/base/words.h"
 
 namespace evo {
-
-// As profiles write it (libevo/base/words.h).
-constexpr const char* word(Arithmetic value) {
-  switch (value) {
-    case Arithmetic::exact:
-      return "exact";
-    case Arithmetic::fast:
-      return "fast";
-  }
-  return nullptr;
-}
-
-constexpr const char* word(ContactRounding value) {
-  switch (value) {
-    case ContactRounding::cells:
-      return "cells";
-    case ContactRounding::package:
-      return "package";
-  }
-  return nullptr;
-}
 
 namespace {
 
@@ -53,9 +31,7 @@ constexpr Range substep_count{1.0, false, 10'000.0};
 // A stiffness has two parts, `edge` and `diagonal`, and so has its baseline.
 struct Constant {
   const char* key;
-  std::variant<double Physics::*, int Physics::*, SpringStiffness Physics::*, Arithmetic Physics::*,
-               ContactRounding Physics::*>
-      member;
+  std::variant<double Physics::*, int Physics::*, SpringStiffness Physics::*> member;
   Range range;
   const char* unit;
   const char* meaning;
@@ -67,7 +43,7 @@ struct Constant {
 
 // In the order of libevo/sim/physics.h. All that is said, checked and written of
 // the constants comes from here.
-constexpr std::array<Constant, 25> constants{{
+constexpr std::array<Constant, 23> constants{{
     {"voxel_length", &Physics::voxel_length, positive, "length", "side of a voxel", {0.1}},
     {"substep", &Physics::substep, positive, "time", "one step of the integrator", {1e-4}},
     {"substeps", &Physics::substeps, substep_count, "count", "substeps in a control step", {30}},
@@ -181,13 +157,6 @@ constexpr std::array<Constant, 25> constants{{
      "share of rest length",
      "largest actuator target",
      {1.6}},
-    {"arithmetic", &Physics::arithmetic, {}, "", "roots and sums rounded in another way", {0}},
-    {"contact_rounding",
-     &Physics::contact_rounding,
-     {},
-     "",
-     "contact forces rounded and added up as the package does",
-     {0}},
 }};
 
 // One value of a constant: a stiffness has two, the others one.
@@ -222,34 +191,11 @@ std::optional<double> parse_quotient(std::string_view text) {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-// Calls f with the type that the constant has.
-template <class F>
-auto with_type(const Value& value, F f) {
-  return std::visit(
-      [&](auto member) {
-        return f(std::type_identity<std::remove_cvref_t<decltype(Physics{}.*member)>>{});
-      },
-      value.constant.member);
-}
-
-// The words that it may be; none for a number.
-std::vector<std::string> words(const Value& value) {
-  return with_type(value, []<class Held>(std::type_identity<Held>) {
-    if constexpr (Worded<Held>)
-      return words_of<Held>();
-    else
-      return std::vector<std::string>();
-  });
-}
-bool is_word(const Value& value) {
-  return with_type(value, []<class Held>(std::type_identity<Held>) { return Worded<Held>; });
-}
 bool is_count(const Value& value) {
   return std::holds_alternative<int Physics::*>(value.constant.member);
 }
 
 std::string expectation(const Value& value) {
-  if (is_word(value)) return fmt::format("{}", fmt::join(words(value), " or "));
   const Range& range = value.constant.range;
   if (is_count(value)) return fmt::format("a whole number from {} to {}", range.low, range.high);
   return fmt::format("a number {} {}, or a quotient of two like 3e8/3.5,",
@@ -262,7 +208,6 @@ std::string mismatch(const Value& value, const std::string& found) {
 
 // ---- values ---------------------------------------------------------------------
 
-// As a number; a word is its place in the list.
 double get(const Physics& physics, const Value& value) {
   return std::visit(
       [&](auto member) {
@@ -282,8 +227,6 @@ void set(Physics& physics, const Value& value, double number) {
         using Held = std::remove_reference_t<decltype(held)>;
         if constexpr (std::is_same_v<Held, SpringStiffness>)
           (value.part == 0 ? held.edge : held.diagonal) = number;
-        else if constexpr (Worded<Held>)
-          held = static_cast<Held>(static_cast<int>(number));
         else
           held = static_cast<Held>(number);
       },
@@ -291,18 +234,10 @@ void set(Physics& physics, const Value& value, double number) {
 }
 
 std::string text_of(const Physics& physics, const Value& value) {
-  const double number = get(physics, value);
-  return is_word(value) ? words(value)[static_cast<std::size_t>(number)]
-                        : fmt::format("{}", number);
+  return fmt::format("{}", get(physics, value));
 }
 
 std::optional<double> parse_value(const Value& value, const std::string& text) {
-  if (is_word(value)) {
-    const std::vector<std::string> all = words(value);
-    const auto named = std::find(all.begin(), all.end(), text);
-    return named == all.end() ? std::nullopt
-                              : std::optional(static_cast<double>(named - all.begin()));
-  }
   const Range& range = value.constant.range;
   const std::optional<double> number = parse_quotient(text);
   if (!number || *number < range.low || *number > range.high) return std::nullopt;
@@ -401,15 +336,12 @@ std::string physics_constants_to_yaml(const Physics& physics, const std::string&
   std::string text;
   for (const Constant& constant : constants) {
     const std::vector<Value> values = values_of(constant);
-    // Left out where it is the default: files from before there was a choice stay
-    // what they were.
-    if (is_word(values[0]) && get(physics, values[0]) == constant.baseline[0]) continue;
     const std::string shown =
         values.size() == 1 ? text_of(physics, values[0])
                            : fmt::format("{{edge: {}, diagonal: {}}}", text_of(physics, values[0]),
                                          text_of(physics, values[1]));
-    text += fmt::format("{}{}: {}  # {}{}{}\n", indent, constant.key, shown, constant.unit,
-                        *constant.unit == '\0' ? "" : "; ", constant.meaning);
+    text += fmt::format("{}{}: {}  # {}; {}\n", indent, constant.key, shown, constant.unit,
+                        constant.meaning);
   }
   return text;
 }
@@ -423,9 +355,8 @@ std::vector<SettingRow> physics_table(const Physics& physics) {
   for (const Value& value : all_values()) {
     const Range& range = value.constant.range;
     rows.push_back({value.key, text_of(physics, value),
-                    is_word(value)    ? expectation(value)
-                    : is_count(value) ? fmt::format("{}..{}", range.low, range.high)
-                                      : fmt::format("{} {}", range.is_open ? ">" : ">=", range.low),
+                    is_count(value) ? fmt::format("{}..{}", range.low, range.high)
+                                    : fmt::format("{} {}", range.is_open ? ">" : ">=", range.low),
                     value.constant.unit, value.constant.meaning});
   }
   return rows;

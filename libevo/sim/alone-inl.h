@@ -16,7 +16,6 @@
 #include <cstdint>
 
 #include "libevo/sim/arithmetic-inl.h"
-#include "libevo/sim/integrate-inl.h"
 #include "libevo/sim/plan.h"
 #include "libevo/sim/workspace.h"
 
@@ -29,14 +28,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 #if HWY_TARGET != HWY_SCALAR
 
 // Springs in the lanes of a vector; of points, x and y of neighbours side by side.
-template <Arithmetic arithmetic_, std::size_t most_lanes>
+template <std::size_t most_lanes>
 class Alone {
  public:
-  static constexpr Arithmetic arithmetic = arithmetic_;
-  using Math = SpringMath<arithmetic>;
-  using Real = StageReal<arithmetic>;
-  using D = hn::CappedTag<Real, most_lanes>;  // springs or points in a stage
-  using P = hn::FixedTag<Real, 2>;            // one point: x, y
+  using D = hn::CappedTag<double, most_lanes>;  // springs, or pairs of points
+  using P = hn::FixedTag<double, 2>;            // one point: x, y
   using V = hn::Vec<D>;
   using XY = hn::Vec<P>;
   static constexpr std::size_t width = 1;
@@ -49,74 +45,41 @@ class Alone {
   static constexpr std::size_t points_at_once = record_points;
   static constexpr bool points_follow = false;  // neighbours fill registers as it is
 
-  Alone(const Plan& plan, const Physics& physics, const Arrays<arithmetic>& arrays, bool near_floor)
+  Alone(const Plan& plan, const Physics& physics, const Arrays& arrays)
       : plan_(plan),
         physics_(physics),
         constants_(physics),
         w_(arrays),
-        gravity_{0.0, physics.gravity},
-        near_floor_(near_floor) {}
+        gravity_{0.0, physics.gravity} {}
 
   // The record of a spring in Arrays::force: its force alone.
   static constexpr std::size_t force_record = 2;
   static constexpr std::size_t force_offset = 0;
 
-  void choose_origin(std::size_t block) const {
-    const LP p;
-    const PlanBlock& sites = plan_.blocks[block];
-    LXY low = hn::Set(p, HUGE_VAL);
-    LXY high = hn::Set(p, -HUGE_VAL);
-    for (int site = sites.first; site < sites.first + sites.count; ++site) {
-      const LXY position = hn::Load(p, w_.position + offset(site));
-      low = hn::Min(low, position);
-      high = hn::Max(high, position);
-    }
-    hn::Store(hn::Mul(hn::Set(p, 0.5), hn::Add(low, high)), p, w_.origin + 2 * block);
-  }
-
-  HWY_INLINE void store_start(std::int32_t site, std::size_t block) const {
-    const LP p;
-    demote(hn::Sub(hn::Load(p, w_.position + offset(site)), hn::Load(p, w_.origin + 2 * block)),
-           w_.start + offset(site));
-  }
-
-  HWY_INLINE void store_motion(std::size_t i) const {
-    const LP p;
-    const double* motion = w_.motion + record(i, Motion::pairs(arithmetic));
-    float* stage_motion = w_.stage_motion + record(i, StageMotion::pairs);
-    demote(hn::Load(p, motion + Motion::velocity * record_points),
-           stage_motion + StageMotion::velocity_of(1) * record_points);
-    demote(hn::Sub(hn::Load(p, w_.contact + w_.point_offsets[i]), hn::Load(p, gravity_)),
-           stage_motion + StageMotion::load * record_points);
-  }
-
-  HWY_INLINE bool is_near_floor(std::size_t o) const {
-    return !(w_.position[o + 1] > constants_.floor_reach);
-  }
-
   // Forces of springs s, s+1, ..; there may be fewer, the arrays are padded.
   template <bool first_stage>
-  HWY_INLINE void springs(const Real* HWY_RESTRICT at, std::size_t s) const {
+  HWY_INLINE void springs(const double* HWY_RESTRICT at, std::size_t s) const {
     for (std::size_t i = 0; i < springs_at_once; i += in_register)
       springs_in_register<first_stage>(at, s + i);
   }
 
   template <bool first_stage>
-  void last_springs(const Real* HWY_RESTRICT at, std::size_t s, std::size_t end) const {
+  void last_springs(const double* HWY_RESTRICT at, std::size_t s, std::size_t end) const {
     for (; s < end; s += in_register) springs_in_register<first_stage>(at, s);
   }
 
-  template <int stage, class Next>
+  template <int stage>
   HWY_INLINE void point(std::size_t i, const std::uint32_t* HWY_RESTRICT end, int a_ends,
-                        int b_ends, const Real* HWY_RESTRICT at, Next* HWY_RESTRICT next) const {
+                        int b_ends, const double* HWY_RESTRICT at,
+                        double* HWY_RESTRICT next) const {
     const P p;
-    advance<stage>(p, i, SumForces<arithmetic>(p, w_.force, end, a_ends, b_ends), at, next);
+    advance<stage>(p, i, SumForces(p, w_.force, end, a_ends, b_ends), at, next);
   }
 
   // Points of a record are neighbours, but where points between them are not integrated.
-  template <int stage, class Next>
+  template <int stage>
   HWY_INLINE void points(std::size_t i, const std::uint32_t* HWY_RESTRICT end,
-                         const Real* HWY_RESTRICT at, Next* HWY_RESTRICT next) const {
+                         const double* HWY_RESTRICT at, double* HWY_RESTRICT next) const {
     constexpr int few = Plan::regular_ends;
     constexpr std::size_t last = record_points - 1;
     if (HWY_UNLIKELY(w_.point_offsets[i + last] - w_.point_offsets[i] != 2 * last)) {
@@ -126,39 +89,39 @@ class Alone {
     }
     XY forces[record_points];
     for (std::size_t k = 0; k <= last; ++k)
-      forces[k] = SumForces<arithmetic>(P(), w_.force, end + ends_a_point * k, few, few);
+      forces[k] = SumForces(P(), w_.force, end + ends_a_point * k, few, few);
     advance<stage>(D(), i, joined(D(), forces), at, next);
   }
 
   void limit_strain(double* HWY_RESTRICT at) const {
-    const L d;
-    const LP p;
+    const D d;
+    const P p;
     std::size_t count = 0;
     const Plan::Strain& strain = plan_.strain;
     const std::size_t live = strain.springs;
-    HWY_ALIGN double pairs[2 * limits_at_once];
-    for (std::size_t s = 0; s < live; s += limits_at_once) {
-      LV qx, qy;
-      load_differences(d, at, w_.strain_ends + s, qx, qy);
-      const LV square = Limits::square(d, qx, qy);
+    HWY_ALIGN double pairs[2 * in_register];
+    for (std::size_t s = 0; s < live; s += in_register) {
+      V qx, qy;
+      load_differences(at, w_.strain_ends + s, qx, qy);
+      const V square = SquareOf(d, qx, qy);
       const auto long_ones = hn::Gt(square, hn::LoadU(d, strain.longest_square.data() + s));
       const auto beyond =
           hn::Or(long_ones, hn::Lt(square, hn::LoadU(d, strain.shortest_square.data() + s)));
       if (HWY_LIKELY(hn::AllFalse(d, beyond))) continue;
-      HWY_ALIGN double squares[limits_at_once];
-      HWY_ALIGN double targets[limits_at_once];
+      HWY_ALIGN double squares[in_register];
+      HWY_ALIGN double targets[in_register];
       hn::Store(square, d, squares);
-      for (std::size_t i = 0; i < limits_at_once; ++i) {
+      for (std::size_t i = 0; i < in_register; ++i) {
         const StrainLimit& limit = strain.limits[s + i];
         targets[i] = squares[i] > limit.longest_square ? limit.longest : limit.shortest;
       }
-      const LV c = Limits::correction(d, square, LV(hn::Load(d, targets)));
-      const LV share = hn::Set(d, constants_.correction);
-      store_pairs(d, hn::Mul(hn::Mul(qx, c), share), hn::Mul(hn::Mul(qy, c), share), pairs);
-      for (std::size_t i = 0; i < limits_at_once && s + i < live; ++i) {
+      const V c = CorrectionOf(d, square, V(hn::Load(d, targets)));
+      const V share = hn::Set(d, constants_.correction);
+      store_pairs(hn::Mul(hn::Mul(qx, c), share), hn::Mul(hn::Mul(qy, c), share), pairs);
+      for (std::size_t i = 0; i < in_register && s + i < live; ++i) {
         const StrainLimit& limit = strain.limits[s + i];
         if (!(squares[i] > limit.longest_square || squares[i] < limit.shortest_square)) continue;
-        hn::Store(hn::Load(p, pairs + 2 * place_of_force(i, limits_at_once)), p,
+        hn::Store(hn::Load(p, pairs + 2 * place_of_force(i, in_register)), p,
                   w_.correction + 2 * count);
         w_.corrected[count++] = static_cast<std::int32_t>(s + i);
       }
@@ -184,12 +147,12 @@ class Alone {
       double* b = at + offset(edge_b);
       const double qx = a[0] - b[0];
       const double qy = a[1] - b[1];
-      const auto lane = Limits::square(one, hn::Set(one, qx), hn::Set(one, qy));
+      const auto lane = SquareOf(one, hn::Set(one, qx), hn::Set(one, qy));
       const double square = hn::GetLane(lane);
       const bool too_long = square > limit.longest_square;
       if (HWY_LIKELY(!too_long && !(square < limit.shortest_square))) continue;
       const auto target = hn::Set(one, too_long ? limit.longest : limit.shortest);
-      const double c = hn::GetLane(Limits::correction(one, lane, target));
+      const double c = hn::GetLane(CorrectionOf(one, lane, target));
       const double cx = qx * c * constants_.rigid_correction;
       const double cy = qy * c * constants_.rigid_correction;
       a[0] -= cx;
@@ -200,14 +163,14 @@ class Alone {
   }
 
   void add_travel() const {
-    const LP p;
+    const P p;
     double fastest = 0.0;
     for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
       const PlanBlock& sites = plan_.blocks[block];
-      LXY farthest = hn::Zero(p);
+      XY farthest = hn::Zero(p);
       for (int site = sites.first; site < sites.first + sites.integrated; ++site) {
-        const LXY d = hn::Sub(hn::Load(p, w_.position + offset(site)),
-                              hn::Load(p, w_.previous + offset(site)));
+        const XY d = hn::Sub(hn::Load(p, w_.position + offset(site)),
+                             hn::Load(p, w_.previous + offset(site)));
         farthest = hn::Max(farthest, hn::Mul(d, d));
       }
       const double way = std::sqrt(hn::GetLane(hn::SumOfLanes(p, farthest)));
@@ -218,12 +181,12 @@ class Alone {
   }
 
   void square_moved(double* HWY_RESTRICT result) const {
-    const LP p;
-    LXY farthest = hn::Zero(p);
+    const P p;
+    XY farthest = hn::Zero(p);
     for (const PlanBlock& block : plan_.blocks) {
       for (int site = block.first; site < block.first + block.integrated; ++site) {
-        const LXY d = hn::Sub(hn::Load(p, w_.position + offset(site)),
-                              hn::Load(p, w_.pair_listing + offset(site)));
+        const XY d = hn::Sub(hn::Load(p, w_.position + offset(site)),
+                             hn::Load(p, w_.pair_listing + offset(site)));
         farthest = hn::Max(farthest, hn::Mul(d, d));
       }
     }
@@ -231,61 +194,39 @@ class Alone {
   }
 
   void square_sheared(const PlanBlock& block, double* HWY_RESTRICT result) const {
-    const LP p;
+    const P p;
     const double start = block.integrated < block.count ? 0.0 : HUGE_VAL;
-    LXY low = hn::Set(p, start);
-    LXY high = hn::Set(p, -start);
+    XY low = hn::Set(p, start);
+    XY high = hn::Set(p, -start);
     for (int site = block.first; site < block.first + block.integrated; ++site) {
-      const LXY d = hn::Sub(hn::Load(p, w_.position + offset(site)),
-                            hn::Load(p, w_.self_listing + offset(site)));
+      const XY d = hn::Sub(hn::Load(p, w_.position + offset(site)),
+                           hn::Load(p, w_.self_listing + offset(site)));
       low = hn::Min(low, d);
       high = hn::Max(high, d);
     }
-    const LXY range = hn::Sub(high, low);
+    const XY range = hn::Sub(high, low);
     *result = hn::GetLane(hn::SumOfLanes(p, hn::Mul(range, range)));
   }
 
  private:
-  // Between the stages everything is double.
-  using L = hn::CappedTag<double, most_lanes>;
-  using LP = hn::FixedTag<double, 2>;
-  using LV = hn::Vec<L>;
-  using LXY = hn::Vec<LP>;
-  using Limits = SpringMath<Arithmetic::exact>;
-  static constexpr std::size_t limits_at_once = hn::MaxLanes(L());
   static constexpr std::size_t in_register = hn::MaxLanes(D());
   static constexpr std::size_t ends_a_point = 2UL * Plan::regular_ends;
 
   static std::size_t offset(std::int32_t site) { return pair_offset(site, width); }
-  static std::size_t record(std::size_t point, std::size_t pairs) {
-    return record_offset<width, record_points>(point, pairs);
-  }
-
-  static HWY_INLINE void demote(LXY v, float* to) {
-    const hn::FixedTag<float, 2> single;
-    hn::Store(hn::DemoteTo(single, v), single, to);
-  }
 
   template <bool first_stage>
-  HWY_INLINE void springs_in_register(const Real* HWY_RESTRICT at, std::size_t s) const {
+  HWY_INLINE void springs_in_register(const double* HWY_RESTRICT at, std::size_t s) const {
     const D d;
     V qx, qy;
-    load_differences(d, at, w_.spring_ends + s, qx, qy);
-    const V f =
-        Math::template pull<first_stage>(d, Math::square(d, qx, qy), hn::LoadU(d, w_.stiffness + s),
-                                         constants_.rate, w_.goal + s, w_.kept + Math::kept * s);
-    store_pairs(d, hn::Mul(qx, f), hn::Mul(qy, f), w_.force + 2 * s);
-  }
-
-  double height_of_origin(std::size_t o) const {
-    std::size_t block = 0;
-    while (o >= offset(plan_.blocks[block].first + plan_.blocks[block].count)) ++block;
-    return w_.origin[2 * block + 1];
+    load_differences(at, w_.spring_ends + s, qx, qy);
+    const V f = PullOf<first_stage>(d, SquareOf(d, qx, qy), V(hn::LoadU(d, w_.stiffness + s)),
+                                    constants_.rate, w_.goal + s, w_.kept + s);
+    store_pairs(hn::Mul(qx, f), hn::Mul(qy, f), w_.force + 2 * s);
   }
 
   // A register of pairs.
-  template <class D_, class Pair>
-  static HWY_INLINE hn::Vec<D_> joined(D_ d, const Pair* pairs) {
+  template <class D_>
+  static HWY_INLINE hn::Vec<D_> joined(D_ d, const XY* pairs) {
     if constexpr (hn::MaxLanes(D_()) == 2) {
       return pairs[0];
     } else {
@@ -296,28 +237,20 @@ class Alone {
 
   // The even lanes of two registers in turn, and the odd ones: pairs of even and of odd
   // springs to x and y of all, and back.
-  template <class D_, class V_ = hn::Vec<D_>>
-  static HWY_INLINE void exchange(D_ d, V_& even, V_& odd) {
-    V_ first, second;
-    if constexpr (sizeof(hn::TFromD<D_>) == sizeof(double)) {
-      first = hn::InterleaveLower(d, even, odd);
-      second = hn::InterleaveUpper(d, even, odd);
-    } else {
-      first = hn::OddEven(hn::DupEven(odd), even);
-      second = hn::OddEven(odd, hn::DupOdd(even));
-    }
+  static HWY_INLINE void exchange(V& even, V& odd) {
+    const D d;
+    const V first = hn::InterleaveLower(d, even, odd);
+    odd = hn::InterleaveUpper(d, even, odd);
     even = first;
-    odd = second;
   }
 
-  // Positions of the ends a of as many springs as d has lanes minus those of b, by
-  // coordinate.
-  template <class D_, class T = hn::TFromD<D_>>
-  static HWY_INLINE void load_differences(D_ d, const T* HWY_RESTRICT at, const SpringEnds* ends,
-                                          hn::Vec<D_>& qx, hn::Vec<D_>& qy) {
-    const hn::FixedTag<T, 2> p;
-    constexpr std::size_t half = hn::MaxLanes(D_()) / 2;
-    hn::Vec<decltype(p)> even_a[half], even_b[half], odd_a[half], odd_b[half];
+  // Positions of the ends a of a register of springs minus those of b, by coordinate.
+  static HWY_INLINE void load_differences(const double* HWY_RESTRICT at, const SpringEnds* ends,
+                                          V& qx, V& qy) {
+    const P p;
+    const D d;
+    constexpr std::size_t half = in_register / 2;
+    XY even_a[half], even_b[half], odd_a[half], odd_b[half];
     for (std::size_t i = 0; i < half; ++i) {
       even_a[i] = hn::Load(p, at + ends[2 * i].a);
       even_b[i] = hn::Load(p, at + ends[2 * i].b);
@@ -326,76 +259,53 @@ class Alone {
     }
     qx = hn::Sub(joined(d, even_a), joined(d, even_b));
     qy = hn::Sub(joined(d, odd_a), joined(d, odd_b));
-    exchange(d, qx, qy);
+    exchange(qx, qy);
   }
 
   // The inverse, in the order of place_of_force.
-  template <class D_, class T = hn::TFromD<D_>>
-  static HWY_INLINE void store_pairs(D_ d, hn::Vec<D_> x, hn::Vec<D_> y, T* HWY_RESTRICT to) {
-    exchange(d, x, y);
+  static HWY_INLINE void store_pairs(V x, V y, double* HWY_RESTRICT to) {
+    const D d;
+    exchange(x, y);
     hn::Store(x, d, to);
-    hn::Store(y, d, to + hn::MaxLanes(D_()));
+    hn::Store(y, d, to + in_register);
   }
 
   // Takes the i-th point, or as many from there on as D_ has pairs of lanes, through a
   // stage. The force on them is that of their springs.
-  template <int stage, class D_, class Next>
-  HWY_INLINE void advance(D_ d, std::size_t i, hn::Vec<D_> f, const Real* HWY_RESTRICT at,
-                          Next* HWY_RESTRICT next) const {
+  template <int stage, class D_>
+  HWY_INLINE void advance(D_ d, std::size_t i, hn::Vec<D_> f, const double* HWY_RESTRICT at,
+                          double* HWY_RESTRICT next) const {
     const std::size_t o = w_.point_offsets[i];
-    const auto drag = hn::Set(d, constants_.drag);
-    const double dt = constants_.substep;
-    double* HWY_RESTRICT motion = w_.motion + record(i, Motion::pairs(arithmetic));
-    if constexpr (arithmetic == Arithmetic::exact) {
-      const auto v = hn::Load(
-          d, motion + (stage == 1 ? Motion::velocity : Motion::stage_velocity) * record_points);
-      f = hn::Sub(hn::Sub(f, hn::Mul(drag, v)), hn::LoadDup128(d, gravity_));
-      f = hn::Add(f, hn::LoadU(d, w_.contact + o));
-      const auto y = hn::OddEven(hn::LoadU(d, at + o), hn::Zero(d));
-      if (HWY_UNLIKELY(!hn::AllFalse(d, hn::Lt(y, hn::Zero(d)))))
-        f = with_floor(d, physics_, at + o, 0.0, v, f);
-      AdvanceExactly<stage, record_points>(d, v, f, dt, w_.position + o, next + o, motion);
-    } else {
-      float* HWY_RESTRICT stages = w_.stage_motion + record(i, StageMotion::pairs);
-      const auto v = hn::Load(d, stages + StageMotion::velocity_of(stage) * record_points);
-      const auto load = hn::Load(d, stages + StageMotion::load * record_points);
-      f = hn::NegMulAdd(drag, v, hn::Add(f, load));
-      if (HWY_UNLIKELY(near_floor_)) f = with_floor(d, physics_, at + o, height_of_origin(o), v, f);
-      if constexpr (stage < 4)
-        AdvanceFast<stage, record_points>(d, v, f, dt, w_.start + o, next + o, stages);
-      else
-        AddRise(d, RiseOf<record_points>(d, v, f, dt, stages), w_.position + o,
-                motion + Motion::velocity * record_points, next + o);
-    }
+    double* HWY_RESTRICT motion = w_.motion + record_offset<width, record_points>(i);
+    const auto v = hn::Load(
+        d, motion + (stage == 1 ? Motion::velocity : Motion::stage_velocity) * record_points);
+    f = hn::Sub(hn::Sub(f, hn::Mul(hn::Set(d, constants_.drag), v)), hn::LoadDup128(d, gravity_));
+    f = hn::Add(f, hn::LoadU(d, w_.contact + o));
+    const auto y = hn::OddEven(hn::LoadU(d, at + o), hn::Zero(d));
+    if (HWY_UNLIKELY(!hn::AllFalse(d, hn::Lt(y, hn::Zero(d)))))
+      f = with_floor(d, physics_, at + o, v, f);
+    Advance<stage, record_points>(d, v, f, constants_.substep, w_.position + o, next + o, motion);
   }
 
   // Adds the force of the floor to points that are below it. Static, so that a kernel's
   // address is never taken and its members can be registers.
   template <class D_>
-  static HWY_NOINLINE hn::Vec<D_> with_floor(D_ d, const Physics& physics, const Real* at,
-                                             double origin, hn::Vec<D_> v, hn::Vec<D_> f) {
-    HWY_ALIGN Real vs[hn::MaxLanes(D_())];
-    HWY_ALIGN Real fs[hn::MaxLanes(D_())];
+  static HWY_NOINLINE hn::Vec<D_> with_floor(D_ d, const Physics& physics, const double* at,
+                                             hn::Vec<D_> v, hn::Vec<D_> f) {
+    HWY_ALIGN double vs[hn::MaxLanes(D_())];
+    HWY_ALIGN double fs[hn::MaxLanes(D_())];
     hn::Store(v, d, vs);
     hn::Store(f, d, fs);
-    for (std::size_t k = 0; k < hn::MaxLanes(D_()); k += 2) {
-      const double y = at[k + 1] + origin;
-      if (!(y < 0.0)) continue;
-      double x_force = fs[k];
-      double y_force = fs[k + 1];
-      AddFloor(physics, y, vs[k], x_force, y_force);
-      fs[k] = static_cast<Real>(x_force);
-      fs[k + 1] = static_cast<Real>(y_force);
-    }
+    for (std::size_t k = 0; k < hn::MaxLanes(D_()); k += 2)
+      if (at[k + 1] < 0.0) AddFloor(physics, at[k + 1], vs[k], fs[k], fs[k + 1]);
     return hn::Load(d, fs);
   }
 
   const Plan& plan_;
   const Physics& physics_;
-  Constants<Real> constants_;
-  Arrays<arithmetic> w_;
+  Constants constants_;
+  Arrays w_;
   HWY_ALIGN double gravity_[2];
-  bool near_floor_;
 };
 
 #endif  // vectors

@@ -1,6 +1,6 @@
-// What the kernels compute from the length of a spring, in either arithmetic
-// (physics.h). Both kernels and all widths call these, so each arithmetic has one
-// result. Included once per instruction set (see Highway's "-inl.h" files).
+// What the kernels compute: of a spring from its length, of a point once its forces are
+// known. Every operation of docs/physics.md, each rounded once; both kernels and all widths
+// call these. Included once per instruction set (see Highway's "-inl.h" files).
 
 #if defined(LIBEVO_SIM_ARITHMETIC_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LIBEVO_SIM_ARITHMETIC_INL_H_
@@ -14,8 +14,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "libevo/base/elementary.h"
+#include "libevo/sim/exact-inl.h"
 #include "libevo/sim/physics.h"
-#include "libevo/sim/plan.h"
+#include "libevo/sim/workspace.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace evo {
@@ -23,106 +25,111 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-template <Arithmetic arithmetic>
-struct SpringMath;
+struct Constants {
+  explicit Constants(const Physics& p)
+      : rate(p.actuation_rate),
+        drag(p.drag),
+        gravity(p.gravity),
+        substep(p.substep),
+        correction(p.strain_correction),
+        rigid_correction(p.rigid_strain_correction) {}
+  double rate, drag, gravity, substep;
+  double correction, rigid_correction;
+};
+
+// ---- springs -------------------------------------------------------------------------
+
+// |q|^2
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V SquareOf(D /*d*/, V qx, V qy) {
+  return hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy));
+}
+
+// k (d - L), the rest length L being kept from the first stage for the others.
+template <bool first_stage, class D, class V = hn::Vec<D>>
+HWY_INLINE V TensionOf(D d, V length, V stiffness, double rate, const double* goal, double* kept) {
+  V rest;
+  if constexpr (first_stage) {
+    rest = hn::Add(length, hn::Mul(hn::Set(d, rate), hn::Sub(hn::LoadU(d, goal), length)));
+    hn::StoreU(rest, d, kept);
+  } else {
+    rest = hn::LoadU(d, kept);
+  }
+  return hn::Mul(stiffness, hn::Sub(length, rest));
+}
+
+// k (d - L) / d, the factor of q in the force.
+template <bool first_stage, class D, class V = hn::Vec<D>>
+HWY_INLINE V PullOf(D d, V square, V stiffness, double rate, const double* goal, double* kept) {
+  const V length = hn::Sqrt(square);
+  return hn::Div(TensionOf<first_stage>(d, length, stiffness, rate, goal, kept), length);
+}
+
+// (d - target) / (2 d), the factor of q that takes a spring back to `target`.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V CorrectionOf(D d, V square, V target) {
+  const V length = hn::Sqrt(square);
+  return hn::Div(hn::Sub(length, target), hn::Mul(hn::Set(d, 2.0), length));
+}
+
+// ---- points --------------------------------------------------------------------------
 
 // The forces at the ends of springs, from `force`, values of a point; `end` lists
 // first a_ends of them that are subtracted, then b_ends that are added.
-template <Arithmetic arithmetic, class D, class V = hn::Vec<D>>
-HWY_INLINE V SumForces(D d, const hn::TFromD<D>* force, const std::uint32_t* HWY_RESTRICT end,
-                       int a_ends, int b_ends) {
-  if constexpr (arithmetic == Arithmetic::fast) {
-    // In pairs: the sum of a point is not to wait for one addition after the other.
-    if (a_ends == Plan::regular_ends && b_ends == Plan::regular_ends) {
-      const auto pair = [&](int i) {
-        return hn::Add(hn::Load(d, force + end[i]), hn::Load(d, force + end[i + 1]));
-      };
-      return hn::Sub(hn::Add(pair(4), pair(6)), hn::Add(pair(0), pair(2)));
-    }
-  }
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V SumForces(D d, const double* force, const std::uint32_t* HWY_RESTRICT end, int a_ends,
+                       int b_ends) {
   V sum = hn::Zero(d);
   for (int i = 0; i < a_ends; ++i) sum = hn::Sub(sum, hn::Load(d, force + end[i]));
   for (int i = a_ends; i < a_ends + b_ends; ++i) sum = hn::Add(sum, hn::Load(d, force + end[i]));
   return sum;
 }
 
-// Every operation of docs/physics.md, each rounded once.
-template <>
-struct SpringMath<Arithmetic::exact> {
-  static constexpr std::size_t kept = 1;  // values per spring from the first stage for the others
+// Force of the world floor on a point that is at y < 0 with velocity vx.
+HWY_INLINE void AddFloor(const Physics& physics, double y, double vx, double& fx, double& fy) {
+  const double up = -physics.floor_stiffness * y;
+  fy += up;
+  fx -= physics.floor_friction_multiplier * physics.floor_friction_coefficient * up *
+        math::reference_tanh(vx * up * physics.floor_friction_coefficient);
+}
 
-  // |q|^2
-  template <class D, class V = hn::Vec<D>>
-  static HWY_INLINE V square(D /*d*/, V qx, V qy) {
-    return hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy));
-  }
-
-  // k (d - L), the rest length L being kept from the first stage for the others.
-  template <bool first_stage, class D, class V = hn::Vec<D>>
-  static HWY_INLINE V tension(D d, V length, V stiffness, double rate, const double* goal,
-                              double* kept) {
-    V rest;
-    if constexpr (first_stage) {
-      rest = hn::Add(length, hn::Mul(hn::Set(d, rate), hn::Sub(hn::LoadU(d, goal), length)));
-      hn::StoreU(rest, d, kept);
-    } else {
-      rest = hn::LoadU(d, kept);
+// One coordinate (or both) of one point: k_p = v dt, k_v = f dt, and where they
+// lead (Runge-Kutta of fourth order). `position` is where the substep started,
+// `next` where the next stage, or substep, evaluates; `motion` is this coordinate in
+// the point's record of Arrays::motion, whose quantities begin 2 * spacing apart. With
+// both coordinates of several neighbours in a register, positions may start anywhere.
+template <int stage, std::size_t spacing, class D, class V = hn::Vec<D>>
+HWY_INLINE void Advance(D d, V v, V f, double substep, const double* HWY_RESTRICT position,
+                        double* HWY_RESTRICT next, double* HWY_RESTRICT motion) {
+  double* const velocity = motion + Motion::velocity * spacing;
+  double* const stage_velocity = motion + Motion::stage_velocity * spacing;
+  double* const position_sum = motion + Motion::position_sum * spacing;
+  double* const velocity_sum = motion + Motion::velocity_sum * spacing;
+  const V dt = hn::Set(d, substep);
+  const V kp = hn::Mul(v, dt);
+  const V kv = hn::Mul(f, dt);
+  const V p0 = hn::LoadU(d, position);
+  const V v0 = stage == 1 ? v : hn::Load(d, velocity);
+  if constexpr (stage < 4) {
+    V p_sum = kp;  // k1 + 2 k2 + 2 k3 + k4, from left to right
+    V v_sum = kv;
+    if constexpr (stage > 1) {
+      const V two = hn::Set(d, 2.0);
+      p_sum = hn::Add(hn::Load(d, position_sum), hn::Mul(two, kp));
+      v_sum = hn::Add(hn::Load(d, velocity_sum), hn::Mul(two, kv));
     }
-    return hn::Mul(stiffness, hn::Sub(length, rest));
+    hn::Store(p_sum, d, position_sum);
+    hn::Store(v_sum, d, velocity_sum);
+    const V step = hn::Set(d, stage == 3 ? 1.0 : 0.5);
+    hn::StoreU(hn::Add(p0, hn::Mul(step, kp)), d, next);
+    hn::Store(hn::Add(v0, hn::Mul(step, kv)), d, stage_velocity);
+  } else {
+    const V p_sum = hn::Add(hn::Load(d, position_sum), kp);
+    const V v_sum = hn::Add(hn::Load(d, velocity_sum), kv);
+    hn::StoreU(hn::Add(p0, SixthOf(d, p_sum)), d, next);
+    hn::Store(hn::Add(v0, SixthOf(d, v_sum)), d, velocity);
   }
-
-  // k (d - L) / d, the factor of q in the force.
-  template <bool first_stage, class D, class V = hn::Vec<D>>
-  static HWY_INLINE V pull(D d, V square, V stiffness, double rate, const double* goal,
-                           double* kept) {
-    const V length = hn::Sqrt(square);
-    return hn::Div(tension<first_stage>(d, length, stiffness, rate, goal, kept), length);
-  }
-
-  // (d - target) / (2 d), the factor of q that takes a spring back to `target`.
-  template <class D, class V = hn::Vec<D>>
-  static HWY_INLINE V correction(D d, V square, V target) {
-    const V length = hn::Sqrt(square);
-    return hn::Div(hn::Sub(length, target), hn::Mul(hn::Set(d, 2.0), length));
-  }
-};
-
-// The same in single precision, rearranged so that three of four stages need no
-// root. With d the length in the first stage and d' that in a later one,
-//
-//   pull  = k (d - L) / d          = k rate (1 - goal / d)
-//   pull' = k - (k L / d) (d / d') = k - (k - pull) (1 - e)^(-1/2),  e = 1 - d'^2 / d^2
-//
-// and e is twice the strain within a stage: the series' error is 0.25 e^5, 8e-15 at a
-// strain of 0.1 %, 8e-10 at 1 %; single precision rounds e to 1e-7.
-template <>
-struct SpringMath<Arithmetic::fast> {
-  static constexpr std::size_t kept = 2;  // k - pull, 1 / d^2
-
-  template <class D, class V = hn::Vec<D>>
-  static HWY_INLINE V square(D /*d*/, V qx, V qy) {
-    return hn::MulAdd(qx, qx, hn::Mul(qy, qy));
-  }
-
-  template <bool first_stage, class D, class V = hn::Vec<D>>
-  static HWY_INLINE V pull(D d, V square, V stiffness, float rate, const float* goal, float* kept) {
-    const V one = hn::Set(d, 1.0F);
-    if constexpr (first_stage) {
-      const V y = hn::Div(one, hn::Sqrt(square));
-      const V beyond = hn::NegMulAdd(hn::LoadU(d, goal), y, one);
-      const V pull = hn::Mul(hn::Mul(stiffness, hn::Set(d, rate)), beyond);
-      hn::StoreU(hn::Sub(stiffness, pull), d, kept);
-      hn::StoreU(hn::Mul(y, y), d, kept + hn::Lanes(d));
-      return pull;
-    } else {
-      const V e = hn::NegMulAdd(square, hn::LoadU(d, kept + hn::Lanes(d)), one);
-      V series = hn::MulAdd(e, hn::Set(d, 35.0F / 128), hn::Set(d, 5.0F / 16));
-      series = hn::MulAdd(e, series, hn::Set(d, 3.0F / 8));
-      series = hn::MulAdd(e, series, hn::Set(d, 0.5F));
-      return hn::NegMulAdd(hn::LoadU(d, kept), hn::MulAdd(e, series, one), stiffness);
-    }
-  }
-};
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace evo

@@ -27,7 +27,7 @@ std::size_t bytes_of(const ContactLists& lists) {
   std::size_t bytes = bytes_of(lists.self) + bytes_of(lists.pairs) + bytes_of(lists.groups) +
                       bytes_of(lists.first_group);
   for (const ContactLists::Self& self : lists.self)
-    bytes += bytes_of(self.candidates) + bytes_of(self.folding);
+    bytes += bytes_of(self.candidates) + bytes_of(self.folding) + bytes_of(self.boxes);
   return bytes;
 }
 
@@ -54,8 +54,7 @@ void copy_lane(const Group& from, std::size_t from_lane, const Group& to, std::s
 const Tables& Kind::tables(const Layout& layout) {
   for (const auto& tables : tables_)
     if (tables->layout == layout) return *tables;
-  return *tables_.emplace_back(
-      std::make_unique<const Tables>(plan(), layout, physics().arithmetic));
+  return *tables_.emplace_back(std::make_unique<const Tables>(plan(), layout));
 }
 
 std::size_t Kind::bytes() const {
@@ -148,7 +147,7 @@ std::shared_ptr<Kind> Batch::Impl::kind_of(const std::shared_ptr<const Model>& m
 void Batch::Impl::settle(std::size_t lane, std::shared_ptr<Kind> kind) {
   leave(lane);
   lanes[lane].kind = kind;
-  const Layout layout = layout_of(kind->physics().arithmetic, 1);
+  const Layout layout = layout_of(1);
   groups.push_back(std::make_unique<Group>(std::move(kind), layout));
   groups.back()->lanes = {&lanes[lane]};
   places[lane] = {groups.back().get(), 0};
@@ -196,8 +195,7 @@ bool Batch::Impl::fits(std::span<const std::uint8_t> marked, bool singly) const 
     if (wanted != (active[i] != 0)) return false;
   }
   return std::all_of(running.begin(), running.end(), [](const Group* group) {
-    return group->tables->layout ==
-           layout_of(group->kind->physics().arithmetic, group->lanes.size());
+    return group->tables->layout == layout_of(group->lanes.size());
   });
 }
 
@@ -228,7 +226,7 @@ void Batch::Impl::deal(std::vector<std::size_t> waiting, bool singly) {
     const Kind* const kind = lanes[waiting.front()].kind.get();
     const auto others = std::stable_partition(
         waiting.begin(), waiting.end(), [&](std::size_t i) { return lanes[i].kind.get() == kind; });
-    const std::size_t most = singly ? 1 : most_lanes(kind->physics().arithmetic);
+    const std::size_t most = singly ? 1 : most_lanes();
     std::span<const std::size_t> alike(waiting.data(),
                                        static_cast<std::size_t>(others - waiting.begin()));
     while (!alike.empty()) {
@@ -245,7 +243,7 @@ void Batch::Impl::put_together(std::span<const std::size_t> members) {
   const std::shared_ptr<Kind> kind = lanes[members[0]].kind;
   assert(std::all_of(members.begin(), members.end(),
                      [&](std::size_t i) { return lanes[i].kind == kind; }));
-  const Layout layout = layout_of(kind->physics().arithmetic, members.size());
+  const Layout layout = layout_of(members.size());
   const Group& old = *places[members[0]].group;
   const bool together =
       old.tables->layout == layout && old.lanes.size() == members.size() &&

@@ -169,13 +169,19 @@ BoundingTree make_bounding_tree(std::span<const TreeCell> cells) {
   const auto lay = [&](const auto& self, int i) -> void {
     const Draft& draft = drafts[static_cast<std::size_t>(i)];
     BoundingTree::Node& node = tree.nodes[static_cast<std::size_t>(i)];
-    node = {draft.children[0], draft.children[1], static_cast<std::int32_t>(tree.leaves.size()), 0,
-            draft.area()};
+    node.left = draft.children[0];
+    node.right = draft.children[1];
+    node.first = static_cast<std::int32_t>(tree.leaves.size());
+    node.area = draft.area();
     if (draft.cell >= 0) {
       tree.leaf_of[static_cast<std::size_t>(draft.cell)] = node.first;
       tree.leaves.push_back(draft.cell);
+      tree.node_of_leaf.push_back(i);
     } else {
-      for (const int child : draft.children) self(self, child);
+      for (const int child : draft.children) {
+        tree.nodes[static_cast<std::size_t>(child)].parent = i;
+        self(self, child);
+      }
     }
     node.last = static_cast<std::int32_t>(tree.leaves.size());
   };

@@ -1,7 +1,6 @@
 // The tree of bounding boxes over an object's surface cells in which the benchmark's
-// simulator looks for contacts. evo finds them otherwise (contact_search.h), but where
-// contact forces are to have the package's bits, the tree says in which order they are
-// added (docs/physics.md, "The package's order").
+// simulator looks for contacts. evo finds them otherwise (contact_search.h); the tree says
+// in which order their forces are added (docs/physics.md, "Order of contacts").
 #pragma once
 
 #include <array>
@@ -15,6 +14,7 @@ struct BoundingTree {
   struct Node {
     std::int32_t left = -1;  // nodes; -1 for a leaf
     std::int32_t right = -1;
+    std::int32_t parent = -1;
     std::int32_t first = 0;  // its leaves are [first, last) of `leaves`
     std::int32_t last = 0;
     double area = 0.0;  // at the start: of what never moves, for good
@@ -22,6 +22,7 @@ struct BoundingTree {
   std::vector<Node> nodes;            // children before parents, the root last
   std::vector<std::int32_t> leaves;   // surface cells of the object, from 0, left to right
   std::vector<std::int32_t> leaf_of;  // of each surface cell, its place among the leaves
+  std::vector<std::int32_t> node_of_leaf;
 };
 
 // What the tree is made from: a surface cell at the start.

@@ -365,6 +365,7 @@ void list_contact_cells(Model::Compiled& world) {
     }
     c.surface = cell.surface;
     c.is_static = cell.is_static;
+    c.object = cell.object;
     world.contact_cells.push_back(c);
   }
 }
@@ -388,8 +389,7 @@ BoundingTree tree_of(const Object& object, const Built& built) {
     cells.push_back(cell);
   }
   if (cells.size() > max_tree_cells)
-    throw error(Failure::data,
-                "object '{}' has {} cells on its surface; contact_rounding: package takes {}",
+    throw error(Failure::data, "object '{}' has {} cells on its surface; at most {} are possible",
                 object.name, cells.size(), max_tree_cells);
   return make_bounding_tree(cells);
 }
@@ -447,8 +447,7 @@ Model::Compiled compile(const World& world, const Physics& physics) {
   for (std::size_t i = 0; i < order.size(); ++i) {
     append(compiled, *order[i], built[i]);
     if (i == 0) compiled.actuators = compiled.dynamics.actuators;
-    if (physics.contact_rounding == ContactRounding::package)
-      compiled.trees.push_back(tree_of(*order[i], built[i]));
+    compiled.trees.push_back(tree_of(*order[i], built[i]));
   }
   if (compiled.objects.size() > max_objects || compiled.surface.size() > max_surface_cells)
     throw error(Failure::data,

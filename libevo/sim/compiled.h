@@ -75,6 +75,7 @@ struct ContactCell {
   std::array<std::array<std::int32_t, 2>, 4> edges{};
   std::array<bool, 4> surface{};
   bool is_static = false;
+  std::int32_t object = 0;
 };
 
 // Which surface cell lies at a cell of the world's grid, for terrain.
@@ -112,7 +113,7 @@ struct Model::Compiled {
   Plan plan;
   std::vector<ContactCell> contact_cells;  // as `surface`
   TerrainGrid terrain;
-  std::vector<BoundingTree> trees;  // [objects], with ContactRounding::package alone
+  std::vector<BoundingTree> trees;  // [objects]
 };
 
 }  // namespace evo

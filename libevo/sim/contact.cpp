@@ -1,4 +1,4 @@
-#include "libevo/sim/contact.h"
+#include "libevo/sim/contact_push.h"
 
 #include <algorithm>
 #include <array>
@@ -11,15 +11,14 @@
 
 #include "libevo/base/elementary.h"
 #include "libevo/sim/contact_geometry.h"
-#include "libevo/sim/contact_order.h"
 
 namespace evo {
 namespace {
 
 using contact::cell_of;
+using contact::Meeting;
 using contact::Points;
 using contact::SearchOrder;
-using contact::TouchingCells;
 using contact::Vector;
 
 // ---- pushing -------------------------------------------------------------------------
@@ -33,158 +32,103 @@ class Pusher {
  public:
   using Candidates = std::span<const ContactCandidate* const>;
 
-  Pusher(const Model::Compiled& world, const PointView& view)
+  Pusher(const Model::Compiled& world, const PointView& view, ContactLists& lists,
+         ContactPushes& memory)
       : world_(world),
         physics_(world.physics),
         points_(world, view),
-        as_package_(world.physics.contact_rounding == ContactRounding::package),
+        lists_(lists),
+        pushes_(memory.all),
+        of_cells_(memory.of_cells),
+        meetings_(memory.meetings),
         parallel_determinant_(parallel_determinant * world.length_scale * world.length_scale) {}
 
   // Whether any of them pushed.
   bool push(Candidates inside) const {
-    if (as_package_) return push_as_package(inside);
+    ++lists_.looks;
     bool any = false;
     while (!inside.empty()) {
-      const ContactCandidate& candidate = *inside.front();
-      std::size_t count = 1;
-      if (is_within_object(candidate)) {
-        count = of_first_cells(inside);
-        any |= push_twice(inside.first(count));
-      } else if (const std::optional<Push> push = push_of(candidate)) {
-        apply(*push);
-        any = true;
-      }
-      inside = inside.subspan(count);
+      const Candidates between = inside.first(count_of_first(inside, &Pusher::objects));
+      any |= push_objects(between);
+      inside = inside.subspan(between.size());
     }
     return any;
   }
 
  private:
   using Edge = std::array<std::int32_t, 2>;
+  using Push = ContactPushes::Push;
 
-  // Forces of a contact: on a point, and, the other way, on the ends of the edge it crossed.
-  struct Push {
-    std::int32_t point = 0;
-    Edge edge{};
-    Vector on_point;
-    std::array<Vector, 2> on_edge;
-    Vector friction;  // on the point; half of it on either end
-  };
-
-  bool is_within_object(const ContactCandidate& candidate) const {
-    return world_.surface[candidate.corner / 4].object == world_.surface[candidate.cell].object;
+  std::pair<std::int32_t, std::int32_t> objects(const ContactCandidate& candidate) const {
+    return std::minmax(cell_of(world_, candidate.corner / 4).object,
+                       cell_of(world_, candidate.cell).object);
+  }
+  std::pair<std::uint32_t, std::uint32_t> cells(const ContactCandidate& candidate) const {
+    return std::minmax(candidate.corner / 4, candidate.cell);
   }
 
-  const SurfaceCell& cell_with(const ContactCandidate& candidate) const {
-    return world_.surface[candidate.corner / 4];
-  }
-  const SurfaceCell& cell_hit(const ContactCandidate& candidate) const {
-    return world_.surface[candidate.cell];
-  }
-
-  // How many of the first belong to one pair of objects.
-  std::size_t of_first_objects(Candidates inside) const {
-    const auto objects = [&](const ContactCandidate& candidate) {
-      return std::minmax(cell_with(candidate).object, cell_hit(candidate).object);
-    };
+  // How many of the first belong to one pair.
+  template <class Pair>
+  std::size_t count_of_first(Candidates inside, Pair pair) const {
     std::size_t count = 1;
-    while (count < inside.size() && objects(*inside[count]) == objects(*inside.front())) ++count;
+    const auto first = (this->*pair)(*inside.front());
+    while (count < inside.size() && (this->*pair)(*inside[count]) == first) ++count;
     return count;
-  }
-
-  // How many of the first belong to one pair of cells.
-  static std::size_t of_first_cells(Candidates inside) {
-    const auto cells = [](const ContactCandidate& candidate) {
-      return std::minmax({candidate.corner / 4, candidate.cell});
-    };
-    std::size_t count = 1;
-    while (count < inside.size() && cells(*inside[count]) == cells(*inside.front())) ++count;
-    return count;
-  }
-
-  // Within an object a pair of cells pushes as (later, earlier) cell, then as (earlier, later);
-  // `inside` are its corners, those of the later cell first.
-  bool push_twice(Candidates inside) const {
-    std::array<Push, 8> pushes;  // as many corners as two cells have
-    std::size_t later = 0;       // of them, those of corners of the later cell
-    std::size_t count = 0;
-    for (const ContactCandidate* candidate : inside)
-      if (const std::optional<Push> push = push_of(*candidate)) {
-        pushes[count++] = *push;
-        if (candidate->corner / 4 > candidate->cell) later = count;
-      }
-    for (std::size_t i = 0; i < count; ++i) apply(pushes[i]);
-    for (std::size_t i = later; i < count; ++i) apply(pushes[i]);
-    for (std::size_t i = 0; i < later; ++i) apply(pushes[i]);
-    return count > 0;
-  }
-
-  // Pushes between two cells: those of corners of `first`, then those of the other's.
-  struct PairPushes {
-    std::uint32_t first = 0;
-    std::uint32_t second = 0;
-    std::vector<Push> of_first;
-    std::vector<Push> of_second;
-  };
-
-  bool push_as_package(Candidates inside) const {
-    bool any = false;
-    while (!inside.empty()) {
-      const std::size_t count = of_first_objects(inside);
-      any |= push_objects_as_package(inside.first(count));
-      inside = inside.subspan(count);
-    }
-    return any;
   }
 
   // Of one pair of objects, or of one with itself: there the search meets a pair of cells
   // twice, once either way round.
-  bool push_objects_as_package(Candidates inside) const {
-    std::vector<PairPushes> pairs;
+  bool push_objects(Candidates inside) const {
+    pushes_.clear();
+    of_cells_.clear();
+    meetings_.clear();
+    const auto [i, j] = objects(*inside.front());
     while (!inside.empty()) {
-      const std::size_t count = of_first_cells(inside);
-      if (PairPushes pushes = pushes_of_cells(inside.first(count));
-          !pushes.of_first.empty() || !pushes.of_second.empty())
-        pairs.push_back(std::move(pushes));
-      inside = inside.subspan(count);
+      const Candidates between = inside.first(count_of_first(inside, &Pusher::cells));
+      add_cells(between, i, j);
+      inside = inside.subspan(between.size());
     }
-    if (pairs.empty()) return false;
-
-    const int i = world_.surface[pairs.front().first].object;
-    const int j = world_.surface[pairs.front().second].object;
-    const auto place = [&](std::uint32_t cell, int object) {
-      return static_cast<std::int32_t>(cell) -
-             world_.surface_ranges[static_cast<std::size_t>(object)].first;
-    };
-    std::vector<TouchingCells> touching;
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const std::int32_t a = place(pairs[k].first, i);
-      const std::int32_t b = place(pairs[k].second, j);
-      touching.push_back({a, b, 2 * k});
-      if (i == j) touching.push_back({b, a, 2 * k + 1});
+    if (meetings_.size() > 1) SearchOrder(world_, points_, lists_, i, j).sort(meetings_);
+    for (const Meeting& meeting : meetings_) {
+      const auto& [first, middle, last] = of_cells_[meeting.pushes / 2];
+      const bool is_turned = meeting.pushes % 2 != 0;
+      if (is_turned) apply(middle, last);
+      apply(first, middle);
+      if (!is_turned) apply(middle, last);
     }
-    SearchOrder(world_, points_, i, j).sort(touching);
-    for (const TouchingCells& cells : touching) {
-      const PairPushes& pair = pairs[cells.number / 2];
-      const bool is_turned = cells.number % 2 != 0;
-      for (const Push& push : is_turned ? pair.of_second : pair.of_first) apply(push);
-      for (const Push& push : is_turned ? pair.of_first : pair.of_second) apply(push);
-    }
-    return true;
+    return !meetings_.empty();
   }
 
-  // `inside` are the corners of one pair of cells: the first is of the earlier object.
-  PairPushes pushes_of_cells(Candidates inside) const {
-    const ContactCandidate& one = *inside.front();
-    PairPushes pair{one.corner / 4, one.cell, {}, {}};
-    if (cell_with(one).object > cell_hit(one).object) std::swap(pair.first, pair.second);
-    // Round the cell: the package's order of corners.
-    for (const Corner corner : {top_left, top_right, bottom_right, bottom_left})
-      for (const ContactCandidate* candidate : inside)
-        if (candidate->corner % 4 == static_cast<std::uint32_t>(corner))
-          if (const std::optional<Push> push = push_of(*candidate))
-            (candidate->corner / 4 == pair.first ? pair.of_first : pair.of_second).push_back(*push);
-    return pair;
+  // `inside` are corners of two cells, those of one before those of the other. Of two objects
+  // the first cell is that of the first one.
+  void add_cells(Candidates inside, int i, int j) const {
+    const std::uint32_t one = inside.front()->corner / 4;
+    const std::uint32_t other = inside.front()->cell;
+    const auto first = static_cast<std::uint32_t>(pushes_.size());
+    std::uint32_t middle = first;
+    for (const ContactCandidate* candidate : inside) {
+      const std::optional<Push> push = push_of(*candidate);
+      if (!push) continue;
+      pushes_.push_back(*push);
+      if (candidate->corner / 4 == one) ++middle;
+    }
+    const auto last = static_cast<std::uint32_t>(pushes_.size());
+    if (first == last) return;
+    const auto leaf = [&](std::uint32_t cell, int object) {
+      const auto o = static_cast<std::size_t>(object);
+      return world_.trees[o]
+          .leaf_of[cell - static_cast<std::uint32_t>(world_.surface_ranges[o].first)];
+    };
+    const auto pair = static_cast<std::uint32_t>(2 * of_cells_.size());
+    of_cells_.push_back({first, middle, last});
+    if (i == j) {
+      meetings_.push_back({leaf(one, i), leaf(other, i), pair});
+      meetings_.push_back({leaf(other, i), leaf(one, i), pair + 1});
+    } else if (cell_of(world_, one).object == i) {
+      meetings_.push_back({leaf(one, i), leaf(other, j), pair});
+    } else {
+      meetings_.push_back({leaf(other, i), leaf(one, j), pair + 1});
+    }
   }
 
   std::optional<Push> push_of(const ContactCandidate& candidate) const {
@@ -246,7 +190,7 @@ class Pusher {
     const Vector n = Vector{-along.y, along.x} / norm(along);
     const Vector force = n * physics_.contact_stiffness * (depth + physics_.contact_margin);
     const Vector velocity = true_velocity(point);
-    const Vector direction = as_package_ ? n / norm(n) : n;  // the package rounds it twice
+    const Vector direction = n / norm(n);  // rounded twice
     const auto damping = [&](Vector v) {
       return direction * dot(direction, v) * physics_.contact_damping;
     };
@@ -260,7 +204,7 @@ class Pusher {
     }
     const double pressure = norm(force);
     const double sliding = slip / (physics_.friction_coefficient * pressure);
-    const double grip = as_package_ ? math::reference_tanh(sliding) : math::tanh(sliding);
+    const double grip = math::reference_tanh(sliding);
     return {
         point,
         edge,
@@ -270,6 +214,9 @@ class Pusher {
         t * -1.0 * physics_.friction_multiplier * physics_.friction_coefficient * pressure * grip};
   }
 
+  void apply(std::uint32_t first, std::uint32_t last) const {
+    for (; first < last; ++first) apply(pushes_[first]);
+  }
   void apply(const Push& push) const {
     points_.add_force(push.point, push.on_point);
     push_back(push.edge[0], push.on_edge[0]);
@@ -284,7 +231,10 @@ class Pusher {
   const Model::Compiled& world_;
   const Physics& physics_;
   Points points_;
-  bool as_package_;
+  ContactLists& lists_;
+  std::vector<Push>& pushes_;
+  std::vector<ContactPushes::OfCells>& of_cells_;
+  std::vector<Meeting>& meetings_;
   double parallel_determinant_;
 };
 
@@ -297,6 +247,9 @@ void prepare_lists(const Model::Compiled& world, ContactLists& lists) {
     self.folding.clear();
     self.group = {};
   }
+  for (std::size_t block = 0; block < lists.self.size(); ++block)
+    lists.self[block].boxes.resize(
+        world.trees[static_cast<std::size_t>(world.object_of_block[block])].nodes.size());
   lists.pairs.all.clear();
   lists.groups.clear();
   lists.first_group.assign(world.objects.size() + 1, 0);
@@ -304,8 +257,8 @@ void prepare_lists(const Model::Compiled& world, ContactLists& lists) {
 }
 
 bool push_contacts(const Model::Compiled& world, std::span<const ContactCandidate* const> inside,
-                   const PointView& view) {
-  return Pusher(world, view).push(inside);
+                   const PointView& view, ContactLists& lists, ContactPushes& memory) {
+  return Pusher(world, view, lists, memory).push(inside);
 }
 
 }  // namespace evo

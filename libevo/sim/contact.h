@@ -4,15 +4,14 @@
 //
 // Two steps. Finding (contact_search.h): which corners may come to touch which cells,
 // kept in ContactLists until something has moved by half a skin. Pushing: of those
-// candidates, the ones inside a cell, with their forces. A candidate that is
+// candidates, the ones inside a cell, with their forces (contact_push.h). A candidate that is
 // outside is not looked at again before something has moved far enough to bring
 // it inside. Candidates are looked at side by side, a register of them at a time; forces
-// are scalar code: contacts are few. Forces are summed in a fixed order of objects, cells and
-// corners, so the result does not depend on when that was; see `order` in contact_search.cpp.
+// are scalar code: contacts are few. Forces are summed in the benchmark's order (contact_order.h),
+// so the result does not depend on when that was.
 #pragma once
 
 #include <cstddef>
-#include <span>
 
 #include "libevo/sim/compiled.h"
 #include "libevo/sim/contact_lists.h"
@@ -42,10 +41,5 @@ struct PointView {
 
 // Sizes the lists for the model; they start empty and invalid.
 void prepare_lists(const Model::Compiled& world, ContactLists& lists);
-
-// Adds the forces of the candidates that are inside (contact_look-inl.h finds them), of one
-// environment, in their order; true if there were any.
-bool push_contacts(const Model::Compiled& world, std::span<const ContactCandidate* const> inside,
-                   const PointView& points);
 
 }  // namespace evo

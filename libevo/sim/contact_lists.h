@@ -2,7 +2,9 @@
 // far (a neighbour list with a skin, as molecular dynamics uses them).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -35,10 +37,18 @@ struct ContactGroup {
   double due = 0.0;                       // no candidate is due before
 };
 
+// The box of a node of a BoundingTree at some travel of its block; at first, any box.
+struct NodeBox {
+  double width = 0.0;
+  double height = 0.0;
+  double travel = -HUGE_VAL;
+  std::uint32_t look = 0;  // ContactLists::looks when it was found
+};
+
 // Of one environment. The positions that lists were found at are in its group's Rows.
 struct ContactLists {
-  // Within one moving object. Candidates of a pair of cells are next to each other, those
-  // of corners of the later cell first.
+  // Within one moving object. Candidates of a pair of cells are next to each other: those
+  // of corners of the one cell, then those of the other.
   struct Self {
     ContactCandidates candidates;
     ContactGroup group;  // all of them
@@ -47,7 +57,8 @@ struct ContactLists {
     std::vector<std::array<std::uint32_t, 2>> folding;
     double folding_due = 0.0;  // no folding before twice the travel of the block is this
     bool valid = false;
-    double due = 0.0;  // travel of the block at which the list may be too old
+    double due = 0.0;            // travel of the block at which the list may be too old
+    std::vector<NodeBox> boxes;  // of the nodes of the object's tree
   };
   std::vector<Self> self;  // one per block of the plan
   // Between objects: groups in world order of pairs (i, j>i).
@@ -55,7 +66,8 @@ struct ContactLists {
   std::vector<ContactGroup> groups;
   std::vector<std::uint32_t> first_group;  // of each object i; objects + 1 entries
   bool pairs_valid = false;
-  double pairs_due = 0.0;  // travel of the fastest block at which they may be too old
+  double pairs_due = 0.0;   // travel of the fastest block at which they may be too old
+  std::uint32_t looks = 0;  // substeps with pushes, to tell boxes of now
 
   void invalidate() {
     pairs_valid = false;
@@ -63,12 +75,14 @@ struct ContactLists {
   }
   // Travel is counted from 0 again: everything is due.
   void rewind() {
+    looks = 0;
     pairs_due = 0.0;
     pairs.all_are_due();
     for (ContactGroup& g : groups) g.due = 0.0;
     for (Self& s : self) {
       s.due = s.group.due = s.folding_due = 0.0;
       s.candidates.all_are_due();
+      std::fill(s.boxes.begin(), s.boxes.end(), NodeBox{});
     }
   }
 };

@@ -1,66 +1,80 @@
 #include "libevo/sim/contact_order.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace evo::contact {
 
-SearchOrder::Boxes::Boxes(const Model::Compiled& world, const Points& points, int object)
+SearchOrder::Tree::Tree(const Model::Compiled& world, const Points& points, ContactLists& lists,
+                        int object)
     : world_(world),
       points_(points),
       tree_(world.trees[static_cast<std::size_t>(object)]),
-      first_cell_(
-          static_cast<std::uint32_t>(world.surface_ranges[static_cast<std::size_t>(object)].first)),
-      is_static_(world.block[static_cast<std::size_t>(object)] < 0) {}
-
-double SearchOrder::Boxes::area(std::int32_t i) {
-  if (is_static_) return node(i).area;
-  const Box& now = box(i);
-  return (now.high.x - now.low.x) * (now.high.y - now.low.y);
+      look_(lists.looks) {
+  const auto o = static_cast<std::size_t>(object);
+  first_cell_ = static_cast<std::uint32_t>(world.surface_ranges[o].first);
+  if (world.block[o] < 0) return;
+  const auto block = static_cast<std::uint32_t>(world.block[o]);
+  boxes_ = lists.self[block].boxes;
+  travel_ = points.travel(block);
 }
 
-const Box& SearchOrder::Boxes::box(std::int32_t i) {
-  if (known_.empty()) {
-    boxes_.resize(tree_.nodes.size());
-    known_.resize(tree_.nodes.size());
+std::int32_t SearchOrder::Tree::common(std::int32_t i, std::int32_t j) const {
+  std::int32_t at = tree_.node_of_leaf[static_cast<std::size_t>(i)];
+  for (;; at = tree_.nodes[static_cast<std::size_t>(at)].parent) {
+    const BoundingTree::Node& node = tree_.nodes[static_cast<std::size_t>(at)];
+    if (node.first <= j && j < node.last) return at;
   }
-  const auto at = static_cast<std::size_t>(i);
-  if (known_[at]) return boxes_[at];
-  known_[at] = true;
-  if (node(i).left < 0) {
-    const auto cell =
-        static_cast<std::uint32_t>(tree_.leaves[static_cast<std::size_t>(node(i).first)]);
-    return boxes_[at] = points_.box(cell_of(world_, first_cell_ + cell));
-  }
-  const Box& left = box(node(i).left);
-  const Box& right = box(node(i).right);
-  return boxes_[at] = {{std::min(left.low.x, right.low.x), std::min(left.low.y, right.low.y)},
-                       {std::max(left.high.x, right.high.x), std::max(left.high.y, right.high.y)}};
 }
 
-void SearchOrder::sort(std::vector<TouchingCells>& touching) {
-  if (touching.size() < 2) return;
-  for (TouchingCells& cells : touching) {
-    cells.a = a_.tree().leaf_of[static_cast<std::size_t>(cells.a)];
-    cells.b = b_.tree().leaf_of[static_cast<std::size_t>(cells.b)];
+double SearchOrder::Tree::area(std::int32_t i) const {
+  const BoundingTree::Node& node = tree_.nodes[static_cast<std::size_t>(i)];
+  if (boxes_.empty()) return node.area;
+  NodeBox& known = boxes_[static_cast<std::size_t>(i)];
+  if (known.look == look_) return known.width * known.height;
+  Box all{{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
+  for (std::int32_t leaf = node.first; leaf < node.last; ++leaf) {
+    const auto cell = static_cast<std::uint32_t>(tree_.leaves[static_cast<std::size_t>(leaf)]);
+    const Box box = points_.box(cell_of(world_, first_cell_ + cell));
+    all.low = {std::min(all.low.x, box.low.x), std::min(all.low.y, box.low.y)};
+    all.high = {std::max(all.high.x, box.high.x), std::max(all.high.y, box.high.y)};
   }
-  sort(a_.root(), b_.root(), touching);
+  const Vector size = all.high - all.low;
+  known = {size.x, size.y, travel_, look_};
+  return size.x * size.y;
 }
 
-// The search opens one of two nodes, the larger if it can, the second of equals never, and
-// goes on with its left and then its right part.
-void SearchOrder::sort(std::int32_t a, std::int32_t b, std::span<TouchingCells> touching) {
-  if (touching.size() < 2) return;
-  const BoundingTree::Node& of_a = a_.node(a);
-  const BoundingTree::Node& of_b = b_.node(b);
-  const bool opens_b = of_b.left >= 0 && (of_a.left < 0 || a_.area(a) < b_.area(b));
-  const std::int32_t left_ends = opens_b ? b_.node(of_b.left).last : a_.node(of_a.left).last;
-  const auto right = std::stable_partition(
-      touching.begin(), touching.end(),
-      [&](const TouchingCells& cells) { return (opens_b ? cells.b : cells.a) < left_ends; });
-  const std::span<TouchingCells> lefts(touching.begin(), right);
-  const std::span<TouchingCells> rights(right, touching.end());
-  sort(opens_b ? a : of_a.left, opens_b ? of_b.left : b, lefts);
-  sort(opens_b ? a : of_a.right, opens_b ? of_b.right : b, rights);
+SearchOrder::Tree::Range SearchOrder::Tree::area_within(std::int32_t i) const {
+  if (boxes_.empty()) {
+    const double area = tree_.nodes[static_cast<std::size_t>(i)].area;
+    return {area, area};
+  }
+  const NodeBox& box = boxes_[static_cast<std::size_t>(i)];
+  const double change = 2.0 * (travel_ - box.travel) + reach_slack;
+  return {std::max(0.0, box.width - change) * std::max(0.0, box.height - change),
+          (box.width + change) * (box.height + change)};
+}
+
+bool SearchOrder::is_before(const Meeting& p, const Meeting& q) const {
+  const bool by_a = p.a < q.a;
+  const bool by_b = p.b < q.b;
+  if (by_a == by_b || p.a == q.a) return by_b;
+  if (p.b == q.b) return by_a;
+  const std::int32_t in_a = a_.common(p.a, q.a);
+  const std::int32_t in_b = b_.common(p.b, q.b);
+  if (is_within_ && in_a == in_b) return by_a;
+  const Tree::Range a = a_.area_within(in_a);
+  const Tree::Range b = b_.area_within(in_b);
+  if (a.low > b.high) return by_a;
+  if (a.high < b.low) return by_b;
+  return a_.area(in_a) < b_.area(in_b) ? by_b : by_a;  // of equals, the first one's
+}
+
+void SearchOrder::sort(std::span<Meeting> meetings) const {
+  const auto before = [&](const Meeting& p, const Meeting& q) { return is_before(p, q); };
+  for (auto it = meetings.begin() + 1; it != meetings.end(); ++it)
+    if (is_before(*it, *(it - 1)))
+      std::rotate(std::upper_bound(meetings.begin(), it - 1, *it, before), it, it + 1);
 }
 
 }  // namespace evo::contact

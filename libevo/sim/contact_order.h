@@ -1,62 +1,70 @@
-// The order in which the benchmark's package adds up the forces between two objects, or of
-// one with itself (docs/physics.md, "The package's order"): that of its search through
-// their bounding trees. Which of two nodes it opens depends on where the objects are now.
+// The order in which the forces between two objects, or of one with itself, are added up
+// (docs/physics.md, "Order of contacts"): that of the benchmark's search through their
+// bounding trees. Which of two nodes it opens depends on where the objects are now.
+//
+// The search is not made. Two pairs of cells are met one after the other until a node that
+// holds the first cells of both is opened, or one that holds the second ones of both: their
+// lowest common nodes. Areas only fall on the way down and the larger of two nodes is opened
+// first, so of those two common nodes the larger one is, whatever was opened before.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "libevo/sim/contact_geometry.h"
+#include "libevo/sim/contact_lists.h"
 
 namespace evo::contact {
 
-// Surface cells that touch: `a` of the first object and `b` of the second, counted from
-// each object's first; `number` is the caller's.
-struct TouchingCells {
+// What is pushed when the search meets two cells, by their leaves in the trees of the first
+// and the second object; pushes are the caller's.
+struct Meeting {
   std::int32_t a = 0;
   std::int32_t b = 0;
-  std::size_t number = 0;
+  std::uint32_t pushes = 0;
 };
 
-// Puts them into the order in which the search meets them.
 class SearchOrder {
  public:
-  SearchOrder(const Model::Compiled& world, const Points& points, int first, int second)
-      : a_(world, points, first), b_(world, points, second) {}
+  SearchOrder(const Model::Compiled& world, const Points& points, ContactLists& lists, int first,
+              int second)
+      : a_(world, points, lists, first),
+        b_(world, points, lists, second),
+        is_within_(first == second) {}
 
-  void sort(std::vector<TouchingCells>& touching);
+  void sort(std::span<Meeting> meetings) const;
 
  private:
-  // A tree with the boxes of now.
-  class Boxes {
+  // The boxes of an object's tree. The last one that was found of a node often tells enough:
+  // no side of it has moved farther since than the points of the object.
+  class Tree {
    public:
-    Boxes(const Model::Compiled& world, const Points& points, int object);
+    Tree(const Model::Compiled& world, const Points& points, ContactLists& lists, int object);
 
-    const BoundingTree& tree() const { return tree_; }
-    std::int32_t root() const { return static_cast<std::int32_t>(tree_.nodes.size()) - 1; }
-    const BoundingTree::Node& node(std::int32_t i) const {
-      return tree_.nodes[static_cast<std::size_t>(i)];
-    }
-    double area(std::int32_t i);
+    // Of two leaves, the node at which ways to them part.
+    std::int32_t common(std::int32_t i, std::int32_t j) const;
+    double area(std::int32_t node) const;
+
+    struct Range {
+      double low, high;
+    };
+    Range area_within(std::int32_t node) const;
 
    private:
-    const Box& box(std::int32_t i);
-
     const Model::Compiled& world_;
     const Points& points_;
     const BoundingTree& tree_;
+    std::span<NodeBox> boxes_;  // empty: it never moves
+    std::uint32_t look_;
     std::uint32_t first_cell_;
-    bool is_static_;
-    std::vector<Box> boxes_;  // of each node, once it is asked for
-    std::vector<bool> known_;
+    double travel_;
   };
 
-  void sort(std::int32_t a, std::int32_t b, std::span<TouchingCells> touching);
+  bool is_before(const Meeting& p, const Meeting& q) const;
 
-  Boxes a_;
-  Boxes b_;
+  Tree a_;
+  Tree b_;
+  bool is_within_;  // the objects are one
 };
 
 }  // namespace evo::contact

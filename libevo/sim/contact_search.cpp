@@ -92,11 +92,12 @@ std::size_t NearCells::bytes() const {
 
 namespace {
 
-// Corners of cell a that are near cell b, whose box is given, and no corner of it.
+// Corners of cell a, round the cell, that are near cell b, whose box is given, and no corner
+// of it.
 void list_corners(const Model::Compiled& world, const Points& points, std::uint32_t a,
                   std::uint32_t b, const Box& box, double skin, ContactCandidates& found) {
   const ContactCell& cell = cell_of(world, b);
-  for (std::uint32_t k = 0; k < 4; ++k) {
+  for (const std::uint32_t k : {top_left, top_right, bottom_right, bottom_left}) {
     const std::int32_t corner = cell_of(world, a).corners[k];
     if (!within(points(corner), box, skin)) continue;
     if (std::find(cell.corners.begin(), cell.corners.end(), corner) != cell.corners.end()) continue;

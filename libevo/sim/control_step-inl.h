@@ -36,10 +36,8 @@ template <StepKernel Kernel>
 class ControlStep {
  public:
   static constexpr std::size_t width = Kernel::width;
-  static constexpr Arithmetic arithmetic = Kernel::arithmetic;
   static constexpr std::size_t spacing = Kernel::record_points * width;
   static constexpr std::size_t springs_of_part = 360;
-  using Real = StageReal<arithmetic>;
 
   ControlStep(Group& group, Workspace& workspace)
       : lanes_(group.lanes),
@@ -47,14 +45,12 @@ class ControlStep {
         physics_(group.kind->physics()),
         rows_(group.rows),
         workspace_(workspace),
-        w_(workspace.prepare<arithmetic>(plan_, *group.tables, rows_)) {}
+        w_(workspace.prepare(plan_, *group.tables, rows_)) {}
 
   void run() {
     begin();
     clear_contacts();
-    prepare_stages();
-    kernel().template last_springs<true>(w_.stage_start(),
-                                         static_cast<std::size_t>(plan_.first_frozen),
+    kernel().template last_springs<true>(w_.position, static_cast<std::size_t>(plan_.first_frozen),
                                          static_cast<std::size_t>(plan_.springs));
     std::size_t running = lanes_.size();
     for (int i = 0; i < physics_.substeps && running > 0; ++i) {
@@ -68,42 +64,10 @@ class ControlStep {
  private:
   void substep() {
     contacts();
-    if constexpr (arithmetic == Arithmetic::fast) start_stages();
     stages();
     kernel().limit_strain(w_.previous);
     kernel().limit_rigid_strain(w_.previous);
     std::swap(w_.position, w_.previous);
-  }
-
-  // Where stages find the points that no substep moves.
-  void prepare_stages() {
-    for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-      const PlanBlock& sites = plan_.blocks[block];
-      if constexpr (arithmetic == Arithmetic::fast) {
-        kernel().choose_origin(block);
-        for (int site = sites.first; site < sites.first + sites.count; ++site)
-          kernel().store_start(site, block);
-      }
-      const std::size_t held = pair_offset(sites.first + sites.integrated, width);
-      const std::size_t end = pair_offset(sites.first + sites.count, width);
-      for (Real* stage : w_.stage_position)
-        std::copy(w_.stage_start() + held, w_.stage_start() + end, stage + held);
-    }
-  }
-
-  // What the stages of a substep start from, in their precision.
-  void start_stages() {
-    const Kernel kernel = this->kernel();
-    bool near_floor = false;
-    for (std::size_t block = 0; block < plan_.blocks.size(); ++block) {
-      const PlanBlock& sites = plan_.blocks[block];
-      for (int site = sites.first; site < sites.first + sites.integrated; ++site) {
-        kernel.store_start(site, block);
-        near_floor |= kernel.is_near_floor(pair_offset(site, width));
-      }
-    }
-    for (std::size_t i = 0; i < plan_.points.size(); ++i) kernel.store_motion(i);
-    near_floor_ = near_floor;
   }
 
   // How far a stage has come.
@@ -120,7 +84,7 @@ class ControlStep {
     const std::size_t part = is_large() ? springs_of_part : springs_in_all();
     std::array<Progress, 4> done;
     while (!done[3].over) {
-      stage<1>(w_.stage_start(), w_.stage_position[0], done[0], done[0].springs + part);
+      stage<1>(w_.position, w_.stage_position[0], done[0], done[0].springs + part);
       stage<2>(w_.stage_position[0], w_.stage_position[1], done[1], springs_after(done[0]));
       stage<3>(w_.stage_position[1], w_.stage_position[0], done[2], springs_after(done[1]));
       stage<4>(w_.stage_position[0], w_.previous, done[3], springs_after(done[2]));
@@ -130,7 +94,7 @@ class ControlStep {
   // Whether what the stages read and write is more than a second-level cache holds: per
   // spring its force and what belongs to it, and a third of a point.
   bool is_large() const {
-    constexpr std::size_t bytes_per_spring = 9 * width * sizeof(Real);
+    constexpr std::size_t bytes_per_spring = 9 * width * sizeof(double);
     constexpr std::size_t cache = 1U << 19U;
     return Kernel::points_follow && springs_in_all() * bytes_per_spring > cache;
   }
@@ -149,8 +113,8 @@ class ControlStep {
 
   // One stage, from where it is to spring `end`. Points follow the springs: while the
   // divider works on springs, the rest of the processor integrates points.
-  template <int n, class Next>
-  void stage(const Real* HWY_RESTRICT at, Next* HWY_RESTRICT next, Progress& done,
+  template <int n>
+  void stage(const double* HWY_RESTRICT at, double* HWY_RESTRICT next, Progress& done,
              std::size_t end) {
     if (done.over) return;
     const std::size_t springs = std::min(end, springs_in_all());
@@ -190,27 +154,20 @@ class ControlStep {
 
   // What others feel of an anchored point is where stages 3 and 4 see it, which
   // the forces of stages 1 and 2 decide; it ends the substep where it began.
-  template <int n, class Next>
-  HWY_INLINE void anchored_point(std::size_t i, Next* next) {
+  template <int n>
+  HWY_INLINE void anchored_point(std::size_t i, double* next) {
     const std::size_t o = w_.point_offsets[i];
     if constexpr (n == 3) {
-      const Real* velocity = nullptr;
-      if constexpr (arithmetic == Arithmetic::exact)
-        velocity = motion(i) + Motion::stage_velocity * spacing;
-      else
-        velocity = w_.stage_motion +
-                   record_offset<width, Kernel::record_points>(i, StageMotion::pairs) +
-                   StageMotion::velocity_of(3) * spacing;
-      const Real* start = w_.stage_start();
+      const double* velocity = motion(i) + Motion::stage_velocity * spacing;
       for (std::size_t k = 0; k < 2 * width; ++k)
-        next[o + k] = start[o + k] + velocity[k] * static_cast<Real>(physics_.substep);
+        next[o + k] = w_.position[o + k] + velocity[k] * physics_.substep;
     } else if constexpr (n == 4) {
       std::copy_n(w_.position + o, 2 * width, next + o);
     }
   }
 
-  template <int n, class Next>
-  HWY_NOINLINE void irregular_point(std::size_t i, const Real* at, Next* next) {
+  template <int n>
+  HWY_NOINLINE void irregular_point(std::size_t i, const double* at, double* next) {
     const PlanPoint& point = plan_.points[i];
     kernel().template point<n>(i, w_.ends + point.first_end, point.a_ends, point.b_ends, at, next);
   }
@@ -227,11 +184,11 @@ class ControlStep {
   }
 
   // Made where it is used, so that its pointers are locals there.
-  Kernel kernel() const { return {plan_, physics_, w_, near_floor_}; }
+  Kernel kernel() const { return {plan_, physics_, w_}; }
 
   // The record of a point, and its velocity in there.
   double* motion(std::size_t i) const {
-    return w_.motion + record_offset<width, Kernel::record_points>(i, Motion::pairs(arithmetic));
+    return w_.motion + record_offset<width, Kernel::record_points>(i);
   }
   double* velocity(std::size_t i) const { return motion(i) + Motion::velocity * spacing; }
 
@@ -255,7 +212,9 @@ class ControlStep {
     const std::array<std::size_t, width>& counts = look.finish();
     const ContactCandidate* const* inside = workspace_.inside.data();
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
-      if (counts[i] > 0) touching_ |= push_contacts(world(i), {inside, counts[i]}, view(i));
+      if (counts[i] > 0)
+        touching_ |= push_contacts(world(i), {inside, counts[i]}, view(i), lanes_[i]->contacts,
+                                   workspace_.pushes);
       inside += counts[i];
     }
   }
@@ -319,10 +278,12 @@ class ControlStep {
     for (const PlanBlock& block : plan_.blocks) {
       const std::size_t held = pair_offset(block.first + block.integrated, width);
       const std::size_t end = pair_offset(block.first + block.count, width);
-      std::copy(w_.position + held, w_.position + end, w_.previous + held);
+      // Where stages find the points that no substep moves.
+      for (double* copy : {w_.previous, w_.stage_position[0], w_.stage_position[1]})
+        std::copy(w_.position + held, w_.position + end, copy + held);
     }
     for (std::size_t s = 0; s < plan_.rest.size(); ++s)
-      std::fill_n(w_.goal + s * width, width, static_cast<Real>(plan_.rest[s]));
+      std::fill_n(w_.goal + s * width, width, plan_.rest[s]);
     for (Lane* lane : lanes_) {
       lane->status = LaneStatus::done;
       lane->contacts.rewind();
@@ -333,7 +294,7 @@ class ControlStep {
         const double mean =
             (target(lane, drive.first_actuator) + target(lane, drive.second_actuator)) / 2.0;
         const auto s = static_cast<std::size_t>(drive.spring);
-        w_.goal[s * width + i] = static_cast<Real>(mean * plan_.rest[s]);
+        w_.goal[s * width + i] = mean * plan_.rest[s];
       }
     }
   }
@@ -418,11 +379,10 @@ class ControlStep {
   const Physics& physics_;
   Rows& rows_;
   Workspace& workspace_;
-  Arrays<arithmetic> w_;
+  Arrays w_;
   std::array<bool, width> folding_{};
   std::array<bool, width> set_aside_{};
   bool touching_ = false;
-  bool near_floor_ = false;  // fast arithmetic: any point of any lane
 };
 
 }  // namespace HWY_NAMESPACE

@@ -27,7 +27,6 @@ namespace HWY_NAMESPACE {
 // or come after all of them.
 template <class K>
 concept KernelShape = requires {
-  { K::arithmetic } -> std::convertible_to<Arithmetic>;
   { K::width } -> std::convertible_to<std::size_t>;  // lanes of the rows
   { K::record_points } -> std::convertible_to<std::size_t>;
   { K::force_record } -> std::convertible_to<std::size_t>;
@@ -36,7 +35,6 @@ concept KernelShape = requires {
   { K::points_follow } -> std::convertible_to<bool>;
   { K::springs_at_once } -> std::convertible_to<std::size_t>;
   { K::points_at_once } -> std::convertible_to<std::size_t>;
-  requires std::same_as<typename K::Real, StageReal<K::arithmetic>>;
 };
 
 template <KernelShape K>
@@ -44,15 +42,13 @@ Layout LayoutOf() {
   return {K::width, K::record_points, K::force_record, K::force_offset, K::dealt_springs};
 }
 
-// `at` and `next` are positions of a stage, `rows` positions between stages; `o` is a
-// pair_offset, `s` a spring, `i` a point, `n` springs or lanes.
+// `at` and `next` are positions, or one value per lane; `s` is a spring, `i` a point, `n`
+// springs.
 template <class K>
-concept StepKernel = KernelShape<K> && std::constructible_from < K,
-        const Plan&, const Physics&, const Arrays<K::arithmetic>
-&, bool > &&requires(const K& kernel, const typename K::Real* at, typename K::Real* next,
-                     double* rows, std::size_t o, std::size_t s, std::size_t i, std::size_t n,
-                     std::int32_t site, std::size_t block, const PlanBlock& sites,
-                     const std::uint32_t* ends) {
+concept StepKernel = KernelShape<K> &&
+    std::constructible_from<K, const Plan&, const Physics&, const Arrays&> &&
+    requires(const K& kernel, const double* at, double* next, std::size_t s, std::size_t i,
+             std::size_t n, const PlanBlock& sites, const std::uint32_t* ends) {
   // Forces of springs_at_once springs from s on; of all from s to n.
   kernel.template springs<true>(at, s);
   kernel.template springs<false>(at, s);
@@ -60,22 +56,17 @@ concept StepKernel = KernelShape<K> && std::constructible_from < K,
   // Gathers the forces of one point, or of points_at_once regular ones from i on, and
   // takes it through stage 1, .. 4.
   kernel.template point<1>(i, ends, Plan::regular_ends, Plan::regular_ends, at, next);
-  kernel.template point<4>(i, ends, Plan::regular_ends, Plan::regular_ends, at, rows);
+  kernel.template point<4>(i, ends, Plan::regular_ends, Plan::regular_ends, at, next);
   kernel.template points<1>(i, ends, at, next);
-  kernel.template points<4>(i, ends, at, rows);
+  kernel.template points<4>(i, ends, at, next);
   // After the stages.
-  kernel.limit_strain(rows);
-  kernel.limit_rigid_strain(rows);
+  kernel.limit_strain(next);
+  kernel.limit_rigid_strain(next);
   // How far points have moved: since the last substep, and since lists were found
   // (squares, one value per lane).
   kernel.add_travel();
-  kernel.square_moved(rows);
-  kernel.square_sheared(sites, rows);
-  // Fast arithmetic: positions and loads of a substep in single precision.
-  kernel.choose_origin(block);
-  kernel.store_start(site, block);
-  kernel.store_motion(i);
-  { kernel.is_near_floor(o) } -> std::same_as<bool>;
+  kernel.square_moved(next);
+  kernel.square_sheared(sites, next);
 };
 
 }  // namespace HWY_NAMESPACE

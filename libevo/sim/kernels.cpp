@@ -15,14 +15,6 @@
 // of a trajectory depend neither on which way was taken nor on how wide the
 // registers are. tests/unit/sim compares both with a plain scalar simulator.
 //
-// Physics::arithmetic `fast` takes the same ways in mixed precision: what a
-// substep adds to positions and velocities is computed in single precision, from
-// positions relative to the object, with one root per spring and fused operations
-// (arithmetic-inl.h, integrate-inl.h); positions, velocities and contact stay
-// double. A register holds twice as many lanes. Its bits are others, and still
-// depend on neither way nor width; only processors without fused multiply-adds
-// have a result of their own.
-//
 // A substep is
 //   contacts      candidates side by side, forces one by one (contact.h)
 //   4 x { springs: length, force
@@ -54,68 +46,42 @@ HWY_BEFORE_NAMESPACE();
 namespace evo {
 namespace HWY_NAMESPACE {
 
-// In exact arithmetic lanes are what a register of doubles holds. Fast arithmetic
-// has twice as many single ones, at most what callers have at hand, or half of them.
-inline constexpr std::size_t double_lanes = hn::MaxLanes(hn::ScalableTag<double>());
-inline constexpr std::size_t most_single_lanes = 8;
-using ExactSideBySide = SideBySide<Arithmetic::exact, double_lanes>;
 // Some dividers take about 40 cycles for the root and the quotient of eight doubles:
 // there, of three springs one goes to the divider and two through the multipliers. With
 // four lanes (measured on Zen 3 and 4) it is quicker alone everywhere.
-inline constexpr bool may_help = HWY_NATIVE_FMA && double_lanes >= 8;
-using HelpedSideBySide =
-    SideBySide<Arithmetic::exact, double_lanes, may_help ? Divider::helped : Divider::alone>;
-using FastSideBySide = SideBySide<Arithmetic::fast, most_single_lanes>;
-using FewFastSideBySide = SideBySide<Arithmetic::fast, most_single_lanes / 2>;
+inline constexpr bool may_help = HWY_NATIVE_FMA && hn::MaxLanes(hn::ScalableTag<double>()) >= 8;
+using Several = SideBySide<Divider::alone>;
+using SeveralHelped = SideBySide<may_help ? Divider::helped : Divider::alone>;
 
 #if HWY_TARGET != HWY_SCALAR
 // A slow divider keeps the rest waiting, and is kept busier by shorter registers.
-using ExactAlone = Alone<Arithmetic::exact, 8>;
-using NarrowAlone = Alone<Arithmetic::exact, 4>;
-using FastAlone = Alone<Arithmetic::fast, 8>;
+using One = Alone<8>;
+using OneNarrow = Alone<4>;
 #else
-using ExactAlone = SideBySide<Arithmetic::exact, 1>;
-using NarrowAlone = ExactAlone;
-using FastAlone = SideBySide<Arithmetic::fast, 1>;
+using One = Several;
+using OneNarrow = Several;
 #endif
 
-std::size_t MostLanes(Arithmetic arithmetic) {
-  return arithmetic == Arithmetic::exact ? ExactSideBySide::width : FastSideBySide::width;
+std::size_t MostLanes() { return Several::width; }
+
+Layout LayoutFor(std::size_t lanes) {
+  if (lanes > 1) return LayoutOf<Several>();
+  return has_quick_divider() ? LayoutOf<One>() : LayoutOf<OneNarrow>();
 }
 
-Layout LayoutFor(Arithmetic arithmetic, std::size_t lanes) {
-  const bool exact = arithmetic == Arithmetic::exact;
-  if (lanes == 1 && exact)
-    return has_quick_divider() ? LayoutOf<ExactAlone>() : LayoutOf<NarrowAlone>();
-  if (lanes == 1) return LayoutOf<FastAlone>();
-  if (exact) return LayoutOf<ExactSideBySide>();
-  return lanes > FewFastSideBySide::width ? LayoutOf<FastSideBySide>()
-                                          : LayoutOf<FewFastSideBySide>();
-}
-
-template <class One, class Several>
-void StepExactly(Group& group, Workspace& workspace) {
+template <class Single, class Together>
+void StepWith(Group& group, Workspace& workspace) {
   if (group.lanes.size() == 1)
-    ControlStep<One>(group, workspace).run();
+    ControlStep<Single>(group, workspace).run();
   else
-    ControlStep<Several>(group, workspace).run();
+    ControlStep<Together>(group, workspace).run();
 }
 
 void StepGroup(Group& group, Workspace& workspace) {
-  const std::size_t lanes = group.lanes.size();
-  if (group.kind->physics().arithmetic == Arithmetic::exact) {
-    if (has_quick_divider())
-      StepExactly<ExactAlone, ExactSideBySide>(group, workspace);
-    else
-      StepExactly<NarrowAlone, HelpedSideBySide>(group, workspace);
-  } else {
-    if (lanes == 1)
-      ControlStep<FastAlone>(group, workspace).run();
-    else if (lanes > FewFastSideBySide::width)
-      ControlStep<FastSideBySide>(group, workspace).run();
-    else
-      ControlStep<FewFastSideBySide>(group, workspace).run();
-  }
+  if (has_quick_divider())
+    StepWith<One, Several>(group, workspace);
+  else
+    StepWith<OneNarrow, SeveralHelped>(group, workspace);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -132,12 +98,8 @@ HWY_EXPORT(StepGroup);
 
 }  // namespace
 
-Layout layout_of(Arithmetic arithmetic, std::size_t lanes) {
-  return HWY_DYNAMIC_DISPATCH(LayoutFor)(arithmetic, lanes);
-}
-std::size_t most_lanes(Arithmetic arithmetic) {
-  return HWY_DYNAMIC_DISPATCH(MostLanes)(arithmetic);
-}
+Layout layout_of(std::size_t lanes) { return HWY_DYNAMIC_DISPATCH(LayoutFor)(lanes); }
+std::size_t most_lanes() { return HWY_DYNAMIC_DISPATCH(MostLanes)(); }
 void step_group(Group& group, Workspace& workspace) {
   HWY_DYNAMIC_DISPATCH(StepGroup)(group, workspace);
 }

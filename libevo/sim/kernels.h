@@ -12,10 +12,10 @@ inline constexpr std::size_t fewest_side_by_side = 3;
 
 // How so many environments, at most most_lanes(), are laid out under the instruction
 // set in force; one is stepped alone, its springs side by side.
-Layout layout_of(Arithmetic arithmetic, std::size_t lanes);
+Layout layout_of(std::size_t lanes);
 
 // What one register of the stages holds.
-std::size_t most_lanes(Arithmetic arithmetic);
+std::size_t most_lanes();
 
 // One control step of a group laid out as layout_of() says.
 void step_group(Group& group, Workspace& workspace);

@@ -3,19 +3,7 @@
 // benchmark simulator (docs/physics.md; profiles in tasks/physics/*.yaml).
 #pragma once
 
-#include <cstdint>
-
 namespace evo {
-
-// How the kernels round. `exact`: the reference's operations in its order, the
-// same bits on every processor. `fast`: the same physics, what a substep adds to
-// positions and velocities in single precision (docs/fast.md says what that costs).
-enum class Arithmetic : std::uint8_t { exact, fast };
-
-// How contact forces are rounded and added up. `package`: as the benchmark's package does,
-// to the last bit. `cells`: the order of cells, and a tanh of our own in the friction; what
-// the records and the pinned hashes were made with (docs/physics.md, "The package's order").
-enum class ContactRounding : std::uint8_t { cells, package };
 
 struct SpringStiffness {
   double edge;      // force per length, the four sides of a cell
@@ -52,9 +40,6 @@ struct Physics {
 
   double min_target = 0.6;  // actuator targets, share of the rest length
   double max_target = 1.6;
-
-  Arithmetic arithmetic = Arithmetic::exact;
-  ContactRounding contact_rounding = ContactRounding::cells;
 
   bool operator==(const Physics&) const = default;
 };

@@ -29,10 +29,7 @@ class Layer {
 
 std::size_t pairs(std::size_t count, const Layout& layout) { return 2 * count * layout.lanes; }
 
-template <Arithmetic arithmetic>
-std::size_t lay_out(Arrays<arithmetic>& arrays, const Plan& plan, const Layout& layout,
-                    std::byte* memory) {
-  constexpr std::size_t most_kept = 2;
+std::size_t lay_out(Arrays& arrays, const Plan& plan, const Layout& layout, std::byte* memory) {
   const std::size_t springs = plan.a.size();
   const std::size_t positions = pairs(static_cast<std::size_t>(plan.sites), layout);
   const std::size_t r = layout.record_points;
@@ -41,18 +38,13 @@ std::size_t lay_out(Arrays<arithmetic>& arrays, const Plan& plan, const Layout& 
   layer.take(arrays.stage_position[0], positions);
   layer.take(arrays.stage_position[1], positions);
   layer.take(arrays.contact, positions);
-  layer.take(arrays.motion, Motion::pairs(arithmetic) * points);
+  layer.take(arrays.motion, Motion::pairs * points);
   layer.take(arrays.travel, (plan.blocks.size() + 2) * layout.lanes);
   layer.take(arrays.goal, springs * layout.lanes);
-  layer.take(arrays.kept, most_kept * springs * layout.lanes);
+  layer.take(arrays.kept, springs * layout.lanes);
   layer.take(arrays.force, (springs + 1) * layout.force_record);
   layer.take(arrays.correction, pairs(springs, layout));
   layer.take(arrays.corrected, plan.strain.a.size());
-  if constexpr (arithmetic == Arithmetic::fast) {
-    layer.take(arrays.origin, pairs(plan.blocks.size(), layout));
-    layer.take(arrays.start, positions);
-    layer.take(arrays.stage_motion, StageMotion::pairs * points);
-  }
   return layer.bytes();
 }
 
@@ -83,7 +75,7 @@ Rows::Rows(const Plan& plan, std::size_t lanes) {
   }
 }
 
-Tables::Tables(const Plan& plan, const Layout& laid_out, Arithmetic arithmetic) : layout(laid_out) {
+Tables::Tables(const Plan& plan, const Layout& laid_out) : layout(laid_out) {
   const auto at = [&](std::int32_t site) {
     return static_cast<std::uint32_t>(pair_offset(site, layout.lanes));
   };
@@ -100,19 +92,15 @@ Tables::Tables(const Plan& plan, const Layout& laid_out, Arithmetic arithmetic) 
     ends.push_back(static_cast<std::uint32_t>(
         place_of_force(static_cast<std::size_t>(end), layout.dealt_springs) * layout.force_record +
         layout.force_offset));
-  if (arithmetic == Arithmetic::exact) return;  // reads the plan's
-  for (const double k : plan.stiffness) stiffness.push_back(static_cast<float>(k));
 }
 
 std::size_t Tables::bytes() const {
-  return bytes_of(spring_ends) + bytes_of(strain_ends) + bytes_of(point_offsets) + bytes_of(ends) +
-         bytes_of(stiffness);
+  return bytes_of(spring_ends) + bytes_of(strain_ends) + bytes_of(point_offsets) + bytes_of(ends);
 }
 
-template <Arithmetic arithmetic>
-Arrays<arithmetic> Workspace::prepare(const Plan& plan, const Tables& tables, const Rows& rows) {
+Arrays Workspace::prepare(const Plan& plan, const Tables& tables, const Rows& rows) {
   const Layout& layout = tables.layout;
-  Arrays<arithmetic> arrays;
+  Arrays arrays;
   const std::size_t needed = lay_out(arrays, plan, layout, nullptr);
   if (needed > capacity_) {
     capacity_ = 0;  // should there be no memory
@@ -120,18 +108,14 @@ Arrays<arithmetic> Workspace::prepare(const Plan& plan, const Tables& tables, co
     capacity_ = needed;
   }
   lay_out(arrays, plan, layout, memory_.get());
-  std::fill_n(arrays.force + plan.a.size() * layout.force_record, layout.force_record,
-              StageReal<arithmetic>{0});
+  std::fill_n(arrays.force + plan.a.size() * layout.force_record, layout.force_record, 0.0);
   std::fill_n(arrays.travel, (plan.blocks.size() + 2) * layout.lanes, 0.0);
 
   arrays.position = rows.position;
   arrays.previous = rows.previous;
   arrays.self_listing = rows.self_listing;
   arrays.pair_listing = rows.pair_listing;
-  if constexpr (arithmetic == Arithmetic::exact)
-    arrays.stiffness = plan.stiffness.data();
-  else
-    arrays.stiffness = tables.stiffness.data();
+  arrays.stiffness = plan.stiffness.data();
   arrays.spring_ends = tables.spring_ends.data();
   arrays.strain_ends = tables.strain_ends.data();
   arrays.point_offsets = tables.point_offsets.data();
@@ -140,12 +124,7 @@ Arrays<arithmetic> Workspace::prepare(const Plan& plan, const Tables& tables, co
 }
 
 std::size_t Workspace::bytes() const {
-  return capacity_ + search.bytes() + bytes_of(inside) + bytes_of(folded);
+  return capacity_ + search.bytes() + pushes.bytes() + bytes_of(inside) + bytes_of(folded);
 }
-
-template Arrays<Arithmetic::exact> Workspace::prepare<Arithmetic::exact>(const Plan&, const Tables&,
-                                                                         const Rows&);
-template Arrays<Arithmetic::fast> Workspace::prepare<Arithmetic::fast>(const Plan&, const Tables&,
-                                                                       const Rows&);
 
 }  // namespace evo

@@ -12,19 +12,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
+#include "libevo/sim/contact_push.h"
 #include "libevo/sim/contact_search.h"
-#include "libevo/sim/physics.h"
 #include "libevo/sim/plan.h"
 
 namespace evo {
-
-// Numbers within a substep. Positions and velocities from substep to substep, and
-// all of contact, are double in either arithmetic.
-template <Arithmetic arithmetic>
-using StageReal = std::conditional_t<arithmetic == Arithmetic::exact, double, float>;
 
 // ---- addresses ------------------------------------------------------------------------
 
@@ -37,24 +31,11 @@ constexpr std::size_t pair_offset(std::int32_t site, std::size_t lanes) {
 // Layout::record_points. Every quantity is R pairs side by side, the first at [n*W*R], n
 // being its number here: neighbours share a register.
 struct Motion {
-  static constexpr std::size_t velocity = 0;  // length/time, at the start of the substep
-  // Exact arithmetic only:
+  static constexpr std::size_t velocity = 0;        // length/time, at the start of the substep
   static constexpr std::size_t stage_velocity = 2;  // of the stage that comes next
   static constexpr std::size_t position_sum = 4;    // k1 + 2 k2 + 2 k3 + k4
   static constexpr std::size_t velocity_sum = 6;
-
-  static constexpr std::size_t pairs(Arithmetic arithmetic) {
-    return arithmetic == Arithmetic::exact ? 4 : 1;
-  }
-};
-
-// The same in Arrays::stage_motion, of fast arithmetic.
-struct StageMotion {
-  static constexpr std::size_t velocity_of(int stage) {  // that stage 1, 2, 3 or 4 sees
-    return 2 * static_cast<std::size_t>(stage - 1);
-  }
-  static constexpr std::size_t load = 8;  // contact force and gravity
-  static constexpr std::size_t pairs = 5;
+  static constexpr std::size_t pairs = 4;
 };
 
 // Offsets of a spring's ends in arrays of positions.
@@ -66,7 +47,7 @@ struct SpringEnds {
 // How a kernel lays out its arrays.
 struct Layout {
   std::size_t lanes = 1;          // W
-  std::size_t record_points = 1;  // R, points per record of Motion and StageMotion
+  std::size_t record_points = 1;  // R, points per record of Motion
   std::size_t force_record = 2;   // values per spring in Arrays::force
   std::size_t force_offset = 0;   // of the force in that record
   std::size_t dealt_springs = 1;  // how many records are dealt together (place_of_force)
@@ -80,12 +61,11 @@ constexpr std::size_t place_of_force(std::size_t spring, std::size_t dealt_sprin
   return spring - s + s % 2 * (dealt_springs / 2) + s / 2;
 }
 
-// Where the first quantity of a point is in Arrays::motion, or stage_motion, records of
-// `pairs` quantities.
+// Where the first quantity of a point is in Arrays::motion.
 template <std::size_t lanes, std::size_t record_points>
-constexpr std::size_t record_offset(std::size_t point, std::size_t pairs) {
+constexpr std::size_t record_offset(std::size_t point) {
   const std::size_t within = point % record_points;
-  return 2 * lanes * (pairs * (point - within) + within);
+  return 2 * lanes * (Motion::pairs * (point - within) + within);
 }
 
 // ---- what lasts -------------------------------------------------------------------------
@@ -114,14 +94,13 @@ class Rows {
 // The plan's tables as numbers and offsets that a kernel of one layout reads. The
 // plan must outlive them.
 struct Tables {
-  Tables(const Plan& plan, const Layout& layout, Arithmetic arithmetic);
+  Tables(const Plan& plan, const Layout& layout);
 
   Layout layout;
   std::vector<SpringEnds> spring_ends;       // [S] into positions
   std::vector<SpringEnds> strain_ends;       // of Plan::strain
   std::vector<std::uint32_t> point_offsets;  // of Plan::points, into positions
   std::vector<std::uint32_t> ends;           // of Plan::ends, into forces
-  std::vector<float> stiffness;              // [S] of fast arithmetic
 
   std::size_t bytes() const;
 };
@@ -130,10 +109,7 @@ struct Tables {
 
 // Kernels keep a copy of these pointers in locals: values stored through vectors
 // might change any other copy, for all that the compiler knows.
-template <Arithmetic arithmetic>
 struct Arrays {
-  using Real = StageReal<arithmetic>;
-
   // Of the group; position and previous change places in every substep.
   double* position = nullptr;  // [N pairs] at the start of the substep
   double* previous = nullptr;  // [N pairs] before it; stage 4 puts the next positions here
@@ -146,44 +122,31 @@ struct Arrays {
   double* travel = nullptr;           // [B + 2] x W, raw length, by add_travel (contact.h)
   double* correction = nullptr;       // [S pairs] raw length, by limit_strain: of springs
   std::int32_t* corrected = nullptr;  // [S] beyond their limit, in turn, and which they are
-  Real* goal = nullptr;               // [S] x W goal length, at the start of a control step
+  double* goal = nullptr;             // [S] x W goal length, at the start of a control step
 
-  // Within a substep. Fast arithmetic keeps positions there relative to the origin
-  // of their block.
-  Real* stage_position[2] = {};  // [N pairs] where a stage evaluates, and the next, by stages
-  Real* kept = nullptr;          // [S] x SpringMath::kept, by stage 1 for the others, in Alone
-  Real* force = nullptr;         // [S + 1 records] by springs; the last is the null spring's
-  // Fast arithmetic only:
-  double* origin = nullptr;      // [B pairs] raw length, at the start of a control step
-  Real* start = nullptr;         // [N pairs] `position`, at the start of a substep
-  Real* stage_motion = nullptr;  // [P records of StageMotion] by start_stages and stages
+  // Within a substep.
+  double* stage_position[2] = {};  // [N pairs] where a stage evaluates, and the next, by stages
+  double* kept = nullptr;          // [S] rest length, by stage 1 for the others, in Alone
+  double* force = nullptr;         // [S + 1 records] by springs; the last is the null spring's
 
   // Tables, and the plan's stiffness: [S] force per length.
-  const Real* stiffness = nullptr;
+  const double* stiffness = nullptr;
   const SpringEnds* spring_ends = nullptr;
   const SpringEnds* strain_ends = nullptr;
   const std::uint32_t* point_offsets = nullptr;
   const std::uint32_t* ends = nullptr;
-
-  // Where stage 1 evaluates.
-  const Real* stage_start() const {
-    if constexpr (arithmetic == Arithmetic::exact)
-      return position;
-    else
-      return start;
-  }
 };
 
 // A thread's own memory, kept from step to step, so that stepping does not allocate.
 class Workspace {
  public:
   // Room for one control step of a group; forces of the null spring and travel are 0.
-  template <Arithmetic arithmetic>
-  Arrays<arithmetic> prepare(const Plan& plan, const Tables& tables, const Rows& rows);
+  Arrays prepare(const Plan& plan, const Tables& tables, const Rows& rows);
 
   ContactSearch search;
   std::vector<const ContactCandidate*> inside;  // of all lanes, in turn
-  std::vector<double> folded;                   // states of lanes that stopped before the others
+  ContactPushes pushes;
+  std::vector<double> folded;  // states of lanes that stopped before the others
 
   std::size_t bytes() const;  // held at present
 

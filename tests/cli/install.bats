@@ -22,8 +22,8 @@ installed() {
 
 @test "tasks, profiles and pipelines are found where the prefix was moved to" {
   installed 'evo-data' | grep -qx "$PREFIX/share/evo"
-  installed 'evo-data scripts/ga.mk tasks/physics/fast.yaml' > paths
-  printf '%s\n' "$PREFIX/share/evo/scripts/ga.mk" "$PREFIX/share/evo/tasks/physics/fast.yaml" | diff - paths
+  installed 'evo-data scripts/ga.mk tasks/physics/paper.yaml' > paths
+  printf '%s\n' "$PREFIX/share/evo/scripts/ga.mk" "$PREFIX/share/evo/tasks/physics/paper.yaml" | diff - paths
   diff <(installed 'evo-inspect tasks') <(evo-inspect tasks)
   installed 'evo-sample -n 3 --seed 1' | diff - <(evo-sample -n 3 --seed 1)
 }
@@ -75,7 +75,7 @@ installed() {
   [ "$(EVO_DATA=mine evo-data)" = "$PWD/mine" ]
   EVO_DATA=mine EVO_TASKS=more evo-data --names tasks > names
   printf '%s\n' Mine More | diff - names
-  evo-data --names physics | grep -qx fast
+  evo-data --names physics | grep -qx paper
   EVO_DATA=none fails_with 66 "EVO_DATA" "none" -- evo-inspect tasks
   fails_with 66 "scripts/gaa.mk" "scripts/ga.mk" -- evo-data scripts/gaa.mk
   fails_with 66 "../LICENSE" -- evo-data ../LICENSE

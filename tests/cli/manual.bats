@@ -54,7 +54,7 @@ offers() {
   offers evo-eval --rollout | diff - <(printf '%s\n' --rollout --rollout-dir --rollout-velocities)
   offers evo-eval --task Walk | diff - <(echo Walker-v0)
   [ "$(offers evo-train --task '' | wc -l)" -eq "$(evo-data --names tasks | wc -l)" ]
-  offers evo-train --physics f | diff - <(echo fast)
+  offers evo-train --physics p | diff - <(echo paper)
   offers evo-train --train pap | diff - <(echo paper)
   [ -z "$(offers evo-eval walk)" ]
   offers evo-run '' | diff - <(printf '%s\n' init plan propose train fail settings slots command)

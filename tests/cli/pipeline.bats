@@ -380,7 +380,7 @@ END
     [ ! -e run ]
   done <<'END'
 INHERIT=yes|inherit=yes is for tasks of the suite: hop.py:Hop is a class in Python
-PHYSICS=fast|physics=fast is for tasks of the suite
+PHYSICS=paper|physics=paper is for tasks of the suite
 TRAIN=sequence|algorithm sequence needs a task of the suite
 STEPS=100|100 steps are less than one rollout
 TASK=hop.py:Run|hop.py: 'Run' is no evo_robots.Task; there are: Hop

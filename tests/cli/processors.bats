@@ -36,7 +36,7 @@ same() { cmp native.h5 "$1.h5" && cmp native.jsonl "$1.jsonl"; }
   printf 'physics: {gravity: 50}\n' >> light.yaml
   evo-bench --task ./light.yaml --sizes 3 --seconds 0.001 --repetitions 1 --json | jq -e '.profile == "own"'
   evo-bench --set gravity=110 --sizes 3 --seconds 0.001 --repetitions 1 --json | jq -e '.profile == "evogym"'
-  [ "$(evo-bench --tasks --envs 1 --fast --seconds 0.001 --repetitions 1 | tail -n +2 | wc -l)" -eq 32 ]
+  [ "$(evo-bench --tasks --envs 1 --seconds 0.001 --repetitions 1 | tail -n +2 | wc -l)" -eq 32 ]
   fails_with 2 z80 -- evo-bench --isa z80
   fails_with 2 --tasks -- evo-bench --tasks --bodies 2
 }

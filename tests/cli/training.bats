@@ -187,19 +187,6 @@ train() { evo-train --task Walker-v0 --steps 16384 --out-dir "$1" "${@:2}"; }
   fails_with 2 "no policy" -- evo-eval --task Walker-v0 robot
 }
 
-@test "evaluation: --fast is --physics fast, said in the rollout, and contradicts other profiles" {
-  robots | head -1 > robot
-  evo-eval --task Walker-v0 --sine 0.5,20,0.7 robot > exact
-  evo-eval --task Walker-v0 --sine 0.5,20,0.7 --fast --rollout a.h5 robot > fast
-  run ! cmp -s exact fast
-  evo-eval --task Walker-v0 --sine 0.5,20,0.7 --physics fast --rollout b.h5 robot | cmp - fast
-  cmp a.h5 b.h5
-  evo-eval --task Walker-v0 --sine 0.5,20,0.7 --set arithmetic=fast robot | cmp - fast
-  [[ $(h5dump -a physics_yaml a.h5) == *"arithmetic: fast"* ]]
-  fails_with 2 "--fast" "paper" -- evo-eval --task Walker-v0 --random --fast --physics paper robot
-  fails_with 2 "exact or fast" -- evo-eval --task Walker-v0 --random --set arithmetic=quick robot
-}
-
 @test "evaluation: the random tasks draw by seed, and take draws" {
   robots | head -1 > robot
   evo-eval --task Catcher-v0 --random --seed 1 --rollout a.h5 robot > one

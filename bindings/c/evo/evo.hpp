@@ -120,7 +120,7 @@ class Task {
   double action_low() const { return facts().action_low; }
   double action_high() const { return facts().action_high; }
 
-  // As --physics and --set of the tools: "fast", a file; "gravity=50".
+  // As --physics and --set of the tools: "paper", a file; "gravity=50".
   void set_physics(const std::string& profile_or_file) {
     detail::check(evo_task_set_physics(handle_.get(), profile_or_file.c_str()));
   }

@@ -64,8 +64,7 @@ class Environment(gymnasium.Env):
 
     task: a benchmark task by name, or a task file of your own. body,
     connections: see ``evo_robots.robots``; ``robot`` takes a file or a document
-    instead. fast, physics, settings: as --fast, --physics and --set of the
-    tools. jitter: every start coordinate is moved by up to this, voxels.
+    instead. physics, settings: as --physics and --set of the tools. jitter: every start coordinate is moved by up to this, voxels.
     max_episode_steps: steps after which an episode is truncated [the task's];
     -1 for none.
 
@@ -92,13 +91,12 @@ class Environment(gymnasium.Env):
         jitter: float = 0.0,
         max_episode_steps: int | None = None,
         seed: int = 0,
-        fast: bool = False,
         physics: str | None = None,
         settings: Mapping[str, Any] | None = None,
     ) -> None:
         self.render_mode = known_render_mode(render_mode)
         self.simulator = only_robot(
-            Simulator(task, the_robot(body, connections, robot), seed=seed, fast=fast,
+            Simulator(task, the_robot(body, connections, robot), seed=seed,
                       physics=physics, settings=settings), 1)
         self._limit = time_limit(max_episode_steps, self.simulator)
         self._steps, self._return = 0, 0.0

@@ -379,13 +379,11 @@ def count_of(name: str, *arguments: Any) -> int:
     return count.value
 
 
-def task_of(task: Any, fast: bool, physics: Any, settings: Any) -> Handle:
-    """A task by name or file, with its physics changed as --fast, --physics and --set do."""
-    if fast and physics not in (None, "fast"):
-        raise ValueError(f"fast means physics='fast' and does not go with {physics!r}")
+def task_of(task: Any, physics: Any, settings: Any) -> Handle:
+    """A task by name or file, with its physics changed as --physics and --set do."""
     opened = Handle("task", "evo_task_open", text_of(task))
-    if fast or physics is not None:
-        call("evo_task_set_physics", opened, b"fast" if fast else text_of(physics))
+    if physics is not None:
+        call("evo_task_set_physics", opened, text_of(physics))
     for key, value in (settings or {}).items():
         call("evo_task_set", opened, f"{key}={value}".encode())
     return opened

@@ -251,7 +251,7 @@ def train(task: Any, robot: Any, *, steps: int | None = None, seed: int = 0,
     evo-train does, to the same bytes; with a Task of one's own by the same PPO.
 
     steps: environment steps [the profile's]. profile, settings: as --train and --train-set of
-    evo-train. fast, physics, settings of the physics as ``physics_settings``: for tasks of the suite.
+    evo-train. physics, settings of the physics as ``physics_settings``: for tasks of the suite.
     progress: True shows a bar by tqdm; a function is called with the steps so far. Ctrl-C ends it.
     """
     known = robot if isinstance(robot, Robot) else Robot(robot)
@@ -263,8 +263,7 @@ def train(task: Any, robot: Any, *, steps: int | None = None, seed: int = 0,
             if physics:
                 raise TypeError(f"a Task says its physics itself: {', '.join(physics)} has no place here")
             return _train_own(task, known, wanted, report)
-        opened = task_of(task, physics.pop("fast", False), physics.pop("physics", None),
-                         physics.pop("physics_settings", None))
+        opened = task_of(task, physics.pop("physics", None), physics.pop("physics_settings", None))
         if physics:
             raise TypeError(f"train() does not know {', '.join(physics)}")
         return _train_known(opened, known, wanted, report)

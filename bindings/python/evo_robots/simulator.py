@@ -89,11 +89,10 @@ class Simulator:
         *,
         seed: int = 0,
         jobs: int = 1,
-        fast: bool = False,
         physics: Any = None,
         settings: Mapping[str, Any] | None = None,
     ) -> None:
-        self._task = task_of(task, fast, physics, settings)
+        self._task = task_of(task, physics, settings)
         known = robots_of(robots)
         self._open(known, envs, jobs)
         self._seed = whole64("seed", seed)
@@ -114,7 +113,7 @@ class Simulator:
         # What makes another one of the same.
         self._made = dict(
             task=task, robots=[json.loads(robot.json) for robot in described], envs=envs, jobs=jobs,
-            seed=seed, fast=fast, physics=physics,
+            seed=seed, physics=physics,
             settings=None if settings is None else dict(settings))
 
     def _open(self, robots: Handle, envs: int, jobs: int) -> None:

@@ -41,7 +41,6 @@ class VectorEnvironment(VectorEnv):
         max_episode_steps: int | None = None,
         seed: int = 0,
         jobs: int = 1,
-        fast: bool = False,
         physics: str | None = None,
         settings: Mapping[str, Any] | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
@@ -49,7 +48,7 @@ class VectorEnvironment(VectorEnv):
         self.render_mode = known_render_mode(render_mode)
         self.simulator = only_robot(
             Simulator(task, the_robot(body, connections, robot), num_envs, seed=seed, jobs=jobs,
-                      fast=fast, physics=physics, settings=settings), num_envs)
+                      physics=physics, settings=settings), num_envs)
         self._limit = time_limit(max_episode_steps, self.simulator)
         self._steps = np.zeros(num_envs, int)
         self.num_envs = num_envs

@@ -156,7 +156,7 @@ class One(unittest.TestCase):
             env.close()
             return observation
         plain = after()
-        for changed in ({"settings": {"gravity": 50}}, {"fast": True}, {"jitter": 1e-3}):
+        for changed in ({"settings": {"gravity": 50}}, {"jitter": 1e-3}):
             self.assertFalse(np.array_equal(plain, after(**changed)), changed)
         with self.assertRaises(ValueError):
             gymnasium.make("evo/Walker-v0")
@@ -327,7 +327,6 @@ class Benchmark(unittest.TestCase):
 
     def test_they_are_the_tasks(self):
         from evo_robots.evogym import envs
-        from evo_robots.evogym.sim import PHYSICS
 
         self.assertEqual(sorted(envs.CLASSES), sorted(evo_robots.TASKS))
         rng = np.random.default_rng(0)
@@ -339,7 +338,7 @@ class Benchmark(unittest.TestCase):
             observation, _ = env.reset(seed=1)
             random.seed(7)
             draws = kind._draws(env.unwrapped)
-            twin = evo_robots.Simulator(name, WALKER, physics=PHYSICS)
+            twin = evo_robots.Simulator(name, WALKER)
             seen = twin.reset(draws=draws)
             np.testing.assert_array_equal(observation, seen.observations[0])
             for action in actions:

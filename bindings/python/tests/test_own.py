@@ -186,7 +186,7 @@ class Training(unittest.TestCase):
             with self.assertRaisesRegex(EvoError, message):
                 wrong()
         with self.assertRaises(TypeError):
-            evo_robots.train(Walk, WALKER, fast=True)
+            evo_robots.train(Walk, WALKER, physics="paper")
 
     def test_numbers_of_a_training_are_not_cut(self):
         for wrong in ({"steps": (1 << 64) + 2048}, {"seed": (1 << 64) + 3}, {"seed": -1},

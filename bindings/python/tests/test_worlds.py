@@ -151,7 +151,7 @@ class Worlds(unittest.TestCase):
                 (lambda: world.move("lift", 1, 1), "did you mean 'left'"),
                 (lambda: Simulations(World()), "no objects"),
                 (lambda: Simulations(world, 0), "simulations"),
-                (lambda: Simulations(world, physics="fats"), "fast"),
+                (lambda: Simulations(world, physics="papper"), "paper"),
                 (lambda: sims.step([[np.nan] * 8]), "finite")):
             with self.assertRaisesRegex(EvoError, message):
                 wrong()

@@ -239,7 +239,7 @@ TEST_CASE("c: two robots in one world, in simulations of their own") {
   evo_sims_free(others);
   evo_sims* of_another_world = nullptr;
   REQUIRE(evo_world_move(again, "left", 5, 1) == EVO_OK);
-  REQUIRE(evo_sims_open(again, "fast", 1, 1, &of_another_world) == EVO_OK);
+  REQUIRE(evo_sims_open(again, "paper", 1, 1, &of_another_world) == EVO_OK);
   REQUIRE(evo_sims_save(sims, 0, &state, &count) == EVO_OK);
   fails(EVO_DATA, "another world", evo_sims_restore(of_another_world, 0, state, count));
   evo_free(state);
@@ -279,7 +279,7 @@ TEST_CASE("c: objects that cannot stand in a world are refused") {
   fails(EVO_USAGE, "simulations", evo_sims_open(world, nullptr, 0, 1, &sims));
   CHECK(sims == before);  // a failed call changes nothing
   evo_sims_free(sims);
-  fails(EVO_USAGE, "fast", evo_sims_open(world, "fats", 1, 1, &sims));
+  fails(EVO_USAGE, "paper", evo_sims_open(world, "papper", 1, 1, &sims));
   evo_world_free(world);
 }
 

@@ -148,7 +148,7 @@ TEST_CASE("api: physics can be changed, of one task and not of its copy") {
   const libevo::Task plain("Walker-v0");
   libevo::Task changed = plain;
   changed.set("gravity=50");
-  changed.set_physics("fast");
+  changed.set_physics("paper");
   changed.set("gravity=55");
   const auto after = [](const libevo::Task& task) {
     libevo::VectorEnv envs(task, {walker});

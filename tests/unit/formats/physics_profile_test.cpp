@@ -52,19 +52,6 @@ TEST_CASE("the profile paper differs in contact, friction, soft cells and actuat
   CHECK(load_physics("paper", data) == expected);
 }
 
-TEST_CASE("the profile fast differs in arithmetic alone, which others do not mention") {
-  Physics expected;
-  expected.arithmetic = Arithmetic::fast;
-  CHECK(load_physics("fast", data) == expected);
-  CHECK(read(physics_to_yaml(expected)) == expected);
-  CHECK(physics_to_yaml(Physics{}).find("arithmetic") == std::string::npos);
-  CHECK(read("base: fast\narithmetic: exact\n") == Physics{});
-  CHECK(message("arithmetic: quick\n").find("exact or fast is expected for 'arithmetic'") !=
-        std::string::npos);
-  CHECK(override_message("arithmetic=1") ==
-        "exact or fast is expected for 'arithmetic', found '1'");
-}
-
 TEST_CASE("a profile gives what differs from its base") {
   Physics expected = load_physics("paper", data);
   expected.gravity = 50.0;
@@ -99,11 +86,7 @@ TEST_CASE("a written profile is read back to the same bits") {
 TEST_CASE("every constant can be overridden") {
   for (const std::string& key : physics_keys()) {
     Physics physics;
-    const std::string value = key == "min_target"         ? "1"
-                              : key == "arithmetic"       ? "fast"
-                              : key == "contact_rounding" ? "package"
-                                                          : "7";
-    apply_override(physics, key + "=" + value);
+    apply_override(physics, key + (key == "min_target" ? "=1" : "=7"));
     INFO(key);
     CHECK_FALSE(physics == Physics{});
   }
@@ -138,7 +121,7 @@ TEST_CASE("mistakes in profiles are named with their place") {
                   "'edge'?)") == 0);
   CHECK(message("base: papper\n")
             .find("p.yaml:1:7: unknown physics profile 'papper' (did you mean "
-                  "'paper'?); allowed: evogym, fast, package, paper") == 0);
+                  "'paper'?); allowed: evogym, paper") == 0);
   CHECK(message("base: ./nowhere.yaml\n").find("p.yaml:1:7: ") == 0);
   CHECK(message("format: evo/task\n") ==
         "p.yaml:1:9: format 'evo/physics' is expected, found 'evo/task'");

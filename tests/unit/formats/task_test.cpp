@@ -83,8 +83,8 @@ world:
   CHECK(again.rules.size() == base.rules.size());
 
   CHECK(parse_task(easier + "steps: 7\n", "t.yaml", "", data).episode_steps == 7);
-  CHECK(parse_task(easier + "physics: fast\n", "t.yaml", "", data).physics ==
-        load_physics("fast", data));
+  CHECK(parse_task(easier + "physics: paper\n", "t.yaml", "", data).physics ==
+        load_physics("paper", data));
 }
 
 TEST_CASE("an easier world has a name, and is none of the tasks that are listed") {

@@ -133,18 +133,12 @@ std::size_t count_wrong_quotients(const double* a, const double* divisors, std::
 
 // Control steps of one lane, with two of three roots and quotients from the
 // multipliers, whatever the width.
-#if HWY_NATIVE_FMA
-using Helped =
-    SideBySide<Arithmetic::exact, hn::MaxLanes(hn::ScalableTag<double>()), Divider::helped>;
-#else
-using Helped =
-    SideBySide<Arithmetic::exact, hn::MaxLanes(hn::ScalableTag<double>()), Divider::alone>;
-#endif
+using Helped = SideBySide<HWY_NATIVE_FMA ? Divider::helped : Divider::alone>;
 #if HWY_TARGET != HWY_SCALAR
-using Narrow = Alone<Arithmetic::exact, 4>;
-using Wide = Alone<Arithmetic::exact, 8>;
+using Narrow = Alone<4>;
+using Wide = Alone<8>;
 #else
-using Narrow = SideBySide<Arithmetic::exact, 1>;
+using Narrow = SideBySide<Divider::alone>;
 using Wide = Narrow;
 #endif
 

@@ -111,26 +111,11 @@ class Plain {
     std::fill(contact_.begin(), contact_.end(), Vector{});
     boxes_.clear();
     for (const SurfaceCell& c : world_.surface) boxes_.push_back(box(c));
-    if (as_package_) find_node_boxes();
+    find_node_boxes();
     const int objects = static_cast<int>(world_.objects.size());
-    if (as_package_) {
-      for (int i = 0; i < objects; ++i)
-        for (int j = i; j < objects; ++j) search(i, root(i), j, root(j));
-      return;
-    }
-    for (int i = 0; i < objects; ++i) {
-      self_contacts(world_.surface_ranges[at(i)]);
-      for (int j = i + 1; j < objects; ++j) {
-        if (world_.objects[at(i)].is_static && world_.objects[at(j)].is_static) continue;
-        const SurfaceRange a = world_.surface_ranges[at(i)];
-        const SurfaceRange b = world_.surface_ranges[at(j)];
-        for (int m = a.first; m < a.first + a.count; ++m)
-          for (int n = b.first; n < b.first + b.count; ++n) pair(m, n);
-      }
-    }
+    for (int i = 0; i < objects; ++i)
+      for (int j = i; j < objects; ++j) search(i, root(i), j, root(j));
   }
-
-  // ---- the package's search, ContactRounding::package ----
 
   const BoundingTree& tree(int object) const { return world_.trees[at(object)]; }
   int root(int object) const { return static_cast<int>(tree(object).nodes.size()) - 1; }
@@ -179,19 +164,6 @@ class Plain {
     }
   }
 
-  // ---- ContactRounding::cells ----
-
-  // Every unordered pair twice: of the orders tried, this one agreed best with the
-  // benchmark's trajectories.
-  void self_contacts(const SurfaceRange& range) {
-    for (int m = range.first + range.count - 1; m >= range.first; --m) {
-      for (int n = m - 1; n >= range.first; --n) {
-        pair(m, n);
-        pair(n, m);
-      }
-    }
-  }
-
   void pair(int m, int n) {
     if (!overlap(boxes_[at(m)], boxes_[at(n)])) return;
     cell_against_cell(world_.surface[at(m)], world_.surface[at(n)]);
@@ -201,11 +173,7 @@ class Plain {
   void cell_against_cell(const SurfaceCell& a, const SurfaceCell& b) {
     static constexpr int probes[4][2] = {
         {top, left}, {top, right}, {bottom, left}, {bottom, right}};
-    static constexpr std::array<std::size_t, 4> rows{top_left, top_right, bottom_left,
-                                                     bottom_right};
-    static constexpr std::array<std::size_t, 4> round{top_left, top_right, bottom_right,
-                                                      bottom_left};
-    for (const std::size_t k : as_package_ ? round : rows)
+    for (const std::size_t k : {top_left, top_right, bottom_right, bottom_left})  // round the cell
       point_against_cell(a.corners[k], a.edges[at(probes[k][0])], a.edges[at(probes[k][1])], b);
   }
 
@@ -269,7 +237,7 @@ class Plain {
     const Vector along = p_[at(b)] - p_[at(a)];
     const Vector n = Vector{-along.y, along.x} / norm(along);
     const Vector force = n * physics_.contact_stiffness * (depth + physics_.contact_margin);
-    const Vector direction = as_package_ ? n / norm(n) : n;
+    const Vector direction = n / norm(n);
     const auto damping = [&](int i) {
       return direction * dot(direction, true_velocity(i)) * physics_.contact_damping;
     };
@@ -286,7 +254,7 @@ class Plain {
     }
     const double pressure = norm(force);
     const double sliding = slip / (physics_.friction_coefficient * pressure);
-    const double grip = as_package_ ? math::reference_tanh(sliding) : math::tanh(sliding);
+    const double grip = math::reference_tanh(sliding);
     const Vector friction =
         t * -1.0 * physics_.friction_multiplier * physics_.friction_coefficient * pressure * grip;
     contact_[at(point)] += friction;
@@ -398,7 +366,6 @@ class Plain {
   const Model::Compiled& world_;
   const Physics& physics_;
   State& state_;
-  const bool as_package_ = physics_.contact_rounding == ContactRounding::package;
   std::vector<Vector> p_, v_, last_, contact_;  // by reference, static points included
   std::vector<double> goal_, length_;           // of every spring
   std::vector<Box> boxes_;                      // of every surface cell, at the substep's start

@@ -18,8 +18,8 @@ double largest_difference(std::span<const Vec2> a, std::span<const Vec2> b) {
 }
 
 // Of any position over all steps; a folded step leaves the snapshot before it.
-double error_of(const ReferenceCase& reference, const Physics& physics = {}) {
-  const Model model(reference.world, physics);
+double error_of(const ReferenceCase& reference) {
+  const Model model(reference.world, Physics{});
   REQUIRE(model.points() == reference.points);
   State state = initial_state(model);
   std::vector<Vec2> positions(static_cast<std::size_t>(model.points()));
@@ -40,28 +40,10 @@ double error_of(const ReferenceCase& reference, const Physics& physics = {}) {
 
 }  // namespace
 
-// Required are 1e-9, and for Traverser-v0 that over its first 8 steps only; in
-// fact every case stays below 1e-10 over its whole length.
-TEST_CASE("reference trajectories are reproduced") {
+TEST_CASE("every reference trajectory is reproduced to the last bit") {
   const std::vector<std::string> names = reference_names();
   REQUIRE(names.size() >= 64);
   for (const std::string& name : names) {
-    INFO(name);
-    CHECK(error_of(read_reference(name)) < 1e-10);
-  }
-}
-
-TEST_CASE("with the package's rounding, every reference trajectory is reproduced to the last bit") {
-  Physics physics;
-  physics.contact_rounding = ContactRounding::package;
-  for (const std::string& name : reference_names()) {
-    INFO(name);
-    CHECK(error_of(read_reference(name), physics) == 0.0);
-  }
-}
-
-TEST_CASE("some reference trajectories are reproduced to the last bit") {
-  for (const char* name : {"Walker-v0_A", "Catcher-v0_A", "GapJumper-v0_B", "extra/floor"}) {
     INFO(name);
     CHECK(error_of(read_reference(name)) == 0.0);
   }

@@ -1,7 +1,7 @@
 """Evolution Gym's own names over this simulator: ``EvoWorld``, ``WorldObject``, ``EvoSim``,
 ``EvoViewer``, the helpers for robots, and in ``evo_robots.evogym.envs`` the 32 environments
 and the base classes for tasks of one's own. They mean what they mean there, to the last bit of
-the physics (``evo_robots.evogym.sim.PHYSICS``). Targets of actuators outside of 0.6 to 1.6 are clipped, which there the base classes do.
+the physics. Targets of actuators outside of 0.6 to 1.6 are clipped, which there the base classes do.
 
     python -m evo_robots.evogym script.py    runs a script that says "import evogym"."""
 

@@ -17,11 +17,6 @@ __all__ = ["EvoSim"]
 ACTUATORS = (VOXEL_TYPES["H_ACT"], VOXEL_TYPES["V_ACT"])
 
 
-# The physics of all simulations here: the benchmark's, its last bits of contact included. Of the
-# suite's other tools, "evogym" is the default, which is 8 % faster and has other last bits.
-PHYSICS = "package"
-
-
 class EvoSim:
     """Steps a world, and keeps what was at every time since the reset. Positions are in
     voxels, [2, n]; time counts control steps."""
@@ -36,7 +31,7 @@ class EvoSim:
             built.add(name, structure, *obj.get_pos(), obj.get_connections())
             if np.isin(structure, ACTUATORS).any():
                 self._actuators[name] = np.flatnonzero(np.isin(structure, ACTUATORS))
-        self._sims = Simulations(built, physics=PHYSICS)
+        self._sims = Simulations(built)
         self._objects = {name: found.points for name, found in self._sims.objects.items()}
         self._targets = np.ones((1, self._sims.num_actuators))
         self._history: list[tuple[np.ndarray, np.ndarray]] = []
@@ -173,7 +168,7 @@ class TaskSim(EvoSim):
 
     def __init__(self, task: str, body: Any, connections: Any) -> None:
         structure = np.asarray(body).astype(int)
-        self.simulator = Simulator(task, (structure, connections), physics=PHYSICS)
+        self.simulator = Simulator(task, (structure, connections))
         self._actuators = {"robot": np.flatnonzero(np.isin(structure, ACTUATORS))}
         self._targets = np.ones((1, len(self._actuators["robot"])))
         self._history = []

@@ -1,0 +1,45 @@
+// Pushing, the second of the two steps of contact.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "libevo/sim/contact_order.h"
+
+namespace evo {
+
+// What pushes are worked out in, one per thread, so that pushing does not allocate.
+struct ContactPushes {
+  // Forces of a contact: on a point, and, the other way, on the ends of the edge it crossed.
+  struct Push {
+    std::int32_t point = 0;
+    std::array<std::int32_t, 2> edge{};
+    contact::Vector on_point;
+    std::array<contact::Vector, 2> on_edge;
+    contact::Vector friction;  // on the point; half of it on either end
+  };
+  // Of corners of the first of two cells, then of those of the second: [first, middle) and
+  // [middle, last) of `all`.
+  struct OfCells {
+    std::uint32_t first = 0;
+    std::uint32_t middle = 0;
+    std::uint32_t last = 0;
+  };
+  std::vector<Push> all;
+  std::vector<OfCells> of_cells;
+  std::vector<contact::Meeting> meetings;
+
+  std::size_t bytes() const {
+    return all.capacity() * sizeof(Push) + of_cells.capacity() * sizeof(OfCells) +
+           meetings.capacity() * sizeof(contact::Meeting);
+  }
+};
+
+// Adds the forces of the candidates that are inside (contact_look-inl.h finds them), of one
+// environment; true if there were any.
+bool push_contacts(const Model::Compiled& world, std::span<const ContactCandidate* const> inside,
+                   const PointView& points, ContactLists& lists, ContactPushes& memory);
+
+}  // namespace evo

@@ -1,9 +1,9 @@
 // Tasks and robots of evo/evo.h.
-#include <fmt/ranges.h>
 
 #include "bindings/c/handles.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
+#include "libevo/base/join.h"
 
 using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;
@@ -86,9 +86,7 @@ int evo_task_describe(const evo_task* task, evo_task_facts* facts, size_t size) 
 }
 
 int evo_task_names(char** names) {
-  return guarded([&] {
-    give(fmt::format("{}", fmt::join(evo::task_names(data_folders()), "\n")), names, "names");
-  });
+  return guarded([&] { give(evo::joined(evo::task_names(data_folders()), "\n"), names, "names"); });
 }
 
 int evo_robots_read(const char* file, evo_robots** robots) {

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "libevo/base/error.h"
+#include "libevo/base/join.h"
 
 namespace evo {
 namespace fs = std::filesystem;
@@ -41,7 +42,7 @@ fs::path data_root(const std::vector<fs::path>& candidates) {
   throw error(
       Failure::no_input,
       "the tasks are neither in {}; name the folder that holds tasks/ and scripts/ in EVO_DATA",
-      fmt::join(seen, " nor in "));
+      joined(seen, " nor in "));
 }
 
 DataFolders data_folders(const fs::path& root) {

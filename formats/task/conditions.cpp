@@ -1,8 +1,8 @@
 // Conditions of rules and reward terms: how each is read, written and told.
-#include <fmt/ranges.h>
 
 #include "formats/task/pieces.h"
 #include "formats/task/world.h"
+#include "libevo/base/join.h"
 
 namespace evo {
 namespace {
@@ -53,7 +53,7 @@ struct Form<Position> {
     bound("<", c.below);
     bound(">=", c.at_least);
     bound("<=", c.at_most);
-    return fmt::format("{}", fmt::join(bounds, " and "));
+    return joined(bounds, " and ");
   }
 };
 
@@ -114,7 +114,7 @@ std::string conditions_to_words(const std::vector<Condition>& conditions, const 
   for (const Condition& condition : conditions)
     parts.push_back(
         std::visit([&]<typename T>(const T& c) { return Form<T>::words(c, physics); }, condition));
-  return fmt::format("{}", fmt::join(parts, " and "));
+  return joined(parts, " and ");
 }
 
 }  // namespace evo

@@ -1,8 +1,8 @@
 // Observation parts: how each is read, written and told.
-#include <fmt/ranges.h>
 
 #include "formats/task/pieces.h"
 #include "formats/task/world.h"
+#include "libevo/base/join.h"
 
 namespace evo {
 namespace {
@@ -82,15 +82,13 @@ struct ClearanceForm {
     std::vector<std::string> over;
     for (const std::string& object : part.over) over.push_back(yaml_scalar(object));
     return fmt::format("{{width: {}, range: {}{}}}", part.width, part.range,
-                       over.empty() ? "" : fmt::format(", over: [{}]", fmt::join(over, ", ")));
+                       over.empty() ? "" : fmt::format(", over: [{}]", joined(over, ", ")));
   }
   static std::string words(const Clearance& part, const char* side, const Physics& physics) {
     return fmt::format(
         "distance {} the robot's centre to the nearest point of {}, in {} columns one voxel wide, "
         "at most {}",
-        side,
-        part.over.empty() ? "all objects but the robot"
-                          : fmt::format("{}", fmt::join(part.over, ", ")),
+        side, part.over.empty() ? "all objects but the robot" : joined(part.over, ", "),
         2 * part.width + 1, length_text(part.range, physics));
   }
 };

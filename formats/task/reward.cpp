@@ -1,8 +1,8 @@
 // Reward terms: how each is read, written and told.
-#include <fmt/ranges.h>
 
 #include "formats/task/pieces.h"
 #include "formats/task/world.h"
+#include "libevo/base/join.h"
 #include "libevo/base/overloaded.h"
 
 namespace evo {
@@ -136,8 +136,7 @@ PieceNode read_term_key(const YamlNode& node, const Scope& scope) {
     piece.emplace(PieceNode{key, value, scope});
   }
   if (!piece)
-    throw node.error(
-        fmt::format("a reward term is expected: {}", fmt::join(names_of<Term>(), ", ")));
+    throw node.error(fmt::format("a reward term is expected: {}", joined(names_of<Term>(), ", ")));
   return *piece;
 }
 

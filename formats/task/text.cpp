@@ -1,13 +1,12 @@
 #include "formats/task/text.h"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "formats/task/drawing.h"
 #include "formats/task/pieces.h"
+#include "libevo/base/join.h"
 #include "libevo/task/env.h"
 
 namespace evo {
@@ -34,7 +33,7 @@ std::string length_formula(const TaskSpec& task) {
 std::string observation_summary(const TaskSpec& task) {
   std::vector<std::string> names;
   for (const ObservationPart& part : task.observation) names.push_back(part_name(part));
-  return fmt::format("{}", fmt::join(names, ", "));
+  return joined(names, ", ");
 }
 
 std::string rule_text(const Rule& rule, const Physics& physics) {
@@ -46,7 +45,7 @@ std::string rule_text(const Rule& rule, const Physics& physics) {
 std::string rules_summary(const TaskSpec& task) {
   std::vector<std::string> rules;
   for (const Rule& rule : task.rules) rules.push_back(rule_text(rule, task.physics));
-  return rules.empty() ? "-" : fmt::format("{}", fmt::join(rules, "; "));
+  return rules.empty() ? "-" : joined(rules, "; ");
 }
 
 // ---- the whole --------------------------------------------------------------------
@@ -142,8 +141,7 @@ std::string describe_task(const TaskSpec& task, const Body& robot) {
   if (!task.difficulty.empty()) text += " (" + task.difficulty + ")";
   text += "\n";
   if (!task.description.empty()) text += task.description + "\n";
-  if (!task.aliases.empty())
-    text += fmt::format("also called: {}\n", fmt::join(task.aliases, ", "));
+  if (!task.aliases.empty()) text += fmt::format("also called: {}\n", joined(task.aliases, ", "));
   text += fmt::format("episode: {} steps\naction: {} targets in [{}, {}]\n\n", task.episode_steps,
                       arena.action_length(), number_text(task.physics.min_target),
                       number_text(task.physics.max_target));
@@ -184,7 +182,7 @@ std::string plain_table(const std::vector<Row>& rows) {
 std::string markdown_table(const std::vector<Row>& rows) {
   std::string text;
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    text += fmt::format("| {} |\n", fmt::join(rows[r], " | "));
+    text += fmt::format("| {} |\n", joined(rows[r], " | "));
     if (r != 0) continue;
     for (std::size_t i = 0; i < rows[r].size(); ++i) text += "|---";
     text += "|\n";

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "formats/io/values.h"
+#include "libevo/base/join.h"
 #include "render/report/choice.h"
 #include "render/report/markup.h"
 #include "render/report/verdict.h"
@@ -34,9 +35,9 @@ std::string verdict_card(const Run& run) {
   const char* look = verdict.level == Verdict::Level::good    ? "good"
                      : verdict.level == Verdict::Level::doubt ? "doubt"
                                                               : "bad";
-  std::string html = fmt::format("<section class=\"card verdict {}\">\n<h3>{}</h3>\n<p>{}</p>\n",
-                                 look, escape(verdict.headline),
-                                 escape(fmt::format("{}", fmt::join(verdict.sentences, " "))));
+  std::string html =
+      fmt::format("<section class=\"card verdict {}\">\n<h3>{}</h3>\n<p>{}</p>\n", look,
+                  escape(verdict.headline), escape(joined(verdict.sentences, " ")));
   return html + "</section>\n";
 }
 
@@ -124,7 +125,7 @@ std::string kinds_of(const Body& body) {
       parts.push_back(
           fmt::format("<span class=\"part\"><span class=\"swatch {0}\"></span>{1} {0}</span>",
                       kind_name(kind), count));
-  return fmt::format("{}", fmt::join(parts, ", "));
+  return joined(parts, ", ");
 }
 
 // ---- the champion ------------------------------------------------------------------------

@@ -1,12 +1,13 @@
 #include "render/report/page.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <ctime>
 
 #include "formats/io/values.h"
+#include "libevo/base/join.h"
 #include "render/report/assets.h"
 #include "render/report/cards.h"
 #include "render/report/charts.h"
@@ -283,8 +284,8 @@ std::string answer_card(const std::string& task, const std::vector<const Run*>& 
                              : fmt::format("Each run evolves robots to {}; what counts is the "
                                            "fitness of its best robot. ",
                                            purpose)),
-      escape(fmt::format("{}", fmt::join(comparison.sentences, " "))),
-      champions_of(comparison, runs), table_head(columns), rows,
+      escape(joined(comparison.sentences, " ")), champions_of(comparison, runs),
+      table_head(columns), rows,
       "Runs count as far as the shortest of them goes. In brackets the 95 % interval of the median "
       "(percentile bootstrap, 10 000 resamples); &ldquo;ahead in&rdquo; is Vargha and "
       "Delaney&rsquo;s A, 50 % where there is no difference; p is of Mann and Whitney&rsquo;s U "
@@ -354,7 +355,12 @@ std::string default_title(const std::vector<Run>& runs) {
 // "; trained on 2026-11-22 on host with evo-train 1.2", as far as it is known.
 std::string when_and_where(const Run& run) {
   std::string text;
-  if (run.ended > 0) text += fmt::format(" on {:%Y-%m-%d}", fmt::gmtime(run.ended));
+  if (run.ended > 0) {
+    std::array<char, 16> day{};
+    const std::time_t ended = run.ended;
+    std::strftime(day.data(), day.size(), " on %Y-%m-%d", std::gmtime(&ended));
+    text += day.data();
+  }
   if (run.machines.size() == 1) text += " on " + escape(run.machines.front());
   if (run.machines.size() > 1) text += " on " + count_of(run.machines.size(), "machine");
   if (run.champion)

@@ -8,6 +8,7 @@
 #include "formats/rollout/ending.h"
 #include "formats/task/yaml.h"
 #include "libevo/base/error.h"
+#include "libevo/base/join.h"
 #include "libevo/task/contacts.h"
 #include "render/scene/camera.h"
 #include "render/scene/force.h"
@@ -104,7 +105,7 @@ std::vector<int> followed(const Rollout& rollout, const Mesh& mesh,
       std::vector<std::string> known;
       for (const ModelObject& each : mesh.objects) known.push_back(each.name);
       throw error(Failure::usage, "the camera cannot follow '{}': the objects are {}{}", name,
-                  fmt::join(known, ", "), did_you_mean(name, known));
+                  joined(known, ", "), did_you_mean(name, known));
     }
     for (std::size_t k = 0; k < mesh.objects.size(); ++k)  // of a race, there are several
       if (mesh.objects[k].name == name) objects.push_back(static_cast<int>(k));

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cli/command.h"
-#include "evolution/breeding.h"
+#include "formats/robot/children.h"
 
 namespace evo::cli {
 

@@ -1,4 +1,4 @@
-// Where the tools find tasks, profiles and pipelines by name.
+// Where the tools find tasks, profiles and recipes by name.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace evo::cli {
 
-// The folder that holds tasks/ and scripts/: $EVO_DATA; else the one installed
+// The folder that holds tasks/: $EVO_DATA; else the one installed
 // with the running executable, wherever its prefix was moved; else the checkout
 // the executable was built in. Throws Error(no_input) when there is none.
 std::filesystem::path data_root();

@@ -13,7 +13,6 @@
 #include "formats/run/neat.h"
 #include "formats/run/neat_ini.h"
 #include "formats/run/run.h"
-#include "formats/run/steady.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
 #include "formats/task/text.h"
@@ -71,13 +70,6 @@ std::string describe_run(const std::string& text, const std::string& name) {
   return told;
 }
 
-std::string describe_steady_state(const std::string& text, const std::string& name) {
-  const SteadyState state = parse_steady_state(text, name);
-  return fmt::format(
-      "{}: state of a run without generations, {} robots proposed, {} scores known\n",
-      printable(name), state.robots, state.method.told);
-}
-
 std::string describe_world(const std::string& text, const std::string& name) {
   const World world = evogym_world_from_json(parse_json(text, name), name);
   std::string told = fmt::format("{}: world of the design tool, {} objects\n", printable(name),
@@ -109,8 +101,7 @@ std::optional<Kind> kind_of(const std::string& text) {
   static const std::vector<Kind> kinds{
       {format::task.name, describe_task_file},        {format::physics.name, describe_physics},
       {format::training.name, describe_training},     {format::neat.name, describe_neat_settings},
-      {format::neat_state.name, describe_neat_state}, {format::run.name, describe_run},
-      {format::steady.name, describe_steady_state}};
+      {format::neat_state.name, describe_neat_state}, {format::run.name, describe_run}};
   const std::string found = format_of(text);
   for (const Kind& kind : kinds)
     if (kind.name == found) return kind;

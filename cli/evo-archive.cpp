@@ -3,7 +3,7 @@
 
 #include "cli/command.h"
 #include "cli/robots.h"
-#include "evolution/archive.h"
+#include "formats/robot/archive.h"
 #include "formats/robot/writer.h"
 
 namespace {

@@ -58,10 +58,6 @@ void keep_one_of_each(std::vector<Robot>& robots) {
   robots = std::move(kept);
 }
 
-std::string letters(const Body& body) {
-  return fmt::format("{}\n", fmt::join(body.to_rows(), "\n"));
-}
-
 void write_text(const std::string& output, const std::string& text) {
   if (output != standard_stream) return write_file(output, text);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
@@ -74,6 +70,49 @@ const Robot& single(const std::vector<Robot>& robots, const std::string& format)
     throw error(Failure::usage, "--to {} writes one robot, but {} were read", format,
                 robots.size());
   return robots.front();
+}
+
+// Robots as proposed: what trainings and operators of another run said of them goes.
+void keep_bodies(std::vector<Robot>& robots) {
+  for (Robot& robot : robots) robot = Robot(robot.body);
+}
+
+// An evolution cannot go on from robots that have all failed.
+void need_fitness(const std::vector<Robot>& robots) {
+  std::map<std::string, int> reasons;
+  for (const Robot& robot : robots) {
+    if (robot.fitness()) return;
+    const auto failure = robot.failure();
+    ++reasons[failure ? failure->why : "no fitness"];
+  }
+  std::string why = "none was read";
+  int most = 0;
+  for (const auto& [reason, times] : reasons)
+    if (times > most) {
+      most = times;
+      why = fmt::format("{} x {}", times, reason);
+    }
+  throw error(Failure::data,
+              "none of {} robots has a fitness ({}), so there is nothing to evolve from; when the "
+              "cause is mended, remove their files and give the same command again",
+              robots.size(), why);
+}
+
+void write_ids(const std::vector<std::string>& files, const std::string& output) {
+  LineWriter out(output);
+  for (const std::string& id : cli::read_ids(files)) out.line(id);
+  out.finish();
+}
+
+// The policy that a robot names, as a file of its own.
+void copy_policy(const std::vector<Robot>& robots, const std::string& output) {
+  const auto policy = single(robots, "policy").policy();
+  if (!policy) throw error(Failure::data, "robot {} has no policy", robots.front().id);
+  write_text(output, read_file(*policy));
+}
+
+std::string letters(const Body& body) {
+  return fmt::format("{}\n", fmt::join(body.to_rows(), "\n"));
 }
 
 // ---- what robots are written as -----------------------------------------------------
@@ -130,6 +169,8 @@ const std::vector<Target>& targets() {
                                         {"text", {".txt"}, write_letters},
                                         {"npz", {".npz"}, write_npz},
                                         {"onnx", {".onnx"}, nullptr},
+                                        {"policy", {}, copy_policy},
+                                        {"ids", {}, nullptr},
                                         {"evogym", {}, write_design},
                                         {"minari", {}, nullptr},
                                         {"task", {}, nullptr}};
@@ -227,13 +268,16 @@ int main(int argc, char** argv) {
   std::optional<std::string> dataset_id;
   std::optional<std::string> body;
   bool unique = false;
+  bool bodies = false;
+  bool fitness_needed = false;
   cli::TaskOptions task;
   command.arguments(files, "FILE",
                     "robots (JSON, JSON Lines, YAML, letters, .npz, design-tool JSON, policies, "
                     "rollouts) or EvoGym experiment folders [standard input]");
   command.option(
       "--to", format, "FORMAT",
-      "jsonl, json (of a policy: all of it), yaml, text, npz, onnx (a policy's network), "
+      "jsonl, json (of a policy: all of it), yaml, text, npz, onnx (a policy's network), policy "
+      "(the one that a robot names), ids (each once, of robots or lists), "
       "evogym (design-tool JSON), task (of a design-tool world) or minari (a dataset "
       "folder of rollouts) [by the ending of -o, else jsonl]");
   command.suggestions("--to", target_names);
@@ -243,6 +287,8 @@ int main(int argc, char** argv) {
                  "of the Minari dataset [evo/<task>/rollouts-v0]");
   command.flag("--unique", unique,
                "each body once, where it first came, with the fitness of its longest training");
+  command.flag("--bodies", bodies, "bodies alone, without fitness, parents and what else is said");
+  command.flag("--need-fitness", fitness_needed, "refuse robots none of which has a fitness");
   command.option("--task", task.task, "TASK",
                  "instead of robots, the world of a task as design-tool JSON");
   command.output_option("where it goes");
@@ -270,10 +316,16 @@ int main(int argc, char** argv) {
       write_task(files, command.output, warn);
       return 0;
     }
+    if (to == "ids") {
+      write_ids(files, command.output);
+      return 0;
+    }
     if (write_policy_document(files, to, body, command.output)) return 0;
     if (target.write == nullptr) throw error(Failure::usage, "--to {} is not for robots", to);
     std::vector<Robot> robots = read_any(files);
     if (unique) keep_one_of_each(robots);
+    if (bodies) keep_bodies(robots);
+    if (fitness_needed) need_fitness(robots);
     target.write(robots, command.output);
     return 0;
   });

@@ -1,4 +1,4 @@
-// evo-data: where tasks, profiles and pipelines are, for make and for scripts.
+// evo-data: where tasks, profiles and recipes are, for scripts.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include "cli/command.h"
 #include "cli/data.h"
 #include "formats/io/data_folders.h"
-#include "formats/run/setting_table.h"
+#include "formats/run/settings.h"
 #include "formats/task/task.h"
 #include "formats/training/training.h"
 #include "libevo/base/error.h"
@@ -17,14 +17,14 @@ namespace {
 using namespace evo;
 namespace fs = std::filesystem;
 
-// "scripts/ga.mk", "tasks", .. as absolute paths. `..` would leave the folder.
+// "tasks/Walker-v0.yaml", "tasks", .. as absolute paths. `..` would leave the folder.
 fs::path locate(const fs::path& root, const std::string& name) {
   const fs::path asked = fs::path(name).lexically_normal();
   const bool inside = asked.is_relative() && *asked.begin() != "..";
   std::error_code missing;
   if (inside && fs::exists(root / asked, missing)) return (root / asked).lexically_normal();
   std::vector<std::string> known;
-  for (const char* folder : {"scripts", "tasks", "tasks/physics", "tasks/training"})
+  for (const char* folder : {"tasks", "tasks/physics", "tasks/training", "tasks/recipes"})
     for (const auto& entry : fs::directory_iterator(root / folder, missing))
       known.push_back(fs::path(folder) / entry.path().filename());
   throw error(Failure::no_input, "{} has no '{}'{}", root.string(), name,
@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
   std::optional<std::string> names;
   std::optional<std::string> schema;
   command.arguments(paths, "PATH",
-                    "files and folders within the data folder, such as scripts/ga.mk or "
+                    "files and folders within the data folder, such as "
                     "tasks/Walker-v0.yaml [the data folder itself]");
   command.option("--names", names, "KIND",
                  "instead of paths: the names of all tasks, or of the profiles in physics or "
@@ -54,8 +54,6 @@ int main(int argc, char** argv) {
   command.option(
       "--schema", schema, "NAME",
       "instead of paths: the JSON Schema of a format whose settings are a table: run or training");
-  command.example("make -f \"$(evo-data scripts/ga.mk)\" RUN=runs/walker TASK=Walker-v0 -j8",
-                  "a pipeline, from any folder");
   command.example("cp \"$(evo-data tasks/Walker-v0.yaml)\" my-walker.yaml",
                   "a task of your own, from one that is there");
   return command.run(argc, argv, [&] {

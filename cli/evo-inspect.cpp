@@ -22,11 +22,13 @@
 #include "formats/io/values.h"
 #include "formats/rollout/ending.h"
 #include "formats/rollout/rollout.h"
+#include "formats/run/settings.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
 #include "formats/task/text.h"
 #include "formats/training/policy.h"
 #include "formats/training/training.h"
+#include "formats/training/training_log.h"
 
 namespace {
 
@@ -249,6 +251,41 @@ void print_work(const cli::RunWork& work) {
   if (!work.failures.empty()) fmt::print("failed       {}\n", cli::tally(work.failures, " x "));
 }
 
+std::string state_word(SlotState state) {
+  switch (state) {
+    case SlotState::waiting:
+      return "waiting";
+    case SlotState::training:
+      return "training";
+    case SlotState::done:
+      return "done";
+    case SlotState::failed:
+      return "failed";
+  }
+  return "";
+}
+
+// What there is to say of a slot in its state: fitness, share done, why it failed.
+std::string detail(const SlotStatus& slot, const RunHistory& history) {
+  if (slot.state == SlotState::done)
+    return fmt::format("{}", *history.robots()[history.by_id().at(slot.robot)].fitness);
+  if (slot.state == SlotState::failed) return cli::printable(slot.why);
+  if (slot.state == SlotState::waiting) return "";
+  const fs::path log = history.folder().log(slot.address.generation, slot.robot);
+  const double steps = history.folder().settings().steps(slot.address.generation);
+  return fmt::format("{:.2f}",
+                     fs::exists(log) ? read_training_log(log).step / std::max(1.0, steps) : 0.0);
+}
+
+void print_slots(const fs::path& folder) {
+  const RunHistory history{RunFolder(folder)};
+  fmt::print("generation\tslot\trobot\tstate\tdetail\n");
+  for (const RunHistory::Generation& generation : history.generations())
+    for (const SlotStatus& slot : history.slots(generation))
+      fmt::print("{}\t{}\t{}\t{}\t{}\n", slot.address.generation, slot.address.slot, slot.robot,
+                 state_word(slot.state), detail(slot, history));
+}
+
 void print_run(const fs::path& folder, bool color) {
   const cli::RunStatus run(folder);
   const RunHistory& history = run.history();
@@ -256,6 +293,12 @@ void print_run(const fs::path& folder, bool color) {
   fmt::print("{}: {} on {}, seed {}\n", cli::printable(folder.string()),
              cli::printable(settings.text("method")), cli::printable(settings.text("task")),
              cli::printable(settings.text("seed")));
+  const auto setting = [&](const std::string& name) {
+    const std::string* value = settings.find(name);
+    return value == nullptr ? std::string() : *value;
+  };
+  fmt::print("command      {}\n", cli::printable(evolve_command(folder.string(), setting)));
+  if (run.folder().is_edited()) fmt::print("Makefile     edited by hand\n");
   fmt::print("robots       {} of {} trained, {} left\n", run.trained(), run.evaluations(),
              run.left());
   fmt::print("generations  {} finished, {} begun\n",
@@ -366,6 +409,7 @@ int main(int argc, char** argv) {
   bool watch = false;
   bool check = false;
   bool replay = false;
+  bool slots = false;
   command.arguments(
       words, "SUBJECT...",
       {{"FILE...", "robots, policies, rollouts, tasks, profiles, NEAT states, worlds, run folders"},
@@ -388,9 +432,12 @@ int main(int argc, char** argv) {
   const cli::Option whole = command.flag(
       "--check", check,
       "read the files, or every file of a run, whole: structure, ids, checksums, fitness");
-  command
-      .flag("--replay", replay, "with --check, run the policies: each earns its fitness again")
+  command.flag("--replay", replay, "with --check, run the policies: each earns its fitness again")
       .needs(whole);
+  command.flag(
+      "--slots", slots,
+      "of a run, a table of all slots: state (waiting, training, done, failed) and fitness, "
+      "share done, or why it failed");
   command.progress_option();
   command.example("evo-inspect tasks", "the benchmark's tasks with difficulty and lengths");
   command.example("evo-inspect task Carrier-v0", "what is observed, rewarded, and ends an episode");
@@ -406,6 +453,11 @@ int main(int argc, char** argv) {
     if (check) {
       if (words.empty()) throw error(Failure::usage, "--check: name files or run folders");
       cli::check_paths(words, replay);
+      return 0;
+    }
+    if (slots) {
+      if (words.size() != 1) throw error(Failure::usage, "--slots: name one run folder");
+      print_slots(words[0]);
       return 0;
     }
     if (watch) {

@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
     for (const Robot& robot : robots) bodies.push_back(robot.body);
     for (int i = 0; i < children; ++i) {
       Child child = breed_new(bodies, breeding, command.seed, i, seen);
-      Proposal proposal{std::move(child.body), MadeBy::mutation};
+      Proposal proposal{std::move(child.body), "evo-mutate"};
       for (const std::size_t parent : child.parents) proposal.parents.push_back(robots[parent].id);
       out.write(robot_of(std::move(proposal), command.seed, i));
     }

@@ -8,7 +8,7 @@
 #include "cli/data.h"
 #include "cli/outputs.h"
 #include "cli/robots.h"
-#include "evolution/breeding.h"
+#include "formats/robot/children.h"
 #include "formats/io/values.h"
 #include "formats/robot/genome.h"
 #include "formats/robot/writer.h"
@@ -101,7 +101,7 @@ int main(int argc, char** argv) {
     for (const CppnRobot& robot : made) {
       std::vector<std::string> ids;
       for (const int key : robot.parents) ids.push_back(parents.ids.at(key));
-      out.write(robot_of({robot.body, MadeBy::neat, std::move(ids), robot.genome}, command.seed,
+      out.write(robot_of({robot.body, "evo-neat", std::move(ids), robot.genome}, command.seed,
                          index++));
     }
     out.finish();

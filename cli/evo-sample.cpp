@@ -3,7 +3,7 @@
 
 #include "cli/command.h"
 #include "cli/robots.h"
-#include "evolution/breeding.h"
+#include "formats/robot/children.h"
 #include "formats/io/values.h"
 #include "formats/robot/writer.h"
 #include "libevo/evolve/cppn_neat.h"
@@ -32,7 +32,7 @@ void sample_cppn(const Shape& shape, int count, std::uint64_t seed, std::set<std
   int index = 0;
   for (const CppnRobot& made : first_robots(settings, shape.rows, shape.cols, seen, state, seed)) {
     if (index == count) break;
-    out.write(robot_of({made.body, MadeBy::sampling, {}, made.genome}, seed, index));
+    out.write(robot_of({made.body, "evo-sample", {}, made.genome}, seed, index));
     ++index;
   }
 }

@@ -3,8 +3,8 @@
 
 #include "cli/command.h"
 #include "cli/robots.h"
-#include "evolution/breeding.h"
 #include "formats/io/values.h"
+#include "formats/robot/children.h"
 #include "formats/robot/writer.h"
 #include "libevo/evolve/suggest.h"
 
@@ -15,10 +15,12 @@ using namespace evo;
 struct History {
   Shape shape;
   std::vector<Observation> observations;
+  std::vector<Design> pending;
 };
 
-// All robots of the files, each once; all of one shape.
-History read_history(const std::vector<std::string>& files) {
+// The robots of the files, each once; all of one shape. One without a fitness is in training,
+// as is one with it after the first `known`.
+History read_history(const std::vector<std::string>& files, std::optional<int> known) {
   History history;
   std::set<std::string> ids;
   for (const Robot& robot : cli::read_robots(files)) {
@@ -28,8 +30,11 @@ History read_history(const std::vector<std::string>& files) {
       throw error(Failure::data, "robot {} is {}x{}, the first one {}x{}; one history, one shape",
                   robot.id, body.rows, body.cols, history.shape.rows, history.shape.cols);
     if (!ids.insert(robot.id).second) continue;
-    history.observations.push_back(
-        {body.cells, robot.fitness().value_or(std::numeric_limits<double>::quiet_NaN())});
+    if (robot.document.contains("fitness") && (!known || std::ssize(history.observations) < *known))
+      history.observations.push_back(
+          {body.cells, robot.fitness().value_or(std::numeric_limits<double>::quiet_NaN())});
+    else
+      history.pending.push_back(body.cells);
   }
   return history;
 }
@@ -41,34 +46,41 @@ int main(int argc, char** argv) {
   SuggestSettings settings;
   int count = 25;
   std::string shape_text = "5x5";
-  std::vector<std::string> history_files;
+  std::vector<std::string> files;
+  std::optional<int> known;
+  command.arguments(files, "FILE",
+                    "robots so far, scored, or in training as if they had the fitness expected "
+                    "[none]");
   command.option("-n,--count", count, "N", "bodies to propose; all valid and new").at_least(1);
-  command.option("--history", history_files, "FILE", "scored robots (repeatable)");
-  command.option("--shape", shape_text, "ROWSxCOLS", "of the bodies, while there is no history");
+  command
+      .option("--known", known, "N", "of scored robots only the first so many count as such [all]")
+      .at_least(1);
+  command.option("--shape", shape_text, "ROWSxCOLS", "of the bodies, while there are no robots");
   command.option("--candidates", settings.candidates, "N", "random valid bodies considered")
       .at_least(1);
   command.seed_option();
   command.output_option("where the bodies go, one JSON document per line");
   command.jobs_option();
-  command.example("evo-suggest -n 25 --history history.jsonl --seed 3", "the next batch");
-  command.example("evo-suggest -n 1 --history a.jsonl --history b.jsonl | evo-inspect robot -",
+  command.example("evo-suggest -n 25 --seed 3 history.jsonl", "the next batch");
+  command.example("evo-suggest -n 1 a.jsonl b.jsonl | evo-inspect robot -",
                   "the most promising body, drawn");
 
   return command.run(argc, argv, [&] {
     History history;
-    if (!history_files.empty()) history = read_history(history_files);
-    const Shape shape = history.observations.empty() ? parse_shape(shape_text) : history.shape;
+    if (!files.empty()) history = read_history(files, known);
+    const Shape shape = history.shape.rows == 0 ? parse_shape(shape_text) : history.shape;
     cli::Workers workers(command, static_cast<std::size_t>(command.jobs));
-    const SuggestedBatch batch = suggest(shape.rows, shape.cols, history.observations, {}, count,
-                                         settings, command.seed, &workers.pool);
+    const SuggestedBatch batch =
+        suggest(shape.rows, shape.cols, history.observations, history.pending, count, settings,
+                command.seed, &workers.pool);
     if (!batch.from_model) cli::log::warn("no scored robot to learn from; these bodies are random");
     RobotWriter out(command.output);
     int index = 0;
     for (const Suggestion& suggestion : batch.designs) {
-      Robot robot = robot_of({suggestion.body, MadeBy::suggestion}, command.seed, index++);
+      Robot robot = robot_of({suggestion.body, "evo-suggest"}, command.seed, index++);
       if (batch.from_model)
         cli::log::debug(fmt::format("{}: expected {:.4g} +- {:.2g}", robot.id, suggestion.mean,
-                                   suggestion.stddev));
+                                    suggestion.stddev));
       out.write(std::move(robot));
     }
     out.finish();

@@ -1,7 +1,11 @@
 // evo-train: a controller for every robot read.
+#include <algorithm>
+#include <filesystem>
 #include <set>
 
+#include "cli/journal.h"
 #include "cli/outputs.h"
+#include "cli/pick.h"
 #include "cli/robots.h"
 #include "cli/training_options.h"
 #include "formats/robot/writer.h"
@@ -9,6 +13,7 @@
 namespace {
 
 using namespace evo;
+namespace fs = std::filesystem;
 
 // None of the files that the trainings write is another one's.
 void check_files(const TrainingPlan& plan, const std::vector<Robot>& robots,
@@ -38,14 +43,129 @@ void warn_of_fewer_steps(const TrainingSettings& settings) {
                   trained, settings.steps, settings.batch()));
 }
 
+// Whether the robots could be trained as planned, with or without parents.
+void check_trainings(const TrainingPlan& plan, const std::vector<Robot>& robots) {
+  const bool init_is_one = plan.init && !fs::is_directory(*plan.init);
+  const auto inherits = [](bool it_does) { return it_does ? Inherits::yes : Inherits::no; };
+  if (robots.empty()) return;
+  const Body& body = robots.front().body;
+  if (plan.shared) {
+    check_settings(plan, plan.children, body.rows, body.cols, inherits(false),
+                   static_cast<int>(robots.size()));
+    return;
+  }
+  check_settings(plan, plan.founders, body.rows, body.cols,
+                 inherits(plan.founders_from || init_is_one));
+  check_settings(plan, plan.children, body.rows, body.cols, inherits(plan.init.has_value()));
+}
+
+// ---- robots that are not to be trained ------------------------------------------------
+
+// A robot whose training has failed stays so when it is gone on with.
+std::optional<Robot> failed_before(const TrainingPlan& plan, const Robot& robot) {
+  if (!plan.resume || !robot.failure()) return std::nullopt;
+  return robot;
+}
+
+// One whose training was killed, if that is to count as its failure.
+std::optional<Robot> given_up(const TrainingPlan& plan, const Robot& robot,
+                              const cli::Journal& journal) {
+  const auto machine = journal.killed_on(robot.id);
+  if (!machine) return std::nullopt;
+  Robot failed = robot;
+  failed.set_failure(
+      {fmt::format("its training was killed on {}", *machine), std::nullopt, std::nullopt});
+  failed.document["task"] = plan.task.name;
+  return failed;
+}
+
+// Steps are those of a robot's own environments: of a training of all an equal share, and with
+// those before where an unscored robot (evo-select) goes on from a given controller, as in a run
+// of modular.
+void count_steps(const TrainingPlan& plan, const Robot& before, std::size_t robots, Robot& robot) {
+  std::int64_t steps = robot.steps().value_or(0);
+  if (plan.shared) steps /= static_cast<std::int64_t>(robots);
+  const bool goes_on = plan.shared || (plan.init && !fs::is_directory(*plan.init));
+  if (goes_on && !before.document.contains("fitness")) steps += before.steps().value_or(0);
+  robot.document["steps"] = steps;
+}
+
+// How trainings are called in a journal.
+std::string name_of(const TrainingPlan& plan, const Robot& robot) {
+  return plan.shared ? training_paths(plan, robot.id).log.stem().string() : robot.id;
+}
+
+struct Options {
+  std::optional<std::string> pick;
+  std::optional<std::string> journal;
+  bool give_up = false;
+  bool check = false;
+};
+
+int train(const cli::Command& command, const TrainingPlan& plan, std::vector<Robot> robots,
+          const Options& options) {
+  std::optional<cli::Journal> journal;
+  if (options.journal) journal.emplace(*options.journal);
+  OrderedWriter out(command.output);
+  std::vector<Robot> trained_now;
+  std::vector<std::size_t> places;  // of these in the output
+  for (std::size_t k = 0; k < robots.size(); ++k) {
+    std::optional<Robot> ended = failed_before(plan, robots[k]);
+    if (!ended && journal && options.give_up && !plan.shared)
+      ended = given_up(plan, robots[k], *journal);
+    if (ended) {
+      if (journal) journal->ended(name_of(plan, robots[k]));
+      out.put(k, *ended);
+      continue;
+    }
+    trained_now.push_back(std::move(robots[k]));
+    places.push_back(k);
+  }
+  const auto note = [&](const std::string& text) { cli::log::info(text); };
+  if (journal)
+    for (std::size_t k = 0;
+         k < (plan.shared ? std::min<std::size_t>(places.size(), 1) : places.size()); ++k)
+      journal->take(name_of(plan, trained_now[k]), note, cli::interrupted);
+  const auto begins = [&](std::size_t k) {
+    if (journal) journal->begun(name_of(plan, trained_now[k]));
+  };
+  const auto ends = [&](const Trained& trained) {
+    const std::string name = name_of(plan, trained_now[trained.index]);
+    if (journal && !trained.known && (!plan.shared || trained.index == 0))
+      journal->add(name,
+                   {trained.started, trained.seconds, trained.steps, trained.robot.has_value()});
+    if (trained.robot) {
+      Robot robot = *trained.robot;
+      count_steps(plan, trained_now[trained.index], trained_now.size(), robot);
+      out.put(places[trained.index], std::move(robot));
+    }
+    if (journal) journal->ended(name);
+  };
+  const int status = cli::train_robots(command, plan, trained_now, begins, ends);
+  if (status == 0)
+    out.finish();
+  else
+    cli::log::warn(cli::how_to_go_on);
+  return status;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   cli::Command command("evo-train");
   cli::TrainingOptions options;
+  Options more;
   std::vector<std::string> files;
   command.arguments(files, "FILE", "robots [standard input]");
   options.add_to(command);
+  command.section("As part of a run");
+  command.option("--pick", more.pick, "K", cli::pick_help);
+  command.option("--journal", more.journal, "DIR",
+                 "keep there which trainings are under way on which machine, and what each took");
+  command.flag("--give-up", more.give_up,
+               "a robot whose training was killed, as its journal says, counts as failed");
+  command.flag("--check", more.check,
+               "only check that robots of this shape could be trained so, with or without parents");
   command.example("evo-sample -n 4 | evo-train --task Walker-v0 --steps 102400 --out-dir policies",
                   "four random robots, trained in parallel");
   command.example("evo-train best.json --task Climber-v0 --train paper --out-dir climb --resume",
@@ -55,18 +175,15 @@ int main(int argc, char** argv) {
                   "one controller for all bodies of a file, which fits any other");
 
   return command.run(argc, argv, [&] {
-    const std::vector<Robot> robots = cli::read_robots(files);
+    command.only(more.journal.has_value(), {"--give-up"}, "--journal");
+    std::vector<Robot> robots = cli::pick(cli::read_robots(files), more.pick);
     const TrainingPlan plan = options.plan(command.seed);
+    if (!more.pick) warn_of_fewer_steps(plan.children);
+    if (more.check) {
+      check_trainings(plan, robots);
+      return 0;
+    }
     check_files(plan, robots, command.output);
-    warn_of_fewer_steps(plan.children);
-    OrderedWriter out(command.output);
-    const int status = cli::train_robots(command, plan, robots, [&](const Trained& trained) {
-      if (trained.robot) out.put(trained.index, *trained.robot);
-    });
-    if (status == 0)
-      out.finish();
-    else
-      cli::log::warn(cli::how_to_go_on);
-    return status;
+    return train(command, plan, std::move(robots), more);
   });
 }

@@ -39,7 +39,7 @@ void print_help() {
       "  evo sample -n 100 | evo eval --task Walker-v0 --sine 0.5,20,0.7 |\n"
       "    evo select --keep 5\n"
       "  # a whole evolution, over the same tools\n"
-      "  make -f \"$(evo data scripts/ga.mk)\" RUN=runs/walker TASK=Walker-v0 -j8\n"
+      "  evo evolve ga --run runs/walker --task Walker-v0 -j8\n"
       "\nExit status: that of the command; 2 for one that does not exist.\n");
 }
 

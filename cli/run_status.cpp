@@ -69,9 +69,9 @@ std::string tally(const std::vector<Count>& counts, const char* join) {
 RunWork RunStatus::work() const {
   RunWork work;
   std::vector<std::string> hosts;
+  for (const auto& [robot, host] : folder().running()) hosts.push_back(host);
   for (const RunHistory::Generation& generation : history_.generations()) {
     if (generation.finished) continue;
-    for (const Launch& launch : folder().launches(generation.number)) hosts.push_back(launch.host);
     for (const SlotStatus& slot : history_.slots(generation))
       work.waiting += slot.state == SlotState::waiting;
   }
@@ -246,9 +246,11 @@ void watch_run(const fs::path& folder, Progress style) {
   ChampionShown champion;
   // Its results are lines already.
   LiveLine line(style == Progress::drawn ? style : Progress::none);
+  // Of a run that is there, where it stands: its last generation that has ended.
   std::set<int> told;
   for (const RunHistory::Generation& generation : run.history().generations())
     if (generation.finished) told.insert(generation.number);
+  if (!told.empty()) told.erase(std::prev(told.end()));
   std::size_t at_once = 1;  // most trainings seen side by side
   for (bool last = false; !last;) {
     const Clock look;

@@ -13,10 +13,11 @@ const std::vector<Chapter>& chapters() {
         {"suggest", "proposes bodies by Bayesian optimisation, from all scored so far"}}},
       {"Controllers",
        {{"train", "trains a controller for each robot, or one for all"},
+        {"score", "scores robots by a program of your own"},
         {"eval", "runs episodes of robots with a controller, measures their returns"},
         {"env", "offers environments to any program, over pipes"}}},
       {"Evolution",
-       {{"run", "creates a run folder, trains its robots, reports its progress"},
+       {{"evolve", "plans a whole evolution as a folder with a Makefile, and runs it"},
         {"select", "selects the survivors among scored robots, best first"},
         {"archive", "keeps the fittest robot of every kind (MAP-Elites)"}}},
       {"Results",
@@ -25,7 +26,7 @@ const std::vector<Chapter>& chapters() {
         {"report", "writes a page about runs: results, replays, curves, family tree"}}},
       {"Files and machine",
        {{"convert", "converts robots, worlds and policies, EvoGym's formats included"},
-        {"data", "says where tasks, profiles and pipelines are"},
+        {"data", "says where tasks, profiles and recipes are"},
         {"bench", "measures control steps per second, with random robots and actions"}}},
   };
   return all;

@@ -43,6 +43,8 @@ void TrainingOptions::add_to(Command& command) {
   command.option("--init", init, "POLICY|DIR",
                  "start from this policy, or in a folder from the parent's (<id>.policy.h5); "
                  "robots without one start from scratch");
+  command.option("--founder-init", founder_init, "POLICY|DIR",
+                 "start robots without parents from this policy, or in a folder from their own");
   command.option("--moments", moments, "ROLLOUT|DIR",
                  "begin episodes at moments of this recording, in a folder of <id>.h5, instead of "
                  "those of what --init does (with --train moments; repeatable)");
@@ -92,6 +94,7 @@ TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
   plan.logs = out_dir;
   plan.curve = curve;
   plan.init = init;
+  plan.founders_from = founder_init;
   plan.moments.assign(moments.begin(), moments.end());
   if (shared) plan.shared = *shared;
   plan.checkpoint_every = checkpoint_every;
@@ -104,6 +107,7 @@ TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
 }
 
 int train_robots(const Command& command, const TrainingPlan& plan, const std::vector<Robot>& robots,
+                 const std::function<void(std::size_t)>& begins,
                  const std::function<void(const Trained&)>& ended) {
   catch_interrupts();
   TrainingProgress progress(command.progress_style(), robots.size());
@@ -112,6 +116,7 @@ int train_robots(const Command& command, const TrainingPlan& plan, const std::ve
   TrainingObserver observer;
   observer.note = log::info;
   observer.interrupted = interrupted;
+  observer.begins = begins;
   observer.farewell = [] { log::warn(how_to_go_on); };
   observer.progress = [&](std::size_t i, const TrainingReport& report) {
     TrainingView& view = views[i];

@@ -1,5 +1,4 @@
-// The options of evo-train, and what they mean as a TrainingPlan. A run keeps some of them
-// in its settings (evo-run).
+// The options of evo-train, and what they mean as a TrainingPlan.
 #pragma once
 
 #include <cstdint>
@@ -28,6 +27,7 @@ struct TrainingOptions {
   std::optional<int> final_episodes;
   std::optional<double> jitter;
   std::optional<std::string> init;
+  std::optional<std::string> founder_init;
   std::vector<std::string> moments;
   std::optional<std::string> shared;
   bool keep_checkpoint = false;
@@ -43,10 +43,11 @@ struct TrainingOptions {
   TrainingPlan plan(std::uint64_t seed) const;
 };
 
-// Trains the robots on `command.jobs` threads with a live line of progress; `ended` is told
-// of each, in any order, from several threads. Returns the exit status: 0, or 128 + the
-// signal that interrupted. Throws like evo::train_robots.
+// Trains the robots on `command.jobs` threads with a live line of progress; `begins` is told
+// of each before its first step, `ended` after its last, in any order, from several threads.
+// Returns the exit status: 0, or 128 + the signal that interrupted. Throws like evo::train_robots.
 int train_robots(const Command& command, const TrainingPlan& plan, const std::vector<Robot>& robots,
+                 const std::function<void(std::size_t)>& begins,
                  const std::function<void(const Trained&)>& ended);
 
 inline constexpr const char* how_to_go_on =

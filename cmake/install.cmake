@@ -2,11 +2,6 @@
 # packages: tools, library, dev, python.
 set(EVO_DATA_DIR ${CMAKE_INSTALL_DATADIR}/evo)
 install(DIRECTORY tasks DESTINATION ${EVO_DATA_DIR} COMPONENT tools)
-install(DIRECTORY scripts/ DESTINATION ${EVO_DATA_DIR}/scripts COMPONENT tools
-        USE_SOURCE_PERMISSIONS
-        FILES_MATCHING PATTERN "*.mk" PATTERN "*.gnuplot" PATTERN "*.jq" PATTERN "*.awk" PATTERN "*.tsv"
-        PATTERN "*-slots" PATTERN "python-task" PATTERN "dark-aware" PATTERN "rank" PATTERN "seen" PATTERN "founders" PATTERN "stay"
-        PATTERN "screen" PATTERN "by-sequence" PATTERN "places" PATTERN "ssh-run" PATTERN "carr*" PATTERN "slurm/*" PATTERN "completion" EXCLUDE)
 # The links of the documents lead to what is there.
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)
@@ -16,7 +11,7 @@ install(FILES bindings/python/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bind
 install(FILES bindings/web/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bindings/web COMPONENT tools)
 install(FILES bindings/c/evo/evo.h bindings/c/evo/evo.hpp DESTINATION ${CMAKE_INSTALL_DOCDIR}/bindings/c/evo COMPONENT tools)
 install(DIRECTORY tasks DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
-        FILES_MATCHING PATTERN "physics/*" PATTERN "training/*" PATTERN "examples/*" PATTERN "easier/*"
+        FILES_MATCHING PATTERN "physics/*" PATTERN "training/*" PATTERN "examples/*" PATTERN "easier/*" PATTERN "recipes/*"
         PATTERN "neat.yaml")
 
 # Completion is loaded by the name of a tool (bash), or of the function (zsh).
@@ -52,9 +47,9 @@ set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME evo)
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "${PROJECT_DESCRIPTION}
  Small Unix tools that sample, mutate, train, evaluate, select and render robots
  made of voxels on the 32 tasks of the Evolution Gym benchmark.")
-# What the pipelines call; videos and plots do without it when asked for others.
-set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "make, jq, libosmesa6")
-set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "ffmpeg, gnuplot-nox, hdf5-tools")
+# What runs call; videos do without it when asked for others.
+set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "make, libosmesa6")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "ffmpeg, hdf5-tools, jq")
 
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libevo${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "${PROJECT_DESCRIPTION} (shared library)

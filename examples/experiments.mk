@@ -7,7 +7,7 @@ RUNS ?= runs/examples
 POP ?= 12
 EVALS ?= 60
 SEED ?= 1
-GA = +$(MAKE) -s -f "$$(evo-data scripts/ga.mk)" RUN=$(RUNS)/$@ POP=$(POP) EVALS=$(EVALS) SEED=$(SEED)
+GA = +evo-evolve ga -q --run $(RUNS)/$@ --pop $(POP) --evals $(EVALS) --seed $(SEED)
 
 .PHONY: all plain economical symmetric
 all: plain economical symmetric
@@ -16,8 +16,8 @@ all: plain economical symmetric
 	    $(RUNS)/$$run/best.json; done
 
 plain:
-	$(GA) EVALUATE='$(EXAMPLES)economical 0'
+	$(GA) --evaluate '$(EXAMPLES)economical 0'
 economical:
-	$(GA) EVALUATE='$(EXAMPLES)economical 0.1'
+	$(GA) --evaluate '$(EXAMPLES)economical 0.1'
 symmetric:
-	$(GA) EVALUATE='$(EXAMPLES)economical 0.1' MUTATE='$(EXAMPLES)symmetric'
+	$(GA) --evaluate '$(EXAMPLES)economical 0.1' --mutate '$(EXAMPLES)symmetric'

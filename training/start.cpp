@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "formats/rollout/rollout.h"
-#include "formats/run/run.h"
 #include "formats/training/policy.h"
 #include "libevo/base/digest.h"
 #include "libevo/base/error.h"
@@ -15,10 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A robot's policy in the folder, or in its part of a folder of many.
+// A robot's policy in the folder.
 std::optional<fs::path> policy_in(const fs::path& folder, const std::string& id) {
-  for (const fs::path& part : {folder, folder / run_shard(id)})
-    if (const fs::path path = part / (id + ".policy.h5"); fs::exists(path)) return path;
+  if (const fs::path path = folder / (id + ".policy.h5"); fs::exists(path)) return path;
   return std::nullopt;
 }
 

@@ -10,7 +10,6 @@
 #include <system_error>
 
 #include "formats/io/files.h"
-#include "formats/run/run.h"
 #include "formats/task/text.h"
 #include "formats/training/policy.h"
 #include "formats/training/training_log.h"
@@ -150,8 +149,6 @@ class Training {
 
   // How it went, of each robot.
   std::vector<Trained> run() {
-    if (plan_.sharded)
-      for (const fs::path& file : {paths_.policy, paths_.log}) make_folders(file.parent_path());
     start_ = find_start(plan_, first(), arenas_.front(), others_);
     Trained trained;
     trained.index = index_;
@@ -188,6 +185,7 @@ class Training {
                     stream_name(plan_, first()), start_.inheritance, others_,
                     start_.demonstrations);
     begin(trainer);
+    if (observer_.begins) observer_.begins(index_);
 
     TrainingLog log(paths_.log);
     log.begin(plan_.created_by, plan_.task.name, start_.checkpoint.has_value());
@@ -209,8 +207,7 @@ class Training {
     const std::string what = plan_.shared ? plan_.shared->string() : "robot " + first().id;
     if (start_.checkpoint) {
       restore(trainer, *start_.checkpoint, paths_.checkpoint);
-      if (plan_.note_resumed)
-        observer_.note(fmt::format("{}: goes on from {}", what, paths_.checkpoint.string()));
+      observer_.note(fmt::format("{}: goes on from {}", what, paths_.checkpoint.string()));
     } else if (fs::exists(paths_.checkpoint)) {
       observer_.note(fmt::format("{}: begins anew; --resume would go on from {}", what,
                                  paths_.checkpoint.string()));
@@ -342,11 +339,8 @@ TrainingPaths training_paths(const TrainingPlan& plan, const std::string& id) {
       if (stem.size() > end.size() && stem.ends_with(end)) stem.resize(stem.size() - end.size());
     return {*plan.shared, stem + ".checkpoint.h5", stem + ".log"};
   }
-  const auto folder = [&](const fs::path& of_all) {
-    return plan.sharded ? of_all / run_shard(id) : of_all;
-  };
-  return {folder(plan.policies) / (id + ".policy.h5"),
-          folder(plan.policies) / (id + ".checkpoint.h5"), folder(plan.logs) / (id + ".log")};
+  return {plan.policies / (id + ".policy.h5"), plan.policies / (id + ".checkpoint.h5"),
+          plan.logs / (id + ".log")};
 }
 
 std::string stream_name(const TrainingPlan& plan, const Robot& robot) {
@@ -383,6 +377,8 @@ int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, Thr
   if (!plan.shared) {
     make_folders(plan.policies);
     make_folders(plan.logs);
+  } else if (plan.shared->has_parent_path()) {
+    make_folders(plan.shared->parent_path());
   }
   Rescue rescue(observer.interrupted, observer.farewell);
   std::atomic<bool> stopped = false;

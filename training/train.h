@@ -26,13 +26,11 @@ struct TrainingPlan {
   std::uint64_t seed = 0;
   std::string created_by;  // goes into policies and logs
 
-  // ID.policy.h5 and ID.checkpoint.h5 go to `policies`, ID.log to `logs`; if sharded, into
-  // folders there by the first two digits of ids.
+  // ID.policy.h5 and ID.checkpoint.h5 go to `policies`, ID.log to `logs`.
   std::filesystem::path policies = ".";
   std::filesystem::path logs = ".";
   // One controller for all robots, into this policy; checkpoint and log lie beside it.
   std::optional<std::filesystem::path> shared;
-  bool sharded = false;
   std::optional<std::filesystem::path> curve;  // a table, of one robot
 
   // Where controllers to start from are: a policy for every robot, or a folder with those
@@ -46,7 +44,6 @@ struct TrainingPlan {
   std::int64_t checkpoint_every = 100'000;  // environment steps; 0: when interrupted only
   bool keep_checkpoint = false;             // at the end, too
   bool resume = false;                      // go on from checkpoints
-  bool note_resumed = true;                 // and say so
   bool replace = false;                     // policies that were trained otherwise
   bool skip_failures = false;               // a training that diverges: no fitness, go on
   bool behaviour = false;                   // measure how the robot behaves
@@ -81,6 +78,8 @@ struct TrainingObserver {
   // Once, before the process ends half a second after an interrupt because trainings are
   // in the middle of an update.
   std::function<void()> farewell;
+  // Before its first step in this process; not of robots that are trained already.
+  std::function<void(std::size_t index)> begins;
   std::function<void(std::size_t index, const TrainingReport&)> progress;
   std::function<void(const Trained&)> ended;  // in any order
 };

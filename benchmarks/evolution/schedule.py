@@ -3,8 +3,8 @@
 
 Every training takes a time of its own; workers take the next launch (a training, or a
 chunk of them one after another) that may begin, in the order of make. With generations
-(scripts/ga.mk, the paper's schedule) that is one of the generation under way; without
-(WINDOW of scripts/ga.mk) it is robot k as soon as the scores of robots 0 .. k-W-1 are there.
+(evo evolve ga, the paper's schedule) that is one of the generation under way; without
+(--window) it is robot k as soon as the scores of robots 0 .. k-W-1 are there.
 Launching takes no time. Prints a row per case: workers, window, population, robots,
 robots per launch, law of the times, idle share of the workers with and without
 generations, and how many times faster the run without is.

@@ -41,7 +41,7 @@ fs::path data_root(const std::vector<fs::path>& candidates) {
   }
   throw error(
       Failure::no_input,
-      "the tasks are neither in {}; name the folder that holds tasks/ and scripts/ in EVO_DATA",
+      "the tasks are neither in {}; name the folder that holds tasks/ in EVO_DATA",
       joined(seen, " nor in "));
 }
 

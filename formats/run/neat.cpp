@@ -275,4 +275,21 @@ NeatSettings load_neat_settings(const std::string& file) {
   return parse_neat_settings(read_input(file, largest_document), input_label(file));
 }
 
+NeatSettings neat_settings(const std::optional<std::string>& file, std::optional<int> count,
+                           const DataFolders& folders) {
+  NeatSettings settings;
+  if (file) {
+    settings = load_neat_settings(*file);
+    if (!settings.no_fitness_termination)
+      throw error(Failure::data,
+                  "{}: no_fitness_termination is false, but runs end by their number of robots; "
+                  "set it to true",
+                  input_label(*file));
+  } else if (const auto found = find_data_file(folders, "", "neat")) {
+    settings = load_neat_settings(found->string());
+  }
+  if (count || !file) settings.pop_size = count.value_or(default_population);
+  return settings;
+}
+
 }  // namespace evo

@@ -2,9 +2,11 @@
 // settings (YAML, tasks/neat.yaml).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "formats/io/data_folders.h"
 #include "formats/io/json.h"
 #include "formats/io/yaml.h"
 #include "libevo/evolve/neat.h"
@@ -24,5 +26,13 @@ NeatState load_neat_state(const std::string& file);
 NeatSettings neat_settings_from_yaml(const YamlNode& node);
 NeatSettings parse_neat_settings(const std::string& text, const std::string& where);
 NeatSettings load_neat_settings(const std::string& file);
+
+constexpr int default_population = 25;
+
+// Settings of NEAT from a file, else from neat.yaml in the folders, for a population of
+// `count`: if none is given, the file's, else the default. Throws what reading throws, and
+// Error(data) for a file whose runs would end by their fitness.
+NeatSettings neat_settings(const std::optional<std::string>& file, std::optional<int> count,
+                           const DataFolders& folders);
 
 }  // namespace evo

@@ -3,6 +3,9 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -17,8 +20,8 @@
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/yaml.h"
-#include "formats/run/setting_table.h"
-#include "formats/training/training_log.h"
+#include "formats/run/settings.h"
+#include "libevo/base/digest.h"
 
 namespace evo {
 namespace {
@@ -29,92 +32,12 @@ constexpr const char* settings_name = "run.yaml";
 constexpr std::string_view generation_prefix = "gen-";
 constexpr std::string_view slot_suffix = ".json";
 
-bool is_setting_name(const std::string& name) {
-  return !name.empty() &&
-         name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_0123456789") == std::string::npos;
-}
-
-bool is_line(const std::string& text) {
-  return std::none_of(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) < ' ' && c != '\t') || c == '\x7f';
-  });
-}
-
 std::optional<int> whole_number(std::string_view text) {
   int value = 0;
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
   if (result.ec != std::errc() || result.ptr != text.data() + text.size() || value < 0)
     return std::nullopt;
   return value;
-}
-
-// The numbers of a folder's entries that are named prefix, number, suffix; sorted.
-std::vector<int> numbered(const fs::path& folder, std::string_view prefix,
-                          std::string_view suffix) {
-  std::vector<int> numbers;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with(prefix) || !name.ends_with(suffix)) continue;
-    const std::string_view middle =
-        std::string_view(name).substr(prefix.size(), name.size() - prefix.size() - suffix.size());
-    if (const auto number = whole_number(middle)) numbers.push_back(*number);
-  }
-  std::sort(numbers.begin(), numbers.end());
-  return numbers;
-}
-
-// ---- settings -----------------------------------------------------------------
-
-constexpr const char* quoted_setting = "train_options";  // always in quotes
-
-// A value that YAML gives back as it is without quotes.
-bool is_plain(const std::string& value) {
-  if (value.empty()) return true;
-  constexpr std::string_view indicators = "?:,[]{}#&*!|>'\"%@` ";
-  if (value.find('\t') != std::string::npos) return false;
-  const bool is_item = value[0] == '-' && (value.size() == 1 || value[1] == ' ');
-  return !is_item && indicators.find(value.front()) == std::string_view::npos &&
-         value.back() != ' ' && value.back() != ':' && value.find(": ") == std::string::npos &&
-         value.find(" #") == std::string::npos && value != "~" && value != "null";
-}
-
-std::string quoted(const std::string& value) {
-  std::string text = "'";
-  for (const char c : value) text += c == '\'' ? std::string("''") : std::string(1, c);
-  return text + "'";
-}
-
-std::string shown(const RunSettings& settings, const std::string& name) {
-  const std::string* value = settings.find(name);
-  return value == nullptr ? "no " + name
-                          : fmt::format("{}: {}", name, value->empty() ? "''" : *value);
-}
-
-// "steps: 4096 there, steps: 8192 asked for; ..."; empty if none.
-std::string differences(const RunSettings& there, const RunSettings& asked) {
-  std::vector<std::string> names;
-  for (const auto* settings : {&there, &asked})
-    for (const RunSetting& setting : settings->list())
-      if (std::find(names.begin(), names.end(), setting.name) == names.end())
-        names.push_back(setting.name);
-  std::string text;
-  for (const std::string& name : names) {
-    const std::string* one = there.find(name);
-    const std::string* other = asked.find(name);
-    if (one != nullptr && other != nullptr && *one == *other) continue;
-    text += fmt::format("{}{} there, {} asked for", text.empty() ? "" : "; ", shown(there, name),
-                        shown(asked, name));
-  }
-  return text;
-}
-
-// ---- timings --------------------------------------------------------------------
-
-std::ifstream open_population(const fs::path& file) {
-  std::ifstream lines(file);
-  if (!lines)
-    throw error(Failure::no_input, "{}: this generation has no population yet", file.string());
-  return lines;
 }
 
 std::string why_failed(const Robot& robot) {
@@ -129,14 +52,6 @@ std::optional<std::size_t> first_fittest(const std::vector<TrainedRobot>& robots
   return best;
 }
 
-// Whether a folder holds what a training or an evaluation took time for.
-bool has_results(const fs::path& folder) {
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (const auto ending = entry.path().extension(); ending == ".h5" || ending == ".json")
-      return true;
-  return false;
-}
-
 }  // namespace
 
 std::string this_machine() {
@@ -149,26 +64,23 @@ std::string this_machine() {
 
 // ---- RunSettings --------------------------------------------------------------------
 
-RunSettings RunSettings::from_words(const std::vector<std::string>& words) {
-  RunSettings settings;
-  for (const std::string& word : words) {
-    const std::size_t equals = word.find('=');
-    const std::string name = word.substr(0, equals);
-    if (equals == std::string::npos || !is_setting_name(name) || name == "format" ||
-        name == "version")
-      throw error(Failure::usage, "'{}' is not a setting KEY=VALUE, such as task=Walker-v0", word);
-    if (name == "layout")
-      throw Error(Failure::usage,
-                  "there is no setting 'layout'; a run without generations has window=N");
-    if (present_name(name) != name)
-      throw error(Failure::usage, "the setting '{}' is called '{}'", name, present_name(name));
-    if (settings.find(name) != nullptr)
-      throw error(Failure::usage, "the setting '{}' is given twice", name);
-    if (!is_line(word))
-      throw error(Failure::usage, "the setting '{}' has line breaks or control characters", name);
-    settings.list_.push_back({name, word.substr(equals + 1)});
+RunSettings::RunSettings(std::string method, std::vector<RunSetting> list) {
+  check_run_method(method);
+  for (const auto& [name, value] : list) {
+    const RunSettingInfo* info = find_run_setting(name);
+    if (info == nullptr) {
+      std::vector<std::string> names;
+      for (const RunSettingInfo& known : run_settings()) names.push_back(known.name);
+      throw error(Failure::usage, "{}", unknown_name("setting of a run", name, names));
+    }
+    if (!info->belongs_to(method))
+      throw error(Failure::usage, "{} is a setting of {}, not of {}", info->option(),
+                  fmt::join(info->methods, ", "), method);
+    if (const auto defect = info->defect(value))
+      throw error(Failure::usage, "{} {}", info->option(), *defect);
   }
-  return settings;
+  list_.push_back({"method", std::move(method)});
+  list_.insert(list_.end(), list.begin(), list.end());
 }
 
 RunSettings RunSettings::read(const fs::path& file) {
@@ -178,36 +90,28 @@ RunSettings RunSettings::read(const fs::path& file) {
 RunSettings RunSettings::parse(std::string_view text, const std::string& where) {
   const YamlNode document = YamlNode::parse(text, where);
   if (!document.is_mapping()) throw document.error("a run's settings are a mapping");
-  RunSettings settings;
-  settings.file_ = where;
   check_format(document, format::run, Head::required);
+  std::string method;
+  std::string makefile;
+  std::vector<RunSetting> list;
   for (const auto& [key, value] : document.entries()) {
-    const std::string name = present_name(key.string());
+    const std::string name = key.string();
     if (name == "format" || name == "version") continue;
-    // Earlier versions said so beside `window`.
-    if (name == "layout") {
-      if (value.string() != "generations" && value.string() != "steady")
-        throw value.error(
-            unknown_name("layout of a run", value.string(), {"generations", "steady"}));
-      continue;
-    }
-    if (!is_setting_name(name))
-      throw key.error(
-          fmt::format("{} is not the name of a setting, such as task", shown(Json(name))));
-    const bool has_text = value.is_scalar() && !value.is_null() && value.found() != "''";
-    const std::string text = has_text ? value.string() : "";
-    if (!is_line(text))
-      throw value.error(fmt::format("{} has line breaks or control characters", name));
-    settings.list_.push_back({name, text});
+    if (name == "method")
+      method = value.string();
+    else if (name == "makefile")
+      makefile = value.string();
+    else
+      list.push_back({name, value.string()});
   }
-  return settings;
-}
-
-void RunSettings::check() const {
-  for (const auto& [name, value] : list_)
-    if (const SettingEntry* entry = find_setting_entry(name))
-      if (const auto defect = entry->defect(value))
-        throw error(Failure::usage, "{} {}", name, *defect);
+  try {
+    RunSettings settings(method, std::move(list));
+    settings.file_ = where;
+    settings.makefile_ = std::move(makefile);
+    return settings;
+  } catch (const Error& e) {
+    throw error(Failure::data, "{}: {}", where, e.what());
+  }
 }
 
 const std::string* RunSettings::find(const std::string& name) const {
@@ -250,23 +154,18 @@ int RunSettings::steps(int generation) const {
       1, number(founders ? "founder_steps" : "steps") >> std::min(rungs_left(generation), most));
 }
 
-bool RunSettings::goes_on(int generation) const { return rungs_left(generation) > 0; }
-
 std::string RunSettings::to_yaml() const {
-  std::string text =
-      fmt::format("format: {}\nversion: {}\n", format::run.name, format::run.version);
-  for (const auto& [name, value] : list_)
-    text += fmt::format("{}: {}\n", name,
-                        is_plain(value) && name != quoted_setting ? value : quoted(value));
-  return text;
+  YAML::Emitter out;
+  out << YAML::BeginMap;
+  out << YAML::Key << "format" << YAML::Value << format::run.name;
+  out << YAML::Key << "version" << YAML::Value << format::run.version;
+  for (const auto& [name, value] : list_) out << YAML::Key << name << YAML::Value << value;
+  if (!makefile_.empty()) out << YAML::Key << "makefile" << YAML::Value << makefile_;
+  out << YAML::EndMap;
+  return std::string(out.c_str()) + "\n";
 }
 
 // ---- RunFolder ----------------------------------------------------------------------
-
-RunFolder::RunFolder(fs::path path, RunSettings settings)
-    : path_(std::move(path)),
-      settings_(std::move(settings)),
-      layout_(settings_.find("window") == nullptr ? Layout::generations : Layout::steady) {}
 
 RunFolder::RunFolder(fs::path path) : path_(std::move(path)) {
   if (!fs::exists(path_))
@@ -278,98 +177,53 @@ RunFolder::RunFolder(fs::path path) : path_(std::move(path)) {
     throw error(Failure::data, "{}: a folder without {} is not a run", path_.string(),
                 settings_name);
   settings_ = RunSettings::read(file);
-  if (settings_.find("window") != nullptr) layout_ = Layout::steady;
-}
-
-RunFolder RunFolder::create(const fs::path& path, const RunSettings& settings) {
-  RunFolder run(path, settings);
-  for (const fs::path& folder : {run.policies(), run.logs(), run.timings()}) make_folders(folder);
-  const fs::path file = path / settings_name;
-  if (!fs::exists(file)) {
-    write_file(file, settings.to_yaml());
-    return run;
-  }
-  const std::string difference = differences(RunSettings::read(file), settings);
-  if (!difference.empty())
-    throw error(
-        Failure::cannot_create,
-        "{} belongs to a run with other settings ({}); choose another folder or the same "
-        "settings{}",
-        path.string(), difference,
-        has_results(path) ? "" : "; nothing has been trained in it yet: removing it loses nothing");
-  return run;
 }
 
 fs::path RunFolder::generation(int number) const {
   return path_ / fmt::format("{}{:03}", generation_prefix, number);
 }
 
-fs::path RunFolder::slot(SlotAddress address) const {
-  return generation(address.generation) / fmt::format("{:02}{}", address.slot, slot_suffix);
+bool RunFolder::is_edited() const {
+  const fs::path makefile = path_ / "Makefile";
+  return !settings_.makefile().empty() && fs::exists(makefile) &&
+         sha256_hex(read_file(makefile)) != settings_.makefile();
 }
 
-SlotAddress RunFolder::address(int number) const {
-  const int population = std::max(1, settings_.number("pop"));
-  return {number / population, number % population};
+std::vector<int> RunFolder::generations() const {
+  std::vector<int> numbers;
+  for (const auto& entry : fs::directory_iterator(path_)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(generation_prefix)) continue;
+    if (const auto number = whole_number(std::string_view(name).substr(generation_prefix.size())))
+      numbers.push_back(*number);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
 }
 
-std::vector<int> RunFolder::generations() const { return numbered(path_, generation_prefix, ""); }
-
-std::vector<Launch> RunFolder::launches(int generation_number) const {
-  std::vector<Launch> launches;
-  for (const auto& entry : fs::directory_iterator(generation(generation_number))) {
+std::map<std::string, std::string> RunFolder::running() const {
+  std::map<std::string, std::string> found;
+  if (!fs::exists(journal())) return found;
+  for (const auto& entry : fs::directory_iterator(journal())) {
     if (entry.path().extension() != ".running") continue;
     std::ifstream file(entry.path());  // may be gone by now
     const std::string text(std::istreambuf_iterator<char>(file), {});
     const Json mark = Json::parse(text, nullptr, false);
-    if (mark.is_object())
-      launches.push_back({entry.path().stem().string(), mark.value("host", "")});
+    if (mark.is_object()) found[entry.path().stem().string()] = mark.value("host", "");
   }
-  std::sort(launches.begin(), launches.end(),
-            [](const Launch& a, const Launch& b) { return a.slots < b.slots; });
-  return launches;
+  return found;
 }
 
-std::vector<int> RunFolder::trained_slots(int generation_number) const {
-  return numbered(generation(generation_number), "", slot_suffix);
-}
-
-Robot RunFolder::robot(SlotAddress address) const {
-  const fs::path file = population(address.generation);
-  std::ifstream lines = open_population(file);
-  std::string line;
-  for (int k = 0; std::getline(lines, line); ++k)
-    if (k == address.slot)
-      return parse_robots(line, fmt::format("{}: slot {}", file.string(), k)).at(0);
-  throw error(Failure::usage, "{}: there is no slot {}; generation {} has {}", file.string(),
-              address.slot, address.generation, population_size(address.generation));
-}
-
-int RunFolder::population_size(int generation_number) const {
-  std::ifstream lines = open_population(population(generation_number));
-  return static_cast<int>(std::count(std::istreambuf_iterator<char>(lines), {}, '\n'));
-}
-
-// One write() to a file opened for appending stays in one piece between the
-// processes of a machine, on network file systems, too.
-void RunFolder::add_timing(const Timing& timing) const {
-  make_folders(timings());
-  const fs::path file = timings() / (this_machine() + ".jsonl");
-  const Json line = {{"robot", timing.robot},      {"generation", timing.slot.generation},
-                     {"slot", timing.slot.slot},   {"started", timing.started},
-                     {"seconds", timing.seconds},  {"steps", timing.steps},
-                     {"finished", timing.finished}};
-  const std::string text = line.dump() + "\n";
-  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  if (descriptor < 0)
-    throw error(Failure::cannot_create, "{}: cannot be created: {}", file.string(),
-                std::generic_category().message(errno));
-  const ssize_t written = ::write(descriptor, text.data(), text.size());
-  const int code = errno;
-  ::close(descriptor);
-  if (written != static_cast<ssize_t>(text.size()))
-    throw error(Failure::io, "{}: cannot be written: {}", file.string(),
-                std::generic_category().message(code));
+std::map<int, fs::path> RunFolder::trained_slots(int generation_number) const {
+  std::map<int, fs::path> found;
+  for (const auto& entry : fs::directory_iterator(generation(generation_number))) {
+    const std::string name = entry.path().filename().string();
+    if (!name.ends_with(slot_suffix)) continue;
+    if (const auto first =
+            whole_number(std::string_view(name).substr(0, name.find_first_not_of("0123456789"))))
+      found[*first] = entry.path();
+  }
+  return found;
 }
 
 // ---- RunHistory ----------------------------------------------------------------------
@@ -390,7 +244,7 @@ void RunHistory::update() {
 
 // Asked whether it is finished before its files are listed: none is missed.
 void RunHistory::read_generation(Generation& generation) {
-  generation.finished = fs::exists(folder_.ranking(generation.number));
+  generation.finished = fs::exists(folder_.scores(generation.number));
   const auto is_known = [&](std::size_t slot) {
     return slot < generation.slots.size() && generation.slots[slot];
   };
@@ -401,22 +255,17 @@ void RunHistory::read_generation(Generation& generation) {
       if (!is_known(slot)) add(generation, slot, std::move(robots[slot]));
     return;
   }
-  const bool grows = folder_.layout() == Layout::steady;
   if (const fs::path file = folder_.population(generation.number);
-      (grows || generation.population.empty()) && fs::exists(file)) {
-    generation.population.clear();
+      generation.population.empty() && fs::exists(file)) {
     for (const Robot& robot : read_robots(file.string(), BodyCheck::any))
       generation.population.push_back(robot.id);
     generation.slots.resize(std::max(generation.slots.size(), generation.population.size()));
   }
-  for (const int slot : folder_.trained_slots(generation.number)) {
-    if (is_known(static_cast<std::size_t>(slot))) continue;
-    const fs::path file = folder_.slot({generation.number, slot});
-    std::vector<Robot> robots = read_robots(file.string(), BodyCheck::any);
-    if (robots.size() != 1)
-      throw error(Failure::data, "{}: one robot is expected, {} are there", file.string(),
-                  robots.size());
-    add(generation, static_cast<std::size_t>(slot), std::move(robots.front()));
+  for (const auto& [first, file] : folder_.trained_slots(generation.number)) {
+    if (is_known(static_cast<std::size_t>(first))) continue;
+    auto slot = static_cast<std::size_t>(first);
+    for (Robot& robot : read_robots(file.string(), BodyCheck::any))
+      add(generation, slot++, std::move(robot));
   }
 }
 
@@ -445,8 +294,9 @@ void RunHistory::add(Generation& generation, std::size_t slot, Robot robot) {
 
 // Whole lines after what was read before; a line being written waits for its end.
 void RunHistory::read_timings() {
-  if (!fs::exists(folder_.timings())) return;
-  for (const auto& entry : fs::directory_iterator(folder_.timings())) {
+  if (!fs::exists(folder_.journal())) return;
+  for (const auto& entry : fs::directory_iterator(folder_.journal())) {
+    if (entry.path().extension() != ".jsonl") continue;
     std::ifstream file(entry.path(), std::ios::binary);
     std::uintmax_t& read = timings_read_[entry.path().filename().string()];
     file.seekg(static_cast<std::streamoff>(read));
@@ -504,7 +354,9 @@ Utilisation RunHistory::utilisation() const {
 }
 
 std::vector<SlotStatus> RunHistory::slots(const Generation& generation) const {
-  const bool has_own_log = folder_.settings().find("own_steps") != nullptr;  // not of before
+  const std::map<std::string, std::string> running = folder_.running();
+  const bool all = folder_.settings().shares(generation.number) &&
+                   running.contains(folder_.generation(generation.number).filename().string());
   std::vector<SlotStatus> list;
   for (std::size_t k = 0; k < generation.slots.size(); ++k) {
     SlotStatus status;
@@ -516,15 +368,8 @@ std::vector<SlotStatus> RunHistory::slots(const Generation& generation) const {
       status.why = trained.failure;
     } else if (k < generation.population.size()) {
       status.robot = generation.population[k];
-      // A survivor has a log of its first generation, and waits to be copied, or to go on.
-      const auto known = by_id_.find(status.robot);
-      const fs::path log = folder_.log(generation.number, status.robot);
-      const bool begun =
-          fs::exists(log) &&
-          (known == by_id_.end() || has_own_log ||
-           read_training_log(log).step >
-               static_cast<double>(robots_[known->second].robot.steps().value_or(0)));
-      status.state = begun ? SlotState::training : SlotState::waiting;
+      status.state =
+          all || running.contains(status.robot) ? SlotState::training : SlotState::waiting;
     }
     list.push_back(std::move(status));
   }

@@ -2,27 +2,28 @@
 // inspected with everyday tools and worked on by many machines.
 // docs/run-folder.md shows it by example.
 //
-//   run.yaml                  what the run is: `format: evo/run`, `version: 1`,
-//                             then a setting per line; never changed
+//   run.yaml                  what the run is: `format: evo/run`, `version: 1`, its method and
+//                             a setting per line (formats/run/settings.h); never changed
+//   Makefile                  how the rest is made of it, by small tools
 //   gen-003/population.jsonl  the robots of a generation; line k, from 0, is slot k
-//   gen-003/07.json           slot 7 after its training: the robot with its
-//                             fitness, or with what made its training fail
-//   gen-003/07.running        while a process trains slot 7: its machine
-//   gen-003/scores.jsonl      all slots in order, once every slot is there
-//   gen-003/ranking.tsv       best first; the generation is finished
-//   policies/ID.policy.h5     logs/ID.log     by robot, not by slot: a survivor
+//   gen-003/07.json           slot 7 after its training: the robot with its fitness, or with
+//                             what made its training fail; 05-09.json: slots 5 to 9; 07-.json:
+//                             slot 7 and all after it
+//   gen-003/scores.jsonl      all slots in order, once every slot is there; the generation is
+//                             finished
+//   policies/ID.policy.h5     policies/ID.log     by robot, not by slot: a survivor
 //                             is in many slots and trained once
 //   policies/gen-003.*        of all robots of a generation, where they have one
 //                             controller: policy and log
-//   lock                      which processes are at what; holds nothing
-//   timings/HOST.jsonl        what trainings took; lines are only appended, each
+//   journal/ID.running        while a process trains robot ID: its machine
+//   journal/HOST.jsonl        what trainings took; lines are only appended, each
 //                             machine to a file of its own
 //   history.jsonl             all robots trained, in order, each once
 //   best.json, best.*         the champion
 //
-// Every file but the timings appears whole under its name, and what exists is
+// Every file but those of the journal appears whole under its name, and what exists is
 // done. No result depends on a time of day or a machine: those are in logs and
-// timings alone.
+// the journal alone.
 #pragma once
 
 #include <cstddef>
@@ -48,19 +49,16 @@ struct RunSetting {
   bool operator==(const RunSetting&) const = default;
 };
 
-// The settings of a run in the order of its file.
+// The method and the settings of a run in the order of its file.
 class RunSettings {
  public:
   RunSettings() = default;
-  // "key=value" each. Throws Error(usage) for other words, a name that is no
-  // plain word, a name given twice or of an earlier version.
-  static RunSettings from_words(const std::vector<std::string>& words);
-  // Throws Error(no_input, data); a newer version is refused by name. Settings of earlier
-  // versions have their present names.
+  // Throws Error(usage) for a setting that there is none of, that the method does not have,
+  // or whose value is none of it (formats/run/settings.h).
+  RunSettings(std::string method, std::vector<RunSetting> list);
+  // Throws Error(no_input, data); a newer version is refused by name.
   static RunSettings read(const std::filesystem::path& file);
   static RunSettings parse(std::string_view text, const std::string& where);
-  // Throws Error(usage) for a value that is none of its setting (formats/run/setting_table.h).
-  void check() const;
 
   const std::vector<RunSetting>& list() const { return list_; }
   const std::string* find(const std::string& name) const;
@@ -68,38 +66,26 @@ class RunSettings {
   const std::string& text(const std::string& name) const;
   int number(const std::string& name) const;
   // Of each training of a generation, from its beginning: founders, in the first, may be
-  // given more; in a race (scripts/race.mk) those of each rung have half of the next one's.
+  // given more; in a race those of each rung have half of the next one's.
   int steps(int generation) const;
-  // Whether the best trainings of a generation go on in the next one: all rungs of a race but
-  // the last.
-  bool goes_on(int generation) const;
-  // Whether one controller learns on all robots of a generation together (scripts/modular.mk):
+  // Whether one controller learns on all robots of a generation together (method modular):
   // in all generations but the last, in which the best robots train alone.
   bool shares(int generation) const;
+  // The digest of the Makefile as it was written, "" where none is told.
+  const std::string& makefile() const { return makefile_; }
+  void set_makefile(std::string digest) { makefile_ = std::move(digest); }
 
   std::string to_yaml() const;
 
  private:
   int rungs_left(int generation) const;  // of its race, after this one; 0 without races
 
-  std::vector<RunSetting> list_;
+  std::vector<RunSetting> list_;  // the method first
+  std::string makefile_;
   std::string file_ = "run.yaml";  // for messages
 };
 
 // ---- slots and times --------------------------------------------------------------
-
-// How a run numbers its slots.
-enum class Layout {
-  generations,  // a population is proposed at once, from the scores of the one before
-  // With the setting `window`. Robot k is slot k % P of generation k / P, P the setting
-  // `pop`. Populations grow robot by robot; `window` says which scores a robot is proposed
-  // from, and `policies` and `logs` are split by the first two digits of ids.
-  steady,
-};
-
-// The folder within `policies` and `logs` that a robot's files are in, for the many
-// robots of a steady run.
-inline std::string run_shard(const std::string& id) { return id.substr(0, 2); }
 
 // A place in a population, from 0.
 struct SlotAddress {
@@ -111,53 +97,25 @@ struct SlotAddress {
 // What this machine is called: by Slurm, where it runs us, else by itself.
 std::string this_machine();
 
-// What one process spent on training one robot. A training that was interrupted
-// has several.
-struct Timing {
-  std::string robot;  // id
-  SlotAddress slot;
-  double started = 0.0;  // seconds since 1970
-  double seconds = 0.0;
-  std::int64_t steps = 0;  // environment steps taken
-  bool finished = false;
-};
-
-// Slots that a process is training, RUN/gen-003/05-09.running. It takes the file away
-// when it ends; left behind, the process was killed or its machine lost.
-struct Launch {
-  std::string slots;  // "07", "05-09", "all"
-  std::string host;
-};
-
 // ---- the folder -------------------------------------------------------------------
 
 class RunFolder {
  public:
   // Throws Error(no_input) where nothing is, Error(data) for what is no run.
   explicit RunFolder(std::filesystem::path path);
-  // Begins a run with these settings, or goes on with one that has the same.
-  // Throws Error(cannot_create) where a run with other settings is.
-  static RunFolder create(const std::filesystem::path& path, const RunSettings& settings);
-
   const std::filesystem::path& path() const { return path_; }
   const RunSettings& settings() const { return settings_; }
-  Layout layout() const { return layout_; }
 
   std::filesystem::path generation(int number) const;
   std::filesystem::path population(int number) const {
     return generation(number) / "population.jsonl";
   }
   std::filesystem::path scores(int number) const { return generation(number) / "scores.jsonl"; }
-  std::filesystem::path ranking(int number) const { return generation(number) / "ranking.tsv"; }
-  std::filesystem::path slot(SlotAddress address) const;
   std::filesystem::path policies() const { return path_ / "policies"; }
   std::filesystem::path policy(const std::string& id) const {
-    return sharded(policies(), id) / (id + ".policy.h5");
+    return policies() / (id + ".policy.h5");
   }
-  std::filesystem::path logs() const { return path_ / "logs"; }
-  std::filesystem::path log(const std::string& id) const {
-    return sharded(logs(), id) / (id + ".log");
-  }
+  std::filesystem::path log(const std::string& id) const { return policies() / (id + ".log"); }
   // Of all robots of a generation that has one controller.
   std::filesystem::path shared_policy(int number) const {
     return policies() / (generation(number).filename().string() + ".policy.h5");
@@ -167,46 +125,23 @@ class RunFolder {
     return settings_.shares(number) ? policies() / (generation(number).filename().string() + ".log")
                                     : log(id);
   }
-  std::filesystem::path timings() const { return path_ / "timings"; }
-  // For a LockFile: a byte for the proposals of a steady run, and one for each slot.
-  std::filesystem::path lock() const { return path_ / "lock"; }
-  static constexpr std::uint64_t proposals_byte = 0;
-  static std::uint64_t lock_byte(SlotAddress address) {
-    return 1 + (static_cast<std::uint64_t>(address.generation) << 24U) +
-           static_cast<std::uint64_t>(address.slot);
-  }
+  std::filesystem::path journal() const { return path_ / "journal"; }
   std::filesystem::path history() const { return path_ / "history.jsonl"; }
   std::filesystem::path best() const { return path_ / "best.json"; }
 
-  // Where robot `number` of a steady run is.
-  SlotAddress address(int number) const;
-
+  // Whether its Makefile is another one than was written with run.yaml.
+  bool is_edited() const;
   // Generations begun, in order.
   std::vector<int> generations() const;
-  // By slots, in alphabetical order.
-  std::vector<Launch> launches(int generation) const;
-  std::filesystem::path launch(int generation, const std::string& slots) const {
-    return this->generation(generation) / (slots + ".running");
-  }
-  // Slots trained of a generation, in order.
-  std::vector<int> trained_slots(int generation) const;
-  // The robot that a slot is to train. Throws Error(no_input) without a
-  // population, Error(usage) beyond its end.
-  Robot robot(SlotAddress address) const;
-  int population_size(int generation) const;
-
-  // Appends to the file of this machine. Throws Error(cannot_create, io).
-  void add_timing(const Timing& timing) const;
+  // Robots (or generations with one controller) in training, and on which machines; of a
+  // process that was killed they stay.
+  std::map<std::string, std::string> running() const;
+  // Files of slots trained of a generation, by the first slot in each.
+  std::map<int, std::filesystem::path> trained_slots(int generation) const;
 
  private:
-  RunFolder(std::filesystem::path path, RunSettings settings);
-  std::filesystem::path sharded(const std::filesystem::path& folder, const std::string& id) const {
-    return layout_ == Layout::steady ? folder / run_shard(id) : folder;
-  }
-
   std::filesystem::path path_;
   RunSettings settings_;
-  Layout layout_ = Layout::generations;
 };
 
 // ---- what has been done -------------------------------------------------------------
@@ -260,8 +195,8 @@ class RunHistory {
   // The fittest robot, the first of equals.
   const TrainedRobot* champion() const { return champion_ ? &robots_[*champion_] : nullptr; }
   std::optional<std::size_t> champion_index() const { return champion_; }
-  // Every slot of a generation's population. `training`: begun, as its log shows;
-  // whether a process is still at it, the folder cannot say.
+  // Every slot of a generation's population. `training`: as the journal says; of a process
+  // that was killed it says so still.
   std::vector<SlotStatus> slots(const Generation& generation) const;
 
   // Of all trainings recorded, one core each.

@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "libevo/body/body.h"
-#include "libevo/evolve/method.h"
-#include "libevo/evolve/neat_steady.h"
+#include "libevo/evolve/neat.h"
 
 namespace evo {
 
@@ -31,28 +30,5 @@ std::vector<CppnRobot> first_robots(const NeatSettings& settings, int rows, int 
 std::vector<CppnRobot> next_robots(const NeatSettings& settings, int rows, int cols,
                                    std::span<const Scored> scored, std::set<std::string>& seen,
                                    NeatState& state, std::uint64_t seed);
-
-// The method one robot at a time: the genome keys are the robots' numbers.
-class CppnNeat {
- public:
-  static constexpr const char* name = "neat";
-  static constexpr bool told_again = false;
-  static constexpr bool any_founders = false;
-  // Throws Error(usage) for other numbers of inputs and outputs.
-  explicit CppnNeat(const EvolutionSettings& settings);
-
-  // Throws like next_individual.
-  Proposal propose(int number, std::span<const Body> pending, std::set<std::string>& seen);
-  // Throws Error(data) for a robot without a genome.
-  void tell(const ScoredRobot& robot);
-  MethodState save() const;
-  void load(MethodState state);
-
- private:
-  EvolutionSettings settings_;
-  std::vector<ScoredRobot> members_;  // the population, oldest first
-  NeatState species_;
-  int told_ = 0;
-};
 
 }  // namespace evo

@@ -9,7 +9,7 @@
 #include <limits>
 #include <set>
 
-#include "evolution/archive.h"
+#include "formats/robot/archive.h"
 #include "libevo/base/error.h"
 #include "render/report/lineage.h"
 #include "render/report/repetitions.h"

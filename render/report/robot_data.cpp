@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "evolution/run_command.h"
+#include "formats/run/settings.h"
 #include "render/report/lineage.h"
 #include "render/report/markup.h"
 #include "render/report/parts.h"

@@ -40,9 +40,11 @@ std::string purpose_of(const PolicyFile& policy) {
   return text && text->is_scalar() ? text->text() : "";
 }
 
-std::vector<Setting> masked(const RunSettings& settings) {
+std::vector<Setting> masked(const RunFolder& folder) {
   std::vector<Setting> list;
-  for (const auto& [name, value] : settings.list()) list.push_back({name, without_folders(value)});
+  for (const auto& [name, value] : folder.settings().list())
+    list.push_back({name, without_folders(value)});
+  if (folder.is_edited()) list.push_back({"Makefile", "edited by hand"});
   return list;
 }
 
@@ -154,7 +156,7 @@ Run read_run(const fs::path& folder, const Extent& extent, int threads) {
   Run run;
   run.label = full_path(folder).filename().string();
   run.folder = folder_in_commands(folder);
-  run.settings = masked(history.folder().settings());
+  run.settings = masked(history.folder());
   add_history(history, run);
   run.seconds = history.seconds();
   run.began = std::llround(history.began());

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "evolution/run_command.h"
+#include "formats/run/settings.h"
 #include "render/report/markup.h"
 
 namespace evo::report {
@@ -101,27 +101,25 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
   const bool settled = 4 * since >= run.robots.size();  // nothing better for a quarter of the run
   const auto longer = [&](long factor) {
     std::vector<std::pair<std::string, std::string>> changed{
-        {"RUN", run.folder + "-longer"}, {"STEPS", times(factor, run.setting("steps"))}};
-    for (const auto& [name, variable] :
-         {std::pair{"founder_steps", "FOUNDER_STEPS"}, {"own_steps", "OWN_STEPS"}})
+        {"steps", times(factor, run.setting("steps"))}};
+    for (const char* name : {"founder_steps", "own_steps"})
       if (const std::string steps = run.setting(name); !steps.empty())
-        changed.emplace_back(variable, times(factor, steps));
-    return run_command(run, changed);
+        changed.emplace_back(name, times(factor, steps));
+    return run_command(run, run.folder + "-longer", changed);
   };
-  if (!over) add("go on where it is", run_command(run, {}));
+  if (!over) add("go on where it is", run_command(run, run.folder));
   if (over && bad)
     add("train each robot ten times as long", longer(10));
   else if (over && rising)
     add("train longer: the champion was still learning", longer(2));
   if (over && !bad && !settled)
     add("evolve on: it was still improving",
-        run_command(run,
-                    {{"RUN", run.folder + "-more"}, {"EVALS", times(2, run.setting("evals"))}}));
+        run_command(run, run.folder + "-more", {{"evals", times(2, run.setting("evals"))}}));
   if (over && !bad && settled && !rising)
     add("enough: see whether another seed agrees",
-        run_command(run, {{"RUN", run.folder + "-again"},
-                          {"SEED", fmt::format("{}", 1 + std::strtol(run.setting("seed").c_str(),
-                                                                     nullptr, 10))}}));
+        run_command(run, run.folder + "-again",
+                    {{"seed", fmt::format("{}", 1 + std::strtol(run.setting("seed").c_str(),
+                                                                nullptr, 10))}}));
   if (!robust || !run.robots[*run.champion].training.final_score)
     add("measure the champion from other starts",
         fmt::format("evo-eval {} --episodes 20 --jitter 1e-3 -o -",
@@ -132,9 +130,9 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
 
 }  // namespace
 
-std::string run_command(const Run& run, std::vector<std::pair<std::string, std::string>> changed) {
-  changed.insert(changed.begin(), {"RUN", run.folder});  // a later one counts
-  return evo::run_command([&](const std::string& name) { return run.setting(name); }, changed);
+std::string run_command(const Run& run, const std::string& folder,
+                        const std::vector<std::pair<std::string, std::string>>& changed) {
+  return evolve_command(folder, [&](const std::string& name) { return run.setting(name); }, changed);
 }
 
 Verdict judge(const Run& run) {

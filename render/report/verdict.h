@@ -30,7 +30,8 @@ inline constexpr double least_gain = 0.1;
 
 Verdict judge(const Run& run);
 
-// The command line of the run with some settings changed: "make -f scripts/ga.mk ..".
-std::string run_command(const Run& run, std::vector<std::pair<std::string, std::string>> changed);
+// The command line of the run in a folder, perhaps with settings changed: "evo evolve ga ..".
+std::string run_command(const Run& run, const std::string& folder,
+                        const std::vector<std::pair<std::string, std::string>>& changed = {});
 
 }  // namespace evo::report

@@ -102,16 +102,14 @@ with h5py.File(sys.argv[1], 'r+') as f:
   evo-inspect "$EVO_SOURCE/tasks/neat.yaml" "$EVO_SOURCE/tasks/Walker-v0.yaml" "$EVO_SOURCE/tasks/physics/paper.yaml" "$EVO_SOURCE/tasks/training/default.yaml"
   evo-inspect - < "$(ls ./*.policy.h5)" | grep -q 2x2
   evo-inspect - < walk.h5 | grep -q 2x2
-  evo-run init run method=ga pop=2 evals=4 window=2 shape=2x2 seed=1 task=Walker-v0 mutate_options=
-  evo-run propose run --robots 2
+  evo-evolve ga -q --plan --run run --pop 3 --evals 4 --shape 3x3 --seed 1 --evaluate true
   evo-inspect run/run.yaml | grep -qx 'task  *Walker-v0'
-  evo-inspect run/steady.json | grep -q '2 robots proposed, 0 scores known'
-  evo-inspect --check run/run.yaml run/steady.json
+  evo-inspect --check run/run.yaml
   evo-mutate -n 1 < walk.h5 | jq -e '.parents | length == 1'
   printf 'RS\n' > idle.txt
   fails_with 65 "actuator" -- evo-convert idle.txt
   fails_with 65 "actuator" -- evo-render idle.txt -o x.png
-  fails_with 65 "actuator" -- evo-suggest --history idle.txt
+  fails_with 65 "actuator" -- evo-suggest idle.txt
   fails_with 65 "actuator" -- evo-sample -n 1 --avoid idle.txt
   run --separate-stderr evo-inspect idle.txt
   [ "$status" -eq 65 ]

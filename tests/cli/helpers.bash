@@ -7,16 +7,6 @@ data="$EVO_SOURCE/tests/data"
 
 setup() { cd "$BATS_TEST_TMPDIR" || return; }
 
-# The first words of a make: a pipeline by its name. ga-window is ga without generations, and
-# WINDOW is as POP among the words that follow, unless it is one of them.
-pipeline_words() {
-  local name=${1%-window} word
-  pipeline=(-f "$EVO_SOURCE/scripts/$name.mk")
-  [ "$name" != "$1" ] || return 0
-  for word in "${@:2}"; do case $word in POP=*) pipeline[2]=WINDOW=${word#POP=} ;; esac; done
-  pipeline[2]=${pipeline[2]:-WINDOW=25}
-}
-
 # A random part of a second, before something is killed. Where a test fails its seed is
 # among what it printed; EVO_TEST_SEED=SEED repeats the pauses.
 EVO_TEST_SEED=${EVO_TEST_SEED:-$((RANDOM * 32768 + RANDOM))}

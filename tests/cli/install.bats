@@ -20,23 +20,16 @@ installed() {
     bash -euo pipefail -c "$1"
 }
 
-@test "tasks, profiles and pipelines are found where the prefix was moved to" {
+@test "tasks, profiles and recipes are found where the prefix was moved to" {
   installed 'evo-data' | grep -qx "$PREFIX/share/evo"
-  installed 'evo-data scripts/ga.mk tasks/physics/paper.yaml' > paths
-  printf '%s\n' "$PREFIX/share/evo/scripts/ga.mk" "$PREFIX/share/evo/tasks/physics/paper.yaml" | diff - paths
+  installed 'evo-data tasks/recipes/moments.yaml tasks/Walker-v0.yaml' > paths
+  printf '%s\n' "$PREFIX/share/evo/tasks/recipes/moments.yaml" "$PREFIX/share/evo/tasks/Walker-v0.yaml" | diff - paths
   diff <(installed 'evo-inspect tasks') <(evo-inspect tasks)
   installed 'evo-sample -n 3 --seed 1' | diff - <(evo-sample -n 3 --seed 1)
 }
 
-@test "every tool and every file the pipelines read is installed" {
+@test "every tool and every file that runs read is installed" {
   diff <(cd "$EVO_BIN" && ls evo-*) <(cd "$PREFIX/bin" && ls evo-*)
-  for file in "$EVO_SOURCE"/scripts/*.{mk,jq,gnuplot}; do [ -e "$PREFIX/share/evo/scripts/$(basename "$file")" ]; done
-  # What pipelines start, and what the documents name; records are made in a checkout.
-  scripts=$(grep -ohP "SCRIPTS\)'?\K[a-z-]+(?=[' ])" "$EVO_SOURCE"/scripts/*.mk | grep -vx add-record
-            grep -rohP 'evo-data scripts/\K[a-z/-]+(?=[") ])' "$EVO_SOURCE"/{README.md,docs})
-  [ "$(wc -w <<< "$scripts")" -gt 10 ]
-  for script in $scripts places carry; do [ -x "$PREFIX/share/evo/scripts/$script" ] || { echo "$script"; return 1; }; done
-  [ -e "$PREFIX/share/evo/scripts/carried" ]
   diff <(cd "$EVO_SOURCE/tasks" && find . -type f | sort) <(cd "$PREFIX/share/evo/tasks" && find . -type f | sort)
 }
 
@@ -55,15 +48,15 @@ installed() {
 @test "man finds the pages" {
   command -v man > /dev/null || skip "man is not installed"
   [ -e "$EVO_BIN/../docs/man/evo.7" ] || skip "built without help2man or scdoc"
-  for page in $(cd "$EVO_BIN" && ls evo-*) evo evo-pipelines evo-formats; do
+  for page in $(cd "$EVO_BIN" && ls evo-*) evo evo-formats; do
     MANPATH="$PREFIX/share/man" man -w "$page" | grep -q "^$PREFIX/share/man/man[157]/$page\.[157]$"
   done
 }
 
-@test "a pipeline runs from the installed place to the same result" {
-  settings="POP=3 EVALS=4 STEPS=2048 SEED=1 VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50'"
-  installed "make -s -f \"\$(evo-data scripts/ga.mk)\" RUN=run $settings"
-  eval make -s -f "$EVO_SOURCE/scripts/ga.mk" RUN=here "$settings"
+@test "a run from the installed place ends to the same result" {
+  settings="--pop 3 --evals 4 --steps 2048 --seed 1 --video gif --video-options '--size 160x90 --every 50' -q"
+  installed "evo evolve ga --run run $settings"
+  eval evo-evolve ga --run here "$settings"
   cmp run/history.jsonl here/history.jsonl
   for file in best.policy.h5 best.gif report.html; do [ -s "run/$file" ]; done
 }
@@ -77,7 +70,7 @@ installed() {
   printf '%s\n' Mine More | diff - names
   evo-data --names physics | grep -qx paper
   EVO_DATA=none fails_with 66 "EVO_DATA" "none" -- evo-inspect tasks
-  fails_with 66 "scripts/gaa.mk" "scripts/ga.mk" -- evo-data scripts/gaa.mk
+  fails_with 66 "tasks/recipe" "tasks/recipes" -- evo-data tasks/recipe
   fails_with 66 "../LICENSE" -- evo-data ../LICENSE
   fails_with 2 "physics" -- evo-data --names phsics
 }
@@ -151,7 +144,7 @@ build_example() {
   # Each file is in one of them.
   for deb in packages/*.deb; do dpkg-deb -c "$deb" | awk '$1 !~ /^d/ { print $6 }'; done | sort | uniq -d > twice
   [ ! -s twice ]
-  cmp root/usr/share/evo/scripts/evolve.mk "$EVO_SOURCE/scripts/evolve.mk"
+  cmp root/usr/share/evo/tasks/recipes/moments.yaml "$EVO_SOURCE/tasks/recipes/moments.yaml"
   # Nothing in them tells where they were built.
   run ! grep -rqF "$EVO_SOURCE" root
   root/usr/bin/evo-inspect tasks | diff - <(evo-inspect tasks)

@@ -7,7 +7,7 @@ pages="$EVO_BIN/../docs/man"
 @test "every tool has a manual page, without warnings of the formatter" {
   command -v man > /dev/null || skip "man is not installed"
   [ -e "$pages/evo.7" ] || skip "built without help2man or scdoc"
-  for page in $(cd "$EVO_BIN" && printf '%s.1\n' evo-*) evo.7 evo-pipelines.7 evo-formats.5; do
+  for page in $(cd "$EVO_BIN" && printf '%s.1\n' evo-*) evo.7 evo-formats.5; do
     LC_ALL=C.UTF-8 MANWIDTH=80 man -l --warnings=w "$pages/$page" 2> warnings | col -b > text
     [ ! -s warnings ] || { echo "$page: $(cat warnings)" >&2; return 1; }
     grep -q '^NAME' text
@@ -33,16 +33,6 @@ pages="$EVO_BIN/../docs/man"
   done
 }
 
-@test "evo-pipelines(7) names every setting of the pipelines" {
-  sed -nE 's/^([A-Z_]+) *\?=.*/\1/p' "$EVO_SOURCE"/scripts/*.mk | sort -u | while read -r setting; do
-    grep -q "^${setting,,}$(printf '\t')" "$EVO_SOURCE/scripts/settings.tsv" || { echo "$setting" >&2; exit 1; }
-  done
-  [ -e "$pages/evo-pipelines.7" ] || skip "built without help2man or scdoc"
-  grep -v '^#' "$EVO_SOURCE/scripts/settings.tsv" | tail -n +2 | cut -f 1 | while read -r setting; do
-    grep -q "^\\\\fB${setting^^}\\\\fR=" "$pages/evo-pipelines.7" || { echo "$setting" >&2; exit 1; }
-  done
-}
-
 # What bash would offer for the last word of a line.
 offers() {
   local words=("$@")
@@ -57,16 +47,14 @@ offers() {
   offers evo-train --physics p | diff - <(echo paper)
   offers evo-train --train pap | diff - <(echo paper)
   [ -z "$(offers evo-eval walk)" ]
-  offers evo-run '' | diff - <(printf '%s\n' init plan propose train fail settings slots command)
+  offers evo-evolve '' | diff - <(printf '%s\n' ga neat bo map race modular recipe compare)
   offers evo-inspect ta | diff - <(printf '%s\n' tasks task)
   offers evo-inspect task Walk | diff - <(echo Walker-v0)
-  [ -z "$(offers evo-run slots runs/wal)" ]
   offers evo re | diff - <(printf '%s\n' render report)
   offers evo help re | diff - <(printf '%s\n' render report)
   offers evo eval --rollout | diff - <(offers evo-eval --rollout)
-  offers evo run '' | diff - <(offers evo-run '')
-  offers evo-run init runs/wal po | diff - <(echo pop=)
-  offers evo run command runs/wal RUN=runs/again SE | diff - <(echo SEED=)
+  offers evo evolve '' | diff - <(offers evo-evolve '')
+  offers evo-evolve ga --inherit '' | diff - <(printf '%s\n' no yes all)
 }
 
 @test "bash: the words that an option may have as its value" {
@@ -102,5 +90,5 @@ END
   zsh -f offers.zsh evo '' | grep -qx train
   zsh -f offers.zsh evo eval -- | grep -qx -- --rollout-dir
   zsh -f offers.zsh evo-eval walk | diff - <(echo files)
-  zsh -f offers.zsh evo-run '' | diff - <(printf '%s\n' init plan propose train fail settings slots command files)
+  zsh -f offers.zsh evo-evolve '' | diff - <(printf '%s\n' ga neat bo map race modular recipe compare files)
 }

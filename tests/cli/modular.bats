@@ -103,24 +103,6 @@ file['index'] = index"
   [ ! -e no.onnx ]
 }
 
-@test "modular: screen makes many children and keeps those that earn most with it" {
-  robots | shared 4096 one.policy.h5 > scored
-  local screen="$EVO_SOURCE/scripts/screen"
-  "$screen" one.policy.h5 4 -n 3 --seed 5 scored -o kept
-  evo-mutate -n 12 --seed 5 scored > all
-  evo-eval --policy one.policy.h5 all 2> /dev/null | jq -s 'sort_by(-.fitness)[:3][].id' | cmp - <(jq .id kept)
-  # A child is as evo-mutate made it.
-  while read -r child; do jq -cS . all | grep -qxF "$child"; done < <(jq -cS . kept)
-  # As the proposer of a search, in which it keeps no file.
-  local search=(make -s -f "$EVO_SOURCE/scripts/ga.mk" TASK=Walker-v0 POP=4 EVALS=8 STEPS=4096 SEED=1 "MUTATE=$screen one.policy.h5 3")
-  "${search[@]}" RUN=run run/history.jsonl
-  [ "$(wc -l < run/history.jsonl)" -eq 8 ]
-  [ "$(ls run/gen-001 | grep -c screened)" -eq 0 ]
-  fails_with 2 "usage: screen" -- "$screen" one.policy.h5 0 -n 3 scored -o no
-  fails_with 66 "lost.policy.h5" -- "$screen" lost.policy.h5 2 -n 3 scored -o no
-  [ ! -e no ] && [ ! -e no.screened ]
-}
-
 @test "modular: the benchmark measures bodies that a controller met, and others" {
   measure=("$EVO_SOURCE/benchmarks/modular/measure" Walker-v0 one two --seen 4 --unseen 4 --sample 4
     --shared 4096 --own 1024 --tuned 1024 --shape 3x3)

@@ -41,7 +41,6 @@ setup_file() {
 @test "inputs that would not be read are refused" {
   cp "$made"/* .
   fails_with 2 "small.txt" -- evo-convert small.txt --task Walker-v0
-  fails_with 2 "small.txt" -- evo-select small.txt --schedule paper --plan --pop 25 --evals 250
   fails_with 2 "one robot" "2 were read" -- evo-convert small.txt walk.h5 --to npz -o x.npz
 }
 

@@ -105,7 +105,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
 }
 
 @test "a run on one page" {
-  make -s -f "$EVO_SOURCE/scripts/ga.mk" RUN=run TASK=Walker-v0 POP=3 EVALS=6 STEPS=1024 SEED=1 > /dev/null 2>&1
+  evo-evolve ga -q --run run --task Walker-v0 --pop 3 --evals 6 --steps 1024 --seed 1 > /dev/null 2>&1
   evo-render --poster run -o poster.svg
   for words in "What it does" "What it is" "The best so far" "Where it comes from" "The best of 6 robots"; do
     grep -q ">$words" poster.svg

@@ -8,8 +8,8 @@ setup() {
   export RECORDS=$PWD/records
 }
 evolve() {
-  make -f "$EVO_SOURCE/scripts/ga.mk" RUN="$1" TASK=Walker-v0 POP=4 EVALS=8 ALGO=gait STEPS=4000 SEED="$2" \
-    TRAIN_OPTIONS="--train-set population=4" -s "$1/history.jsonl"
+  evo-evolve ga -q --run "$1" --task Walker-v0 --pop 4 --evals 8 --algo gait --steps 4000 --seed "$2" \
+    --train-options "--train-set population=4" --no-video
 }
 
 @test "a run's best robot becomes the record, is replayed, and is beaten only by a better one" {
@@ -81,8 +81,8 @@ evolve() {
 
 @test "a sequence of actions is a record beside the others, not in their place" {
   evolve waves 1
-  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=actions TASK=Walker-v0 POP=4 EVALS=8 TRAIN=sequence STEPS=9000 SEED=1 \
-    INHERIT=yes -s actions/history.jsonl
+  evo-evolve ga -q --run actions --task Walker-v0 --pop 4 --evals 8 --train sequence --steps 9000 --seed 1 \
+    --inherit yes --no-video
   "$EVO_SOURCE/scripts/add-record" waves
   "$EVO_SOURCE/scripts/add-record" actions
   jq -e '.controller == "sine" and .task == "Walker-v0"' records/Walker-v0/record.json
@@ -104,9 +104,9 @@ evolve() {
   fitness=$(jq .fitness $record)
   [ ! -e $episode ]
   # Beaten from perturbed starts alone, it goes there; with its bodies, if it has any.
-  claim '.shifted.mean = -100 | .fitness = 100 | .command += " FOUNDERS=records/Walker-v0/founders.jsonl"' $record
+  claim '.shifted.mean = -100 | .fitness = 100 | .command += " --founders records/Walker-v0/founders.jsonl"' $record
   "$EVO_SOURCE/scripts/add-record" two
-  jq -e '.fitness == 100 and (.command | endswith("FOUNDERS=records/Walker-v0-episode/founders.jsonl"))' $episode
+  jq -e '.fitness == 100 and (.command | endswith("--founders records/Walker-v0-episode/founders.jsonl"))' $episode
   jq -e '.fitness < 100' $record
   grep -q '^### Single episodes' records/README.md
   grep -q '^| \[Walker-v0\](#walker-v0-episode) | gait, body given | 100 (-100) | ' records/README.md # reaches the paper, which the record does not
@@ -126,8 +126,8 @@ evolve() {
 }
 
 @test "a record that was judged from perturbed starts is what it earns from the start itself" {
-  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=calm TASK=Walker-v0 POP=4 EVALS=4 STEPS=2048 SEED=1 \
-    TRAIN_OPTIONS='--train-set evaluation_jitter=1e-2 --train-set evaluation_episodes=4' -s calm/history.jsonl
+  evo-evolve ga -q --run calm --task Walker-v0 --pop 4 --evals 4 --steps 2048 --seed 1 \
+    --train-options '--train-set evaluation_jitter=1e-2 --train-set evaluation_episodes=4' --no-video
   evo-inspect --check --replay calm
   "$EVO_SOURCE/scripts/add-record" calm
   best=$(evo-select --keep 1 calm/history.jsonl | jq .fitness)
@@ -137,21 +137,21 @@ evolve() {
 
 @test "a record whose founders came from another run says so, and counts what that took" {
   evolve scout 1
-  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=next TASK=Walker-v0 POP=4 EVALS=6 ALGO=gait STEPS=4000 SEED=2 \
-    TRAIN_OPTIONS="--train-set population=4" FOUNDERS=scout -s next/history.jsonl
+  evo-evolve ga -q --run next --task Walker-v0 --pop 4 --evals 6 --algo gait --steps 4000 --seed 2 \
+    --train-options "--train-set population=4" --founders scout --no-video
   "$EVO_SOURCE/scripts/add-record" next
   record=records/Walker-v0/record.json
-  [[ $(jq -r .command $record) == "make -f scripts/ga.mk RUN=runs/scout "*" && make -f scripts/ga.mk RUN=runs/record "*" FOUNDERS=runs/scout "* ]]
+  [[ $(jq -r .command $record) == "evo evolve ga --run runs/scout "*" && evo evolve ga --run runs/record "*" --founders runs/scout "* ]]
   [ "$(jq .robots $record)" -eq $((8 + 6)) ]
   [ "$(jq -r .tools $record)" = "$(evo-train --version | sed 's/ [^ ]*$//')" ]  # one build made both
   [ "$(jq .steps $record)" -eq "$(cat scout/history.jsonl next/history.jsonl | jq -s 'map(.steps) | add')" ]
   # As far back as it goes.
-  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=last TASK=Walker-v0 POP=4 EVALS=5 ALGO=gait STEPS=4000 SEED=3 \
-    TRAIN_OPTIONS="--train-set population=4" FOUNDERS=next -s last/history.jsonl
+  evo-evolve ga -q --run last --task Walker-v0 --pop 4 --evals 5 --algo gait --steps 4000 --seed 3 \
+    --train-options "--train-set population=4" --founders next --no-video
   rm -r records/Walker-v0
   "$EVO_SOURCE/scripts/add-record" last
-  [ "$(jq -r .command $record | grep -o 'RUN=[^ ]*\|FOUNDERS=[^ ]*' | xargs)" = \
-    "RUN=runs/scout-2 RUN=runs/scout FOUNDERS=runs/scout-2 RUN=runs/record FOUNDERS=runs/scout" ]
+  [ "$(jq -r .command $record | grep -oE -- '--(run|founders) [^ ]*' | xargs)" = \
+    "--run runs/scout-2 --run runs/scout --founders runs/scout-2 --run runs/record --founders runs/scout" ]
   [ "$(jq .robots $record)" -eq $((8 + 6 + 5)) ]
   mv scout elsewhere
   fails_with 2 "no one command" -- "$EVO_SOURCE/scripts/add-record" last
@@ -159,15 +159,14 @@ evolve() {
 
 @test "a record keeps the bodies of a file that its run began with, and its command finds them" {
   evo-sample -n 2 --seed 5 > bodies.jsonl
-  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=drawn TASK=Walker-v0 POP=2 EVALS=2 ALGO=gait STEPS=4000 SEED=1 \
-    TRAIN_OPTIONS="--train-set population=4" FOUNDERS=bodies.jsonl -s drawn/history.jsonl
+  evo-evolve ga -q --run drawn --task Walker-v0 --pop 2 --evals 2 --algo gait --steps 4000 --seed 1 \
+    --train-options "--train-set population=4" --founders bodies.jsonl --no-video
   "$EVO_SOURCE/scripts/add-record" drawn
   diff <(jq -c .body bodies.jsonl) <(jq -c .body records/Walker-v0/founders.jsonl)
   command=$(jq -r .command records/Walker-v0/record.json)
-  [[ $command == *" FOUNDERS=records/Walker-v0/founders.jsonl "* ]]
+  [[ $command == *" --founders records/Walker-v0/founders.jsonl "* ]]
   rm bodies.jsonl
-  command=${command/scripts/"$EVO_SOURCE/scripts"}
-  eval "${command/runs\/record/again} -s again/history.jsonl"
+  eval "${command/runs\/record/again} -q --no-video"
   diff drawn/history.jsonl again/history.jsonl
   # Of one whose founders nobody drew there is no such file.
   evolve other 2
@@ -177,18 +176,18 @@ evolve() {
 }
 
 @test "a run goes on from a record, and what that took counts" {
-  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=actions TASK=Walker-v0 POP=4 EVALS=8 TRAIN=sequence STEPS=9000 SEED=1 \
-    INHERIT=yes -s actions/history.jsonl
+  evo-evolve ga -q --run actions --task Walker-v0 --pop 4 --evals 8 --train sequence --steps 9000 --seed 1 \
+    --inherit yes --no-video
   "$EVO_SOURCE/scripts/add-record" actions
   further() {
-    make -f "$EVO_SOURCE/scripts/ga.mk" RUN="$1" TASK=Walker-v0 POP=1 EVALS=1 TRAIN=moments STEPS=16384 SEED=1 INHERIT=all \
-      FOUNDERS="$2" TRAIN_OPTIONS="--train-set evaluation_interval=2 --final-episodes 0" -s "$1/history.jsonl" "${@:3}"
+    evo-evolve ga -q --run "$1" --task Walker-v0 --pop 1 --evals 1 --train moments --steps 16384 --seed 1 --inherit all \
+      --founders "$2" --train-options "--train-set evaluation_interval=2 --final-episodes 0" "${@:3}" --no-video
   }
   further network records/Walker-v0-sequence
   "$EVO_SOURCE/scripts/add-record" network
   record=records/Walker-v0/record.json
   first=$(jq -r .command records/Walker-v0-sequence/record.json)
-  [[ $(jq -r .command $record) == "${first/record/scout} && make -f scripts/ga.mk RUN=runs/record "*" FOUNDERS=runs/scout "* ]]
+  [[ $(jq -r .command $record) == "${first/record/scout} && evo evolve ga --run runs/record "*" --founders runs/scout "* ]]
   [ "$(jq .robots $record)" -eq 9 ]
   [ "$(jq .steps $record)" -eq "$(cat actions/history.jsonl network/history.jsonl | jq -s 'map(.steps) | add')" ]
   [ "$(jq -r .tools $record)" = "$(jq -r .tools records/Walker-v0-sequence/record.json)" ]
@@ -199,8 +198,8 @@ evolve() {
   further longer network
   jq '.shifted.mean = -100' $record > worse && mv worse $record
   "$EVO_SOURCE/scripts/add-record" longer
-  [ "$(jq -r .command $record | grep -o 'RUN=[^ ]*\|FOUNDERS=[^ ]*' | xargs)" = \
-    "RUN=runs/scout-2 RUN=runs/scout FOUNDERS=runs/scout-2 RUN=runs/record FOUNDERS=runs/scout" ]
+  [ "$(jq -r .command $record | grep -oE -- '--(run|founders) [^ ]*' | xargs)" = \
+    "--run runs/scout-2 --run runs/scout --founders runs/scout-2 --run runs/record --founders runs/scout" ]
   [ "$(jq .robots $record)" -eq 10 ]
   # The page says how it was found, and in a table of costs names what reaches the paper.
   "$EVO_SOURCE/scripts/records-page" | grep '^| \[Walker-v0\](#walker-v0.*, less | '
@@ -211,23 +210,9 @@ evolve() {
   [[ $output == *"records/Walker-v0: has 1 different robots, not POP=2"* ]]
 }
 
-@test "records.mk makes records of many tasks, in rounds if asked to" {
-  round="STEPS=4000 ALGO=gait TRAIN=default TRAIN_OPTIONS='--train-set population=4'"
-  search() {
-    make -f "$EVO_SOURCE/scripts/records.mk" RUN=runs TASKS="Walker-v0 Jumper-v0" PIPELINE=rounds \
-      VIDEO=gif VIDEO_OPTIONS="--size 160x90 --every 50" ROUND_1="POP=4 EVALS=5 $round" ROUND_2="POP=2 EVALS=2 $round" -j2
-  }
-  search
-  for task in Walker-v0 Jumper-v0; do
-    [ "$(jq .robots records/$task/record.json)" -eq 7 ]
-    cmp records/$task/policy.h5 "runs/$task/2/policies/$(jq -r .robot records/$task/record.json).policy.h5"
-  done
-  search  # once more: the records are as good, and that is no error
-}
-
 @test "a record of a task with draws is replayed with those that it was trained on" {
-  make -f "$EVO_SOURCE/scripts/ga.mk" RUN=run TASK=Catcher-v0 POP=4 EVALS=4 ALGO=gait STEPS=4000 SEED=5 VIDEO=gif \
-    VIDEO_OPTIONS="--size 160x90 --every 50" TRAIN_OPTIONS="--train-set population=4" -s
+  evo-evolve ga -q --run run --task Catcher-v0 --pop 4 --evals 4 --algo gait --steps 4000 --seed 5 --video gif \
+    --video-options "--size 160x90 --every 50" --train-options "--train-set population=4"
   "$EVO_SOURCE/scripts/add-record" run
   jq -e '.seed == 5' records/Catcher-v0/record.json
   "$EVO_SOURCE/scripts/verify-records"

@@ -127,7 +127,7 @@ PY
   evo-report run > page.html
   grep -q 'class="card verdict doubt"' page.html  # not over: 1000 robots were asked for
   grep -q 'Improved from' page.html
-  grep -q 'make -f scripts/ga.mk RUN=run TASK=Walker-v0 POP=8 EVALS=1000' page.html
+  grep -q 'evo evolve ga --run run --task Walker-v0 --pop 8 --evals 1000' page.html
   # A run in which all robots are alike bad has learnt nothing.
   for scores in run/gen-*/scores.jsonl; do
     jq -c 'if .fitness then .fitness = 0.08 else . end' "$scores" > new && mv new "$scores"
@@ -146,12 +146,11 @@ PY
   bash -c "$(head -1 commands)" | grep -q "$id"
   grep -q "evo-render &#39;some runs/walker/best.rollout.h5&#39; --strip 6" page.html ||
     grep -q "evo-render 'some runs/walker/best.rollout.h5' --strip 6" page.html
-  # A steady run keeps its policies in subfolders.
-  make -s -f "$EVO_SOURCE/scripts/ga.mk" WINDOW=2 RUN=steady POP=2 EVALS=2 STEPS=2048 SHAPE=3x3 SEED=1 > /dev/null
-  evo-report steady -o steady.html
-  id=$(jq -r .id steady/best.json)
-  data_of steady.html | jq -r --arg id "$id" '.runs["run-1"].robots[$id].commands[0]' > command
-  [[ $(cat command) == "evo-inspect steady/policies/"*"/$id.policy.h5" ]]
+  evo-evolve ga -q --run small --pop 2 --evals 2 --steps 2048 --shape 3x3 --seed 1 > /dev/null
+  evo-report small -o small.html
+  id=$(jq -r .id small/best.json)
+  data_of small.html | jq -r --arg id "$id" '.runs["run-1"].robots[$id].commands[0]' > command
+  [[ $(cat command) == "evo-inspect small/policies/$id.policy.h5" ]]
   bash -c "$(cat command)" | grep -q "$id"
 }
 
@@ -297,8 +296,8 @@ PY
 }
 
 @test "a run with one controller for all: how it learnt, and every robot moves with it" {
-  make -s -f "$EVO_SOURCE/scripts/modular.mk" RUN=run TASK=Walker-v0 POP=4 CHILDREN=1 EVALS=5 STEPS=1024 CHAMPIONS=1 OWN_STEPS=1024 \
-    TRAIN_OPTIONS='--train-set environments=2' run/history.jsonl
+  evo-evolve modular -q --run run --task Walker-v0 --pop 4 --children 1 --evals 5 --steps 1024 --champions 1 --own-steps 1024 \
+    --train-options '--train-set environments=2' --no-video
   evo-report run -o page.html
   grep -q 'id="run-1-controller">The controller of all robots' page.html
   data_of page.html > data.json

@@ -20,25 +20,21 @@ import sys
 import tempfile
 import time
 
+ROUNDS = r"printf 'rounds:\\n  - {pop: %d, evals: %d, steps: 2048}\\n  - {pop: %d, evals: %d, steps: 2048}\\n' > small.yaml; "
 SMALLER = [  # what costs hours of a core
-    (r"STEPS=\d+\b(?! TRAIN=sequence)", "STEPS=2048"),
-    (r"STEPS=\d+ TRAIN=sequence", "STEPS=16384 TRAIN=sequence"), (r"steps=\d+", "steps=2048"),
+    (r"--steps \d+ --train sequence", "--steps 16384 --train sequence"),
+    (r"--founder-steps \d+", "--founder-steps 2048"), (r"steps: \d+", "steps: 2048"),
     (r'by-sequence\)" --steps \d+', 'by-sequence)" --steps 49152'),
     (r"sequence --steps \d+", "sequence --steps 16384"), (r"moments --steps \d+", "moments --steps 8192"),
-    (r'(?<!sequence )(?<!sequence\)" )(?<!moments )--steps \d+', "--steps 2048"),
-    (r"EVALS=(?!1\b)\d+", "EVALS=4"), (r"POP=(?!1\b)\d+", "POP=3"),
-    (r'SEEDS="[^"]*"', 'SEEDS="1 2"'), (r"-j8", "-j2"),
-    (r"(make [^|\n]*) RUN=", r"\1 VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' RUN="),
+    (r'(?<!sequence )(?<!sequence\)" )(?<!moments )--steps \d+\b(?! --train sequence)', "--steps 2048"),
+    (r"--evals (?!1\b)\d+", "--evals 4"), (r"--pop (?!1\b)\d+", "--pop 3"),
+    (r'--seeds "[^"]*"', '--seeds "1 2"'), (r"-j8", "-j2"),
+    (r"(evo evolve (?!.*--no-video)[\w. ]+) --run", r"\1 --video gif --video-options '--size 160x90 --every 50' --run"),
     (r"--episodes \d+", "--episodes 2"), (r"-o walk\.mp4", "-o walk.gif --size 160x90"),
-    (r"RECIPE=easier", "ROUND_1='TASK=PlatformJumper-v0-1 POP=1 EVALS=1 STEPS=2048' ROUND_2='POP=1 EVALS=1 STEPS=2048'"),
-    (r"RECIPE=\w+", "ROUND_1='POP=3 EVALS=4 STEPS=2048' ROUND_2='POP=3 EVALS=4 STEPS=2048'"),
+    (r"evo evolve recipe easier", ROUNDS % (1, 1, 1, 1) + "evo evolve recipe ./small.yaml"),
+    (r"evo evolve recipe (?:moments|network)", ROUNDS % (3, 4, 3, 4) + "evo evolve recipe ./small.yaml"),
     (r"num_envs=16", "num_envs=4"),
-    # of a cluster
-    (r"--ntasks=\d+", "--ntasks=2"), (r"--cpus-per-task=\d+", "--cpus-per-task=1"),
-    (r" WINDOW=\d+", ""), (r"CHUNK=\d+", "CHUNK=2"), (r"\d+/(:|node)", r"1/\1"),
-    (r'TASKS="([^" ]+) [^"]*"', r'TASKS="\1"'),
-    (r'METHODS="([^" ]+ [^" ]+) [^"]*"', r'METHODS="\1"'),
-    (r"(submit\S* .* )-- (.*)", r"\1-- VIDEO=gif VIDEO_OPTIONS='--size 160x90 --every 50' \2"),
+    (r'--methods "([^" ]+ [^" ]+) [^"]*"', r'--methods "\1"'),
 ]
 COMMIT = (r"(\d+\.\d+\.\d+) \(([0-9a-f]{7,40}[+]?|no commit)\)", r"\1 (commit)")  # of the build that wrote a text
 

@@ -29,7 +29,7 @@ setup_file() {
     "evo-sample -n 2" "evo-mutate six.jsonl" "evo-archive -q scored.jsonl" "evo-select scored.jsonl" "evo-suggest -q -n 2"
     "evo-neat -n 4 --state-out $BATS_TEST_TMPDIR/s.json" "evo-convert six.jsonl" "evo-inspect tasks"
     "evo-inspect six.jsonl" "evo-render small.txt -o -" "evo-render walk.h5 -o -"
-    "evo-convert small.txt --to npz" "evo-select --schedule paper --pop 25 --evals 250 --plan"
+    "evo-convert small.txt --to npz"
     "evo-bench --sizes 3 --seconds 0.01 --repetitions 1" "evo-inspect task Walker-v0" "evo-sample --help")
   local command
   for command in "${commands[@]}"; do
@@ -99,7 +99,7 @@ setup_file() {
 @test "nothing but results on standard output, warnings and -v or not" {
   cd "$made"
   local commands=(
-    "evo-suggest -n 2" "evo-suggest -n 2 --history six.jsonl" "evo-suggest -n 2 --history scored.jsonl"
+    "evo-suggest -n 2" "evo-suggest -n 2 six.jsonl" "evo-suggest -n 2 scored.jsonl"
     "evo-sample -n 2" "evo-mutate six.jsonl" "evo-select scored.jsonl" "evo-convert six.jsonl"
     "evo-neat -n 4 --state-out $BATS_TEST_TMPDIR/s.json"
     "evo-eval --task Walker-v0 --random --max-steps 2 six.jsonl"

@@ -157,7 +157,7 @@ END
   fails_with 2 "--weights goes with --encoding voxel" -- evo-sample --encoding cppn --weights 0,0,0,1,1
   fails_with 2 "--evaluated goes with --schedule paper" -- evo-select --evaluated 5 s.json
   fails_with 2 "--evals goes with" -- evo-select --keep 1 --evals 5 s.json
-  fails_with 2 "--tournament-size goes with --method tournament" -- evo-select --tournament-size 2 s.json
+  fails_with 2 "--layers goes with --grace" -- evo-select --layers 2 s.json
   fails_with 2 "s.json: a scored population goes with --state-in" -- evo-neat --state-out x.json s.json
   evo-neat -n 2 --state-out x.json > g.jsonl
   fails_with 2 "--shape excludes --state-in" -- evo-neat --shape 3x3 --state-in x.json --state-out y.json g.jsonl

@@ -14,7 +14,7 @@ cp robots.jsonl robot.json robots.yaml letters.txt numbers.txt lists.json world.
 cp world.json carrier.json ../world
 cp species.json ../neat_state
 cp task.yaml ramp.yaml physics.yaml training.yaml neat.yaml neat.cfg ../yaml
-cp run.yaml steady.json ../run
+cp run.yaml ../run
 cp robot.npz body.npy actions.npy model.zip "$EVO_SOURCE"/tests/data/formats/*.npz ../npz
 cp rollout.h5 sine.h5 network.h5 actions.csv ../hdf5
 cd ..

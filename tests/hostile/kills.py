@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Kills every tool that writes files, fills its disk, and takes its memory away.
 
-    kills.py [--kills N] [--pipeline-kills M]
+    kills.py [--kills N] [--run-kills M]
 
 A tool killed at any moment leaves its output whole or not at all, and nothing
 else; given again, it ends with the same bytes. On a full disk it ends with 74 and
@@ -30,7 +30,7 @@ TOOLS = [
     (["evo-sample", "-n", "2000", "-o", "o.jsonl"], ["o.jsonl"]),
     (["evo-mutate", "-n", "1000", "@/robots.jsonl", "-o", "o.jsonl"], ["o.jsonl"]),
     (["evo-select", "@/many.jsonl", "-o", "o.jsonl"], ["o.jsonl"]),
-    (["evo-suggest", "-q", "-n", "5", "--candidates", "200", "--history", "@/scored.jsonl", "-o",
+    (["evo-suggest", "-q", "-n", "5", "--candidates", "200", "@/scored.jsonl", "-o",
       "o.jsonl"], ["o.jsonl"]),
     (["evo-neat", "-n", "200", "--state-out", "s.json", "-o", "o.jsonl"], ["s.json", "o.jsonl"]),
     (["evo-convert", "@/many.jsonl", "-o", "o.yaml"], ["o.yaml"]),
@@ -152,19 +152,18 @@ def no_memory(words, megabytes, folder):
         fault(words, f"in {megabytes} MB:", done.returncode, done.stderr[-300:])
 
 
-def kill_pipeline(name, kills, folder):
-    make = ["make", "-s", "-f", f"{os.environ['EVO_SOURCE']}/scripts/{name}.mk", "TASK=Walker-v0",
-            "POP=4", "EVALS=8", "STEPS=64", "SHAPE=3x3", "SEED=1", "VIDEO=gif",
-            "VIDEO_OPTIONS=--size 64x64 --to 2", "-j2",
-            "TRAIN_OPTIONS=--train-set environments=2 --train-set rollout=16 --train-set hidden=4"]
+def kill_run(name, kills, folder):
+    make = ["evo-evolve", name, "-q", "--pop", "4", "--evals", "8", "--steps", "64", "--shape", "3x3", "--seed", "1",
+            "--video", "gif", "--video-options=--size 64x64 --to 2", "-j2",
+            "--train-options=--train-set environments=2 --train-set rollout=16 --train-set hidden=4"]
     start = time.monotonic()
-    done = run([*make, "RUN=whole"], folder)
+    done = run([*make, "--run", "whole"], folder)
     took = time.monotonic() - start
     if done.returncode != 0:
         return fault(name, "failed:", done.stderr[-500:])
     generator = random.Random(2)
     for number in range(kills):
-        child = subprocess.Popen([*make, "RUN=killed"], cwd=folder, start_new_session=True,
+        child = subprocess.Popen([*make, "--run", "killed"], cwd=folder, start_new_session=True,
                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             child.wait(generator.random() * took * 0.7)
@@ -177,7 +176,7 @@ def kill_pipeline(name, kills, folder):
         child.wait()
         if number % 4 == 3:
             shutil.rmtree(os.path.join(folder, "killed"), ignore_errors=True)
-    done = run([*make, "RUN=killed"], folder)
+    done = run([*make, "--run", "killed"], folder)
     if done.returncode != 0:
         return fault(name, "after kills:", done.stderr[-500:])
     for file in ("history.jsonl", "best.json", "best.policy.h5"):
@@ -188,7 +187,7 @@ def kill_pipeline(name, kills, folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=5)
-    parser.add_argument("--pipeline-kills", type=int, default=2)
+    parser.add_argument("--run-kills", type=int, default=2)
     asked = parser.parse_args()
     os.environ["PATH"] = os.environ["EVO_BIN"] + ":" + os.environ["PATH"]
     for name in ("MAKELEVEL", "MAKEFLAGS"):
@@ -212,8 +211,8 @@ def main():
             for megabytes in (20, 60, 150, 400) if words[0] != "evo-render" else ():
                 no_memory(words, megabytes, folder)
         for name in ("ga", "neat", "bo"):
-            kill_pipeline(name, asked.pipeline_kills, tempfile.mkdtemp(dir=folder))
-    print(f"{asked.kills * len(TOOLS)} kills of tools, {3 * asked.pipeline_kills} of pipelines, "
+            kill_run(name, asked.run_kills, tempfile.mkdtemp(dir=folder))
+    print(f"{asked.kills * len(TOOLS)} kills of tools, {3 * asked.run_kills} of pipelines, "
           f"{len(TOOLS) if mounts else 'no'} full disks, {len(faults)} faults")
     return 1 if faults else 0
 

@@ -11,20 +11,6 @@ def run(*words, **options):
     return subprocess.run(words, check=True, stdout=subprocess.PIPE, **options).stdout
 
 
-def make_run(folder):
-    """A run without generations: some robots scored, others proposed from the scores."""
-    run("evo-run", "init", folder, "method=neat", "task=Walker-v0", "pop=3",
-        "evals=6", "steps=8", "seed=1", "shape=2x2", "neat=default",
-        "window=3")
-    run("evo-run", "propose", folder, "--robots", "3")
-    with open(f"{folder}/gen-000/population.jsonl", "rb") as file:
-        robots = file.read().splitlines()
-    for slot, robot in enumerate(robots):
-        with open(f"{folder}/gen-000/{slot:02}.json", "wb") as file:
-            file.write(run("jq", "-c", f".fitness = {slot}.5", input=robot))
-    run("evo-run", "propose", folder, "--robots", "6")
-
-
 def make(folder, source):
     """Fills the current folder's `folder`; its file names are those in readers.py."""
     os.makedirs(folder)
@@ -87,9 +73,9 @@ def make(folder, source):
             file.write("a,b,c,d\n1.0,1.1,0.6,1.6\n0.9,1.2,1.1,1.0\n")
         with open("draws.json", "w") as file:
             file.write('{"goals":[3,4]}')
-        make_run("run")
+        run("evo-evolve", "neat", "--run", "run", "--pop", "3", "--evals", "6", "--steps", "512", "--shape", "2x2",
+            "--train-options=--train-set environments=2 --train-set rollout=16", "--seed", "1", "--plan", "-q")
         os.rename("run/run.yaml", "run.yaml")
-        os.rename("run/steady.json", "steady.json")
         shutil.rmtree("run")
     finally:
         os.chdir(here)

@@ -1,6 +1,6 @@
 """python -m evo_robots FILE.py:CLASS [OPTION]... < robots: trains each robot of standard input in a
-task in Python, and writes it with its fitness to standard output, as evo-train does. In pipelines
-TASK=FILE.py:CLASS is this (scripts/python-task)."""
+task in Python, and writes it with its fitness to standard output, as evo-train does. Runs with
+--task FILE.py:CLASS do this (evo evolve)."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def options() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="evo_robots", usage="python3 -m evo_robots FILE.py:CLASS [OPTION]... < robots",
         description="Trains each robot of standard input (documents, one a line) in a task in Python; "
-        "writes it with its fitness to standard output. Pipelines do this where TASK=FILE.py:CLASS.")
+        "writes it with its fitness to standard output. Runs do this where --task is FILE.py:CLASS.")
     parser.add_argument("task", metavar="FILE.py:CLASS", help="a class derived from evo_robots.Task")
     parser.add_argument("--steps", type=int, metavar="N", help="environment steps [the profile's]")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="[0]")
@@ -51,10 +51,8 @@ def options() -> argparse.ArgumentParser:
     parser.add_argument("--train-set", action="append", default=[], metavar="KEY=VALUE",
                         help="one setting of the profile (repeatable)")
     parser.add_argument("--out-dir", metavar="DIR", help="where <id>.policy.h5 goes [nowhere]")
-    parser.add_argument("--run", metavar="RUN", help="a run's folder in the place of --out-dir: policies go "
-                        "where those of runs are, and robots name them as runs do")
     parser.add_argument("--video", nargs=2, metavar=("POLICY", "FILE"), help="instead: a policy's episode as a "
-                        "video, by its ending (.mp4, .webm, .gif, .apng)")
+                        "video, by its ending (.mp4, .webm, .gif)")
     parser.add_argument("--failures", choices=("stop", "skip"), default="stop",
                         help="a training that diverges: stop, or skip (fitness null, go on) [stop]")
     return parser
@@ -62,8 +60,7 @@ def options() -> argparse.ArgumentParser:
 
 def main() -> int:
     given = options().parse_args()
-    folder = given.out_dir if given.run is None else os.path.join(given.run, "policies")
-    named = folder if given.run is None else os.path.join(os.pardir, "policies")
+    folder = given.out_dir
     try:
         wrong = [text for text in given.train_set if "=" not in text]
         if wrong:
@@ -88,7 +85,7 @@ def main() -> int:
                 document.update(fitness=trained.fitness, steps=int(trained.curve[-1, 0]))
                 if folder is not None:
                     os.makedirs(folder, exist_ok=True)
-                    document["policy"] = os.path.join(named, f"{robot.id}.policy.h5")
+                    document["policy"] = os.path.join(folder, f"{robot.id}.policy.h5")
                     trained.save(os.path.join(folder, f"{robot.id}.policy.h5"))
             print(json.dumps(document), flush=True)
     except KeyboardInterrupt:

@@ -8,7 +8,6 @@
 #include <csignal>
 #include <filesystem>
 
-#include "formats/run/run.h"
 #include "tests/unit/formats/scratch.h"
 
 using namespace evo;
@@ -62,9 +61,4 @@ TEST_CASE("where nothing can be locked, everything is granted") {
     CHECK(one.take(0));
     CHECK(other.take(0));
   }
-}
-
-TEST_CASE("every slot of a run has a byte of its own") {
-  CHECK(RunFolder::lock_byte({0, 0}) != RunFolder::proposals_byte);
-  CHECK(RunFolder::lock_byte({0, 1'000'000}) < RunFolder::lock_byte({1, 0}));
 }

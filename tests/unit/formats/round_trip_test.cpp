@@ -9,7 +9,6 @@
 #include "formats/io/files.h"
 #include "formats/robot/genome.h"
 #include "formats/rollout/rollout.h"
-#include "formats/run/steady.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
 #include "formats/training/policy.h"
@@ -185,32 +184,6 @@ Rollout any_rollout(Stream& stream) {
   return rollout;
 }
 
-SteadyState any_steady_state(Stream& stream) {
-  EvolutionSettings settings;
-  settings.pop = settings.neat.pop_size = stream.integer(2, 6);
-  settings.rows = settings.cols = 4;
-  settings.seed = stream.bits();
-  CppnNeat neat(settings);
-  std::set<std::string> seen;
-  const int members = stream.integer(0, 6);
-  for (int k = 0; k < members; ++k) {
-    const Proposal made = neat.propose(k, {}, seen);
-    neat.tell({identity(made.body), made.body, any_number(stream), made.genome, {}});
-  }
-  SteadyState state;
-  state.method = neat.save();
-  for (ScoredRobot& member : state.method.members)
-    for (std::uint32_t axes = stream.below(3); axes > 0; --axes)
-      member.features.push_back(any_number(stream));
-  state.method.told = members + stream.integer(0, 5);
-  state.robots = state.method.told + stream.integer(0, 9);
-  if (state.method.told > 0 && stream.below(2) == 0) {
-    state.method.parameters = GpParameters{stream.uniform() + 1e-3, stream.uniform() + 1e-2, 1e-9};
-    state.method.fitted = stream.integer(1, state.method.told);
-  }
-  return state;
-}
-
 // A random value for every setting that takes one: what is refused stays.
 template <typename Settings>
 Settings any_settings(Settings settings, const std::vector<SettingRow>& rows, Stream& stream) {
@@ -330,24 +303,6 @@ TEST_CASE("random rollouts come back to the last bit") {
       REQUIRE(a.truncations == b.truncations);
       REQUIRE(a.velocities.size() == b.velocities.size());
     }
-  }
-}
-
-TEST_CASE("random steady states come back to the last bit") {
-  for (std::uint64_t i = 0; i < 60; ++i) {
-    Stream stream(4, "test/steady", i);
-    const SteadyState state = any_steady_state(stream);
-    const std::string text = steady_state_to_text(state);
-    INFO(text);
-    const SteadyState back = parse_steady_state(text, "steady.json");
-    REQUIRE(steady_state_to_text(back) == text);
-    REQUIRE(back.robots == state.robots);
-    REQUIRE(back.method.told == state.method.told);
-    REQUIRE(back.method.species == state.method.species);
-    REQUIRE(back.method.parameters.has_value() == state.method.parameters.has_value());
-    REQUIRE(back.method.members.size() == state.method.members.size());
-    for (std::size_t m = 0; m < state.method.members.size(); ++m)
-      REQUIRE(back.method.members[m].features == state.method.members[m].features);
   }
 }
 

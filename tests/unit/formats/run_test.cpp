@@ -4,7 +4,9 @@
 #include <fstream>
 
 #include "formats/io/files.h"
+#include "formats/run/settings.h"
 #include "formats/training/training_log.h"
+#include "libevo/base/digest.h"
 #include "libevo/base/random.h"
 #include "tests/unit/formats/scratch.h"
 
@@ -12,15 +14,36 @@ using namespace evo;
 
 namespace {
 
-const std::vector<std::string> words{"method=ga",
-                                     "task=Walker-v0",
-                                     "pop=2",
-                                     "evals=4",
-                                     "steps=1000",
-                                     "physics=task",
-                                     "mutate_options=--rate 0.2",
-                                     "none=",
-                                     "train_options=--train-set 'hidden=8,8'"};
+const std::vector<RunSetting> list{{"task", "Walker-v0"},
+                                   {"pop", "2"},
+                                   {"evals", "4"},
+                                   {"steps", "1000"},
+                                   {"mutate_options", "--rate 0.2"},
+                                   {"train_options", "--train-set 'hidden=8,8'"}};
+
+// A run as evo-evolve begins it.
+RunFolder begin(const std::filesystem::path& path, const RunSettings& settings = {"ga", list}) {
+  std::filesystem::create_directories(path / "journal");
+  std::filesystem::create_directories(path / "policies");
+  write_file(path / "run.yaml", settings.to_yaml());
+  return RunFolder(path);
+}
+
+std::filesystem::path slot(const RunFolder& run, int generation, const std::string& places) {
+  return run.generation(generation) / (places + ".json");
+}
+
+// What evo-train --journal writes.
+void add_work(const RunFolder& run, double started, double seconds, bool finished) {
+  std::ofstream(run.journal() / "here.jsonl", std::ios::app) << fmt::format(
+      "{{\"started\":{},\"seconds\":{},\"finished\":{}}}\n", started, seconds, finished);
+}
+void mark(const RunFolder& run, const std::string& name) {
+  write_file(run.journal() / (name + ".running"), "{\"host\":\"n1\",\"process\":7}\n");
+}
+void unmark(const RunFolder& run, const std::string& name) {
+  std::filesystem::remove(run.journal() / (name + ".running"));
+}
 
 Robot robot(const std::vector<std::string>& rows) { return Robot(Body::from_rows(rows)); }
 
@@ -46,33 +69,16 @@ void write_robots(const std::filesystem::path& file, const std::vector<Robot>& r
 
 }  // namespace
 
-TEST_CASE("a run's settings are written as they always were, and read back") {
-  const RunSettings settings = RunSettings::from_words(words);
-  const std::string text = settings.to_yaml();
-  CHECK(text ==
-        "format: evo/run\nversion: 1\nmethod: ga\ntask: Walker-v0\npop: 2\nevals: 4\n"
-        "steps: 1000\nphysics: task\nmutate_options: --rate 0.2\nnone: \n"
-        "train_options: '--train-set ''hidden=8,8'''\n");
+TEST_CASE("a run's settings are written, and read back") {
+  RunSettings settings("ga", list);
+  settings.set_makefile(std::string(64, 'a'));
   const test::ScratchFolder scratch;
   const auto file = scratch.path() / "run.yaml";
-  write_file(file, text);
+  write_file(file, settings.to_yaml());
   CHECK(RunSettings::read(file).list() == settings.list());
+  CHECK(RunSettings::read(file).text("method") == "ga");
   CHECK(RunSettings::read(file).number("steps") == 1000);
-}
-
-TEST_CASE("values that YAML would take for something else come back as they were") {
-  const test::ScratchFolder scratch;
-  const auto file = scratch.path() / "run.yaml";
-  for (const std::string value :
-       {"--rate 0.2", "a: b", "# c", "x #y", "[1]", "~",        "null", " padded ",
-        "it's",       "'",    "-",   "- a",  "-a",  "--rate 1", "a:",   "1e3",
-        "true",       "{a}",  "*",   "%",    "@",   "a\\nb",    "\"q\""}) {
-    const RunSettings settings =
-        RunSettings::from_words({"key=" + value, "train_options=" + value});
-    write_file(file, settings.to_yaml());
-    INFO(settings.to_yaml());
-    CHECK(RunSettings::read(file).list() == settings.list());
-  }
+  CHECK(RunSettings::read(file).makefile() == std::string(64, 'a'));
 }
 
 TEST_CASE("whatever line of text a setting is, it comes back") {
@@ -80,49 +86,36 @@ TEST_CASE("whatever line of text a setting is, it comes back") {
   Stream random(1, "settings");
   const std::vector<std::string> pieces{"'", "\"", "\\", "#",  " ", ": ",  "- ",   "%",    "@",
                                         "{", "]",  ",",  "&a", "*", "!",   "null", "0x1F", "1e5",
-                                        "~", "ä",  "|",  "?",  "=", "yes", "\t"};
+                                        "~", "ä",  "|",  "?",  "=", "yes", "true"};
   for (int trial = 0; trial < 300; ++trial) {
-    std::vector<std::string> settings;
-    for (int k = 0; k < 5; ++k) {
+    std::vector<RunSetting> settings;
+    for (const char* name : {"task", "train_options", "evaluate", "founders", "mutate"}) {
       std::string value;
-      for (std::uint32_t length = random.below(6); length > 0; --length)
+      for (std::uint32_t length = 1 + random.below(6); length > 0; --length)
         value += pieces[random.below(static_cast<std::uint32_t>(pieces.size()))];
-      settings.push_back("key_" + std::to_string(k) + "=" + value);
+      settings.push_back({name, value});
     }
-    const RunSettings written = RunSettings::from_words(settings);
+    const RunSettings written("ga", settings);
     write_file(scratch / "run.yaml", written.to_yaml());
     INFO(written.to_yaml());
     CHECK(RunSettings::read(scratch / "run.yaml").list() == written.list());
   }
 }
 
-TEST_CASE("words that are no settings are refused") {
-  for (const char* word : {"task", "=x", "Task=x", "version=2", "a b=1"})
-    CHECK_THAT(test::error_of(Failure::usage, [&] { RunSettings::from_words({word}); }),
-               Catch::Contains("is not a setting"));
-  CHECK_THAT(test::error_of(Failure::usage,
-                            [] {
-                              RunSettings::from_words({"a=1", "a=2"});
-                            }),
-             Catch::Contains("twice"));
-  CHECK_THAT(test::error_of(Failure::usage, [] { RunSettings::from_words({"a=1\n2"}); }),
-             Catch::Contains("line breaks"));
-}
-
-TEST_CASE("a run is begun once; other settings are refused with what differs") {
-  const test::ScratchFolder scratch;
-  const auto path = scratch.path() / "run";
-  RunFolder::create(path, RunSettings::from_words(words));
-  const std::string text = read_file(path / "run.yaml");
-  RunFolder::create(path, RunSettings::from_words(words));
-  std::vector<std::string> others = words;
-  others[4] = "steps=2000";
-  others.push_back("extra=1");
-  CHECK_THAT(test::error_of(Failure::cannot_create,
-                            [&] { RunFolder::create(path, RunSettings::from_words(others)); }),
-             Catch::Contains(
-                 "(steps: 1000 there, steps: 2000 asked for; no extra there, extra: 1 asked for)"));
-  CHECK(read_file(path / "run.yaml") == text);
+TEST_CASE("settings that there are none of, of other methods and out of range are refused") {
+  const auto refusal = [](const std::string& method, const RunSetting& setting) {
+    return test::error_of(Failure::usage, [&] { RunSettings(method, {setting}); });
+  };
+  CHECK_THAT(refusal("gaa", {"pop", "2"}), Catch::Contains("unknown method 'gaa'"));
+  CHECK_THAT(refusal("ga", {"evls", "2"}), Catch::Contains("did you mean 'evals'"));
+  CHECK_THAT(refusal("ga", {"rungs", "2"}),
+             Catch::Contains("--rungs is a setting of race, not of ga"));
+  CHECK_THAT(refusal("ga", {"task", "a\nb"}), Catch::Contains("line breaks"));
+  CHECK_THAT(refusal("ga", {"inherit", "maybe"}), Catch::Contains("is one of no, yes, all"));
+  CHECK_THAT(refusal("ga", {"shape", "5"}), Catch::Contains("such as 5x5, not '5'"));
+  for (const char* value : {"0", "-1", "x", "", "1e9", "01", "1000001", "3'"})
+    CHECK_THAT(refusal("ga", {"pop", value}), Catch::Contains("from 1 to 1000000, not"));
+  CHECK_THAT(refusal("ga", {"task", std::string(20000, 'a')}), Catch::Contains("longer"));
 }
 
 TEST_CASE("what is no run, or of a newer program, is refused") {
@@ -133,53 +126,57 @@ TEST_CASE("what is no run, or of a newer program, is refused") {
   std::filesystem::create_directories(path);
   CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
              Catch::Contains("without run.yaml"));
-  write_file(path / "run.yaml", "task: Walker-v0\n");
-  CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
+  const auto refusal = [&](const std::string& text) {
+    write_file(path / "run.yaml", text);
+    return test::error_of(Failure::data, [&] { RunFolder{path}; });
+  };
+  CHECK_THAT(refusal("task: Walker-v0\n"),
              Catch::Contains("format 'evo/run' is expected, found none"));
-  write_file(path / "run.yaml", "format: evo/run\ntask: Walker-v0\n");
-  CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
+  CHECK_THAT(refusal("format: evo/run\ntask: Walker-v0\n"),
              Catch::Contains("there is no version, such as version: 1"));
-  write_file(path / "run.yaml", "format: evo/run\nversion: 2\n");
-  CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }), Catch::Contains("newer"));
-  write_file(path / "run.yaml", "format: evo/run\nversion: 1\nlayout: spiral\n");
-  CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
-             Catch::Contains("unknown layout of a run 'spiral'"));
-  for (const char* value : {"a\x10", "\"a\\0b\"", "\"a\\nb\"", "|\n  a\n  b"}) {
-    write_file(path / "run.yaml", fmt::format("format: evo/run\nversion: 1\ntask: {}\n", value));
-    CHECK_THAT(test::error_of(Failure::data, [&] { RunFolder{path}; }),
-               Catch::Contains("run.yaml:3:7: task has line breaks or control characters"));
-  }
-  for (const char* name : {"Task", "a b", "\"\\0task\""}) {
-    write_file(path / "run.yaml", fmt::format("format: evo/run\nversion: 1\n{}: x\n", name));
-    CHECK_THAT(
-        test::error_of(Failure::data, [&] { RunFolder{path}; }),
-        Catch::Contains("run.yaml:3:1: \"") && Catch::Contains("is not the name of a setting"));
-  }
+  CHECK_THAT(refusal("format: evo/run\nversion: 2\n"), Catch::Contains("newer"));
+  CHECK_THAT(refusal("format: evo/run\nversion: 1\nmethod: ga\nlayout: spiral\n"),
+             Catch::Contains("run.yaml: unknown setting of a run 'layout'"));
+  for (const char* value : {"\"a\\0b\"", "\"a\\nb\"", "|\n  a\n  b"})
+    CHECK_THAT(refusal(fmt::format("format: evo/run\nversion: 1\nmethod: ga\ntask: {}\n", value)),
+               Catch::Contains("--task has line breaks or control characters"));
 }
 
-TEST_CASE("a slot's robot is a line of the population") {
+TEST_CASE("a Makefile that is another one than was written is told") {
   const test::ScratchFolder scratch;
-  const RunFolder run = RunFolder::create(scratch.path() / "run", RunSettings::from_words(words));
-  CHECK_THAT(test::error_of(Failure::no_input,
-                            [&] {
-                              run.robot({0, 0});
-                            }),
-             Catch::Contains("no population yet"));
-  write_robots(run.population(0), {robot({"HV"}), robot({"VH"})});
-  CHECK(run.population_size(0) == 2);
-  CHECK(run.robot({0, 1}).id == robot({"VH"}).id);
-  CHECK_THAT(test::error_of(Failure::usage,
-                            [&] {
-                              run.robot({0, 2});
-                            }),
-             Catch::Contains("generation 0 has 2"));
-  CHECK(run.slot({3, 7}) == scratch.path() / "run/gen-003/07.json");
-  CHECK(run.slot({1000, 123}) == scratch.path() / "run/gen-1000/123.json");
+  RunSettings settings("ga", list);
+  settings.set_makefile(sha256_hex("all:\n"));
+  const RunFolder run = begin(scratch.path() / "run", settings);
+  CHECK_FALSE(run.is_edited());
+  write_file(run.path() / "Makefile", "all:\n");
+  CHECK_FALSE(run.is_edited());
+  write_file(run.path() / "Makefile", "all: more\n");
+  CHECK(run.is_edited());
+}
+
+TEST_CASE("the command of a run has what does not hold anyway") {
+  const RunSettings settings("ga", {{"task", "Walker-v0"},
+                                    {"pop", "25"},
+                                    {"evals", "250"},
+                                    {"steps", "512000"},
+                                    {"seed", "0"},
+                                    {"shape", "4x4"},
+                                    {"train", "default"},
+                                    {"inherit", "no"},
+                                    {"train_options", "--behaviour -q"}});
+  const auto setting = [&](const std::string& name) {
+    const std::string* value = settings.find(name);
+    return value == nullptr ? std::string() : *value;
+  };
+  CHECK(
+      evolve_command("my run", setting, {{"seed", "2"}}) ==
+      "evo evolve ga --run 'my run' --task Walker-v0 --pop 25 --evals 250 --steps 512000 --seed 2 "
+      "--shape 4x4 --train-options '--behaviour -q' -j8");
 }
 
 TEST_CASE("a history follows a run while it grows") {
   const test::ScratchFolder scratch;
-  const RunFolder run = RunFolder::create(scratch.path() / "run", RunSettings::from_words(words));
+  const RunFolder run = begin(scratch.path() / "run");
   RunHistory history(run);
   CHECK(history.robots().empty());
   CHECK(history.champion() == nullptr);
@@ -187,9 +184,9 @@ TEST_CASE("a history follows a run while it grows") {
 
   const std::vector<std::string> one{"HV"}, two{"VH"}, three{"HH"};
   write_robots(run.population(0), {robot(one), robot(two)});
-  write_robots(run.slot({0, 1}), {scored(two, 2.0)});
-  write_file(run.log(robot(one).id), "# evo-train, Walker-v0\n");
-  run.add_timing({robot(two).id, {0, 1}, 1'700'000'000, 2.5, 1000, true});
+  write_robots(slot(run, 0, "01"), {scored(two, 2.0)});
+  mark(run, robot(one).id);
+  add_work(run, 1'700'000'000, 2.5, true);
   history.update();
   REQUIRE(history.generations().size() == 1);
   auto slots = history.slots(history.generations()[0]);
@@ -198,32 +195,39 @@ TEST_CASE("a history follows a run while it grows") {
   CHECK(slots[1].state == SlotState::done);
   CHECK(history.seconds() == 2.5);
 
-  write_robots(run.slot({0, 0}), {failed(one)});
+  write_robots(slot(run, 0, "00"), {failed(one)});
   write_robots(run.scores(0), {failed(one), scored(two, 2.0)});
-  write_file(run.ranking(0), "");
   write_robots(run.population(1), {robot(two), robot(three)});
-  run.add_timing({robot(one).id, {0, 0}, 1'700'000'000, 0.5, 100, false});
-  run.add_timing({robot(one).id, {0, 0}, 1'700'000'000, 1.0, 200, true});
+  unmark(run, robot(one).id);
+  add_work(run, 1'700'000'000, 0.5, false);
+  add_work(run, 1'700'000'000, 1.0, true);
   history.update();
   REQUIRE(history.generations().size() == 2);
   CHECK(history.generations()[0].finished);
   slots = history.slots(history.generations()[0]);
   CHECK(slots[0].state == SlotState::failed);
   CHECK(slots[0].why == "diverged");
-  // A survivor was trained before: its log does not say that it is trained now.
   slots = history.slots(history.generations()[1]);
   CHECK(slots[0].state == SlotState::waiting);
   CHECK(slots[1].state == SlotState::waiting);
   CHECK(history.seconds() == 4.0);
   CHECK(history.seconds_each() == 2.0);
 
-  write_robots(run.slot({1, 0}), {scored(two, 2.0)});
-  write_robots(run.slot({1, 1}), {scored(three, 3.0)});
+  write_robots(slot(run, 1, "00"), {scored(two, 2.0)});
+  write_robots(slot(run, 1, "01"), {scored(three, 3.0)});
   history.update();
   CHECK(history.robots().size() == 3);
   CHECK(history.champion()->robot.id == robot(three).id);
   CHECK(history.champion()->generation == 1);
   CHECK(history.robots()[history.by_id().at(robot(two).id)].generation == 0);
+  // A file may have several slots, from the one that it is named by on.
+  write_robots(run.population(2), {robot({"HHV"}), robot({"HVV"}), robot({"VVV"})});
+  write_robots(slot(run, 2, "01-"), {scored({"HVV"}, 0.5), scored({"VVV"}, 0.25)});
+  history.update();
+  slots = history.slots(history.generations()[2]);
+  CHECK(slots[0].state == SlotState::waiting);
+  CHECK(slots[2].state == SlotState::done);
+  std::filesystem::remove_all(run.generation(2));
   // Read all at once it is the same, in the order of slots.
   const RunHistory again(run);
   CHECK(again.robots().size() == 3);
@@ -233,32 +237,31 @@ TEST_CASE("a history follows a run while it grows") {
 
 TEST_CASE("where one controller learns on all robots, they count with their last fitness") {
   const test::ScratchFolder scratch;
-  const RunSettings settings =
-      RunSettings::from_words({"pop=2", "evals=5", "children=2", "steps=1000", "own_steps=300"});
+  const RunSettings settings(
+      "modular",
+      {{"pop", "2"}, {"evals", "5"}, {"children", "2"}, {"steps", "1000"}, {"own_steps", "300"}});
   for (const int generation : {0, 1, 2}) {
     CHECK(settings.shares(generation));
     CHECK(settings.steps(generation) == 1000);
   }
   CHECK_FALSE(settings.shares(3));
   CHECK(settings.steps(3) == 300);
-  CHECK_FALSE(RunSettings::from_words({"steps=1000"}).shares(0));
+  CHECK_FALSE(RunSettings("ga", {{"steps", "1000"}}).shares(0));
 
-  const RunFolder run = RunFolder::create(scratch.path() / "run", settings);
+  const RunFolder run = begin(scratch.path() / "run", settings);
   const auto after = [](Robot robot, int steps) {
     robot.document["steps"] = steps;
     return robot;
   };
   const std::vector<std::string> one{"HV"}, two{"VH"}, three{"VV"};
   write_robots(run.scores(0), {after(scored(one, 3.0), 500), after(scored(two, 2.0), 500)});
-  write_file(run.ranking(0), "");
   RunHistory history(run);
   CHECK(history.champion()->robot.id == robot(one).id);
   // Its log is that of all; then it earns less, and another one is the best.
   write_robots(run.population(1), {after(robot(one), 500), robot(three)});
   history.update();
   CHECK(history.slots(history.generations()[1])[0].state == SlotState::waiting);
-  TrainingLog log(run.policies() / "gen-001.log");
-  log.begin("evo-train", "Walker-v0", false);
+  mark(run, "gen-001");
   for (const SlotStatus& slot : history.slots(history.generations()[1]))
     CHECK(slot.state == SlotState::training);
   write_robots(run.scores(1), {after(scored(one, 1.0), 1000), after(scored(three, 1.5), 500)});
@@ -270,14 +273,12 @@ TEST_CASE("where one controller learns on all robots, they count with their last
 TEST_CASE(
     "in a race, a generation is a rung, and robots that go on count with their last fitness") {
   const test::ScratchFolder scratch;
-  const RunSettings settings = RunSettings::from_words({"steps=1000", "rungs=3"});
-  const RunFolder run = RunFolder::create(scratch.path() / "run", settings);
+  const RunSettings settings("race", {{"steps", "1000"}, {"rungs", "3"}});
+  const RunFolder run = begin(scratch.path() / "run", settings);
   for (const int race : {0, 1}) {
     CHECK(settings.steps(3 * race) == 250);
     CHECK(settings.steps(3 * race + 1) == 500);
     CHECK(settings.steps(3 * race + 2) == 1000);
-    CHECK(settings.goes_on(3 * race + 1));
-    CHECK_FALSE(settings.goes_on(3 * race + 2));
   }
   const auto after = [](Robot robot, int steps) {
     robot.document["steps"] = steps;
@@ -286,21 +287,15 @@ TEST_CASE(
   const std::vector<std::string> one{"HV"}, two{"VH"}, three{"VV"};
   write_robots(run.scores(0), {after(scored(one, 1.0), 250), after(scored(two, 2.0), 250),
                                after(scored(three, 0.0), 250)});
-  write_file(run.ranking(0), "");
   write_robots(run.population(1), {robot(two), robot(one)});
-  TrainingLog log(run.log(robot(one).id));
-  log.begin("evo-train", "Walker-v0", false);
   RunHistory history(run);
   CHECK(history.champion()->robot.id == robot(two).id);
   CHECK(history.slots(history.generations()[1])[1].state == SlotState::waiting);
-  TrainingReport report;
-  report.step = 300;
-  report.metrics = {{"eval/return", 1.5}};
-  log.line(report, 1.0);
+  mark(run, robot(one).id);
   CHECK(history.slots(history.generations()[1])[1].state == SlotState::training);
 
-  write_robots(run.slot({1, 0}), {after(failed(two), 400)});  // has what it had before
-  write_robots(run.slot({1, 1}), {after(scored(one, 3.0), 500)});
+  write_robots(slot(run, 1, "00"), {after(failed(two), 400)});  // has what it had before
+  write_robots(slot(run, 1, "01"), {after(scored(one, 3.0), 500)});
   history.update();
   REQUIRE(history.robots().size() == 3);
   CHECK(history.champion()->robot.id == robot(one).id);
@@ -312,13 +307,13 @@ TEST_CASE(
 
 TEST_CASE("how busy the cores of a run were: pauses of all of them do not count") {
   const test::ScratchFolder scratch;
-  const RunFolder run = RunFolder::create(scratch / "run", RunSettings::from_words(words));
+  const RunFolder run = begin(scratch / "run");
   CHECK(RunHistory(run).utilisation().cores == 0);
   // Two cores for ten seconds, one of which waits for five; a night; one core for one.
-  run.add_timing({"a", {0, 0}, 1000.0, 10.0, 1, true});
-  run.add_timing({"b", {0, 1}, 1000.0, 2.5, 1, true});
-  run.add_timing({"c", {0, 2}, 1002.5, 2.5, 1, true});
-  run.add_timing({"d", {0, 3}, 30000.0, 1.0, 1, true});
+  add_work(run, 1000.0, 10.0, true);
+  add_work(run, 1000.0, 2.5, true);
+  add_work(run, 1002.5, 2.5, true);
+  add_work(run, 30000.0, 1.0, true);
   const Utilisation found = RunHistory(run).utilisation();
   CHECK(found.cores == 2);
   CHECK(found.idle == Approx(1.0 - (10.0 + 5.0 + 1.0) / (11.0 * 2)));
@@ -326,8 +321,8 @@ TEST_CASE("how busy the cores of a run were: pauses of all of them do not count"
 
 TEST_CASE("a timing that is being written is read when it is whole") {
   const test::ScratchFolder scratch;
-  const RunFolder run = RunFolder::create(scratch.path() / "run", RunSettings::from_words(words));
-  const auto file = run.timings() / "another.jsonl";
+  const RunFolder run = begin(scratch.path() / "run");
+  const auto file = run.journal() / "another.jsonl";
   write_file(file, "{\"seconds\": 1.5, \"finished\": true}\n{\"sec");
   RunHistory history(run);
   CHECK(history.seconds() == 1.5);

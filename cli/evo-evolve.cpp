@@ -1,0 +1,502 @@
+// evo-evolve: plans a whole evolution as a folder with a Makefile, and becomes make.
+#include <fcntl.h>
+#include <fmt/ranges.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <map>
+
+#include "cli/command.h"
+#include "cli/data.h"
+#include "cli/recipes.h"
+#include "cli/run_makefile.h"
+#include "formats/io/files.h"
+#include "formats/io/values.h"
+#include "formats/robot/robot.h"
+#include "formats/run/run.h"
+#include "formats/run/settings.h"
+#include "formats/task/task.h"
+#include "libevo/base/digest.h"
+
+namespace {
+
+using namespace evo;
+namespace fs = std::filesystem;
+
+using Given = std::map<std::string, std::string>;  // settings by name
+
+struct Options {
+  std::string run;
+  std::map<std::string, std::optional<std::string>> settings;
+  bool no_video = false;
+  bool plan = false;
+  std::optional<std::string> launch;
+  std::string tasks;  // of compare
+  std::string methods = "ga neat bo";
+  std::string seeds = "1 2 3";
+};
+
+// ---- the tools ------------------------------------------------------------------------
+
+fs::path own_folder() {
+  std::error_code unknown;
+  return fs::read_symlink("/proc/self/exe", unknown).parent_path();
+}
+
+// Where the tools are, if PATH does not lead there.
+std::string tools_folder() {
+  const char* path = std::getenv("PATH");
+  for (const std::string& folder : split_list(path == nullptr ? "" : path, ':')) {
+    std::error_code unknown;
+    if (!fs::exists(fs::path(folder) / "evo-train", unknown)) continue;
+    return fs::equivalent(folder, own_folder(), unknown) ? "" : own_folder().string();
+  }
+  return own_folder().string();
+}
+
+void prefer_own_tools() {
+  const char* path = std::getenv("PATH");
+  ::setenv("PATH", (own_folder().string() + ":" + (path == nullptr ? "" : path)).c_str(), 1);
+}
+
+std::vector<char*> pointers(std::vector<std::string>& words) {
+  std::vector<char*> list;
+  for (std::string& word : words) list.push_back(word.data());
+  list.push_back(nullptr);
+  return list;
+}
+
+std::FILE* unnamed_file(const std::string& text) {
+  std::FILE* file = std::tmpfile();
+  if (file == nullptr || std::fwrite(text.data(), 1, text.size(), file) != text.size() ||
+      std::fflush(file) != 0)
+    throw error(Failure::io, "no temporary file can be written: {}", std::strerror(errno));
+  std::rewind(file);
+  return file;
+}
+
+// The status of a command that is tried; what it refuses it says itself.
+int status_of(const cli::Trial& trial) {
+  std::FILE* const input = unnamed_file(trial.input);
+  std::vector<std::string> words = trial.words;
+  const pid_t child = ::fork();
+  if (child < 0) throw error(Failure::io, "no process can be started: {}", std::strerror(errno));
+  if (child == 0) {
+    ::dup2(::fileno(input), STDIN_FILENO);
+    ::dup2(::open("/dev/null", O_WRONLY), STDOUT_FILENO);
+    ::execvp(words[0].c_str(), pointers(words).data());
+    ::_exit(127);
+  }
+  std::fclose(input);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+// Python with the package evo_robots, which a checkout has.
+std::string python_command() {
+  const std::string python = "\"${EVO_PYTHON:-python3}\" -m evo_robots";
+  const fs::path package = cli::data_root() / "bindings" / "python";
+  return fs::exists(package / "evo_robots") ? fmt::format("PYTHONPATH={}:${{PYTHONPATH:-}} {}",
+                                                          shell_word(package.string()), python)
+                                            : python;
+}
+
+// ---- what a run begins with ---------------------------------------------------------------
+
+// The controller that all robots of a run had in the last generation that shared one.
+std::string last_shared_policy(const fs::path& policies) {
+  std::map<int, fs::path> found;  // by generation
+  if (fs::is_directory(policies))
+    for (const auto& entry : fs::directory_iterator(policies)) {
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with("gen-") && name.ends_with(".policy.h5"))
+        found[std::atoi(name.c_str() + 4)] = entry.path();
+    }
+  return found.empty() ? "" : found.rbegin()->second.string();
+}
+
+// A run, a record, or a file of robots, of which `count` are wanted, or none.
+cli::Founders find_founders(const std::string& given, int count) {
+  const fs::path path = fs::absolute(given).lexically_normal();
+  cli::Founders founders;
+  if (!fs::exists(path)) throw error(Failure::no_input, "--founders {}: cannot be opened", given);
+  fs::path file = path;
+  if (fs::exists(path / "policy.h5")) {
+    file = path / "policy.h5";
+    founders.policies = file.string();
+  } else if (fs::is_directory(path)) {
+    file = path / "history.jsonl";
+    founders.policies = (path / "policies").string();
+  }
+  founders.robots = file.string();
+  if (count == 0) return founders;
+  const std::vector<Robot> robots = read_robots(founders.robots);
+  const auto scored = std::count_if(robots.begin(), robots.end(),
+                                    [](const Robot& robot) { return robot.fitness().has_value(); });
+  founders.scored = scored > 0;
+  if (std::ssize(robots) < count)
+    throw error(Failure::data, "{}: has {} robots, not --pop {}", given, robots.size(), count);
+  if (scored > 0 && scored < count)
+    throw error(Failure::data, "{}: has {} robots with a fitness, not --pop {}", given, scored,
+                count);
+  if (scored == 0 && std::ssize(robots) > count)
+    throw error(Failure::data,
+                "{}: has {} robots and none has a fitness to choose --pop {} by; evo-train or "
+                "evo-eval scores them, --pop {} takes all",
+                given, robots.size(), count, robots.size());
+  return founders;
+}
+
+// ---- settings -----------------------------------------------------------------------------
+
+// A name that is a file here counts by its full path, so that it is the same from anywhere.
+std::string settled(const RunSettingInfo& info, const std::string& value) {
+  if (info.kind == SettingKind::whole)
+    return fmt::format("{}", parse_whole(value, info.option(), info.least, info.most));
+  const bool is_file = info.name == "founders" || info.name == "neat";
+  const bool may_be_file = info.name == "task" || info.name == "train" || info.name == "physics";
+  std::error_code unknown;
+  const std::size_t colon = cli::is_python_task(value) ? value.rfind(':') : value.size();
+  const std::string file = value.substr(0, colon);
+  const bool looks_like_file = file.find_first_of("./") != std::string::npos;
+  if ((is_file || (may_be_file && looks_like_file)) && fs::exists(file, unknown))
+    return fs::absolute(file).lexically_normal().string() + value.substr(colon);
+  return value;
+}
+
+Given given_settings(const Options& options) {
+  Given given;
+  for (const RunSettingInfo& info : run_settings()) {
+    const std::optional<std::string>& value = options.settings.at(info.name);
+    if (value) given[info.name] = settled(info, *value);
+  }
+  if (options.no_video) {
+    if (given.contains("video") && given["video"] != "none")
+      throw error(Failure::usage, "--no-video and --video {} do not go together", given["video"]);
+    given["video"] = "none";
+  }
+  return given;
+}
+
+RunSettings complete(const std::string& method, Given given) {
+  check_run_method(method);
+  const auto setting = [&](const std::string& name) {
+    const auto found = given.find(name);
+    return found == given.end() ? std::string() : found->second;
+  };
+  for (const auto& [name, value] : given)
+    if (!find_run_setting(name)->belongs_to(method))
+      throw error(Failure::usage, "{} is a setting of {}, not of {}",
+                  find_run_setting(name)->option(),
+                  fmt::join(find_run_setting(name)->methods, ", "), method);
+  std::vector<RunSetting> list;
+  for (const RunSettingInfo& info : run_settings()) {
+    if (!info.belongs_to(method)) continue;
+    if (!given.contains(info.name)) given[info.name] = initial_value(info, method, setting);
+    if (!given[info.name].empty()) list.push_back({info.name, given[info.name]});
+  }
+  return {method, std::move(list)};
+}
+
+// ---- planning -----------------------------------------------------------------------------
+
+// Where a run may begin: a folder that is not there, or has nothing in it but what an
+// interrupted plan left.
+void check_place(const fs::path& folder) {
+  const std::string name = folder.string();
+  if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }))
+    throw Error(Failure::usage, "--run: a folder's name has no line breaks or control characters");
+  if (!fs::exists(folder)) return;
+  if (!fs::is_directory(folder))
+    throw error(Failure::cannot_create, "{}: a file, not a run folder", name);
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().filename() != "Makefile")
+      throw error(Failure::cannot_create,
+                  "{}: neither a run nor an empty folder ({} is in it); choose another --run", name,
+                  entry.path().filename().string());
+}
+
+void plan(const fs::path& folder, RunSettings settings, cli::Surroundings around) {
+  if (const std::string* founders = settings.find("founders");
+      founders != nullptr && !around.founders) {
+    const bool screens = settings.find("screen") != nullptr && settings.number("screen") > 0;
+    around.founders = find_founders(
+        *founders, screens ? 0 : std::min(settings.number("pop"), settings.number("evals")));
+    if (settings.text("method") == "modular" && fs::is_directory(around.founders->policies))
+      around.founders->policies = last_shared_policy(around.founders->policies);
+  }
+  const std::string makefile = cli::run_makefile(settings, around);
+  for (const cli::Trial& trial : cli::trials(settings, around)) {
+    const int status = status_of(trial);
+    if (status != 0) std::exit(status);
+  }
+  make_folders(folder);
+  write_file(folder / "Makefile", makefile);
+  settings.set_makefile(sha256_hex(makefile));
+  write_file(folder / "run.yaml", settings.to_yaml());  // last: with it the run is begun
+}
+
+// Refuses another value for a setting of a run that is there.
+void compare(const fs::path& folder, const std::string& method, const Given& given) {
+  const RunSettings there = RunSettings::read(folder / "run.yaml");
+  std::vector<std::string> differences;
+  const auto compare = [&](const std::string& name, const std::string& asked) {
+    const std::string* known = there.find(name);
+    if (known != nullptr && *known == asked) return;
+    differences.push_back(
+        fmt::format("{}: {} there, {} asked for", name, known == nullptr ? "none" : *known, asked));
+  };
+  if (!method.empty()) compare("method", method);
+  for (const auto& [name, value] : given) compare(name, value);
+  if (!differences.empty())
+    throw error(Failure::cannot_create,
+                "{} belongs to a run with other settings ({}); choose another folder or the same "
+                "settings{}",
+                folder.string(), fmt::join(differences, "; "),
+                fs::exists(folder / "policies") || fs::exists(folder / "gen-000")
+                    ? ""
+                    : "; nothing has been made in it yet: removing it loses nothing");
+  if (!fs::exists(folder / "Makefile"))
+    throw error(Failure::data, "{}: its Makefile is gone; begin the run in another folder",
+                folder.string());
+}
+
+// A run that is there has to have these settings; else it is planned.
+void plan_or_compare(const fs::path& folder, const std::string& method, const Given& given,
+                     const cli::Surroundings& around) {
+  if (fs::exists(folder / "run.yaml")) return compare(folder, method, given);
+  check_place(folder);
+  plan(folder, complete(method, given), around);
+}
+
+// ---- several runs -------------------------------------------------------------------------
+
+// A folder of runs, which have names without hostile characters.
+void check_collection(const fs::path& folder) {
+  if (fs::exists(folder / "run.yaml"))
+    throw error(Failure::cannot_create, "{}: is one run; choose another --run", folder.string());
+  if (!fs::exists(folder / "Makefile")) check_place(folder);
+}
+
+constexpr const char* shell_lines =
+    "SHELL := /bin/bash\n"
+    ".SHELLFLAGS := -eu -o pipefail -c\n"
+    ".SUFFIXES:\n"
+    "MAKEFLAGS += --no-builtin-rules --no-print-directory\n\n"
+    ".DEFAULT_GOAL := all\n"
+    ".PHONY: all\n";
+
+// The rounds of a recipe, 1, 2, .., each a run of ga with the best of the one before.
+void plan_recipe(const fs::path& folder, const std::string& name, const Given& given,
+                 cli::Surroundings around) {
+  const auto task = given.find("task");
+  const cli::Recipe recipe =
+      cli::load_recipe(name, task == given.end() ? "Walker-v0" : task->second, cli::data_folders());
+  const std::int64_t seed = given.contains("seed") ? std::stoll(given.at("seed")) : 0;
+  check_collection(folder);
+  std::string makefile = fmt::format(
+      "# A run of evo evolve recipe {}: in each round the best of the one before begin.\n\n{}",
+      name, shell_lines);
+  for (std::size_t k = 1; k <= recipe.rounds.size(); ++k) {
+    Given round = given;
+    for (const auto& [setting, value] : recipe.rounds[k - 1]) {
+      if (setting != "task" && given.contains(setting))
+        throw error(Failure::usage, "{} is decided round by round in recipe {}",
+                    find_run_setting(setting)->option(), name);
+      round[setting] = value;
+    }
+    round["seed"] = fmt::format("{}", seed + static_cast<std::int64_t>(k) - 1);
+    around.founders.reset();
+    if (k > 1) {
+      const std::string before = fmt::format("../{}", k - 1);
+      round["founders"] = before;
+      around.founders = {before + "/history.jsonl", true, before + "/policies"};
+    } else if (round["inherit"] == "all" && !given.contains("founders")) {
+      round["inherit"] = "no";
+    }
+    plan_or_compare(folder / fmt::format("{}", k), "ga", round, around);
+    const bool last = k == recipe.rounds.size();
+    makefile += fmt::format(
+        "\n{}:{}\n\t+$(MAKE) -C {}{}\n", last ? "all" : fmt::format("{}/history.jsonl", k),
+        k == 1 ? "" : fmt::format(" | {}/history.jsonl", k - 1), k, last ? "" : " history.jsonl");
+  }
+  write_file(folder / "Makefile", makefile);
+}
+
+std::vector<std::string> items(std::string list) {
+  std::replace(list.begin(), list.end(), ',', ' ');
+  return split_list(list, ' ');
+}
+
+// Every method on every task with every seed, each a run, TASK/METHOD-SEED.
+void plan_comparison(const fs::path& folder, const Options& options, const Given& given,
+                     const cli::Surroundings& around) {
+  for (const char* decided : {"task", "seed"})
+    if (given.contains(decided))
+      throw error(Failure::usage, "--{0} is given to compare as --{0}s", decided);
+  check_collection(folder);
+  const std::vector<std::string> methods = items(options.methods);
+  for (const std::string& method : methods) check_run_method(method);
+  for (const auto& [name, value] : given)
+    if (std::none_of(methods.begin(), methods.end(), [&, &name = name](const std::string& method) {
+          return find_run_setting(name)->belongs_to(method);
+        }))
+      throw error(Failure::usage, "{} is a setting of {}, not of {}",
+                  find_run_setting(name)->option(),
+                  fmt::join(find_run_setting(name)->methods, ", "), fmt::join(methods, ", "));
+  std::vector<std::string> runs;
+  for (const std::string& task : items(options.tasks.empty() ? "Walker-v0" : options.tasks))
+    for (const std::string& method : methods)
+      for (const std::string& seed : items(options.seeds)) {
+        Given run;
+        for (const auto& [name, value] : given)
+          if (find_run_setting(name)->belongs_to(method)) run[name] = value;
+        run["task"] = settled(*find_run_setting("task"), task);
+        run["seed"] = settled(*find_run_setting("seed"), seed);
+        const std::string name = fs::path(task).stem().string();
+        if (name.find_first_not_of(
+                "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.") !=
+            std::string::npos)
+          throw error(Failure::usage,
+                      "--tasks: the name of '{}' has to be of letters, digits, - and _", task);
+        runs.push_back(fmt::format("{}/{}-{}", name, method, run["seed"]));
+        plan_or_compare(folder / runs.back(), method, run, around);
+      }
+  if (runs.empty())
+    throw Error(Failure::usage, "compare: --tasks, --methods and --seeds name no run");
+  write_file(folder / "Makefile",
+             fmt::format("# Runs side by side, by evo evolve compare.\n\n{}\nRUNS = {}\n\n"
+                         "all: compare.html\n"
+                         "\tevo-report --table $(RUNS)\n"
+                         "\t@echo $(CURDIR)/compare.html >&2\n\n"
+                         "compare.html: $(RUNS:%=%/best.json)\n"
+                         "\tevo-report -q $(RUNS) -o $@\n\n"
+                         "$(RUNS:%=%/best.json): %/best.json:\n"
+                         "\t+$(MAKE) -C $* $(@F)\n",
+                         shell_lines, fmt::join(runs, " ")));
+}
+
+// ---- becoming make ------------------------------------------------------------------------
+
+// Tells on standard error how the run goes, as long as this process is there.
+void start_watcher(const fs::path& folder, const std::string& progress) {
+  const pid_t caller = ::getpid();
+  if (::fork() != 0) return;
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (::getppid() != caller) ::_exit(0);
+  ::dup2(STDERR_FILENO, STDOUT_FILENO);
+  std::vector<std::string> words{"evo-inspect", "--watch", folder.string(), "--progress", progress};
+  ::execvp(words[0].c_str(), pointers(words).data());
+  ::_exit(127);
+}
+
+[[noreturn]] void become_make(const cli::Command& command, const fs::path& folder,
+                              const Options& options) {
+  prefer_own_tools();
+  const bool shows = !command.quiet && !command.verbose && std::getenv("MAKELEVEL") == nullptr;
+  if (shows && fs::exists(folder / "run.yaml")) start_watcher(folder, command.progress);
+  for (int round = 1; shows && fs::exists(folder / fmt::format("{}/run.yaml", round)); ++round)
+    start_watcher(folder / fmt::format("{}", round), "never");
+  std::vector<std::string> words{"make"};
+  if (!command.verbose) words.emplace_back("-s");
+  words.insert(words.end(), {"-C", folder.string()});
+  if (std::getenv("MAKELEVEL") == nullptr) words.push_back(fmt::format("-j{}", command.jobs));
+  if (options.launch) words.push_back("LAUNCH=" + *options.launch);
+  ::execvp(words[0].c_str(), pointers(words).data());
+  throw error(Failure::io, "make cannot be started ({}); to install it: apt install make",
+              std::strerror(errno));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Command command("evo-evolve");
+  Options options;
+  std::vector<std::string> words;
+  std::vector<cli::Command::Form> forms;
+  for (const RunMethod& method : run_methods()) forms.push_back({method.name, method.meaning});
+  forms.push_back({"recipe [NAME]", fmt::format("rounds of ga, as tasks/recipes has them [{}]",
+                                                cli::default_recipe)});
+  forms.push_back({"compare", "methods, tasks and seeds side by side"});
+  command.arguments(words, "[METHOD]", forms);
+  command
+      .option("--run", options.run, "DIR",
+              "the run's folder, where it is or shall be; a run that is there goes on")
+      .required();
+  command.flag("--plan", options.plan, "only write run.yaml and the Makefile");
+  command.option("--launch", options.launch, "COMMAND",
+                 "what stands in front of every training, such as 'srun --exact -n1 -c1'");
+  command.jobs_option();
+  command.progress_option();
+  std::string title;
+  for (const RunSettingInfo& info : run_settings()) {
+    const std::string next =
+        info.methods.empty() ? "Settings" : fmt::format("Of {}", fmt::join(info.methods, ", "));
+    if (next != title) command.section(next);
+    title = next;
+    std::string help = info.meaning;
+    if (!info.initial.empty()) help += " [" + info.initial + "]";
+    cli::Option option =
+        command.option(info.option(), options.settings[info.name], info.value, help);
+    if (info.kind == SettingKind::words) option.one_of(info.words());
+  }
+  command.section("Of compare");
+  command.option("--tasks", options.tasks, "LIST",
+                 "tasks, separated by blanks or commas [Walker-v0]");
+  command.option("--methods", options.methods, "LIST", "methods, likewise");
+  command.option("--seeds", options.seeds, "LIST", "seeds, likewise");
+  command.section("Of all");
+  command.flag("--no-video", options.no_video, "as --video none");
+  command.suggestions("recipe", [] { return data_names(cli::data_folders(), "recipes"); });
+  command.suggestions("--task", [] { return task_names(cli::data_folders()); });
+  command.suggestions("--train", [] { return data_names(cli::data_folders(), "training"); });
+  command.example("evo evolve ga --run runs/walker --task Walker-v0 --evals 100 --seed 1 -j8",
+                  "bodies of the benchmark's genetic algorithm, each with a controller of its own");
+  command.example("evo evolve recipe moments --run runs/stairs --task UpStepper-v0 --seed 1 -j8",
+                  "a network that climbs stairs, in two rounds");
+  command.example(
+      "evo evolve compare --run runs/methods --tasks 'Walker-v0 Carrier-v0' --evals 100 -j8",
+      "methods against each other, a table and a page");
+  command.example("evo evolve --run runs/walker -j8",
+                  "go on with it, or `make -C runs/walker -j8`");
+
+  return command.run(argc, argv, [&] {
+    const std::string method = words.empty() ? "" : words[0];
+    if (words.size() > (method == "recipe" ? 2 : 1))
+      throw error(Failure::usage, "name one method, not '{}'", fmt::join(words, " "));
+    command.only(method == "compare", {"--tasks", "--methods", "--seeds"}, "compare");
+    const fs::path folder = options.run;
+    const Given given = given_settings(options);
+    cli::Surroundings around;
+    around.tools = tools_folder();
+    around.here = fs::current_path().string();
+    around.python = python_command();
+    prefer_own_tools();
+    if (method == "recipe") {
+      plan_recipe(folder, words.size() > 1 ? words[1] : cli::default_recipe, given, around);
+    } else if (method == "compare") {
+      plan_comparison(folder, options, given, around);
+    } else if (!method.empty()) {
+      plan_or_compare(folder, method, given, around);
+    } else if (fs::exists(folder / "run.yaml")) {
+      compare(folder, method, given);
+    } else if (!fs::exists(folder / "Makefile") || !given.empty()) {
+      throw error(Failure::no_input, "{}: there is no such run; name a method to begin it",
+                  folder.string());
+    }
+    if (options.plan) {
+      cli::log::info(fmt::format("{}", (folder / "Makefile").string()));
+      return 0;
+    }
+    become_make(command, folder, options);
+  });
+}

@@ -1,0 +1,220 @@
+// evo-score: the fitness of robots, from a program of one's own.
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+
+#include "cli/command.h"
+#include "cli/journal.h"
+#include "cli/pick.h"
+#include "cli/robots.h"
+#include "formats/io/files.h"
+#include "formats/robot/writer.h"
+
+namespace {
+
+using namespace evo;
+
+struct Options {
+  std::string program;
+  std::optional<std::string> pick;
+  std::optional<std::string> journal;
+  int tries = 3;
+  bool give_up = false;
+};
+
+// ---- one call of the program ----------------------------------------------------------
+
+struct Answer {
+  std::string text;
+  int status = 0;  // as of a shell: 128 + the signal that ended it
+};
+
+// A file without a name that holds the text.
+int unnamed_file(const std::string& text) {
+  std::FILE* file = std::tmpfile();
+  if (file == nullptr || std::fwrite(text.data(), 1, text.size(), file) != text.size() ||
+      std::fflush(file) != 0)
+    throw error(Failure::io, "no temporary file can be written: {}", std::strerror(errno));
+  const int descriptor = ::dup(::fileno(file));
+  std::fclose(file);
+  ::lseek(descriptor, 0, SEEK_SET);
+  return descriptor;
+}
+
+std::string read_to_end(int descriptor) {
+  std::string text;
+  std::array<char, 1 << 16> buffer{};
+  for (;;) {
+    const ssize_t count = ::read(descriptor, buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR && cli::interrupted() == 0) continue;
+    if (count <= 0 || text.size() > largest_value) return text;
+    text.append(buffer.data(), static_cast<std::size_t>(count));
+  }
+}
+
+// The program's standard input is the robot, a line of JSON. It does not outlive this process.
+Answer ask(const std::string& program, const std::string& robot) {
+  const int input = unnamed_file(robot + "\n");
+  std::array<int, 2> pipe{};
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0)
+    throw error(Failure::io, "no pipe can be opened: {}", std::strerror(errno));
+  const pid_t child = ::fork();
+  if (child < 0) throw error(Failure::io, "no process can be started: {}", std::strerror(errno));
+  if (child == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    ::dup2(input, STDIN_FILENO);
+    ::dup2(pipe[1], STDOUT_FILENO);
+    ::execlp("bash", "bash", "-euo", "pipefail", "-c", program.c_str(), nullptr);
+    ::_exit(127);
+  }
+  ::close(input);
+  ::close(pipe[1]);
+  Answer answer;
+  answer.text = read_to_end(pipe[0]);
+  ::close(pipe[0]);
+  if (cli::interrupted() != 0) ::kill(child, SIGTERM);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR)
+    if (cli::interrupted() != 0) ::kill(child, SIGTERM);
+  answer.status = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  return answer;
+}
+
+// ---- what it says -----------------------------------------------------------------------
+
+// The robot as the program gives it back, which is the same one with a fitness, or with why
+// it has none.
+Robot scored(const std::string& program, const Robot& robot, const std::string& text) {
+  const std::string where = fmt::format("'{}', of robot {}", program, robot.id);
+  std::vector<Robot> robots;
+  try {
+    robots = parse_robots(text, where);
+  } catch (const Error& e) {
+    throw error(Failure::data, "{}: it is to write the robot with its fitness", e.what());
+  }
+  if (robots.size() != 1)
+    throw error(Failure::data, "{}: it is to write one robot with its fitness, not {}", where,
+                robots.size());
+  Robot& answer = robots.front();
+  if (answer.id != robot.id)
+    throw error(Failure::data, "{}: it gave another one, {}", where, answer.id);
+  if (!answer.document.contains("fitness"))
+    throw error(Failure::data, "{}: the robot it gave has no fitness", where);
+  if (!answer.fitness() && !answer.failure())
+    answer.set_failure({"its program gave no fitness", std::nullopt, std::nullopt});
+  return answer;
+}
+
+// Statuses by which a program says that something is wrong for any robot (docs/tools.md).
+bool is_refusal(int status) {
+  constexpr std::array refusals{2, 65, 66, 69, 73, 126, 127};
+  return std::find(refusals.begin(), refusals.end(), status) != refusals.end();
+}
+
+// Nothing: interrupted.
+std::optional<Robot> score(const Options& options, const Robot& robot) {
+  int status = 0;
+  for (int attempt = 0; attempt < options.tries; ++attempt) {
+    const Answer answer = ask(options.program, robot_to_line(robot));
+    if (cli::interrupted() != 0) return std::nullopt;
+    if (answer.status == 0) return scored(options.program, robot, answer.text);
+    status = answer.status;
+    if (is_refusal(status))
+      throw error(Failure::data, "'{}' ended with status {} for robot {}", options.program, status,
+                  robot.id);
+  }
+  Robot failed = robot;
+  failed.set_failure(
+      {fmt::format("its program ended with status {}, {} times", status, options.tries),
+       std::nullopt, std::nullopt});
+  return failed;
+}
+
+double now() {
+  using namespace std::chrono;
+  const auto now = system_clock::now().time_since_epoch();
+  return static_cast<double>(duration_cast<milliseconds>(now).count()) / 1000.0;
+}
+
+int score_all(const cli::Command& command, const Options& options,
+              const std::vector<Robot>& robots) {
+  cli::catch_interrupts();
+  std::optional<cli::Journal> journal;
+  if (options.journal) journal.emplace(*options.journal);
+  const auto note = [&](const std::string& text) { cli::log::info(text); };
+  RobotWriter out(command.output);
+  for (const Robot& robot : robots) {
+    // A survivor has its fitness already, or is known to have none.
+    if (robot.fitness() || robot.failure()) {
+      out.write(robot);
+      continue;
+    }
+    if (journal) journal->take(robot.id, note, cli::interrupted);
+    if (const auto machine =
+            journal && options.give_up ? journal->killed_on(robot.id) : std::nullopt) {
+      Robot failed = robot;
+      failed.set_failure(
+          {fmt::format("its program was killed on {}", *machine), std::nullopt, std::nullopt});
+      journal->ended(robot.id);
+      out.write(failed);
+      continue;
+    }
+    if (journal) journal->begun(robot.id);
+    const double began = now();
+    std::optional<Robot> result;
+    try {
+      result = score(options, robot);
+    } catch (...) {
+      if (journal) journal->ended(robot.id);
+      throw;
+    }
+    if (journal) journal->add(robot.id, {began, now() - began, 0, result.has_value()});
+    if (journal) journal->ended(robot.id);
+    if (!result) return 128 + cli::interrupted();
+    out.write(*result);
+  }
+  out.finish();
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cli::Command command("evo-score");
+  Options options;
+  std::vector<std::string> files;
+  command.arguments(files, "FILE", "robots [standard input]");
+  command
+      .option("--by", options.program, "PROGRAM",
+              "a command line of bash; it reads a robot, one line of JSON, and writes it with "
+              "its `fitness` (a number, or null: it has failed)")
+      .required();
+  command
+      .option("--tries", options.tries, "N",
+              "how often it may end with an error before the robot counts as failed")
+      .at_least(1);
+  command.option("--pick", options.pick, "K", cli::pick_help);
+  command.option("--journal", options.journal, "DIR",
+                 "keep there which robots are being scored on which machine, and what each took");
+  command.flag("--give-up", options.give_up,
+               "a robot whose program was killed, as its journal says, counts as failed");
+  command.output_option("where the robots go; those that have a fitness go as they are");
+  command.example("evo-sample -n 8 | evo-score --by 'jq -c \".fitness = (.body | length)\"'",
+                  "robots by the number of their rows");
+  command.example("evo-score --by 'python3 my-fitness.py' --pick 3 population.jsonl -o 03.json",
+                  "the fourth robot of a population, by a program in Python");
+
+  return command.run(argc, argv, [&] {
+    command.only(options.journal.has_value(), {"--give-up"}, "--journal");
+    return score_all(command, options, cli::pick(cli::read_robots(files), options.pick));
+  });
+}

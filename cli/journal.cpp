@@ -1,0 +1,87 @@
+#include "cli/journal.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <system_error>
+#include <thread>
+
+#include "formats/io/files.h"
+#include "formats/io/json.h"
+#include "formats/run/run.h"
+#include "libevo/base/error.h"
+
+namespace evo::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path made(const fs::path& folder) {
+  make_folders(folder);
+  return folder;
+}
+
+// The byte of the lock that stands for a name: an id is twelve hexadecimal digits.
+std::uint64_t byte_of(const std::string& name) {
+  std::uint64_t hash = 14695981039346656037U;  // FNV-1a
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
+  return hash >> 2U;  // a positive offset of a file
+}
+
+}  // namespace
+
+Journal::Journal(const fs::path& folder) : folder_(made(folder)), lock_(folder_ / "lock") {}
+
+std::optional<std::string> Journal::killed_on(const std::string& name) const {
+  if (!fs::exists(mark(name))) return std::nullopt;
+  const Json found = Json::parse(read_file(mark(name), largest_document), nullptr, false);
+  return found.is_object() ? found.value("host", "?") : "?";
+}
+
+void Journal::take(const std::string& name, const std::function<void(const std::string&)>& note,
+                   const std::function<int()>& interrupted) const {
+  bool told = false;
+  while (!lock_.take(byte_of(name)) && interrupted() == 0) {
+    if (!told) note(fmt::format("{}: waiting for another process that trains it", name));
+    told = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
+void Journal::begun(const std::string& name) const {
+  const Json here = {{"host", this_machine()}, {"process", ::getpid()}};
+  write_file(mark(name), here.dump() + "\n");
+}
+
+void Journal::ended(const std::string& name) const {
+  std::error_code ignored;
+  fs::remove(mark(name), ignored);
+}
+
+// One write() to a file opened for appending stays in one piece between the processes of a
+// machine, on network file systems, too.
+void Journal::add(const std::string& name, const Work& work) const {
+  const fs::path file = folder_ / (this_machine() + ".jsonl");
+  const Json line = {{"robot", name},
+                     {"started", work.started},
+                     {"seconds", work.seconds},
+                     {"steps", work.steps},
+                     {"finished", work.finished}};
+  const std::string text = line.dump() + "\n";
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (descriptor < 0)
+    throw error(Failure::cannot_create, "{}: cannot be created: {}", file.string(),
+                std::generic_category().message(errno));
+  const ssize_t written = ::write(descriptor, text.data(), text.size());
+  const int code = errno;
+  ::close(descriptor);
+  if (written != static_cast<ssize_t>(text.size()))
+    throw error(Failure::io, "{}: cannot be written: {}", file.string(),
+                std::generic_category().message(code));
+}
+
+}  // namespace evo::cli

@@ -1,0 +1,45 @@
+# A run whose trainings happen elsewhere: something stands in front of each, which may kill it.
+load ../cli/helpers
+
+@test "100 slots, a heavy tail, launches that are killed: nothing is lost, nothing done twice" {
+  # Takes 0.02 s and more, as a heavy tail wants, by the robot's id.
+  cat > fitness <<'END'
+#!/bin/bash
+robot=$(cat)
+id=$(jq -r .id <<< "$robot")
+number=$((16#${id:0:6}))
+sleep "$(awk -v u="$number" 'BEGIN { print 0.02 / (1 - (u % 997) / 1000) ^ 0.66 }')"
+echo "$id" >> scored
+jq -c --argjson number $number '.fitness = $number / 1e6' <<< "$robot"
+END
+  # One launch in twenty is killed before it has begun, or in the middle.
+  cat > launch <<'END'
+#!/bin/bash
+case $((RANDOM % 40)) in
+  0) exit 1 ;;
+  1) "$@" & sleep 0.05; kill -KILL $! 2> /dev/null; wait $!; exit 137 ;;
+esac
+exec "$@"
+END
+  chmod +x fitness launch
+  evo-evolve ga --run calm --pop 50 --evals 300 --window 100 --seed 1 --evaluate "$PWD/fitness" --plan -q
+  cp -r calm stormy
+  mkdir calm-place stormy-place
+  sed -i "s#cd [^&]* &&#cd $PWD/calm-place \\&\\&#" calm/Makefile
+  sed -i "s#cd [^&]* &&#cd $PWD/stormy-place \\&\\&#" stormy/Makefile
+  make -s -C calm -j100
+  make -s -C stormy -j100 LAUNCH="$PWD/launch"
+  diff calm/history.jsonl stormy/history.jsonl
+  [ "$(wc -l < calm/history.jsonl)" -eq 300 ]
+  [ "$(sort calm-place/scored | uniq -d | wc -l)" -eq 0 ]
+  [ "$(sort -u stormy-place/scored | wc -l)" -eq 300 ]
+  [ -z "$(find calm stormy -name '*.running')" ]
+}
+
+@test "GNU parallel takes runs to machines that share no folder, and brings them back" {
+  command -v parallel > /dev/null || skip "no GNU parallel (apt install parallel)"
+  evo-evolve compare --run sweep --methods "ga bo" --seeds "1 2" --pop 3 --evals 5 --evaluate 'jq -c ".fitness = 1"' --plan -q
+  cd sweep
+  parallel --sshlogin 2/: --transferfile {} --return {} --cleanup --retries 3 'make -s -C {} best.json' ::: */*
+  [ "$(ls */*/best.json | wc -l)" -eq 4 ]
+}

@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
       "instead of paths: the JSON Schema of a format whose settings are a table: run or training");
   command.example("cp \"$(evo-data tasks/Walker-v0.yaml)\" my-walker.yaml",
                   "a task of your own, from one that is there");
+  command.example("evo-data --names tasks", "the tasks that there are, one a line");
   return command.run(argc, argv, [&] {
     if (names) {
       for (const std::string& name : names_of(*names)) fmt::print("{}\n", name);

@@ -210,16 +210,17 @@ RunSettings complete(const std::string& method, Given given) {
 // ---- planning -----------------------------------------------------------------------------
 
 // Where a run may begin: a folder that is not there, or has nothing in it but what an
-// interrupted plan left.
-void check_place(const fs::path& folder) {
+// interrupted plan left: a Makefile, or those of several runs.
+void check_place(const fs::path& folder, std::vector<std::string> planned = {}) {
   const std::string name = folder.string();
   if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }))
     throw Error(Failure::usage, "--run: a folder's name has no line breaks or control characters");
   if (!fs::exists(folder)) return;
   if (!fs::is_directory(folder))
     throw error(Failure::cannot_create, "{}: a file, not a run folder", name);
+  planned.emplace_back("Makefile");
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().filename() != "Makefile")
+    if (std::find(planned.begin(), planned.end(), entry.path().filename()) == planned.end())
       throw error(Failure::cannot_create,
                   "{}: neither a run nor an empty folder ({} is in it); choose another --run", name,
                   entry.path().filename().string());
@@ -281,10 +282,10 @@ void plan_or_compare(const fs::path& folder, const std::string& method, const Gi
 // ---- several runs -------------------------------------------------------------------------
 
 // A folder of runs, which have names without hostile characters.
-void check_collection(const fs::path& folder) {
+void check_collection(const fs::path& folder, const std::vector<std::string>& planned) {
   if (fs::exists(folder / "run.yaml"))
     throw error(Failure::cannot_create, "{}: is one run; choose another --run", folder.string());
-  if (!fs::exists(folder / "Makefile")) check_place(folder);
+  if (!fs::exists(folder / "Makefile")) check_place(folder, planned);
 }
 
 constexpr const char* shell_lines =
@@ -302,7 +303,9 @@ void plan_recipe(const fs::path& folder, const std::string& name, const Given& g
   const cli::Recipe recipe =
       cli::load_recipe(name, task == given.end() ? "Walker-v0" : task->second, cli::data_folders());
   const std::int64_t seed = given.contains("seed") ? std::stoll(given.at("seed")) : 0;
-  check_collection(folder);
+  std::vector<std::string> names;
+  for (std::size_t k = 1; k <= recipe.rounds.size(); ++k) names.push_back(fmt::format("{}", k));
+  check_collection(folder, names);
   std::string makefile = fmt::format(
       "# A run of evo evolve recipe {}: in each round the best of the one before begin.\n\n{}",
       name, shell_lines);
@@ -320,8 +323,9 @@ void plan_recipe(const fs::path& folder, const std::string& name, const Given& g
       const std::string before = fmt::format("../{}", k - 1);
       round["founders"] = before;
       around.founders = {before + "/history.jsonl", true, before + "/policies"};
-    } else if (round["inherit"] == "all" && !given.contains("founders")) {
-      round["inherit"] = "no";
+    } else if (!given.contains("founders") && round.contains("inherit")) {
+      // There is nobody yet to go on from.
+      if (round["inherit"] == "all") round["inherit"] = "no";
     }
     plan_or_compare(folder / fmt::format("{}", k), "ga", round, around);
     const bool last = k == recipe.rounds.size();
@@ -343,7 +347,10 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
   for (const char* decided : {"task", "seed"})
     if (given.contains(decided))
       throw error(Failure::usage, "--{0} is given to compare as --{0}s", decided);
-  check_collection(folder);
+  const std::vector<std::string> tasks = items(options.tasks.empty() ? "Walker-v0" : options.tasks);
+  std::vector<std::string> names;
+  for (const std::string& task : tasks) names.push_back(fs::path(task).stem().string());
+  check_collection(folder, names);
   const std::vector<std::string> methods = items(options.methods);
   for (const std::string& method : methods) check_run_method(method);
   for (const auto& [name, value] : given)
@@ -354,7 +361,7 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
                   find_run_setting(name)->option(),
                   fmt::join(find_run_setting(name)->methods, ", "), fmt::join(methods, ", "));
   std::vector<std::string> runs;
-  for (const std::string& task : items(options.tasks.empty() ? "Walker-v0" : options.tasks))
+  for (const std::string& task : tasks)
     for (const std::string& method : methods)
       for (const std::string& seed : items(options.seeds)) {
         Given run;

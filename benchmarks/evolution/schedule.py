@@ -92,5 +92,5 @@ print("workers\twindow\tpopulation\trobots\tchunk\ttimes\tidle_generations\tidle
 for workers in (2, 8, 25, 64):
     for law in LAWS:
         row(workers, max(25, workers), 25, 250, 1, law, 40)
-for window in (1000, 3000):  # docs/cluster.md, "Scale"
+for window in (1000, 3000):  # docs/cluster.md, "With generations, or without"
     row(100, window, 1000, 10000, 10, "Pareto 1.5", 5)

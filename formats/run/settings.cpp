@@ -164,7 +164,9 @@ Json schema_of(const RunSettingInfo& info) {
   else if (info.kind == SettingKind::words)
     schema = {{"enum", info.words()}};
   else
-    schema = {{"type", {"string", "number"}}};
+    schema = {{"type", {"string", "number", "boolean"}}};
+  // YAML 1.1 takes yes and no for truth values.
+  if (info.name == "inherit") schema["enum"].insert(schema["enum"].end(), {true, false});
   schema["description"] = info.meaning;
   return schema;
 }

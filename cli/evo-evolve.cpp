@@ -466,15 +466,13 @@ int main(int argc, char** argv) {
   command.suggestions("recipe", [] { return data_names(cli::data_folders(), "recipes"); });
   command.suggestions("--task", [] { return task_names(cli::data_folders()); });
   command.suggestions("--train", [] { return data_names(cli::data_folders(), "training"); });
-  command.example("evo evolve ga --run runs/walker --task Walker-v0 --evals 100 --seed 1 -j8",
-                  "bodies of the benchmark's genetic algorithm, each with a controller of its own");
-  command.example("evo evolve recipe moments --run runs/stairs --task UpStepper-v0 --seed 1 -j8",
+  command.example("evo evolve ga --run runs/walker --task Walker-v0 --evals 100 -j8",
+                  "bodies by the genetic algorithm, each with a controller of its own");
+  command.example("evo evolve recipe moments --run runs/stairs --task UpStepper-v0 -j8",
                   "a network that climbs stairs, in two rounds");
-  command.example(
-      "evo evolve compare --run runs/methods --tasks 'Walker-v0 Carrier-v0' --evals 100 -j8",
-      "methods against each other, a table and a page");
-  command.example("evo evolve --run runs/walker -j8",
-                  "go on with it, or `make -C runs/walker -j8`");
+  command.example("evo evolve compare --run runs/methods --evals 100 --seeds '1 2 3' -j8",
+                  "methods against each other, a table and a page");
+  command.example("evo evolve --run runs/walker -j8", "go on; so does make -C runs/walker -j8");
 
   return command.run(argc, argv, [&] {
     const std::string method = words.empty() ? "" : words[0];

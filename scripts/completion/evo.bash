@@ -21,12 +21,7 @@ _evo() {
     task) words=$(evo-data --names tasks 2> /dev/null) ;;
     physics | training) words=$(evo-data --names "$previous" 2> /dev/null) ;;
     help) words=$(_evo_words "$tool" '  ()([a-z]+) ') ;;
-    --*) words=$("$tool" --values-of "$previous" 2> /dev/null) ;;
-  esac
-  # What follows the folder: settings.
-  case ${tool##*/}:${COMP_WORDS[COMP_CWORD - at + 1]} in
-    evo*run:init | evo*run:command)
-      ((at < 3)) || words=$("$tool" --values-of "${COMP_WORDS[COMP_CWORD - at + 1]}" 2> /dev/null) ;;
+    --* | recipe) words=$("$tool" --values-of "$previous" 2> /dev/null) ;;
   esac
   if [[ -z $words ]]; then
     local kind=--
@@ -40,4 +35,4 @@ _evo() {
   [[ ${COMPREPLY[0]} != *= ]] || compopt -o nospace 2> /dev/null || true
 }
 complete -o bashdefault -o default -F _evo \
-  evo evo-{archive,bench,convert,data,env,eval,inspect,mutate,neat,render,report,run,sample,select,suggest,train}
+  evo evo-{archive,bench,convert,data,env,eval,evolve,inspect,mutate,neat,render,report,sample,score,select,suggest,train}

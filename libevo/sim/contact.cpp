@@ -41,18 +41,16 @@ class Pusher {
         pushes_(memory.all),
         of_cells_(memory.of_cells),
         meetings_(memory.meetings),
+        forces_(memory.forces),
         parallel_determinant_(parallel_determinant * world.length_scale * world.length_scale) {}
 
-  // Whether any of them pushed.
-  bool push(Candidates inside) const {
+  void push(Candidates inside) const {
     ++lists_.looks;
-    bool any = false;
     while (!inside.empty()) {
       const Candidates between = inside.first(count_of_first(inside, &Pusher::objects));
-      any |= push_objects(between);
+      push_objects(between);
       inside = inside.subspan(between.size());
     }
-    return any;
   }
 
  private:
@@ -78,7 +76,7 @@ class Pusher {
 
   // Of one pair of objects, or of one with itself: there the search meets a pair of cells
   // twice, once either way round.
-  bool push_objects(Candidates inside) const {
+  void push_objects(Candidates inside) const {
     pushes_.clear();
     of_cells_.clear();
     meetings_.clear();
@@ -96,7 +94,6 @@ class Pusher {
       apply(first, middle);
       if (!is_turned) apply(middle, last);
     }
-    return !meetings_.empty();
   }
 
   // `inside` are corners of two cells, those of one before those of the other. Of two objects
@@ -110,6 +107,8 @@ class Pusher {
       const std::optional<Push> push = push_of(*candidate);
       if (!push) continue;
       pushes_.push_back(*push);
+      for (const std::int32_t site : {push->point, push->edge[0], push->edge[1]})
+        if (points_.moves(site)) forces_.push_back(points_.force(site));
       if (candidate->corner / 4 == one) ++middle;
     }
     const auto last = static_cast<std::uint32_t>(pushes_.size());
@@ -235,6 +234,7 @@ class Pusher {
   std::vector<Push>& pushes_;
   std::vector<ContactPushes::OfCells>& of_cells_;
   std::vector<Meeting>& meetings_;
+  std::vector<double*>& forces_;
   double parallel_determinant_;
 };
 
@@ -256,9 +256,9 @@ void prepare_lists(const Model::Compiled& world, ContactLists& lists) {
   lists.invalidate();
 }
 
-bool push_contacts(const Model::Compiled& world, std::span<const ContactCandidate* const> inside,
+void push_contacts(const Model::Compiled& world, std::span<const ContactCandidate* const> inside,
                    const PointView& view, ContactLists& lists, ContactPushes& memory) {
-  return Pusher(world, view, lists, memory).push(inside);
+  Pusher(world, view, lists, memory).push(inside);
 }
 
 }  // namespace evo

@@ -68,10 +68,13 @@ class Points {
   }
   void add_force(std::int32_t site, Vector f) const {
     if (!moves(site)) return;
-    double* force = view_.force + offset(site);
-    force[0] += f.x;
-    force[view_.stride] += f.y;
+    double* const at = force(site);
+    at[0] += f.x;
+    at[view_.stride] += f.y;
   }
+  double* force(std::int32_t site) const {
+    return view_.force + offset(site);
+  }  // of one that moves
   double travel(std::uint32_t block) const { return view_.travel[block * view_.stride]; }
   Box box(const ContactCell& c) const {
     const Vector tl = (*this)(c.corners[top_left]);

@@ -30,16 +30,18 @@ struct ContactPushes {
   std::vector<Push> all;
   std::vector<OfCells> of_cells;
   std::vector<contact::Meeting> meetings;
+  // Of all points pushed since it was emptied: x of their forces, y being a stride further on.
+  std::vector<double*> forces;
 
   std::size_t bytes() const {
     return all.capacity() * sizeof(Push) + of_cells.capacity() * sizeof(OfCells) +
-           meetings.capacity() * sizeof(contact::Meeting);
+           meetings.capacity() * sizeof(contact::Meeting) + forces.capacity() * sizeof(double*);
   }
 };
 
 // Adds the forces of the candidates that are inside (contact_look-inl.h finds them), of one
-// environment; true if there were any.
-bool push_contacts(const Model::Compiled& world, std::span<const ContactCandidate* const> inside,
+// environment.
+void push_contacts(const Model::Compiled& world, std::span<const ContactCandidate* const> inside,
                    const PointView& points, ContactLists& lists, ContactPushes& memory);
 
 }  // namespace evo

@@ -49,7 +49,8 @@ class ControlStep {
 
   void run() {
     begin();
-    clear_contacts();
+    std::fill_n(w_.contact, pair_offset(plan_.sites, width), 0.0);
+    workspace_.pushes.forces.clear();
     kernel().template last_springs<true>(w_.position, static_cast<std::size_t>(plan_.first_frozen),
                                          static_cast<std::size_t>(plan_.springs));
     std::size_t running = lanes_.size();
@@ -198,11 +199,10 @@ class ControlStep {
     return {w_.position + i, w_.previous + i, w_.contact + i, w_.travel + i, width};
   }
 
-  void clear_contacts() { std::fill_n(w_.contact, pair_offset(plan_.sites, width), 0.0); }
-
   void contacts() {
     renew_lists();
-    if (std::exchange(touching_, false)) clear_contacts();
+    for (double* force : workspace_.pushes.forces) force[0] = force[width] = 0.0;
+    workspace_.pushes.forces.clear();
     ContactLook<width> look(workspace_.inside);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (!runs(i)) continue;
@@ -213,8 +213,8 @@ class ControlStep {
     const ContactCandidate* const* inside = workspace_.inside.data();
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (counts[i] > 0)
-        touching_ |= push_contacts(world(i), {inside, counts[i]}, view(i), lanes_[i]->contacts,
-                                   workspace_.pushes);
+        push_contacts(world(i), {inside, counts[i]}, view(i), lanes_[i]->contacts,
+                      workspace_.pushes);
       inside += counts[i];
     }
   }
@@ -382,7 +382,6 @@ class ControlStep {
   Arrays w_;
   std::array<bool, width> folding_{};
   std::array<bool, width> set_aside_{};
-  bool touching_ = false;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -131,7 +131,7 @@ build_example() {
   (cd "$BATS_TEST_TMPDIR" && cpack --config "$EVO_BIN/../CPackConfig.cmake" -G DEB -B "$PWD/packages" > log) || { cat log; false; }
   for deb in packages/*.deb; do dpkg-deb -x "$deb" root; done
   depends() { dpkg-deb -f packages/"$1"_*.deb Depends; }
-  for package in libc6 libhdf5-103-1 libosmesa6 make jq; do
+  for package in libc6 libhdf5-103-1 libosmesa6 make; do
     depends evo | grep -qE "(^|, )$package(:|,| |$)"
   done
   dpkg-deb -f packages/evo_*.deb Recommends | grep -q ffmpeg

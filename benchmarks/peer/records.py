@@ -1,7 +1,7 @@
 """Every record in the benchmark's own package, as tab-separated values:
-records.py [NAME...]     names of folders of records/ [all]
+records.py [NAME...]     tasks [all]
 
-evo-eval replays a record's policy with the physics `package`; the package then takes the
+evo-eval replays a record's controller; the package then takes the
 same actions in its own environment of the task. Compared are the returns and all
 positions. A network also acts in the package itself, on what the package observes. Needs
 evogym, evo_robots and h5py, as benchmarks/peer/run installs them, and the tools in PATH.
@@ -35,12 +35,12 @@ def environment(record):
 
 
 def replayed(record, policy, folder):
-    """The episode as evo-eval plays it with the package's physics."""
+    """The episode as evo-eval plays it."""
     robot = folder / "robot.json"
     rollout = folder / "rollout.h5"
     robot.write_text(json.dumps({"format": "evo/robot", "version": 1, "body": record["body"]}))
-    subprocess.run(["evo-eval", "--task", record["task"], "--physics", "package", "--policy", policy,
-                    "--seed", str(record.get("seed", 0)), "--rollout", rollout, robot],
+    subprocess.run(["evo-eval", "--task", record["task"], "--policy", policy,
+                    "--seed", str(record["seed"]), "--rollout", rollout, robot],
                    check=True, stdout=subprocess.DEVNULL)
     return read_rollout(rollout)[0]
 
@@ -74,7 +74,7 @@ def acting(record, policy):
 
 
 def main():
-    print("record", "controller", "recorded", "physics package", "the package", "largest difference",
+    print("record", "controller", "evo-eval", "the package", "largest difference",
           "acting in the package", sep="\t", file=TABLE)
     for name in sys.argv[1:] or sorted(path.parent.name for path in RECORDS.glob("*/record.json")):
         record = json.loads((RECORDS / name / "record.json").read_text())
@@ -84,8 +84,8 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             episode = replayed(record, policy, pathlib.Path(folder))
         earned, apart = same_actions(record, episode)
-        own = acting(record, policy) if record.get("controller", "gait") == "network" else ""
-        print(name, record.get("controller", "gait"), record["fitness"], episode.rewards.sum(), earned, apart, own,
+        own = acting(record, policy) if record["controller"] == "network" else ""
+        print(name, record["controller"], episode.rewards.sum(), earned, apart, own,
               sep="\t", file=TABLE)
 
 

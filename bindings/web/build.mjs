@@ -18,8 +18,8 @@ const taskNames = folder('tasks').filter((path) => isTask(files[path])).map((pat
 const [header, ...rows] = read('records/published.tsv').split('\n').filter((line) => line && !line.startsWith('#')).map((line) => line.split('\t'));
 const published = Object.fromEntries(rows.map((row) => [row[0], Object.fromEntries(header.map((name, k) => [name, row[k]]).slice(1).filter(([, value]) => value))]));
 const records = readdirSync(`${root}/records`, { withFileTypes: true }).filter((entry) => entry.isDirectory()).map(({ name }) => {
-  const { task, robot, fitness, seed, shifted, command, robots, steps } = JSON.parse(read(`records/${name}/record.json`));
-  return { name, task, controller: JSON.parse(readFileSync(`${policies}/${name}.json`, 'utf8')).kind, robot, fitness, seed, shifted, command, robots, steps };
+  const { task, robot, fitness, seed, shifted, command, robots, steps, sequence } = JSON.parse(read(`records/${name}/record.json`));
+  return { name, task, controller: JSON.parse(readFileSync(`${policies}/${name}.json`, 'utf8')).kind, robot, fitness, seed, shifted, command, robots, steps, can: sequence?.fitness };
 });
 for (const { name } of records) {
   const { kind, task, task_yaml, robot, exchange, normalizer, action, actor, clock, gait, sequence, sine, actions } = JSON.parse(readFileSync(`${policies}/${name}.json`, 'utf8'));

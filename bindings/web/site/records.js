@@ -13,6 +13,7 @@ Evo.recordsPage = (evo) => {
     const table = element('table', { class: 'facts' }, element('tbody', {},
       row('return', element('b', {}, number(record.fitness)), ' ', now),
       ...(shifted ? [row('from perturbed starts', `${number(shifted.mean)} ± ${number(shifted.standard_error)}`)] : []),
+      ...(record.can ? [row('a body can', number(record.can), ' ', element('small', {}, 'a sequence of actions, once'))] : []),
       ...(published.paper ? [row('the paper', `${number(Number(published.paper))} `, element('small', {}, `${published.paper_method}, ${published.paper_robots} robots`))] : []),
       ...(published.few ? [row('later, few robots', `${published.few} `, element('small', {}, `${published.few_method}, ${published.few_robots} robots`))] : []),
       ...(record.robots ? [row('found with', `${record.robots} robots, ${number(record.steps / 1e6)} million steps`)] : [])));

@@ -46,9 +46,13 @@ class Policies {
   static void replay(const fs::path& path, const PolicyFile& policy) {
     const std::string name = path.string();
     const TaskSpec task = policy_task(policy, name);
-    const TrainingSettings training = training_from_yaml(
-        YamlNode::parse(policy.training_yaml, name + ": training"), "", data_folders());
-    const EvaluationSettings evaluation = evaluation_of(training, policy.seed);
+    const YamlNode training = YamlNode::parse(policy.training_yaml, name + ": training");
+    EvaluationSettings evaluation;
+    evaluation.seed = policy.seed;
+    for (const auto& [key, value] : training.entries()) {
+      if (key.text() == "evaluation_episodes") evaluation.episodes = value.integer(1);
+      if (key.text() == "evaluation_jitter") evaluation.jitter = value.number(0.0);
+    }
     const Arena arena(task, policy.robot.body);
     const double again = evaluate(arena, to_controller(policy.controller), evaluation).mean();
     if (again != policy.fitness)

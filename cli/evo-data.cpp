@@ -7,7 +7,9 @@
 #include "cli/command.h"
 #include "cli/data.h"
 #include "formats/io/data_folders.h"
+#include "formats/run/neat.h"
 #include "formats/run/settings.h"
+#include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
 #include "formats/training/training.h"
 #include "libevo/base/error.h"
@@ -38,6 +40,14 @@ std::vector<std::string> names_of(const std::string& kind) {
               did_you_mean(kind, {"tasks", "physics", "training"}));
 }
 
+Json schema_of(const std::string& name) {
+  if (name == "neat") return neat_schema();
+  if (name == "physics") return physics_schema();
+  if (name == "run") return run_schema();
+  if (name == "training") return training_schema();
+  throw error(Failure::usage, "--schema: '{}' is not neat, physics, run or training", name);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -51,9 +61,9 @@ int main(int argc, char** argv) {
   command.option("--names", names, "KIND",
                  "instead of paths: the names of all tasks, or of the profiles in physics or "
                  "training, one a line");
-  command.option(
-      "--schema", schema, "NAME",
-      "instead of paths: the JSON Schema of a format whose settings are a table: run or training");
+  command.option("--schema", schema, "NAME",
+                 "instead of paths: the JSON Schema of a format whose settings are a table: neat, "
+                 "physics, run or training");
   command.example("cp \"$(evo-data tasks/Walker-v0.yaml)\" my-walker.yaml",
                   "a task of your own, from one that is there");
   command.example("evo-data --names tasks", "the tasks that there are, one a line");
@@ -63,9 +73,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (schema) {
-      if (*schema != "run" && *schema != "training")
-        throw error(Failure::usage, "--schema: '{}' is not run or training", *schema);
-      fmt::print("{}\n", (*schema == "run" ? run_schema() : training_schema()).dump(2));
+      fmt::print("{}\n", schema_of(*schema).dump(2));
       return 0;
     }
     const fs::path root = cli::data_root();

@@ -339,16 +339,16 @@ void print_tasks(bool markdown) {
 void print_settings(const std::vector<SettingRow>& rows) {
   std::size_t key = 0;
   std::size_t value = 0;
-  std::size_t range = 0;
+  std::size_t kind = 0;
   for (const SettingRow& row : rows) {
     key = std::max(key, row.key.size());
     value = std::max(value, row.value.size());
-    range = std::max(range, row.range.size());
+    kind = std::max(kind, row.kind.size());
   }
   std::string text;
   for (const SettingRow& row : rows)
     text += fmt::format("{:<{}}  {:>{}}  {:<{}}  {}{}{}\n", row.key, key, row.value, value,
-                        row.range, range, row.unit, row.unit.empty() ? "" : "; ", row.meaning);
+                        row.kind, kind, row.unit, row.unit.empty() ? "" : "; ", row.meaning);
   cli::print_wrapped(text);
 }
 

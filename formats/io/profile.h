@@ -11,35 +11,10 @@
 #include "formats/io/data_folders.h"
 #include "formats/io/files.h"
 #include "formats/io/format.h"
+#include "formats/io/settings.h"
 #include "formats/io/yaml.h"
 
 namespace evo {
-
-// A setting as people are told of it.
-struct SettingRow {
-  std::string key;
-  std::string value;  // shortest text that gives it back
-  std::string range;  // what is allowed
-  std::string unit;   // empty: none
-  std::string meaning;
-};
-
-// How an assignment of each begins: "gravity=".
-inline std::vector<std::string> assignments(const std::vector<SettingRow>& rows) {
-  std::vector<std::string> beginnings;
-  for (const SettingRow& row : rows) beginnings.push_back(row.key + "=");
-  return beginnings;
-}
-
-// "gravity=50" as key and value. Throws Error(usage), with the example.
-inline std::pair<std::string, std::string> split_assignment(std::string_view assignment,
-                                                            const char* example) {
-  const std::size_t equals = assignment.find('=');
-  if (equals == std::string_view::npos || equals == 0)
-    throw error(Failure::usage, "KEY=VALUE is expected (as in {}), found '{}'", example,
-                assignment);
-  return {std::string(assignment.substr(0, equals)), std::string(assignment.substr(equals + 1))};
-}
 
 template <typename Settings>
 struct ProfileKind {
@@ -49,9 +24,7 @@ struct ProfileKind {
   // The profile that others start from unless they say `base`. Settings{} stands
   // for it where no folder has it.
   const char* root;
-  std::vector<std::string> keys;  // that a profile may have
-  // Takes over what a profile gives. Throws Error(data).
-  void (*read)(Settings& settings, const YamlMapping& profile);
+  const SettingTable<Settings>& table;
 };
 
 template <typename Settings>
@@ -66,7 +39,7 @@ Settings read_profile(const ProfileKind<Settings>& kind, const YamlNode& node,
                       int depth = 0) {
   constexpr int longest_chain = 16;  // of profiles that start from one another
   std::vector<std::string> allowed{"format", "version", "name", "description", "base"};
-  allowed.insert(allowed.end(), kind.keys.begin(), kind.keys.end());
+  for (std::string& key : kind.table.outer_keys()) allowed.push_back(std::move(key));
   const YamlMapping profile(node, kind.what, allowed);
   check_format(profile.node(), kind.format);
 
@@ -82,7 +55,7 @@ Settings read_profile(const ProfileKind<Settings>& kind, const YamlNode& node,
     }
   };
   Settings settings = base_settings();
-  kind.read(settings, profile);
+  kind.table.read(settings, profile);
   return settings;
 }
 

@@ -24,7 +24,7 @@ std::optional<Number> whole_text(std::string_view text) {
 
 // Thousands and millions, and numbers such as 5e5; exact or nothing.
 template <typename Whole>
-std::optional<Whole> whole_number(std::string_view text) {
+std::optional<Whole> whole_of(std::string_view text) {
   Whole unit = 1;
   if (text.ends_with('k')) unit = 1'000;
   if (text.ends_with('M')) unit = 1'000'000;
@@ -57,9 +57,13 @@ std::string bounds(std::string_view text, Whole low, Whole high) {
 
 }  // namespace
 
+std::optional<std::int64_t> whole_number(std::string_view text) {
+  return whole_of<std::int64_t>(text);
+}
+
 std::int64_t parse_whole(const std::string& text, const std::string& option, std::int64_t low,
                          std::int64_t high) {
-  const auto value = whole_number<std::int64_t>(text);
+  const auto value = whole_of<std::int64_t>(text);
   if (!value || *value < low || *value > high)
     throw error(Failure::usage, "{}: '{}' is not a whole number{}", option, text,
                 bounds(text, low, high));
@@ -67,7 +71,7 @@ std::int64_t parse_whole(const std::string& text, const std::string& option, std
 }
 
 std::uint64_t parse_unsigned(const std::string& text, const std::string& option) {
-  const auto value = whole_number<std::uint64_t>(text);
+  const auto value = whole_of<std::uint64_t>(text);
   if (!value)
     throw error(Failure::usage, "{}: '{}' is not a whole number{}", option, text,
                 bounds<std::uint64_t>(text, 0, std::numeric_limits<std::uint64_t>::max()));

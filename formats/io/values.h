@@ -10,7 +10,9 @@
 
 namespace evo {
 
-// "512000", "512k", "3M", "5e5": a whole number within the range.
+// "512000", "512k", "3M", "5e5": a whole number, or nothing.
+std::optional<std::int64_t> whole_number(std::string_view text);
+// The same within the range.
 std::int64_t parse_whole(const std::string& text, const std::string& option, std::int64_t low,
                          std::int64_t high);
 std::uint64_t parse_unsigned(const std::string& text, const std::string& option);

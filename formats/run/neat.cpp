@@ -10,6 +10,7 @@
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/json_object.h"
+#include "formats/io/settings.h"
 #include "formats/robot/genome.h"
 #include "formats/run/neat_ini.h"
 
@@ -92,135 +93,114 @@ NeatState state_from_json(const Json& document) {
 
 // ---- settings -------------------------------------------------------------------
 
-using Setter = std::function<void(NeatSettings&, const YamlNode&)>;
-using Setting = std::pair<std::string, Setter>;
-
-Setter number(double NeatSettings::*member) {
-  return [member](NeatSettings& s, const YamlNode& node) { s.*member = node.number(); };
-}
-Setter share(double NeatSettings::*member) {
-  return [member](NeatSettings& s, const YamlNode& node) { s.*member = node.number(0, 1); };
-}
-Setter count(int NeatSettings::*member, int low) {
-  return [member, low](NeatSettings& s, const YamlNode& node) {
-    s.*member = node.integer(low, largest_count);
-  };
-}
-Setter flag(bool NeatSettings::*member) {
-  return [member](NeatSettings& s, const YamlNode& node) { s.*member = node.boolean(); };
-}
-
-Setter statistic(Statistic NeatSettings::*member) {
-  return [member](NeatSettings& s, const YamlNode& node) {
-    s.*member = node.choice<Statistic>("statistic");
-  };
-}
+}  // namespace
 
 // neat-python's words: "partial_direct 0.5", "full_nodirect", "unconnected", ..
-InitialConnection initial_connection(const YamlNode& node) {
-  const std::vector<std::string> words{"unconnected", "full_direct", "full_nodirect",
-                                       "partial_direct", "partial_nodirect"};
-  std::istringstream text(node.string());
-  std::string word;
-  std::string fraction;
-  std::string rest;
-  text >> word >> fraction >> rest;
-  const bool partial = word.starts_with("partial");
-  if (std::find(words.begin(), words.end(), word) == words.end())
-    throw node.error(unknown_name("initial connection", word, words));
-  if (!rest.empty() || partial == fraction.empty())
-    throw node.error(
-        fmt::format("found {}; a partial connection takes one fraction from 0 to 1, "
-                    "the others take none",
-                    node.found()));
-  InitialConnection connection{!word.ends_with("nodirect"), word == "unconnected" ? 0.0 : 1.0};
-  if (partial) {
-    const auto value = parse_number(fraction);
-    if (!value || *value < 0.0 || *value > 1.0)
-      throw node.error(fmt::format("fraction '{}': a number from 0 to 1 is allowed", fraction));
-    connection.fraction = *value;
+template <>
+struct setting::Value<InitialConnection> {
+  static std::vector<std::string> all() {
+    return {"unconnected", "full_direct", "full_nodirect", "partial_direct", "partial_nodirect"};
   }
-  return connection;
-}
+  static std::string kind(const Range&) { return fmt::format("{}", fmt::join(all(), "|")); }
+  static std::string expected(const Range&) {
+    return fmt::format(
+        "one of {}, a partial one with a fraction from 0 to 1, as in "
+        "'partial_direct 0.5',",
+        fmt::join(all(), ", "));
+  }
+  static std::optional<InitialConnection> parse(std::string_view given, const Range&) {
+    std::istringstream text{std::string(given)};
+    std::string word;
+    std::string fraction;
+    std::string rest;
+    text >> word >> fraction >> rest;
+    const auto known = all();
+    const bool partial = word.starts_with("partial");
+    if (std::find(known.begin(), known.end(), word) == known.end() || !rest.empty() ||
+        partial == fraction.empty())
+      return std::nullopt;
+    const bool direct = !word.ends_with("nodirect");
+    if (!partial) return InitialConnection{direct, word == "unconnected" ? 0.0 : 1.0};
+    const auto share = Value<double>::parse(fraction, a_share);
+    return share ? std::optional(InitialConnection{direct, *share}) : std::nullopt;
+  }
+  static std::string text(const InitialConnection& connection) {
+    return fmt::format("partial_{} {}", connection.direct ? "direct" : "nodirect",
+                       connection.fraction);
+  }
+  static Json schema(const Range&) { return {{"type", "string"}}; }
+};
+
+namespace {
 
 // The settings of one number of the genes, such as bias_mutate_rate.
-void add_attribute(std::vector<Setting>& settings, const std::string& name,
+void add_attribute(std::vector<Setting<NeatSettings>>& settings, const std::string& name,
                    AttributeSettings NeatSettings::*attribute) {
-  const std::pair<const char*, double AttributeSettings::*> parts[] = {
-      {"init_mean", &AttributeSettings::init_mean},
-      {"init_stdev", &AttributeSettings::init_stdev},
-      {"replace_rate", &AttributeSettings::replace_rate},
-      {"mutate_rate", &AttributeSettings::mutate_rate},
-      {"mutate_power", &AttributeSettings::mutate_power},
-      {"min_value", &AttributeSettings::min},
-      {"max_value", &AttributeSettings::max}};
-  for (const auto& [part, member] : parts)
-    settings.emplace_back(name + "_" + part,
-                          [attribute, member = member](NeatSettings& s, const YamlNode& node) {
-                            (s.*attribute).*member = node.number();
-                          });
+  const auto add = [&](const char* part, double AttributeSettings::*member, const char* meaning) {
+    settings.emplace_back(name + "_" + part, within(attribute, member), "", meaning);
+  };
+  add("init_mean", &AttributeSettings::init_mean, "of a new one");
+  add("init_stdev", &AttributeSettings::init_stdev, "of a new one");
+  add("replace_rate", &AttributeSettings::replace_rate, "chance of a new one");
+  add("mutate_rate", &AttributeSettings::mutate_rate, "chance of a change");
+  add("mutate_power", &AttributeSettings::mutate_power, "deviation of a change");
+  add("min_value", &AttributeSettings::min, "the least");
+  add("max_value", &AttributeSettings::max, "the most");
 }
 
-std::vector<Setting> all_settings() {
+void check_neat(const NeatSettings& settings) {
+  if (const auto found = defect(settings)) throw Error(Failure::usage, *found);
+}
+
+const SettingTable<NeatSettings>& table() {
   using S = NeatSettings;
-  std::vector<Setting> settings{
-      {"fitness_criterion", statistic(&S::fitness_criterion)},
-      {"fitness_threshold", number(&S::fitness_threshold)},
-      {"no_fitness_termination", flag(&S::no_fitness_termination)},
-      {"pop_size", count(&S::pop_size, 2)},
-      {"reset_on_extinction", flag(&S::reset_on_extinction)},
-      {"keep_surplus", flag(&S::keep_surplus)},
-      {"num_inputs", count(&S::num_inputs, 1)},
-      {"num_hidden", count(&S::num_hidden, 0)},
-      {"num_outputs", count(&S::num_outputs, 1)},
-      {"initial_connection",
-       [](S& s, const YamlNode& node) { s.initial_connection = initial_connection(node); }},
-      {"feed_forward",
-       [](S&, const YamlNode& node) {
-         if (!node.boolean()) throw node.error("found false; only feed-forward networks are made");
-       }},
-      {"compatibility_disjoint_coefficient", number(&S::compatibility_disjoint_coefficient)},
-      {"compatibility_weight_coefficient", number(&S::compatibility_weight_coefficient)},
-      {"conn_add_prob", share(&S::conn_add_prob)},
-      {"conn_delete_prob", share(&S::conn_delete_prob)},
-      {"node_add_prob", share(&S::node_add_prob)},
-      {"node_delete_prob", share(&S::node_delete_prob)},
-      {"single_structural_mutation", flag(&S::single_structural_mutation)},
-      {"activation_default",
-       [](S& s, const YamlNode& node) {
-         s.activation_default = node.choice<Activation>("activation");
-       }},
-      {"activation_options",
-       [](S& s, const YamlNode& node) {
-         s.activation_options.clear();
-         for (const YamlNode& item : node.items())
-           s.activation_options.push_back(item.choice<Activation>("activation"));
-       }},
-      {"activation_mutate_rate", share(&S::activation_mutate_rate)},
-      {"aggregation_default",
-       [](S& s, const YamlNode& node) {
-         s.aggregation_default = node.choice<Aggregation>("aggregation");
-       }},
-      {"aggregation_options",
-       [](S& s, const YamlNode& node) {
-         s.aggregation_options.clear();
-         for (const YamlNode& item : node.items())
-           s.aggregation_options.push_back(item.choice<Aggregation>("aggregation"));
-       }},
-      {"aggregation_mutate_rate", share(&S::aggregation_mutate_rate)},
-      {"enabled_default", flag(&S::enabled_default)},
-      {"enabled_mutate_rate", share(&S::enabled_mutate_rate)},
-      {"compatibility_threshold", number(&S::compatibility_threshold)},
-      {"species_fitness_func", statistic(&S::species_fitness_func)},
-      {"max_stagnation", count(&S::max_stagnation, 1)},
-      {"species_elitism", count(&S::species_elitism, 0)},
-      {"elitism", count(&S::elitism, 0)},
-      {"survival_threshold", share(&S::survival_threshold)},
-      {"min_species_size", count(&S::min_species_size, 1)}};
-  add_attribute(settings, "bias", &S::bias);
-  add_attribute(settings, "response", &S::response);
-  add_attribute(settings, "weight", &S::weight);
-  return settings;
+  const Range from_1 = between(1, largest_count);
+  const Range from_0 = between(0, largest_count);
+  static const SettingTable<NeatSettings> all = [&] {
+    std::vector<Setting<NeatSettings>> settings{
+        {"fitness_criterion", &S::fitness_criterion, "", "of a generation"},
+        {"fitness_threshold", &S::fitness_threshold, "", "at which a run ends"},
+        {"no_fitness_termination", &S::no_fitness_termination, "", "no threshold"},
+        {"pop_size", &S::pop_size, between(2, largest_count), "", "robots of a generation"},
+        {"reset_on_extinction", &S::reset_on_extinction, "", "begin anew without species"},
+        {"keep_surplus", &S::keep_surplus, "", "more than pop_size where reproduction has more"},
+        {"num_inputs", &S::num_inputs, from_1, "", "of the CPPN"},
+        {"num_hidden", &S::num_hidden, from_0, "", "of the CPPN, at first"},
+        {"num_outputs", &S::num_outputs, from_1, "", "of the CPPN"},
+        {"initial_connection", &S::initial_connection, "", "of inputs and outputs"},
+        {"compatibility_disjoint_coefficient", &S::compatibility_disjoint_coefficient, "",
+         "of genes that one of two genomes has"},
+        {"compatibility_weight_coefficient", &S::compatibility_weight_coefficient, "",
+         "of differences in numbers"},
+        {"conn_add_prob", &S::conn_add_prob, a_share, "", "chance of a new connection"},
+        {"conn_delete_prob", &S::conn_delete_prob, a_share, "", "chance to lose a connection"},
+        {"node_add_prob", &S::node_add_prob, a_share, "", "chance of a new node"},
+        {"node_delete_prob", &S::node_delete_prob, a_share, "", "chance to lose a node"},
+        {"single_structural_mutation", &S::single_structural_mutation, "",
+         "at most one of the four a mutation"},
+        {"activation_default", &S::activation_default, "", "of new nodes"},
+        {"activation_options", &S::activation_options, "", "those that nodes may have"},
+        {"activation_mutate_rate", &S::activation_mutate_rate, a_share, "", "chance of another"},
+        {"aggregation_default", &S::aggregation_default, "", "of new nodes"},
+        {"aggregation_options", &S::aggregation_options, "", "those that nodes may have"},
+        {"aggregation_mutate_rate", &S::aggregation_mutate_rate, a_share, "", "chance of another"},
+        {"enabled_default", &S::enabled_default, "", "of new connections"},
+        {"enabled_mutate_rate", &S::enabled_mutate_rate, a_share, "", "chance of a fair coin"},
+        {"compatibility_threshold", &S::compatibility_threshold, "", "within a species"},
+        {"species_fitness_func", &S::species_fitness_func, "", "of its members'"},
+        {"max_stagnation", &S::max_stagnation, from_1, "generations",
+         "without a better species fitness"},
+        {"species_elitism", &S::species_elitism, from_0, "", "best species that never stagnate"},
+        {"elitism", &S::elitism, from_0, "", "best members that stay unchanged"},
+        {"survival_threshold", &S::survival_threshold, a_share, "",
+         "share of a species that may be parents"},
+        {"min_species_size", &S::min_species_size, from_1, "", "members of a species"}};
+    add_attribute(settings, "bias", &S::bias);
+    add_attribute(settings, "response", &S::response);
+    add_attribute(settings, "weight", &S::weight);
+    return SettingTable<NeatSettings>(std::move(settings), check_neat);
+  }();
+  return all;
 }
 
 }  // namespace
@@ -254,15 +234,15 @@ NeatState load_neat_state(const std::string& file) {
 }
 
 NeatSettings neat_settings_from_yaml(const YamlNode& node) {
-  const std::vector<Setting> known = all_settings();
-  std::vector<std::string> keys{"format", "version"};
-  for (const Setting& setting : known) keys.push_back(setting.first);
+  std::vector<std::string> keys = table().keys();
+  for (const char* key : {"format", "version", "feed_forward"}) keys.emplace_back(key);
   const YamlMapping mapping(node, "NEAT settings", keys);
   check_format(mapping.node(), format::neat);
+  if (const auto feed_forward = mapping.find("feed_forward"))
+    if (!feed_forward->boolean())
+      throw feed_forward->error("found false; only feed-forward networks are made");
   NeatSettings settings;
-  for (const auto& [key, set] : known)
-    if (const auto value = mapping.find(key)) set(settings, *value);
-  if (const auto found = defect(settings)) throw node.error(*found);
+  table().read(settings, mapping);
   return settings;
 }
 
@@ -290,6 +270,12 @@ NeatSettings neat_settings(const std::optional<std::string>& file, std::optional
   }
   if (count || !file) settings.pop_size = count.value_or(default_population);
   return settings;
+}
+
+Json neat_schema() {
+  Json schema = table().schema(format::neat);
+  schema["properties"]["feed_forward"] = {{"const", true}};
+  return schema;
 }
 
 }  // namespace evo

@@ -26,6 +26,8 @@ NeatState load_neat_state(const std::string& file);
 NeatSettings neat_settings_from_yaml(const YamlNode& node);
 NeatSettings parse_neat_settings(const std::string& text, const std::string& where);
 NeatSettings load_neat_settings(const std::string& file);
+// The JSON Schema of them.
+Json neat_schema();
 
 constexpr int default_population = 25;
 

@@ -34,14 +34,13 @@ void apply_override(Physics& physics, std::string_view assignment);
 std::string physics_to_yaml(const Physics& physics);
 std::string physics_constants_to_yaml(const Physics& physics, const std::string& indent);
 
-// The names apply_override knows: "gravity", "rigid.edge", ...
-std::vector<std::string> physics_keys();
-
 // Every constant with what there is to know of it, in the order of the profile.
 std::vector<SettingRow> physics_table(const Physics& physics);
 
-// "physics.gravity=50": what decides a result, one line per constant that is not
-// at its frozen baseline (formats/training/identity.h).
+// The JSON Schema of a profile.
+Json physics_schema();
+
+// "physics.gravity=50": what decides a result, a line per constant.
 std::vector<std::string> physics_identity(const Physics& physics);
 
 }  // namespace evo

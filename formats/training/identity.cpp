@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <iterator>
 #include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
 
+#include "formats/io/values.h"
 #include "formats/io/yaml.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
@@ -22,42 +22,20 @@ namespace {
 constexpr std::array<std::string_view, 8> without_effect{
     "format", "version", "aliases", "difficulty", "description", "notes", "follow", "physics"};
 
-// What no line means in a task: key without numbers, and value. Frozen for ever.
-// A setting that is added to tasks gets an entry with the value that leaves tasks
-// as they were.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 4> task_baseline{{
-    {"task.steps", "500"},
-    {"task.reward.weight", "1"},
-    {"task.folding_reward", "-3"},
-    {"task.rules.terminate", "true"},
-}};
-
-struct Place {
-  std::string key;      // "task.reward.0.weight"
-  std::string pattern;  // "task.reward.weight"
-
-  Place operator/(const std::string& name) const {
-    return {key + "." + name, pattern + "." + name};
-  }
-  Place operator/(std::size_t index) const { return {fmt::format("{}.{}", key, index), pattern}; }
-};
-
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', '/');
   return text;
 }
 
-void add_lines(const YamlNode& node, const Place& place, std::string& lines) {
+void add_lines(const YamlNode& node, const std::string& key, std::string& lines) {
   if (node.is_mapping()) {
-    for (const auto& [key, value] : node.entries()) add_lines(value, place / key.string(), lines);
+    for (const auto& [name, value] : node.entries())
+      add_lines(value, fmt::format("{}.{}", key, name.string()), lines);
   } else if (node.is_sequence()) {
     for (std::size_t i = 0; i < node.items().size(); ++i)
-      add_lines(node.items()[i], place / i, lines);
+      add_lines(node.items()[i], fmt::format("{}.{}", key, i), lines);
   } else {
-    const std::string value = node.is_null() ? "" : one_line(node.string());
-    const std::pair<std::string_view, std::string_view> line{place.pattern, value};
-    if (std::find(task_baseline.begin(), task_baseline.end(), line) == task_baseline.end())
-      lines += fmt::format("{}={}\n", place.key, value);
+    lines += fmt::format("{}={}\n", key, node.is_null() ? "" : one_line(node.string()));
   }
 }
 
@@ -69,7 +47,7 @@ std::string task_lines(const std::string& task_yaml) {
   for (const auto& [key, value] : document.entries())
     if (std::find(without_effect.begin(), without_effect.end(), key.string()) ==
         without_effect.end())
-      add_lines(value, Place{"task", "task"} / key.string(), lines);
+      add_lines(value, "task." + key.string(), lines);
   return lines;
 }
 
@@ -96,7 +74,7 @@ TrainingIdentity identify(const Body& robot, const TaskSpec& task, const Trainin
                           std::uint64_t seed, const TrainingOrigin& origin) {
   const std::string task_yaml = task_to_yaml(task);
   TrainingIdentity result;
-  result.lines = fmt::format("evo-training 2\nrobot={}\nseed={}\n", identity(robot), seed);
+  result.lines = fmt::format("evo-training 3\nrobot={}\nseed={}\n", identity(robot), seed);
   result.lines += task_lines(task_yaml);
   for (const std::string& line : physics_identity(task.physics)) result.lines += line + "\n";
   for (const std::string& line : training_identity(settings)) result.lines += line + "\n";
@@ -111,21 +89,12 @@ TrainingIdentity identify(const Body& robot, const TaskSpec& task, const Trainin
 
 std::optional<TrainingSpan> span_of_same(const std::string& there, const std::string& asked) {
   const auto is_part = [](const std::string& key) { return key.rfind(part_prefix, 0) == 0; };
-  const auto whole_number = [](const std::string& text) -> std::optional<std::int64_t> {
-    std::int64_t value = 0;
-    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-    return value;
-  };
   auto one = by_key(there);
   auto other = by_key(asked);
   TrainingSpan span;
-  span.steps = TrainingSettings{}.steps;  // the baseline's, which has no line
-  if (const auto steps = one.find(steps_key); steps != one.end()) {
-    const auto value = whole_number(steps->second);
-    if (!value) return std::nullopt;
-    span.steps = *value;
-  }
+  const auto steps = whole_number(one[steps_key]);
+  if (!steps) return std::nullopt;
+  span.steps = *steps;
   for (std::size_t i = 0; one.count(part_prefix + std::to_string(i)) != 0; ++i) {
     const auto value = whole_number(one[part_prefix + std::to_string(i)]);
     if (!value) return std::nullopt;
@@ -150,7 +119,7 @@ std::string difference(const std::string& there, const std::string& asked) {
   int count = 0;
   const auto shown = [](const std::map<std::string, std::string>& values, const std::string& key) {
     const auto found = values.find(key);
-    return found == values.end() ? "the built-in value" : found->second;
+    return found == values.end() ? "nothing" : found->second;
   };
   for (const auto& [key, any] : keys) {
     const std::string left = shown(one, key);

@@ -1,7 +1,7 @@
 // What decides the result of a training, as lines "key=value", and the hash of
 // them: how a policy or a checkpoint is known to be of the training asked for.
 //
-//   evo-training 2
+//   evo-training 3
 //   robot=3f9c02d41b7a
 //   seed=1
 //   task.name=Walker-v0          names the random streams
@@ -11,10 +11,7 @@
 //   training.learning_rate=0.001
 //
 // No words of explanation are among them: a description, a comment or a hint can
-// be corrected without losing a training. Nor is a setting that has the value of
-// the frozen baseline (formats/task/physics_profile.cpp, formats/training/training.cpp,
-// identity.cpp), so a setting may be added and leave every identity as it is.
-// Numbers have the shortest form that reads back to the same bits.
+// be corrected without losing a training. Numbers have the shortest form that reads back to the same bits.
 #pragma once
 
 #include <cstdint>

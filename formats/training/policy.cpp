@@ -393,11 +393,6 @@ std::vector<Robot> read_list_of_robots(const hdf5::Reader& file) {
   return robots;
 }
 
-// A file from before there were identities runs, and is of no training asked for.
-std::string read_identity(const hdf5::Reader& file) {
-  return file.has_attribute("/", "identity") ? file.text("/", "identity") : "";
-}
-
 }  // namespace
 
 // ---- policies -----------------------------------------------------------------------
@@ -471,7 +466,7 @@ PolicyFile read_policy(const std::filesystem::path& path) {
   policy.seed = file.number<std::uint64_t>("/", "seed");
   policy.isa = file.text("/", "isa");
   policy.created_by = file.text("/", "created_by");
-  policy.identity = read_identity(file);
+  policy.identity = file.text("/", "identity");
   policy.settings_hash = file.text("/", "settings_hash");
   policy.fitness = file.number<double>("/", "fitness");
   policy.best_step = file.number<std::int64_t>("/", "best_step");
@@ -498,7 +493,7 @@ TaskSpec policy_task(const PolicyFile& policy, const std::string& where) {
 std::string read_policy_identity(const std::filesystem::path& path) {
   const hdf5::Reader file(path);
   check_format(file, format::policy, Head::required);
-  return read_identity(file);
+  return file.text("/", "identity");
 }
 
 // ---- checkpoints ----------------------------------------------------------------------

@@ -31,7 +31,7 @@ struct PolicyFile {
   std::uint64_t seed = 0;
   std::string isa = "any";    // instruction set the bits belong to; "any": to all of them
   std::string created_by;     // tool, version, commit
-  std::string identity;       // formats/training/identity.h; empty in older files
+  std::string identity;       // formats/training/identity.h
   std::string settings_hash;  // of it
 
   TrainedController controller;

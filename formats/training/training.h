@@ -33,17 +33,13 @@ void apply_override(TrainingSettings& settings, std::string_view assignment);
 // training_from_yaml gives the same settings.
 std::string training_to_yaml(const TrainingSettings& settings);
 
-// The names apply_override knows, in the order of the settings.
-std::vector<std::string> training_keys();
-
 // Every setting with what there is to know of it, in the order of the profile.
 std::vector<SettingRow> training_table(const TrainingSettings& settings);
 
 // The JSON Schema of a profile.
 Json training_schema();
 
-// "training.gamma=0.995": what decides a result, one line per setting that is not
-// at its frozen baseline (formats/training/identity.h).
+// "training.gamma=0.995": what decides a result, a line per setting.
 std::vector<std::string> training_identity(const TrainingSettings& settings);
 
 }  // namespace evo

@@ -18,6 +18,9 @@ constexpr double middle_scale = 0.15;  // share of the rest length
 constexpr double phase_scale = 2.0;    // radian
 constexpr double vector_scale = 1.0;   // of wave vectors, radian a cell
 constexpr double period_scale = 0.7;   // of the period's logarithm
+// Step sizes at the start of the stages.
+constexpr double wave_sigma = 1.0;
+constexpr double actuator_sigma = 0.15;
 
 // Coordinates of a wave.
 enum Wave { across, up, amplitude_h, amplitude_v, middle_h, middle_v, lag, pace, wave_length };
@@ -27,7 +30,7 @@ enum Wave { across, up, amplitude_h, amplitude_v, middle_h, middle_v, lag, pace,
 GaitSearch::GaitSearch(const Body& robot, const GaitSearchSettings& settings, Stream random)
     : settings_(settings),
       random_(random),
-      strategy_(std::vector<double>(wave_length, 0.0), settings.wave_sigma, settings.population) {
+      strategy_(std::vector<double>(wave_length, 0.0), wave_sigma, settings.population) {
   for (int row = 0; row < robot.rows; ++row)
     for (int col = 0; col < robot.cols; ++col)
       if (is_actuator(robot.at(row, col)))
@@ -83,7 +86,7 @@ void GaitSearch::begin_second_stage(const SineController& from) {
   }
   const double middle = math::sqrt(settings_.shortest_period * settings_.longest_period);
   mean.push_back(math::log(from.period / middle) / period_scale);
-  strategy_ = EvolutionStrategy(std::move(mean), settings_.actuator_sigma, settings_.population);
+  strategy_ = EvolutionStrategy(std::move(mean), actuator_sigma, settings_.population);
   second_stage_ = true;
 }
 

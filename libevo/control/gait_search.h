@@ -21,9 +21,7 @@ namespace evo {
 struct GaitSearchSettings {
   int population = 16;
   std::int64_t wave_generations = 1;  // of the first stage
-  double wave_sigma = 1.0;            // step sizes at the start of the stages
-  double actuator_sigma = 0.15;
-  double shortest_period = 8;  // control steps
+  double shortest_period = 8;         // control steps
   double longest_period = 100;
 };
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "libevo/control/wave_search.h"
+#include "libevo/base/error.h"
 
 namespace evo {
 namespace {
@@ -15,7 +15,6 @@ GaitSearchSettings search_settings(const TrainingJob& job) {
   settings.population = s.population;
   settings.wave_generations = std::max<std::int64_t>(
       1, static_cast<std::int64_t>(s.wave_share * static_cast<double>(generations)));
-  settings.actuator_sigma = s.actuator_sigma;
   settings.shortest_period = s.shortest_period;
   settings.longest_period = s.longest_period;
   return settings;
@@ -28,14 +27,37 @@ GaitSearch make_search(const TrainingJob& job) {
   return {job.arena.robot(), search_settings(job), random};
 }
 
+// The mean return of each candidate; the best of them is an evaluation.
+std::vector<double> try_out(const TrainingJob& job, const std::vector<SineController>& candidates,
+                            Findings& findings, Metrics& metrics) {
+  const OpenLoopEvaluation result = evaluate_each(job.arena, candidates, job.evaluation());
+  findings.steps += result.steps;
+  const auto best = std::max_element(result.means.begin(), result.means.end());
+  findings.evaluated(*best, candidates[static_cast<std::size_t>(best - result.means.begin())]);
+  double sum = 0.0;
+  for (const double mean : result.means) sum += mean;
+  metrics.push_back({"charts/episodic_return", sum / static_cast<double>(result.means.size())});
+  return result.means;
+}
+
 }  // namespace
 
+std::int64_t generation_cost(const TrainingJob& job) {
+  return std::int64_t{job.settings.population} * job.settings.evaluation_episodes *
+         job.arena.task().episode_steps;
+}
+
 GaitTraining::GaitTraining(const TrainingJob& job) : search_(make_search(job)) {
-  require_a_generation(job);
+  if (generation_cost(job) > job.settings.steps)
+    throw error(Failure::usage,
+                "training: {} steps are less than one generation of {} episodes of {} steps",
+                job.settings.steps,
+                std::int64_t{job.settings.population} * job.settings.evaluation_episodes,
+                job.arena.task().episode_steps);
 }
 
 bool GaitTraining::done(const TrainingJob& job, const Findings& findings) const {
-  return spent(job, findings);
+  return findings.steps + generation_cost(job) > job.settings.steps;
 }
 
 GaitTraining::Generation GaitTraining::advance(const TrainingJob& job, Findings& findings,

@@ -2,10 +2,15 @@
 // actuator for itself (gait_search.h); from an inherited gait, the latter only.
 #pragma once
 
+#include <cstdint>
+
 #include "libevo/control/gait_search.h"
 #include "libevo/control/method.h"
 
 namespace evo {
+
+// Of a generation, at most, in environment steps: episodes can end early.
+std::int64_t generation_cost(const TrainingJob& job);
 
 class GaitTraining {
  public:

@@ -9,13 +9,10 @@
 #include "libevo/control/modular_training.h"
 #include "libevo/control/ppo_training.h"
 #include "libevo/control/sequence_training.h"
-#include "libevo/control/wave_search.h"
 
 namespace evo {
 
 using Method = std::variant<PpoTraining,       // ppo
-                            SineTraining,      // sine
-                            RandomTraining,    // random
                             GaitTraining,      // gait
                             SequenceTraining,  // sequence
                             ModularTraining    // modular

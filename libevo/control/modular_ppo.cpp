@@ -118,8 +118,8 @@ ModularPolicy initial_modular_policy(const TrainingSettings& s, int task_length,
     add_gates(policy.critic, 1);
   }
   policy.log_std = Vector::Constant(1, static_cast<float>(s.initial_log_std));
-  policy.local = fresh_normalizer(s, VoxelViews::local_length);
-  policy.task = fresh_normalizer(s, task_length);
+  policy.local = fresh_normalizer(VoxelViews::local_length);
+  policy.task = fresh_normalizer(task_length);
   policy.action_map = s.action_map;
   policy.action_offset = s.action_offset;
   policy.low = low;
@@ -151,7 +151,6 @@ ModularPpo::ModularPpo(const TrainingSettings& settings, ModularPolicy policy,
       learner_(parameter_count(policy_), turns_.back().first + turns_.back().body_of().size(), seed,
                name),
       gradients_(zero_gradients(policy_)) {
-  learner_.colour.resize(targets_.size());
   begin_turn();
 }
 
@@ -193,10 +192,8 @@ void ModularPpo::observe(const VecEnv& env, std::span<const int> steps) {
   for (std::size_t e = 0; e < environments; ++e) look(env, e);
   if (!all_finite(local_) || !all_finite(task_))
     learner_.divergence = "an observation is not a finite number";
-  if (settings_.normalize_observations) {
-    update(policy_.local, local_);
-    if (!task_.empty()) update(policy_.task, task_);
-  }
+  update(policy_.local, local_);
+  if (!task_.empty()) update(policy_.task, task_);
   normalize(policy_.local, local_, state_.local);
   task_inputs(policy_, task_, steps.subspan(turn().first, environments), state_.task);
 }
@@ -207,16 +204,12 @@ std::span<const double> ModularPpo::act() {
   forward_critic(policy_, bodies, critic_, state_, pass_, values_);
   const float deviation = exp32(policy_.log_std[0]);
   const float scale = log_scale(policy_);
-  const double kept = settings_.noise_correlation;
-  const double fresh = std::sqrt(1.0 - kept * kept);
   const std::size_t count = means_.size();
   const std::span targets = std::span(targets_).subspan(turn().first_target, count);
-  const std::span colour = std::span(learner_.colour).subspan(turn().first_target, count);
   const std::span actions =
       std::span(rollout_.actions).subspan(static_cast<std::size_t>(learner_.t) * count, count);
   for (std::size_t i = 0; i < count; ++i) {
-    colour[i] = kept * colour[i] + fresh * learner_.noise.gaussian();
-    actions[i] = means_[i] + deviation * static_cast<float>(colour[i]);
+    actions[i] = means_[i] + deviation * static_cast<float>(learner_.noise.gaussian());
     targets[i] = target_of(policy_, static_cast<double>(actions[i]));
   }
   const Eigen::Index environments = std::ssize(state_.bodies);
@@ -263,10 +256,7 @@ UpdateReport ModularPpo::learn() {
   const UpdateReport report = learner_.learn(
       settings_, updates_in_all(), rollout_, view(values_), parameter_blocks(policy_),
       parameter_blocks(gradients_),
-      [&](std::span<const std::uint32_t> samples) -> SampleNumbers& {
-        gather(samples);
-        return minibatch_;
-      },
+      [&](std::span<const std::uint32_t> samples) { gather(samples); },
       [&](const Objective& objective) {
         return differentiate(policy_, turn().bodies(), minibatch_, objective, gradients_, scratch_);
       });

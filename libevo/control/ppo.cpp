@@ -132,7 +132,7 @@ Policy initial_policy(const TrainingSettings& s, int observation_length, int act
   policy.critic = orthogonal_network(inputs, s.hidden, 1, hidden_gain, 1.0, stream);
   policy.log_std = Vector::Constant(
       action_length, static_cast<float>(policy.base ? s.gait_log_std : s.initial_log_std));
-  policy.normalizer = fresh_normalizer(s, observation_length);
+  policy.normalizer = fresh_normalizer(observation_length);
   policy.action_map = s.action_map;
   policy.action_offset = s.action_offset;
   policy.low = low;
@@ -154,21 +154,18 @@ Ppo::Ppo(const TrainingSettings& settings, Policy policy, std::uint64_t seed,
   resize(minibatch_, settings.batch() / settings.minibatches, inputs, actions);
   learner_.begin_rollout(static_cast<std::size_t>(settings.batch()));
   targets_.resize(environments * static_cast<std::size_t>(actions));
-  learner_.colour.resize(targets_.size());
 }
 
 // [20, 21] Observations are normalised by running moments and clipped.
 void Ppo::observe(std::span<const double> observations, std::span<const int> steps) {
   if (!all_finite(observations)) learner_.divergence = "an observation is not a finite number";
-  if (settings_.normalize_observations) update(policy_.normalizer, observations);
+  update(policy_.normalizer, observations);
   network_inputs(policy_, observations, steps, state_);
   steps_.assign(steps.begin(), steps.end());
 }
 
 // [17-19] Independent Gaussians with a deviation that does not depend on the
-// state; the log-probability is that of the action before it is clipped. Noise may
-// be correlated from step to step (Hollenstein et al. 2024), a first-order process
-// that leaves each step's distribution as it is.
+// state; the log-probability is that of the action before it is clipped.
 std::span<const double> Ppo::act() {
   forward(policy_.actor, state_, actor_out_);
   forward(policy_.critic, state_, critic_out_);
@@ -176,8 +173,6 @@ std::span<const double> Ppo::act() {
   set_deviations(policy_, deviation_);
   const Vector& deviation = deviation_;
   const float scale = log_scale(policy_);
-  const double kept = settings_.noise_correlation;
-  const double fresh = std::sqrt(1.0 - kept * kept);
   z_.resize(deviation.size());
   for (Eigen::Index e = 0; e < state_.rows(); ++e) {
     const auto first = static_cast<std::size_t>(e * deviation.size());
@@ -188,9 +183,7 @@ std::span<const double> Ppo::act() {
     rollout_.states.row(row) = state_.row(e);
     for (Eigen::Index j = 0; j < deviation.size(); ++j) {
       const auto k = static_cast<std::size_t>(j);
-      learner_.colour[first + k] =
-          kept * learner_.colour[first + k] + fresh * learner_.noise.gaussian();
-      const float a = mean(e, j) + deviation[j] * static_cast<float>(learner_.colour[first + k]);
+      const float a = mean(e, j) + deviation[j] * static_cast<float>(learner_.noise.gaussian());
       rollout_.actions(row, j) = a;
       targets[k] = target_of(policy_, targets[k], static_cast<double>(a));
     }
@@ -221,10 +214,7 @@ UpdateReport Ppo::learn() {
       settings_, settings_.updates(), rollout_,
       {last_values.data(), static_cast<std::size_t>(last_values.size())}, ParameterBlocks(policy_),
       ParameterBlocks(gradients_),
-      [&](std::span<const std::uint32_t> samples) -> SampleNumbers& {
-        gather(rollout_, samples, minibatch_);
-        return minibatch_;
-      },
+      [&](std::span<const std::uint32_t> samples) { gather(rollout_, samples, minibatch_); },
       [&](const Objective& objective) {
         return differentiate(policy_, minibatch_, objective, gradients_, loss_scratch_);
       });

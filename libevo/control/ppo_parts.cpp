@@ -81,21 +81,10 @@ double explained_variance(const Vector& returns, const Vector& values, Vector& r
   return total > 0.0 ? 1.0 - moments(view(residual)).variance / total : 0.0;
 }
 
-double scheduled(double value, Schedule schedule, std::int64_t update, std::int64_t horizon) {
-  if (schedule == Schedule::constant) return value;
-  const double done = static_cast<double>(update) / static_cast<double>(horizon);
-  return value * std::max(0.0, 1.0 - done);
-}
-
 double learning_rate_of(const TrainingSettings& s, std::int64_t update, std::int64_t updates) {
-  const std::int64_t horizon = s.learning_rate_horizon;
-  return scheduled(s.learning_rate, s.learning_rate_schedule, update,
-                   horizon > 0 ? horizon : updates);
-}
-
-Objective objective_of(const TrainingSettings& s, std::int64_t update, std::int64_t updates) {
-  return {s.clip, s.clip_value_loss, s.value_coefficient,
-          scheduled(s.entropy_coefficient, s.entropy_schedule, update, updates)};
+  const auto horizon =
+      static_cast<double>(s.learning_rate_horizon > 0 ? s.learning_rate_horizon : updates);
+  return s.learning_rate * std::max(0.0, 1.0 - static_cast<double>(update) / horizon);
 }
 
 float add_policy_loss(float log_ratio, float advantage, float clip, float share, Losses& losses) {
@@ -144,15 +133,13 @@ RewardScale::RewardScale(std::size_t environments) : discounted_(environments, 0
 void RewardScale::scale(const TrainingSettings& settings, std::size_t first,
                         std::span<const double> rewards, std::span<const std::uint8_t> ended,
                         std::span<double> scaled) {
-  std::copy(rewards.begin(), rewards.end(), scaled.begin());
-  if (!settings.normalize_rewards) return;
   const std::span discounted = std::span(discounted_).subspan(first, rewards.size());
   for (std::size_t e = 0; e < rewards.size(); ++e)
     discounted[e] = settings.gamma * discounted[e] + rewards[e];
   update(moments_, discounted);
   const double deviation = std::sqrt(moments_.variance[0] + moments_.epsilon);
   for (std::size_t e = 0; e < rewards.size(); ++e) {
-    scaled[e] = std::clamp(rewards[e] / deviation, -settings.reward_clip, settings.reward_clip);
+    scaled[e] = std::clamp(rewards[e] / deviation, -most_deviations, most_deviations);
     if (ended[e] != 0) discounted[e] = 0.0;
   }
 }
@@ -167,12 +154,12 @@ void RewardScale::load(const Checkpoint& checkpoint) {
   discounted_ = checkpoint.get<double>("learner/discounted_returns", discounted_.size());
 }
 
-Normalizer fresh_normalizer(const TrainingSettings& s, int length) {
+Normalizer fresh_normalizer(int length) {
   Normalizer normalizer;
   normalizer.mean = Eigen::VectorXd::Zero(length);
   normalizer.variance = Eigen::VectorXd::Ones(length);
-  normalizer.count = s.normalize_observations ? initial_moment_count : 0.0;
-  normalizer.clip = s.observation_clip;
+  normalizer.count = initial_moment_count;
+  normalizer.clip = most_deviations;
   return normalizer;
 }
 
@@ -228,7 +215,7 @@ UpdateReport Learner::weigh_rollout(const TrainingSettings& settings, std::int64
       rewards, ended, view(rollout.values), last_values, settings.gamma, settings.lambda,
       {rollout.advantages.data(), static_cast<std::size_t>(rollout.advantages.size())});
   rollout.returns = rollout.advantages + rollout.values;
-  if (settings.standardize_advantages == Standardize::batch) standardize(rollout.advantages);
+  standardize(rollout.advantages);
   UpdateReport report;
   report.learning_rate = learning_rate_of(settings, updates, updates_in_all);  // [4]
   report.explained_variance = explained_variance(rollout.returns, rollout.values, residual_);
@@ -243,7 +230,6 @@ void Learner::save(Checkpoint& checkpoint) const {
   checkpoint.put("learner/shuffle", order_stream);
   checkpoint.put<std::uint64_t>("learner/updates", {static_cast<std::uint64_t>(updates)});
   reward_scale.save(checkpoint);
-  checkpoint.put("learner/colour", colour);
 }
 
 void Learner::load(const Checkpoint& checkpoint) {
@@ -256,7 +242,6 @@ void Learner::load(const Checkpoint& checkpoint) {
   checkpoint.get("learner/shuffle", order_stream);
   updates = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("learner/updates", 1)[0]);
   reward_scale.load(checkpoint);
-  colour = checkpoint.get<double>("learner/colour", colour.size());
 }
 
 }  // namespace ppo

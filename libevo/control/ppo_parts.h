@@ -71,6 +71,8 @@ namespace ppo {
 
 inline constexpr double half_log_two_pi = 0.9189385332046727;
 inline constexpr double initial_moment_count = 1e-4;  // weight of the prior mean 0, variance 1
+inline constexpr double adam_epsilon = 1e-5;          // added to the root of the second moment
+inline constexpr double most_deviations = 10.0;       // where normalised numbers are clipped
 
 inline float exp32(float x) { return static_cast<float>(math::exp(static_cast<double>(x))); }
 
@@ -85,12 +87,9 @@ void standardize(Vector& advantages);
 
 double explained_variance(const Vector& returns, const Vector& values, Vector& residual);
 
-double scheduled(double value, Schedule schedule, std::int64_t update, std::int64_t horizon);
-
-// Rate and objective of an update that is one of `updates`.
+// [4] Of an update that is one of `updates`: linear to 0.
 double learning_rate_of(const TrainingSettings& settings, std::int64_t update,
                         std::int64_t updates);
-Objective objective_of(const TrainingSettings& settings, std::int64_t update, std::int64_t updates);
 
 // [8] Clipped surrogate objective of a sample, added to `losses`; dL/d log pi, nothing where
 // the clipped, constant branch is the smaller.
@@ -134,7 +133,6 @@ struct Learner {
   Stream order_stream;
   std::int64_t updates = 0;
   RewardScale reward_scale;
-  std::vector<double> colour;  // of all actuators: exploration, of unit variance
   // Set once something is no longer a finite number; says what.
   std::optional<std::string> divergence;
 
@@ -163,8 +161,8 @@ struct Learner {
   }
 
   // One update, of `updates_in_all`, from the rollout, whose log_probs and values are given;
-  // `last_values` [E] are V(s_T). gather(samples) puts these samples together and returns their
-  // numbers; differentiate(objective) then returns their losses and leaves the gradients where
+  // `last_values` [E] are V(s_T). gather(samples) puts these samples together;
+  // differentiate(objective) then returns their losses and leaves the gradients where
   // `slopes` shows them. Where numbers stop being finite it ends early, with a divergence.
   template <typename Parameters, typename Slopes, typename Gather, typename Differentiate>
   UpdateReport learn(const TrainingSettings& settings, std::int64_t updates_in_all,
@@ -172,7 +170,8 @@ struct Learner {
                      const Parameters& parameters, const Slopes& slopes, Gather gather,
                      Differentiate differentiate) {
     UpdateReport report = weigh_rollout(settings, updates_in_all, rollout, last_values);
-    const Objective objective = objective_of(settings, updates, updates_in_all);
+    const Objective objective{settings.clip, settings.clip_value_loss, settings.value_coefficient,
+                              settings.entropy_coefficient};
     // [6] Epochs of minibatches.
     order_.resize(rewards.size());
     std::iota(order_.begin(), order_.end(), 0U);
@@ -180,17 +179,15 @@ struct Learner {
     for (int epoch = 0; epoch < settings.epochs; ++epoch) {
       shuffle(order_, order_stream);
       for (int m = 0; m < settings.minibatches; ++m) {
-        SampleNumbers& minibatch = gather(std::span<const std::uint32_t>(order_).subspan(
-            static_cast<std::size_t>(m) * size, size));
-        if (settings.standardize_advantages == Standardize::minibatch)
-          standardize(minibatch.advantages);
+        gather(std::span<const std::uint32_t>(order_).subspan(static_cast<std::size_t>(m) * size,
+                                                              size));
         const Losses losses = differentiate(objective);
         const double norm = clip_norm(slopes, settings.max_gradient_norm);  // [11]
         if (!std::isfinite(norm) || !std::isfinite(losses.policy + losses.value + losses.entropy)) {
           divergence = "the loss or its gradient is not a finite number";
           return report;
         }
-        adam.step(parameters, slopes, report.learning_rate, settings.adam_epsilon);  // [5]
+        adam.step(parameters, slopes, report.learning_rate, adam_epsilon);  // [5]
         add(report.losses, losses);
       }
     }
@@ -233,7 +230,7 @@ void load_parameters(const Checkpoint& checkpoint, const std::string& name, cons
 }
 
 // A normaliser that has seen nothing, of `length` numbers.
-Normalizer fresh_normalizer(const TrainingSettings& settings, int length);
+Normalizer fresh_normalizer(int length);
 
 void save_moments(Checkpoint& checkpoint, const std::string& name, const Normalizer& n);
 void load_moments(const Checkpoint& checkpoint, const std::string& name, Normalizer& n);

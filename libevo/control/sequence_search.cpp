@@ -21,11 +21,25 @@ constexpr double depth = 6.0;         // levels below the highest where the choi
 constexpr double anywhere = 0.01;     // weight of all others
 constexpr int shortest_attempt = 20;  // control steps
 constexpr int longest_attempt = 100;
-constexpr int rhythm_lasts = 3;  // times as long as other attempts
-constexpr int rivals = 3;        // moments, the fastest of which lends its gait
-constexpr int pace_steps = 40;   // control steps over which they are compared
-constexpr int slot = 10;         // control steps between moments of highest return
-constexpr int steps_gained = 3;  // by every moment that enters the archive
+constexpr int rhythm_lasts = 3;      // times as long as other attempts
+constexpr int rivals = 3;            // moments, the fastest of which lends its gait
+constexpr int pace_steps = 40;       // control steps over which they are compared
+constexpr int slot = 10;             // control steps between moments of highest return
+constexpr int steps_gained = 3;      // by every moment that enters the archive
+constexpr double time_share = 0.5;   // of attempts: from the best moment of a time
+constexpr double rest_share = 0.03;  // of attempts: once more after a rest
+
+// What is tried from a moment on, all alike.
+enum class AttemptKind {
+  go_on,   // with what was going on
+  begin,   // a new gait
+  change,  // the gait, or that of a moment that was earning much, changed
+  borrow,  // the gait of a moment that was earning much
+  repeat,  // the last actions, again and again
+  push,    // a few targets held by groups of actuators, then the gait
+  hold     // one target for each group
+};
+constexpr std::uint32_t attempt_kinds = 7;
 
 }  // namespace
 
@@ -190,7 +204,7 @@ SequenceSearch::Attempt SequenceSearch::whole_episode(Start replayed) {
 
 SequenceSearch::Attempt SequenceSearch::attempt() {
   if (std::exchange(start_is_due_, false)) return whole_episode(*start_);
-  if (random_.uniform() < settings_.rest_share) {
+  if (random_.uniform() < rest_share) {
     if (Moment* early = choose_early()) {
       early->delayed = true;
       return whole_episode(after_a_rest(*early));
@@ -198,7 +212,7 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
   }
   Attempt attempt;
   const double place = random_.bits() * 0x1p-32;
-  Moment* from = place < settings_.time_share ? choose_time() : nullptr;
+  Moment* from = place < time_share ? choose_time() : nullptr;
   if (from == nullptr) from = choose_level();
   if (from == nullptr) return attempt;
   ++from->visits;
@@ -206,8 +220,7 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
   attempt.steps_left = random_.integer(shortest_attempt, longest_attempt);
   SineController& gait = attempt.at.gait;
   using enum AttemptKind;
-  const AttemptKind kind =
-      settings_.attempts[random_.below(static_cast<std::uint32_t>(settings_.attempts.size()))];
+  const auto kind = static_cast<AttemptKind>(random_.below(attempt_kinds));
   if (kind != go_on && kind != push) attempt.at.repeated = 0;
   if (kind == borrow) gait = fast_gait();
   if (kind == repeat) attempt.at.repeated = some_of(steps_of(attempt.at));

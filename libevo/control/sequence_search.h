@@ -39,9 +39,6 @@ struct SequenceSearchSettings {
   int environments = 8;        // explored in side by side
   double shortest_period = 6;  // control steps, of gaits
   double longest_period = 40;
-  std::vector<AttemptKind> attempts = values_of<AttemptKind>();  // these as in settings.h
-  double time_share = 0.5;
-  double rest_share = 0.03;
 };
 
 class SequenceSearch {

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "libevo/control/sine.h"
-#include "libevo/control/wave_search.h"
 
 namespace evo {
 namespace {
@@ -15,8 +14,7 @@ constexpr std::int64_t exception = 12;  // of so many turns, the last goes to th
 constexpr std::int64_t known = 3;       // turns until the pace of exploration is
 
 SequenceSearchSettings search_settings(const TrainingSettings& s) {
-  return {s.environments, s.shortest_period, s.longest_period,
-          s.attempts,     s.time_share,      s.rest_share};
+  return {s.environments, s.shortest_period, s.longest_period};
 }
 
 // Of the episodes after a stretch, at most, in environment steps.

@@ -1,9 +1,8 @@
-// The settings of a training, as training_settings.def lists them. Profiles are the YAML
-// files of tasks/training/, read by formats/training/training.h.
+// The settings of a training. Profiles are the YAML files of tasks/training/, read by
+// formats/training/training.h.
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,9 +15,7 @@ namespace evo {
 
 // What trains, by its name in methods.h:
 //   ppo     a policy network, by proximal policy optimisation
-//   sine    open-loop sine waves, by an evolution strategy
-//   random  the best of random open-loop sine waves
-//   gait    as sine, but from the best of the waves that travel over the body
+//   gait    open-loop waves, by an evolution strategy
 //   modular a network that every voxel shares, for one robot or for many, by proximal policy
 //           optimisation
 //   sequence  open loop, every actuator's target at every step: exploration from the best
@@ -37,20 +34,8 @@ class Algorithm {
 };
 std::vector<std::string> algorithm_names();
 
-enum class Schedule { constant, linear };           // linear: falls to 0 over the horizon
-enum class TimeLimit { end, bootstrap };            // what an episode cut off by time counts as
-enum class Standardize { none, batch, minibatch };  // over what advantages get mean 0, deviation 1
-
-// As profiles write them (libevo/base/words.h).
-constexpr const char* word(Schedule value) {
-  switch (value) {
-    case Schedule::constant:
-      return "constant";
-    case Schedule::linear:
-      return "linear";
-  }
-  return nullptr;
-}
+enum class TimeLimit { end, bootstrap };  // what an episode cut off by time counts as
+// As profiles write it (libevo/base/words.h).
 constexpr const char* word(TimeLimit value) {
   switch (value) {
     case TimeLimit::end:
@@ -60,65 +45,59 @@ constexpr const char* word(TimeLimit value) {
   }
   return nullptr;
 }
-constexpr const char* word(Standardize value) {
-  switch (value) {
-    case Standardize::none:
-      return "none";
-    case Standardize::batch:
-      return "batch";
-    case Standardize::minibatch:
-      return "minibatch";
-  }
-  return nullptr;
-}
 
-// What the search for a sequence tries from a moment on (sequence_search.h).
-enum class AttemptKind {
-  go_on,   // with what was going on
-  begin,   // a new gait
-  change,  // the gait, or that of a moment that was earning much, changed
-  borrow,  // the gait of a moment that was earning much
-  repeat,  // the last actions, again and again
-  push,    // a few targets held by groups of actuators, then the gait
-  hold     // one target for each group
-};
-constexpr const char* word(AttemptKind value) {
-  switch (value) {
-    case AttemptKind::go_on:
-      return "go_on";
-    case AttemptKind::begin:
-      return "begin";
-    case AttemptKind::change:
-      return "change";
-    case AttemptKind::borrow:
-      return "borrow";
-    case AttemptKind::repeat:
-      return "repeat";
-    case AttemptKind::push:
-      return "push";
-    case AttemptKind::hold:
-      return "hold";
-  }
-  return nullptr;
-}
-
-// What a number may be, in training_settings.def.
-struct NumberRange {
-  double least = -std::numeric_limits<double>::infinity();
-  bool open = false;  // `least` itself is not in it
-  double most = std::numeric_limits<double>::infinity();
-};
-namespace number_range {
-constexpr NumberRange from(double least) { return {.least = least}; }
-inline constexpr NumberRange above_zero{.least = 0.0, .open = true};
-inline constexpr NumberRange a_share{.least = 0.0, .most = 1.0};
-inline constexpr NumberRange any{};
-}  // namespace number_range
-
+// Every number that decides a training, as in the profile `paper` (docs/methods.md, "PPO in
+// the paper"). What each means and may be stands in the table of formats/training/training.cpp,
+// whatever else is read, written or said of them comes from there.
 struct TrainingSettings {
-#define SETTING(type, name, initial, baseline, range, paper, meaning) type name = initial;
-#include "libevo/control/training_settings.def"
-#undef SETTING
+  Algorithm algorithm;
+  std::int64_t steps = 512000;
+  // Rollout
+  int environments = 4;
+  int rollout = 128;
+  // Update
+  int epochs = 4;
+  int minibatches = 4;
+  double gamma = 0.99;
+  double lambda = 0.95;
+  double clip = 0.1;
+  bool clip_value_loss = true;
+  double value_coefficient = 0.5;
+  double entropy_coefficient = 0.01;
+  double max_gradient_norm = 0.5;
+  TimeLimit time_limit = TimeLimit::end;
+  double learning_rate = 2.5e-4;
+  std::int64_t learning_rate_horizon = 19531;
+  // Networks and distribution
+  std::vector<int> hidden{64, 64};
+  double head_gain = 1.0;
+  double initial_log_std = 0.0;
+  ActionMap action_map = ActionMap::offset;
+  double action_offset = 1.0;
+  std::vector<int> clock;
+  Exchange exchange = Exchange::none;
+  Gating gating = Gating::none;
+  int robots_per_update = 0;
+  // What is learned from
+  double failure_weight = 1.0;
+  bool keep_sequence = false;
+  double gait_log_std = -1.2;
+  double inherited_log_std = -1.0;
+  double start_jitter = 0.0;
+  double moment_share = 0.0;
+  double moment_jitter = 0.01;
+  // Evaluation
+  int evaluation_interval = 50;
+  int evaluation_episodes = 1;
+  double evaluation_jitter = 0.0;
+  int final_episodes = 8;
+  double final_jitter = 1e-4;
+  // Open-loop search
+  int population = 16;
+  double shortest_period = 8;
+  double longest_period = 100;
+  double wave_share = 0.33;
+  double gait_share = 0.2;
 
   bool operator==(const TrainingSettings&) const = default;
 
@@ -126,8 +105,7 @@ struct TrainingSettings {
   std::int64_t updates() const { return steps / batch(); }
 };
 
-// Throws Error(usage) naming the key and the value where a setting makes no
-// sense, alone or with the others.
+// Throws Error(usage) where settings, each within its range, make no sense together.
 void check(const TrainingSettings& settings);
 
 }  // namespace evo

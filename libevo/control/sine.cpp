@@ -39,8 +39,7 @@ SineController load_sine(const Checkpoint& checkpoint, const std::string& name) 
   controller.phase = checkpoint.get<double>(name + "/phase", controller.amplitude.size());
   controller.shift = checkpoint.get<double>(name + "/shift");
   controller.period = checkpoint.get<double>(name + "/period", 1)[0];
-  if (checkpoint.has(name + "/middle"))  // checkpoints of 0.x leave it at the default
-    controller.middle = checkpoint.get<double>(name + "/middle", 1)[0];
+  controller.middle = checkpoint.get<double>(name + "/middle", 1)[0];
   return controller;
 }
 

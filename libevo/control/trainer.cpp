@@ -157,9 +157,6 @@ struct Trainer::Impl {
   static Method begin(const TrainingJob& job) {
     check(job.settings);
     const std::string& name = job.settings.algorithm.name();
-    if (job.inheritance && (name == SineTraining::name || name == RandomTraining::name))
-      throw error(Failure::usage, "training: {}, {} and {} can start from a policy, {} cannot",
-                  PpoTraining::name, GaitTraining::name, SequenceTraining::name, name);
     const bool modular = name == ModularTraining::name;
     if (job.inheritance && !modular &&
         std::holds_alternative<ModularPolicy>(job.inheritance->controller))

@@ -310,10 +310,7 @@ TEST_CASE("the learner solves a point mass") {
 
 TEST_CASE("the learner is reproducible, and resumes to the same parameters") {
   TrainingSettings settings = point_settings();
-  if (GENERATE(false, true)) {
-    settings.noise_correlation = 0.7;
-    settings.clock = {20, 7};
-  }
+  if (GENERATE(false, true)) settings.clock = {20, 7};
   const auto fresh = [&](std::uint64_t seed, const char* robot) {
     return fresh_learner(settings, 1, seed, robot);
   };
@@ -393,36 +390,4 @@ TEST_CASE("a checkpoint of another shape is refused") {
   CHECK_THROWS_WITH(two.load(checkpoint), Catch::Contains("learner/policy/parameters"));
   checkpoint.arrays.erase("learner/noise");
   CHECK_THROWS_WITH(one.load(checkpoint), Catch::Contains("no array 'learner/noise'"));
-}
-
-TEST_CASE("exploration correlated from step to step keeps its deviation") {
-  TrainingSettings settings = point_settings();
-  settings.environments = 64;
-  settings.noise_correlation = 0.6;
-  settings.initial_log_std = std::log(0.05);  // the bounds do not cut
-  settings.action_offset = 1.1;
-  Ppo ppo = fresh_learner(settings, 1, 3, "robot");
-  const std::vector<double> rest(64, 0.0);
-  const std::vector<int> steps(64, 1);
-  const std::vector<std::uint8_t> no(64, 0);
-  std::vector<double> before(64, 0.0);
-  double square = 0.0;
-  double product = 0.0;
-  int counted = 0;
-  for (int t = 0; t < settings.rollout; ++t) {
-    ppo.observe(rest, steps);
-    const auto targets = ppo.act();
-    for (std::size_t e = 0; e < 64; ++e) {
-      const double noise = (targets[e] - 1.1) / 0.05;
-      if (t >= 10) {  // it starts at rest
-        square += noise * noise;
-        product += noise * before[e];
-        ++counted;
-      }
-      before[e] = noise;
-    }
-    ppo.reward(rest, no, no, rest, steps);
-  }
-  CHECK(square / counted == Approx(1.0).margin(0.1));
-  CHECK(product / counted == Approx(0.6).margin(0.1));
 }

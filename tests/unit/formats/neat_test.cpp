@@ -189,8 +189,8 @@ TEST_CASE("bad settings are refused with their place") {
                   "'conn_add_prob'?)") == 0);
   CHECK(settings_message("pop_size: 20\nconn_add_prob: 1.5").find("n.yaml:2:16: ") == 0);
   CHECK(settings_message("feed_forward: false").find("only feed-forward") != std::string::npos);
-  CHECK(settings_message("initial_connection: partial_direct").find("takes one fraction") !=
-        std::string::npos);
+  CHECK(settings_message("initial_connection: partial_direct")
+            .find("a partial one with a fraction from 0 to 1") != std::string::npos);
   CHECK(settings_message("initial_connection: partial_direct 2").find("from 0 to 1") !=
         std::string::npos);
   CHECK(settings_message("initial_connection: ful_direct").find("did you mean 'full_direct'") !=

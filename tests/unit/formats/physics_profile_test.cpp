@@ -84,7 +84,8 @@ TEST_CASE("a written profile is read back to the same bits") {
 }
 
 TEST_CASE("every constant can be overridden") {
-  for (const std::string& key : physics_keys()) {
+  for (const SettingRow& row : physics_table({})) {
+    const std::string& key = row.key;
     Physics physics;
     apply_override(physics, key + (key == "min_target" ? "=1" : "=7"));
     INFO(key);
@@ -100,12 +101,11 @@ TEST_CASE("mistakes in overrides are named") {
   CHECK(override_message("gravty=50")
             .find("unknown physics constant 'gravty' (did you mean 'gravity'?); allowed: ") == 0);
   CHECK(override_message("gravity=heavy") ==
-        "a number of at least 0, or a quotient of two like 3e8/3.5, is expected for 'gravity', "
-        "found 'heavy'");
+        "a number of at least 0 is expected for 'gravity', found 'heavy'");
   CHECK(override_message("gravity").find("KEY=VALUE is expected") == 0);
   CHECK(override_message("=5").find("KEY=VALUE is expected") == 0);
   CHECK(override_message("substeps=0.5").find("a whole number from 1 to 10000") == 0);
-  CHECK(override_message("substep=0").find("a number greater than 0") == 0);
+  CHECK(override_message("substep=0").find("a number above 0") == 0);
   CHECK(override_message("min_target=3").find("min_target 3 is greater than max_target 1.6") == 0);
 }
 

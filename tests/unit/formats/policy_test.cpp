@@ -19,7 +19,6 @@ using namespace evo;
 namespace {
 
 const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
-const auto before = std::filesystem::path(EVO_SOURCE_DIR) / "tests/data/policies";
 
 // A folder of its own for every test.
 struct Scratch {
@@ -325,7 +324,7 @@ TEST_CASE("the same training is the same file, and its policy earns its fitness 
   const Scratch scratch;
   const Robot robot(Body::from_rows({"HHH", "V.V"}));
   TrainingSettings settings;
-  settings.algorithm = GENERATE(Algorithm("ppo"), Algorithm("sine"), Algorithm("sequence"));
+  settings.algorithm = GENERATE(Algorithm("ppo"), Algorithm("gait"), Algorithm("sequence"));
   settings.steps = settings.algorithm == Algorithm("ppo") ? 512 : 4000;
   settings.population = 4;
   settings.evaluation_interval = 2;  // stretches of a sequence
@@ -353,16 +352,5 @@ TEST_CASE("the same training is the same file, and its policy earns its fitness 
   CHECK(file.layout.size() == 2);
   EvaluationSettings evaluation;
   evaluation.seed = 3;
-  CHECK(evaluate(arena, to_controller(file.controller), evaluation).mean() == file.fitness);
-}
-
-TEST_CASE("a policy written before there were identities is of no training asked for, and runs") {
-  const auto path = before / "before-identity.policy.h5";
-  const PolicyFile file = read_policy(path);
-  const TaskSpec task = load_task("Walker-v0", data);
-  CHECK(read_policy_identity(path).empty());
-  EvaluationSettings evaluation;
-  evaluation.seed = 3;
-  const Arena arena(task, file.robot.body);
   CHECK(evaluate(arena, to_controller(file.controller), evaluation).mean() == file.fitness);
 }

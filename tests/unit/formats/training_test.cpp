@@ -38,7 +38,7 @@ std::string override_message(const std::string& assignment) {
 
 }  // namespace
 
-TEST_CASE("the profile paper is what libevo has built in, and names every setting it knows") {
+TEST_CASE("the profile paper is what libevo has built in") {
   CHECK(load_training("paper", data) == TrainingSettings{});
   CHECK(load_training("paper", {}) == TrainingSettings{});
   CHECK(read("{}") == TrainingSettings{});
@@ -46,15 +46,12 @@ TEST_CASE("the profile paper is what libevo has built in, and names every settin
   REQUIRE(path);
   const YamlNode node = YamlNode::parse(read_file(*path), "paper.yaml");
   const YamlMapping mapping(node, "profile", [] {
-    auto keys = training_keys();
-    for (const char* key : {"format", "version", "name", "description"}) keys.emplace_back(key);
+    std::vector<std::string> keys{"format", "version", "name", "description"};
+    for (const SettingRow& row : training_table({})) keys.push_back(row.key);
     return keys;
   }());
-  const std::string known = training_to_yaml(TrainingSettings{});
-  for (const std::string& key : training_keys()) {
-    INFO(key);
-    CHECK(mapping.has(key) == (known.find("\n" + key + ": ") != std::string::npos));
-  }
+  for (const char* key : {"steps", "rollout", "gamma", "learning_rate", "hidden"})
+    CHECK(mapping.has(key));
 }
 
 TEST_CASE("the help of the setting algorithm names every algorithm") {
@@ -74,16 +71,6 @@ TEST_CASE("every profile in the repository reads and can be written back") {
   }
 }
 
-TEST_CASE("the profile release2 has the minibatches of four of the 2.x examples") {
-  const TrainingSettings s = load_training("release2", data);
-  CHECK(s.environments == 1);
-  CHECK(s.batch() / s.minibatches == 4);
-  CHECK(s.learning_rate_schedule == Schedule::constant);
-  CHECK_FALSE(s.normalize_observations);
-  CHECK_FALSE(s.clip_value_loss);
-  CHECK(s.time_limit == TimeLimit::bootstrap);
-}
-
 TEST_CASE("a training profile gives what differs from its base") {
   TrainingSettings expected;
   expected.hidden = {32, 16, 8};
@@ -94,8 +81,6 @@ TEST_CASE("a training profile gives what differs from its base") {
   expected = {};
   expected.hidden = {};
   CHECK(read("hidden: []") == expected);
-  expected.attempts = {AttemptKind::push, AttemptKind::push, AttemptKind::go_on};
-  CHECK(read("hidden: []\nattempts: [push, push, go_on]") == expected);
   CHECK(read(training_to_yaml(expected)) == expected);
 }
 
@@ -110,17 +95,20 @@ TEST_CASE("exact numbers survive the round trip") {
 TEST_CASE("mistakes in a training profile are named with place and remedy") {
   CHECK_THAT(message("gama: 0.9"), Catch::Contains("t.yaml:1") && Catch::Contains("'gamma'"));
   CHECK_THAT(message("epochs: 4\nclip: wide"),
-             Catch::Contains("t.yaml:2") && Catch::Contains("a number is expected for 'clip'") &&
+             Catch::Contains("t.yaml:2") &&
+                 Catch::Contains("a number above 0 is expected for 'clip'") &&
                  Catch::Contains("'wide'"));
-  CHECK_THAT(message("epochs: 2.5"), Catch::Contains("a whole number is expected for 'epochs'"));
-  CHECK_THAT(message("algorithm: dqn"), Catch::Contains("one of ppo, sine, random"));
-  CHECK_THAT(message("clip: [1, 2]"), Catch::Contains("a value is expected for 'clip'"));
-  CHECK_THAT(message("hidden: [64, x]"), Catch::Contains("a list of whole numbers"));
-  CHECK_THAT(message("attempts: [push, leap]"),
-             Catch::Contains("a list of go_on, begin,") && Catch::Contains("found 'push,leap'"));
-  CHECK_THAT(message("attempts: []"), Catch::Contains("name one kind at least"));
-  CHECK_THAT(message("time_share: 1.5"), Catch::Contains("time_share is 1.5"));
-  CHECK_THAT(message("gamma: 1.5"), Catch::Contains("gamma is 1.5") && Catch::Contains("[0, 1]"));
+  CHECK_THAT(message("epochs: 2.5"),
+             Catch::Contains("a whole number of at least 1 is expected for 'epochs'"));
+  CHECK_THAT(message("algorithm: dqn"), Catch::Contains("one of ppo, gait, sequence, modular"));
+  CHECK_THAT(message("clip: [1, 2]"), Catch::Contains("a number above 0 is expected for 'clip'"));
+  CHECK_THAT(
+      message("hidden: [64, x]"),
+      Catch::Contains("a list, each a whole number of at least 1, is expected for 'hidden'"));
+  CHECK_THAT(message("gamma: 1.5"),
+             Catch::Contains("a number from 0 to 1 is expected for 'gamma', found '1.5'"));
+  CHECK_THAT(message("time_limit: bootstrapp"), Catch::Contains("did you mean 'bootstrap'"));
+  CHECK_THAT(message("clip: {a: 1}"), Catch::Contains("a value is expected for 'clip'"));
   CHECK_THAT(message("minibatches: 1000"), Catch::Contains("fewer samples"));
   CHECK_THAT(message("steps: 100"), Catch::Contains("less than one rollout"));
   CHECK_THAT(message("base: papr"), Catch::Contains("did you mean 'paper'"));
@@ -131,10 +119,12 @@ TEST_CASE("single settings can be overridden") {
   TrainingSettings settings;
   apply_override(settings, "gamma=0.995");
   apply_override(settings, "hidden=32,32");
-  apply_override(settings, "normalize_rewards=false");
+  apply_override(settings, "clip_value_loss=false");
+  apply_override(settings, "steps=3M");
   CHECK(settings.gamma == 0.995);
   CHECK(settings.hidden == std::vector<int>{32, 32});
-  CHECK_FALSE(settings.normalize_rewards);
+  CHECK_FALSE(settings.clip_value_loss);
+  CHECK(settings.steps == 3'000'000);
   CHECK_THAT(override_message("gamma"), Catch::Contains("KEY=VALUE"));
   CHECK_THAT(override_message("gmma=1"), Catch::Contains("did you mean 'gamma'"));
   CHECK_THAT(override_message("epochs=many"), Catch::Contains("a whole number"));

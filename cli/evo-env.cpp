@@ -14,7 +14,7 @@
 #include "formats/io/format.h"
 #include "formats/io/json_object.h"
 #include "formats/task/physics_profile.h"
-#include "training/episodes.h"
+#include "formats/rollout/episodes.h"
 
 namespace {
 

@@ -17,7 +17,7 @@
 #include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
 #include "libevo/control/evaluate.h"
-#include "training/episodes.h"
+#include "formats/rollout/episodes.h"
 
 namespace {
 

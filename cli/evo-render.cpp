@@ -15,8 +15,8 @@
 #include "formats/run/run.h"
 #include "formats/training/policy.h"
 #include "render/render.h"
-#include "training/episodes.h"
-#include "training/run_policy.h"
+#include "formats/rollout/episodes.h"
+#include "formats/run/run_policy.h"
 
 namespace {
 

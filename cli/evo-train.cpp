@@ -9,6 +9,7 @@
 #include "cli/robots.h"
 #include "cli/training_options.h"
 #include "formats/robot/writer.h"
+#include "libevo/control/methods.h"
 
 namespace {
 
@@ -33,11 +34,10 @@ void check_files(const TrainingPlan& plan, const std::vector<Robot>& robots,
   cli::check_outputs(outputs);
 }
 
-// PPO trains by whole updates; a number of steps that this cuts by more than a tenth is
-// told.
+// Where whole updates cut the number of steps by more than a tenth, that is told.
 void warn_of_fewer_steps(const TrainingSettings& settings) {
   const std::int64_t trained = settings.updates() * settings.batch();
-  if (settings.algorithm != Algorithm("ppo") || 10 * trained >= 9 * settings.steps) return;
+  if (!abilities(settings.algorithm).whole_updates || 10 * trained >= 9 * settings.steps) return;
   cli::log::warn(
       fmt::format("{} of {} steps are trained: an update takes {} (environments x rollout)",
                   trained, settings.steps, settings.batch()));

@@ -117,7 +117,6 @@ int train_robots(const Command& command, const TrainingPlan& plan, const std::ve
   observer.note = log::info;
   observer.interrupted = interrupted;
   observer.begins = begins;
-  observer.farewell = [] { log::warn(how_to_go_on); };
   observer.progress = [&](std::size_t i, const TrainingReport& report) {
     TrainingView& view = views[i];
     view.id = robots[i].id;

@@ -9,8 +9,8 @@
 
 #include "cli/command.h"
 #include "cli/task_options.h"
+#include "cli/train.h"
 #include "formats/robot/robot.h"
-#include "training/train.h"
 
 namespace evo::cli {
 

@@ -13,18 +13,17 @@ declare -A may=(
   [libevo/control]="libevo/base libevo/body libevo/sim libevo/task libevo/control"
   [libevo/evolve]="libevo/base libevo/body libevo/evolve"
   [formats]="libevo formats"
-  [render]="libevo formats training render"
-  [training]="libevo formats training"
-  [bindings/c]="libevo formats training render bindings/c"
-  [bindings/web]="libevo formats training bindings/web"
-  [cli]="libevo formats training bindings/c render cli"
+  [render]="libevo formats render"
+  [bindings/c]="libevo formats render bindings/c"
+  [bindings/web]="libevo formats bindings/web"
+  [cli]="libevo formats bindings/c render cli"
 )
 
 bad=0
 for room in "${!may[@]}"; do
   while IFS=: read -r file line include; do
     target=$(sed -E 's/.*"(.*)".*/\1/' <<<"$include")
-    case $target in libevo/*|formats/*|training/*|render/*|bindings/*|cli/*) ;; *) continue ;; esac
+    case $target in libevo/*|formats/*|render/*|bindings/*|cli/*) ;; *) continue ;; esac
     allowed=no
     for prefix in ${may[$room]}; do [[ $target == "$prefix"/* ]] && allowed=yes; done
     if [ $allowed = no ]; then echo "$file:$line: $room must not include $target"; bad=1; fi

@@ -7,7 +7,7 @@
 #include "bindings/c/session.h"
 #include "bindings/c/voxels.h"
 #include "libevo/task/measure.h"
-#include "training/episodes.h"
+#include "formats/rollout/episodes.h"
 
 using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;

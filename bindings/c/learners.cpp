@@ -3,7 +3,7 @@
 #include "bindings/c/handles.h"
 #include "formats/task/physics_profile.h"
 #include "formats/training/training.h"
-#include "libevo/control/ppo.h"
+#include "libevo/control/methods.h"
 
 using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;
@@ -16,8 +16,9 @@ struct evo_learner {
         observations(static_cast<std::size_t>(observed)),
         actions(static_cast<std::size_t>(acted)),
         ppo(settings,
-            evo::initial_policy(settings, observed, acted, low, high, std::nullopt,
-                                evo::Stream(seed, "train/initial", name)),
+            {evo::initial_policy(settings, observed, acted, low, high, std::nullopt,
+                                 evo::Stream(seed, "train/initial", name)),
+             settings.environments},
             seed, name) {}
 
   // What a rollout consists of, in this order; learn() comes where act() would begin it anew.
@@ -40,15 +41,13 @@ struct evo_learner {
       throw evo::error(Failure::usage, "{} is out of turn: {} is next", name_of(call),
                        next == Call::act && collected() ? "evo_learner_learn" : name_of(next));
   }
-  void require_finite() const {
-    if (ppo.divergence()) throw evo::error(Failure::work, "the training: {}", *ppo.divergence());
-  }
 
   evo::TrainingSettings settings;
   std::uint64_t seed;
   std::size_t observations;  // of an environment
   std::size_t actions;
-  evo::Ppo ppo;
+  evo::Ppo<evo::PolicyPasses> ppo;
+  std::optional<evo::Error> failure;  // its numbers have left the finite ones
   Call next = Call::observe;
   int rounds = 0;  // of the rollout
   std::vector<double> learned;
@@ -63,10 +62,19 @@ int change(evo_learner* learner, const Work& work) {
   return guarded([&] {
     evo_learner& own = object_of(learner);
     const Busy busy(own.busy);
-    own.require_finite();
-    work(own);
-    own.require_finite();
+    if (own.failure) throw *own.failure;
+    try {
+      work(own);
+    } catch (const evo::Error& e) {
+      if (e.kind() == Failure::work) own.failure = e.at("the training");
+      throw own.failure.value_or(e);
+    }
   });
+}
+
+void require_finite(std::span<const double> values, const char* what) {
+  for (const double value : values)
+    if (!std::isfinite(value)) throw evo::error(Failure::work, "{} is not a finite number", what);
 }
 
 void check_count(std::size_t given, std::size_t expected, const char* what) {
@@ -78,8 +86,9 @@ void check_count(std::size_t given, std::size_t expected, const char* what) {
 std::span<const double> learned_rewards(evo_learner& own, const double* rewards,
                                         const std::uint8_t* terminated) {
   own.learned.assign(rewards, rewards + own.environments());
+  require_finite(own.learned, "a reward");
   for (std::size_t e = 0; e < own.learned.size(); ++e)
-    if (terminated[e] != 0 && own.learned[e] < 0.0) own.learned[e] *= own.settings.failure_weight;
+    own.learned[e] = evo::learned_reward(own.learned[e], terminated[e] != 0, own.settings);
   return own.learned;
 }
 
@@ -91,10 +100,9 @@ int evo_learner_open(const evo_training* training, size_t size, int32_t observat
   return open(learner, [&] {
     const evo_training wanted = training_of(training, size);
     const evo::TrainingSettings settings = settings_of(wanted);
-    if (settings.algorithm.name() != "ppo")
-      throw evo::error(Failure::usage,
-                       "a learner is of PPO; algorithm {} needs a task of the suite",
-                       settings.algorithm.name());
+    if (!evo::abilities(settings.algorithm).own_tasks)
+      throw evo::error(Failure::usage, "a learner is of algorithm {}; {} needs a task of the suite",
+                       evo::algorithm_that(&evo::Abilities::own_tasks), settings.algorithm.name());
     if (settings.updates() < 1)
       throw evo::error(Failure::usage, "{} steps are less than one rollout of {} x {}",
                        settings.steps, settings.environments, settings.rollout);
@@ -131,6 +139,7 @@ int evo_learner_observe(evo_learner* learner, const double* observations, size_t
     check_count(values, own.environments() * own.observations, "observations");
     target(observations, "observations");
     target(steps, "steps");
+    require_finite({observations, values}, "an observation");
     own.ppo.observe({observations, values}, {steps, environments});
     own.next = evo_learner::Call::act;
   });
@@ -141,7 +150,9 @@ int evo_learner_act(evo_learner* learner, double* actions, size_t values) {
     own.expect(evo_learner::Call::act);
     check_count(values, own.environments() * own.actions, "actions");
     target(actions, "actions");
-    std::ranges::copy(own.ppo.act(), actions);
+    const std::span<const double> chosen = own.ppo.act();
+    require_finite(chosen, "an action");
+    std::ranges::copy(chosen, actions);
     own.next = evo_learner::Call::reward;
   });
 }

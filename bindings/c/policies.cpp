@@ -144,7 +144,7 @@ int evo_train(const evo_task* task, const evo_robots* robots, size_t index,
         });
     if (result.failure)
       throw evo::error(Failure::work, "robot {}: {}", robot.id, result.failure->why);
-    if (!result.complete)
+    if (!trainer.done())
       throw evo::error(Failure::work, "robot {}: the training was ended after {} steps", robot.id,
                        result.steps);
     return policy_of(

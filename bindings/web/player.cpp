@@ -16,7 +16,7 @@
 #include "formats/training/controller_json.h"
 #include "libevo/base/overloaded.h"
 #include "libevo/body/operators.h"
-#include "training/episodes.h"
+#include "formats/rollout/episodes.h"
 
 namespace evo::web {
 namespace {

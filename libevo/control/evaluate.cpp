@@ -27,13 +27,6 @@ struct Work {
   Choose choose;
 };
 
-void require_finite(std::span<const double> values, const char* what, const Running& lane) {
-  for (const double value : values)
-    if (!std::isfinite(value))
-      throw error(Failure::work, "{} is not a finite number after {} steps of an episode", what,
-                  lane.steps);
-}
-
 void start(const Arena& arena, const EvaluationSettings& settings, const Work& work, VecEnv& env,
            int environment, Running& lane) {
   const int episode = work.episode(lane.job);
@@ -54,7 +47,6 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
 
   const auto count = static_cast<std::size_t>(std::clamp(settings.lanes, 1, work.jobs));
   const auto actions = static_cast<std::size_t>(arena.action_length());
-  const auto length = static_cast<std::size_t>(arena.observation_length());
   VecEnv env(arena, static_cast<int>(count));
   std::vector<Running> lanes(count);
   std::vector<std::uint8_t> active(count, 0);
@@ -74,9 +66,6 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
 
   while (running > 0) {
     work.choose(env, lanes, targets);
-    for (std::size_t l = 0; l < count; ++l)
-      if (active[l] != 0)
-        require_finite({targets.data() + l * actions, actions}, "an action", lanes[l]);
     env.step(targets, active);
     require_stable(env);
     for (std::size_t l = 0; l < count; ++l) {
@@ -84,8 +73,6 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
       Running& lane = lanes[l];
       const auto job = static_cast<std::size_t>(lane.job);
       ++lane.steps;
-      require_finite(env.observations().subspan(l * length, length), "an observation", lane);
-      require_finite(env.rewards().subspan(l, 1), "a reward", lane);
       result.returns[job] += env.rewards()[l];
       if (lane.steps == 1 || result.returns[job] > result.peaks[job])
         result.peaks[job] = result.returns[job];

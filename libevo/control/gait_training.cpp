@@ -23,28 +23,26 @@ GaitSearchSettings search_settings(const TrainingJob& job) {
 GaitSearch make_search(const TrainingJob& job) {
   const Stream random(job.seed, "train/search", job.robot_id);
   if (auto gait = inherited_gait(job))
-    return {job.arena.robot(), search_settings(job), random, std::move(*gait)};
-  return {job.arena.robot(), search_settings(job), random};
+    return {job.arena().robot(), search_settings(job), random, std::move(*gait)};
+  return {job.arena().robot(), search_settings(job), random};
 }
 
 // The mean return of each candidate; the best of them is an evaluation.
 std::vector<double> try_out(const TrainingJob& job, const std::vector<SineController>& candidates,
-                            Findings& findings, Metrics& metrics) {
-  const OpenLoopEvaluation result = evaluate_each(job.arena, candidates, job.evaluation());
-  findings.steps += result.steps;
-  const auto best = std::max_element(result.means.begin(), result.means.end());
-  findings.evaluated(*best, candidates[static_cast<std::size_t>(best - result.means.begin())]);
-  double sum = 0.0;
-  for (const double mean : result.means) sum += mean;
-  metrics.push_back({"charts/episodic_return", sum / static_cast<double>(result.means.size())});
-  return result.means;
+                            TrainResult& result, Metrics& metrics) {
+  const OpenLoopEvaluation tried = evaluate_each(job.arena(), candidates, job.evaluation());
+  result.steps += tried.steps;
+  const auto best = std::max_element(tried.means.begin(), tried.means.end());
+  result.evaluated(*best, candidates[static_cast<std::size_t>(best - tried.means.begin())]);
+  metrics.push_back({"charts/episodic_return", mean(tried.means)});
+  return tried.means;
 }
 
 }  // namespace
 
 std::int64_t generation_cost(const TrainingJob& job) {
   return std::int64_t{job.settings.population} * job.settings.evaluation_episodes *
-         job.arena.task().episode_steps;
+         job.arena().task().episode_steps;
 }
 
 GaitTraining::GaitTraining(const TrainingJob& job) : search_(make_search(job)) {
@@ -53,20 +51,20 @@ GaitTraining::GaitTraining(const TrainingJob& job) : search_(make_search(job)) {
                 "training: {} steps are less than one generation of {} episodes of {} steps",
                 job.settings.steps,
                 std::int64_t{job.settings.population} * job.settings.evaluation_episodes,
-                job.arena.task().episode_steps);
+                job.arena().task().episode_steps);
 }
 
-bool GaitTraining::done(const TrainingJob& job, const Findings& findings) const {
-  return findings.steps + generation_cost(job) > job.settings.steps;
+bool GaitTraining::done(const TrainingJob& job, const TrainResult& result) const {
+  return result.steps + generation_cost(job) > job.settings.steps;
 }
 
-GaitTraining::Generation GaitTraining::advance(const TrainingJob& job, Findings& findings,
+GaitTraining::Generation GaitTraining::advance(const TrainingJob& job, TrainResult& result,
                                                Metrics& metrics) {
   const std::vector<SineController> gaits = search_.ask();
-  const std::vector<double> returns = try_out(job, gaits, findings, metrics);
+  const std::vector<double> returns = try_out(job, gaits, result, metrics);
   search_.tell(returns);
   metrics.push_back({"charts/sigma", search_.sigma()});
-  report_evaluation(findings, metrics);
+  report_evaluation(result, metrics);
   const auto best = std::max_element(returns.begin(), returns.end());
   return {*best, gaits[static_cast<std::size_t>(best - returns.begin())]};
 }

@@ -15,18 +15,19 @@ std::int64_t generation_cost(const TrainingJob& job);
 class GaitTraining {
  public:
   static constexpr const char* name = "gait";
+  static constexpr Abilities can{};
   static void check(const TrainingSettings&) {}
 
   // Throws Error(usage) where the budget is less than one generation.
   explicit GaitTraining(const TrainingJob& job);
 
   // Another generation might exceed the budget.
-  bool done(const TrainingJob& job, const Findings& findings) const;
+  bool done(const TrainingJob& job, const TrainResult& result) const;
   struct Generation {
     double best = 0.0;
     SineController gait;  // that earned it
   };
-  Generation advance(const TrainingJob& job, Findings& findings, Metrics& metrics);
+  Generation advance(const TrainingJob& job, TrainResult& result, Metrics& metrics);
   void save(Checkpoint& checkpoint) const { search_.save(checkpoint); }
   void load(const Checkpoint& checkpoint) { search_.load(checkpoint); }
 

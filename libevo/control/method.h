@@ -1,5 +1,4 @@
-// What every way of training shares: the job it is given, what it has found so
-// far, and what the Trainer asks of it.
+// What every way of training shares: the job it is given, and what the Trainer asks of it.
 #pragma once
 
 #include <concepts>
@@ -11,7 +10,6 @@
 
 #include "libevo/control/checkpoint.h"
 #include "libevo/control/evaluate.h"
-#include "libevo/control/ppo_parts.h"
 #include "libevo/control/settings.h"
 #include "libevo/control/trainer.h"
 
@@ -21,33 +19,16 @@ namespace evo {
 EvaluationSettings evaluation_of(const TrainingSettings& settings, std::uint64_t seed);
 
 struct TrainingJob {
-  const Arena& arena;
+  std::vector<const Arena*> robots;  // that get the same controller; one or more
   TrainingSettings settings;
   std::uint64_t seed = 0;
   std::string robot_id;  // names the random streams
   std::optional<Inheritance> inheritance = {};
-  // Of more robots that are to have the same controller, in the same task.
-  std::vector<const Arena*> others = {};
   std::vector<Demonstration> demonstrations = {};  // of this robot
 
-  std::vector<const Arena*> arenas() const;  // of all robots
+  const Arena& arena() const { return *robots.front(); }
   // Evaluations meet the same episodes for every robot.
-  EvaluationSettings evaluation() const;
-};
-
-struct Findings {
-  std::int64_t steps = 0;  // environment steps taken
-  std::vector<CurvePoint> curve;
-  std::optional<double> fitness;
-  std::optional<TrainedController> best;
-  std::int64_t best_step = 0;
-  std::vector<double> best_each;  // as in TrainResult
-  std::optional<TrainingFailure> failure;
-
-  // Adds a point to the curve, and keeps the controller, and what each of several robots earned
-  // with it, if it is strictly better than all before.
-  void evaluated(double value, const TrainedController& controller,
-                 std::span<const double> each = {});
+  EvaluationSettings evaluation() const { return evaluation_of(settings, seed); }
 };
 
 // What the controller earns in episodes of the job's robots, robot after robot. Of several
@@ -56,12 +37,7 @@ Evaluation evaluate_all(const TrainingJob& job, const Controller& controller,
                         const EvaluationSettings& settings, std::vector<double>* each = nullptr);
 
 using Metrics = std::vector<Metric>;
-
-// What an update of PPO did, and the mean of the returns of episodes that ended meanwhile.
-Metrics update_metrics(const UpdateReport& update, std::span<const double> returns);
-
-// An untrained policy for the job's arena, on a base where one is given.
-Policy initial_policy(const TrainingJob& job, std::optional<OpenLoop> base);
+double mean(std::span<const double> values);  // of one or more
 
 // The gait that the job inherits, carried over to its robot: of a controller that is
 // one, or of a network on one. Nothing where there is none.
@@ -70,26 +46,36 @@ std::optional<SineController> inherited_gait(const TrainingJob& job);
 // inherited sequence, likewise.
 std::optional<OpenLoop> inherited_base(const TrainingJob& job);
 
-// Adds what the controller earns, evaluated as the settings say, to the findings.
-void evaluate(const TrainingJob& job, const TrainedController& controller, Findings& findings);
+// Adds what the controller earns, evaluated as the settings say, to the result.
+void evaluate(const TrainingJob& job, const TrainedController& controller, TrainResult& result);
 // eval/return and eval/best of the evaluation just made.
-void report_evaluation(const Findings& findings, Metrics& metrics);
+void report_evaluation(const TrainResult& result, Metrics& metrics);
+
+// What a way of training can do, beside what all can.
+struct Abilities {
+  // One controller for many robots. It goes on from one that is for any body, and from no other.
+  bool shares = false;
+  bool moments = false;        // episodes begin at moments of recorded ones
+  bool own_tasks = false;      // needs nothing but observations, actions and rewards
+  bool whole_updates = false;  // trains by updates of environments x rollout steps
+};
 
 // A way of training. libevo/control/methods.h lists them all; the list is the
 // only place that has to know of a new one.
 template <typename T>
 concept TrainingMethod = std::movable<T> && std::constructible_from<T, const TrainingJob&> &&
-    requires(T method, const T& constant, const TrainingJob& job, Findings& findings,
-             const Findings& found, Metrics& metrics, Checkpoint& out, const Checkpoint& in,
+    requires(T method, const T& constant, const TrainingJob& job, TrainResult& result,
+             const TrainResult& so_far, Metrics& metrics, Checkpoint& out, const Checkpoint& in,
              const TrainingSettings& settings) {
   // As profiles and --algo name it.
   { T::name } -> std::convertible_to<const char*>;
+  { T::can } -> std::convertible_to<Abilities>;
   // Throws Error(usage) for settings that make no sense with this method.
   T::check(settings);
-  { constant.done(job, found) } -> std::same_as<bool>;
+  { constant.done(job, so_far) } -> std::same_as<bool>;
   // One update or generation, and the evaluation where one is due. Throws
   // Error(work) where numbers leave the finite ones.
-  method.advance(job, findings, metrics);
+  method.advance(job, result, metrics);
   // All that the method needs to go on to the same bytes.
   constant.save(out);
   method.load(in);

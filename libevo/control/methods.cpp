@@ -31,6 +31,20 @@ Algorithm::Algorithm(std::string_view name) : name_(name) {
                 did_you_mean(name_, algorithm_names()), joined(algorithm_names()));
 }
 
+Abilities abilities(const Algorithm& algorithm) {
+  Abilities abilities;
+  with_method(algorithm, [&]<typename T>(std::type_identity<T>) { abilities = T::can; });
+  return abilities;
+}
+
+std::string algorithm_that(bool Abilities::*can) {
+  std::string name;
+  for_each_alternative<Method>([&]<typename T>(std::type_identity<T>) {
+    if (name.empty() && T::can.*can) name = T::name;
+  });
+  return name;
+}
+
 void check_method(const TrainingSettings& settings) {
   with_method(settings.algorithm, [&]<typename T>(std::type_identity<T>) { T::check(settings); });
 }

@@ -6,17 +6,20 @@
 #include <variant>
 
 #include "libevo/control/gait_training.h"
-#include "libevo/control/modular_training.h"
 #include "libevo/control/ppo_training.h"
 #include "libevo/control/sequence_training.h"
 
 namespace evo {
 
-using Method = std::variant<PpoTraining,       // ppo
-                            GaitTraining,      // gait
-                            SequenceTraining,  // sequence
-                            ModularTraining    // modular
+using Method = std::variant<PpoTraining<PolicyPasses>,  // ppo
+                            GaitTraining,               // gait
+                            SequenceTraining,           // sequence
+                            PpoTraining<ModularPasses>  // modular
                             >;
+
+Abilities abilities(const Algorithm& algorithm);
+// The first method that has an ability.
+std::string algorithm_that(bool Abilities::*can);
 
 // The method that settings.algorithm names, ready to begin.
 Method make_method(const TrainingJob& job);

@@ -2,6 +2,10 @@
 // paper: state s, action a, policy pi, advantage A^, value V, return R. The
 // learner knows nothing of simulators: whoever runs environments tells it what
 // was seen and earned, and asks it what to do.
+//
+// What it needs of a policy are its `Passes`: to look at states, to act, and to differentiate.
+// policy_passes.h has those of a network for one body, modular_passes.h those of a network that
+// all voxels of many bodies share.
 #pragma once
 
 #include <cstdint>
@@ -11,91 +15,184 @@
 #include <string_view>
 #include <vector>
 
+#include "libevo/base/random.h"
 #include "libevo/control/checkpoint.h"
 #include "libevo/control/optimizer.h"
 #include "libevo/control/policy.h"
-#include "libevo/control/ppo_parts.h"
 #include "libevo/control/settings.h"
 
 namespace evo {
 
-// Samples of a rollout, one a row.
-struct Samples : SampleNumbers {
-  Matrix states;   // s [M x I], as networks see it
-  Matrix actions;  // a [M x A], before the action map
+struct Losses {
+  double policy = 0.0;     // -E[min(r A^, clip(r, 1-eps, 1+eps) A^)], r = pi(a|s) / pi_old(a|s)
+  double value = 0.0;      // E[(V - R)^2 / 2], clipped like the policy's where so set
+  double entropy = 0.0;    // E[H(pi)]
+  double approx_kl = 0.0;  // E[(r - 1) - log r] (Schulman 2020)
+  double clipfrac = 0.0;   // share of samples with r out of [1-eps, 1+eps]
 };
 
-// What lies between a batch and its gradients, kept from call to call.
-struct LossScratch {
-  Activations actor;
-  Activations critic;
-  std::vector<Matrix> actor_slopes;
-  std::vector<Matrix> critic_slopes;
-  Vector deviation;  // [A]
-  Vector z;          // [A]
+// L = policy + c_1 value - c_2 entropy.
+struct Objective {
+  double clip = 0.1;
+  bool clip_value_loss = true;
+  double value_coefficient = 0.5;     // c_1
+  double entropy_coefficient = 0.01;  // c_2
 };
 
-// The parts of L over a batch, and dL/d(parameters), which replaces `gradients`.
-Losses differentiate(const Policy& policy, const Samples& batch, const Objective& objective,
-                     Gradients& gradients, LossScratch& scratch);
+// Samples without their states, which belong to the passes.
+struct Samples {
+  std::vector<float> actions;  // a of every sample in turn, before the action map
+  Vector log_probs;            // log pi_old(a|s) [M]
+  Vector values;               // V_old(s)
+  Vector advantages;           // A^
+  Vector returns;              // R = A^ + V_old(s), before A^ is standardised
 
-// A policy's numbers in a checkpoint, under `name`; loading needs a policy of
-// the same shape.
-void save_policy(Checkpoint& checkpoint, const std::string& name, const Policy& policy);
-void load_policy(const Checkpoint& checkpoint, const std::string& name, Policy& policy);
+  void resize(Eigen::Index samples);  // but for the actions
+};
 
-// An untrained policy for observations of D numbers and A actuators with targets in
-// [low, high], on a base where one is given.
-Policy initial_policy(const TrainingSettings& settings, int observation_length, int action_length,
-                      double low, double high, std::optional<OpenLoop> base, Stream stream);
+// Independent Gaussians with deviations that do not depend on the state [17, 18]: one for each
+// action of a sample, or one for all.
+class Gaussians {
+ public:
+  void set(const Vector& log_std, std::size_t most_actions);
 
+  std::span<const float> deviations() const { return deviations_; }
+  // Where the log_std of an action stands.
+  std::size_t place(std::size_t action) const { return shared_ ? 0 : action; }
+  // sum log(sigma sqrt(2 pi)) over the actions of a sample.
+  float log_scale(std::size_t actions) const {
+    return shared_ ? static_cast<float>(actions) * log_scale_ : log_scale_;
+  }
+
+ private:
+  std::vector<float> deviations_;
+  float log_scale_ = 0.0F;
+  bool shared_ = false;
+};
+
+// Some samples of a minibatch, one after the other, as a pass forward leaves them.
+struct Chunk {
+  std::size_t sample = 0;         // the first
+  std::size_t action = 0;         // the first
+  std::span<const float> means;   // mu(s) of every action
+  std::span<const float> values;  // V(s)
+  std::span<float> mean_slopes;   // dL/dmu and
+  std::span<float> value_slopes;  // dL/dV, to be filled in
+};
+
+// What an update did, averaged over its minibatches.
+struct UpdateReport {
+  Losses losses;
+  double explained_variance = 0.0;  // 1 - Var(R - V) / Var(R)
+  double learning_rate = 0.0;
+};
+
+// Generalised advantage estimation (Schulman et al. 2016) over T steps of E
+// environments, arrays [T*E] in the order t*E + e:
+//   delta_t = r_t + gamma V(s_t+1) - V(s_t),  A^_t = delta_t + gamma lambda A^_t+1
+// where an episode that ended at t leaves out what comes after. `last_values`
+// [E] are V(s_T).
+void estimate_advantages(std::span<const double> rewards, std::span<const std::uint8_t> ended,
+                         std::span<const float> values, std::span<const float> last_values,
+                         double gamma, double lambda, std::span<float> advantages);
+
+// The parts of L over the minibatch that the passes have gathered, and dL/d(parameters), which
+// replaces their slopes. `pi` becomes that of the policy.
+template <typename Passes>
+Losses differentiate(Passes& passes, const Samples& batch, const Objective& objective,
+                     Gaussians& pi);
+
+// A normaliser of `length` numbers that has seen nothing.
+Normalizer fresh_normalizer(int length);
+
+// Passes are of some environments at a time, which step between two updates: those of a turn.
+// They are numbered from 0; arrays that come from outside are of all environments, and these are
+// the `environments()` from `first()` on.
+template <typename Passes>
 class Ppo {
  public:
-  // Starts from `policy`. Random numbers come from streams named by seed and robot id.
-  Ppo(const TrainingSettings& settings, Policy policy, std::uint64_t seed,
-      std::string_view robot_id);
+  using Policy = typename Passes::Policy;
+  using Seen = typename Passes::Seen;  // where states are read
 
-  // s_t of every environment [E x D] and the steps of its episode [E]: after the
-  // first reset, and after every step once ended episodes have been reset.
-  void observe(std::span<const double> observations, std::span<const int> steps);
-  // Samples a_t ~ pi(.|s_t); targets [E x A].
+  // `settings.environments` are all of them. Random numbers come from streams named by seed and
+  // `name`.
+  Ppo(const TrainingSettings& settings, Passes passes, std::uint64_t seed, std::string_view name);
+
+  // The environments that step until the next update.
+  std::size_t first_environment() const { return passes_.first(); }
+  std::size_t environments() const { return passes_.environments(); }
+  std::int64_t updates() const { return updates_; }
+  std::int64_t updates_in_all() const;
+
+  // s_t and the steps of the episodes: after the first reset, and after every step once ended
+  // episodes have been reset.
+  void observe(Seen seen, std::span<const int> steps);
+  // Samples a_t ~ pi(.|s_t); targets of all actuators.
   std::span<const double> act();
-  // What a_t earned and how it ended [E]; `reached` [E x D] are the states
-  // reached after `steps` [E], before any reset.
+  // What a_t earned and how it ended; `reached` are the states after `steps`, before any reset.
   void reward(std::span<const double> rewards, std::span<const std::uint8_t> terminated,
-              std::span<const std::uint8_t> truncated, std::span<const double> reached,
-              std::span<const int> steps);
-  // After settings.rollout rounds of act, reward, observe: one update.
+              std::span<const std::uint8_t> truncated, Seen reached, std::span<const int> steps);
+  // After settings.rollout rounds of act, reward, observe: one update. Throws Error(work) where
+  // the loss or its gradient is no longer a finite number.
   UpdateReport learn();
 
-  const Policy& policy() const { return policy_; }
-  std::int64_t updates() const { return learner_.updates; }
-  // Set once something is no longer a finite number; says what. From then on
-  // nothing else may be called but policy().
-  const std::optional<std::string>& divergence() const { return learner_.divergence; }
+  const Policy& policy() const { return passes_.policy(); }
 
   void save(Checkpoint& checkpoint) const;
   void load(const Checkpoint& checkpoint);  // of a Ppo made with the same arguments
 
  private:
-  TrainingSettings settings_;
-  Policy policy_;
-  ppo::Learner learner_;
+  void begin_rollout();
+  void scale(std::span<const double> rewards);
+  UpdateReport weigh_rollout();
+  void gather(std::span<const std::uint32_t> samples);
 
-  std::vector<int> steps_;       // [E] of the episodes
-  Matrix state_;                 // s_t, what networks see of it [E x I]
-  Samples rollout_;              // being collected, rows t*E + e
-  std::vector<double> targets_;  // [E x A]
+  TrainingSettings settings_;
+  Passes passes_;
+  Adam adam_;
+  Stream noise_;
+  Stream shuffle_;
+  std::int64_t updates_ = 0;
+  Normalizer return_moments_;       // of the discounted sums of rewards so far
+  std::vector<double> discounted_;  // [E] these sums
+  std::vector<double> targets_;     // of all actuators
+
+  // The rollout being collected, of T steps of E environments: samples t*E + e.
+  int t_ = 0;
+  Samples rollout_;
+  std::vector<double> rewards_;      // [T*E], scaled
+  std::vector<std::uint8_t> ended_;  // [T*E]
 
   // Kept between calls, so that nothing is allocated once all have their sizes.
-  Activations actor_out_;
-  Activations critic_out_;
-  Vector deviation_;             // [A]
-  Vector z_;                     // [A]
-  NetworkScratch bootstrapped_;  // of the critic
+  Gaussians pi_;
+  std::vector<float> z_;
   Samples minibatch_;
-  Gradients gradients_;
-  LossScratch loss_scratch_;
+  std::vector<std::uint32_t> order_;  // of the samples, in an epoch
+  Vector residual_;                   // [T*E]
 };
+
+// ---- checkpoints ------------------------------------------------------------------------
+
+// Parameters, which `blocks` gives as runs of floats.
+template <typename Blocks>
+void save_parameters(Checkpoint& checkpoint, const std::string& name, const Blocks& blocks) {
+  std::vector<float> parameters;
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    parameters.insert(parameters.end(), blocks[b].begin(), blocks[b].end());
+  checkpoint.put(name, std::move(parameters));
+}
+template <typename Blocks>
+void load_parameters(const Checkpoint& checkpoint, const std::string& name, const Blocks& blocks,
+                     std::size_t count) {
+  auto next = checkpoint.get<float>(name, count).begin();
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const std::span<float> block = blocks[b];
+    std::copy_n(next, block.size(), block.begin());
+    next += static_cast<std::ptrdiff_t>(block.size());
+  }
+}
+
+void save_moments(Checkpoint& checkpoint, const std::string& name, const Normalizer& n);
+void load_moments(const Checkpoint& checkpoint, const std::string& name, Normalizer& n);
 
 }  // namespace evo

@@ -1,5 +1,11 @@
 #include "libevo/control/ppo_training.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
 #include <utility>
 
 #include "libevo/base/error.h"
@@ -7,6 +13,21 @@
 
 namespace evo {
 namespace {
+
+// One body learns as much from 1 024 samples an update as from 4 096, and sooner
+// (benchmarks/modular): where robots are fewer than an update is meant for, its rollout is
+// longer, but not longer than this.
+constexpr std::int64_t longest_rollout = 128;
+
+int robots_of(const TrainingJob& job) { return static_cast<int>(job.robots.size()); }
+
+// How many groups of robots take turns.
+int groups_in(const TrainingJob& job) {
+  const int most = job.settings.robots_per_update;
+  return most > 0 ? (robots_of(job) + most - 1) / most : 1;
+}
+
+// ---- the first policy -------------------------------------------------------------------
 
 // On a base where one is inherited.
 Policy first_policy(const TrainingJob& job) {
@@ -16,19 +37,118 @@ Policy first_policy(const TrainingJob& job) {
   Policy fresh = initial_policy(job, inherited_base(job));
   if (!job.inheritance) return fresh;
   const Inheritance& old = *job.inheritance;
-  const Anatomy to = anatomy(job.arena.robot(), job.arena.layout());
   const auto* policy = std::get_if<Policy>(&old.controller);
   if (policy == nullptr) return fresh;
   fresh.log_std.setConstant(static_cast<float>(job.settings.inherited_log_std));
-  return transferred(*policy, old.anatomy, fresh, to);
+  return transferred(*policy, old.anatomy, fresh,
+                     anatomy(job.arena().robot(), job.arena().layout()));
 }
+
+void require(bool same, const std::string& what) {
+  if (!same)
+    throw error(Failure::data,
+                "the controller to start from has other {} than the settings ask for", what);
+}
+
+bool same_shape(const ModularNetwork& a, const ModularNetwork& b) {
+  if (a.bias.size() != b.bias.size() || a.rest.layers.size() != b.rest.layers.size()) return false;
+  for (std::size_t l = 0; l < a.rest.layers.size(); ++l)
+    if (a.rest.layers[l].weight.cols() != b.rest.layers[l].weight.cols() ||
+        a.rest.layers[l].weight.rows() != b.rest.layers[l].weight.rows())
+      return false;
+  return true;
+}
+
+// What is inherited is for any body as it is.
+ModularPolicy first_modular_policy(const TrainingJob& job) {
+  ModularPolicy fresh = initial_modular_policy(job);
+  if (!job.inheritance) return fresh;
+  const auto* old = std::get_if<ModularPolicy>(&job.inheritance->controller);
+  if (old == nullptr)
+    throw error(Failure::usage, "training: {} can start from a modular policy only",
+                PpoTraining<ModularPasses>::name);
+  require(old->task_length() == fresh.task_length(), "inputs of the task");
+  require(old->exchange == fresh.exchange, "exchange between voxels");
+  require(old->gating() == fresh.gating(), fmt::format("gates (gating={})", word(old->gating())));
+  require(same_shape(old->actor, fresh.actor) && same_shape(old->critic, fresh.critic),
+          "hidden layers");
+  require(old->clock == fresh.clock, "clocks");
+  require(old->action_map == fresh.action_map && old->action_offset == fresh.action_offset,
+          "actions (action_map, action_offset)");
+  ModularPolicy policy = *old;
+  policy.log_std.setConstant(static_cast<float>(job.settings.inherited_log_std));
+  policy.local.count = std::min(policy.local.count, 10.0 * memory_of_another_body);  // of voxels
+  policy.task.count = std::min(policy.task.count, memory_of_another_body);
+  return policy;
+}
+
+// ---- what differs with the policy -------------------------------------------------------
+
+template <typename Passes>
+struct Kind;
+
+template <>
+struct Kind<PolicyPasses> {
+  static TrainingSettings settings_for(const TrainingJob& job) { return job.settings; }
+  static Policy first(const TrainingJob& job) { return first_policy(job); }
+  static PolicyPasses passes(const TrainingJob& job) {
+    return {first_policy(job), job.settings.environments};
+  }
+};
+
+template <>
+struct Kind<ModularPasses> {
+  static TrainingSettings settings_for(const TrainingJob& job) {
+    TrainingSettings settings = job.settings;
+    const int robots = robots_of(job);
+    settings.environments *= robots;
+    const std::int64_t as_many =
+        std::int64_t{settings.rollout} * (settings.robots_per_update / robots);
+    const std::int64_t most = std::min(longest_rollout, settings.steps / settings.environments);
+    settings.rollout = std::max(settings.rollout, static_cast<int>(std::min(as_many, most)));
+    TrainingSettings of_smallest = settings;
+    of_smallest.environments = job.settings.environments * (robots / groups_in(job));
+    evo::check(of_smallest);
+    if (settings.updates() < 1)
+      throw error(Failure::usage, "training: {} steps are less than one rollout of {} x {}",
+                  settings.steps, settings.environments, settings.rollout);
+    return settings;
+  }
+  static ModularPolicy first(const TrainingJob& job) { return first_modular_policy(job); }
+  // The robots in their order, as evenly as can be in groups of `robots_per_update`.
+  static ModularPasses passes(const TrainingJob& job) {
+    const auto count = static_cast<std::size_t>(groups_in(job));
+    std::vector<Group> groups;
+    for (std::size_t g = 0; g < count; ++g) {
+      const std::size_t begin = g * job.robots.size() / count;
+      const std::size_t end = (g + 1) * job.robots.size() / count;
+      std::vector<int> body_of;
+      for (std::size_t robot = begin; robot < end; ++robot)
+        body_of.insert(body_of.end(), static_cast<std::size_t>(job.settings.environments),
+                       static_cast<int>(robot - begin));
+      groups.push_back(
+          {Bodies(std::span(job.robots).subspan(begin, end - begin)), std::move(body_of)});
+    }
+    return {first_modular_policy(job), std::move(groups)};
+  }
+};
+
+// Each robot's environments lie side by side: the simulator takes them together.
+std::vector<const Arena*> arenas_of(const TrainingJob& job) {
+  std::vector<const Arena*> arenas;
+  for (const Arena* robot : job.robots)
+    arenas.insert(arenas.end(), static_cast<std::size_t>(job.settings.environments), robot);
+  return arenas;
+}
+
+// ---- moments ----------------------------------------------------------------------------
 
 // What is inherited, on this job's robot.
 Controller inherited_controller(const TrainingJob& job) {
   const Inheritance& old = *job.inheritance;
   if (std::holds_alternative<Policy>(old.controller)) return first_policy(job);
   if (const auto* sequence = std::get_if<ReplayController>(&old.controller))
-    return transferred(*sequence, old.anatomy, anatomy(job.arena.robot(), job.arena.layout()));
+    return transferred(*sequence, old.anatomy, anatomy(job.arena().robot(), job.arena().layout()));
   return *inherited_gait(job);
 }
 
@@ -38,8 +158,8 @@ Demonstration inherited_demonstration(const TrainingJob& job) {
   EvaluationSettings episode;
   episode.seed = job.seed;
   Demonstration demonstration{"the inherited controller",
-                              start_of(job.arena, episode, 0),
-                              {{}, job.arena.action_length()},
+                              start_of(job.arena(), episode, 0),
+                              {{}, job.arena().action_length()},
                               {}};
   const auto keep = [&](const EpisodeMoment& now) {
     if (now.targets.empty()) return;
@@ -48,7 +168,7 @@ Demonstration inherited_demonstration(const TrainingJob& job) {
     demonstration.rewards.push_back(now.env.rewards()[static_cast<std::size_t>(now.lane)]);
   };
   try {
-    evaluate(job.arena, inherited_controller(job), episode, keep);
+    evaluate(job.arena(), inherited_controller(job), episode, keep);
   } catch (const Error& failure) {
     if (failure.kind() != Failure::work) throw;
   }
@@ -73,71 +193,111 @@ std::vector<Demonstration> demonstrations_of(const TrainingJob& job) {
 
 }  // namespace
 
-void PpoTraining::check(const TrainingSettings& s) {
+Policy initial_policy(const TrainingJob& job, std::optional<OpenLoop> base) {
+  const Physics& physics = job.arena().task().physics;
+  return initial_policy(job.settings, job.arena().observation_length(), job.arena().action_length(),
+                        physics.min_target, physics.max_target, std::move(base),
+                        Stream(job.seed, "train/initial", job.robot_id));
+}
+
+ModularPolicy initial_modular_policy(const TrainingJob& job) {
+  const Physics& physics = job.arena().task().physics;
+  return initial_modular_policy(job.settings, VoxelViews(job.arena()).task_length(),
+                                physics.min_target, physics.max_target,
+                                Stream(job.seed, "train/initial", job.robot_id));
+}
+
+template <typename Passes>
+void PpoTraining<Passes>::check(const TrainingSettings& s) {
+  if (for_any && s.hidden.empty())
+    throw error(Failure::usage, "training: hidden is []; {} needs one layer at least", name);
+  if (for_any && s.moment_share > 0.0)
+    throw error(Failure::usage, "training: moment_share is {}; {} has no moments to start from",
+                s.moment_share, name);
   if (s.updates() < 1)
     throw error(Failure::usage, "training: {} steps are less than one rollout of {} x {}", s.steps,
                 s.environments, s.rollout);
 }
 
-PpoTraining::PpoTraining(const TrainingJob& job)
-    : episodes_(VecEnv(job.arena, job.settings.environments), job.seed),
-      ppo_(job.settings, first_policy(job), job.seed, job.robot_id) {
-  for (const Demonstration& demonstration : demonstrations_of(job))
-    add_moments(job.arena, demonstration);
-  for (int e = 0; e < job.settings.environments; ++e) start_episode(job, e);
+template <typename Passes>
+PpoTraining<Passes>::PpoTraining(const TrainingJob& job)
+    : settings_(Kind<Passes>::settings_for(job)),
+      episodes_(VecEnv(arenas_of(job)), job.seed),
+      ppo_(settings_, Kind<Passes>::passes(job), job.seed, job.robot_id) {
+  if constexpr (can.moments)
+    for (const Demonstration& demonstration : demonstrations_of(job))
+      add_moments(job.arena(), demonstration);
+  for (int e = 0; e < settings_.environments; ++e) start_episode(e);
   observe();
 }
 
-bool PpoTraining::done(const TrainingJob& job, const Findings&) const {
-  return ppo_.updates() >= job.settings.updates();
+template <typename Passes>
+bool PpoTraining<Passes>::done(const TrainingJob&, const TrainResult&) const {
+  return ppo_.updates() >= ppo_.updates_in_all();
 }
 
-void PpoTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
+template <typename Passes>
+void PpoTraining<Passes>::advance(const TrainingJob& job, TrainResult& result, Metrics& metrics) {
   // What was inherited counts as it is, before it has seen anything.
-  if (job.inheritance && findings.curve.empty()) evaluate(job, first_policy(job), findings);
+  if (job.inheritance && result.curve.empty()) evaluate(job, Kind<Passes>::first(job), result);
 
   std::vector<double> returns;
-  for (int t = 0; t < job.settings.rollout; ++t) {
+  const std::size_t first = ppo_.first_environment();
+  const std::size_t count = ppo_.environments();
+  active_.assign(episodes_.returns.size(), 0);
+  std::fill_n(active_.begin() + static_cast<std::ptrdiff_t>(first), count, std::uint8_t{1});
+  if (for_any && ppo_.updates() > 0) observe();  // others have stepped meanwhile
+  for (int t = 0; t < settings_.rollout; ++t) {
     step(job, returns);
-    findings.steps += job.settings.environments;
-    require_finite();
+    result.steps += static_cast<std::int64_t>(count);
   }
   const UpdateReport update = ppo_.learn();
-  require_finite();
 
-  metrics = update_metrics(update, returns);
-  if (ppo_.updates() % job.settings.evaluation_interval == 0 || done(job, findings)) {
-    evaluate(job, ppo_.policy(), findings);
-    report_evaluation(findings, metrics);
+  metrics = {{"charts/learning_rate", update.learning_rate},
+             {"losses/policy_loss", update.losses.policy},
+             {"losses/value_loss", update.losses.value},
+             {"losses/entropy", update.losses.entropy},
+             {"losses/approx_kl", update.losses.approx_kl},
+             {"losses/clipfrac", update.losses.clipfrac},
+             {"losses/explained_variance", update.explained_variance}};
+  if (!returns.empty()) metrics.push_back({"charts/episodic_return", mean(returns)});
+  if (ppo_.updates() % settings_.evaluation_interval == 0 || done(job, result)) {
+    evaluate(job, ppo_.policy(), result);
+    report_evaluation(result, metrics);
   }
 }
 
-void PpoTraining::save(Checkpoint& checkpoint) const {
+template <typename Passes>
+void PpoTraining<Passes>::save(Checkpoint& checkpoint) const {
   ppo_.save(checkpoint);
   episodes_.save(checkpoint);
 }
 
-void PpoTraining::load(const Checkpoint& checkpoint) {
+template <typename Passes>
+void PpoTraining<Passes>::load(const Checkpoint& checkpoint) {
   ppo_.load(checkpoint);
   episodes_.load(checkpoint);
 }
 
 // Every state of the episode but its last.
-void PpoTraining::add_moments(const Arena& arena, const Demonstration& demonstration) {
+template <typename Passes>
+void PpoTraining<Passes>::add_moments(const Arena& arena, const Demonstration& demonstration) {
   const auto& [name, start, replay, rewards] = demonstration;
   const auto actuators = static_cast<std::size_t>(arena.action_length());
   if (replay.actions.size() != rewards.size() * actuators)
     throw error(Failure::data, "{}: has {} actions in {} steps; this robot has {} actuators", name,
                 replay.actions.size(), rewards.size(), actuators);
-  if (!ppo::all_finite(replay.actions))
-    throw error(Failure::data, "{}: an action is not a finite number", name);
   VecEnv env(arena, 1);
   env.reset(0, start);
   double sum = 0.0;
   for (std::size_t t = 0; t < rewards.size(); ++t) {
     moments_.push_back({env.save(0), sum});
-    env.step(std::span(replay.actions).subspan(t * actuators, actuators));
-    require_stable(env);
+    try {
+      env.step(std::span(replay.actions).subspan(t * actuators, actuators));
+      require_stable(env);
+    } catch (const Error& failure) {
+      throw error(Failure::data, "{}: {}", name, failure.what());
+    }
     if (env.rewards()[0] != rewards[t])
       throw error(Failure::data,
                   "{}: step {} earned {}, and earns {} here; was it recorded with another robot, "
@@ -148,51 +308,60 @@ void PpoTraining::add_moments(const Arena& arena, const Demonstration& demonstra
   }
 }
 
-void PpoTraining::start_episode(const TrainingJob& job, int environment) {
+template <typename Passes>
+void PpoTraining<Passes>::start_episode(int environment) {
   const EpisodeSeeds seeds = episodes_.next(environment);
   Stream random(seeds.stream, "moment", seeds.episode);
-  if (!moments_.empty() && random.uniform() < job.settings.moment_share) {
+  if (!moments_.empty() && random.uniform() < settings_.moment_share) {
     const Moment& moment = moments_[random.below(static_cast<std::uint32_t>(moments_.size()))];
     episodes_.env.load(environment, moment.state);
-    episodes_.env.perturb(environment, job.settings.moment_jitter, seeds.jitter);
+    episodes_.env.perturb(environment, settings_.moment_jitter, seeds.jitter);
     episodes_.returns[static_cast<std::size_t>(environment)] = moment.return_so_far;
     return;
   }
-  episodes_.reset(environment, seeds, job.settings.start_jitter);
+  episodes_.reset(environment, seeds, settings_.start_jitter);
 }
 
-void PpoTraining::step(const TrainingJob& job, std::vector<double>& returns) {
-  const std::span<const double> targets = ppo_.act();
-  require_finite();
+template <typename Passes>
+void PpoTraining<Passes>::step(const TrainingJob& job, std::vector<double>& returns) {
   VecEnv& env = episodes_.env;
-  env.step(targets);
-  require_stable(env);
-  ppo_.reward(learned_rewards(job.settings.failure_weight), env.terminated(), env.truncated(),
-              env.observations(), episodes_.steps());
-  for (int e = 0; e < env.environments(); ++e) {
-    const auto i = static_cast<std::size_t>(e);
-    episodes_.returns[i] += env.rewards()[i];
-    if (env.terminated()[i] == 0 && env.truncated()[i] == 0) continue;
-    returns.push_back(episodes_.returns[i]);
-    start_episode(job, e);
+  env.step(ppo_.act(), active_);
+  if (job.robots.size() == 1) require_stable(env);
+  rewards_.assign(env.rewards().begin(), env.rewards().end());
+  terminated_.assign(env.terminated().begin(), env.terminated().end());
+  truncated_.assign(env.truncated().begin(), env.truncated().end());
+  for (std::size_t e = 0; e < rewards_.size(); ++e) {
+    if (active_[e] == 0) continue;
+    const int environment = static_cast<int>(e);
+    // One body that flies apart ends its episode, not the training of all others.
+    if (env.status(environment) == LaneStatus::unstable) {
+      rewards_[e] = 0.0;
+      terminated_[e] = 1;
+    }
+    episodes_.returns[e] += rewards_[e];
+    rewards_[e] = learned_reward(rewards_[e], terminated_[e] != 0, settings_);
+    if (for_any && episodes_.begun[e] == 1 && env.steps(environment) >= first_length(environment))
+      truncated_[e] = 1;
+  }
+  ppo_.reward(rewards_, terminated_, truncated_, Passes::seen(env), episodes_.steps());
+  for (std::size_t e = 0; e < rewards_.size(); ++e) {
+    if (active_[e] == 0 || (terminated_[e] == 0 && truncated_[e] == 0)) continue;
+    if (!for_any || episodes_.begun[e] > 1) returns.push_back(episodes_.returns[e]);
+    start_episode(static_cast<int>(e));
   }
   observe();
 }
 
-// Rewards, but for bad ends, which count as much as the settings say.
-std::span<const double> PpoTraining::learned_rewards(double failure_weight) {
-  const VecEnv& env = episodes_.env;
-  learned_rewards_.assign(env.rewards().begin(), env.rewards().end());
-  for (std::size_t e = 0; e < learned_rewards_.size(); ++e)
-    if (env.terminated()[e] != 0 && learned_rewards_[e] < 0.0)
-      learned_rewards_[e] *= failure_weight;
-  return learned_rewards_;
+// First episodes of many robots are cut short, in steps, each after another share of the time,
+// so that a rollout sees all parts of an episode and not the same one of all robots.
+template <typename Passes>
+int PpoTraining<Passes>::first_length(int environment) const {
+  // Multiples of the golden ratio are spread evenly however many there are.
+  const double share = std::fmod((environment + 1) / std::numbers::phi, 1.0);
+  return 1 + static_cast<int>(share * episodes_.env.arena(environment).task().episode_steps);
 }
 
-void PpoTraining::observe() { ppo_.observe(episodes_.env.observations(), episodes_.steps()); }
-
-void PpoTraining::require_finite() const {
-  if (ppo_.divergence()) throw Error(Failure::work, *ppo_.divergence());
-}
+template class PpoTraining<PolicyPasses>;
+template class PpoTraining<ModularPasses>;
 
 }  // namespace evo

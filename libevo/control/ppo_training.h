@@ -1,27 +1,35 @@
 // Training a policy by proximal policy optimisation: environments, episodes and
-// evaluations around the learner of ppo.h.
+// evaluations around the learner of ppo.h. Of one robot, or of many that share a policy for any
+// body: each has the settings' `environments` then, which rest while it is not their robot's
+// turn, and what the policy is worth is the mean over robots.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "libevo/control/method.h"
+#include "libevo/control/modular_passes.h"
+#include "libevo/control/policy_passes.h"
 #include "libevo/control/ppo.h"
 #include "libevo/control/training_episodes.h"
 
 namespace evo {
 
+template <typename Passes>
 class PpoTraining {
  public:
-  static constexpr const char* name = "ppo";
+  // Its policy is for any body.
+  static constexpr bool for_any = std::is_same_v<Passes, ModularPasses>;
+  static constexpr const char* name = for_any ? "modular" : "ppo";
+  static constexpr Abilities can{
+      .shares = for_any, .moments = !for_any, .own_tasks = !for_any, .whole_updates = !for_any};
   static void check(const TrainingSettings& settings);
 
   explicit PpoTraining(const TrainingJob& job);
 
-  bool done(const TrainingJob& job, const Findings& findings) const;
-  void advance(const TrainingJob& job, Findings& findings, Metrics& metrics);  // one update
+  bool done(const TrainingJob& job, const TrainResult& result) const;
+  void advance(const TrainingJob& job, TrainResult& result, Metrics& metrics);  // one update
   void save(Checkpoint& checkpoint) const;
   void load(const Checkpoint& checkpoint);
 
@@ -34,17 +42,29 @@ class PpoTraining {
   void add_moments(const Arena& arena, const Demonstration& demonstration);
 
   // At a moment, or at the start.
-  void start_episode(const TrainingJob& job, int environment);
-  // One step of every environment; the returns of episodes that ended are added.
+  void start_episode(int environment);
+  // One step of every environment whose turn it is; the returns of episodes that ended are added.
   void step(const TrainingJob& job, std::vector<double>& returns);
-  std::span<const double> learned_rewards(double failure_weight);
-  void observe();
-  void require_finite() const;
+  void observe() { ppo_.observe(Passes::seen(episodes_.env), episodes_.steps()); }
+  int first_length(int environment) const;
 
+  TrainingSettings settings_;  // the job's, with the environments of all robots
   TrainingEpisodes episodes_;
-  Ppo ppo_;
-  std::vector<Moment> moments_;          // follow from the job: in no checkpoint
-  std::vector<double> learned_rewards_;  // [E]
+  Ppo<Passes> ppo_;
+  std::vector<Moment> moments_;           // follow from the job: in no checkpoint
+  std::vector<double> rewards_;           // [E] as learned from
+  std::vector<std::uint8_t> terminated_;  // [E]
+  std::vector<std::uint8_t> truncated_;   // [E]
+  std::vector<std::uint8_t> active_;      // [E] whose turn it is
 };
+
+// A bad end counts as much as the settings say, for the learner.
+inline double learned_reward(double reward, bool terminated, const TrainingSettings& settings) {
+  return terminated && reward < 0.0 ? reward * settings.failure_weight : reward;
+}
+
+// An untrained policy for the job's arena, on a base where one is given; one of its task.
+Policy initial_policy(const TrainingJob& job, std::optional<OpenLoop> base);
+ModularPolicy initial_modular_policy(const TrainingJob& job);
 
 }  // namespace evo

@@ -19,12 +19,12 @@ SequenceSearchSettings search_settings(const TrainingSettings& s) {
 
 // Of the episodes after a stretch, at most, in environment steps.
 std::int64_t evaluation_cost(const TrainingJob& job) {
-  return std::int64_t{2} * job.settings.evaluation_episodes * job.arena.task().episode_steps;
+  return std::int64_t{2} * job.settings.evaluation_episodes * job.arena().task().episode_steps;
 }
 // As long as an episode, and within what the physics allows.
 ReplayController fitted(ReplayController sequence, const TrainingJob& job) {
-  fit(sequence, job.arena.task().episode_steps);
-  const Physics& physics = job.arena.task().physics;
+  fit(sequence, job.arena().task().episode_steps);
+  const Physics& physics = job.arena().task().physics;
   for (double& target : sequence.actions)
     target = std::clamp(target, physics.min_target, physics.max_target);
   return sequence;
@@ -32,10 +32,10 @@ ReplayController fitted(ReplayController sequence, const TrainingJob& job) {
 
 // What a controller of the job's robot does in the episode that counts.
 ReplayController recorded(const Controller& controller, const TrainingJob& job) {
-  ReplayController sequence{{}, job.arena.action_length()};
+  ReplayController sequence{{}, job.arena().action_length()};
   EvaluationSettings first = job.evaluation();
   first.episodes = 1;
-  evaluate(job.arena, controller, first, [&](const EpisodeMoment& moment) {
+  evaluate(job.arena(), controller, first, [&](const EpisodeMoment& moment) {
     sequence.actions.insert(sequence.actions.end(), moment.targets.begin(), moment.targets.end());
   });
   return sequence;
@@ -44,7 +44,7 @@ ReplayController recorded(const Controller& controller, const TrainingJob& job) 
 std::optional<SequenceSearch::Start> inherited_start(const TrainingJob& job) {
   if (!job.inheritance) return std::nullopt;
   const Inheritance& old = *job.inheritance;
-  const Anatomy to = anatomy(job.arena.robot(), job.arena.layout());
+  const Anatomy to = anatomy(job.arena().robot(), job.arena().layout());
   if (const auto* sequence = std::get_if<ReplayController>(&old.controller))
     return fitted(transferred(*sequence, old.anatomy, to), job);
   if (const auto* policy = std::get_if<Policy>(&old.controller)) {
@@ -77,7 +77,7 @@ SequenceTraining::SequenceTraining(const TrainingJob& job)
 
 void SequenceTraining::explore_from(std::optional<SequenceSearch::Start> start) {
   const TrainingJob& job = *gait_job_;
-  search_.emplace(job.arena, search_settings(job.settings), job.evaluation(),
+  search_.emplace(job.arena(), search_settings(job.settings), job.evaluation(),
                   Stream(job.seed, "train/explore", job.robot_id), std::move(start));
 }
 
@@ -85,13 +85,13 @@ void SequenceTraining::explore_from(std::optional<SequenceSearch::Start> start) 
 std::int64_t SequenceTraining::first_cost(const TrainingJob& job) const {
   const bool begins_with_one = !search_ || search_->start();
   return std::int64_t{begins_with_one ? 1 : job.settings.environments} *
-         job.arena.task().episode_steps;
+         job.arena().task().episode_steps;
 }
 
-bool SequenceTraining::done(const TrainingJob& job, const Findings& findings) const {
+bool SequenceTraining::done(const TrainingJob& job, const TrainResult& result) const {
   if (!search_) return false;
   const std::int64_t first = search_->levels() == 0 ? first_cost(job) : job.settings.environments;
-  return findings.steps + first + evaluation_cost(job) > job.settings.steps;
+  return result.steps + first + evaluation_cost(job) > job.settings.steps;
 }
 
 void SequenceTraining::Pace::turn(double gained, std::int64_t steps) {
@@ -99,66 +99,65 @@ void SequenceTraining::Pace::turn(double gained, std::int64_t steps) {
   ++turns;
 }
 
-bool SequenceTraining::gait_is_next(const TrainingJob& job, const Findings& findings) const {
+bool SequenceTraining::gait_is_next(const TrainingJob& job, const TrainResult& result) const {
   if (!gait_) return false;
   if (!search_) return true;
-  if (findings.steps + generation_cost(job) + evaluation_cost(job) > job.settings.steps)
-    return false;
+  if (result.steps + generation_cost(job) + evaluation_cost(job) > job.settings.steps) return false;
   const bool ahead = exploration_pace_.turns >= known &&
                      best_gait_->best + gait_pace_.per_step * horizon >
-                         *findings.fitness + exploration_pace_.per_step * horizon;
+                         *result.fitness + exploration_pace_.per_step * horizon;
   const std::int64_t turn = gait_pace_.turns + exploration_pace_.turns + 1;
   return (turn % exception == 0) != ahead;
 }
 
-void SequenceTraining::advance(const TrainingJob& job, Findings& findings, Metrics& metrics) {
-  if (gait_is_next(job, findings))
-    search_gait(job, findings, metrics);
+void SequenceTraining::advance(const TrainingJob& job, TrainResult& result, Metrics& metrics) {
+  if (gait_is_next(job, result))
+    search_gait(job, result, metrics);
   else
-    explore(job, findings, metrics);
+    explore(job, result, metrics);
 }
 
-void SequenceTraining::search_gait(const TrainingJob& job, Findings& findings, Metrics& metrics) {
-  const std::int64_t before = findings.steps;
-  GaitTraining::Generation found = gait_->advance(job, findings, metrics);
+void SequenceTraining::search_gait(const TrainingJob& job, TrainResult& result, Metrics& metrics) {
+  const std::int64_t before = result.steps;
+  GaitTraining::Generation found = gait_->advance(job, result, metrics);
   const double gained = best_gait_ ? std::max(0.0, found.best - best_gait_->best) : 0.0;
-  gait_pace_.turn(gained, findings.steps - before);
+  gait_pace_.turn(gained, result.steps - before);
   if (!best_gait_ || gained > 0.0) {
     best_gait_ = std::move(found);
     if (search_) search_->offer(best_gait_->gait);
   }
-  if (!search_ && gait_->done(*gait_job_, findings)) {
+  if (!search_ && gait_->done(*gait_job_, result)) {
     explore_from(best_gait_->gait);
     gait_pace_.turns = 0;  // with exploration, from now on
   }
 }
 
-void SequenceTraining::explore(const TrainingJob& job, Findings& findings, Metrics& metrics) {
-  const std::int64_t before = findings.steps;
-  const double old_fitness = findings.fitness.value_or(0.0);  // there, if there is a gait
-  const std::int64_t left = job.settings.steps - evaluation_cost(job) - findings.steps;
+void SequenceTraining::explore(const TrainingJob& job, TrainResult& result, Metrics& metrics) {
+  const std::int64_t before = result.steps;
+  const double old_fitness = result.fitness.value_or(0.0);  // there, if there is a gait
+  const std::int64_t left = job.settings.steps - evaluation_cost(job) - result.steps;
   const std::int64_t stretch = job.settings.evaluation_interval * job.settings.batch();
   const std::int64_t first = search_->levels() == 0 ? first_cost(job) : 0;
-  findings.steps += search_->explore(std::min(left, first + stretch));
+  result.steps += search_->explore(std::min(left, first + stretch));
 
   // The episode from its beginning, whatever the archive says of it.
   const std::vector<ReplayController> news = search_->news();
   std::vector<double> means;
   if (!news.empty()) {
-    const OpenLoopEvaluation result = evaluate_each(job.arena, news, job.evaluation());
-    findings.steps += result.steps;
-    means = result.means;
+    const OpenLoopEvaluation tried = evaluate_each(job.arena(), news, job.evaluation());
+    result.steps += tried.steps;
+    means = tried.means;
   }
   const auto best = std::max_element(means.begin(), means.end());
   if (best != means.end()) {
-    findings.evaluated(*best, news[static_cast<std::size_t>(best - means.begin())]);
+    result.evaluated(*best, news[static_cast<std::size_t>(best - means.begin())]);
   } else {
-    findings.evaluated(findings.fitness.value(), *findings.best);  // nothing new
+    result.evaluated(result.fitness.value(), *result.controller);  // nothing new
   }
-  exploration_pace_.turn(*findings.fitness - old_fitness, findings.steps - before);
+  exploration_pace_.turn(*result.fitness - old_fitness, result.steps - before);
   metrics.push_back({"charts/levels", static_cast<double>(search_->levels())});
   metrics.push_back({"charts/highest_level", search_->highest()});
-  report_evaluation(findings, metrics);
+  report_evaluation(result, metrics);
 }
 
 void SequenceTraining::save(Checkpoint& checkpoint) const {

@@ -22,16 +22,17 @@ namespace evo {
 class SequenceTraining {
  public:
   static constexpr const char* name = "sequence";
+  static constexpr Abilities can{};
   static void check(const TrainingSettings&) {}
 
   // Throws Error(usage) where the budget is too small to explore anything.
   explicit SequenceTraining(const TrainingJob& job);
 
   // Too little is left of the budget for a stretch and its episodes.
-  bool done(const TrainingJob& job, const Findings& findings) const;
+  bool done(const TrainingJob& job, const TrainResult& result) const;
   // A generation of the search for a gait, or a stretch of exploration: as many steps
   // as lie between two evaluations.
-  void advance(const TrainingJob& job, Findings& findings, Metrics& metrics);
+  void advance(const TrainingJob& job, TrainResult& result, Metrics& metrics);
   void save(Checkpoint& checkpoint) const;
   void load(const Checkpoint& checkpoint);
 
@@ -45,9 +46,9 @@ class SequenceTraining {
 
   std::int64_t first_cost(const TrainingJob& job) const;
   void explore_from(std::optional<SequenceSearch::Start> start);
-  bool gait_is_next(const TrainingJob& job, const Findings& findings) const;
-  void search_gait(const TrainingJob& job, Findings& findings, Metrics& metrics);
-  void explore(const TrainingJob& job, Findings& findings, Metrics& metrics);
+  bool gait_is_next(const TrainingJob& job, const TrainResult& result) const;
+  void search_gait(const TrainingJob& job, TrainResult& result, Metrics& metrics);
+  void explore(const TrainingJob& job, TrainResult& result, Metrics& metrics);
 
   std::unique_ptr<TrainingJob> gait_job_;  // the job, but for the gait's first share of the steps
   std::optional<GaitTraining> gait_;       // none where it was not looked for

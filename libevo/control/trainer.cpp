@@ -36,8 +36,8 @@ struct Best<Policy> {
     std::optional<OpenLoop> base;
     if (checkpoint.has("best/gait/period")) base = load_sine(checkpoint, "best/gait");
     if (checkpoint.has("best/base/sequence"))
-      base =
-          ReplayController{checkpoint.get<double>("best/base/sequence"), job.arena.action_length()};
+      base = ReplayController{checkpoint.get<double>("best/base/sequence"),
+                              job.arena().action_length()};
     Policy policy = initial_policy(job, std::move(base));  // of its shape
     load_policy(checkpoint, "best/policy", policy);
     return policy;
@@ -77,7 +77,7 @@ struct Best<ReplayController> {
   }
   static bool in(const Checkpoint& checkpoint) { return checkpoint.has("best/sequence"); }
   static ReplayController load(const Checkpoint& checkpoint, const TrainingJob& job) {
-    return {checkpoint.get<double>("best/sequence"), job.arena.action_length()};
+    return {checkpoint.get<double>("best/sequence"), job.arena().action_length()};
   }
 };
 
@@ -90,11 +90,11 @@ TrainedController load_best(const Checkpoint& checkpoint, const TrainingJob& job
   return std::move(*best);
 }
 
-void save(Checkpoint& checkpoint, const Findings& findings) {
+void save(Checkpoint& checkpoint, const TrainResult& result) {
   std::vector<std::uint64_t> steps;
   std::vector<double> evaluations;
   std::vector<double> best;
-  for (const CurvePoint& point : findings.curve) {
+  for (const CurvePoint& point : result.curve) {
     steps.push_back(static_cast<std::uint64_t>(point.step));
     evaluations.push_back(point.evaluation);
     best.push_back(point.best);
@@ -102,30 +102,36 @@ void save(Checkpoint& checkpoint, const Findings& findings) {
   checkpoint.put("curve/step", std::move(steps));
   checkpoint.put("curve/evaluation", std::move(evaluations));
   checkpoint.put("curve/best", std::move(best));
-  checkpoint.put<std::uint64_t>("steps", {static_cast<std::uint64_t>(findings.steps)});
-  if (!findings.best) return;
-  checkpoint.put<std::uint64_t>("best/step", {static_cast<std::uint64_t>(findings.best_step)});
-  checkpoint.put<double>("best/fitness", {*findings.fitness});
-  if (!findings.best_each.empty()) checkpoint.put("best/each", findings.best_each);
+  checkpoint.put<std::uint64_t>("steps", {static_cast<std::uint64_t>(result.steps)});
+  if (!result.controller) return;
+  checkpoint.put<std::uint64_t>("best/step", {static_cast<std::uint64_t>(result.best_step)});
+  checkpoint.put<double>("best/fitness", {*result.fitness});
+  checkpoint.put("best/each", result.each);
+  if (const auto& final = result.final_score)
+    checkpoint.put<double>(
+        "final", {static_cast<double>(final->episodes), final->mean, final->standard_error});
   std::visit([&]<typename T>(const T& controller) { Best<T>::save(checkpoint, controller); },
-             *findings.best);
+             *result.controller);
 }
 
-Findings load(const Checkpoint& checkpoint, const TrainingJob& job) {
-  Findings findings;
+TrainResult load(const Checkpoint& checkpoint, const TrainingJob& job) {
+  TrainResult result;
   const auto& steps = checkpoint.get<std::uint64_t>("curve/step");
   const auto& evaluations = checkpoint.get<double>("curve/evaluation", steps.size());
   const auto& best = checkpoint.get<double>("curve/best", steps.size());
   for (std::size_t i = 0; i < steps.size(); ++i)
-    findings.curve.push_back({static_cast<std::int64_t>(steps[i]), evaluations[i], best[i]});
-  findings.steps = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("steps", 1)[0]);
-  if (steps.empty()) return findings;
-  findings.best_step = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("best/step", 1)[0]);
-  findings.fitness = checkpoint.get<double>("best/fitness", 1)[0];
-  if (checkpoint.has("best/each"))
-    findings.best_each = checkpoint.get<double>("best/each", 1 + job.others.size());
-  findings.best = load_best(checkpoint, job);
-  return findings;
+    result.curve.push_back({static_cast<std::int64_t>(steps[i]), evaluations[i], best[i]});
+  result.steps = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("steps", 1)[0]);
+  if (steps.empty()) return result;
+  result.best_step = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("best/step", 1)[0]);
+  result.fitness = checkpoint.get<double>("best/fitness", 1)[0];
+  result.each = checkpoint.get<double>("best/each", job.robots.size() > 1 ? job.robots.size() : 0);
+  if (checkpoint.has("final")) {
+    const auto& final = checkpoint.get<double>("final", 3);
+    result.final_score = FinalScore{static_cast<int>(final[0]), final[1], final[2]};
+  }
+  result.controller = load_best(checkpoint, job);
+  return result;
 }
 
 // ---- the end ----------------------------------------------------------------------------
@@ -139,107 +145,91 @@ FinalScore score(const TrainingJob& job, const Controller& controller) {
   return {final.episodes, scores.mean(), scores.standard_error()};
 }
 
-// Work that failed becomes a TrainingFailure; any other error is thrown on.
-TrainingFailure failure_of(const Error& failure, const TrainingJob& job, const Findings& findings) {
-  if (failure.kind() != Failure::work) throw failure;
-  return {failure.what(), findings.steps, job.seed};
-}
-
 }  // namespace
 
 // ---- the trainer ----------------------------------------------------------------------
 
 struct Trainer::Impl {
   TrainingJob job;
-  Findings findings;
+  TrainResult result;
   Method method;
 
   static Method begin(const TrainingJob& job) {
     check(job.settings);
     const std::string& name = job.settings.algorithm.name();
-    const bool modular = name == ModularTraining::name;
-    if (job.inheritance && !modular &&
+    const Abilities can = abilities(job.settings.algorithm);
+    if (job.inheritance && !can.shares &&
         std::holds_alternative<ModularPolicy>(job.inheritance->controller))
       throw error(Failure::usage, "training: {} cannot start from a modular policy; --algo {} can",
-                  name, ModularTraining::name);
-    if (!job.others.empty() && !modular)
+                  name, algorithm_that(&Abilities::shares));
+    if (job.robots.size() > 1 && !can.shares)
       throw error(Failure::usage,
                   "training: {} makes a controller for each robot; --algo {} makes one for all",
-                  name, ModularTraining::name);
-    if (!job.demonstrations.empty() && name != PpoTraining::name)
+                  name, algorithm_that(&Abilities::shares));
+    if (!job.demonstrations.empty() && !can.moments)
       throw error(Failure::usage,
-                  "training: episodes of {} begin at recorded moments, those of {} not",
-                  PpoTraining::name, name);
+                  "training: {} begins no episodes at recorded moments; --algo {} does", name,
+                  algorithm_that(&Abilities::moments));
     return make_method(job);
   }
 
   explicit Impl(TrainingJob j) : job(std::move(j)), method(begin(job)) {}
+
+  bool trained() const {
+    return std::visit([&](const auto& m) { return m.done(job, result); }, method);
+  }
 };
 
-Trainer::Trainer(const Arena& arena, const TrainingSettings& settings, std::uint64_t seed,
-                 std::string_view robot_id, std::optional<Inheritance> inheritance,
-                 std::vector<const Arena*> others, std::vector<Demonstration> demonstrations)
-    : impl_(std::make_unique<Impl>(TrainingJob{arena, settings, seed, std::string(robot_id),
-                                               std::move(inheritance), std::move(others),
-                                               std::move(demonstrations)})) {}
+Trainer::Trainer(std::vector<const Arena*> robots, const TrainingSettings& settings,
+                 std::uint64_t seed, std::string_view name, std::optional<Inheritance> inheritance,
+                 std::vector<Demonstration> demonstrations)
+    : impl_(
+          std::make_unique<Impl>(TrainingJob{std::move(robots), settings, seed, std::string(name),
+                                             std::move(inheritance), std::move(demonstrations)})) {}
 
 Trainer::~Trainer() = default;
 Trainer::Trainer(Trainer&&) noexcept = default;
 Trainer& Trainer::operator=(Trainer&&) noexcept = default;
 
 bool Trainer::done() const {
-  if (impl_->findings.failure) return true;
-  return std::visit([&](const auto& m) { return m.done(impl_->job, impl_->findings); },
-                    impl_->method);
+  const Impl& it = *impl_;
+  if (it.result.failure) return true;
+  return it.trained() && (it.result.final_score || it.job.settings.final_episodes == 0);
 }
 
 TrainingReport Trainer::advance() {
   Impl& it = *impl_;
   TrainingReport report;
   try {
-    std::visit([&](auto& m) { m.advance(it.job, it.findings, report.metrics); }, it.method);
+    if (it.trained())
+      it.result.final_score = score(it.job, to_controller(it.result.controller.value()));
+    else
+      std::visit([&](auto& m) { m.advance(it.job, it.result, report.metrics); }, it.method);
   } catch (const Error& failure) {
-    it.findings.failure = failure_of(failure, it.job, it.findings);
+    if (failure.kind() != Failure::work) throw;
+    it.result.failure = TrainingFailure{failure.what(), it.result.steps, it.job.seed};
+    it.result.fitness.reset();
+    it.result.controller.reset();
   }
-  report.step = it.findings.steps;
+  report.step = it.result.steps;
   report.steps = it.job.settings.steps;
   return report;
 }
 
-TrainResult Trainer::result() const {
-  const TrainingJob& job = impl_->job;
-  const Findings& findings = impl_->findings;
-  TrainResult result;
-  result.complete = done();
-  result.steps = findings.steps;
-  result.curve = findings.curve;
-  result.failure = findings.failure;
-  if (result.failure || !findings.best) return result;
-  if (result.complete && job.settings.final_episodes > 0) {
-    try {
-      result.final_score = score(job, to_controller(*findings.best));
-    } catch (const Error& failure) {
-      result.failure = failure_of(failure, job, findings);
-      return result;
-    }
-  }
-  result.fitness = findings.fitness;
-  result.controller = findings.best;
-  result.best_step = findings.best_step;
-  result.each = findings.best_each;
-  return result;
-}
+const TrainResult& Trainer::result() const { return impl_->result; }
 
 Checkpoint Trainer::checkpoint() const {
   Checkpoint checkpoint;
-  save(checkpoint, impl_->findings);
+  save(checkpoint, impl_->result);
   std::visit([&](const auto& m) { m.save(checkpoint); }, impl_->method);
   return checkpoint;
 }
 
 void Trainer::restore(const Checkpoint& checkpoint) {
-  impl_->findings = load(checkpoint, impl_->job);
-  std::visit([&](auto& m) { m.load(checkpoint); }, impl_->method);
+  Impl& it = *impl_;
+  it.result = load(checkpoint, it.job);
+  std::visit([&](auto& m) { m.load(checkpoint); }, it.method);
+  if (!it.trained()) it.result.final_score.reset();  // of a training with fewer steps
 }
 
 TrainResult train(Trainer& trainer, const TrainingHook& go_on) {

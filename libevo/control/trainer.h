@@ -8,8 +8,10 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "libevo/control/checkpoint.h"
@@ -58,18 +60,21 @@ struct Demonstration {
   std::vector<double> rewards;  // [T], which the actions earn again, to the last bit
 };
 
+// What a training has found so far.
 struct TrainResult {
-  bool complete = false;                        // not stopped early by the caller
+  std::int64_t steps = 0;  // environment steps taken
+  std::vector<CurvePoint> curve;
   std::optional<double> fitness;                // best evaluation; none after a failure
   std::optional<TrainedController> controller;  // that reached it
   std::int64_t best_step = 0;                   // when it did
-  // What each of several robots earned then, NaN where its simulation became unstable. Nothing of
-  // a training that goes on from a checkpoint without it.
+  // What each of several robots earned then, NaN where its simulation became unstable.
   std::vector<double> each;
-  std::int64_t steps = 0;  // environment steps of training
-  std::vector<CurvePoint> curve;
-  std::optional<FinalScore> final_score;
+  std::optional<FinalScore> final_score;  // the last thing that a training does
   std::optional<TrainingFailure> failure;
+
+  // Adds a point to the curve, and keeps the controller, and what each of several robots earned
+  // with it, if it is strictly better than all before.
+  void evaluated(double value, const TrainedController& of, std::span<const double> of_each = {});
 };
 
 // Named as CleanRL names them: "losses/policy_loss", "charts/learning_rate", ...
@@ -87,26 +92,29 @@ struct TrainingReport {
 
 class Trainer {
  public:
-  // `arena` must outlive this. Throws Error(usage) for settings that make no
-  // sense, Error(data) for an inheritance that does not fit them. `robot_id` names
-  // the random streams. `others` are more robots of the task that get the same controller,
-  // for a method that can make one for several. `demonstrations` are of this robot; episodes
-  // begin there instead of at moments of what is inherited. Throws Error(data) for one that
-  // does not earn what it says.
-  Trainer(const Arena& arena, const TrainingSettings& settings, std::uint64_t seed,
-          std::string_view robot_id, std::optional<Inheritance> inheritance = {},
-          std::vector<const Arena*> others = {}, std::vector<Demonstration> demonstrations = {});
+  // `robots` must outlive this: one, or more of the same task that get the same controller, of a
+  // method that can make one for several. Throws Error(usage) for settings that make no
+  // sense, Error(data) for an inheritance that does not fit them. `name` names the random
+  // streams: a robot's id. `demonstrations` are of the robot; episodes begin there instead of at
+  // moments of what is inherited. Throws Error(data) for one that does not earn what it says.
+  Trainer(std::vector<const Arena*> robots, const TrainingSettings& settings, std::uint64_t seed,
+          std::string_view name, std::optional<Inheritance> inheritance = {},
+          std::vector<Demonstration> demonstrations = {});
+  Trainer(const Arena& robot, const TrainingSettings& settings, std::uint64_t seed,
+          std::string_view name, std::optional<Inheritance> inheritance = {},
+          std::vector<Demonstration> demonstrations = {})
+      : Trainer(std::vector{&robot}, settings, seed, name, std::move(inheritance),
+                std::move(demonstrations)) {}
   ~Trainer();
   Trainer(Trainer&&) noexcept;
   Trainer& operator=(Trainer&&) noexcept;
 
   bool done() const;
   // One update of PPO or one generation of the search, and the evaluation
-  // where one is due. Numbers that stop being finite end the training with a
-  // failure record.
+  // where one is due; at the end the final episodes. Numbers that stop being finite end the
+  // training with a failure record.
   TrainingReport advance();
-  // When done, runs the final episodes, too.
-  TrainResult result() const;
+  const TrainResult& result() const;
 
   // Everything needed to go on to the same bytes.
   Checkpoint checkpoint() const;

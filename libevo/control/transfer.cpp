@@ -13,7 +13,6 @@ namespace {
 using Place = Anatomy::Place;
 
 constexpr int none = -1;
-constexpr double memory_of_another_anatomy = 10000.0;  // observations
 
 std::vector<Place> lattice_points(const Body& robot) {
   const Model model(World{{Object{robot_name, robot, 0, 0}}}, Physics{});
@@ -198,7 +197,7 @@ Policy transferred(const Policy& old_policy, const Anatomy& from, const Policy& 
       match_inputs(from, static_cast<std::size_t>(old_policy.observation_length()), to,
                    static_cast<std::size_t>(fresh.observation_length()), 2 * fresh.clock.size());
   Policy policy = fresh;
-  const double memory = from == to ? old_policy.normalizer.count : memory_of_another_anatomy;
+  const double memory = from == to ? old_policy.normalizer.count : memory_of_another_body;
   policy.normalizer = carried(old_policy.normalizer, map, fresh.normalizer, memory);
   policy.critic = carried(old_policy.critic, map);
   policy.actor = carried(old_policy.actor, map);

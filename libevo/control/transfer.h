@@ -37,6 +37,10 @@ struct Anatomy {
 // Of a robot whose observation has this layout (Arena::layout, or a policy file's).
 Anatomy anatomy(const Body& robot, std::vector<ObservationSlice> layout);
 
+// No more observations than these stand behind the moments that a controller brings to another
+// body, so that they adapt.
+inline constexpr double memory_of_another_body = 10000.0;
+
 // A gait: every actuator does what the nearest one of the old body did.
 SineController transferred(const SineController& old_gait, const Anatomy& from, const Anatomy& to);
 
@@ -46,7 +50,7 @@ ReplayController transferred(const ReplayController& old_sequence, const Anatomy
 
 // The old policy on the new body. `fresh` is an untrained policy for it: it gives
 // what has no counterpart, and the deviation of actions. On another anatomy, no more
-// than 10 000 observations stand behind the moments, so that they adapt; on the same
+// than memory_of_another_body stand behind the moments; on the same
 // one (voxels may be of other materials), as many as before, since networks fall when
 // what they see is scaled otherwise from one update to the next. Throws Error(data)
 // where the two differ otherwise: in hidden layers, inputs beside the observation, or

@@ -297,7 +297,7 @@ void VecEnv::step(std::span<const double> actions, std::span<const std::uint8_t>
     for (std::size_t k = 0; k < targets.size(); ++k) {
       const double target = actions[e.action_offset + k];
       if (!std::isfinite(target))
-        throw error(Failure::work, "target {} of environment {} is not a number", k, i);
+        throw error(Failure::work, "target {} of environment {} is not a finite number", k, i);
       targets[k] = target;
     }
   }

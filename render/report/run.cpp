@@ -13,8 +13,8 @@
 #include "libevo/base/parallel.h"
 #include "render/report/choice.h"
 #include "render/report/replay.h"
-#include "training/episodes.h"
-#include "training/run_policy.h"
+#include "formats/rollout/episodes.h"
+#include "formats/run/run_policy.h"
 
 namespace evo::report {
 namespace {

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libevo/control/ppo_parts.h"
+#include "libevo/control/ppo.h"
 
 namespace evo::test {
 
 // Of sample i, whose actions the policy now has with `log_prob`, whose state it values at `v`.
-inline double loss_of_sample(const SampleNumbers& batch, Eigen::Index i, double log_prob, double v,
+inline double loss_of_sample(const Samples& batch, Eigen::Index i, double log_prob, double v,
                              double entropy, const Objective& o) {
   const double advantage = static_cast<double>(batch.advantages[i]);
   const double ratio = std::exp(log_prob - static_cast<double>(batch.log_probs[i]));

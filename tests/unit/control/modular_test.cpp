@@ -8,8 +8,7 @@
 #include "libevo/base/digest.h"
 #include "libevo/base/error.h"
 #include "libevo/control/evaluate.h"
-#include "libevo/control/modular_ppo.h"
-#include "libevo/control/modular_training.h"
+#include "libevo/control/modular_passes.h"
 #include "libevo/control/trainer.h"
 #include "tests/unit/control/arena.h"
 #include "tests/unit/control/loss.h"
@@ -81,6 +80,10 @@ std::vector<float> means_of(const ModularPolicy& policy, const Bodies& bodies,
   forward_actor(policy, bodies, prepared, batch, pass, means);
   return means;
 }
+
+struct ModularSamples : Samples {
+  VoxelBatch states;
+};
 
 ModularSamples plausible_batch(const ModularPolicy& policy, const Bodies& bodies, int samples,
                                Stream& stream) {
@@ -259,9 +262,11 @@ TEST_CASE("a modular policy's gradients agree with finite differences in double 
   REQUIRE_FALSE(defect(policy));
   const ModularSamples batch = plausible_batch(policy, bodies, 20, stream);
   const Objective objective{0.1, true, 0.5, 0.01};
-  ModularGradients gradients = zero_gradients(policy);
-  ModularScratch scratch;
-  const Losses losses = differentiate(policy, bodies, batch, objective, gradients, scratch);
+  ModularPasses passes(policy, {Group{bodies, {0, 1, 2}}});
+  passes.begin_turn(0, 1);
+  passes.minibatch() = batch.states;
+  Gaussians pi;
+  const Losses losses = differentiate(passes, batch, objective, pi);
 
   std::vector<double> p;
   for (const auto& block : parameter_blocks(policy)) p.insert(p.end(), block.begin(), block.end());
@@ -271,8 +276,7 @@ TEST_CASE("a modular policy's gradients agree with finite differences in double 
   CHECK(losses.clipfrac < 0.95);
 
   std::vector<float> slopes;
-  for (const auto& block : parameter_blocks(gradients))
-    slopes.insert(slopes.end(), block.begin(), block.end());
+  for (const auto& block : passes.slopes()) slopes.insert(slopes.end(), block.begin(), block.end());
   REQUIRE(slopes.size() == p.size());
   double largest = 0.0;
   for (const float slope : slopes)
@@ -427,13 +431,12 @@ TEST_CASE("what a body does and learns does not depend on what is beside it") {
 
 TEST_CASE("one modular policy for several robots learns, and to the same bytes") {
   const Robots robots(three_bodies());
-  const auto others = std::vector<const Arena*>{robots.all()[1], robots.all()[2]};
   const auto run = [&] {
-    Trainer trainer(robots.arenas[0], small_settings(), 5, "shared", {}, others);
+    Trainer trainer(robots.all(), small_settings(), 5, "shared");
     return train(trainer);
   };
   const TrainResult result = run();
-  REQUIRE(result.complete);
+  REQUIRE_FALSE(result.failure);
   CHECK(result.steps == 4 * 3 * 16);
   CHECK(result.curve.size() == 2);
   CHECK(digest(result) == digest(run()));
@@ -443,7 +446,7 @@ TEST_CASE("one modular policy for several robots learns, and to the same bytes")
   // With gates: other bytes, as firmly.
   TrainingSettings gated = small_settings(Exchange::body);
   gated.gating = Gating::fixed;
-  Trainer trainer(robots.arenas[0], gated, 5, "shared", {}, others);
+  Trainer trainer(robots.all(), gated, 5, "shared");
   const TrainResult of_gates = train(trainer);
   CHECK(std::get<ModularPolicy>(*of_gates.controller).actor.gates[1].scale.norm() > 0.0F);
   CHECK(digest(of_gates) == "9608cadc1fbf84160dc3ebc16a81887c8713d5d70bf0b0c336cb134d15c674ef");
@@ -462,14 +465,13 @@ TEST_CASE("one modular policy for several robots learns, and to the same bytes")
 
 TEST_CASE("a shared training goes on from its checkpoint to the same bytes") {
   const Robots robots(three_bodies());
-  const auto others = std::vector<const Arena*>{robots.all()[1], robots.all()[2]};
-  Trainer whole(robots.arenas[0], small_settings(), 6, "shared", {}, others);
+  Trainer whole(robots.all(), small_settings(), 6, "shared");
   const TrainResult expected = train(whole);
-  Trainer first(robots.arenas[0], small_settings(), 6, "shared", {}, others);
+  Trainer first(robots.all(), small_settings(), 6, "shared");
   first.advance();
   first.advance();
   first.advance();
-  Trainer second(robots.arenas[0], small_settings(), 6, "shared", {}, others);
+  Trainer second(robots.all(), small_settings(), 6, "shared");
   second.restore(first.checkpoint());
   const TrainResult result = train(second);
   CHECK(digest(result) == digest(expected));
@@ -483,7 +485,7 @@ TEST_CASE("every robot has the settings' environments, alone or beside others") 
   const Robots robots(three_bodies());
   Trainer alone(robots.arenas[0], settings, 1, "a");
   CHECK(alone.advance().step == 4 * 16);
-  Trainer three(robots.arenas[0], settings, 1, "shared", {}, {robots.all()[1], robots.all()[2]});
+  Trainer three(robots.all(), settings, 1, "shared");
   CHECK(three.advance().step == 3 * 4 * 16);
 }
 
@@ -493,11 +495,10 @@ TEST_CASE("robots take turns where an update learns from some of them") {
   settings.steps = 3 * 16 * 6;
   const Robots robots(three_bodies());
   const auto run = [&](int interrupted) {
-    const std::vector<const Arena*> others{robots.all()[1], robots.all()[2]};
-    Trainer first(robots.arenas[0], settings, 1, "shared", {}, others);
+    Trainer first(robots.all(), settings, 1, "shared");
     std::vector<std::int64_t> steps;
     for (int i = 0; i < interrupted; ++i) steps.push_back(first.advance().step);
-    Trainer second(robots.arenas[0], settings, 1, "shared", {}, others);
+    Trainer second(robots.all(), settings, 1, "shared");
     second.restore(first.checkpoint());
     while (!second.done()) steps.push_back(second.advance().step);
     return std::pair{digest(second.result()), steps};
@@ -511,12 +512,9 @@ TEST_CASE("robots take turns where an update learns from some of them") {
 
   // Of the one robot that is alone in its turn there are 16 samples.
   settings.minibatches = 17;
-  CHECK_THROWS_AS(
-      Trainer(robots.arenas[0], settings, 1, "shared", {}, {robots.all()[1], robots.all()[2]}),
-      Error);
+  CHECK_THROWS_AS(Trainer(robots.all(), settings, 1, "shared"), Error);
   settings.minibatches = 16;
-  CHECK_NOTHROW(
-      Trainer(robots.arenas[0], settings, 1, "shared", {}, {robots.all()[1], robots.all()[2]}));
+  CHECK_NOTHROW(Trainer(robots.all(), settings, 1, "shared"));
 }
 
 TEST_CASE("a child of another body starts with its parent's controller as it is") {
@@ -542,7 +540,7 @@ TEST_CASE("what a modular policy cannot do is said in one line") {
   Trainer trainer(robots.arenas[0], settings, 5, "parent");
   const TrainResult learned = train(trainer);
   const Inheritance modular{*learned.controller, {}};
-  CHECK_THROWS_WITH(Trainer(robots.arenas[0], ppo, 1, "x", {}, {robots.all()[1]}),
+  CHECK_THROWS_WITH(Trainer({robots.all()[0], robots.all()[1]}, ppo, 1, "x"),
                     "training: ppo makes a controller for each robot; --algo modular makes one "
                     "for all");
   CHECK_THROWS_WITH(Trainer(robots.arenas[0], ppo, 1, "x", modular),
@@ -591,7 +589,7 @@ TEST_CASE("a modular policy learns to walk on several bodies at once", "[.slow]"
   settings.initial_log_std = -0.5;
   settings.steps = 150'000;
   settings.evaluation_interval = 20;
-  Trainer trainer(robots.arenas[0], settings, 1, "shared", {}, {robots.all()[1], robots.all()[2]});
+  Trainer trainer(robots.all(), settings, 1, "shared");
   const TrainResult result = train(trainer);
   CHECK(*result.fitness > 0.5);  // voxels in 200 steps, in the mean; at rest 0
 }

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "libevo/base/error.h"
-#include "libevo/control/ppo.h"
+#include "libevo/control/policy_passes.h"
 #include "tests/unit/control/arena.h"
 
 using namespace evo;

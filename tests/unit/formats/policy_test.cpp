@@ -12,7 +12,7 @@
 #include "formats/training/policy_json.h"
 #include "formats/training/training.h"
 #include "libevo/control/evaluate.h"
-#include "libevo/control/modular_ppo.h"
+#include "libevo/control/modular_passes.h"
 
 using namespace evo;
 

@@ -428,7 +428,7 @@ TEST_CASE("a target that is not a number is refused") {
   env.reset(0, {});
   auto targets = actions(arena, 1, 0);
   targets[1] = std::nan("");
-  CHECK_THROWS_WITH(env.step(targets), "target 1 of environment 0 is not a number");
+  CHECK_THROWS_WITH(env.step(targets), "target 1 of environment 0 is not a finite number");
 }
 
 // ---- judging -------------------------------------------------------------------------

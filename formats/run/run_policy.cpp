@@ -1,4 +1,4 @@
-#include "training/run_policy.h"
+#include "formats/run/run_policy.h"
 
 #include <utility>
 #include <vector>

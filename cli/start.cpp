@@ -1,13 +1,13 @@
-#include "training/start.h"
+#include "cli/start.h"
 
 #include <filesystem>
 
+#include "formats/rollout/episodes.h"
 #include "formats/rollout/rollout.h"
 #include "formats/training/policy.h"
 #include "libevo/base/digest.h"
 #include "libevo/base/error.h"
 #include "libevo/control/transfer.h"
-#include "training/episodes.h"
 
 namespace evo {
 namespace {
@@ -77,10 +77,10 @@ std::string hash_of(const Demonstration& demonstration) {
 }
 
 // How many robots, and which.
-std::string names_of_all(const Arena& arena, const std::vector<const Arena*>& others) {
-  std::string ids = identity(arena.robot());
-  for (const Arena* other : others) ids += "\n" + identity(other->robot());
-  return fmt::format("{} {}", 1 + others.size(), sha256_hex(ids));
+std::string names_of_all(const std::vector<const Arena*>& robots) {
+  std::string ids;
+  for (const Arena* robot : robots) ids += identity(robot->robot()) + "\n";
+  return fmt::format("{} {}", robots.size(), sha256_hex(ids));
 }
 
 TrainingIdentity identity_of(const TrainingPlan& plan, const Robot& robot, std::int64_t steps,
@@ -91,8 +91,8 @@ TrainingIdentity identity_of(const TrainingPlan& plan, const Robot& robot, std::
 }
 
 // The checkpoint is of this training, or the end of one with fewer steps.
-void go_on(const TrainingPlan& plan, const Robot& robot, const Arena& arena,
-           const std::vector<const Arena*>& others, const fs::path& path, TrainingStart& start) {
+void go_on(const TrainingPlan& plan, const Robot& robot, const std::vector<const Arena*>& robots,
+           const fs::path& path, TrainingStart& start) {
   const TrainingSettings& settings = plan.settings(robot);
   const auto span = span_of_same(read_checkpoint_identity(path), start.identity.lines);
   if (!span || span->steps > settings.steps) {
@@ -104,7 +104,7 @@ void go_on(const TrainingPlan& plan, const Robot& robot, const Arena& arena,
   if (span->steps < settings.steps) {
     TrainingSettings of_part = settings;
     of_part.steps = span->steps;
-    Trainer part(arena, of_part, plan.seed, stream_name(plan, robot), start.inheritance, others,
+    Trainer part(robots, of_part, plan.seed, stream_name(plan, robot), start.inheritance,
                  start.demonstrations);
     restore(part, *start.checkpoint, path);
     if (!part.done())
@@ -134,10 +134,10 @@ bool is_part(const std::string& identity, const TrainingStart& start) {
   return start.checkpoint && span_of_same(identity, start.identity.lines);
 }
 
-TrainingStart find_start(const TrainingPlan& plan, const Robot& robot, const Arena& arena,
-                         const std::vector<const Arena*>& others) {
+TrainingStart find_start(const TrainingPlan& plan, const Robot& robot,
+                         const std::vector<const Arena*>& robots) {
   TrainingStart start;
-  if (plan.shared) start.origin.robots = names_of_all(arena, others);
+  if (plan.shared) start.origin.robots = names_of_all(robots);
   if (const auto path = inherited_policy(plan, robot)) {
     const PolicyFile file = read_policy(*path);
     start.inheritance = Inheritance{file.controller, anatomy(file.robot.body, file.layout)};
@@ -151,7 +151,7 @@ TrainingStart find_start(const TrainingPlan& plan, const Robot& robot, const Are
   start.identity = identity_of(plan, robot, plan.settings(robot).steps, start.origin);
   if (const fs::path path = training_paths(plan, robot.id).checkpoint;
       plan.resume && fs::exists(path))
-    go_on(plan, robot, arena, others, path, start);
+    go_on(plan, robot, robots, path, start);
   return start;
 }
 

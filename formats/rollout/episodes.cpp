@@ -1,4 +1,4 @@
-#include "training/episodes.h"
+#include "formats/rollout/episodes.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "training/train.h"
+#include "cli/train.h"
 
 #include <atomic>
 #include <chrono>
@@ -9,16 +9,15 @@
 #include <string_view>
 #include <system_error>
 
+#include "cli/start.h"
 #include "formats/io/files.h"
+#include "formats/rollout/episodes.h"
 #include "formats/task/text.h"
 #include "formats/training/policy.h"
 #include "formats/training/training_log.h"
 #include "libevo/base/error.h"
 #include "libevo/control/methods.h"
 #include "libevo/control/sine.h"
-#include "training/episodes.h"
-#include "training/rescue.h"
-#include "training/start.h"
 
 namespace evo {
 namespace {
@@ -129,11 +128,10 @@ void write_curve(const fs::path& path, const std::vector<CurvePoint>& curve) {
 class Training {
  public:
   Training(const TrainingPlan& plan, std::span<const Robot> robots, std::size_t index,
-           Rescue& rescue, const TrainingObserver& observer)
+           const TrainingObserver& observer)
       : plan_(plan),
         robots_(robots),
         index_(index),
-        rescue_(rescue),
         observer_(observer),
         paths_(training_paths(plan, robots.front().id)) {
     for (const Robot& robot : robots) {
@@ -143,19 +141,19 @@ class Training {
         if (!plan.shared) throw;
         throw e.at("robot " + robot.id);
       }
-      if (arenas_.size() > 1) others_.push_back(&arenas_.back());
     }
+    for (const Arena& arena : arenas_) pointers_.push_back(&arena);
   }
 
-  // How it went, of each robot.
+  // Of each robot; of the first alone where it was interrupted.
   std::vector<Trained> run() {
-    start_ = find_start(plan_, first(), arenas_.front(), others_);
+    start_ = find_start(plan_, first(), pointers_);
     Trained trained;
     trained.index = index_;
     std::vector<Robot> measured;
     if (trained_before(plan_, first(), paths_.policy, start_)) {
       trained.known = true;
-      measured = from_file();
+      measured = scored_by(read_policy(paths_.policy));
     } else {
       measured = train(trained);
     }
@@ -181,9 +179,8 @@ class Training {
     // What is there is an earlier end of the same training.
     const bool replaces_part = !plan_.replace && start_.checkpoint && fs::exists(paths_.policy) &&
                                is_part(read_policy_identity(paths_.policy), start_);
-    Trainer trainer(arenas_.front(), plan_.settings(first()), plan_.seed,
-                    stream_name(plan_, first()), start_.inheritance, others_,
-                    start_.demonstrations);
+    Trainer trainer(pointers_, plan_.settings(first()), plan_.seed, stream_name(plan_, first()),
+                    start_.inheritance, start_.demonstrations);
     begin(trainer);
     if (observer_.begins) observer_.begins(index_);
 
@@ -230,7 +227,6 @@ class Training {
         log.line(report, static_cast<double>(trained.steps) / std::max(seconds_since(began), 1e-9));
       observer_.progress(index_, report);
       if (trainer.done()) break;
-      rescue_.keep(index_, trainer.checkpoint(), paths_.checkpoint, start_.identity);
       if (observer_.interrupted() != 0) return false;
       if (plan_.checkpoint_every > 0 && report.step - saved_step >= plan_.checkpoint_every) {
         save(trainer);
@@ -242,19 +238,21 @@ class Training {
 
   // The policy comes last: it says that the training has ended.
   std::vector<Robot> finish(const Trainer& trainer, bool replaces_part) {
-    const TrainResult result = trainer.result();
+    const TrainResult& result = trainer.result();
     const bool keeps = plan_.keep_checkpoint && !result.failure;
     if (keeps) save(trainer);
-    if (!result.failure)
-      save_policy(paths_.policy, policy_file(result), plan_.replace || replaces_part);
-    rescue_.forget(index_);
+    std::vector<Robot> measured;
+    if (result.failure) {
+      for (const Robot& robot : robots_) measured.push_back(failed(plan_, robot, *result.failure));
+    } else {
+      const PolicyFile file = policy_file(result);
+      save_policy(paths_.policy, file, plan_.replace || replaces_part);
+      measured = scored_by(file);
+    }
     std::error_code ignored;
     if (!keeps) fs::remove(paths_.checkpoint, ignored);
     if (plan_.curve) write_curve(*plan_.curve, result.curve);
-    if (!result.failure) return from_file();
-    std::vector<Robot> all;
-    for (const Robot& robot : robots_) all.push_back(failed(plan_, robot, *result.failure));
-    return all;
+    return measured;
   }
 
   PolicyFile policy_file(const TrainResult& result) const {
@@ -289,9 +287,8 @@ class Training {
     return file;
   }
 
-  // The robots with what the policy file says of them.
-  std::vector<Robot> from_file() const {
-    const PolicyFile file = read_policy(paths_.policy);
+  // The robots with what their policy says of them.
+  std::vector<Robot> scored_by(const PolicyFile& file) const {
     if (!plan_.shared)
       return {scored(plan_, first(), file.fitness, paths_.policy, file, arenas_.front())};
     std::vector<Robot> all;
@@ -311,11 +308,10 @@ class Training {
   const TrainingPlan& plan_;
   std::span<const Robot> robots_;
   std::size_t index_;  // of the first
-  Rescue& rescue_;
   const TrainingObserver& observer_;
   TrainingPaths paths_;
-  std::deque<Arena> arenas_;          // of each robot
-  std::vector<const Arena*> others_;  // but the first
+  std::deque<Arena> arenas_;  // of each robot
+  std::vector<const Arena*> pointers_;
   TrainingStart start_;
 };
 
@@ -357,14 +353,13 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
   }
   std::optional<Inheritance> inheritance;
   // A modular policy would have to be of the settings' own shape to say anything.
-  if (inherits == Inherits::yes && settings.algorithm != Algorithm(ModularTraining::name))
+  if (inherits == Inherits::yes && !abilities(settings.algorithm).shares)
     inheritance = {travelling_wave(arena->action_length(), 0.5, 20.0, 0.5),
                    anatomy(arena->robot(), arena->layout())};
-  const std::vector<const Arena*> others(static_cast<std::size_t>(robots - 1), &*arena);
+  const std::vector<const Arena*> all(static_cast<std::size_t>(robots), &*arena);
   // Of no step, since they are of other bodies.
   std::vector<Demonstration> demonstrations(plan.moments.empty() ? 0 : 1);
-  (void)Trainer(*arena, settings, plan.seed, "", std::move(inheritance), others,
-                std::move(demonstrations));
+  (void)Trainer(all, settings, plan.seed, "", std::move(inheritance), std::move(demonstrations));
 }
 
 int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, ThreadPool& pool,
@@ -380,10 +375,9 @@ int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, Thr
   } else if (plan.shared->has_parent_path()) {
     make_folders(plan.shared->parent_path());
   }
-  Rescue rescue(observer.interrupted, observer.farewell);
   std::atomic<bool> stopped = false;
   const auto train = [&](std::span<const Robot> of, std::size_t index) {
-    for (const Trained& trained : Training(plan, of, index, rescue, observer).run()) {
+    for (const Trained& trained : Training(plan, of, index, observer).run()) {
       if (trained.robot) stop_at_failure(plan, *trained.robot);
       observer.ended(trained);
     }

@@ -4,12 +4,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "cli/train.h"
 #include "formats/robot/robot.h"
 #include "formats/training/identity.h"
 #include "libevo/control/checkpoint.h"
 #include "libevo/control/trainer.h"
-#include "training/train.h"
 
 namespace evo {
 
@@ -23,9 +24,9 @@ struct TrainingStart {
 
 // Throws Error(no_input) for a founder without the controller that it is to have, or a rollout
 // that is not there, Error(cannot_create) where the checkpoint is of another training, Error(data).
-// `others`: of more robots that get the same controller.
-TrainingStart find_start(const TrainingPlan& plan, const Robot& robot, const Arena& arena,
-                         const std::vector<const Arena*>& others = {});
+// `robots` are all that get the same controller.
+TrainingStart find_start(const TrainingPlan& plan, const Robot& robot,
+                         const std::vector<const Arena*>& robots);
 
 // The trainer in the state of the checkpoint, which came from `path`.
 void restore(Trainer& trainer, const Checkpoint& checkpoint, const std::filesystem::path& path);

@@ -1,6 +1,6 @@
 // Robots in, trained controllers out, as files: where a training starts from (start.h),
 // policy, checkpoint, log and curve of each robot, and what is known already. evo-train
-// is this from a command line, a run's slots are trained by it, too.
+// is this from a command line.
 #pragma once
 
 #include <cstdint>
@@ -75,9 +75,6 @@ struct Trained {
 struct TrainingObserver {
   std::function<void(const std::string&)> note;
   std::function<int()> interrupted;  // the signal that asks to stop, or 0
-  // Once, before the process ends half a second after an interrupt because trainings are
-  // in the middle of an update.
-  std::function<void()> farewell;
   // Before its first step in this process; not of robots that are trained already.
   std::function<void(std::size_t index)> begins;
   std::function<void(std::size_t index, const TrainingReport&)> progress;

@@ -154,8 +154,8 @@ Measurement measure(const Subject& subject, int envs, const Settings& settings) 
   runners.reserve(static_cast<std::size_t>(settings.threads));
   for (int i = 0; i < settings.threads; ++i)
     runners.emplace_back(arena, envs, seed + static_cast<std::uint64_t>(i));
-  Measurement result{task.name, cli::profile_name(task.physics), body, seed, envs,
-                     count_voxels(body), {}};
+  Measurement result{
+      task.name, cli::profile_name(task.physics), body, seed, envs, count_voxels(body), {}};
   ThreadPool pool(settings.threads);
   if (pool.threads() < settings.threads)
     throw error(Failure::work, "--threads: only {} of {} could be started", pool.threads(),

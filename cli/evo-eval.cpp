@@ -13,11 +13,11 @@
 #include "formats/io/files.h"
 #include "formats/io/values.h"
 #include "formats/robot/writer.h"
+#include "formats/rollout/episodes.h"
 #include "formats/task/task.h"
 #include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
 #include "libevo/control/evaluate.h"
-#include "formats/rollout/episodes.h"
 
 namespace {
 

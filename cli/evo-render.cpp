@@ -10,13 +10,13 @@
 #include "formats/io/files.h"
 #include "formats/io/hdf5.h"
 #include "formats/io/values.h"
+#include "formats/rollout/episodes.h"
 #include "formats/rollout/rollout.h"
 #include "formats/run/lineage.h"
 #include "formats/run/run.h"
+#include "formats/run/run_policy.h"
 #include "formats/training/policy.h"
 #include "render/render.h"
-#include "formats/rollout/episodes.h"
-#include "formats/run/run_policy.h"
 
 namespace {
 

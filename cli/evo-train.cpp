@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <set>
 
+#include "cli/by_sequence.h"
 #include "cli/journal.h"
 #include "cli/outputs.h"
 #include "cli/pick.h"
@@ -149,6 +150,19 @@ int train(const cli::Command& command, const TrainingPlan& plan, std::vector<Rob
   return status;
 }
 
+int by_sequence(const cli::Command& command, const cli::TrainingOptions& options,
+                const std::vector<Robot>& robots) {
+  OrderedWriter out(command.output);
+  const int status = cli::train_by_sequence(command, options, robots, [&](const Trained& trained) {
+    if (trained.robot) out.put(trained.index, *trained.robot);
+  });
+  if (status == 0)
+    out.finish();
+  else
+    cli::log::warn(cli::how_to_go_on);
+  return status;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -184,6 +198,8 @@ int main(int argc, char** argv) {
       return 0;
     }
     check_files(plan, robots, command.output);
+    command.only(!options.by_sequence, {"--journal"}, "trainings without --by-sequence");
+    if (options.by_sequence) return by_sequence(command, options, robots);
     return train(command, plan, std::move(robots), more);
   });
 }

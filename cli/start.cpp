@@ -23,6 +23,7 @@ std::optional<fs::path> policy_in(const fs::path& folder, const std::string& id)
 // The policy that a robot starts from. Founders may have one of their own; in a folder of
 // parents' it is that of the first parent which has one. Nothing: from scratch.
 std::optional<fs::path> inherited_policy(const TrainingPlan& plan, const Robot& robot) {
+  if (plan.own) return policy_in(*plan.own, robot.id);
   const std::vector<std::string> parents = robot.parents();
   if (parents.empty() && plan.founders_from) {
     if (fs::is_regular_file(*plan.founders_from)) return plan.founders_from;

@@ -51,22 +51,6 @@ Json behaviour_of(const TrainingPlan& plan, const Robot& robot, const Controller
   return gauge.mean();
 }
 
-Robot scored(const TrainingPlan& plan, const Robot& robot, double fitness, const fs::path& policy,
-             const PolicyFile& file, const Arena& arena) {
-  Robot result = robot;
-  result.set_fitness(fitness);
-  result.document["task"] = file.task;
-  result.document["steps"] = file.steps;
-  result.document["policy"] = policy.string();
-  if (const auto& score = file.final_score; score && !plan.shared)
-    result.document["final"] = {{"episodes", score->episodes},
-                                {"mean", score->mean},
-                                {"standard_error", score->standard_error}};
-  if (plan.behaviour)
-    result.document["behaviour"] = behaviour_of(plan, robot, to_controller(file.controller), arena);
-  return result;
-}
-
 Robot failed(const TrainingPlan& plan, const Robot& robot, const TrainingFailure& failure) {
   Robot result = robot;
   result.set_failure({failure.why, failure.step, failure.seed});
@@ -323,6 +307,23 @@ void stop_at_failure(const TrainingPlan& plan, const Robot& robot) {
 }
 
 }  // namespace
+
+Robot scored(const TrainingPlan& plan, const Robot& robot, double fitness, const fs::path& path,
+             const PolicyFile& policy, const Arena& arena) {
+  Robot result = robot;
+  result.set_fitness(fitness);
+  result.document["task"] = policy.task;
+  result.document["steps"] = policy.steps;
+  result.document["policy"] = path.string();
+  if (const auto& score = policy.final_score; score && !plan.shared)
+    result.document["final"] = {{"episodes", score->episodes},
+                                {"mean", score->mean},
+                                {"standard_error", score->standard_error}};
+  if (plan.behaviour)
+    result.document["behaviour"] =
+        behaviour_of(plan, robot, to_controller(policy.controller), arena);
+  return result;
+}
 
 const TrainingSettings& TrainingPlan::settings(const Robot& robot) const {
   return robot.parents().empty() && !shared ? founders : children;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "formats/robot/robot.h"
+#include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
 #include "libevo/control/settings.h"
 #include "libevo/control/trainer.h"
@@ -37,6 +38,8 @@ struct TrainingPlan {
   // of parents; and one for every robot without parents, or a folder that has theirs.
   std::optional<std::filesystem::path> init;
   std::optional<std::filesystem::path> founders_from;
+  // A folder that has one for every robot, instead.
+  std::optional<std::filesystem::path> own;
 
   // Rollouts at whose moments episodes begin, or folders with a robot's, ID.h5.
   std::vector<std::filesystem::path> moments;
@@ -60,6 +63,10 @@ struct TrainingPaths {
 TrainingPaths training_paths(const TrainingPlan& plan, const std::string& id);
 // What names the random streams of a training.
 std::string stream_name(const TrainingPlan& plan, const Robot& robot);
+
+// The robot with what its policy says of it.
+Robot scored(const TrainingPlan& plan, const Robot& robot, double fitness,
+             const std::filesystem::path& path, const PolicyFile& policy, const Arena& arena);
 
 // How a training went in this process.
 struct Trained {

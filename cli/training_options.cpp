@@ -23,47 +23,63 @@ void TrainingOptions::add_to(Command& command) {
   command.section("Task");
   task.add_to(command);
   command.section("Training");
-  command.option(
+  const Option train = command.option(
       "--train", profile, "PROFILE",
       "training profile by name or file: adapt, default, feedback, gait, lineage, long, modular, "
-      "moments, paper, release2, robust, sequence");
+      "moments, paper, sequence");
   command.option("--train-set", set, "KEY=VALUE",
                  "one setting of the profile, such as learning_rate=3e-4 (repeatable); "
                  "'evo-inspect training' lists them");
-  command.option("--algo", algorithm, "NAME",
-                 fmt::format("{} [the profile's]", fmt::join(algorithm_names(), ", ")));
+  const Option algo =
+      command.option("--algo", algorithm, "NAME",
+                     fmt::format("{} [the profile's]", fmt::join(algorithm_names(), ", ")));
   command.option("--steps", steps, "N", "environment steps [the profile's]");
-  command.option("--founder-steps", founder_steps, "N",
-                 "environment steps of robots without parents [--steps]");
-  command.option(
+  const Option of_founders =
+      command.option("--founder-steps", founder_steps, "N",
+                     "environment steps of robots without parents [--steps]");
+  const Option final = command.option(
       "--final-episodes", final_episodes, "N",
       "episodes of the best policy from perturbed starts, after training [the profile's]");
-  command.option("--jitter", jitter, "VOXELS",
-                 "how far their start coordinates are perturbed [the profile's]");
-  command.option("--init", init, "POLICY|DIR",
-                 "start from this policy, or in a folder from the parent's (<id>.policy.h5); "
-                 "robots without one start from scratch");
-  command.option("--founder-init", founder_init, "POLICY|DIR",
-                 "start robots without parents from this policy, or in a folder from their own");
-  command.option("--moments", moments, "ROLLOUT|DIR",
-                 "begin episodes at moments of this recording, in a folder of <id>.h5, instead of "
-                 "those of what --init does (with --train moments; repeatable)");
+  const Option final_start =
+      command.option("--jitter", jitter, "VOXELS",
+                     "how far their start coordinates are perturbed [the profile's]");
+  const Option start =
+      command.option("--init", init, "POLICY|DIR",
+                     "start from this policy, or in a folder from the parent's (<id>.policy.h5); "
+                     "robots without one start from scratch");
+  const Option founders_start = command.option(
+      "--founder-init", founder_init, "POLICY|DIR",
+      "start robots without parents from this policy, or in a folder from their own");
+  const Option recorded = command.option(
+      "--moments", moments, "ROLLOUT|DIR",
+      "begin episodes at moments of this recording, in a folder of <id>.h5, instead of "
+      "those of what --init does (with --train moments; repeatable)");
   command.seed_option();
   command.section("Files");
   command.option("--out-dir", out_dir, "DIR", "where <id>.policy.h5 and <id>.log go");
-  command.option("--shared", shared, "FILE.policy.h5",
-                 "one controller for all robots read, instead of one for each (--algo modular)");
-  command.option("--curve", curve, "FILE.tsv", "learning curve of one training as a table");
+  const Option for_all = command.option(
+      "--shared", shared, "FILE.policy.h5",
+      "one controller for all robots read, instead of one for each (--algo modular)");
+  const Option table =
+      command.option("--curve", curve, "FILE.tsv", "learning curve of one training as a table");
   command.output_option("where the robots go, with fitness, steps and policy");
   command.flag("--behaviour", behaviour, behaviour_help);
   command.option("--checkpoint-every", checkpoint_every, "N",
                  "save a checkpoint after this many steps; 0: on interruption only");
-  command.flag("--keep-checkpoint", keep_checkpoint,
-               "keep the end of each training, to go on later (--resume with more --steps)");
+  const Option kept =
+      command.flag("--keep-checkpoint", keep_checkpoint,
+                   "keep the end of each training, to go on later (--resume with more --steps)");
   command.flag("--resume", resume, "go on from checkpoints where there are any");
   command.flag("--force", force, "replace policies trained with other settings");
   command.choice("--failures", skip_failures, "WHAT", {{"stop", false}, {"skip", true}},
                  "a training that diverges: stop, or skip (fitness null, go on)");
+  command
+      .flag(
+          "--by-sequence", by_sequence,
+          "search for a sequence of actions, train two networks along it and keep the better one, "
+          "which takes 2 000 000 steps unless --steps says")
+      .excludes({train, algo, of_founders, final, final_start, start, founders_start, recorded,
+                 for_all, table, kept});
   command.jobs_option();
   command.progress_option();
   command.suggestions("--train", [] { return data_names(data_folders(), "training"); });

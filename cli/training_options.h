@@ -30,6 +30,7 @@ struct TrainingOptions {
   std::optional<std::string> founder_init;
   std::vector<std::string> moments;
   std::optional<std::string> shared;
+  bool by_sequence = false;
   bool keep_checkpoint = false;
   bool resume = false;
   bool force = false;

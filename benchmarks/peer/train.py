@@ -1,8 +1,8 @@
 """Processor seconds of a training of one robot on Walker-v0, as tab-separated
 values: train.py STEPS
 Stable-Baselines3's PPO with the settings of the benchmark's examples, on evogym and
-on the environments of evo; and evo-train with the same settings (its profile
-release2) and with its own. One thread each."""
+on the environments of evo; and evo-train with the same sizes (release.yaml
+beside this) and with its own. One thread each."""
 import os
 import resource
 import subprocess
@@ -57,7 +57,7 @@ base = None
 for label, measure in (
         ("Stable-Baselines3 on evogym", lambda: with_library(TASK)),
         ("Stable-Baselines3 on evo", lambda: with_library("evo/" + TASK)),
-        ("evo-train, the same settings", lambda: with_evo_train("release2")),
+        ("evo-train, the same sizes", lambda: with_evo_train(os.path.join(os.path.dirname(os.path.abspath(__file__)), "release.yaml"))),
         ("evo-train, its own settings", lambda: with_evo_train("default"))):
     used = measure()
     base = base or used

@@ -76,9 +76,11 @@ class PolicyPasses {
   void load(const Checkpoint& checkpoint);
 
  private:
-  template <typename Dense>
-  static auto all_of(Dense& x) {
-    return std::span(x.data(), static_cast<std::size_t>(x.size()));
+  static std::span<float> all_of(Matrix& x) {
+    return {x.data(), static_cast<std::size_t>(x.size())};
+  }
+  static std::span<const float> all_of(const Matrix& x) {
+    return {x.data(), static_cast<std::size_t>(x.size())};
   }
 
   Policy policy_;

@@ -14,20 +14,35 @@ namespace evo {
 namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
-constexpr double resolution = 1024.0;   // targets are multiples of 1/1024: small files
-constexpr double levels_at_first = 20;  // between nothing and what first episodes reach
+// Targets are multiples of 1/1024, which keeps files small.
+constexpr double resolution = 1024.0;
+
+// The archive. A level of return is a twentieth of what first episodes reach; where returns grow
+// to more than 200 levels, two become one. Times are every tenth step.
+constexpr double levels_at_first = 20;
 constexpr std::size_t most_levels = 200;
-constexpr double depth = 6.0;         // levels below the highest where the choice still falls
-constexpr double anywhere = 0.01;     // weight of all others
-constexpr int shortest_attempt = 20;  // control steps
+constexpr int slot = 10;  // control steps
+
+// Where an attempt begins: a level's weight falls to 1/e six levels below the highest, and keeps a
+// hundredth however low it is, since the highest may lead nowhere. Half of the attempts begin at
+// a time instead, for what only counts at the end.
+constexpr double depth = 6.0;
+constexpr double anywhere = 0.01;
+constexpr double time_share = 0.5;
+constexpr double rest_share = 0.03;  // of attempts: a whole episode once more, after a rest
+
+// How many control steps it lasts: a gait's shortest period (6) several times, or its longest (40)
+// twice; three times as long with a rhythm; and three steps more for every moment that it puts
+// into the archive.
+constexpr int shortest_attempt = 20;
 constexpr int longest_attempt = 100;
-constexpr int rhythm_lasts = 3;      // times as long as other attempts
-constexpr int rivals = 3;            // moments, the fastest of which lends its gait
-constexpr int pace_steps = 40;       // control steps over which they are compared
-constexpr int slot = 10;             // control steps between moments of highest return
-constexpr int steps_gained = 3;      // by every moment that enters the archive
-constexpr double time_share = 0.5;   // of attempts: from the best moment of a time
-constexpr double rest_share = 0.03;  // of attempts: once more after a rest
+constexpr int rhythm_lasts = 3;
+constexpr int steps_gained = 3;
+
+// A gait is borrowed from the fastest of three moments, by what each earned in its last 40 steps,
+// the longest period that there is.
+constexpr int rivals = 3;
+constexpr int pace_steps = 40;
 
 // What is tried from a moment on, all alike.
 enum class AttemptKind {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "libevo/control/ppo_training.h"
 #include "libevo/control/sine.h"
 
 namespace evo {

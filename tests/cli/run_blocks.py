@@ -24,7 +24,7 @@ ROUNDS = r"printf 'rounds:\\n  - {pop: %d, evals: %d, steps: 2048}\\n  - {pop: %
 SMALLER = [  # what costs hours of a core
     (r"--steps \d+ --train sequence", "--steps 16384 --train sequence"),
     (r"--founder-steps \d+", "--founder-steps 2048"), (r"steps: \d+", "steps: 2048"),
-    (r'by-sequence\)" --steps \d+', 'by-sequence)" --steps 49152'),
+    (r"--by-sequence --steps \d+", "--by-sequence --steps 49152"),
     (r"sequence --steps \d+", "sequence --steps 16384"), (r"moments --steps \d+", "moments --steps 8192"),
     (r'(?<!sequence )(?<!sequence\)" )(?<!moments )--steps \d+\b(?! --train sequence)', "--steps 2048"),
     (r"--evals (?!1\b)\d+", "--evals 4"), (r"--pop (?!1\b)\d+", "--pop 3"),

@@ -40,8 +40,8 @@ load helpers
 @test "what other programs call a setting is understood well enough to name it" {
   printf 'HV\n' > r.txt
   local train=(evo-train r.txt --task Walker-v0 --steps 2048)
-  fails_with 2 "unknown training setting 'lr' (did you mean 'learning_rate'?)" -- "${train[@]}" --train-set lr=1e-3
-  fails_with 2 "'n_steps' (did you mean 'rollout'?)" -- "${train[@]}" --train-set n_steps=1
+  fails_with 2 "unknown training setting 'gama' (did you mean 'gamma'?)" -- "${train[@]}" --train-set gama=1
+  fails_with 2 "a number from 0 to 1 is expected for 'gamma', found '1.5'" -- "${train[@]}" --train-set gamma=1.5
   fails_with 2 "found 'PPO' (did you mean 'ppo'?)" -- "${train[@]}" --algo PPO
   fails_with 65 "no robot has a fitness yet" "evo-eval" -- evo-select r.txt
 }

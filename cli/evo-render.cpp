@@ -62,7 +62,7 @@ bool is_still(const Settings& settings) {
 
 // What moves, by the ending of its file.
 bool is_film(const std::string& output) {
-  constexpr std::array endings{".mp4", ".webm", ".gif", ".apng"};
+  constexpr std::array endings{".mp4", ".webm", ".gif"};
   return std::any_of(endings.begin(), endings.end(),
                      [&](const char* ending) { return output.ends_with(ending); });
 }
@@ -74,21 +74,16 @@ void refuse_film_as_picture(const Settings& settings, const std::string& output)
     throw error(
         Failure::usage,
         "{}: one picture of an episode is made by --at STEP, --strip N or --sheet N; a film "
-        "ends in .mp4, .webm, .gif or .apng",
+        "ends in .mp4, .webm or .gif",
         output);
 }
 
-// A GIF or animated PNG.
-bool is_animation(const std::string& output) {
-  return output.ends_with(".gif") || output.ends_with(".apng");
-}
-
-// Animations know no motion: every line that moves with the camera is there again
-// in each frame. They are smaller and slower, unless asked, and have fewer lines.
-void choose_format(const Settings& settings, bool animation, RenderOptions& options) {
-  options.size = parse_size(settings.size.value_or(animation ? "640x360" : "1280x720"));
-  options.fps = settings.fps.value_or(animation ? 25.0 : 50.0);
-  options.overlays.fine_grid = !animation;
+// A GIF knows no motion: every line that moves with the camera is there again in each
+// frame. It is smaller and slower, unless asked, and has fewer lines.
+void choose_format(const Settings& settings, bool gif, RenderOptions& options) {
+  options.size = parse_size(settings.size.value_or(gif ? "640x360" : "1280x720"));
+  options.fps = settings.fps.value_or(gif ? 25.0 : 50.0);
+  options.overlays.fine_grid = !gif;
 }
 
 render::Camera parse_camera(const Settings& settings) {
@@ -104,17 +99,6 @@ render::Camera parse_camera(const Settings& settings) {
     camera.mode = render::CameraMode::fixed;
   }
   return camera;
-}
-
-// Several robots in one world have no common forces, commands and curves.
-void check_race(const Settings& settings, const render::Overlays& overlays) {
-  const bool forces = overlays.tint == render::Tint::stress ||
-                      overlays.tint == render::Tint::commanded || overlays.contacts;
-  if (settings.race && (forces || overlays.plot != render::Plot::none))
-    throw error(Failure::usage,
-                "--race does not go with --contacts, --plot, --tint stress and --tint commanded");
-  if (settings.evolution && overlays.plot != render::Plot::none)
-    throw error(Failure::usage, "--evolution does not go with --plot");
 }
 
 // "0", "2", "all" of every rollout; the first episode when nothing is asked.
@@ -322,12 +306,12 @@ int main(int argc, char** argv) {
                     "[standard input: robots]");
   command.section("Output");
   command.output_option(
-      "video: walk.mp4, .webm, .gif, .png (animated), frames/%05d.png, or - for raw Y4M; still "
-      "picture: .svg, .pdf, .png, or - for PNG; required");
+      "film: walk.mp4, .webm, .gif or frames/%05d.png; still picture: .svg, .pdf, .png, or - for "
+      "PNG; required");
   command.option("--size", settings.size, "WIDTHxHEIGHT",
                  "of the picture in pixels; sheets and strips take the width, and the height they "
-                 "need [1280x720; GIF and animated PNG 640x360]");
-  command.option("--fps", settings.fps, "N", "frames per second [50; GIF and animated PNG 25]");
+                 "need [1280x720; GIF 640x360]");
+  command.option("--fps", settings.fps, "N", "frames per second [50; GIF 25]");
   command.option("--speed", options.speed, "X", "playing speed; 0.5 is slow motion");
   command.option("--every", options.every, "N",
                  "control steps per frame; 0: from --fps and --speed");
@@ -362,35 +346,50 @@ int main(int argc, char** argv) {
                  "stress or commanded (lengths of actuators), with a bar of colours; or none");
   command.flag("--trail", options.overlays.trail, "the path of the centre of mass");
   command.flag("--velocities", options.overlays.velocities, "an arrow at every moving point");
-  command.flag("--contacts", options.overlays.contacts,
-               "where the robot touches something, and the force that presses on it there");
+  const cli::Option contacts =
+      command.flag("--contacts", options.overlays.contacts,
+                   "where the robot touches something, and the force that presses on it there");
   using render::Plot;
-  command.choice(
+  const cli::Option plot = command.choice(
       "--plot", options.overlays.plot, "WHAT",
       {{"return", Plot::reward_sum}, {"actuation", Plot::actuation}, {"none", Plot::none}},
       "curves below the picture, in step with it: return, actuation (commanded "
       "lengths) or none");
   command.section("Films of several robots");
-  command.flag(
-      "--race", settings.race,
-      "all episodes in lanes with finish line, time and places; of climbers, in one world");
-  command.option("--evolution", settings.evolution, "RUN_DIR",
-                 "the best robot of one generation after another, changed voxels flashing");
+  const cli::Option race =
+      command
+          .flag("--race", settings.race,
+                "all episodes in lanes with finish line, time and places; of climbers, in one "
+                "world")
+          .excludes({contacts, plot});
+  const cli::Option evolution =
+      command
+          .option("--evolution", settings.evolution, "RUN_DIR",
+                  "the best robot of one generation after another, changed voxels flashing")
+          .excludes({race, plot});
   command.section("Still pictures");
-  command.option("--poster", settings.poster, "RUN_DIR",
-                 "a run on one page: what its best robot does, its body, the best fitness, and the "
-                 "bodies it goes back to");
-  command.option("--at", settings.at, "STEP",
-                 "one moment of an episode, or of several side by side");
-  command.option(
+  std::vector<cli::Option> one_of{race, evolution};  // of these, and of the stills below
+  const auto alone = [&](cli::Option option) {
+    option.excludes(one_of);
+    one_of.push_back(option);
+    return option;
+  };
+  alone(command.option(
+      "--poster", settings.poster, "RUN_DIR",
+      "a run on one page: what its best robot does, its body, the best fitness, and the "
+      "bodies it goes back to"));
+  alone(command.option("--at", settings.at, "STEP",
+                       "one moment of an episode, or of several side by side"));
+  alone(command.option(
       "--strip", settings.strip, "N",
       "N moments of an episode on one axis of the world, with the way between; of a robot "
-      "that hops on the spot, side by side");
-  command.option("--sheet", settings.sheet, "N",
-                 "N moments of an episode: a strip for robots that travel, else side by side");
-  command.flag("--panels", settings.panels, "with --sheet: side by side in any case");
-  command.flag("--loop", settings.loop,
-               "a cycle of its gait that plays for ever, an .svg for pages and READMEs");
+      "that hops on the spot, side by side"));
+  const cli::Option sheet = alone(
+      command.option("--sheet", settings.sheet, "N",
+                     "N moments of an episode: a strip for robots that travel, else side by side"));
+  command.flag("--panels", settings.panels, "with --sheet: side by side in any case").needs(sheet);
+  alone(command.flag("--loop", settings.loop,
+                     "a cycle of its gait that plays for ever, an .svg for pages and READMEs"));
   command.choice("--moments", settings.moments, "CHOICE",
                  {{"event", render::Choice::event},
                   {"gait", render::Choice::gait},
@@ -421,23 +420,22 @@ int main(int argc, char** argv) {
     options.workers = command.jobs;
     options.overlays.labels = !settings.no_labels;
     options.overlays.grid = !settings.no_grid_lines;
-    check_race(settings, options.overlays);
+    if (settings.race &&
+        (options.overlays.tint == Tint::stress || options.overlays.tint == Tint::commanded))
+      throw error(Failure::usage, "--race does not go with --tint stress and --tint commanded");
     if (settings.evolution) {
-      if (!files.empty() || settings.race || is_still(settings))
-        throw error(Failure::usage,
-                    "--evolution shows the robots of a run, without files, --race and stills");
+      if (!files.empty())
+        throw error(Failure::usage, "--evolution shows the robots of a run, without files");
       refuse_film_as_picture(settings, command.output);
-      choose_format(settings, is_animation(command.output), options);
+      choose_format(settings, command.output.ends_with(".gif"), options);
       if (!settings.fps) options.fps = std::min(options.fps, 30.0);
       render::check_options(options);
       render_evolution(*settings.evolution, options, command.output, command.progress_style());
       return 0;
     }
     if (settings.poster) {
-      if (!files.empty() || settings.race || is_still(settings))
-        throw error(
-            Failure::usage,
-            "--poster shows the best robot of a run, without files, --race and other stills");
+      if (!files.empty())
+        throw error(Failure::usage, "--poster shows the best robot of a run, without files");
       options.from = 0;
       options.to.reset();
       render_poster(*settings.poster, options, command.output);
@@ -458,13 +456,9 @@ int main(int argc, char** argv) {
                   "--velocities", "--contacts", "--plot"},
                  "rollouts");
     command.only(film && !still, {"--fps", "--speed", "--every"}, "films of rollouts");
-    command.only(settings.sheet.has_value(), {"--panels"}, "--sheet");
     command.only(settings.sheet || settings.strip, {"--moments"}, "--strip and --sheet");
     command.only(!still || settings.loop, {"--from", "--to"}, "films and --loop");
-    command.only(!settings.at, {"--strip", "--sheet", "--loop"}, "films and pictures without --at");
-    command.only(!settings.strip, {"--sheet", "--loop"}, "pictures without --strip");
-    command.only(!settings.sheet, {"--loop"}, "pictures without --sheet");
-    choose_format(settings, film && is_animation(command.output), options);
+    choose_format(settings, film && command.output.ends_with(".gif"), options);
     render::check_options(options);
     if (film) {
       refuse_film_as_picture(settings, command.output);

@@ -34,9 +34,8 @@ bool is_sequence(const std::string& output);
 // Throws the same, and Error(usage) for odd sizes of videos.
 void check_movie(Size size, const std::string& output);
 
-// The form follows from `output`: .mp4, .webm, .gif, .png or .apng (animated; one
-// frame is an ordinary PNG), a name with %05d or the like (a PNG per frame, counted
-// from 0; folders are made), "-" (Y4M on standard output).
+// The form follows from `output`: .mp4, .webm or .gif, a name with %05d or the like (a PNG
+// per frame, counted from 0; folders are made), .png for a single frame.
 VideoReport write_movie(const Movie& movie, const std::string& output);
 
 }  // namespace evo::render

@@ -1,5 +1,4 @@
-// Pixels from a drawing: OpenGL 3.3 core in memory (OSMesa), no display, no GPU; where OSMesa
-// is not installed, cairo (raster.h), which differs by a shade at edges.
+// Pixels from a drawing: OpenGL 3.3 core in memory (OSMesa), no display, no GPU.
 #pragma once
 
 #include <memory>

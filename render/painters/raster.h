@@ -1,5 +1,6 @@
-// Pixels from a drawing by cairo. Slower than painter.h, but it needs no OpenGL: it may be
-// called from any thread, and in a process forked from one that drew.
+// Pixels from a drawing by cairo, for programs that use the library. Slower than painter.h,
+// but it needs no OpenGL: it may be called from any thread, and in a process forked from one
+// that drew.
 #pragma once
 
 #include "render/painters/drawing.h"

@@ -1,11 +1,11 @@
 #include "render/report/run.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <set>
 #include <string_view>
 
+#include "formats/io/number.h"
 #include "formats/rollout/rollout.h"
 #include "formats/run/run.h"
 #include "formats/task/yaml.h"
@@ -134,12 +134,7 @@ std::string Run::setting(const std::string& name) const {
 }
 
 std::optional<std::size_t> Run::evaluations() const {
-  const std::string text = setting("evals");
-  std::size_t value = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size())
-    return std::nullopt;
-  return value;
+  return number_in<std::size_t>(setting("evals"));
 }
 
 std::size_t Run::failures() const {

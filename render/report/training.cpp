@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "formats/io/files.h"
+#include "formats/io/number.h"
 
 namespace evo::report {
 namespace {
@@ -48,7 +49,8 @@ void add_log(const std::filesystem::path& file, Training& training) {
     std::map<std::string, double> values;
     for (std::string field; std::getline(fields, field, '\t');)
       if (const std::size_t space = field.find(' '); space != std::string::npos)
-        values[field.substr(0, space)] = std::strtod(field.c_str() + space, nullptr);
+        values[field.substr(0, space)] =
+            number_in<double>(std::string_view(field).substr(space + 1)).value_or(0.0);
     const auto step = values.find("charts/global_step");
     if (step == values.end()) continue;
     for (const auto& [key, name] : wanted)

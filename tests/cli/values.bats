@@ -166,10 +166,10 @@ END
   fails_with 2 "--episode goes with rollouts" -- evo-render r.txt --episode 1 -o a.png
   fails_with 2 "--plot goes with rollouts" -- evo-render r.txt --plot return -o a.png
   fails_with 2 "--fps goes with films" -- evo-render r.h5 --at 2 --fps 5 -o a.png
-  fails_with 2 "--panels goes with --sheet" -- evo-render r.h5 --panels -o a.gif
+  fails_with 2 "--panels requires --sheet" -- evo-render r.h5 --panels -o a.gif
   fails_with 2 "--moments goes with" -- evo-render r.h5 --at 2 --moments time -o a.png
   fails_with 2 "--from goes with films" -- evo-render r.h5 --at 2 --from 1 -o a.png
-  fails_with 2 "--strip goes with" -- evo-render r.h5 --at 2 --strip 2 -o a.png
-  fails_with 2 "--sheet goes with" -- evo-render r.h5 --sheet 2 --strip 2 -o a.png
+  fails_with 2 "--at excludes --strip" -- evo-render r.h5 --at 2 --strip 2 -o a.png
+  fails_with 2 "excludes" -- evo-render r.h5 --sheet 2 --strip 2 -o a.png
   [ -z "$(ls a.* y.json 2> /dev/null)" ]
 }

@@ -15,6 +15,7 @@
 #include "render/painters/vector.h"
 #include "render/render.h"
 #include "tests/unit/render/example.h"
+#include "tests/unit/render/read_png.h"
 
 namespace evo::render {
 namespace {
@@ -30,7 +31,7 @@ constexpr double most_large_differences = 0.002;  // share of pixels
 void compare(const std::string& name, const Drawing& drawing) {
   const Image picture = paint(drawing);
   const fs::path golden = fs::path(EVO_TEST_DATA) / "render" / (name + ".png");
-  if (std::getenv("UPDATE_GOLDEN") != nullptr) write_png(golden, view(picture), 9);
+  if (std::getenv("UPDATE_GOLDEN") != nullptr) write_png(golden, view(picture));
   const Image expected = read_png(golden);
   REQUIRE(picture.size == expected.size);
   double sum = 0;

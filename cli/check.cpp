@@ -66,7 +66,6 @@ class Policies {
 
 std::string check_hdf5(const fs::path& path, Policies& policies) {
   const hdf5::Reader file(path);
-  file.verify();
   const std::string found =
       file.has_attribute("/", "format") ? file.text("/", "format") : std::string();
   if (found == format::policy.name) {

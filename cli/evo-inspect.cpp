@@ -18,7 +18,6 @@
 #include "formats/foreign/npz.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
-#include "formats/io/hdf5_bytes.h"
 #include "formats/io/values.h"
 #include "formats/rollout/ending.h"
 #include "formats/rollout/rollout.h"

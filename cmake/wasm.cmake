@@ -1,6 +1,6 @@
 # libevo for browsers (`cmake --preset wasm`, bindings/web/README.md): Debian's emscripten, and of other
 # packages only headers. What needs threads, processor detection, files or a compiled library
-# has a second source here: NAME_alone.cpp beside NAME.cpp.
+# has a second source in bindings/web/wasm.
 set(CMAKE_EXECUTABLE_SUFFIX .wasm)
 set(headers ${PROJECT_BINARY_DIR}/headers)  # of these packages, and not of the host's C library
 file(MAKE_DIRECTORY ${headers})

@@ -2,7 +2,7 @@
 
 #include <new>
 
-#include "formats/io/files_alone.h"
+#include "bindings/web/wasm/files.h"
 #include "libevo/base/error.h"
 
 namespace evo::web {

@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -14,6 +13,7 @@
 
 #include "formats/foreign/npz.h"
 #include "formats/io/files.h"
+#include "formats/io/number.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -185,9 +185,8 @@ std::vector<std::pair<std::int64_t, std::int64_t>> read_neighbors(const Json& re
   std::vector<std::pair<std::int64_t, std::int64_t>> pairs;
   for (const auto& [key, list] : record["neighbors"].items()) {
     const std::string place = path + "/neighbors" + step(key);
-    std::int64_t index = -1;
-    const auto [stopped, status] = std::from_chars(key.data(), key.data() + key.size(), index);
-    if (status != std::errc{} || stopped != key.data() + key.size() || !cells.contains(index)) {
+    const std::int64_t index = number_in<std::int64_t>(key).value_or(-1);
+    if (!cells.contains(index)) {
       note(place, fmt::format("{} is not a cell of this object; left out", shown(Json(key))));
       continue;
     }
@@ -331,14 +330,6 @@ struct Ranked {
 
 constexpr std::string_view generation_prefix = "generation_";
 
-std::optional<int> number_in(std::string_view text) {
-  int number = 0;
-  const auto [stopped, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (status != std::errc{} || stopped != text.data() + text.size() || number < 0)
-    return std::nullopt;
-  return number;
-}
-
 // The numbers that name the entries of a folder between a prefix and a suffix.
 std::vector<int> numbered_entries(const fs::path& folder, std::string_view prefix,
                                   std::string_view suffix) {
@@ -351,7 +342,8 @@ std::vector<int> numbered_entries(const fs::path& folder, std::string_view prefi
       continue;
     const std::string_view middle =
         std::string_view(name).substr(prefix.size(), name.size() - prefix.size() - suffix.size());
-    if (const auto number = number_in(middle)) numbers.push_back(*number);
+    if (const auto number = number_in<unsigned>(middle))
+      numbers.push_back(static_cast<int>(*number));
   }
   if (failed)
     throw error(Failure::no_input, "{}: cannot be opened: {}", folder.string(), failed.message());
@@ -374,14 +366,12 @@ std::vector<Ranked> read_ranking(const fs::path& path) {
     std::string more;
     words >> label >> fitness >> more;
     if (label.empty()) continue;
-    const auto number = number_in(label);
-    double value = 0.0;
-    const char* end = fitness.data() + fitness.size();
-    const auto [stopped, status] = std::from_chars(fitness.data(), end, value);
-    if (!number || status != std::errc{} || stopped != end || !more.empty())
+    const auto number = number_in<unsigned>(label);
+    const auto value = number_in<double>(fitness);
+    if (!number || !value || !more.empty())
       throw error(Failure::data, "{}: line {}: expected a label and a fitness, found {}",
                   path.string(), line_number, shown(Json(line)));
-    ranking.push_back({*number, value, std::isfinite(value)});
+    ranking.push_back({static_cast<int>(*number), *value, std::isfinite(*value)});
   }
   return ranking;
 }

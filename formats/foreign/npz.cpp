@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -15,6 +14,7 @@
 
 #include "formats/io/files.h"
 #include "formats/io/json.h"
+#include "formats/io/number.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -52,11 +52,11 @@ std::optional<std::vector<std::size_t>> sizes_in(std::string_view shape) {
   std::vector<std::size_t> sizes;
   shape.remove_prefix(1);
   while (!shape.empty()) {
-    std::size_t n = 0;
-    const auto [stopped, status] = std::from_chars(shape.data(), shape.data() + shape.size(), n);
-    if (status != std::errc{}) return std::nullopt;
-    sizes.push_back(n);
-    shape.remove_prefix(static_cast<std::size_t>(stopped - shape.data()));
+    const std::size_t end = std::min(shape.find_first_not_of("0123456789"), shape.size());
+    const auto n = number_in<std::size_t>(shape.substr(0, end));
+    if (!n) return std::nullopt;
+    sizes.push_back(*n);
+    shape.remove_prefix(end);
     shape.remove_prefix(std::min(shape.find_first_not_of(", "), shape.size()));
   }
   return sizes;

@@ -149,7 +149,6 @@ AtomicFile::AtomicFile(const fs::path& path) : label_(path), destination_(follow
   if (!destination_.has_filename()) throw cannot_create(label_, "no file is named");
   if (destination_.filename().string().size() > NAME_MAX)
     throw cannot_create(label_, reason(ENAMETOOLONG));
-  if (open_nameless()) return;
   for (int k = 0; k < most_leftovers; ++k) {
     temporary_ = temporary_name(destination_, k);
     descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -161,51 +160,20 @@ AtomicFile::AtomicFile(const fs::path& path) : label_(path), destination_(follow
 
 AtomicFile::~AtomicFile() { discard(); }
 
-bool AtomicFile::open_nameless() {
-  const fs::path folder = folder_of(destination_);
-  descriptor_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) return false;
-  // Others find it by the number of this process, children too.
-  temporary_ = fmt::format("/proc/{}/fd/{}", ::getpid(), descriptor_);
-  nameless_ = ::access(temporary_.c_str(), W_OK) == 0;
-  if (nameless_) return true;
-  ::close(descriptor_);
-  descriptor_ = -1;
-  return false;
-}
-
 int AtomicFile::name_file(Existing existing) const {
-  if (!nameless_ && existing == Existing::replaced)
+  // A rename replaces; a second name for the file does not.
+  if (existing == Existing::replaced)
     return ::rename(temporary_.c_str(), destination_.c_str()) == 0 ? 0 : errno;
-  const auto link_to = [&](const fs::path& name) {
-    return ::linkat(AT_FDCWD, temporary_.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0
-               ? 0
-               : errno;
-  };
-  if (!mode_ || existing == Existing::refused) {
-    const int code = link_to(destination_);
-    if (code == 0 && !nameless_) ::unlink(temporary_.c_str());
-    if (code != EEXIST || existing == Existing::refused) return code;
-  }
-  // A name that is taken can only be replaced by renaming.
-  for (int k = 0; k < most_leftovers; ++k) {
-    const fs::path name = temporary_name(destination_, k);
-    const int code = link_to(name);
-    if (code == EEXIST) continue;
-    if (code != 0) return code;
-    if (::rename(name.c_str(), destination_.c_str()) == 0) return 0;
-    const int failure = errno;
-    ::unlink(name.c_str());
-    return failure;
-  }
-  return EEXIST;
+  if (::link(temporary_.c_str(), destination_.c_str()) != 0) return errno;
+  ::unlink(temporary_.c_str());
+  return 0;
 }
 
 void AtomicFile::discard() {
   if (descriptor_ < 0) return;
   ::close(descriptor_);
   descriptor_ = -1;
-  if (!in_place_ && !nameless_) ::unlink(temporary_.c_str());
+  if (!in_place_) ::unlink(temporary_.c_str());
 }
 
 void AtomicFile::write(std::string_view bytes) {

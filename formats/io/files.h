@@ -39,12 +39,10 @@ std::string input_label(const std::string& name);
 // What becomes of a file whose name an output takes.
 enum class Existing { replaced, refused };
 
-// A file without a name in the folder of `path`, given its name by commit(), and
-// the permissions of the file it replaces. Until then nothing is to be seen of it,
-// and nothing is left behind, however the process ends; only where the file system
-// knows no nameless files (NFS) it has a temporary name, and a killed process
-// leaves that. A symbolic link stays a link; a pipe or device is written directly,
-// having no "whole".
+// A file under a hidden name in the folder of `path`, which commit() renames, with the
+// permissions of the file it replaces. Until then nothing is to be seen under the final
+// name; a process that is killed leaves the hidden file. A symbolic link stays a link; a
+// pipe or device is written directly, having no "whole".
 class AtomicFile {
  public:
   // Throws Error(cannot_create).
@@ -65,7 +63,6 @@ class AtomicFile {
   void commit(Existing existing = Existing::replaced);
 
  private:
-  bool open_nameless();
   int name_file(Existing existing) const;  // the error code, or 0
   void discard();
 
@@ -73,8 +70,7 @@ class AtomicFile {
   std::filesystem::path destination_;  // links followed
   std::filesystem::path temporary_;
   int descriptor_ = -1;
-  bool in_place_ = false;  // a pipe or a device
-  bool nameless_ = false;
+  bool in_place_ = false;         // a pipe or a device
   std::optional<unsigned> mode_;  // of the file to be replaced
 };
 

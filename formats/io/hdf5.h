@@ -73,7 +73,7 @@ class Writer {
   template <Number T>
   void attribute(const std::string& object, const std::string& name, const std::vector<T>& values);
 
-  // Adds the checksum of all that was written, as attribute `checksum` of "/".
+  // The file ends with a checksum of its bytes.
   void commit(Existing existing = Existing::replaced);
 
  private:
@@ -81,9 +81,9 @@ class Writer {
   std::unique_ptr<File> file_;
 };
 
-// Reads a file. The constructor throws Error(no_input) or, for something that
-// is no HDF5 file or damaged, Error(data); the others Error(data) with file and
-// path.
+// Reads a file. The constructor throws Error(no_input) or, for something that is no HDF5
+// file, damaged, or other bytes than its checksum says, Error(data); the others Error(data) with
+// file and path.
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& path);
@@ -94,9 +94,6 @@ class Reader {
   Reader& operator=(const Reader&) = delete;
 
   const std::string& name() const;  // of the file, for messages
-
-  // Throws Error(data) where the file has a checksum and holds something else.
-  void verify() const;
 
   bool exists(const std::string& path) const;
   std::vector<std::string> children(const std::string& group) const;  // by name
@@ -125,6 +122,13 @@ class Reader {
   struct File;
   std::unique_ptr<File> file_;
 };
+
+// Whether bytes begin like an HDF5 file.
+bool begins_as_hdf5(std::string_view bytes);
+
+// How many bytes a file that begins so has at most. Throws Error(data) with `where` for a
+// beginning that does not say.
+std::size_t stated_size(std::string_view beginning, const std::string& where);
 
 // Whether this is a file, no pipe or device, and begins like an HDF5 file.
 bool is_hdf5(const std::filesystem::path& path);

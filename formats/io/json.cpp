@@ -31,84 +31,6 @@ Error malformed(const JsonPiece& piece, std::size_t byte, const std::string& mes
       .at(with_place(where, fmt::format("line {}", piece.line + lines)));
 }
 
-// Builds a value from the parser's events. The library's own builder keeps the
-// last of several values of one key, rounds whole numbers that are too long, and
-// looks every new key up among all before it.
-class Builder : public nlohmann::json_sax<Json> {
- public:
-  Json value;
-  std::size_t failed_at = 0;  // byte, where the parser gave up
-  std::string failure;
-
-  bool null() override { return add(nullptr); }
-  bool boolean(bool given) override { return add(given); }
-  bool number_integer(number_integer_t given) override { return add(given); }
-  bool number_unsigned(number_unsigned_t given) override { return add(given); }
-  bool number_float(number_float_t given, const string_t& text) override {
-    if (loses_digits(given, text))
-      throw refusal("", "the whole number {} has more than 64 bits; write it as text",
-                    shown(Json(text)));
-    return add(given);
-  }
-  bool string(string_t& given) override { return add(std::move(given)); }
-  bool binary(binary_t&) override { return false; }  // not in JSON text
-  bool start_object(std::size_t) override { return open(Json::object()); }
-  bool start_array(std::size_t) override { return open(Json::array()); }
-  bool end_object() override { return close(); }
-  bool end_array() override { return close(); }
-  bool key(string_t& given) override {
-    if (!open_.back().keys.insert(given).second)
-      throw refusal("", "the key {} is given twice in one object", shown(Json(given)));
-    open_.back().key = std::move(given);
-    return true;
-  }
-  bool parse_error(std::size_t position, const std::string&,
-                   const nlohmann::detail::exception& reason) override {
-    failed_at = position;
-    failure = reason.what();
-    return false;
-  }
-
- private:
-  struct Open {
-    Json value;
-    std::unordered_set<std::string> keys;
-    std::string key;  // of the item that comes next
-  };
-
-  static bool loses_digits(double value, const std::string& text) {
-    return text.find_first_not_of("-0123456789") == text.npos &&
-           text != fmt::format("{:.0f}", value);
-  }
-
-  bool open(Json empty) {
-    open_.push_back({std::move(empty), {}, {}});
-    return true;
-  }
-
-  bool close() {
-    Json done = std::move(open_.back().value);
-    open_.pop_back();
-    return add(std::move(done));
-  }
-
-  bool add(Json item) {
-    if (open_.empty()) {
-      value = std::move(item);
-    } else if (Open& parent = open_.back(); parent.value.is_array()) {
-      parent.value.push_back(std::move(item));
-    } else {
-      // The vector below the ordered map: the key is known to be new.
-      using Items = std::vector<Json::object_t::value_type>;
-      static_cast<Items&>(parent.value.get_ref<Json::object_t&>())
-          .emplace_back(std::move(parent.key), std::move(item));
-    }
-    return true;
-  }
-
-  std::vector<Open> open_;
-};
-
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
 }  // namespace
@@ -196,14 +118,29 @@ void JsonPieces::skip_value() {
 // ---- parsing ------------------------------------------------------------------
 
 Json parse_json(const JsonPiece& piece, const std::string& where) {
-  Builder builder;
+  // The library keeps the last of several values of one key, and looks every new key up among
+  // all before it.
+  constexpr std::size_t most_keys = 10'000;
+  std::vector<std::unordered_set<std::string>> open;  // keys of the objects around
+  const auto check = [&](int /*depth*/, Json::parse_event_t event, const Json& parsed) {
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event != Json::parse_event_t::key) return true;
+    if (!open.back().insert(parsed.get_ref<const std::string&>()).second)
+      throw refusal("", "the key {} is given twice in one object", shown(parsed));
+    if (open.back().size() > most_keys)
+      throw refusal("", "an object with more than {} keys", most_keys);
+    return true;
+  };
   try {
-    if (!Json::sax_parse(piece.text, &builder))
-      throw malformed(piece, builder.failed_at, builder.failure, where);
+    return Json::parse(piece.text, check);
+  } catch (const Json::parse_error& failure) {
+    throw malformed(piece, failure.byte, failure.what(), where);
+  } catch (const Json::exception& failure) {  // a number too large
+    throw malformed(piece, 0, failure.what(), where);
   } catch (const Refusal& refused) {
     throw refused.at(with_place(where, fmt::format("line {}", piece.line)));
   }
-  return std::move(builder.value);
 }
 
 Json parse_json(std::string_view text, const std::string& where) {

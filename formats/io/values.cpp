@@ -1,26 +1,17 @@
 #include "formats/io/values.h"
 
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
 
+#include "formats/io/number.h"
 #include "libevo/base/error.h"
 #include "libevo/body/body.h"
 
 namespace evo {
 namespace {
-
-template <typename Number>
-std::optional<Number> whole_text(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  Number value{};
-  const auto [stopped, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || stopped != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 // Thousands and millions, and numbers such as 5e5; exact or nothing.
 template <typename Whole>
@@ -29,13 +20,13 @@ std::optional<Whole> whole_of(std::string_view text) {
   if (text.ends_with('k')) unit = 1'000;
   if (text.ends_with('M')) unit = 1'000'000;
   if (unit != 1) text.remove_suffix(1);
-  if (const auto digits = whole_text<Whole>(text)) {
+  if (const auto digits = number_in<Whole>(text)) {
     Whole value{};
     if (__builtin_mul_overflow(*digits, unit, &value)) return std::nullopt;
     return value;
   }
   constexpr double largest_exact = 9007199254740992.0;  // 2^53
-  const auto real = whole_text<double>(text);
+  const auto real = number_in<double>(text);
   if (!real || *real != std::floor(*real)) return std::nullopt;
   const double value = *real * static_cast<double>(unit);
   if (std::abs(value) > largest_exact) return std::nullopt;
@@ -46,7 +37,7 @@ std::optional<Whole> whole_of(std::string_view text) {
 // " from 1 to 9"; nothing of bounds that are a type's own and not what is wrong.
 template <typename Whole>
 std::string bounds(std::string_view text, Whole low, Whole high) {
-  const bool is_number = whole_text<double>(text).has_value();
+  const bool is_number = number_in<double>(text).has_value();
   const bool has_low = std::cmp_not_equal(low, std::numeric_limits<int>::min());
   const bool has_high = high != static_cast<Whole>(std::numeric_limits<int>::max()) &&
                         high != std::numeric_limits<Whole>::max();
@@ -81,15 +72,14 @@ std::uint64_t parse_unsigned(const std::string& text, const std::string& option)
 std::optional<double> number_of_text(std::string_view text) {
   const double unit = text.ends_with('k') ? 1e3 : text.ends_with('M') ? 1e6 : 1.0;
   if (unit != 1.0) text.remove_suffix(1);
-  const auto value = whole_text<double>(text);
+  const auto value = number_in<double>(text);
   if (!value || !std::isfinite(*value * unit)) return std::nullopt;
   return *value * unit;
 }
 
 double parse_number(const std::string& text, const std::string& option) {
   const auto value = number_of_text(text);
-  if (!value)
-    throw error(Failure::usage, "{}: '{}' is not a number", option, text);
+  if (!value) throw error(Failure::usage, "{}: '{}' is not a number", option, text);
   return *value;
 }
 
@@ -112,8 +102,8 @@ std::vector<int> parse_wholes(const std::string& text, const std::string& option
 Pair parse_pair(const std::string& text, const std::string& option, int most,
                 const std::string& form) {
   const std::size_t x = std::min(text.find('x'), text.size());
-  const auto first = whole_text<int>(std::string_view(text).substr(0, x));
-  const auto second = whole_text<int>(std::string_view(text).substr(std::min(x + 1, text.size())));
+  const auto first = number_in<int>(std::string_view(text).substr(0, x));
+  const auto second = number_in<int>(std::string_view(text).substr(std::min(x + 1, text.size())));
   if (!first || !second || *first < 1 || *second < 1 || *first > most || *second > most)
     throw error(Failure::usage, "{}: '{}' is not {}", option, text, form);
   return {*first, *second};

@@ -1,11 +1,11 @@
 #include "formats/io/yaml.h"
 
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
 #include <utility>
 
+#include "formats/io/number.h"
 #include "formats/io/yaml_data.h"
 
 namespace evo {
@@ -104,22 +104,14 @@ double YamlNode::positive() const {
 }
 
 int YamlNode::integer(int low, int high) const {
-  int value = 0;
-  bool whole = false;
-  if (is_scalar()) {
-    const char* begin = data_->text.data();
-    const char* end = begin + data_->text.size();
-    if (begin != end && *begin == '+') ++begin;
-    const auto [stop, status] = std::from_chars(begin, end, value);
-    whole = status == std::errc() && stop == end;
-  }
-  if (!whole || value < low || value > high)
+  const std::optional<int> value = is_scalar() ? number_in<int>(data_->text) : std::nullopt;
+  if (!value || *value < low || *value > high)
     throw error(
         fmt::format("{} is expected, found {}",
                     expectation("a whole number", low, high, low != std::numeric_limits<int>::min(),
                                 high != std::numeric_limits<int>::max()),
                     found()));
-  return value;
+  return *value;
 }
 
 const std::vector<YamlNode>& YamlNode::items() const {
@@ -177,12 +169,8 @@ std::string unknown_name(const std::string& what, const std::string& name,
 }
 
 std::optional<double> parse_number(std::string_view text) {
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  double value = 0.0;
-  const auto [stop, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || stop != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
+  const auto value = number_in<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 }  // namespace evo

@@ -1,4 +1,4 @@
-// Inside of YamlNode: what a parser fills in (yaml_parser.cpp; yaml_parser_alone.cpp in
+// Inside of YamlNode: what a parser fills in (yaml_parser.cpp; bindings/web/wasm/yaml_parser.cpp in
 // browsers) and yaml.cpp reads.
 #pragma once
 

@@ -1,8 +1,7 @@
 #include "formats/io/yaml_json.h"
+#include "formats/io/number.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -15,22 +14,9 @@ Json plain_value(const YamlNode& node) {
   if (text.empty() || text == "~" || text == "null" || text == "Null" || text == "NULL") return {};
   if (text == "true" || text == "True" || text == "TRUE") return true;
   if (text == "false" || text == "False" || text == "FALSE") return false;
-  const char* begin = text.data() + (text.front() == '+' ? 1 : 0);
-  const char* end = text.data() + text.size();
-  const auto whole = [&](auto value) -> std::optional<Json> {
-    const auto [stopped, status] = std::from_chars(begin, end, value);
-    if (status != std::errc{} || stopped != end) return std::nullopt;
-    return Json(value);
-  };
-  if (auto value = whole(std::uint64_t{0})) return *value;
-  if (auto value = whole(std::int64_t{0})) return *value;
-  const auto value = whole(0.0);
-  if (value && text.find_first_not_of("+-0123456789") == text.npos &&
-      std::string_view(begin, static_cast<std::size_t>(end - begin)) !=
-          fmt::format("{:.0f}", value->get<double>()))
-    throw node.error(fmt::format("the whole number {} has more than 64 bits; write it as text",
-                                 shown(Json(text))));
-  if (value && std::isfinite(value->get<double>())) return *value;
+  if (const auto value = number_in<std::uint64_t>(text)) return *value;
+  if (const auto value = number_in<std::int64_t>(text)) return *value;
+  if (const auto value = parse_number(text)) return *value;
   return text;
 }
 

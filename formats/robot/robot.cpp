@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -13,7 +12,7 @@
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
-#include "formats/io/hdf5_bytes.h"
+#include "formats/io/number.h"
 #include "formats/io/yaml_json.h"
 #include "libevo/base/error.h"
 
@@ -346,11 +345,9 @@ Json grid_row(std::string_view row) {
   Json numbers = Json::array();
   for (std::size_t begin = row.find_first_not_of(between); begin != std::string_view::npos;) {
     const std::size_t end = std::min(row.find_first_of(between, begin), row.size());
-    double number = 0.0;
-    const char* const last = row.data() + end;
-    const auto [stopped, status] = std::from_chars(row.data() + begin, last, number);
-    const std::string text(row.substr(begin, end - begin));
-    numbers.push_back(status == std::errc() && stopped == last ? Json(number) : Json(text));
+    const std::string_view text = row.substr(begin, end - begin);
+    const auto number = number_in<double>(text);
+    numbers.push_back(number ? Json(*number) : Json(text));
     begin = row.find_first_not_of(between, end);
   }
   return numbers;

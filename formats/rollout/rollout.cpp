@@ -1,7 +1,6 @@
 #include "formats/rollout/rollout.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
+#include "formats/io/number.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -104,11 +104,8 @@ std::vector<std::size_t> episode_numbers(const hdf5::Reader& file) {
   std::vector<std::size_t> numbers;
   for (const std::string& child : file.children("/")) {
     if (child.rfind(prefix, 0) != 0) continue;
-    std::size_t k = 0;
-    const char* end = child.data() + child.size();
-    const auto [stopped, status] = std::from_chars(child.data() + prefix.size(), end, k);
-    if (status == std::errc{} && stopped == end && episode_group(k) == "/" + child)
-      numbers.push_back(k);
+    const auto k = number_in<std::size_t>(std::string_view(child).substr(prefix.size()));
+    if (k && episode_group(*k) == "/" + child) numbers.push_back(*k);
   }
   std::sort(numbers.begin(), numbers.end());
   return numbers;
@@ -253,15 +250,6 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
 }
 
-std::optional<double> number_in(std::string_view field) {
-  field = trimmed(field);
-  if (!field.empty() && field.front() == '+') field.remove_prefix(1);
-  double value = 0.0;
-  const auto [stopped, status] = std::from_chars(field.data(), field.data() + field.size(), value);
-  if (status != std::errc{} || stopped != field.data() + field.size()) return std::nullopt;
-  return value;
-}
-
 std::vector<std::string_view> split(std::string_view line, char separator) {
   std::vector<std::string_view> fields;
   for (std::size_t begin = 0; begin <= line.size();) {
@@ -295,8 +283,9 @@ ActionSequence actions_from_csv(std::string_view text, const std::string& name) 
     line = trimmed(line);
     if (line.empty() || line.front() == '#') continue;
     const auto fields = line.find(',') == line.npos ? words_of(line) : split(line, ',');
-    const bool is_heading = heading_possible && std::none_of(fields.begin(), fields.end(),
-                                                             [](auto f) { return number_in(f); });
+    const bool is_heading =
+        heading_possible && std::none_of(fields.begin(), fields.end(),
+                                         [](auto f) { return number_in<double>(trimmed(f)); });
     heading_possible = false;
     if (is_heading) continue;
     if (actions.steps == 0) actions.actuators = static_cast<int>(fields.size());
@@ -304,7 +293,7 @@ ActionSequence actions_from_csv(std::string_view text, const std::string& name) 
       throw error(Failure::data, "{}: line {}: {} values, but the row before has {}", name,
                   line_number, fields.size(), actions.actuators);
     for (std::size_t i = 0; i < fields.size(); ++i) {
-      const auto value = number_in(fields[i]);
+      const auto value = number_in<double>(trimmed(fields[i]));
       if (!value || !std::isfinite(*value))
         throw error(Failure::data, "{}: line {}: value {} is {}, expected a number", name,
                     line_number, i + 1, shown(Json(std::string(fields[i]))));

@@ -455,7 +455,6 @@ PolicyFile read_policy(const std::filesystem::path& path) {
   if (!hdf5::is_hdf5(path)) refuse_learner_file(path);
   const hdf5::Reader file(path);
   check_format(file, format::policy, Head::required);
-  file.verify();
   PolicyFile policy;
   policy.robot = read_robot(file);
   policy.task = file.text("/", "task");
@@ -546,7 +545,6 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const TrainingIden
     throw error(Failure::cannot_create,
                 "{}: belongs to a training with other settings ({}); remove it to start afresh",
                 file.name(), difference(there, training.lines));
-  file.verify();
   Checkpoint checkpoint;
   for (const std::string& line : file.strings("/index")) {
     const std::size_t space = line.find(' ');

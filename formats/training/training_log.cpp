@@ -1,8 +1,8 @@
 #include "formats/training/training_log.h"
 
-#include <charconv>
 #include <string_view>
 
+#include "formats/io/number.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -20,10 +20,7 @@ std::optional<double> value_of(std::string_view line, std::string_view name) {
     const std::size_t end = std::min(line.find('\t', start), line.size());
     const std::string_view pair = line.substr(start, end - start);
     if (pair.starts_with(name) && pair.size() > name.size() && pair[name.size()] == ' ') {
-      double value = 0.0;
-      const char* last = pair.data() + pair.size();
-      const auto result = std::from_chars(pair.data() + name.size() + 1, last, value);
-      return result.ec == std::errc() && result.ptr == last ? std::optional(value) : std::nullopt;
+      return number_in<double>(pair.substr(name.size() + 1));
     }
     start = end + 1;
   }

@@ -1,11 +1,11 @@
 // SHA-256 (FIPS 180-4). A library would be needed a second time, for browsers.
+#include "libevo/base/digest.h"
+
 #include <fmt/format.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-
-#include "libevo/base/digest.h"
 
 namespace evo {
 namespace {
@@ -56,17 +56,18 @@ void add_block(std::string_view block, std::array<std::uint32_t, 8>& state) {
 }  // namespace
 
 std::string sha256_hex(std::string_view text) {
-  std::string message(text);
-  message += '\x80';
-  while (message.size() % block_bytes != block_bytes - length_bytes) message += '\0';
+  const std::size_t whole = text.size() / block_bytes * block_bytes;
+  std::string rest(text.substr(whole));
+  rest += '\x80';
+  while (rest.size() % block_bytes != block_bytes - length_bytes) rest += '\0';
   const std::uint64_t bits = std::uint64_t{text.size()} * 8;
-  for (int shift = 56; shift >= 0; shift -= 8) message += static_cast<char>(bits >> shift & 0xff);
+  for (int shift = 56; shift >= 0; shift -= 8) rest += static_cast<char>(bits >> shift & 0xff);
 
   std::array<std::uint32_t, 8> state{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                                      0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-  const std::string_view all = message;
-  for (std::size_t at = 0; at < all.size(); at += block_bytes)
-    add_block(all.substr(at, block_bytes), state);
+  for (const std::string_view part : {text.substr(0, whole), std::string_view(rest)})
+    for (std::size_t at = 0; at < part.size(); at += block_bytes)
+      add_block(part.substr(at, block_bytes), state);
   std::string hex;
   for (const std::uint32_t word : state) hex += fmt::format("{:08x}", word);
   return hex;

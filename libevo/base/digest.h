@@ -1,4 +1,4 @@
-// SHA-256, which names robots and marks the settings of trainings.
+// SHA-256, which names robots, marks the settings of trainings and seals files.
 #pragma once
 
 #include <string>

@@ -48,17 +48,17 @@ setup_file() {
   [ "$status" -eq 65 ]
   [[ $output == *"is the policy of robot"* ]]
   local policy; policy=$(ls ./*.policy.h5)
-  /usr/bin/python3 -c "
-import h5py, sys
-with h5py.File(sys.argv[1], 'r+') as f: f['actor/layer_0/bias'][0] += 0.5" "$policy"
+  cp "$policy" whole
+  printf '\377' | dd of="$policy" bs=1 seek=3000 conv=notrunc status=none
   fails_with 65 "checksum" -- evo-eval trained.json
   run evo-inspect --check "$policy"
   [ "$status" -eq 65 ]
   [[ $output == *"checksum"* ]]
   # Nothing to compare with, but the fitness.
+  mv whole "$policy"
   /usr/bin/python3 -c "
 import h5py, sys
-with h5py.File(sys.argv[1], 'r+') as f: del f.attrs['checksum']" "$policy"
+with h5py.File(sys.argv[1], 'r+') as f: f['actor/layer_0/bias'][0] += 0.5" "$policy"
   evo-inspect --check "$policy"
   run evo-inspect --check --replay "$policy"
   [ "$status" -eq 65 ]
@@ -86,7 +86,7 @@ with h5py.File(sys.argv[1], 'r+') as f:
     others = [name for name in index if b'soonest/earnings' not in name]
     assert len(others) == len(index) - 1
     kind = index.dtype
-    del f['index'], f.attrs['checksum']
+    del f['index']
     f.create_dataset('index', data=others, dtype=kind)" "$checkpoint"
   fails_with 65 "remove it to start afresh" -- "${train[@]}" --steps 16000 --resume
 }

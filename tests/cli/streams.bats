@@ -28,7 +28,7 @@ setup_file() {
   local commands=(
     "evo-sample -n 2" "evo-mutate six.jsonl" "evo-archive -q scored.jsonl" "evo-select scored.jsonl" "evo-suggest -q -n 2"
     "evo-neat -n 4 --state-out $BATS_TEST_TMPDIR/s.json" "evo-convert six.jsonl" "evo-inspect tasks"
-    "evo-inspect six.jsonl" "evo-render small.txt -o -" "evo-render walk.h5 -o -"
+    "evo-inspect six.jsonl" "evo-render small.txt -o -" "evo-render walk.h5 --at 1 -o -"
     "evo-convert small.txt --to npz"
     "evo-bench --sizes 3 --seconds 0.01 --repetitions 1" "evo-inspect task Walker-v0" "evo-sample --help")
   local command
@@ -49,12 +49,13 @@ setup_file() {
   grep -qx 'evo-suggest: warning: no scored robot to learn from; these bodies are random' warning
   local level
   for level in debug info warning error off; do
-    evo-archive --log-level $level "$made/scored.jsonl" 2>> $level > /dev/null
-    evo-suggest --log-level $level -n 1 2>> $level > /dev/null
+    evo-archive --log-level $level "$made/scored.jsonl" 2>> at-$level > /dev/null
+    evo-suggest --log-level $level -n 1 2>> at-$level > /dev/null
   done
-  cat note warning | cmp - info
-  [ ! -s error ] && [ ! -s off ]
-  [ "$(grep -c ': debug: ' debug)" -ge 2 ]
+  cat note warning | cmp - at-info
+  cmp warning at-warning
+  [ ! -s at-error ] && [ ! -s at-off ]
+  [ "$(grep -c ': debug: ' at-debug)" -ge 2 ]
   evo-suggest -q -n 1 2> quiet > /dev/null; [ ! -s quiet ]
   evo-suggest -v -n 1 2> more > /dev/null; grep -q '^evo-suggest: debug: took' more
   fails_with 2 "--quiet" "--log-level" -- evo-suggest -q --log-level info
@@ -130,7 +131,7 @@ setup_file() {
   fi
   fails_with 1 "could be started" -- timeout 60 bash -c "ulimit -v 300000; evo-bench --json --sizes 3 --threads 64 --seconds 0.01"
   fails_with 2 "--jobs: must be from 1 to 1024" -- evo-eval -j100000 --task Walker-v0 --random six.jsonl
-  fails_with 2 "--threads must be from 1 to 1024" -- evo-bench --threads 100000
+  fails_with 2 "--threads: must be from 1 to 1024" -- evo-bench --threads 100000
 }
 
 @test "memory that ends anywhere in a training: status 1, one line, and no half file" {

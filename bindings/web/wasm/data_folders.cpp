@@ -1,7 +1,7 @@
 #include <set>
 
+#include "bindings/web/wasm/files.h"
 #include "formats/io/data_folders.h"
-#include "formats/io/files_alone.h"
 
 namespace evo {
 namespace fs = std::filesystem;

@@ -1,4 +1,4 @@
-#include "formats/io/files_alone.h"
+#include "bindings/web/wasm/files.h"
 
 #include "formats/io/files.h"
 #include "libevo/base/error.h"

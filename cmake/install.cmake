@@ -2,7 +2,6 @@
 # packages: tools, library, dev, python.
 set(EVO_DATA_DIR ${CMAKE_INSTALL_DATADIR}/evo)
 install(DIRECTORY tasks DESTINATION ${EVO_DATA_DIR} COMPONENT tools)
-install(PROGRAMS scripts/by-sequence DESTINATION ${EVO_DATA_DIR}/scripts COMPONENT tools)
 # The links of the documents lead to what is there.
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools)

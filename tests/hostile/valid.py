@@ -40,8 +40,8 @@ def make(folder, source):
             "-o", "scored.jsonl")
         run("evo-eval", "one.txt", "--task", "Walker-v0", "--random", "--max-steps", "2",
             "--rollout", "rollout.h5")
-        run("evo-train", "one.txt", "--task", "Walker-v0", "--algo", "sine", "--steps", "8000",
-            "--out-dir", ".", "--train-set", "final_episodes=0", "-o", "sine.json")
+        run("evo-train", "one.txt", "--task", "Walker-v0", "--train", "gait", "--steps", "2000",
+            "--out-dir", ".", "--train-set", "population=4", "-o", "sine.json")
         os.rename(next(n for n in os.listdir(".") if n.endswith(".policy.h5")), "sine.h5")
         with open("tiny.yaml", "w") as file:
             file.write("base: paper\nenvironments: 1\nrollout: 2\nminibatches: 1\nhidden: [4]\n"

@@ -62,7 +62,7 @@ evo-select --keep 1 "$folder/history.jsonl" -o "$folder/best.json"
 [ -n "$champion" ] || exit 0
 id=$(jq -r .id "$folder/best.json")
 if [ "$champion" = all ]; then
-  evo-train -q --task Walker-v0 --algo sine --steps 8000 --out-dir "$folder/policies" "$folder/history.jsonl" > /dev/null
+  evo-train -q --task Walker-v0 --train gait --steps 8000 --out-dir "$folder/policies" "$folder/history.jsonl" > /dev/null
 fi
 evo-train -q --force --task Walker-v0 --steps 8192 --out-dir "$folder/policies" "$folder/best.json" > /dev/null
 cp "$folder/policies/$id.policy.h5" "$folder/best.policy.h5"

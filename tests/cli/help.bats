@@ -93,6 +93,6 @@ commit_of() {
   fails_with 2 "'./mine'" -- evo-eval --task mine --random robot
   evo-eval --task ./mine --random --max-steps 1 robot > /dev/null
   fails_with 66 "given as 'Walker-v0'" -- evo-eval --task Walker-v0.yaml --random robot
-  fails_with 66 "but a task" "--task Walker-v0" -- evo-eval Walker-v0
-  fails_with 66 "but a task" "evo-inspect task Walker-v0" -- evo-inspect Walker-v0
+  fails_with 66 "a task and no file" "--task Walker-v0" -- evo-eval Walker-v0
+  fails_with 66 "a task and no file" "evo-inspect task Walker-v0" -- evo-inspect Walker-v0
 }

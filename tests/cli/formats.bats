@@ -9,7 +9,7 @@ setup_file() {
   evo-train small.txt --task Walker-v0 --steps 640 --out-dir net "${small[@]}" -o net.json
   evo-train small.txt --task Walker-v0 --steps 640 --out-dir squash "${small[@]}" --train-set action_map=squash -o squash.json
   evo-train small.txt --task Walker-v0 --steps 64 --out-dir timed "${small[@]}" --train-set 'clock=[20]'
-  evo-train small.txt --task Walker-v0 --steps 8000 --algo gait --out-dir sine -o sine.json
+  evo-train small.txt --task Walker-v0 --steps 8000 --train gait --out-dir sine -o sine.json
   evo-train small.txt --task Walker-v0 --steps 16000 --algo sequence --out-dir sequence -o sequence.json
 }
 schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }

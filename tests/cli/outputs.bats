@@ -46,16 +46,16 @@ setup_file() {
 
 @test "two trainings with different settings in one folder: the second is refused, at the end as well" {
   cp "$made/small.txt" .
-  evo-train small.txt --task Walker-v0 --algo gait --steps 60000 --seed 1 --out-dir p -o one.json &
+  evo-train small.txt --task Walker-v0 --train gait --steps 60000 --seed 1 --out-dir p -o one.json &
   local first=$!
-  run --separate-stderr evo-train small.txt --task Walker-v0 --algo gait --steps 60000 --seed 2 --out-dir p -o two.json
+  run --separate-stderr evo-train small.txt --task Walker-v0 --train gait --steps 60000 --seed 2 --out-dir p -o two.json
   local second=$status
   local status=0
   wait $first || status=$?
   echo "$status $second $stderr"
   [ $(( status + second )) -eq 73 ]
   if [ "$status" -eq 0 ]; then seed=1 kept=one.json; else seed=2 kept=two.json; fi
-  evo-train small.txt --task Walker-v0 --algo gait --steps 60000 --seed $seed --out-dir p | jq .fitness | cmp - <(jq .fitness $kept)
+  evo-train small.txt --task Walker-v0 --train gait --steps 60000 --seed $seed --out-dir p | jq .fitness | cmp - <(jq .fitness $kept)
 }
 
 @test "several robots as YAML come back; so do design-tool worlds" {

@@ -10,7 +10,7 @@ setup_file() {
   printf 'HV\nHV\n' > small.txt
   tiny_profile > tiny.yaml
   evo-eval small.txt --task Walker-v0 --random --max-steps 3 --rollout walk.h5 > scored.jsonl
-  evo-train small.txt --task Walker-v0 --algo gait --steps 8000 --out-dir . -o trained.json
+  evo-train small.txt --task Walker-v0 --train gait --steps 8000 --out-dir . -o trained.json
   evo-neat -n 4 --state-out species.json -o neat.jsonl
 }
 
@@ -89,9 +89,9 @@ setup_file() {
 
 @test "standard streams that are closed: no file takes their place" {
   cp "$made/small.txt" .
-  fails_with 74 "standard output" -- bash -c 'evo-train small.txt --task Walker-v0 --algo gait --steps 8000 --out-dir out >&-'
+  fails_with 74 "standard output" -- bash -c 'evo-train small.txt --task Walker-v0 --train gait --steps 8000 --out-dir out >&-'
   cmp out/*.policy.h5 "$made"/*.policy.h5
-  run bash -c 'evo-train small.txt --task Walker-v0 --algo gait --steps 8000 --out-dir quiet -o x.json 2>&-'
+  run bash -c 'evo-train small.txt --task Walker-v0 --train gait --steps 8000 --out-dir quiet -o x.json 2>&-'
   [ "$status" -eq 0 ]
   cmp quiet/*.policy.h5 "$made"/*.policy.h5
   fails_with 74 "standard input" -- bash -c 'evo-select <&-'

@@ -176,7 +176,8 @@ def write_policy(
             "format": "evo/policy", "version": np.int64(1), "robot": json.dumps(robot),
             **known, "training_yaml": "{}", "seed": np.uint64(0), "isa": "any",
             "observation_layout": json.dumps(info["robots"][0]["observation_layout"]),
-            "created_by": created_by, "settings_hash": "", "fitness": float(fitness),
+            "created_by": created_by, "identity": "", "settings_hash": "",
+            "fitness": float(fitness),
             "best_step": np.int64(steps), "steps": np.int64(steps), "kind": "network",
             "action_map": "squash" if squash else "offset", "action_offset": float(offset),
             "action_bounds": np.array([info["action_low"], info["action_high"]])})

@@ -179,7 +179,7 @@ class Training(unittest.TestCase):
 
         for wrong, message in (
                 (lambda: evo_robots.train(Walk, WALKER, settings={"gama": 1}), "gamma"),
-                (lambda: evo_robots.train(Walk, WALKER, profile="sequence"), "PPO"),
+                (lambda: evo_robots.train(Walk, WALKER, profile="sequence"), "ppo"),
                 (lambda: evo_robots.train(Walk, WALKER, steps=1), "less than one rollout"),
                 (lambda: evo_robots.train(Wild, WALKER, steps=1024, settings=FEW), "finite"),
                 (lambda: evo_robots.train("Walkr-v0", WALKER), "Walker-v0")):

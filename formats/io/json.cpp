@@ -120,7 +120,7 @@ void JsonPieces::skip_value() {
 Json parse_json(const JsonPiece& piece, const std::string& where) {
   // The library keeps the last of several values of one key, and looks every new key up among
   // all before it.
-  constexpr std::size_t most_keys = 10'000;
+  constexpr std::size_t most_keys = 40'000;
   std::vector<std::unordered_set<std::string>> open;  // keys of the objects around
   const auto check = [&](int /*depth*/, Json::parse_event_t event, const Json& parsed) {
     if (event == Json::parse_event_t::object_start) open.emplace_back();

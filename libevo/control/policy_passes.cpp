@@ -75,8 +75,8 @@ Vector& PolicyPasses::begin_backward() {
 }
 
 void PolicyPasses::end_backward() {
-  backward(policy_.actor, minibatch_, actor_, actor_slopes_, gradients_.actor);
-  backward(policy_.critic, minibatch_, critic_, critic_slopes_, gradients_.critic);
+  backward(policy_.actor, minibatch_, batch_actor_, actor_slopes_, gradients_.actor);
+  backward(policy_.critic, minibatch_, batch_critic_, critic_slopes_, gradients_.critic);
 }
 
 // ---- checkpoints ----------------------------------------------------------------

@@ -62,13 +62,14 @@ class PolicyPasses {
   Vector& begin_backward();
   template <typename Use>
   void each_chunk(Use use) {
-    forward(policy_.actor, minibatch_, actor_);
-    forward(policy_.critic, minibatch_, critic_);
+    forward(policy_.actor, minibatch_, batch_actor_);
+    forward(policy_.critic, minibatch_, batch_critic_);
     Matrix& means = actor_slopes_.back();
     Matrix& values = critic_slopes_.back();
     means.resize(minibatch_.rows(), policy_.action_length());
     values.resize(minibatch_.rows(), 1);
-    use(Chunk{0, 0, all_of(actor_.back()), all_of(critic_.back()), all_of(means), all_of(values)});
+    use(Chunk{0, 0, all_of(batch_actor_.back()), all_of(batch_critic_.back()), all_of(means),
+              all_of(values)});
   }
   void end_backward();
 
@@ -90,8 +91,10 @@ class PolicyPasses {
   Matrix state_;            // s_t, what networks see of it [E x I]
   Matrix rollout_;          // rows t*E + e
   Matrix minibatch_;
-  Activations actor_;
+  Activations actor_;  // of the environments
   Activations critic_;
+  Activations batch_actor_;  // of the minibatch, apart: neither changes its size
+  Activations batch_critic_;
   std::vector<Matrix> actor_slopes_;
   std::vector<Matrix> critic_slopes_;
   NetworkScratch reached_;  // of the critic

@@ -27,12 +27,13 @@ setup_file() {
     evo-convert < "$file" | jq -r .id | cmp - <(jq -r .id trained.json)
     evo-mutate -n 1 < "$file" | cmp - <(evo-mutate -n 1 small.txt)
   done
-  # A policy named is its robot's policy.
-  evo-eval "$policy" | jq .fitness | cmp - <(jq .fitness trained.json)
+  # A policy named is its robot's policy; these are the episodes that its training judged it by.
+  local episodes=(--episodes 8 --jitter 1e-3)
+  evo-eval "$policy" "${episodes[@]}" | jq .fitness | cmp - <(jq .fitness trained.json)
   mkdir elsewhere
   evo-convert "$policy" -o elsewhere/robot.json --to jsonl
   [ "$(jq -r .policy elsewhere/robot.json)" = "../$(basename "$policy")" ]
-  evo-eval elsewhere/robot.json | jq .fitness | cmp - <(jq .fitness trained.json)
+  evo-eval elsewhere/robot.json "${episodes[@]}" | jq .fitness | cmp - <(jq .fitness trained.json)
   fails_with 2 "it has no policy" -- evo-eval small.txt
 }
 

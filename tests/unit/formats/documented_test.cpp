@@ -66,6 +66,7 @@ TEST_CASE(
     if (whole) other = "12";
     if (list) other = "7, 8";
     if (other == row.value) other = "0.25";
+    if (property.contains("minimum") && property.at("minimum") > 0.5) other = "12";
     TrainingSettings changed;
     apply_override(changed, row.key + "=" + other);
     CHECK(!(changed == TrainingSettings{}));

@@ -360,8 +360,8 @@ TEST_CASE("EvoGym world: a robot keeps its empty border, its id with it") {
   }
 }
 
-TEST_CASE("EvoGym world: 400x400 cells are written and read") {
-  const Robot robot(full_body(400, 400));
+TEST_CASE("EvoGym world: 200x200 cells are written and read") {
+  const Robot robot(full_body(200, 200));
   const std::string text = evogym_world_to_json(evogym_world_of_robot(robot));
   const World world = world_of(parse_json(text, "large"));
   CHECK(robot_from_evogym_world(world, "large").id == robot.id);

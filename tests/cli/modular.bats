@@ -35,7 +35,7 @@ shared() { evo-train --task Walker-v0 --train modular --train-set environments=2
   shared 16384 calm.policy.h5 robots | cmp - calm
   for _ in 1 2 3; do
     shared 16384 stormy.policy.h5 --resume robots > /dev/null 2>&1 3>&- & training=$!
-    until [ -e stormy.log ]; do kill -0 $training && sleep 0.05; done
+    until [ -e stormy.log ]; do kill -0 $training || return; sleep 0.05; done
     random_pause
     kill -TERM $training 2> /dev/null || break
     wait $training && break
@@ -43,21 +43,6 @@ shared() { evo-train --task Walker-v0 --train modular --train-set environments=2
   shared 16384 stormy.policy.h5 --resume robots | sed 's/stormy/calm/' | cmp - calm
   cmp calm.policy.h5 stormy.policy.h5
   [ ! -e stormy.checkpoint.h5 ]
-}
-
-@test "modular: a checkpoint that does not know what each robot earns ends with the same bytes" {
-  robots > robots
-  shared 4096 one.policy.h5 --keep-checkpoint robots > scored
-  mv one.policy.h5 first.policy.h5
-  /usr/bin/python3 -c "
-import h5py
-file = h5py.File('one.checkpoint.h5', 'r+')
-index = [line for line in file['index'] if b'best/each' not in line]
-assert len(index) == len(file['index']) - 1
-del file['arrays/best/each'], file['index']
-file['index'] = index"
-  shared 4096 one.policy.h5 --resume robots | cmp - scored
-  cmp one.policy.h5 first.policy.h5
 }
 
 @test "modular: what does not fit is refused in a line" {

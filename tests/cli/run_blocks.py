@@ -25,7 +25,7 @@ SMALLER = [  # what costs hours of a core
     (r"--steps \d+ --train sequence", "--steps 16384 --train sequence"),
     (r"--founder-steps \d+", "--founder-steps 2048"), (r"steps: \d+", "steps: 2048"),
     (r"--by-sequence --steps \d+", "--by-sequence --steps 49152"),
-    (r"sequence --steps \d+", "sequence --steps 16384"), (r"moments --steps \d+", "moments --steps 8192"),
+    (r"(?<!by-)sequence --steps \d+", "sequence --steps 16384"), (r"moments --steps \d+", "moments --steps 8192"),
     (r'(?<!sequence )(?<!sequence\)" )(?<!moments )--steps \d+\b(?! --train sequence)', "--steps 2048"),
     (r"--evals (?!1\b)\d+", "--evals 4"), (r"--pop (?!1\b)\d+", "--pop 3"),
     (r'--seeds "[^"]*"', '--seeds "1 2"'), (r"-j8", "-j2"),

@@ -1,5 +1,6 @@
 // Sixteen starts of one robot, each a little apart, on a wave through its actuators: the
-// mean return and its spread. Then a training, and what its policy earns.
+// mean return and its spread. Then a training, the mean that its policy was kept for, and what
+// it earns from the official start.
 //   walk [TASK [TRAINING_STEPS]]
 #include <evo/evo.hpp>
 
@@ -39,7 +40,7 @@ int main(int argc, char** argv) try {
     again.step(actions);
     earned += again.rewards()[0];
   }
-  std::printf("trained: %.4f, and again %.4f\n", policy.fitness(), earned);
+  std::printf("trained: fitness %.4f, from the official start %.4f\n", policy.fitness(), earned);
 } catch (const libevo::Error& failure) {
   std::fprintf(stderr, "walk: %s\n", failure.what());
   return static_cast<int>(failure.kind());

@@ -13,14 +13,15 @@
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/json_object.h"
-#include "formats/task/physics_profile.h"
 #include "formats/rollout/episodes.h"
+#include "formats/task/physics_profile.h"
 
 namespace {
 
 using namespace evo;
 
 constexpr std::size_t longest_request = std::size_t{64} << 20U;  // bytes
+constexpr int patience = 1000;  // lines in a row that are no JSON: no client sends them
 
 // The first thing a client hears.
 Json describe(const Session& session) {
@@ -218,15 +219,16 @@ struct Request {
 // Throws Error for what is no request or cannot be fulfilled; nothing has changed
 // then.
 Json answer(Session& session, const Json& request, const std::string& where) try {
-  static const std::vector<Request> all{{"reset", reset},     {"step", step},
-                                        {"save", save},       {"restore", restore},
+  static const std::vector<Request> all{{"reset", reset},         {"step", step},
+                                        {"save", save},           {"restore", restore},
                                         {"positions", positions}, {"task", task_of}};
   std::vector<std::string> names;
   for (const auto& [name, respond] : all) {
     names.push_back(name);
     if (!request.is_object() || !request.contains(name)) continue;
-    check_fields(request, "", name == "step" ? std::vector<std::string>{name, "environments"}
-                                             : std::vector{name});
+    check_fields(
+        request, "",
+        name == "step" ? std::vector<std::string>{name, "environments"} : std::vector{name});
     return respond(session, request);
   }
   check_fields(request, "", names);
@@ -237,19 +239,25 @@ Json answer(Session& session, const Json& request, const std::string& where) try
   throw failure.at(where);
 }
 
-// Until the input ends. Throws Error(data) for a line that is too long.
+// Until the input ends. Throws Error(data) for a line that is too long, and for an input
+// that is none of a client.
 void serve(Session& session) {
   LineWriter out{std::string(standard_stream)};
   out.line(compact(describe(session)));
   std::ios::sync_with_stdio(false);
   const auto line = std::make_unique_for_overwrite<char[]>(longest_request);
+  int strange = 0;  // lines in a row
   for (int number = 1; std::cin.getline(line.get(), longest_request); ++number) {
+    if (++strange > patience)
+      throw error(Failure::data, "standard input: {} lines in a row are no JSON", patience);
     const auto taken = static_cast<std::size_t>(std::cin.gcount());  // with the line's end
     const std::string_view text(line.get(), std::cin.eof() ? taken : taken - 1);
     if (text.find_first_not_of(" \t\r") == std::string_view::npos) continue;
     const std::string where = fmt::format("request {}", number);
     try {
-      out.line(compact(answer(session, parse_json(text, where), where)));
+      const Json request = parse_json(text, where);
+      strange = 0;
+      out.line(compact(answer(session, request, where)));
     } catch (const Error& failure) {
       if (failure.kind() == Failure::io) throw;
       out.line(compact({{"error", failure.what()}}));

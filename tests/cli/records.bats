@@ -8,7 +8,7 @@ setup() {
   export RECORDS=$PWD/records
 }
 evolve() {
-  evo-evolve ga -q --run "$1" --task Walker-v0 --pop 4 --evals 8 --algo gait --steps 4000 --seed "$2" \
+  evo-evolve ga -q --run "$1" --task Walker-v0 --pop 4 --evals 8 --train gait --steps 4000 --seed "$2" \
     --train-options "--train-set population=4" --no-video
 }
 
@@ -114,7 +114,7 @@ evolve() {
 
 @test "a record whose founders came from another run says so, and counts what that took" {
   evolve scout 1
-  evo-evolve ga -q --run next --task Walker-v0 --pop 4 --evals 6 --algo gait --steps 4000 --seed 2 \
+  evo-evolve ga -q --run next --task Walker-v0 --pop 4 --evals 6 --train gait --steps 4000 --seed 2 \
     --train-options "--train-set population=4" --founders scout --no-video
   "$EVO_SOURCE/scripts/add-record" next
   record=records/Walker-v0/record.json
@@ -123,7 +123,7 @@ evolve() {
   [ "$(jq -r .tools $record)" = "$(evo-train --version | sed 's/ [^ ]*$//')" ]  # one build made both
   [ "$(jq .steps $record)" -eq "$(cat scout/history.jsonl next/history.jsonl | jq -s 'map(.steps) | add')" ]
   # As far back as it goes.
-  evo-evolve ga -q --run last --task Walker-v0 --pop 4 --evals 5 --algo gait --steps 4000 --seed 3 \
+  evo-evolve ga -q --run last --task Walker-v0 --pop 4 --evals 5 --train gait --steps 4000 --seed 3 \
     --train-options "--train-set population=4" --founders next --no-video
   rm -r records/Walker-v0
   "$EVO_SOURCE/scripts/add-record" last
@@ -136,7 +136,7 @@ evolve() {
 
 @test "a record keeps the bodies of a file that its run began with, and its command finds them" {
   evo-sample -n 2 --seed 5 > bodies.jsonl
-  evo-evolve ga -q --run drawn --task Walker-v0 --pop 2 --evals 2 --algo gait --steps 4000 --seed 1 \
+  evo-evolve ga -q --run drawn --task Walker-v0 --pop 2 --evals 2 --train gait --steps 4000 --seed 1 \
     --train-options "--train-set population=4" --founders bodies.jsonl --no-video
   "$EVO_SOURCE/scripts/add-record" drawn
   diff <(jq -c .body bodies.jsonl) <(jq -c .body records/Walker-v0/founders.jsonl)
@@ -188,7 +188,7 @@ evolve() {
 }
 
 @test "a record of a task with draws is replayed with those that it was trained on" {
-  evo-evolve ga -q --run run --task Catcher-v0 --pop 4 --evals 4 --algo gait --steps 4000 --seed 5 --video gif \
+  evo-evolve ga -q --run run --task Catcher-v0 --pop 4 --evals 4 --train gait --steps 4000 --seed 5 --video gif \
     --video-options "--size 160x90 --every 50" --train-options "--train-set population=4"
   "$EVO_SOURCE/scripts/add-record" run
   jq -e '.seed == 5' records/Catcher-v0/record.json

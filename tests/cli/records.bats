@@ -36,7 +36,7 @@ evolve() {
   [[ $(head -c 4 records/Walker-v0/picture.png | tr -d '\211') == PNG ]]
   # The command makes the same run again.
   command=$(jq -r .command records/Walker-v0/record.json)
-  (cd "$EVO_SOURCE" && eval "${command/runs\/record/$BATS_TEST_TMPDIR/again} -s $BATS_TEST_TMPDIR/again/history.jsonl")
+  (cd "$EVO_SOURCE" && eval "${command/runs\/record/$BATS_TEST_TMPDIR/again} -q")
   diff $better/history.jsonl again/history.jsonl
 }
 
@@ -182,9 +182,9 @@ evolve() {
   "$EVO_SOURCE/scripts/records-page" | grep '^| \[Walker-v0\](#walker-v0.*, less | '
   jq '.fitness = 20' $record > better && mv better $record
   "$EVO_SOURCE/scripts/records-page" | grep '^| \[Walker-v0\](#walker-v0) | network along a gait | 20 ([^,]*) | '
-  run further two records/Walker-v0 POP=2
+  run further two records/Walker-v0 --pop 2 --evals 2
   [ "$status" -ne 0 ]
-  [[ $output == *"records/Walker-v0: has 1 different robots, not POP=2"* ]]
+  [[ $output == *"records/Walker-v0: has 1 robots, not --pop 2"* ]]
 }
 
 @test "a record of a task with draws is replayed with those that it was trained on" {

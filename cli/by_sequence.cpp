@@ -1,5 +1,7 @@
 #include "cli/by_sequence.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -7,6 +9,7 @@
 
 #include "formats/io/values.h"
 #include "formats/training/policy.h"
+#include "libevo/base/error.h"
 #include "libevo/control/evaluate.h"
 
 namespace evo::cli {
@@ -79,7 +82,11 @@ int train_by_sequence(const Command& command, const TrainingOptions& options,
     of_stage.steps = std::to_string(last ? steps - 2 * (steps / 8) : steps / 8);
     of_stage.out_dir = (fs::path(options.out_dir) / stage).string();
     of_stage.final_episodes = 0;
-    plans.push_back(of_stage.plan(derive_seed(command.seed, stage)));
+    try {
+      plans.push_back(of_stage.plan(derive_seed(command.seed, stage)));
+    } catch (const Error& e) {
+      throw e.at(fmt::format("{}, with {} of the {} steps", stage, *of_stage.steps, steps));
+    }
     if (plans.size() > 1) plans.back().own = plans.front().policies;
   }
   for (const TrainingPlan& stage : plans)

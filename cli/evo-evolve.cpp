@@ -64,6 +64,9 @@ std::string tools_folder() {
 void prefer_own_tools() {
   const char* path = std::getenv("PATH");
   ::setenv("PATH", (own_folder().string() + ":" + (path == nullptr ? "" : path)).c_str(), 1);
+  // The tools of a run are started in its folder.
+  if (const char* data = std::getenv("EVO_DATA"); data != nullptr && *data != '\0')
+    ::setenv("EVO_DATA", fs::absolute(data).c_str(), 1);
 }
 
 std::vector<char*> pointers(std::vector<std::string>& words) {
@@ -209,8 +212,13 @@ RunSettings complete(const std::string& method, Given given) {
 
 // ---- planning -----------------------------------------------------------------------------
 
+// Until it is renamed, a file has a hidden name of its own, ".NAME.PID-N.tmp".
+bool is_half_written(const fs::path& path) {
+  return path.filename().string().starts_with('.') && path.extension() == ".tmp";
+}
+
 // Where a run may begin: a folder that is not there, or has nothing in it but what an
-// interrupted plan left: a Makefile, or those of several runs.
+// interrupted plan left: a Makefile, whole or not, or those of several runs.
 void check_place(const fs::path& folder, std::vector<std::string> planned = {}) {
   const std::string name = folder.string();
   if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }))
@@ -220,7 +228,8 @@ void check_place(const fs::path& folder, std::vector<std::string> planned = {}) 
     throw error(Failure::cannot_create, "{}: a file, not a run folder", name);
   planned.emplace_back("Makefile");
   for (const auto& entry : fs::directory_iterator(folder))
-    if (std::find(planned.begin(), planned.end(), entry.path().filename()) == planned.end())
+    if (std::find(planned.begin(), planned.end(), entry.path().filename()) == planned.end() &&
+        !is_half_written(entry.path()))
       throw error(Failure::cannot_create,
                   "{}: neither a run nor an empty folder ({} is in it); choose another --run", name,
                   entry.path().filename().string());

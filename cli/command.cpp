@@ -50,7 +50,9 @@ class Help : public CLI::Formatter {
   std::string make_usage(const CLI::App* app, std::string /*name*/) const override {
     return "Usage: " + name(app) + " [OPTION]..." + get_label("ARGUMENTS") + "\n";
   }
-  std::string make_positionals(const CLI::App* /*app*/) const override { return get_label("FORMS"); }
+  std::string make_positionals(const CLI::App* /*app*/) const override {
+    return get_label("FORMS");
+  }
   std::string make_option_name(const CLI::Option* option, bool /*positional*/) const override {
     const auto& letters = option->get_snames();
     return (letters.empty() ? "    " : "-" + letters[0] + ", ") + "--" + option->get_lnames()[0];
@@ -218,9 +220,9 @@ struct Command::Impl {
     if (!left.empty() && !subcommands.empty()) {
       std::vector<std::string> names;
       for (const auto& command : subcommands) names.push_back(command->name());
-      return {Failure::usage, fmt::format("'{}' is not one of {}{}{}", left.front(),
-                                          fmt::join(names, ", "), did_you_mean(left.front(), names),
-                                          see)};
+      return {Failure::usage,
+              fmt::format("'{}' is not one of {}{}{}", left.front(), fmt::join(names, ", "),
+                          did_you_mean(left.front(), names), see)};
     }
     if (dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr)
       return {Failure::usage, "unexpected argument '" + left.front() + "'" + see};
@@ -275,10 +277,9 @@ Option Command::option(const std::string& names, T& target, const std::string& v
                        const std::string& help) {
   std::string initial;
   if constexpr (!is_vector<T> && !is_optional<T>) initial = fmt::format("{}", target);
-  const Option option = add(names, value, help, initial,
-                            [&target, option = long_name(names)](const auto& texts) {
-                              assign(target, texts, option);
-                            });
+  const Option option = add(
+      names, value, help, initial,
+      [&target, option = long_name(names)](const auto& texts) { assign(target, texts, option); });
   // Repeated, never greedy: the word after the value is not another value.
   if constexpr (is_vector<T>)
     impl_->app->get_option(long_name(names))
@@ -422,8 +423,9 @@ void Command::common_options() {
          "what is said goes to the end of this file, too, with the time");
   help();
   impl_->app
-      ->set_version_flag("--version", [&] { return created_by(name()) + " " + best_isa(); },
-                         "show version, commit, instruction set")
+      ->set_version_flag(
+          "--version", [&] { return created_by(name()) + " " + best_isa(); },
+          "show version, commit, instruction set")
       ->group(impl_->section);
   impl_->finish_help();
 }
@@ -451,8 +453,8 @@ Workers::Workers(const Command& command, std::size_t tasks)
     : pool(threads_for(tasks, command.jobs)) {
   const int wanted = threads_for(tasks, command.jobs);
   if (pool.threads() < wanted)
-    log::warn(fmt::format("{} of {} threads could be started; going on with these",
-                             pool.threads(), wanted));
+    log::warn(fmt::format("{} of {} threads could be started; going on with these", pool.threads(),
+                          wanted));
 }
 
 void Command::parse(std::vector<std::string> words) {

@@ -23,7 +23,6 @@ class Option;
 
 namespace evo::cli {
 
-
 // An option that was declared: what its value may be and what it goes with. Wrong values and
 // combinations end in one line and status 2.
 class Option {

@@ -220,8 +220,8 @@ int main(int argc, char** argv) {
   command.section("Output");
   command.output_option("where the robots go, with fitness, returns and lengths");
   command.flag("--behaviour", settings.behaviour, cli::behaviour_help);
-  const cli::Option rollout = command.option("--rollout", settings.rollout, "FILE.h5",
-                                             "record the episodes of one robot");
+  const cli::Option rollout =
+      command.option("--rollout", settings.rollout, "FILE.h5", "record the episodes of one robot");
   command.option("--rollout-dir", settings.rollout_dir, "DIR", "record into DIR/<id>.h5")
       .excludes({rollout});
   command.flag("--rollout-velocities", settings.velocities, "record velocities, too");

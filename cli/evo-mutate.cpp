@@ -16,8 +16,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> avoid;
   std::vector<std::string> files;
   command.arguments(files, "FILE", "robots (JSON, JSON Lines, YAML, letters) [standard input]");
-  command.option("-n,--count", count, "N", "children to make [as many as robots read]")
-      .at_least(0);
+  command.option("-n,--count", count, "N", "children to make [as many as robots read]").at_least(0);
   cli::add_breeding_options(command, breeding);
   command.option("--avoid", avoid, "FILE", "robots or ids that must not come again (repeatable)");
   command.seed_option();

@@ -8,8 +8,8 @@
 #include "cli/data.h"
 #include "cli/outputs.h"
 #include "cli/robots.h"
-#include "formats/robot/children.h"
 #include "formats/io/values.h"
+#include "formats/robot/children.h"
 #include "formats/robot/genome.h"
 #include "formats/robot/writer.h"
 #include "formats/run/neat.h"
@@ -52,8 +52,9 @@ int main(int argc, char** argv) {
   command.arguments(files, "FILE",
                     "the scored population [standard input]; not read without "
                     "--state-in");
-  command.option("-n,--count", count, "N",
-                 fmt::format("population size [pop_size of --neat, else {}]", default_population))
+  command
+      .option("-n,--count", count, "N",
+              fmt::format("population size [pop_size of --neat, else {}]", default_population))
       .at_least(2);
   const cli::Option first_shape = command.option("--shape", shape_text, "ROWSxCOLS",
                                                  "of the first population's bodies, in voxels");
@@ -101,8 +102,8 @@ int main(int argc, char** argv) {
     for (const CppnRobot& robot : made) {
       std::vector<std::string> ids;
       for (const int key : robot.parents) ids.push_back(parents.ids.at(key));
-      out.write(robot_of({robot.body, "evo-neat", std::move(ids), robot.genome}, command.seed,
-                         index++));
+      out.write(
+          robot_of({robot.body, "evo-neat", std::move(ids), robot.genome}, command.seed, index++));
     }
     out.finish();
     return 0;

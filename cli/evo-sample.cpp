@@ -3,8 +3,8 @@
 
 #include "cli/command.h"
 #include "cli/robots.h"
-#include "formats/robot/children.h"
 #include "formats/io/values.h"
+#include "formats/robot/children.h"
 #include "formats/robot/writer.h"
 #include "libevo/evolve/cppn_neat.h"
 

@@ -22,7 +22,7 @@ declare -A may=(
 bad=0
 for room in "${!may[@]}"; do
   while IFS=: read -r file line include; do
-    target=$(sed -E 's/.*"(.*)".*/\1/' <<<"$include")
+    target=${include#*\"} target=${target%%\"*}
     case $target in libevo/*|formats/*|render/*|bindings/*|cli/*) ;; *) continue ;; esac
     allowed=no
     for prefix in ${may[$room]}; do [[ $target == "$prefix"/* ]] && allowed=yes; done

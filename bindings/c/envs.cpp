@@ -6,8 +6,8 @@
 #include "bindings/c/pictures.h"
 #include "bindings/c/session.h"
 #include "bindings/c/voxels.h"
-#include "libevo/task/measure.h"
 #include "formats/rollout/episodes.h"
+#include "libevo/task/measure.h"
 
 using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;

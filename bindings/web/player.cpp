@@ -10,13 +10,13 @@
 
 #include "formats/foreign/evogym.h"
 #include "formats/robot/robot.h"
+#include "formats/rollout/episodes.h"
 #include "formats/task/draft.h"
 #include "formats/task/pieces.h"
 #include "formats/task/task.h"
 #include "formats/training/controller_json.h"
 #include "libevo/base/overloaded.h"
 #include "libevo/body/operators.h"
-#include "formats/rollout/episodes.h"
 
 namespace evo::web {
 namespace {

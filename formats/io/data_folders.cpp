@@ -39,10 +39,9 @@ fs::path data_root(const std::vector<fs::path>& candidates) {
     if (is_data_root(folder)) return folder;
     seen.push_back(folder.string());
   }
-  throw error(
-      Failure::no_input,
-      "the tasks are neither in {}; name the folder that holds tasks/ in EVO_DATA",
-      joined(seen, " nor in "));
+  throw error(Failure::no_input,
+              "the tasks are neither in {}; name the folder that holds tasks/ in EVO_DATA",
+              joined(seen, " nor in "));
 }
 
 DataFolders data_folders(const fs::path& root) {

@@ -11,7 +11,8 @@
 //   training.learning_rate=0.001
 //
 // No words of explanation are among them: a description, a comment or a hint can
-// be corrected without losing a training. Numbers have the shortest form that reads back to the same bits.
+// be corrected without losing a training. Numbers have the shortest form that reads back to the
+// same bits.
 #pragma once
 
 #include <cstdint>

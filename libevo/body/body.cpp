@@ -178,8 +178,7 @@ std::string identity(const Body& body) {
 
   std::string text = fmt::format("evo1\n{}x{}\n", body.rows, body.cols);
   for (const std::string& row : body.to_rows()) text.append(row).push_back('\n');
-  for (const Link& link : links)
-    text += fmt::format("{}-{}\n", link.a, link.b);
+  for (const Link& link : links) text += fmt::format("{}-{}\n", link.a, link.b);
 
   constexpr std::size_t identity_digits = 12;
   return sha256_hex(text).substr(0, identity_digits);

@@ -134,7 +134,8 @@ Body sample_body(int rows, int cols, const VoxelWeights& weights, Stream& stream
               "no valid robot among {} random matrices of {}x{} cells; with {:.0f}% empty cells "
               "they are hardly ever connected: give empty (the first weight) less, or choose a "
               "smaller shape",
-              tried, rows, cols, 100.0 * weights[0] / std::accumulate(weights.begin(), weights.end(), 0.0));
+              tried, rows, cols,
+              100.0 * weights[0] / std::accumulate(weights.begin(), weights.end(), 0.0));
 }
 
 std::optional<Body> mutate(const Body& parent, const MutationSettings& settings, Stream& stream) {

@@ -8,8 +8,8 @@
 
 #include "formats/io/base64.h"
 #include "formats/rollout/ending.h"
-#include "render/scene/clip.h"
 #include "render/report/markup.h"
+#include "render/scene/clip.h"
 
 namespace evo::report {
 namespace {

@@ -6,15 +6,15 @@
 #include <string_view>
 
 #include "formats/io/number.h"
+#include "formats/rollout/episodes.h"
 #include "formats/rollout/rollout.h"
 #include "formats/run/run.h"
+#include "formats/run/run_policy.h"
 #include "formats/task/yaml.h"
 #include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
 #include "render/report/choice.h"
 #include "render/report/replay.h"
-#include "formats/rollout/episodes.h"
-#include "formats/run/run_policy.h"
 
 namespace evo::report {
 namespace {

@@ -132,7 +132,8 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
 
 std::string run_command(const Run& run, const std::string& folder,
                         const std::vector<std::pair<std::string, std::string>>& changed) {
-  return evolve_command(folder, [&](const std::string& name) { return run.setting(name); }, changed);
+  return evolve_command(
+      folder, [&](const std::string& name) { return run.setting(name); }, changed);
 }
 
 Verdict judge(const Run& run) {

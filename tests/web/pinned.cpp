@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "formats/task/task.h"
 #include "bindings/web/page.h"
+#include "formats/task/task.h"
 
 extern "C" EVO_EXPORTED int evo_pinned(const char* task, int steps);
 

@@ -259,4 +259,3 @@ TEST_CASE("the model beats random search on a cheap landscape") {
 TEST_CASE("the model beats random search over 20 seeds with the full settings", "[.slow]") {
   CHECK(wins_over_random(20, 5, 5, 6, {}) >= 16);
 }
-

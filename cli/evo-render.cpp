@@ -16,6 +16,7 @@
 #include "formats/run/run.h"
 #include "formats/run/run_policy.h"
 #include "formats/training/policy.h"
+#include "libevo/base/join.h"
 #include "render/render.h"
 
 namespace {
@@ -27,15 +28,13 @@ struct Settings {
   std::optional<std::string> size;
   std::optional<double> fps;
   std::vector<std::string> episodes;
-  std::string follow;
-  render::CameraMode camera = render::CameraMode::follow;
-  std::optional<std::string> window;
-  int from = 0;
-  std::optional<int> to;
+  std::string camera;
+  std::string steps;
+  std::string hide;
+  std::string show;
   std::optional<double> at;
-  std::optional<int> sheet;
   std::optional<int> strip;
-  bool panels = false;
+  std::optional<int> panels;
   bool loop = false;
   render::Choice moments = render::Choice::event;
   bool grid = false;
@@ -43,11 +42,10 @@ struct Settings {
   std::optional<std::string> evolution;
   std::optional<std::string> poster;
   bool race = false;
-  bool no_labels = false;
-  bool no_grid_lines = false;
 };
 
 constexpr int most_episodes = 1'000'000'000;
+constexpr int most_steps = 1'000'000'000;
 
 render::Size parse_size(const std::string& text) {
   constexpr int most = 32'768;
@@ -57,7 +55,7 @@ render::Size parse_size(const std::string& text) {
 
 // One picture of an episode.
 bool is_still(const Settings& settings) {
-  return settings.at || settings.sheet || settings.strip || settings.loop;
+  return settings.at || settings.strip || settings.panels || settings.loop;
 }
 
 // What moves, by the ending of its file.
@@ -68,12 +66,13 @@ bool is_film(const std::string& output) {
 }
 
 // One picture, of which an episode has many.
-void refuse_film_as_picture(const Settings& settings, const std::string& output) {
+void refuse_film_as_picture(const Settings& settings, const RenderOptions& options,
+                            const std::string& output) {
   if (output.ends_with(".png") && output.find('%') == std::string::npos && !is_still(settings) &&
-      settings.to != settings.from)
+      options.to != options.from)
     throw error(
         Failure::usage,
-        "{}: one picture of an episode is made by --at STEP, --strip N or --sheet N; a film "
+        "{}: one picture of an episode is made by --at STEP, --strip N or --panels N; a film "
         "ends in .mp4, .webm or .gif",
         output);
 }
@@ -86,19 +85,54 @@ void choose_format(const Settings& settings, bool gif, RenderOptions& options) {
   options.overlays.fine_grid = !gif;
 }
 
-render::Camera parse_camera(const Settings& settings) {
+// "world", a window in voxels, or names of objects.
+render::Camera parse_camera(const std::string& text) {
   render::Camera camera;
-  camera.objects = split_list(settings.follow);
-  camera.mode = settings.camera;
-  if (settings.window) {
-    const std::vector<double> numbers = parse_numbers(*settings.window, "--window");
+  if (text == "world") {
+    camera.mode = render::CameraMode::world;
+  } else if (text.find_first_of("0123456789") == 0 || text.starts_with('-')) {
+    const std::vector<double> numbers = parse_numbers(text, "--camera");
     if (numbers.size() != 4)
-      throw error(Failure::usage, "--window: '{}' is not X,Y,WIDTH,HEIGHT in voxels",
-                  *settings.window);
+      throw error(Failure::usage, "--camera: '{}' is not X,Y,WIDTH,HEIGHT in voxels", text);
     camera.window = {numbers[0], numbers[1], numbers[2], numbers[3]};
     camera.mode = render::CameraMode::fixed;
+  } else {
+    camera.objects = split_list(text);
   }
   return camera;
+}
+
+// "50-80", "50-" to the end.
+void parse_steps(const std::string& text, RenderOptions& options) {
+  if (text.empty()) return;
+  const std::size_t dash = text.find('-');
+  if (dash == std::string::npos)
+    throw error(Failure::usage, "--steps: '{}' is not FIRST-LAST, such as 50-80, or 50-", text);
+  const auto step = [](const std::string& number) {
+    return static_cast<int>(parse_whole(number, "--steps", 0, most_steps));
+  };
+  options.from = step(text.substr(0, dash));
+  if (dash + 1 < text.size()) options.to = step(text.substr(dash + 1));
+}
+
+using Switches = std::vector<std::pair<std::string, bool*>>;
+
+std::vector<std::string> names_of(const Switches& switches) {
+  std::vector<std::string> names;
+  for (const auto& [name, target] : switches) names.push_back(name);
+  return names;
+}
+
+// Gives `value` to those named.
+void set_switches(const std::string& option, const std::string& text, const Switches& switches,
+                  bool value) {
+  for (const std::string& word : split_list(text)) {
+    const auto found = std::ranges::find(switches, word, &Switches::value_type::first);
+    if (found == switches.end())
+      throw error(Failure::usage, "{}: '{}' is unknown; allowed: {}", option, word,
+                  joined(names_of(switches), ", "));
+    *found->second = value;
+  }
 }
 
 // "0", "2", "all" of every rollout; the first episode when nothing is asked.
@@ -176,13 +210,9 @@ void render_robots(const Settings& settings, const RenderOptions& options,
 
 render::Drawing draw_still(const Settings& settings, const RenderOptions& options,
                            const render::Episode& episode) {
-  const bool strip = settings.strip.has_value();
-  const render::Moments moments{
-      strip ? *settings.strip : *settings.sheet,
-      strip ? render::Layout::strip
-            : (settings.panels ? render::Layout::panels : render::Layout::automatic),
-      settings.moments};
-  return render::draw_moments(episode, moments, options);
+  const auto layout = settings.strip ? render::Layout::strip : render::Layout::panels;
+  const int count = settings.strip ? *settings.strip : *settings.panels;
+  return render::draw_moments(episode, {count, layout, settings.moments}, options);
 }
 
 // Says how far a film is.
@@ -309,32 +339,28 @@ int main(int argc, char** argv) {
       "film: walk.mp4, .webm, .gif or frames/%05d.png; still picture: .svg, .pdf, .png, or - for "
       "PNG; required");
   command.option("--size", settings.size, "WIDTHxHEIGHT",
-                 "of the picture in pixels; sheets and strips take the width, and the height they "
+                 "of the picture in pixels; strips and panels take the width, and the height they "
                  "need [1280x720; GIF 640x360]");
   command.option("--fps", settings.fps, "N", "frames per second [50; GIF 25]");
   command.option("--speed", options.speed, "X", "playing speed; 0.5 is slow motion");
-  command.option("--every", options.every, "N",
-                 "control steps per frame; 0: from --fps and --speed");
-  command.option("--from", settings.from, "STEP", "first control step shown");
-  command.option("--to", settings.to, "STEP", "last control step shown [the end]");
+  command.option("--steps", settings.steps, "A-B",
+                 "the first and the last control step shown; \"50-\" to the end [all]");
   command.section("What is shown");
   command.option("--episode", settings.episodes, "N|all",
                  "which episodes, side by side when several (repeatable) [0]");
-  command.choice("--camera", settings.camera, "MODE",
-                 {{"follow", render::CameraMode::follow},
-                  {"world", render::CameraMode::world},
-                  {"fixed", render::CameraMode::fixed}},
-                 "follow, world or fixed");
-  command.option("--follow", settings.follow, "NAMES",
+  command.option("--camera", settings.camera, "VIEW",
+                 "world: all of it; X,Y,W,H: a window, its centre and extent in voxels; else "
                  "objects to keep in view, such as robot,package [as the task says]");
-  command.option("--window", settings.window, "X,Y,W,H",
-                 "fixed camera: centre and extent in voxels");
+  command.suggestions("--camera", [] { return std::vector<std::string>{"world"}; });
   command.choice("--theme", options.theme, "NAME",
                  {{"light", "light"}, {"dark", "dark"}, {"paper", "paper"}},
                  "light, dark, or paper: white, with signs on actuators and a legend, "
                  "for prints in grey, too");
-  command.flag("--no-labels", settings.no_labels, "no task, robot, step and return");
-  command.flag("--no-grid", settings.no_grid_lines, "no lines a voxel apart");
+  const Switches hidden{{"labels", &options.overlays.labels}, {"grid", &options.overlays.grid}};
+  command.option("--hide", settings.hide, "WHAT",
+                 "labels (task, robot, step and return), grid (lines a voxel apart), or both: "
+                 "labels,grid");
+  command.suggestions("--hide", [&] { return names_of(hidden); });
   using render::Tint;
   command.choice("--tint", options.overlays.tint, "WHAT",
                  {{"actuation", Tint::actuation},
@@ -344,11 +370,14 @@ int main(int argc, char** argv) {
                   {"none", Tint::none}},
                  "actuation: actuators lighter when expanded, darker when contracted; strain, "
                  "stress or commanded (lengths of actuators), with a bar of colours; or none");
-  command.flag("--trail", options.overlays.trail, "the path of the centre of mass");
-  command.flag("--velocities", options.overlays.velocities, "an arrow at every moving point");
-  const cli::Option contacts =
-      command.flag("--contacts", options.overlays.contacts,
-                   "where the robot touches something, and the force that presses on it there");
+  const Switches shown{{"trail", &options.overlays.trail},
+                       {"velocities", &options.overlays.velocities},
+                       {"contacts", &options.overlays.contacts}};
+  command.option("--show", settings.show, "WHAT",
+                 "one or several of: trail (the path of the centre of mass), velocities (an arrow "
+                 "at every moving point), contacts (where the robot touches something, and the "
+                 "force that presses on it there)");
+  command.suggestions("--show", [&] { return names_of(shown); });
   using render::Plot;
   const cli::Option plot = command.choice(
       "--plot", options.overlays.plot, "WHAT",
@@ -361,7 +390,7 @@ int main(int argc, char** argv) {
           .flag("--race", settings.race,
                 "all episodes in lanes with finish line, time and places; of climbers, in one "
                 "world")
-          .excludes({contacts, plot});
+          .excludes({plot});
   const cli::Option evolution =
       command
           .option("--evolution", settings.evolution, "RUN_DIR",
@@ -382,12 +411,9 @@ int main(int argc, char** argv) {
                        "one moment of an episode, or of several side by side"));
   alone(command.option(
       "--strip", settings.strip, "N",
-      "N moments of an episode on one axis of the world, with the way between; of a robot "
-      "that hops on the spot, side by side"));
-  const cli::Option sheet = alone(
-      command.option("--sheet", settings.sheet, "N",
-                     "N moments of an episode: a strip for robots that travel, else side by side"));
-  command.flag("--panels", settings.panels, "with --sheet: side by side in any case").needs(sheet);
+      "N moments of an episode on one axis of the world, with the way between; side by side "
+      "where they would lie on each other"));
+  alone(command.option("--panels", settings.panels, "N", "N moments of an episode side by side"));
   alone(command.flag("--loop", settings.loop,
                      "a cycle of its gait that plays for ever, an .svg for pages and READMEs"));
   command.choice("--moments", settings.moments, "CHOICE",
@@ -405,7 +431,7 @@ int main(int argc, char** argv) {
   command.example("evo-render walk.h5 --strip 6 -o walk.svg", "its whole way on one picture");
   command.example("evo-render walk.h5 --loop --size 320x320 -o gait.svg", "its gait, for ever");
   command.example("evo-render walk.h5 --at 120 --theme paper -o step.pdf", "one moment, for print");
-  command.example("evo-render walk.h5 --contacts --plot actuation -o walk.mp4",
+  command.example("evo-render walk.h5 --show contacts --plot actuation -o walk.mp4",
                   "what pushes it, and what its actuators are told");
   command.example("evo-render --evolution runs/walker -o film.mp4", "an evolution");
   command.example("evo-render --poster runs/walker -o poster.pdf", "a run on one page");
@@ -414,19 +440,19 @@ int main(int argc, char** argv) {
   return command.run(argc, argv, [&] {
     if (command.output.empty())
       throw error(Failure::usage, "-o is required: what to write, such as -o walk.mp4");
-    options.from = settings.from;
-    options.to = settings.to;
-    options.camera = parse_camera(settings);
+    parse_steps(settings.steps, options);
+    options.camera = parse_camera(settings.camera);
     options.workers = command.jobs;
-    options.overlays.labels = !settings.no_labels;
-    options.overlays.grid = !settings.no_grid_lines;
-    if (settings.race &&
-        (options.overlays.tint == Tint::stress || options.overlays.tint == Tint::commanded))
-      throw error(Failure::usage, "--race does not go with --tint stress and --tint commanded");
+    set_switches("--hide", settings.hide, hidden, false);
+    set_switches("--show", settings.show, shown, true);
+    if (settings.race && (options.overlays.contacts || options.overlays.tint == Tint::stress ||
+                          options.overlays.tint == Tint::commanded))
+      throw error(Failure::usage,
+                  "--race does not go with --show contacts, --tint stress and --tint commanded");
     if (settings.evolution) {
       if (!files.empty())
         throw error(Failure::usage, "--evolution shows the robots of a run, without files");
-      refuse_film_as_picture(settings, command.output);
+      refuse_film_as_picture(settings, options, command.output);
       choose_format(settings, command.output.ends_with(".gif"), options);
       if (!settings.fps) options.fps = std::min(options.fps, 30.0);
       render::check_options(options);
@@ -451,24 +477,22 @@ int main(int argc, char** argv) {
         });
     const bool film = rollouts && !settings.grid && !settings.generations;
     const bool still = is_still(settings);
-    command.only(film,
-                 {"--episode", "--from", "--to", "--follow", "--camera", "--window", "--trail",
-                  "--velocities", "--contacts", "--plot"},
-                 "rollouts");
-    command.only(film && !still, {"--fps", "--speed", "--every"}, "films of rollouts");
-    command.only(settings.sheet || settings.strip, {"--moments"}, "--strip and --sheet");
-    command.only(!still || settings.loop, {"--from", "--to"}, "films and --loop");
+    command.only(film, {"--episode", "--steps", "--camera", "--show", "--plot"}, "rollouts");
+    command.only(film && !still, {"--fps", "--speed"}, "films of rollouts");
+    command.only(settings.panels || settings.strip, {"--moments"}, "--strip and --panels");
+    command.only(!still || settings.loop, {"--steps"}, "films and --loop");
     choose_format(settings, film && command.output.ends_with(".gif"), options);
     render::check_options(options);
     if (film) {
-      refuse_film_as_picture(settings, command.output);
+      refuse_film_as_picture(settings, options, command.output);
       render_rollouts(settings, options, files, command.output, command.progress_style());
     } else {
       if (settings.race)
         throw error(Failure::usage, "--race needs rollouts, made with evo-eval --rollout");
       if (is_still(settings))
-        throw error(Failure::usage,
-                    "--at, --strip, --sheet and --loop need a rollout; for robots there is --grid");
+        throw error(
+            Failure::usage,
+            "--at, --strip, --panels and --loop need a rollout; for robots there is --grid");
       render_robots(settings, options, files, command.output);
     }
     return 0;

@@ -18,7 +18,7 @@ using namespace evo;
 
 constexpr std::size_t most_robots = 4000;   // of several runs, one by one
 constexpr std::size_t fewest_robots = 100;  // of each of them
-constexpr std::size_t most_replays = 1500;  // likewise
+constexpr std::size_t most_replays = 1500;  // of several runs, episodes to play
 constexpr std::size_t fewest_replays = 20;
 
 // ---- a table instead of a page -----------------------------------------------------------
@@ -94,26 +94,18 @@ std::string table_of(const std::vector<std::string>& folders) {
 int main(int argc, char** argv) {
   cli::Command command("evo-report");
   std::vector<std::string> names;
-  report::PageOptions options;
   std::optional<int> robots;
-  std::optional<int> replays;
   bool table = false;
   command.arguments(names, "RUN_DIR",
                     "run folders, finished or not; several are compared on one page");
   command.flag("--table", table,
                "instead of a page, a line for each task and method: the best fitness of runs at "
                "equal numbers of robots, the best method first");
-  command.option("--title", options.title, "TEXT", "of the page [the task and the folder's name]");
   command
       .option("--robots", robots, "N",
               "robots of a run to show one by one: all if there are no more, else the fittest, the "
               "champion's ancestors, and others evenly spread [1500; 4000 for several runs]")
       .at_least(1);
-  command
-      .option("--replays", replays, "N",
-              "episodes to play on the page: those of a run's N fittest robots, the champion and "
-              "its ancestors [all robots shown; 1500 for several runs]")
-      .at_least(0);
   command.output_option("where the page goes, HTML that needs no other file and no network");
   command.jobs_option();
   command.example("evo-report runs/walker -o report.html", "one run, at any time");
@@ -129,10 +121,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     report::Extent extent;
-    if (replays)
-      extent.replays = static_cast<std::size_t>(*replays);
-    else if (names.size() > 1)
-      extent.replays = std::max(fewest_replays, most_replays / names.size());
+    if (names.size() > 1) extent.replays = std::max(fewest_replays, most_replays / names.size());
     extent.robots =
         robots ? static_cast<std::size_t>(*robots)
                : std::min(extent.robots, std::max(fewest_robots, most_robots / names.size()));
@@ -142,9 +131,8 @@ int main(int argc, char** argv) {
     for (const auto& folder : folders)
       runs.push_back(report::read_run(folder, extent, command.jobs));
     report::tell_apart(runs, folders);
-    options.generator = cli::created_by(command.name());
     LineWriter out(command.output);
-    out.line(report::make_page(runs, options));
+    out.line(report::make_page(runs, cli::created_by(command.name())));
     out.finish();
     return 0;
   });

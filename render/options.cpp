@@ -19,10 +19,6 @@ void check_options(const RenderOptions& o) {
   if (!(o.speed > 0 && o.speed <= 1000))
     throw error(Failure::usage, "a speed of {} cannot be shown: allowed are more than 0 to 1000",
                 o.speed);
-  if (o.every < 0)
-    throw error(Failure::usage,
-                "every {} steps per frame: must be 1 or more, or 0 to follow fps and speed",
-                o.every);
   if (o.from < 0)
     throw error(Failure::usage, "the first step shown is {}: must be 0 or more", o.from);
   if (o.to && *o.to < o.from)

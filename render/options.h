@@ -68,7 +68,6 @@ struct RenderOptions {
   Size size{1280, 720};
   double fps = 50.0;
   double speed = 1.0;           // 0.5 is slow motion
-  int every = 0;                // steps per frame; 0: from fps and speed
   int from = 0;                 // first step shown
   std::optional<int> to;        // last step shown; the end of the episode
   std::string theme = "light";  // or "dark", "paper"

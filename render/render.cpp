@@ -204,10 +204,7 @@ Drawing draw_moments(const Episode& episode, const Moments& moments, const Rende
   const auto to = static_cast<int>(range.back());
   const std::vector<int> steps = choose_moments(clip, from, to, moments.count, moments.choice);
   const Theme& theme = theme_by_name(options.theme);
-  const bool as_strip = moments.layout == Layout::strip
-                            ? !hops(clip, from, to)
-                            : moments.layout == Layout::automatic && n > 1 &&
-                                  travels(clip, from, to) && has_room(clip, steps);
+  const bool as_strip = moments.layout == Layout::strip && suits_strip(clip, steps);
   Typesetter typesetter;
   return as_strip ? strip(clip, steps, theme, options.size, typesetter)
                   : moment_sheet(clip, {steps.begin(), steps.end()}, theme, options.size.width,

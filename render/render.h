@@ -31,13 +31,12 @@ Drawing draw_moment(const std::vector<Episode>& episodes, double step,
                     const RenderOptions& options);
 // `moments` moments of one episode from `from` to `to`.
 enum class Layout {
-  automatic,  // a strip for robots that travel
-  panels,     // side by side
-  strip,      // on one axis of the world
+  strip,   // on one axis of the world; side by side where they would lie on each other
+  panels,  // side by side
 };
 struct Moments {
   int count = 6;
-  Layout layout = Layout::automatic;
+  Layout layout = Layout::strip;
   Choice choice = Choice::event;
 };
 Drawing draw_moments(const Episode& episode, const Moments& moments, const RenderOptions& options);

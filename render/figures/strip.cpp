@@ -414,12 +414,6 @@ Drawing standing(const Clip& clip, const std::vector<int>& moments, const Scene&
   return drawing;
 }
 
-}  // namespace
-
-bool hops(const Clip& clip, int from, int to) {
-  return climbs(way(clip, from, to)) && !travels(clip, from, to);
-}
-
 bool has_room(const Clip& clip, const std::vector<int>& moments) {
   constexpr double least = 0.6;  // of its size, from one moment to the next
   const ModelObject& about = protagonist(clip, moments.front(), moments.back());
@@ -430,14 +424,22 @@ bool has_room(const Clip& clip, const std::vector<int>& moments) {
          path.height() >= least * gaps * body.height();
 }
 
+// Whether anything goes farther than the robot is long.
 bool travels(const Clip& clip, int from, int to) {
-  constexpr double bodies = 1.5;  // lengths of the robot
+  constexpr double bodies = 1.5;
   const Bounds body = extent_of(clip, from, clip.mesh().objects.front());
   return std::ranges::any_of(clip.mesh().objects, [&](const ModelObject& object) {
     if (object.is_static) return false;
     const Bounds path = way_of(clip, from, to, object);
     return path.width() >= bodies * body.width() || path.height() >= bodies * body.height();
   });
+}
+
+}  // namespace
+
+bool suits_strip(const Clip& clip, const std::vector<int>& moments) {
+  return moments.size() > 1 && travels(clip, moments.front(), moments.back()) &&
+         has_room(clip, moments);
 }
 
 Drawing strip(const Clip& clip, const std::vector<int>& moments, const Theme& theme, Size most,

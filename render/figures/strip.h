@@ -9,16 +9,9 @@
 
 namespace evo::render {
 
-// Whether the robot of the clip, or an object, goes so far between the two steps that a
-// panorama tells more than pictures side by side.
-bool travels(const Clip& clip, int from, int to);
-
-// Whether what such a panorama is about lies over itself in it only here and there.
-bool has_room(const Clip& clip, const std::vector<int>& moments);
-
-// Whether it goes up rather than on, but no farther than its own height or so: one picture
-// would show it lying over itself.
-bool hops(const Clip& clip, int from, int to);
+// Whether the robot of the clip, or an object, goes so far that a panorama tells more than
+// pictures side by side: what it is about lies over itself only here and there.
+bool suits_strip(const Clip& clip, const std::vector<int>& moments);
 
 // The moments, not decreasing, on one axis of the world with a ruler and the way of
 // the robot's centre; step and return at each. As wide as `most`, and as high as it

@@ -37,8 +37,8 @@ Cycle best_cycle(const Clip& clip, int from, int to) {
   const auto period = gait_period(clip, from, to);
   if (!period)
     throw Error(Failure::data,
-                "the robot does not move in cycles, so there is none to repeat; --from and --to "
-                "choose the part of an episode in which it does");
+                "the robot does not move in cycles, so there is none to repeat; --steps "
+                "chooses the part of an episode in which it does");
   Cycle best{from, *period};
   double least = std::numeric_limits<double>::infinity();
   for (int t = from; t + *period <= to; ++t) {
@@ -82,7 +82,7 @@ double floor_of(const Clip& clip, const Bounds& way) {
   }
   if (std::isfinite(low) && top > way.y0 + 0.5)
     throw Error(Failure::data,
-                "the ground below the cycle is not flat; --from and --to choose another part");
+                "the ground below the cycle is not flat; --steps chooses another part");
   return top;
 }
 

@@ -342,7 +342,7 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
 
 // ---- the whole ---------------------------------------------------------------------
 
-std::string default_title(const std::vector<Run>& runs) {
+std::string title_of(const std::vector<Run>& runs) {
   if (runs.size() > 1) {
     const std::string task = runs[0].setting("task");
     const bool same = std::all_of(runs.begin(), runs.end(),
@@ -395,7 +395,7 @@ std::string script_data(const Json& data) {
 
 }  // namespace
 
-std::string make_page(const std::vector<Run>& runs, const PageOptions& options) {
+std::string make_page(const std::vector<Run>& runs, const std::string& generator) {
   Page page;
   const bool alone = runs.size() == 1;
   if (!alone) add_comparison(runs, page);
@@ -404,11 +404,10 @@ std::string make_page(const std::vector<Run>& runs, const PageOptions& options) 
     if (!alone) page.navigate(anchor_of(k), runs[k].label);
     add_run(runs[k], anchor_of(k), alone, page);
   }
-  const std::string title = escape(options.title.empty() ? default_title(runs) : options.title);
   return fill(page_template(),
-              {{"title", title},
+              {{"title", escape(title_of(runs))},
                {"lead", lead(runs)},
-               {"generator", escape(options.generator)},
+               {"generator", escape(generator)},
                {"style", std::string(style())},
                {"charts_script", std::string(charts_script())},
                {"stage_script", std::string(stage_script())},

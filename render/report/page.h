@@ -8,13 +8,8 @@
 
 namespace evo::report {
 
-struct PageOptions {
-  std::string title;      // empty: from the runs
-  std::string generator;  // tool and version
-};
-
 // At least one run; several are compared first, then shown one by one. The same
-// runs give the same bytes.
-std::string make_page(const std::vector<Run>& runs, const PageOptions& options);
+// runs give the same bytes. `generator`: tool and version.
+std::string make_page(const std::vector<Run>& runs, const std::string& generator);
 
 }  // namespace evo::report

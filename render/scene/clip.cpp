@@ -393,10 +393,9 @@ std::vector<double> timeline(const RenderOptions& options, int steps) {
   const int last = std::min(options.to.value_or(steps), steps);
   if (options.from > last)
     throw error(Failure::usage,
-                "no step lies between --from {} and --to {}: the episode has steps 0 to {}",
+                "--steps: there are none from {} to {}: the episode has steps 0 to {}",
                 options.from, last, steps);
-  const double stride =
-      options.every > 0 ? options.every : options.speed * steps_per_second / options.fps;
+  const double stride = options.speed * steps_per_second / options.fps;
   constexpr double close = 1e-9;
   std::vector<double> shown;
   for (std::size_t k = 0;; ++k) {

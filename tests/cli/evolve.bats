@@ -5,7 +5,7 @@ load helpers
 # Judged by one episode from the start itself, as evo-eval does.
 quick="--train-set evaluation_episodes=1 --train-set evaluation_jitter=0 --train-set final_episodes=0"
 settings=(--task Walker-v0 --pop 4 --evals 9 --steps 2048 --seed 1 --train-options "$quick" --video gif
-  --video-options "--size 160x90 --every 20")
+  --video-options "--size 160x90 --speed 10")
 
 evolve() { evo-evolve "$1" --run "$2" "${settings[@]}" "${@:3}"; }
 
@@ -398,7 +398,7 @@ rounds:
   - {pop: 3, evals: 5, steps: 4000}
   - {pop: 2, evals: 2, steps: 4000, founder_steps: 8000, inherit: all}
 END
-  settings=(--task Walker-v0 --seed 1 --video gif --video-options "--size 160x90 --every 10" --train gait
+  settings=(--task Walker-v0 --seed 1 --video gif --video-options "--size 160x90 --speed 5" --train gait
     --train-options "--train-set population=4")
   rounds() { evo-evolve recipe rounds.yaml --run "$1" "${settings[@]}" "${@:2}"; }
   rounds calm -q -j2
@@ -490,7 +490,7 @@ END
   for tool in "${tools[@]}"; do cp "$EVO_BIN/$tool" tree/build/release/bin; done
   # None of the others is to be found.
   PATH=/usr/bin:/bin EVO_DATA=tree tree/build/release/bin/evo-evolve ga --run run --task Walker-v0 --pop 3 --evals 4 --steps 2048 --seed 1 \
-    --video gif --video-options "--size 160x90 --every 50" -q
+    --video gif --video-options "--size 160x90 --speed 25" -q
   [ -s run/report.html ]
   [ -s run/best.gif ]
 }

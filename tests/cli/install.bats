@@ -54,7 +54,7 @@ installed() {
 }
 
 @test "a run from the installed place ends to the same result" {
-  settings="--pop 3 --evals 4 --steps 2048 --seed 1 --video gif --video-options '--size 160x90 --every 50' -q"
+  settings="--pop 3 --evals 4 --steps 2048 --seed 1 --video gif --video-options '--size 160x90 --speed 25' -q"
   installed "evo evolve ga --run run $settings"
   eval evo-evolve ga --run here "$settings"
   cmp run/history.jsonl here/history.jsonl

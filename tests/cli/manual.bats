@@ -64,7 +64,7 @@ offers() {
   offers evo-eval --set grav | diff - <(echo gravity=)
   offers evo-render --tint st | diff - <(printf '%s\n' strain stress)
   offers evo-convert --to json | diff - <(printf '%s\n' jsonl json)
-  offers evo render --camera '' | diff - <(printf '%s\n' follow world fixed)
+  offers evo render --theme '' | diff - <(printf '%s\n' light dark paper)
   offers evo-inspect --progress l | diff - <(echo lines)
   [ -z "$(offers evo-eval --policy wal)" ]
 }

@@ -9,9 +9,9 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   evo-render r.h5 -o r.mp4 --size 320x180
   ffprobe -v error -show_entries stream=width,height,nb_frames -of csv=p=0 r.mp4 | grep -qx 320,180,41
   evo-render r.h5 -o r.gif --size 160x90
-  evo-render r.h5 -o 'frames/%05d.png' --size 160x90 --every 10
+  evo-render r.h5 -o 'frames/%05d.png' --size 160x90 --speed 10
   [ "$(ls frames | wc -l)" -eq 5 ]
-  evo-render r.h5 --sheet 6 -o sheet.png
+  evo-render r.h5 --panels 6 -o sheet.png
   evo-sample -n 7 | evo-render --grid -o grid.png
   for file in r.gif sheet.png grid.png; do [ "$(stat -c %s $file)" -gt 1000 ]; done
 }
@@ -22,8 +22,8 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   for ending in mp4 webm gif; do
     fails_with 2 "x.$ending" "no motion" "evo-eval --rollout" -- evo-render robot.txt -o x.$ending
   done
-  fails_with 2 "x.png" "--at" "--strip" "--sheet" ".gif" -- evo-render r.h5 -o x.png
-  evo-render r.h5 --from 3 --to 3 -o moment.png
+  fails_with 2 "x.png" "--at" "--strip" "--panels" ".gif" -- evo-render r.h5 -o x.png
+  evo-render r.h5 --steps 3-3 -o moment.png
   [ -z "$(ls x.* 2> /dev/null)" ]
 }
 
@@ -31,7 +31,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   evo-sample -n 7 --seed 1 > robots
   evo-eval --task Walker-v0 --sine 0.4,20,0.7 --max-steps 60 --rollout-dir each robots > /dev/null
   mapfile -t each < <(jq -r '"each/\(.id).h5"' robots)
-  evo-render "${each[@]}" --at 50 --trail --size 800x600 -o seven.svg
+  evo-render "${each[@]}" --at 50 --show trail --size 800x600 -o seven.svg
   for id in $(jq -r .id robots); do grep -q "$id" seven.svg; done
   grep -q "step 50" seven.svg
   [ "$(grep -o '>return [^<]*[0-9]' seven.svg | wc -l)" -eq 7 ]
@@ -51,8 +51,8 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   done
   evo-render --race 4.h5 5.h5 -o race.mp4 --size 320x180
   ffprobe -v error -show_entries stream=nb_frames -of csv=p=0 race.mp4 | grep -qx 51
-  evo-render --race 4.h5 5.h5 -o 'race/%d.png' --size 320x180 --every 25
-  evo-render 5.h5 -o 'one/%d.png' --size 320x180 --every 25
+  evo-render --race 4.h5 5.h5 -o 'race/%d.png' --size 320x180 --speed 25
+  evo-render 5.h5 -o 'one/%d.png' --size 320x180 --speed 25
   [ "$(ls race | wc -l)" -eq "$(ls one | wc -l)" ]
   fails_with 2 "2 to 26" -- evo-render --race 4.h5 -o race.mp4
   evo-sample -n 1 --seed 4 | evo-eval --task Climber-v0 --random --max-steps 5 --rollout c.h5 > /dev/null
@@ -92,13 +92,13 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
 
 @test "a gait plays for ever in an SVG; what has none says so" {
   evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0.7 --max-steps 160 --rollout w.h5 > /dev/null
-  evo-render w.h5 --loop --from 60 --size 240x240 -o gait.svg
+  evo-render w.h5 --loop --steps 60- --size 240x240 -o gait.svg
   grep -q 'dur="0.40s" repeatCount="indefinite"' gait.svg
   [ "$(wc -c < gait.svg)" -lt 150000 ]
-  evo-render w.h5 --loop --from 60 --size 240x240 -o again.svg
+  evo-render w.h5 --loop --steps 60- --size 240x240 -o again.svg
   cmp gait.svg again.svg
   fails_with 2 "gait.png" ".svg" -- evo-render w.h5 --loop -o gait.png
-  fails_with 65 "does not move in cycles" -- evo-render w.h5 --loop --from 60 --to 63 -o x.svg
+  fails_with 65 "does not move in cycles" -- evo-render w.h5 --loop --steps 60-63 -o x.svg
   fails_with 2 "--loop" "--strip" -- evo-render w.h5 --loop --strip 4 -o x.svg
 }
 
@@ -124,18 +124,18 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
 
 @test "colours, contacts and curves over a picture, each with what it measures" {
   episode r.h5
-  evo-render r.h5 --at 30 --tint strain --velocities -o strain.svg
+  evo-render r.h5 --at 30 --tint strain --show velocities -o strain.svg
   grep -q '>strain (area)<' strain.svg
   grep -q 'voxels/s<' strain.svg
   evo-render r.h5 --at 30 --tint stress --plot actuation -o stress.svg
   grep -q '>stress (weights per voxel)<' stress.svg
   grep -q '>commanded length<' stress.svg
-  evo-render r.h5 --at 30 --contacts --plot return -o contacts.svg
+  evo-render r.h5 --at 30 --show contacts --plot return -o contacts.svg
   grep -q 'robot weights\?<' contacts.svg
   grep -q '>return<' contacts.svg
   fails_with 2 "--tint: strian not in" "strain" -- evo-render r.h5 --at 1 --tint strian -o x.png
   fails_with 2 "--plot" "return" -- evo-render r.h5 --at 1 --plot speed -o x.png
-  fails_with 2 "--race" "--contacts" -- evo-render --race r.h5 r.h5 --contacts -o x.mp4
+  fails_with 2 "--race" "--show contacts" -- evo-render --race r.h5 r.h5 --show contacts -o x.mp4
 }
 
 @test "goals are counted, and the way to the next is measured from the robot" {
@@ -151,7 +151,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   grep -q '>time is up<' end.svg
   evo-render r.h5 --at 299 -o before.svg
   run ! grep -q 'time is up' before.svg
-  evo-render r.h5 -o r.mp4 --size 160x90 --from 290
+  evo-render r.h5 -o r.mp4 --size 160x90 --steps 290-
   ffprobe -v error -show_entries stream=nb_frames -of csv=p=0 r.mp4 | grep -qx $((11 + 25))
 }
 
@@ -270,11 +270,11 @@ as_user() {
   export HOME=/nonexistent
   if as_user touch here 2>/dev/null; then skip "nothing is read-only for this user"; fi
   for output in walk.mp4 walk.gif; do as_user evo-render r.h5 --size 160x90 -o "../out/$output"; done
-  as_user evo-render r.h5 --sheet 3 -o ../out/sheet.png
+  as_user evo-render r.h5 --strip 3 -o ../out/sheet.png
   as_user evo-render --grid run/gen-001/scores.jsonl -o ../out/grid.png
   as_user evo-report run -o ../out/report.html
   [ "$(find ../out -size +1k | wc -l)" -ge 5 ]
-  fails_with 73 "here.png" -- as_user evo-render r.h5 --sheet 3 -o here.png
+  fails_with 73 "here.png" -- as_user evo-render r.h5 --strip 3 -o here.png
   chmod -R u+w .
 }
 

@@ -190,7 +190,7 @@ evolve() {
 
 @test "a record of a task with draws is replayed with those that it was trained on" {
   evo-evolve ga -q --run run --task Catcher-v0 --pop 4 --evals 4 --train gait --steps 4000 --seed 5 --video gif \
-    --video-options "--size 160x90 --every 50" --train-options "--train-set population=4"
+    --video-options "--size 160x90 --speed 25" --train-options "--train-set population=4"
   "$EVO_SOURCE/scripts/add-record" run
   jq -e '.seed == 5' records/Catcher-v0/record.json
   "$EVO_SOURCE/scripts/verify-records"

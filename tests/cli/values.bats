@@ -166,10 +166,14 @@ END
   fails_with 2 "--episode goes with rollouts" -- evo-render r.txt --episode 1 -o a.png
   fails_with 2 "--plot goes with rollouts" -- evo-render r.txt --plot return -o a.png
   fails_with 2 "--fps goes with films" -- evo-render r.h5 --at 2 --fps 5 -o a.png
-  fails_with 2 "--panels requires --sheet" -- evo-render r.h5 --panels -o a.gif
   fails_with 2 "--moments goes with" -- evo-render r.h5 --at 2 --moments time -o a.png
-  fails_with 2 "--from goes with films" -- evo-render r.h5 --at 2 --from 1 -o a.png
+  fails_with 2 "--steps goes with films" -- evo-render r.h5 --at 2 --steps 1-2 -o a.png
   fails_with 2 "--at excludes --strip" -- evo-render r.h5 --at 2 --strip 2 -o a.png
-  fails_with 2 "excludes" -- evo-render r.h5 --sheet 2 --strip 2 -o a.png
+  fails_with 2 "excludes" -- evo-render r.h5 --panels 2 --strip 2 -o a.png
+  fails_with 2 "--show: 'trial' is unknown; allowed: trail, velocities, contacts" -- evo-render r.h5 --show trial -o a.gif
+  fails_with 2 "--steps: '5' is not" -- evo-render r.h5 --steps 5 -o a.gif
+  fails_with 2 "the last step shown, 1, comes before the first, 2" -- evo-render r.h5 --steps 2-1 -o a.gif
+  fails_with 2 "--camera: '1,2' is not X,Y,WIDTH,HEIGHT" -- evo-render r.h5 --camera 1,2 -o a.gif
+  fails_with 2 "cannot follow 'packge'" -- evo-render r.h5 --camera packge -o a.gif
   [ -z "$(ls a.* y.json 2> /dev/null)" ]
 }

@@ -80,6 +80,6 @@ READERS = [
     ("pictures", "robots.jsonl", "json",
      ["evo-render", "--grid", "--size", "64x64", "{}", "-o", "o.png"], (65, 1, 2), 0.1),
     ("pictures", "rollout.h5", "hdf5",
-     ["evo-render", "-j1", "--sheet", "2", "--size", "64x64", "{}", "-o", "o.png"],
+     ["evo-render", "-j1", "--strip", "2", "--size", "64x64", "{}", "-o", "o.png"],
      (65, 1, 2), 0.1),
 ]

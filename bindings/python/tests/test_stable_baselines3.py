@@ -52,7 +52,7 @@ class Training(unittest.TestCase):
                 capture_output=True, text=True, check=True).stdout)
             # Single precision sums differently in torch: the episodes drift apart slowly.
             self.assertAlmostEqual(said["fitness"], after, delta=0.1 * abs(after))
-            subprocess.run([evo_robots.find_tool("evo-render"), Path(folder, "walk.h5"), "--sheet",
+            subprocess.run([evo_robots.find_tool("evo-render"), Path(folder, "walk.h5"), "--strip",
                             "4", "-o", Path(folder, "walk.png")], check=True)
         envs.close()
 

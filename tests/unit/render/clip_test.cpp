@@ -19,7 +19,7 @@ TEST_CASE("50 frames per second show every step, other rates and speeds their sh
   CHECK(timeline(options, 5) == std::vector<double>{0, 2, 4, 5});  // the end is always shown
   options.speed = 0.25;
   CHECK(timeline(options, 1) == std::vector<double>{0, 0.5, 1});
-  options.every = 3;
+  options.speed = 1.5;
   CHECK(timeline(options, 6) == std::vector<double>{0, 3, 6});
   options.from = 2;
   options.to = 4;

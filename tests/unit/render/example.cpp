@@ -67,4 +67,18 @@ Rollout simulate(const std::string& name, const std::vector<std::string>& body, 
   return rollout;
 }
 
+Rollout carried(Rollout rollout, Vec2 a_step) {
+  const ModelObject& robot = rollout.world.objects.front();
+  auto& positions = rollout.episodes[0].positions;
+  const auto points = static_cast<std::size_t>(rollout.points);
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    const auto point = static_cast<int>(k % points);
+    if (point < robot.first_point || point >= robot.first_point + robot.points) continue;
+    const auto t = static_cast<double>(k / points);
+    positions[k].x += a_step.x * t;
+    positions[k].y += a_step.y * t;
+  }
+  return rollout;
+}
+
 }  // namespace evo::example

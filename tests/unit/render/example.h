@@ -17,5 +17,7 @@ extern const std::vector<std::string> small_box;  // 3x3
 TaskSpec task(const std::string& name);  // of the folder tasks/
 Model build(const TaskSpec& task, const std::vector<std::string>& body);
 Rollout simulate(const std::string& task, const std::vector<std::string>& body, int steps);
+// The robot carried along by so much a step, and nothing else.
+Rollout carried(Rollout rollout, Vec2 a_step);
 
 }  // namespace evo::example

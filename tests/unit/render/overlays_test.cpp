@@ -211,7 +211,7 @@ TEST_CASE("why an episode ended stands in its last moment, and videos stay there
   const auto frames = [&](RenderOptions options, const std::string& name) {
     options.size = {96, 54};
     options.fps = 20;
-    options.every = 1;
+    options.speed = 0.4;
     const std::string file = (folder / name).string();
     const std::size_t count = render_video({{&rollout, 0, ""}}, options, file).frames;
     return count;

@@ -50,7 +50,7 @@ TEST_CASE("a sequence has a file per frame, equal to the picture of that moment"
   const Folder folder;
   const Rollout rollout = example::simulate("Walker-v0", example::walker, 6);
   RenderOptions options = tiny();
-  options.every = 2;
+  options.speed = 2;
   options.workers = 2;
   options.overlays.labels = false;  // stills have a legend, too
   CHECK(render_video({{&rollout, 0, ""}}, options, folder / "frames/%05d.png").frames == 4);

@@ -15,22 +15,6 @@ namespace {
 
 using Catch::Matchers::Contains;
 
-// The robot of a rollout carried along by so much a step, and everything that moves
-// with it.
-Rollout carried(Rollout rollout, Vec2 a_step) {
-  const ModelObject& robot = rollout.world.objects.front();
-  auto& positions = rollout.episodes[0].positions;
-  const auto points = static_cast<std::size_t>(rollout.points);
-  for (std::size_t k = 0; k < positions.size(); ++k) {
-    const auto point = static_cast<int>(k % points);
-    if (point < robot.first_point || point >= robot.first_point + robot.points) continue;
-    const auto t = static_cast<double>(k / points);
-    positions[k].x += a_step.x * t;
-    positions[k].y += a_step.y * t;
-  }
-  return rollout;
-}
-
 // The robot of a rollout standing where it began, its upper parts swinging with this
 // period.
 Rollout swinging(Rollout rollout, double period) {
@@ -56,19 +40,6 @@ TEST_CASE("the period of a gait is that of the robot's shape") {
   const Rollout still = example::simulate("Walker-v0", {"SS", "SS"}, 200);
   CHECK_FALSE(gait_period(Clip({&still, 0, ""}, {}, 1.5), 100, 200));
   CHECK_FALSE(gait_period(clip, 60, 63));  // too short to tell
-}
-
-TEST_CASE("what goes up as far as its own height hops, and is no panorama") {
-  const Rollout start =
-      example::simulate("Walker-v0", {"SSSSS", "SSHSS", "SSSSS", "SSSSS", "SSSSS"}, 60);
-  const auto clip = [](const Rollout& rollout) { return Clip({&rollout, 0, ""}, {}, 1.5); };
-  const Rollout hop = carried(start, {0, 0.01});  // 6 voxels in all
-  const Rollout climb = carried(start, {0, 0.05});
-  const Rollout walk = carried(start, {0.05, 0});
-  CHECK(hops(clip(hop), 0, 60));
-  CHECK_FALSE(hops(clip(climb), 0, 60));
-  CHECK_FALSE(hops(clip(walk), 0, 60));
-  CHECK(travels(clip(climb), 0, 60));
 }
 
 TEST_CASE("moments are spread over the episode, and over the cycle if it is asked for") {
@@ -155,25 +126,24 @@ TEST_CASE("a gait is repeated for ever, and only a gait") {
   });
 }
 
-TEST_CASE("what lies over itself from moment to moment has no room in a strip") {
-  const Rollout still = example::simulate("Walker-v0", example::small_box, 100);
-  const Rollout far = carried(still, {0.02, 0});  // 20 voxels
-  const Clip clip({&far, 0, ""}, {}, 1.5);
-  CHECK(has_room(clip, {0, 25, 50, 75, 100}));
-  CHECK_FALSE(has_room(clip, {0, 5, 10, 15, 20}));
-}
-
-TEST_CASE("a robot travels when it goes farther than it is long") {
-  const Rollout here = example::simulate("Walker-v0", example::walker, 50);
-  CHECK_FALSE(travels(Clip({&here, 0, ""}, {}, 1.5), 0, 50));
-  const Rollout there = carried(here, {0.05, 0});
-  CHECK(travels(Clip({&there, 0, ""}, {}, 1.5), 0, 50));
-  const Rollout up = carried(here, {0, 0.05});
-  CHECK(travels(Clip({&up, 0, ""}, {}, 1.5), 0, 50));
+TEST_CASE("a strip suits what goes far, and does not lie over itself") {
+  const Rollout still = example::simulate("Walker-v0", example::walker, 60);
+  const auto suits = [&](Vec2 a_step, const std::vector<int>& moments) {
+    const Rollout rollout = example::carried(still, a_step);
+    return suits_strip(Clip({&rollout, 0, ""}, {}, 1.5), moments);
+  };
+  const std::vector<int> moments{0, 15, 30, 45, 60};
+  CHECK(suits({0.05, 0}, moments));        // 30 voxels
+  CHECK(suits({0, 0.05}, moments));        // a climb
+  CHECK_FALSE(suits({0, 0.01}, moments));  // a hop on the spot
+  CHECK_FALSE(suits({0, 0}, moments));
+  CHECK_FALSE(suits({0.05, 0}, {0, 3, 6, 9}));
+  CHECK_FALSE(suits({0.05, 0}, {60}));
 }
 
 TEST_CASE("labels of a strip stand under their robots, in order, and never touch") {
-  Rollout rollout = carried(example::simulate("Walker-v0", example::walker, 60), {0.02, 0});
+  Rollout rollout =
+      example::carried(example::simulate("Walker-v0", example::walker, 60), {0.02, 0});
   const Clip clip({&rollout, 0, ""}, {}, 1.5);
   Typesetter typesetter;
   const Drawing drawing = strip(clip, {0, 12, 24, 36, 48, 60}, light(), {600, 400}, typesetter);
@@ -195,7 +165,7 @@ TEST_CASE("labels of a strip stand under their robots, in order, and never touch
 
 TEST_CASE("a climber gets a picture that stands") {
   const Rollout rollout =
-      carried(example::simulate("Climber-v0", example::small_box, 60), {0, 0.05});
+      example::carried(example::simulate("Climber-v0", example::small_box, 60), {0, 0.05});
   const Clip clip({&rollout, 0, ""}, {}, 1.5);
   Typesetter typesetter;
   const Drawing drawing = strip(clip, {0, 30, 60}, light(), {800, 500}, typesetter);

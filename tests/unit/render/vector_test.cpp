@@ -81,7 +81,8 @@ TEST_CASE("golden: vector pictures") {
   RenderOptions options;
   options.size = {480, 270};
   options.theme = "paper";
-  compare("strip-paper", draw_moments({&rollout, 0, ""}, {3, Layout::strip}, options));
+  const Rollout far = example::carried(rollout, {0.03, 0});
+  compare("strip-paper", draw_moments({&far, 0, ""}, {3}, options));
   options.theme = "dark";
   compare("moment-dark", draw_moment({&rollout, 0, ""}, 30, options));
   options.theme = "light";

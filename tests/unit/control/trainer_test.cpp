@@ -68,6 +68,23 @@ void check_equal(const TrainResult& a, const TrainResult& b) {
   CHECK(a.failure == b.failure);
 }
 
+// A training that is stopped and goes on from its checkpoint ends with the same bytes.
+template <typename Make>
+void check_resumes(int advances, const Make& make) {
+  Trainer whole = make();
+  for (int i = 0; i < advances && !whole.done(); ++i) whole.advance();
+  const Checkpoint checkpoint = whole.checkpoint();
+  Trainer resumed = make();
+  resumed.restore(checkpoint);
+  CHECK(resumed.checkpoint() == checkpoint);
+  check_equal(train(resumed), train(whole));
+  CHECK(resumed.checkpoint() == whole.checkpoint());
+}
+
+Inheritance heritage(const Arena& arena, const TrainResult& result) {
+  return {*result.controller, anatomy(arena.robot(), arena.layout())};
+}
+
 }  // namespace
 
 TEST_CASE("a training takes its updates, evaluates when due, and keeps the best") {
@@ -113,16 +130,7 @@ TEST_CASE("a training takes its updates, evaluates when due, and keeps the best"
 TEST_CASE("a resumed training ends with the same bytes") {
   const Arena arena(test::walker(10), test::small_body());
   const TrainingSettings settings = brief(GENERATE(from_range(algorithm_names())));
-  const int before = GENERATE(0, 2, 4, 5, 9);
-  Trainer whole(arena, settings, 5, "robot");
-  for (int i = 0; i < before && !whole.done(); ++i) whole.advance();
-  const Checkpoint checkpoint = whole.checkpoint();
-
-  Trainer resumed(arena, settings, 5, "robot");
-  resumed.restore(checkpoint);
-  CHECK(resumed.checkpoint() == checkpoint);
-  check_equal(train(resumed), train(whole));
-  CHECK(resumed.checkpoint() == whole.checkpoint());
+  check_resumes(GENERATE(0, 2, 4, 5, 9), [&] { return Trainer(arena, settings, 5, "robot"); });
 }
 
 TEST_CASE("a bad end is felt as the settings say, and counted as the task says") {
@@ -346,8 +354,7 @@ TEST_CASE("a training starts from another robot's policy, and that counts as it 
   // A gait is what the network acts on.
   Trainer old_trainer(old_arena, GENERATE(brief(), brief_search(Algorithm("gait"))), 1, "old");
   const TrainResult old_result = train(old_trainer);
-  const Inheritance inheritance{*old_result.controller,
-                                anatomy(old_arena.robot(), old_arena.layout())};
+  const Inheritance inheritance = heritage(old_arena, old_result);
 
   SECTION("on the same body it earns what it earned") {
     if (std::holds_alternative<SineController>(inheritance.controller)) return;
@@ -359,12 +366,7 @@ TEST_CASE("a training starts from another robot's policy, and that counts as it 
   }
   SECTION("on another body it resumes to the same bytes") {
     const Arena arena(test::walker(10), Body::from_rows({"HHV", "VSV"}));
-    Trainer whole(arena, settings, 1, "new", inheritance);
-    for (int i = 0; i < 3; ++i) whole.advance();
-    Trainer resumed(arena, settings, 1, "new", inheritance);
-    resumed.restore(whole.checkpoint());
-    check_equal(train(resumed), train(whole));
-    CHECK(resumed.checkpoint() == whole.checkpoint());
+    check_resumes(3, [&] { return Trainer(arena, settings, 1, "new", inheritance); });
   }
 }
 
@@ -373,8 +375,7 @@ TEST_CASE("a search for a gait starts from another robot's, and that counts as i
   const TrainingSettings settings = brief_search(Algorithm("gait"));
   Trainer old_trainer(old_arena, settings, 1, "old");
   const TrainResult old_result = train(old_trainer);
-  const Inheritance inheritance{*old_result.controller,
-                                anatomy(old_arena.robot(), old_arena.layout())};
+  const Inheritance inheritance = heritage(old_arena, old_result);
 
   SECTION("on the same body it earns at least what it earned, to the last bit") {
     TrainingSettings one_generation = settings;
@@ -384,18 +385,11 @@ TEST_CASE("a search for a gait starts from another robot's, and that counts as i
   }
   SECTION("on another body it resumes to the same bytes") {
     const Arena arena(test::walker(10), Body::from_rows({"HHV", "VSV"}));
-    Trainer whole(arena, settings, 1, "new", inheritance);
-    whole.advance();
-    Trainer resumed(arena, settings, 1, "new", inheritance);
-    resumed.restore(whole.checkpoint());
-    check_equal(train(resumed), train(whole));
-    CHECK(resumed.checkpoint() == whole.checkpoint());
+    check_resumes(1, [&] { return Trainer(arena, settings, 1, "new", inheritance); });
   }
   SECTION("from a network that has none it starts afresh") {
     Trainer networks(old_arena, brief(), 1, "old");
-    const Inheritance network{*train(networks).controller,
-                              anatomy(old_arena.robot(), old_arena.layout())};
-    Trainer heir(old_arena, settings, 1, "old", network);
+    Trainer heir(old_arena, settings, 1, "old", heritage(old_arena, train(networks)));
     check_equal(train(heir), old_result);
   }
 }
@@ -514,7 +508,7 @@ TEST_CASE("episodes begin at moments of what is inherited") {
       GENERATE(brief_sequence(), brief_search(Algorithm("gait")), brief());
   Trainer old_trainer(arena, old_settings, 1, "old");
   const TrainResult old_result = train(old_trainer);
-  const Inheritance inheritance{*old_result.controller, anatomy(arena.robot(), arena.layout())};
+  const Inheritance inheritance = heritage(arena, old_result);
   TrainingSettings settings = brief();
   settings.moment_share = 0.7;
   settings.start_jitter = 1e-3;
@@ -522,12 +516,7 @@ TEST_CASE("episodes begin at moments of what is inherited") {
   settings.evaluation_episodes = 3;
 
   SECTION("a resumed training ends with the same bytes") {
-    Trainer whole(arena, settings, 1, "new", inheritance);
-    for (int i = 0; i < 3; ++i) whole.advance();
-    Trainer resumed(arena, settings, 1, "new", inheritance);
-    resumed.restore(whole.checkpoint());
-    check_equal(train(resumed), train(whole));
-    CHECK(resumed.checkpoint() == whole.checkpoint());
+    check_resumes(3, [&] { return Trainer(arena, settings, 1, "new", inheritance); });
   }
   SECTION("share, jitter and start each decide the result") {
     const auto bytes = [&](auto change) {
@@ -589,11 +578,7 @@ TEST_CASE("episodes begin at moments of demonstrations") {
   };
 
   SECTION("a resumed training ends with the same bytes") {
-    Trainer whole = trainer(shown);
-    for (int i = 0; i < 3; ++i) whole.advance();
-    Trainer resumed = trainer(shown);
-    resumed.restore(whole.checkpoint());
-    check_equal(train(resumed), train(whole));
+    check_resumes(3, [&] { return trainer(shown); });
   }
   SECTION("each of them decides the result") {
     CHECK(bytes(shown) != bytes({shown[0]}));
@@ -601,8 +586,7 @@ TEST_CASE("episodes begin at moments of demonstrations") {
   }
   SECTION("they take the place of what is inherited, whose network goes on") {
     Trainer old_trainer(arena, brief(), 1, "old");
-    const Inheritance inheritance{*train(old_trainer).controller,
-                                  anatomy(arena.robot(), arena.layout())};
+    const Inheritance inheritance = heritage(arena, train(old_trainer));
     const auto learnt = [&](const std::vector<Demonstration>& demonstrations) {
       Trainer training(arena, settings, 1, "new", inheritance, demonstrations);
       training.advance();
@@ -657,7 +641,7 @@ TEST_CASE("a network is trained on an inherited sequence") {
   Trainer searcher(arena, brief_sequence(), 1, "old");
   const TrainResult found = train(searcher);
   const auto& sequence = std::get<ReplayController>(*found.controller);
-  const Inheritance inheritance{sequence, anatomy(arena.robot(), arena.layout())};
+  const Inheritance inheritance = heritage(arena, found);
   TrainingSettings settings = brief();
   settings.keep_sequence = true;
   settings.head_gain = 1e-9;
@@ -671,18 +655,13 @@ TEST_CASE("a network is trained on an inherited sequence") {
           sequence);
   }
   SECTION("a resumed training ends with the same bytes") {
-    Trainer whole(arena, settings, 1, "new", inheritance);
-    for (int i = 0; i < 3; ++i) whole.advance();
-    Trainer resumed(arena, settings, 1, "new", inheritance);
-    resumed.restore(whole.checkpoint());
-    check_equal(train(resumed), train(whole));
+    check_resumes(3, [&] { return Trainer(arena, settings, 1, "new", inheritance); });
   }
   SECTION("a child keeps its parent's sequence with the parent's network") {
     Trainer trainer(arena, settings, 1, "new", inheritance);
     const TrainResult parent = train(trainer);
     settings.keep_sequence = false;
-    Trainer child(arena, settings, 1, "child",
-                  Inheritance{*parent.controller, anatomy(arena.robot(), arena.layout())});
+    Trainer child(arena, settings, 1, "child", heritage(arena, parent));
     CHECK(train(child).curve.front().evaluation == Approx(*parent.fitness).margin(1e-9));
   }
   SECTION("without the setting the network is alone") {
@@ -716,9 +695,7 @@ TEST_CASE("a search for a sequence starts from what another robot has learned") 
   const auto inherit_from = [&](const TrainingSettings& old_settings) {
     Trainer old_trainer(old_arena, old_settings, 1, "old");
     const TrainResult old_result = train(old_trainer);
-    return std::pair{
-        Inheritance{*old_result.controller, anatomy(old_arena.robot(), old_arena.layout())},
-        *old_result.fitness};
+    return std::pair{heritage(old_arena, old_result), *old_result.fitness};
   };
 
   SECTION("a sequence, a gait or a network: the first candidate does the same") {
@@ -734,12 +711,7 @@ TEST_CASE("a search for a sequence starts from what another robot has learned") 
     const Arena arena(test::walker(12), Body::from_rows({"HHV", "VSV"}));
     TrainingSettings longer = settings;
     longer.steps += 200;
-    Trainer whole(arena, longer, 1, "new", inheritance);
-    whole.advance();
-    Trainer resumed(arena, longer, 1, "new", inheritance);
-    resumed.restore(whole.checkpoint());
-    check_equal(train(resumed), train(whole));
-    CHECK(resumed.checkpoint() == whole.checkpoint());
+    check_resumes(1, [&] { return Trainer(arena, longer, 1, "new", inheritance); });
   }
 }
 

@@ -170,9 +170,6 @@ std::string describe(const ModularPolicy& policy) {
                                  policy.actor.bias.size());
   for (const Layer& layer : policy.actor.rest.layers) text += fmt::format("-{}", layer.bias.size());
   text += " of every voxel, for any body";
-  if (policy.exchange != Exchange::none)
-    text += fmt::format("; layers read others ({})", word(policy.exchange));
-  if (policy.gating() != Gating::none) text += "; the voxel's place and material scale its units";
   return text;
 }
 

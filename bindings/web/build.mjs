@@ -22,8 +22,8 @@ const records = readdirSync(`${root}/records`, { withFileTypes: true }).filter((
   return { name, task, controller: JSON.parse(readFileSync(`${policies}/${name}.json`, 'utf8')).kind, robot, fitness, seed, shifted, command, robots, steps, can: sequence?.fitness };
 });
 for (const { name } of records) {
-  const { kind, task, task_yaml, robot, exchange, normalizer, action, actor, clock, gait, sequence, sine, actions } = JSON.parse(readFileSync(`${policies}/${name}.json`, 'utf8'));
-  const document = { format: 'evo/policy', version: 1, kind, task, task_yaml, robot, exchange, normalizer, action, actor, clock, gait, sequence, sine, actions };
+  const { kind, task, task_yaml, robot, normalizer, action, actor, clock, gait, sequence, sine, actions } = JSON.parse(readFileSync(`${policies}/${name}.json`, 'utf8'));
+  const document = { format: 'evo/policy', version: 1, kind, task, task_yaml, robot, normalizer, action, actor, clock, gait, sequence, sine, actions };
   writeFileSync(`${out}/records/${name}.js`, `'use strict';\nEvo.controllers[${JSON.stringify(name)}] = ${JSON.stringify(document)};\n`);
   copyFileSync(`${root}/records/${name}/policy.h5`, `${out}/records/${name}.policy.h5`);
 }

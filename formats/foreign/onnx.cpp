@@ -212,21 +212,6 @@ void add_action_map(Graph& graph, const AnyPolicy& policy) {
 
 // ---- modular policies: for one body ------------------------------------------------------
 
-// Of which voxels each reads the mean, [V x V].
-Matrix shares_of_others(const ModularPolicy& policy, const VoxelViews& views) {
-  const int voxels = views.voxels();
-  if (policy.exchange == Exchange::body)
-    return Matrix::Constant(voxels, voxels, 1.0F / static_cast<float>(voxels));
-  if (policy.exchange != Exchange::neighbours)
-    throw error(Failure::data, "ONNX is not written of modular policies with exchange {}",
-                word(policy.exchange));
-  Matrix shares = Matrix::Zero(voxels, voxels);
-  for (int v = 0; v < voxels; ++v)
-    for (const int other : views.neighbours(v))
-      shares(v, other) = 1.0F / static_cast<float>(views.neighbours(v).size());
-  return shares;
-}
-
 // What the network reads of the task, [N, T and the clock].
 void add_task(Graph& graph, const ModularPolicy& policy) {
   graph.input("task", {policy.task_length()});
@@ -268,7 +253,6 @@ std::string modular_to_onnx(const ModularPolicy& policy, const PolicyFile& file,
     throw Error(Failure::data, "the policy does not fit the task that it carries");
   PreparedNetwork actor;
   prepare(policy.actor, bodies, actor);
-  const bool gated = !actor.gates.empty();
 
   Graph graph;
   add_task(graph, policy);
@@ -280,25 +264,23 @@ std::string modular_to_onnx(const ModularPolicy& policy, const PolicyFile& file,
   graph.apply("MatMul", {graph.matrix("weight_local", policy.actor.local.transpose())});
   graph.apply("Add", {task});
   graph.apply("Add", {graph.matrix("bias", policy.actor.bias.transpose())});
-  if (gated) graph.apply("Mul", {graph.matrix("scale", actor.gates.front().scale)});
+  graph.apply("Mul", {graph.matrix("scale", actor.gates.front().scale)});
   graph.apply("Add", {graph.matrix("fixed", actor.fixed)});
   graph.apply("Tanh", {});
-  const bool exchanges = policy.exchange != Exchange::none && policy.actor.rest.layers.size() > 1;
-  if (exchanges) graph.matrix("shares", shares_of_others(policy, views));
+  const int voxels = views.voxels();  // each reads the mean of all
+  graph.matrix("shares", Matrix::Constant(voxels, voxels, 1.0F / static_cast<float>(voxels)));
   for (std::size_t l = 0; l < policy.actor.rest.layers.size(); ++l) {
     const bool head = l + 1 == policy.actor.rest.layers.size();
-    if (exchanges && !head) {
+    if (!head) {
       const std::string own = graph.last();
       graph.apply_after({"shares"}, "MatMul");
       graph.apply_after({own}, "Concat", Attribute{"axis", 2});
     }
     add_layer(graph, policy.actor.rest.layers[l], l);
     if (head) break;
-    if (gated) {
-      const PreparedNetwork::Gate& gate = actor.gates[l + 1];
-      graph.apply("Mul", {graph.matrix(fmt::format("scale_{}", l), gate.scale)});
-      graph.apply("Add", {graph.matrix(fmt::format("shift_{}", l), gate.shift)});
-    }
+    const PreparedNetwork::Gate& gate = actor.gates[l + 1];
+    graph.apply("Mul", {graph.matrix(fmt::format("scale_{}", l), gate.scale)});
+    graph.apply("Add", {graph.matrix(fmt::format("shift_{}", l), gate.shift)});
     graph.apply("Tanh", {});
   }
   graph.apply("Gather",

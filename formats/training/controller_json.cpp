@@ -179,8 +179,7 @@ ModularNetwork modular_network(const Json& value, const std::string& path) {
     throw refusal(path + "/rest", "a list of layers is expected, found {}", shown(rest));
   for (std::size_t l = 0; l < rest.size(); ++l)
     made.rest.layers.push_back(layer(rest[l], fmt::format("{}/rest/{}", path, l), 0));
-  if (!value.contains("gates")) return made;
-  const Json& gates = value["gates"];
+  const Json& gates = member(value, "gates", path);
   if (!gates.is_array())
     throw refusal(path + "/gates", "a list of gates is expected, found {}", shown(gates));
   for (std::size_t l = 0; l < gates.size(); ++l) {
@@ -193,12 +192,6 @@ ModularNetwork modular_network(const Json& value, const std::string& path) {
 
 ModularPolicy modular_policy(const Json& document) {
   ModularPolicy made;
-  const Json& exchange = member(document, "exchange", "");
-  const auto known =
-      from_word<Exchange>(exchange.is_string() ? exchange.get<std::string>() : std::string());
-  if (!known)
-    throw refusal("/exchange", "none, neighbours or body is expected, found {}", shown(exchange));
-  made.exchange = *known;
   const Json& normalizers = member(document, "normalizer", "");
   made.local = normalizer(member(normalizers, "local", "/normalizer"), "/normalizer/local");
   made.task = normalizer(member(normalizers, "task", "/normalizer"), "/normalizer/task");
@@ -206,14 +199,13 @@ ModularPolicy modular_policy(const Json& document) {
   if (document.contains("clock")) made.clock = numbers(document, "clock", "");
   made.actor = modular_network(member(document, "actor", ""), "/actor");
   // What does not act may be missing; the shapes are then those of the actor.
-  made.critic = document.contains("critic")
-                    ? modular_network(document["critic"], "/critic")
-                    : ModularNetwork{made.actor.local,
-                                     made.actor.task,
-                                     made.actor.fixed,
-                                     made.actor.bias,
-                                     {{{Matrix::Zero(1, made.actor.bias.size()), Vector::Zero(1)}}},
-                                     {}};
+  if (document.contains("critic")) {
+    made.critic = modular_network(document["critic"], "/critic");
+  } else {
+    made.critic = made.actor;
+    made.critic.rest.layers = {{Matrix::Zero(1, made.actor.bias.size()), Vector::Zero(1)}};
+    made.critic.gates.resize(1);
+  }
   made.log_std = document.contains("log_std")
                      ? Vector(vector(numbers(document, "log_std", "")).cast<float>())
                      : Vector(Vector::Zero(1));

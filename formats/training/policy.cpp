@@ -261,7 +261,6 @@ ModularNetwork read_modular_network(const hdf5::Reader& file, const std::string&
 }
 
 void Stored<ModularPolicy>::write(hdf5::Writer& file, const ModularPolicy& policy) {
-  file.attribute("/", "exchange", word(policy.exchange));
   write_modular_network(file, "/actor", policy.actor);
   write_modular_network(file, "/critic", policy.critic);
   file.vector("/log_std", values_of(policy.log_std));
@@ -273,11 +272,6 @@ void Stored<ModularPolicy>::write(hdf5::Writer& file, const ModularPolicy& polic
 
 ModularPolicy Stored<ModularPolicy>::read(const hdf5::Reader& file) {
   ModularPolicy policy;
-  const std::string exchange = file.text("/", "exchange");
-  const auto known = from_word<Exchange>(exchange);
-  if (!known)
-    throw bad(file, "/@exchange", unknown_name("exchange", exchange, words_of<Exchange>()));
-  policy.exchange = *known;
   policy.local = read_normalizer(file, "/normalizer/local");
   policy.task = read_normalizer(file, "/normalizer/task");
   if (policy.local.mean.size() != VoxelViews::local_length)

@@ -109,7 +109,6 @@ Json network_to_json(const ModularNetwork& network) {
 
 void add_controller(Json& document, const ModularPolicy& policy) {
   document["kind"] = "modular";
-  document["exchange"] = word(policy.exchange);
   document["normalizer"] = {{"local", normalizer_to_json(policy.local)},
                             {"task", normalizer_to_json(policy.task)}};
   document["action"] = action_to_json(policy);

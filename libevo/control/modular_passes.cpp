@@ -9,18 +9,11 @@ namespace evo {
 ModularPolicy initial_modular_policy(const TrainingSettings& s, int task_length, double low,
                                      double high, Stream stream) {
   ModularPolicy policy;
-  policy.exchange = s.exchange;
   policy.clock.assign(s.clock.begin(), s.clock.end());
   const int inputs = task_length + 2 * static_cast<int>(policy.clock.size());
   const double hidden_gain = std::sqrt(2.0);
-  policy.actor =
-      orthogonal_modular_network(inputs, s.hidden, s.exchange, hidden_gain, s.head_gain, stream);
-  policy.critic =
-      orthogonal_modular_network(inputs, s.hidden, Exchange::none, hidden_gain, 1.0, stream);
-  if (s.gating == Gating::fixed) {
-    add_gates(policy.actor, s.hidden.size());
-    add_gates(policy.critic, 1);
-  }
+  policy.actor = orthogonal_actor(inputs, s.hidden, hidden_gain, s.head_gain, stream);
+  policy.critic = orthogonal_critic(inputs, s.hidden, hidden_gain, 1.0, stream);
   policy.log_std = Vector::Constant(1, static_cast<float>(s.initial_log_std));
   policy.local = fresh_normalizer(VoxelViews::local_length);
   policy.task = fresh_normalizer(task_length);
@@ -162,8 +155,7 @@ void ModularPasses::forward_chunk(const VoxelSamples& samples, std::size_t first
 }
 
 void ModularPasses::backward_chunk(const VoxelSamples& samples) {
-  backward_actor(policy_, bodies(), changing_actor_, samples, mean_slopes_, actor_pass_,
-                 gradients_.actor);
+  backward_actor(policy_, changing_actor_, samples, mean_slopes_, actor_pass_, gradients_.actor);
   backward_critic(policy_, changing_critic_, samples, value_slopes_, critic_pass_,
                   gradients_.critic);
 }

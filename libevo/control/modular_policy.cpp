@@ -52,42 +52,59 @@ ModularNetwork zeros_like(const ModularNetwork& network) {
 
 Eigen::Index width(const ModularNetwork& network) { return network.bias.size(); }
 
+// Units of its hidden layer l.
+Eigen::Index hidden_width(const ModularNetwork& network, std::size_t l) {
+  return l == 0 ? width(network) : network.rest.layers[l - 1].bias.size();
+}
+
+// Hidden layers after the first read `reads` times the layer below.
+ModularNetwork orthogonal_layers(int task_inputs, const std::vector<int>& widths, int reads,
+                                 double hidden_gain, double head_gain, Stream& stream) {
+  const int inputs = VoxelViews::local_length + task_inputs + VoxelViews::fixed_length;
+  ModularNetwork network;
+  const Network first = orthogonal_network(inputs, {}, widths.front(), 1.0, hidden_gain, stream);
+  const Layer& layer = first.layers.front();
+  network.local = layer.weight.leftCols(VoxelViews::local_length);
+  network.task = layer.weight.middleCols(VoxelViews::local_length, task_inputs);
+  network.fixed = layer.weight.rightCols(VoxelViews::fixed_length);
+  network.bias = layer.bias;
+  for (std::size_t l = 1; l <= widths.size(); ++l) {
+    const bool head = l == widths.size();
+    Network next = orthogonal_network((head ? 1 : reads) * widths[l - 1], {}, head ? 1 : widths[l],
+                                      1.0, head ? head_gain : hidden_gain, stream);
+    network.rest.layers.push_back(std::move(next.layers.front()));
+  }
+  return network;
+}
+
+// Gates of its first `layers` hidden layers, of zeros.
+void add_gates(ModularNetwork& network, std::size_t layers) {
+  for (std::size_t l = 0; l < layers; ++l) {
+    const Matrix zero = Matrix::Zero(hidden_width(network, l), VoxelViews::fixed_length);
+    network.gates.push_back({zero, l == 0 ? Matrix() : zero});
+  }
+}
+
 // ---- rows ---------------------------------------------------------------------------
 
-enum class Wanted { actuators, voxels };
-
-// The rows of a pass: of each sample's voxels all, or those that act.
-void select_rows(const Bodies& bodies, const VoxelSamples& batch, Wanted wanted,
-                 ModularPass& pass) {
+// The rows of a pass: each sample's voxels.
+void lay_rows(const Bodies& bodies, const VoxelSamples& batch, ModularPass& pass) {
   pass.samples.clear();
   pass.voxels.clear();
+  pass.heads.clear();
   pass.head_voxels.clear();
   pass.first.assign(1, 0);
-  pass.heads.clear();
   for (std::size_t m = 0; m < batch.bodies.size(); ++m) {
     const int body = batch.bodies[m];
     const VoxelViews& views = bodies[body];
-    const Eigen::Index begin = std::ssize(pass.voxels);
     const Eigen::Index first = bodies.first(body);
-    const auto sample = static_cast<Eigen::Index>(m);
     for (const int v : views.actuators()) {
-      pass.heads.push_back(wanted == Wanted::voxels ? begin + v : std::ssize(pass.heads));
+      pass.heads.push_back(pass.first.back() + v);
       pass.head_voxels.push_back(first + v);
     }
-    if (wanted == Wanted::voxels)
-      for (int v = 0; v < views.voxels(); ++v) pass.voxels.push_back(first + v);
-    else
-      for (const int v : views.actuators()) pass.voxels.push_back(first + v);
-    pass.samples.resize(pass.voxels.size(), sample);
+    for (int v = 0; v < views.voxels(); ++v) pass.voxels.push_back(first + v);
+    pass.samples.resize(pass.voxels.size(), static_cast<Eigen::Index>(m));
     pass.first.push_back(std::ssize(pass.voxels));
-  }
-  if (wanted == Wanted::voxels) return;
-  pass.local.resize(std::ssize(pass.voxels), batch.local.cols());
-  Eigen::Index from = 0;  // row of batch.local where the sample's voxels begin
-  Eigen::Index to = 0;
-  for (const int body : batch.bodies) {
-    for (const int v : bodies[body].actuators()) pass.local.row(to++) = batch.local.row(from + v);
-    from += bodies[body].voxels();
   }
 }
 
@@ -108,38 +125,26 @@ void apply_gate(const Matrix& scale, const Matrix& shift, const ModularPass& pas
 // ---- the first layer ------------------------------------------------------------------
 
 void forward_first(const ModularNetwork& network, const PreparedNetwork& prepared,
-                   const VoxelSamples& batch, const MatrixView& local, ModularPass& pass,
-                   Matrix& y) {
-  const bool gated = !network.gates.empty();
+                   const VoxelSamples& batch, ModularPass& pass, Matrix& y) {
   pass.task_part.resize(batch.task.rows(), width(network));
   pass.task_part.rowwise() = network.bias.transpose();
   add_product(batch.task, prepared.task, pass.task_part);
-  y.resize(local.rows(), width(network));
-  for (Eigen::Index r = 0; r < y.rows(); ++r) {
-    const auto i = static_cast<std::size_t>(r);
-    if (gated)
-      y.row(r) = pass.task_part.row(pass.samples[i]);
-    else
-      y.row(r) = pass.task_part.row(pass.samples[i]) + prepared.fixed.row(pass.voxels[i]);
-  }
-  add_product(local, prepared.local, y);
+  y.resize(batch.local.rows(), width(network));
+  for (Eigen::Index r = 0; r < y.rows(); ++r)
+    y.row(r) = pass.task_part.row(pass.samples[static_cast<std::size_t>(r)]);
+  add_product(batch.local, prepared.local, y);
   pass.sums.resize(network.gates.size());
   pass.gate_slopes.resize(network.gates.size());
-  if (gated) apply_gate(prepared.gates.front().scale, prepared.fixed, pass, false, pass.sums[0], y);
+  apply_gate(prepared.gates.front().scale, prepared.fixed, pass, false, pass.sums[0], y);
   tanh_in_place(y);
 }
 
 // `slope` is dL/d(what the tanh gets).
-void backward_first(const PreparedNetwork& prepared, const VoxelSamples& batch,
-                    const MatrixView& local, Matrix& slope, ModularPass& pass,
-                    ModularNetwork& gradient) {
-  if (prepared.gates.empty())
-    for (Eigen::Index r = 0; r < slope.rows(); ++r)
-      pass.fixed_slopes.row(pass.voxels[static_cast<std::size_t>(r)]) += slope.row(r);
-  else
-    scale_rows_back(pass.voxels, prepared.gates.front().scale, pass.sums.front(),
-                    pass.gate_slopes.front().scale, pass.fixed_slopes, slope);
-  add_product_transposed_left(slope, local, gradient.local);
+void backward_first(const PreparedNetwork& prepared, const VoxelSamples& batch, Matrix& slope,
+                    ModularPass& pass, ModularNetwork& gradient) {
+  scale_rows_back(pass.voxels, prepared.gates.front().scale, pass.sums.front(),
+                  pass.gate_slopes.front().scale, pass.fixed_slopes, slope);
+  add_product_transposed_left(slope, batch.local, gradient.local);
   pass.task_slopes.setZero(batch.task.rows(), slope.cols());
   for (Eigen::Index r = 0; r < slope.rows(); ++r)
     pass.task_slopes.row(pass.samples[static_cast<std::size_t>(r)]) += slope.row(r);
@@ -150,57 +155,30 @@ void backward_first(const PreparedNetwork& prepared, const VoxelSamples& batch,
 
 // ---- between voxels ---------------------------------------------------------------------
 
-// Whether layer l of the actor's `rest` reads other voxels, too.
-bool reads_others(const ModularPolicy& policy, std::size_t l) {
-  return policy.exchange != Exchange::none && l + 1 < policy.actor.rest.layers.size();
+// Whether layer l of the actor's `rest` is the last hidden one, which only acting voxels need.
+bool of_heads(const ModularPolicy& policy, std::size_t l) {
+  return l + 2 == policy.actor.rest.layers.size();
 }
 
-// Whether layer l of the actor's `rest` is the first that only acting voxels need: no layer
-// above it reads what others computed.
-bool first_of_heads(const ModularPolicy& policy, std::size_t l) {
-  return reads_others(policy, l) && l + 2 == policy.actor.rest.layers.size();
-}
-
-// What layer l reads of its own voxel.
+// What hidden layer l of `rest` reads of its own voxel.
 const Matrix& own_of(const ModularPolicy& policy, const ModularPass& pass, std::size_t l) {
-  return first_of_heads(policy, l) ? pass.own[l] : pass.outputs[l];
+  return of_heads(policy, l) ? pass.head_inputs : pass.outputs[l];
 }
 
-// Calls use(row, other, share): row of `others` that reads `share` of what row `other` of the
-// layer below computed.
-template <typename Use>
-void each_other(const ModularPolicy& policy, const Bodies& bodies, const VoxelSamples& batch,
-                const ModularPass& pass, bool heads, Use use) {
-  if (policy.exchange == Exchange::body) {
-    for (std::size_t m = 0; m < batch.bodies.size(); ++m) {
-      const float share = 1.0F / static_cast<float>(pass.first[m + 1] - pass.first[m]);
-      for (Eigen::Index r = pass.first[m]; r < pass.first[m + 1]; ++r)
-        use(static_cast<Eigen::Index>(m), r, share);
-    }
-    return;
-  }
-  Eigen::Index row = 0;
-  const auto read = [&](const VoxelViews& views, Eigen::Index begin, int voxel) {
-    const auto neighbours = views.neighbours(voxel);
-    for (const int other : neighbours)
-      use(row, begin + other, 1.0F / static_cast<float>(neighbours.size()));
-    ++row;
-  };
-  for (std::size_t m = 0; m < batch.bodies.size(); ++m) {
-    const VoxelViews& views = bodies[batch.bodies[m]];
-    if (heads)
-      for (const int v : views.actuators()) read(views, pass.first[m], v);
-    else
-      for (int v = 0; v < views.voxels(); ++v) read(views, pass.first[m], v);
-  }
-}
-
-// Row of `others` for row r of a layer's own.
-Eigen::Index others_row(const ModularPolicy& policy, const ModularPass& pass, bool heads,
-                        Eigen::Index r) {
-  if (policy.exchange == Exchange::neighbours) return r;
+// Sample of row r of a layer.
+Eigen::Index sample_of(const ModularPass& pass, bool heads, Eigen::Index r) {
   const Eigen::Index row = heads ? pass.heads[static_cast<std::size_t>(r)] : r;
   return pass.samples[static_cast<std::size_t>(row)];
+}
+
+// Calls use(sample, row, share): the sample's mean has `share` of the row of a layer below.
+template <typename Use>
+void each_share(const ModularPass& pass, Use use) {
+  for (std::size_t m = 0; m + 1 < pass.first.size(); ++m) {
+    const float share = 1.0F / static_cast<float>(pass.first[m + 1] - pass.first[m]);
+    for (Eigen::Index r = pass.first[m]; r < pass.first[m + 1]; ++r)
+      use(static_cast<Eigen::Index>(m), r, share);
+  }
 }
 
 void rows_of(const Matrix& from, const std::vector<Eigen::Index>& rows, Matrix& to) {
@@ -209,41 +187,31 @@ void rows_of(const Matrix& from, const std::vector<Eigen::Index>& rows, Matrix& 
     to.row(static_cast<Eigen::Index>(i)) = from.row(rows[i]);
 }
 
-// y += W [own, mean of others], layer l of the actor's `rest`.
-void add_with_others(const ModularPolicy& policy, const Bodies& bodies,
-                     const PreparedNetwork& prepared, const VoxelSamples& batch, std::size_t l,
-                     ModularPass& pass, Matrix& y) {
-  const bool heads = first_of_heads(policy, l);
+// y += W [own, mean of all], hidden layer l of the actor's `rest`.
+void add_hidden(const ModularPolicy& policy, const PreparedNetwork& prepared, std::size_t l,
+                ModularPass& pass, Matrix& y) {
   const Matrix& weight = prepared.rest[l];
   const Matrix& below = pass.outputs[l];
   const Eigen::Index h = below.cols();
   add_product(own_of(policy, pass, l), weight.topRows(h), y);
   Matrix& others = pass.others[l];
-  const bool body = policy.exchange == Exchange::body;
-  others.setZero(body ? std::ssize(batch.bodies) : y.rows(), h);
-  each_other(policy, bodies, batch, pass, heads,
-             [&](Eigen::Index row, Eigen::Index other, float share) {
-               others.row(row) += share * below.row(other);
-             });
-  if (!body) {
-    add_product(others, weight.bottomRows(h), y);
-    return;
-  }
+  others.setZero(std::ssize(pass.first) - 1, h);
+  each_share(pass, [&](Eigen::Index sample, Eigen::Index row, float share) {
+    others.row(sample) += share * below.row(row);
+  });
   pass.part.setZero(others.rows(), y.cols());
   add_product(others, weight.bottomRows(h), pass.part);
   for (Eigen::Index r = 0; r < y.rows(); ++r)
-    y.row(r) += pass.part.row(others_row(policy, pass, heads, r));
+    y.row(r) += pass.part.row(sample_of(pass, of_heads(policy, l), r));
 }
 
 // The way back: the gradient of layer l's weight, and to `below` [rows of the layer below x h]
 // what its slope means for them.
-void backward_with_others(const ModularPolicy& policy, const Bodies& bodies,
-                          const VoxelSamples& batch, std::size_t l, const Matrix& slope,
-                          ModularPass& pass, Layer& gradient, Matrix& below) {
-  const bool heads = first_of_heads(policy, l);
+void backward_hidden(const ModularPolicy& policy, std::size_t l, const Matrix& slope,
+                     ModularPass& pass, Layer& gradient, Matrix& below) {
+  const bool heads = of_heads(policy, l);
   const Layer& layer = policy.actor.rest.layers[l];
   const Eigen::Index h = pass.outputs[l].cols();
-  const Matrix& others = pass.others[l];
   // own
   add_product_transposed_left(slope, own_of(policy, pass, l), gradient.weight.leftCols(h));
   Matrix& own = heads ? pass.below : below;
@@ -255,28 +223,16 @@ void backward_with_others(const ModularPolicy& policy, const Bodies& bodies,
       below.row(pass.heads[i]) = own.row(static_cast<Eigen::Index>(i));
   }
   // others
-  const Matrix* summed = &slope;
-  if (policy.exchange == Exchange::body) {
-    pass.others_slope.setZero(others.rows(), slope.cols());
-    for (Eigen::Index r = 0; r < slope.rows(); ++r)
-      pass.others_slope.row(others_row(policy, pass, heads, r)) += slope.row(r);
-    summed = &pass.others_slope;
-  }
-  add_product_transposed_left(*summed, others, gradient.weight.rightCols(h));
+  const Matrix& others = pass.others[l];
+  pass.others_slope.setZero(others.rows(), slope.cols());
+  for (Eigen::Index r = 0; r < slope.rows(); ++r)
+    pass.others_slope.row(sample_of(pass, heads, r)) += slope.row(r);
+  add_product_transposed_left(pass.others_slope, others, gradient.weight.rightCols(h));
   pass.part.setZero(others.rows(), h);
-  add_product(*summed, layer.weight.rightCols(h), pass.part);
-  each_other(policy, bodies, batch, pass, heads,
-             [&](Eigen::Index row, Eigen::Index other, float share) {
-               below.row(other) += share * pass.part.row(row);
-             });
-}
-
-bool reads_voxels(const ModularPolicy& policy) { return reads_others(policy, 0); }
-
-// Where the first layer of the actor reads what it is applied to.
-const MatrixView actor_local(const ModularPolicy& policy, const VoxelSamples& batch,
-                             const ModularPass& pass) {
-  return reads_voxels(policy) ? batch.local : MatrixView(pass.local);
+  add_product(pass.others_slope, layer.weight.rightCols(h), pass.part);
+  each_share(pass, [&](Eigen::Index sample, Eigen::Index row, float share) {
+    below.row(row) += share * pass.part.row(sample);
+  });
 }
 
 }  // namespace
@@ -293,16 +249,17 @@ bool ModularNetwork::operator==(const ModularNetwork& other) const {
 }
 
 bool ModularPolicy::operator==(const ModularPolicy& other) const {
-  return exchange == other.exchange && actor == other.actor && critic == other.critic &&
-         same(log_std, other.log_std) && local == other.local && task == other.task &&
-         action_map == other.action_map && action_offset == other.action_offset &&
-         low == other.low && high == other.high && clock == other.clock;
+  return actor == other.actor && critic == other.critic && same(log_std, other.log_std) &&
+         local == other.local && task == other.task && action_map == other.action_map &&
+         action_offset == other.action_offset && low == other.low && high == other.high &&
+         clock == other.clock;
 }
 
 std::optional<std::string> defect(const ModularPolicy& policy) {
   const auto task = policy.task.mean.size() + 2 * std::ssize(policy.clock);
-  const auto problem = [&](const ModularNetwork& network,
-                           Exchange exchange) -> std::optional<std::string> {
+  // Hidden layers of `rest` read `reads` times the layer below; the first `gated` have gates.
+  const auto problem = [&](const ModularNetwork& network, Eigen::Index reads,
+                           std::size_t gated) -> std::optional<std::string> {
     const Eigen::Index h = network.bias.size();
     if (network.local.rows() != h || network.task.rows() != h || network.fixed.rows() != h)
       return "its first layer has parts of different heights";
@@ -313,23 +270,17 @@ std::optional<std::string> defect(const ModularPolicy& policy) {
     for (std::size_t l = 0; l < network.rest.layers.size(); ++l) {
       const Layer& layer = network.rest.layers[l];
       const bool head = l + 1 == network.rest.layers.size();
-      const Eigen::Index reads = exchange == Exchange::none || head ? outputs : 2 * outputs;
-      if (layer.weight.cols() != reads || layer.weight.rows() != layer.bias.size())
+      if (layer.weight.cols() != (head ? outputs : reads * outputs) ||
+          layer.weight.rows() != layer.bias.size())
         return fmt::format("layer {} does not fit the one before", l);
       outputs = layer.bias.size();
     }
     if (network.rest.layers.empty() || outputs != 1) return "its last layer has not one output";
-    return std::nullopt;
-  };
-  const auto misfit = [&](const ModularNetwork& network,
-                          std::size_t gated) -> std::optional<std::string> {
-    if (network.gates.empty()) return std::nullopt;
     if (network.gates.size() != gated)
       return fmt::format("{} gates for {} layers", network.gates.size(), gated);
     for (std::size_t l = 0; l < gated; ++l) {
-      const Eigen::Index h = l == 0 ? network.bias.size() : network.rest.layers[l - 1].bias.size();
       const auto fits = [&](const Matrix& m) {
-        return m.rows() == h && m.cols() == VoxelViews::fixed_length;
+        return m.rows() == hidden_width(network, l) && m.cols() == VoxelViews::fixed_length;
       };
       if (!fits(network.gates[l].scale) ||
           (l == 0 ? network.gates[l].shift.size() != 0 : !fits(network.gates[l].shift)))
@@ -337,11 +288,10 @@ std::optional<std::string> defect(const ModularPolicy& policy) {
     }
     return std::nullopt;
   };
-  if (auto of_actor = problem(policy.actor, policy.exchange)) return "actor: " + *of_actor;
-  if (auto of_critic = problem(policy.critic, Exchange::none)) return "critic: " + *of_critic;
-  if (auto of_actor = misfit(policy.actor, policy.actor.rest.layers.size()))
+  if (policy.actor.rest.layers.size() < 2) return "actor: it has fewer than two hidden layers";
+  if (auto of_actor = problem(policy.actor, 2, policy.actor.rest.layers.size()))
     return "actor: " + *of_actor;
-  if (auto of_critic = misfit(policy.critic, 1)) return "critic: " + *of_critic;
+  if (auto of_critic = problem(policy.critic, 1, 1)) return "critic: " + *of_critic;
   if (policy.log_std.size() != 1) return "log_std: one number is expected";
   return std::nullopt;
 }
@@ -366,34 +316,20 @@ ModularGradients zero_gradients(const ModularPolicy& policy) {
   return {zeros_like(policy.actor), zeros_like(policy.critic), Vector::Zero(policy.log_std.size())};
 }
 
-ModularNetwork orthogonal_modular_network(int task_inputs, const std::vector<int>& widths,
-                                          Exchange exchange, double hidden_gain, double head_gain,
-                                          Stream& stream) {
-  const int inputs = VoxelViews::local_length + task_inputs + VoxelViews::fixed_length;
-  ModularNetwork network;
-  const Network first = orthogonal_network(inputs, {}, widths.front(), 1.0, hidden_gain, stream);
-  const Layer& layer = first.layers.front();
-  network.local = layer.weight.leftCols(VoxelViews::local_length);
-  network.task = layer.weight.middleCols(VoxelViews::local_length, task_inputs);
-  network.fixed = layer.weight.rightCols(VoxelViews::fixed_length);
-  network.bias = layer.bias;
-  for (std::size_t l = 1; l <= widths.size(); ++l) {
-    const bool head = l == widths.size();
-    const int reads = exchange == Exchange::none || head ? widths[l - 1] : 2 * widths[l - 1];
-    Network next = orthogonal_network(reads, {}, head ? 1 : widths[l], 1.0,
-                                      head ? head_gain : hidden_gain, stream);
-    network.rest.layers.push_back(std::move(next.layers.front()));
-  }
+ModularNetwork orthogonal_actor(int task_inputs, const std::vector<int>& widths, double hidden_gain,
+                                double head_gain, Stream& stream) {
+  ModularNetwork network =
+      orthogonal_layers(task_inputs, widths, 2, hidden_gain, head_gain, stream);
+  add_gates(network, widths.size());
   return network;
 }
 
-void add_gates(ModularNetwork& network, std::size_t layers) {
-  network.gates.clear();
-  for (std::size_t l = 0; l < layers; ++l) {
-    const Eigen::Index h = l == 0 ? network.bias.size() : network.rest.layers[l - 1].bias.size();
-    const Matrix zero = Matrix::Zero(h, VoxelViews::fixed_length);
-    network.gates.push_back({zero, l == 0 ? Matrix() : zero});
-  }
+ModularNetwork orthogonal_critic(int task_inputs, const std::vector<int>& widths,
+                                 double hidden_gain, double head_gain, Stream& stream) {
+  ModularNetwork network =
+      orthogonal_layers(task_inputs, widths, 1, hidden_gain, head_gain, stream);
+  add_gates(network, 1);
+  return network;
 }
 
 // ---- bodies ---------------------------------------------------------------------------------
@@ -437,27 +373,24 @@ void forward_actor(const ModularPolicy& policy, const Bodies& bodies,
                    const PreparedNetwork& prepared, const VoxelSamples& batch, ModularPass& pass,
                    std::span<float> means) {
   const std::vector<Layer>& layers = policy.actor.rest.layers;
-  select_rows(bodies, batch, reads_voxels(policy) ? Wanted::voxels : Wanted::actuators, pass);
+  lay_rows(bodies, batch, pass);
   pass.outputs.resize(layers.size() + 1);
-  pass.own.resize(layers.size());
   pass.others.resize(layers.size());
-  forward_first(policy.actor, prepared, batch, actor_local(policy, batch, pass), pass,
-                pass.outputs.front());
+  forward_first(policy.actor, prepared, batch, pass, pass.outputs.front());
   for (std::size_t l = 0; l < layers.size(); ++l) {
-    if (first_of_heads(policy, l)) rows_of(pass.outputs[l], pass.heads, pass.own[l]);
+    const bool heads = of_heads(policy, l);
+    if (heads) rows_of(pass.outputs[l], pass.heads, pass.head_inputs);
     const Matrix& own = own_of(policy, pass, l);
     Matrix& y = pass.outputs[l + 1];
     y.resize(own.rows(), layers[l].bias.size());
     y.rowwise() = layers[l].bias.transpose();
-    if (reads_others(policy, l))
-      add_with_others(policy, bodies, prepared, batch, l, pass, y);
-    else
+    if (l + 1 == layers.size()) {
       add_product(own, prepared.rest[l], y);
-    if (l + 1 == layers.size()) break;
-    if (!prepared.gates.empty()) {
-      const PreparedNetwork::Gate& gate = prepared.gates[l + 1];
-      apply_gate(gate.scale, gate.shift, pass, first_of_heads(policy, l), pass.sums[l + 1], y);
+      break;
     }
+    add_hidden(policy, prepared, l, pass, y);
+    const PreparedNetwork::Gate& gate = prepared.gates[l + 1];
+    apply_gate(gate.scale, gate.shift, pass, heads, pass.sums[l + 1], y);
     tanh_in_place(y);
   }
   const Matrix& heads = pass.outputs.back();  // a row of each action
@@ -498,42 +431,42 @@ void end_backward(const Bodies& bodies, const ModularPass& pass, ModularNetwork&
   }
 }
 
-void backward_actor(const ModularPolicy& policy, const Bodies& bodies,
-                    const PreparedNetwork& prepared, const VoxelSamples& batch,
-                    std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient) {
+void backward_actor(const ModularPolicy& policy, const PreparedNetwork& prepared,
+                    const VoxelSamples& batch, std::span<const float> slopes, ModularPass& pass,
+                    ModularNetwork& gradient) {
   const std::vector<Layer>& layers = policy.actor.rest.layers;
   pass.slopes.resize(layers.size() + 1);  // dL/d(what the tanh of each layer gets)
   pass.slopes.back() = Eigen::Map<const Matrix>(slopes.data(), pass.outputs.back().rows(), 1);
   for (std::size_t l = layers.size(); l-- > 0;) {
+    const bool last = l + 1 == layers.size();
     Matrix& slope = pass.slopes[l + 1];
     Matrix& below = pass.slopes[l];
-    if (!prepared.gates.empty() && l + 1 < layers.size())
-      scale_rows_back(voxels_of(pass, first_of_heads(policy, l)), prepared.gates[l + 1].scale,
+    if (!last)
+      scale_rows_back(voxels_of(pass, of_heads(policy, l)), prepared.gates[l + 1].scale,
                       pass.sums[l + 1], pass.gate_slopes[l + 1].scale,
                       pass.gate_slopes[l + 1].shift, slope);
     for (Eigen::Index r = 0; r < slope.rows(); ++r)
       gradient.rest.layers[l].bias += slope.row(r).transpose();
-    if (reads_others(policy, l)) {
-      backward_with_others(policy, bodies, batch, l, slope, pass, gradient.rest.layers[l], below);
-    } else {
+    if (last) {
       add_product_transposed_left(slope, pass.outputs[l], gradient.rest.layers[l].weight);
       below.setZero(slope.rows(), pass.outputs[l].cols());
       add_product(slope, layers[l].weight, below);
+    } else {
+      backward_hidden(policy, l, slope, pass, gradient.rest.layers[l], below);
     }
     times_tanh_slope(pass.outputs[l], below);
   }
-  backward_first(prepared, batch, actor_local(policy, batch, pass), pass.slopes.front(), pass,
-                 gradient);
+  backward_first(prepared, batch, pass.slopes.front(), pass, gradient);
 }
 
 void forward_critic(const ModularPolicy& policy, const Bodies& bodies,
                     const PreparedNetwork& prepared, const VoxelSamples& batch, ModularPass& pass,
                     std::span<float> values) {
   const std::vector<Layer>& layers = policy.critic.rest.layers;
-  select_rows(bodies, batch, Wanted::voxels, pass);
+  lay_rows(bodies, batch, pass);
   pass.outputs.resize(layers.size() + 1);
   Matrix& first = pass.outputs.front();
-  forward_first(policy.critic, prepared, batch, batch.local, pass, first);
+  forward_first(policy.critic, prepared, batch, pass, first);
   pass.pooled.setZero(batch.task.rows(), first.cols());
   for (Eigen::Index m = 0; m < pass.pooled.rows(); ++m) {
     const Eigen::Index begin = pass.first[static_cast<std::size_t>(m)];
@@ -587,7 +520,7 @@ void backward_critic(const ModularPolicy& policy, const PreparedNetwork& prepare
     for (Eigen::Index r = begin; r < end; ++r) first.row(r) = share * pass.below.row(m);
   }
   times_tanh_slope(pass.outputs.front(), first);
-  backward_first(prepared, batch, batch.local, first, pass, gradient);
+  backward_first(prepared, batch, first, pass, gradient);
 }
 
 // ---- acting -----------------------------------------------------------------------------------

@@ -1,9 +1,11 @@
 // A controller that any body can wear: one small network, the same for every voxel, reads
 // the voxel's own view (voxel_views.h) and puts out the target of that voxel, as in Talamini
-// et al. 2019 and Mertan and Cheney 2023. Hidden layers after the first may also read the
-// mean of what other voxels computed in the layer before. The critic pools what its first
-// layer says of all voxels and values the body as a whole. Single precision; the same bits
-// everywhere, as in matrix.h. See docs/modular.md; in files docs/formats/policy.md.
+// et al. 2019 and Mertan and Cheney 2023. Hidden layers after the first also read the mean of
+// what all voxels computed in the layer before. What a voxel is and where it stands scales and
+// shifts its hidden units (feature-wise modulation, Perez et al. 2018; by the body, Xiong et al.
+// 2023). The critic pools what its first layer says of all voxels and values the body as a
+// whole. Single precision; the same bits everywhere, as in matrix.h. See docs/modular.md; in files
+// docs/formats/policy.md.
 #pragma once
 
 #include <optional>
@@ -16,34 +18,6 @@
 
 namespace evo {
 
-// Of which other voxels a hidden layer reads the mean: of none, of those that are linked to
-// the voxel, of the whole body.
-enum class Exchange { none, neighbours, body };
-constexpr const char* word(Exchange value) {
-  switch (value) {
-    case Exchange::none:
-      return "none";
-    case Exchange::neighbours:
-      return "neighbours";
-    case Exchange::body:
-      return "body";
-  }
-  return nullptr;
-}
-
-// What multiplies the sums of hidden units: nothing, or what the fixed part of the voxel's view
-// says (feature-wise modulation, Perez et al. 2018; by the body, Xiong et al. 2023).
-enum class Gating { none, fixed };
-constexpr const char* word(Gating value) {
-  switch (value) {
-    case Gating::none:
-      return "none";
-    case Gating::fixed:
-      return "fixed";
-  }
-  return nullptr;
-}
-
 // Of a hidden layer whose units sum up x: tanh(x (1 + scale f) + shift f), f the fixed part.
 struct Gate {
   Matrix scale;  // [H x VoxelViews::fixed_length]
@@ -51,24 +25,22 @@ struct Gate {
   bool operator==(const Gate& other) const;
 };
 
-// y = tanh(local l' + task t' + fixed f' + bias) for the parts l, t, f of a voxel's view, or with
-// a gate tanh((local l' + task t' + bias) (1 + scale f') + fixed f');
-// then the layers of `rest`, tanh after all but the last.
+// y = tanh((local l' + task t' + bias) (1 + scale f') + fixed f') for the parts l, t, f of a
+// voxel's view; then the layers of `rest`, tanh after all but the last.
 struct ModularNetwork {
   Matrix local;  // [H x VoxelViews::local_length]
   Matrix task;   // [H x (task + 2 periods)]
   Matrix fixed;  // [H x VoxelViews::fixed_length]
   Vector bias;   // [H]
   Network rest;
-  // None or of every hidden layer that a voxel has: the critic's is the first alone.
+  // Of every hidden layer that a voxel has: the critic's is the first alone.
   std::vector<Gate> gates;
   bool operator==(const ModularNetwork& other) const;
 };
 
 struct ModularPolicy {
-  Exchange exchange = Exchange::none;
-  // The last layer has one output. With an exchange the hidden layers of `rest` read
-  // [own y, mean of the others' y].
+  // Two hidden layers or more. The last layer has one output, the hidden ones of `rest` read
+  // [own y, mean of all voxels' y].
   ModularNetwork actor;
   // `rest` reads the mean of y over all voxels of the body.
   ModularNetwork critic;
@@ -82,7 +54,6 @@ struct ModularPolicy {
   std::vector<double> clock;  // as in Policy
 
   int task_length() const { return static_cast<int>(task.mean.size()); }
-  Gating gating() const { return actor.gates.empty() ? Gating::none : Gating::fixed; }
   bool operator==(const ModularPolicy& other) const;
 };
 
@@ -104,13 +75,12 @@ std::vector<std::span<float>> parameter_blocks(ModularGradients& gradients);
 std::size_t parameter_count(const ModularPolicy& policy);
 ModularGradients zero_gradients(const ModularPolicy& policy);
 
-// An orthogonal first layer over the whole view, of `widths` hidden layers and one output.
-ModularNetwork orthogonal_modular_network(int task_inputs, const std::vector<int>& widths,
-                                          Exchange exchange, double hidden_gain, double head_gain,
-                                          Stream& stream);
-
-// Gates of its first `layers` hidden layers, of zeros: they change nothing yet.
-void add_gates(ModularNetwork& network, std::size_t layers);
+// Orthogonal layers, the first one over the whole view, of `widths` hidden layers and one output,
+// and gates of zeros, which change nothing yet.
+ModularNetwork orthogonal_actor(int task_inputs, const std::vector<int>& widths, double hidden_gain,
+                                double head_gain, Stream& stream);
+ModularNetwork orthogonal_critic(int task_inputs, const std::vector<int>& widths,
+                                 double hidden_gain, double head_gain, Stream& stream);
 
 // The bodies that a batch is of.
 class Bodies {
@@ -189,22 +159,19 @@ void prepare(const ModularNetwork& network, const Bodies& bodies, PreparedNetwor
 
 // What a pass through a network left behind, kept from call to call.
 struct ModularPass {
-  // Of each row, a voxel that the first layer is applied to: which sample's it is, and which voxel
-  // of all bodies'.
+  // Of each row, a voxel of a sample: which sample's it is, and which voxel of all bodies'.
   std::vector<Eigen::Index> samples;
   std::vector<Eigen::Index> voxels;
   std::vector<Eigen::Index> first;  // [M + 1] row of each sample's
-  std::vector<Eigen::Index> heads;  // actor: the row of each action
+  std::vector<Eigen::Index> heads;  // the row of each action
   std::vector<Eigen::Index> head_voxels;
-  Matrix local;      // [rows x local_length], where not all voxels are wanted
   Matrix task_part;  // [M x H]
-  // Actor: what each layer of `rest` reads where it is not all of the layer below, and, with an
-  // exchange, the part of others: a row for each of its own (neighbours) or for each sample (body).
-  std::vector<Matrix> own;
-  std::vector<Matrix> others;
-  Matrix part;                  // what comes of the part of others
-  Matrix pooled;                // [M x H] (critic)
-  std::vector<Matrix> sums;     // of the units of gated layers
+  // Actor: the last hidden layer is computed for the voxels that act alone and reads these rows.
+  Matrix head_inputs;
+  std::vector<Matrix> others;  // [M x H] the mean over a body's voxels that a layer of `rest` reads
+  Matrix part;                 // what comes of the part of others
+  Matrix pooled;               // [M x H] (critic)
+  std::vector<Matrix> sums;    // of the units of gated layers
   std::vector<Matrix> outputs;  // of the first layer and of those of `rest`
   // backward
   // Sums over passes, [voxels of all x H].
@@ -236,9 +203,9 @@ void forward_critic(const ModularPolicy& policy, const Bodies& bodies,
 // comes from the pass forward with the same samples. What reads the fixed part has its gradient
 // from end_backward(), for all passes since begin_backward() together.
 void begin_backward(const ModularNetwork& network, const Bodies& bodies, ModularPass& pass);
-void backward_actor(const ModularPolicy& policy, const Bodies& bodies,
-                    const PreparedNetwork& prepared, const VoxelSamples& batch,
-                    std::span<const float> slopes, ModularPass& pass, ModularNetwork& gradient);
+void backward_actor(const ModularPolicy& policy, const PreparedNetwork& prepared,
+                    const VoxelSamples& batch, std::span<const float> slopes, ModularPass& pass,
+                    ModularNetwork& gradient);
 void backward_critic(const ModularPolicy& policy, const PreparedNetwork& prepared,
                      const VoxelSamples& batch, std::span<const float> slopes, ModularPass& pass,
                      ModularNetwork& gradient);

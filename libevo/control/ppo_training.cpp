@@ -68,8 +68,6 @@ ModularPolicy first_modular_policy(const TrainingJob& job) {
     throw error(Failure::usage, "training: {} can start from a modular policy only",
                 PpoTraining<ModularPasses>::name);
   require(old->task_length() == fresh.task_length(), "inputs of the task");
-  require(old->exchange == fresh.exchange, "exchange between voxels");
-  require(old->gating() == fresh.gating(), fmt::format("gates (gating={})", word(old->gating())));
   require(same_shape(old->actor, fresh.actor) && same_shape(old->critic, fresh.critic),
           "hidden layers");
   require(old->clock == fresh.clock, "clocks");
@@ -209,8 +207,8 @@ ModularPolicy initial_modular_policy(const TrainingJob& job) {
 
 template <typename Passes>
 void PpoTraining<Passes>::check(const TrainingSettings& s) {
-  if (for_any && s.hidden.empty())
-    throw error(Failure::usage, "training: hidden is []; {} needs one layer at least", name);
+  if (for_any && s.hidden.size() < 2)
+    throw error(Failure::usage, "training: {} needs two layers in hidden at least", name);
   if (for_any && s.moment_share > 0.0)
     throw error(Failure::usage, "training: moment_share is {}; {} has no moments to start from",
                 s.moment_share, name);

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "libevo/base/words.h"
-#include "libevo/control/modular_policy.h"
 #include "libevo/control/policy.h"
 
 namespace evo {
@@ -75,8 +74,6 @@ struct TrainingSettings {
   ActionMap action_map = ActionMap::offset;
   double action_offset = 1.0;
   std::vector<int> clock;
-  Exchange exchange = Exchange::none;
-  Gating gating = Gating::none;
   int robots_per_update = 0;
   // What is learned from
   double failure_weight = 1.0;

@@ -32,7 +32,7 @@
     const first = part(group, 'first'), bias = await list(first, 'bias'), task = await rows(first, 'task');
     const gate = async (layer) => ({ scale: await rows(layer, 'scale'), ...(layer.children.has('shift') ? { shift: await rows(layer, 'shift') } : {}) });
     return { first: { local: await rows(first, 'local'), task: bias.map((_, k) => task[k] ?? []), fixed: await rows(first, 'fixed'), bias },
-      rest: await network(part(group, 'rest')), ...(group.children.has('gates') ? { gates: await layers(group.children.get('gates'), gate) } : {}) };
+      rest: await network(part(group, 'rest')), gates: await layers(part(group, 'gates'), gate) };
   };
   const normalizer = async (group) => {
     const { count, clip, epsilon } = group.attributes;
@@ -54,7 +54,7 @@
     const acting = { ...document, action: { map, offset, bounds }, ...(children.has('clock') ? { clock: await list(file, 'clock') } : {}) };
     const seen = part(file, 'normalizer');
     if (kind === 'modular')
-      return { ...acting, exchange: attributes.exchange, actor: await ofVoxel(part(file, 'actor')),
+      return { ...acting, actor: await ofVoxel(part(file, 'actor')),
         normalizer: { local: await normalizer(part(seen, 'local')), task: await normalizer(part(seen, 'task')) } };
     return { ...acting, normalizer: await normalizer(seen), actor: await network(part(file, 'actor')),
       ...(children.has('gait') ? { gait: await sine(children.get('gait')) } : {}),

@@ -225,9 +225,8 @@ TEST_CASE("api: what makes no sense is refused in words and changes nothing") {
 
 TEST_CASE("api: a modular policy at work on bodies that it was not trained on") {
   const libevo::Task task("Walker-v0");
-  const libevo::Policy policy = libevo::train(
-      task, small,
-      {.profile = "modular", .set = {"environments=2", "exchange=body"}, .steps = 512});
+  const libevo::Policy policy =
+      libevo::train(task, small, {.profile = "modular", .set = {"environments=2"}, .steps = 512});
   CHECK(policy.action_length() == 0);
   libevo::VectorEnv both(task, {small, walker}, 2);
   libevo::VectorEnv alone(task, {walker});

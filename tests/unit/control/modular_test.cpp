@@ -35,10 +35,9 @@ struct Robots {
   }
 };
 
-TrainingSettings small_settings(Exchange exchange = Exchange::neighbours) {
+TrainingSettings small_settings() {
   TrainingSettings settings;
   settings.algorithm = Algorithm("modular");
-  settings.exchange = exchange;
   settings.environments = 1;
   settings.rollout = 16;
   settings.minibatches = 3;
@@ -52,9 +51,8 @@ TrainingSettings small_settings(Exchange exchange = Exchange::neighbours) {
 }
 
 // A policy with moments and biases that are not those of the start.
-ModularPolicy example_policy(Exchange exchange, Stream& stream, Gating gating = Gating::none) {
-  TrainingSettings settings = small_settings(exchange);
-  settings.gating = gating;
+ModularPolicy example_policy(Stream& stream) {
+  TrainingSettings settings = small_settings();
   settings.clock = {20};
   settings.head_gain = 1.0;
   ModularPolicy policy = initial_modular_policy(settings, 2, 0.6, 1.6, Stream(3, "example"));
@@ -168,7 +166,7 @@ std::vector<Doubles> first_layer(const Plain& net, const VoxelViews& views, cons
     const Doubles l = local.row(from + v).transpose().cast<double>();
     const Doubles f = views.fixed().row(v).transpose().cast<double>();
     Doubles sum = net.local * l + net.task * task + net.bias;
-    if (!net.gates.empty()) sum.array() *= 1.0 + (net.gates[0].first * f).array();
+    sum.array() *= 1.0 + (net.gates[0].first * f).array();
     y.emplace_back((sum + net.fixed * f).array().tanh());
   }
   return y;
@@ -195,20 +193,14 @@ double loss(const ModularPolicy& shape, const Bodies& bodies, const std::vector<
       for (int v = 0; v < views.voxels(); ++v) {
         const Doubles& own = y[static_cast<std::size_t>(v)];
         Doubles x = own;
-        if (shape.exchange != Exchange::none && l + 1 < actor.rest.size()) {
+        if (l + 1 < actor.rest.size()) {
           Doubles mean = Doubles::Zero(own.size());
-          if (shape.exchange == Exchange::neighbours) {
-            for (const int other : views.neighbours(v))
-              mean += y[static_cast<std::size_t>(other)] /
-                      static_cast<double>(views.neighbours(v).size());
-          } else {
-            for (const Doubles& other : y) mean += other / static_cast<double>(y.size());
-          }
+          for (const Doubles& other : y) mean += other / static_cast<double>(y.size());
           x.resize(2 * own.size());
           x << own, mean;
         }
         Doubles z = actor.rest[l].first * x + actor.rest[l].second;
-        if (!actor.gates.empty() && l + 1 < actor.rest.size()) {
+        if (l + 1 < actor.rest.size()) {
           const auto& [scale, shift] = actor.gates[l + 1];
           const Doubles f = views.fixed().row(v).transpose().cast<double>();
           z = z.array() * (1.0 + (scale * f).array()) + (shift * f).array();
@@ -254,11 +246,9 @@ std::string digest(const TrainResult& result) {
 
 TEST_CASE("a modular policy's gradients agree with finite differences in double precision") {
   Stream stream(7, "gradient");
-  const Exchange exchange = GENERATE(Exchange::none, Exchange::neighbours, Exchange::body);
-  const Gating gating = GENERATE(Gating::none, Gating::fixed);
   const Robots robots(three_bodies());
   const Bodies bodies(robots.all());
-  const ModularPolicy policy = example_policy(exchange, stream, gating);
+  const ModularPolicy policy = example_policy(stream);
   REQUIRE_FALSE(defect(policy));
   const ModularSamples batch = plausible_batch(policy, bodies, 20, stream);
   const Objective objective{0.1, true, 0.5, 0.01};
@@ -347,8 +337,7 @@ TEST_CASE("a voxel's view says what the header says") {
 
 TEST_CASE("a modular policy does the same on a body with empty cells around it") {
   Stream stream(8, "padded");
-  const Exchange exchange = GENERATE(Exchange::none, Exchange::neighbours, Exchange::body);
-  const ModularPolicy policy = example_policy(exchange, stream);
+  const ModularPolicy policy = example_policy(stream);
   EvaluationSettings settings;
   std::vector<std::vector<double>> targets;
   for (const Body& body : {small_body(), Body::from_rows({"HHH..", "V.V.."}),
@@ -367,7 +356,7 @@ TEST_CASE("a modular policy does the same on a body with empty cells around it")
         *std::max_element(targets[0].begin(), targets[0].end()));
 }
 
-TEST_CASE("gates change nothing at first, and then act by the voxel") {
+TEST_CASE("a gate acts by what the voxel is and what is beside it") {
   Stream stream(11, "gates");
   const Robots robots(three_bodies());
   const Bodies bodies(robots.all());
@@ -375,14 +364,10 @@ TEST_CASE("gates change nothing at first, and then act by the voxel") {
     Stream samples(12, "samples");
     return means_of(policy, bodies, plausible_batch(policy, bodies, 6, samples).states);
   };
-  ModularPolicy policy = example_policy(Exchange::body, stream);
-  const std::vector<float> before = actions(policy);
-  add_gates(policy.actor, policy.actor.rest.layers.size());
+  ModularPolicy policy = example_policy(stream);
   const std::vector<float> untrained = actions(policy);
-  for (std::size_t i = 0; i < before.size(); ++i)
-    CHECK(untrained[i] == Approx(before[i]).margin(1e-5));
   // A voxel with a horizontal actuator left of it has other units; others act as they did.
-  policy.actor.gates[2].scale.col(3 * 5 + 2).setConstant(-1.0F);
+  policy.actor.gates[2].scale.col(3 * 5 + 2).array() -= 1.0F;
   const std::vector<float> gated = actions(policy);
   std::size_t i = 0;
   for (int m = 0; m < 6; ++m) {
@@ -397,7 +382,7 @@ TEST_CASE("gates change nothing at first, and then act by the voxel") {
 
 TEST_CASE("a modular policy does the same wherever the body stands") {
   Stream stream(9, "place");
-  const ModularPolicy policy = example_policy(Exchange::neighbours, stream);
+  const ModularPolicy policy = example_policy(stream);
   std::vector<double> first;
   for (const int place : {1, 6}) {
     TaskSpec task = walker(20);
@@ -418,7 +403,7 @@ TEST_CASE("a modular policy does the same wherever the body stands") {
 
 TEST_CASE("what a body does and learns does not depend on what is beside it") {
   Stream stream(10, "beside");
-  const ModularPolicy policy = example_policy(Exchange::neighbours, stream);
+  const ModularPolicy policy = example_policy(stream);
   const Robots robots(three_bodies());
   EvaluationSettings settings;
   settings.episodes = 5;
@@ -441,15 +426,9 @@ TEST_CASE("one modular policy for several robots learns, and to the same bytes")
   CHECK(result.curve.size() == 2);
   CHECK(digest(result) == digest(run()));
   // Pinned: the same on every processor.
-  CHECK(digest(result) == "3fac5c4356e83a502667429567a12258de05b71d2e161fc32d6fdb9bfdcc81f4");
+  CHECK(digest(result) == "8ceb3e1fbb6a43c0914cf2abd03a50b492b7dfdd7b0b71f1e808e36a7ab63929");
   const auto& policy = std::get<ModularPolicy>(*result.controller);
-  // With gates: other bytes, as firmly.
-  TrainingSettings gated = small_settings(Exchange::body);
-  gated.gating = Gating::fixed;
-  Trainer trainer(robots.all(), gated, 5, "shared");
-  const TrainResult of_gates = train(trainer);
-  CHECK(std::get<ModularPolicy>(*of_gates.controller).actor.gates[1].scale.norm() > 0.0F);
-  CHECK(digest(of_gates) == "8ceb3e1fbb6a43c0914cf2abd03a50b492b7dfdd7b0b71f1e808e36a7ab63929");
+  CHECK(policy.actor.gates[1].scale.norm() > 0.0F);
   // Of 17 states in each update of 16 steps up to the evaluation kept.
   const double voxels = 5 + count_voxels(body_a()) + 5;
   CHECK(policy.local.count == Approx(voxels * static_cast<double>(result.best_step) / 3 * 17 / 16));
@@ -553,12 +532,6 @@ TEST_CASE("what a modular policy cannot do is said in one line") {
   CHECK_THROWS_WITH(Trainer(robots.arenas[0], wider, 1, "x", modular),
                     "the controller to start from has other hidden layers than the settings ask "
                     "for");
-  TrainingSettings gated = settings;
-  gated.gating = settings.gating == Gating::none ? Gating::fixed : Gating::none;
-  CHECK_THROWS_WITH(Trainer(robots.arenas[0], gated, 1, "x", modular),
-                    fmt::format("the controller to start from has other gates (gating={}) than the "
-                                "settings ask for",
-                                word(settings.gating)));
   TaskSpec other = walker(20);
   other.observation.push_back(observation::Orientation{robot_name});
   const Arena turned(other, small_body());
@@ -573,7 +546,7 @@ TEST_CASE("what a modular policy cannot do is said in one line") {
 
 TEST_CASE("a modular policy learns to walk on several bodies at once", "[.slow]") {
   const Robots robots(three_bodies(), 200);
-  TrainingSettings settings = small_settings(Exchange::body);
+  TrainingSettings settings = small_settings();
   settings.environments = 4;
   settings.rollout = 64;
   settings.minibatches = 24;

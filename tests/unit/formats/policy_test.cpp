@@ -68,10 +68,8 @@ Policy policy_on_sequence() {
   return policy;
 }
 
-ModularPolicy modular_policy(Gating gating = Gating::none) {
+ModularPolicy modular_policy() {
   TrainingSettings settings;
-  settings.gating = gating;
-  settings.exchange = Exchange::body;
   settings.hidden = {6, 5};
   settings.clock = {20};
   ModularPolicy policy = initial_modular_policy(settings, 3, 0.6, 1.5, Stream(4, "policy"));
@@ -154,11 +152,11 @@ std::string message_reading(const std::filesystem::path& path) {
 
 TEST_CASE("policies come back as they were written, and twice the same bytes") {
   const Scratch scratch;
-  const PolicyFile file = GENERATE(
-      example(network_policy()), example(policy_on_gait()), example(policy_on_sequence()),
-      example(shifted_wave()), example(modular_policy()), example(modular_policy(Gating::fixed)),
-      example_for_several(), example(ReplayController{{0.6, 1.1, 1.6, 1.0, 0.7, 1.25}, 3}),
-      example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
+  const PolicyFile file =
+      GENERATE(example(network_policy()), example(policy_on_gait()), example(policy_on_sequence()),
+               example(shifted_wave()), example(modular_policy()), example_for_several(),
+               example(ReplayController{{0.6, 1.1, 1.6, 1.0, 0.7, 1.25}, 3}),
+               example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
   const auto path = scratch.folder / "a.policy.h5";
   write_policy(path, file);
   check_equal(read_policy(path), file);
@@ -169,13 +167,9 @@ TEST_CASE("policies come back as they were written, and twice the same bytes") {
 }
 
 TEST_CASE("a controller comes back from a policy's JSON with the same bits", "[formats][policy]") {
-  const std::vector<TrainedController> all{policy_on_gait(),
-                                           policy_on_sequence(),
-                                           network_policy(),
-                                           shifted_wave(),
-                                           modular_policy(),
-                                           modular_policy(Gating::fixed),
-                                           ReplayController{{0.6, 1.1, 1.6, 1.0}, 2}};
+  const std::vector<TrainedController> all{
+      policy_on_gait(), policy_on_sequence(), network_policy(),
+      shifted_wave(),   modular_policy(),     ReplayController{{0.6, 1.1, 1.6, 1.0}, 2}};
   for (const TrainedController& controller : all)
     CHECK(controller_from_json(parse_json(policy_to_json(example(controller)), "policy"),
                                "policy") == controller);
@@ -203,7 +197,7 @@ TEST_CASE("a JSON controller that does not fit together is refused with its plac
         std::string::npos);
   CHECK(problem([](Json& d) { d.erase("action"); }) == "policy: 'action' is missing");
 
-  Json gated = parse_json(policy_to_json(example(modular_policy(Gating::fixed))), "policy");
+  Json gated = parse_json(policy_to_json(example(modular_policy())), "policy");
   CHECK_NOTHROW(controller_from_json(gated, "policy"));
   gated["actor"]["gates"].erase(1);
   CHECK_THROWS_WITH(controller_from_json(gated, "policy"), "policy: actor: 1 gates for 2 layers");

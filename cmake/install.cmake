@@ -9,7 +9,7 @@ install(DIRECTORY docs examples benchmarks records DESTINATION ${CMAKE_INSTALL_D
         USE_SOURCE_PERMISSIONS PATTERN man EXCLUDE)
 install(FILES bindings/python/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bindings/python COMPONENT tools)
 install(FILES bindings/web/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/bindings/web COMPONENT tools)
-install(FILES bindings/c/evo/evo.h bindings/c/evo/evo.hpp DESTINATION ${CMAKE_INSTALL_DOCDIR}/bindings/c/evo COMPONENT tools)
+install(FILES bindings/c/evo/evo.h DESTINATION ${CMAKE_INSTALL_DOCDIR}/bindings/c/evo COMPONENT tools)
 install(DIRECTORY tasks DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tools
         FILES_MATCHING PATTERN "physics/*" PATTERN "training/*" PATTERN "examples/*" PATTERN "easier/*" PATTERN "recipes/*"
         PATTERN "neat.yaml")
@@ -60,7 +60,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libevo-dev)
 set(CPACK_DEBIAN_DEV_DESCRIPTION "${PROJECT_DESCRIPTION} (development files)
- The headers of the library, evo/evo.h (C) and evo/evo.hpp (C++), with what CMake and pkg-config need.")
+ The header of the library, evo/evo.h, for C and C++, with what CMake and pkg-config need.")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${CPACK_DEBIAN_LIBRARY_PACKAGE_NAME} (= ${PROJECT_VERSION})")
 

@@ -7,7 +7,6 @@
 #include "bindings/c/session.h"
 #include "bindings/c/voxels.h"
 #include "formats/rollout/episodes.h"
-#include "libevo/task/measure.h"
 
 using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;
@@ -64,24 +63,17 @@ static_assert(EVO_ENV_UNSTABLE == static_cast<int>(evo::EnvironmentStatus::unsta
 
 // Changes environments, and what is shown of them.
 template <typename Work>
-int change(evo_envs* envs, const Work& work) {
-  return guarded([&] {
-    evo_envs& all = object_of(envs);
-    all.owner.check();
-    const Busy busy(all.busy);
+int change_session(evo_envs* envs, const Work& work) {
+  return change(envs, [&](evo_envs& all) {
     work(all.session);
     all.refresh();
   });
 }
 
-const evo::ModelObject& object_at(const evo_envs& envs, std::int32_t environment,
-                                  std::size_t index) {
+// The world of an environment.
+const evo::Model& model_of(const evo_envs& envs, std::int32_t environment) {
   envs.session.check_environment(environment);
-  const auto& objects = envs.session.envs().model(environment).objects();
-  if (index >= objects.size())
-    throw evo::error(Failure::usage, "there is no object {}: the world has {}", index,
-                     objects.size());
-  return objects[index];
+  return envs.session.envs().model(environment);
 }
 
 // Numbers that a caller gives with their count.
@@ -123,7 +115,7 @@ int evo_envs_arrays(const evo_envs* envs, evo_arrays* arrays, size_t size) {
 
 int evo_envs_reset(evo_envs* envs, const int32_t* environments, size_t count,
                    const evo_start* start) {
-  return change(envs, [&](evo::Session& session) {
+  return change_session(envs, [&](evo::Session& session) {
     evo::ResetRequest request;
     if (environments == nullptr) {
       request.environments.resize(static_cast<std::size_t>(session.environments()));
@@ -145,7 +137,7 @@ int evo_envs_reset(evo_envs* envs, const int32_t* environments, size_t count,
 
 int evo_envs_step(evo_envs* envs, const double* actions, size_t values, const uint8_t* active,
                   size_t active_values) {
-  return change(envs, [&](evo::Session& session) {
+  return change_session(envs, [&](evo::Session& session) {
     if (values != session.action_values())
       throw evo::error(Failure::usage, "{} actions are expected, not {}", session.action_values(),
                        values);
@@ -159,10 +151,8 @@ int evo_envs_step(evo_envs* envs, const double* actions, size_t values, const ui
 }
 
 int evo_envs_voxels(evo_envs* envs, int32_t environment, evo_voxels* voxels, size_t size) {
-  return guarded([&] {
-    evo_envs& all = object_of(envs);
+  return change(envs, [&](evo_envs& all) {
     all.session.check_environment(environment);
-    const Busy busy(all.busy);
     const evo::VoxelViews& views = all.seen().of(environment);
     const auto links = all.seen().links(environment);
     static_assert(sizeof links[0] == 2 * sizeof(std::int32_t));
@@ -176,9 +166,7 @@ int evo_envs_voxels(evo_envs* envs, int32_t environment, evo_voxels* voxels, siz
 
 int evo_envs_look(evo_envs* envs, double* local, size_t local_values, double* task,
                   size_t task_values) {
-  return guarded([&] {
-    evo_envs& all = object_of(envs);
-    const Busy busy(all.busy);
+  return change(envs, [&](evo_envs& all) {
     const evo::SessionVoxels& voxels = all.seen();
     if (local_values != voxels.local_values() || task_values != voxels.task_values())
       throw evo::error(Failure::usage, "{} local and {} task values are expected, not {} and {}",
@@ -190,9 +178,7 @@ int evo_envs_look(evo_envs* envs, double* local, size_t local_values, double* ta
 }
 
 int evo_envs_act(evo_envs* envs, const evo_policy* policy, double* actions, size_t values) {
-  return guarded([&] {
-    evo_envs& all = object_of(envs);
-    const Busy busy(all.busy);
+  return change(envs, [&](evo_envs& all) {
     if (values != all.session.action_values())
       throw evo::error(Failure::usage, "{} actions are expected, not {}",
                        all.session.action_values(), values);
@@ -204,14 +190,12 @@ int evo_envs_act(evo_envs* envs, const evo_policy* policy, double* actions, size
 int evo_envs_save(const evo_envs* envs, int32_t environment, void** bytes, size_t* count) {
   return guarded([&] {
     const std::vector<std::uint8_t> state = object_of(envs).session.save(environment);
-    target(bytes, "bytes");
-    target(count, "count") = state.size();
-    *bytes = given({reinterpret_cast<const char*>(state.data()), state.size()});
+    give({reinterpret_cast<const char*>(state.data()), state.size()}, bytes, count);
   });
 }
 
 int evo_envs_restore(evo_envs* envs, int32_t environment, const void* bytes, size_t count) {
-  return change(envs, [&](evo::Session& session) {
+  return change_session(envs, [&](evo::Session& session) {
     const evo::Session::Restored one{
         environment, values_of(static_cast<const std::uint8_t*>(bytes), count, "bytes")};
     session.restore({&one, 1});
@@ -219,29 +203,26 @@ int evo_envs_restore(evo_envs* envs, int32_t environment, const void* bytes, siz
 }
 
 int evo_envs_perturb(evo_envs* envs, int32_t environment, double jitter, uint64_t seed) {
-  return change(envs, [&](evo::Session& session) { session.perturb(environment, jitter, seed); });
+  return change_session(envs,
+                        [&](evo::Session& session) { session.perturb(environment, jitter, seed); });
 }
 
 int evo_envs_translate(evo_envs* envs, int32_t environment, size_t object, double x, double y) {
-  return change(envs, [&](evo::Session& session) {
-    session.check_environment(environment);
-    check_translation(object_at(object_of(envs), environment, object), x, y);
+  return change_session(envs, [&](evo::Session& session) {
+    check_translation(object_at(model_of(*envs, environment), object), x, y);
     session.translate(environment, object, {x, y});
   });
 }
 
 int evo_envs_object_count(const evo_envs* envs, int32_t environment, size_t* count) {
-  return guarded([&] {
-    const evo::Session& session = object_of(envs).session;
-    session.check_environment(environment);
-    target(count, "count") = session.envs().model(environment).objects().size();
-  });
+  return guarded(
+      [&] { target(count, "count") = model_of(object_of(envs), environment).objects().size(); });
 }
 
 int evo_envs_object(const evo_envs* envs, int32_t environment, size_t index, evo_object* object,
                     size_t size) {
   return guarded([&] {
-    const evo::ModelObject& found = object_at(object_of(envs), environment, index);
+    const evo::ModelObject& found = object_at(model_of(object_of(envs), environment), index);
     hand_over({found.name.c_str(), static_cast<std::size_t>(found.first_point),
                static_cast<std::size_t>(found.points)},
               object, size);
@@ -252,21 +233,9 @@ int evo_envs_orientation(const evo_envs* envs, int32_t environment, size_t objec
                          const double* positions, double* angles, size_t count) {
   return guarded([&] {
     const evo_envs& all = object_of(envs);
-    const evo::ModelObject& found = object_at(all, environment, object);
-    const evo::VecEnv& shown = all.session.envs();
-    if (positions == nullptr && count != 1)
-      throw evo::error(Failure::usage, "1 angle is expected, not {}", count);
-    target(angles, "angles");
-    const evo::Model& model = shown.model(environment);
-    const evo::PointRange points{found.first_point, found.points};
-    const evo::InitialShape initial(points.of(model.initial_positions()));
-    const auto own = static_cast<std::size_t>(model.points());
-    const std::vector<evo::Vec2> given =
-        points_of(positions, positions == nullptr ? 0 : count * own);
-    const std::span<const evo::Vec2> moments =
-        positions == nullptr ? shown.positions(environment) : given;
-    for (std::size_t i = 0; i < count; ++i)
-      angles[i] = evo::orientation(initial, points.of(moments.subspan(i * own, own)));
+    const evo::Model& model = model_of(all, environment);
+    orientations(model, object_at(model, object), positions,
+                 all.session.envs().positions(environment), angles, count);
   });
 }
 

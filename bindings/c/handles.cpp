@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "libevo/base/parallel.h"
+#include "libevo/task/measure.h"
 
 namespace evo::c {
 
@@ -74,9 +75,42 @@ std::vector<Vec2> points_of(const double* positions, std::size_t count) {
   return points;
 }
 
+void check_size(std::size_t given, std::size_t present) {
+  if (given == 0 || given > present)
+    throw error(Failure::usage, "a struct of {} bytes is not of this version, in which it has {}",
+                given, present);
+}
+
+const ModelObject& object_at(const Model& model, std::size_t index) {
+  if (index >= model.objects().size())
+    throw error(Failure::usage, "there is no object {}: the world has {}", index,
+                model.objects().size());
+  return model.objects()[index];
+}
+
+void orientations(const Model& model, const ModelObject& object, const double* given,
+                  std::span<const Vec2> now, double* angles, std::size_t count) {
+  const auto own = static_cast<std::size_t>(model.points());
+  if (given == nullptr && count * own != now.size())
+    throw error(Failure::usage, "{} angles are expected, not {}", now.size() / own, count);
+  target(angles, "angles");
+  const PointRange range{object.first_point, object.points};
+  const InitialShape initial(range.of(model.initial_positions()));
+  const std::vector<Vec2> points = points_of(given, given == nullptr ? 0 : count * own);
+  const std::span<const Vec2> moments = given == nullptr ? now : points;
+  for (std::size_t i = 0; i < count; ++i)
+    angles[i] = orientation(initial, range.of(moments.subspan(i * own, own)));
+}
+
 void give(std::string_view text, char** place, const char* name) {
   char*& to = target(place, name);  // before there is a copy that could be lost
   to = given(text);
+}
+
+void give(std::string_view state, void** bytes, std::size_t* count) {
+  void*& to = target(bytes, "bytes");
+  target(count, "count") = state.size();
+  to = given(state);
 }
 
 void check_translation(const ModelObject& object, double x, double y) {

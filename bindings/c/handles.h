@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -83,6 +84,14 @@ void check_threads(std::int32_t threads);
 // Points that a caller gives as pairs of numbers.
 std::vector<Vec2> points_of(const double* positions, std::size_t count);
 
+// Throws Error(usage) where a world has no such object.
+const ModelObject& object_at(const Model& model, std::size_t index);
+
+// How far an object is turned at each of `count` moments: those that a caller gives, or, where
+// `given` is NULL, those `now`, as many as there are. [count][points of the model].
+void orientations(const Model& model, const ModelObject& object, const double* given,
+                  std::span<const Vec2> now, double* angles, std::size_t count);
+
 // Makes a handle of what `make` returns, a std::unique_ptr of its object.
 template <typename Handle, typename Make>
 int open(Handle** place, const Make& make) {
@@ -102,20 +111,32 @@ void close(Handle* handle) {
   delete handle;
 }
 
+// Throws Error(usage) for a struct that a caller gives of a size that none ever had.
+void check_size(std::size_t given, std::size_t present);
+
 // Facts into the struct of a caller who may know fewer of them.
 template <typename Facts>
 void hand_over(const Facts& facts, Facts* place, std::size_t size) {
   target(place, "struct to be filled");
-  if (size == 0 || size > sizeof(Facts))
-    throw error(Failure::usage, "a struct of {} bytes is not of this version, in which it has {}",
-                size, sizeof(Facts));
+  check_size(size, sizeof(Facts));
   std::memcpy(place, &facts, size);
+}
+
+// The other way round: what a caller says, who may know less of it; NULL: nothing.
+template <typename Given>
+Given taken(const Given* given, std::size_t size) {
+  Given whole{};
+  if (given == nullptr) return whole;
+  check_size(size, sizeof(Given));
+  std::memcpy(&whole, given, size);
+  return whole;
 }
 
 // A copy for evo_free().
 char* given(std::string_view text);
 // The same to where a caller wants it.
 void give(std::string_view text, char** place, const char* name);
+void give(std::string_view state, void** bytes, std::size_t* count);
 
 // One thread at a time changes a handle.
 class Busy {
@@ -144,9 +165,7 @@ std::unique_ptr<evo_task> task_of(TaskSpec spec);
 std::unique_ptr<evo_robots> list_of(std::vector<Robot> robots);
 std::unique_ptr<evo_policy> policy_of(PolicyFile file);
 
-// What a caller says of a training, who may know less of it; NULL: nothing.
-evo_training training_of(const evo_training* given, std::size_t size);
-// The profile that it names, changed as it says. Throws Error for what makes no sense.
+// The profile that a training names, changed as it says. Throws Error for what makes no sense.
 TrainingSettings settings_of(const evo_training& training);
 
 // Throws Error(usage) where an object cannot be moved by so much.
@@ -158,6 +177,21 @@ const Robot& robot_at(const evo_robots& robots, std::size_t index);
 // Tasks and profiles as the tools find them: installed with this library, or in the checkout
 // it was built in.
 DataFolders data_folders();
+
+}  // namespace evo::c
+
+namespace evo::c {
+
+// Changes what a handle stands for, in one thread at a time.
+template <typename Handle, typename Work>
+int change(Handle* handle, const Work& work) {
+  return guarded([&] {
+    Handle& object = object_of(handle);
+    if constexpr (requires { object.owner; }) object.owner.check();
+    const Busy busy(object.busy);
+    work(object);
+  });
+}
 
 }  // namespace evo::c
 

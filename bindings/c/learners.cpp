@@ -58,10 +58,8 @@ namespace {
 
 // Changes a learner; nothing may follow once its numbers have left the finite ones.
 template <typename Work>
-int change(evo_learner* learner, const Work& work) {
-  return guarded([&] {
-    evo_learner& own = object_of(learner);
-    const Busy busy(own.busy);
+int teach(evo_learner* learner, const Work& work) {
+  return change(learner, [&](evo_learner& own) {
     if (own.failure) throw *own.failure;
     try {
       work(own);
@@ -98,7 +96,7 @@ int evo_learner_open(const evo_training* training, size_t size, int32_t observat
                      int32_t action_length, double low, double high, const char* name,
                      evo_learner** learner) {
   return open(learner, [&] {
-    const evo_training wanted = training_of(training, size);
+    const evo_training wanted = taken(training, size);
     const evo::TrainingSettings settings = settings_of(wanted);
     if (!evo::abilities(settings.algorithm).own_tasks)
       throw evo::error(Failure::usage, "a learner is of {}; algorithm {} needs a task of the suite",
@@ -133,7 +131,7 @@ int evo_learner_describe(const evo_learner* learner, evo_learner_facts* facts, s
 
 int evo_learner_observe(evo_learner* learner, const double* observations, size_t values,
                         const int32_t* steps, size_t environments) {
-  return change(learner, [&](evo_learner& own) {
+  return teach(learner, [&](evo_learner& own) {
     own.expect(evo_learner::Call::observe);
     check_count(environments, own.environments(), "environments");
     check_count(values, own.environments() * own.observations, "observations");
@@ -146,7 +144,7 @@ int evo_learner_observe(evo_learner* learner, const double* observations, size_t
 }
 
 int evo_learner_act(evo_learner* learner, double* actions, size_t values) {
-  return change(learner, [&](evo_learner& own) {
+  return teach(learner, [&](evo_learner& own) {
     own.expect(evo_learner::Call::act);
     check_count(values, own.environments() * own.actions, "actions");
     target(actions, "actions");
@@ -160,7 +158,7 @@ int evo_learner_act(evo_learner* learner, double* actions, size_t values) {
 int evo_learner_reward(evo_learner* learner, const double* rewards, const uint8_t* terminated,
                        const uint8_t* truncated, const double* reached, size_t values,
                        const int32_t* steps, size_t environments) {
-  return change(learner, [&](evo_learner& own) {
+  return teach(learner, [&](evo_learner& own) {
     own.expect(evo_learner::Call::reward);
     check_count(environments, own.environments(), "environments");
     check_count(values, own.environments() * own.observations, "observations");
@@ -177,7 +175,7 @@ int evo_learner_reward(evo_learner* learner, const double* rewards, const uint8_
 }
 
 int evo_learner_learn(evo_learner* learner) {
-  return change(learner, [](evo_learner& own) {
+  return teach(learner, [](evo_learner& own) {
     if (own.next != evo_learner::Call::act || !own.collected())
       throw evo::error(Failure::usage,
                        "the rollout has {} of its {} rounds of act, reward, observe", own.rounds,

@@ -19,13 +19,7 @@ constexpr int default_width = 600;  // as the benchmark's
 constexpr int default_height = 300;
 
 evo_view view_of(const evo_view* given, std::size_t size) {
-  evo_view view{};
-  if (given != nullptr) {
-    if (size == 0 || size > sizeof view)
-      throw error(Failure::usage, "a struct of {} bytes is not of this version, in which it has {}",
-                  size, sizeof view);
-    std::memcpy(&view, given, size);
-  }
+  evo_view view = taken(given, size);
   if (view.width == 0) view.width = default_width;
   if (view.height == 0) view.height = default_height;
   for (const int side : {view.width, view.height})

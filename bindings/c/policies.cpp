@@ -51,16 +51,6 @@ evo::TrainingSettings settings_of(const evo_training& training) {
   return settings;
 }
 
-evo_training training_of(const evo_training* given, std::size_t size) {
-  evo_training training{};
-  if (given == nullptr) return training;
-  if (size == 0 || size > sizeof training)
-    throw error(Failure::usage, "a struct of {} bytes is not of this version, in which it has {}",
-                size, sizeof training);
-  std::memcpy(&training, given, size);
-  return training;
-}
-
 }  // namespace evo::c
 
 int evo_policy_read(const char* file, evo_policy** policy) {
@@ -132,7 +122,7 @@ int evo_policy_act(const evo_policy* policy, const double* observations, const i
 int evo_train(const evo_task* task, const evo_robots* robots, size_t index,
               const evo_training* training, size_t size, evo_policy** policy) {
   return open(policy, [&] {
-    const evo_training wanted = training_of(training, size);
+    const evo_training wanted = taken(training, size);
     const evo::TaskSpec& spec = object_of(task).spec;
     const evo::Robot& robot = robot_at(object_of(robots), index);
     const evo::TrainingSettings settings = settings_of(wanted);

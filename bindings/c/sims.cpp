@@ -10,7 +10,6 @@
 #include "libevo/base/digest.h"
 #include "libevo/base/parallel.h"
 #include "libevo/sim/batch.h"
-#include "libevo/task/measure.h"
 
 using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;
@@ -103,8 +102,6 @@ struct evo_sims {
       actuators[i].count = static_cast<std::size_t>(
           std::count_if(first, first + object.cells,
                         [](const evo::ModelCell& cell) { return evo::is_actuator(cell.type); }));
-      shapes.emplace_back(
-          evo::PointRange{object.first_point, object.points}.of(model.initial_positions()));
     }
     for (std::size_t sim = 0; sim < count; ++sim) place(sim);
     seal = evo::sha256_hex(evo::evogym_world_to_json(world) + evo::physics_to_yaml(physics));
@@ -120,13 +117,6 @@ struct evo_sims {
       throw evo::error(Failure::usage, "there is no simulation {}: they are 0 to {}", sim,
                        count() - 1);
     return static_cast<std::size_t>(sim);
-  }
-
-  const evo::ModelObject& object(std::size_t index) const {
-    if (index >= shapes.size())
-      throw evo::error(Failure::usage, "there is no object {}: the world has {}", index,
-                       shapes.size());
-    return model.objects()[index];
   }
 
   std::span<evo::Vec2> points(std::vector<evo::Vec2>& of, std::size_t sim) const {
@@ -153,10 +143,9 @@ struct evo_sims {
   std::vector<std::uint8_t> status;
   std::vector<evo::Vec2> positions;
   std::vector<evo::Vec2> velocities;
-  std::vector<ActuatorRange> actuators;   // of each object
-  std::vector<evo::InitialShape> shapes;  // of each object
-  std::vector<std::uint8_t> moving;       // in the step being taken
-  std::string seal;                       // of world and physics
+  std::vector<ActuatorRange> actuators;  // of each object
+  std::vector<std::uint8_t> moving;      // in the step being taken
+  std::string seal;                      // of world and physics
   std::atomic_flag busy;
 };
 
@@ -164,16 +153,6 @@ namespace {
 
 static_assert(EVO_SIM_FOLDED == static_cast<int>(evo::LaneStatus::self_folding) &&
               EVO_SIM_UNSTABLE == static_cast<int>(evo::LaneStatus::unstable));
-
-template <typename Work>
-int change(evo_sims* sims, const Work& work) {
-  return guarded([&] {
-    evo_sims& all = object_of(sims);
-    all.owner.check();
-    const Busy busy(all.busy);
-    work(all);
-  });
-}
 
 // A state and the seal of what it belongs to, so that damage is seen.
 std::string sealed(const evo_sims& sims, const std::string& state) {
@@ -251,10 +230,7 @@ int evo_sims_save(const evo_sims* sims, int32_t sim, void** bytes, size_t* count
     const evo::State state = all.batch.state(i);
     std::string values;
     for_each_array(state, [&](const auto& array) { values += doubles(array); });
-    values = sealed(all, values);
-    target(bytes, "bytes");
-    target(count, "count") = values.size();
-    *bytes = given(values);
+    give(sealed(all, values), bytes, count);
   });
 }
 
@@ -285,7 +261,7 @@ int evo_sims_restore(evo_sims* sims, int32_t sim, const void* bytes, size_t coun
 int evo_sims_translate(evo_sims* sims, int32_t sim, size_t object, double x, double y) {
   return change(sims, [&](evo_sims& all) {
     const std::size_t i = all.checked(sim);
-    check_translation(all.object(object), x, y);
+    check_translation(object_at(all.model, object), x, y);
     if (all.status[i] == EVO_SIM_UNSTABLE)
       throw evo::error(Failure::usage, "simulation {} is unstable: all that is left is a reset",
                        sim);
@@ -303,7 +279,7 @@ int evo_sims_object_count(const evo_sims* sims, size_t* count) {
 int evo_sims_object(const evo_sims* sims, size_t index, evo_sim_object* object, size_t size) {
   return guarded([&] {
     const evo_sims& all = object_of(sims);
-    const evo::ModelObject& found = all.object(index);
+    const evo::ModelObject& found = object_at(all.model, index);
     hand_over({found.name.c_str(), static_cast<std::size_t>(found.first_point),
                static_cast<std::size_t>(found.points), all.actuators[index].first,
                all.actuators[index].count},
@@ -315,18 +291,7 @@ int evo_sims_orientation(const evo_sims* sims, size_t object, const double* posi
                          double* angles, size_t count) {
   return guarded([&] {
     const evo_sims& all = object_of(sims);
-    const evo::ModelObject& found = all.object(object);
-    if (positions == nullptr && count != all.count())
-      throw evo::error(Failure::usage, "{} angles are expected, not {}", all.count(), count);
-    target(angles, "angles");
-    const evo::PointRange points{found.first_point, found.points};
-    const auto own = static_cast<std::size_t>(all.model.points());
-    const std::vector<evo::Vec2> given =
-        points_of(positions, positions == nullptr ? 0 : count * own);
-    const std::span<const evo::Vec2> shown =
-        positions == nullptr ? std::span(all.positions) : given;
-    for (std::size_t i = 0; i < count; ++i)
-      angles[i] = evo::orientation(all.shapes[object], points.of(shown.subspan(i * own, own)));
+    orientations(all.model, object_at(all.model, object), positions, all.positions, angles, count);
   });
 }
 

@@ -2,46 +2,74 @@
 // mean return and its spread. Then a training, the mean that its policy was kept for, and what
 // it earns from the official start.
 //   walk [TASK [TRAINING_STEPS]]
-#include <evo/evo.hpp>
+#include <evo/evo.h>
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
+#include <vector>
 
-int main(int argc, char** argv) try {
-  const libevo::Task task(argc > 1 ? argv[1] : "Walker-v0");
-  const libevo::Robot robot({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"});
-  libevo::VectorEnv envs(task, {robot}, 16);
-  std::vector<double> actions(envs.action_values());
+static void need(int result) {
+  if (result == EVO_OK) return;
+  std::fprintf(stderr, "walk: %s\n", evo_error());
+  std::exit(result);
+}
 
-  envs.reset({.seed = 1, .jitter = 1e-4});
-  std::vector<double> returns(envs.rewards().size());
-  for (int t = 0; t < task.episode_steps(); ++t) {
+int main(int argc, char** argv) {
+  evo_task* task;
+  evo_robots* robots;
+  evo_envs* envs;
+  evo_task_facts facts;
+  evo_robot_facts robot;
+  evo_arrays at;
+  need(evo_task_open(argc > 1 ? argv[1] : "Walker-v0", &task));
+  need(evo_task_describe(task, &facts, sizeof facts));
+  need(evo_robots_parse("RHHHR\nVSSSV\nVHRHV\nV...V\nV...V\n", &robots));
+  need(evo_robots_describe(robots, 0, &robot, sizeof robot));
+  need(evo_envs_open(task, robots, 16, 1, &envs));
+  need(evo_envs_arrays(envs, &at, sizeof at));
+
+  evo_start start{};
+  start.has_seed = 1;
+  start.seed = 1;
+  start.jitter = 1e-4;
+  need(evo_envs_reset(envs, nullptr, 0, &start));
+  std::vector<double> actions(at.action_values);
+  std::vector<double> returns(at.environments);
+  for (int t = 0; t < facts.episode_steps; ++t) {
     for (std::size_t i = 0; i < actions.size(); ++i)
-      actions[i] = 1.1 + 0.5 * std::sin(0.3 * t + 0.7 * (i % envs.action_length(0)));
-    envs.step(actions);
-    for (std::size_t e = 0; e < returns.size(); ++e) returns[e] += envs.rewards()[e];
+      actions[i] = 1.1 + 0.5 * std::sin(0.3 * t + 0.7 * (i % at.action_offsets[1]));
+    need(evo_envs_step(envs, actions.data(), actions.size(), nullptr, 0));
+    for (std::size_t e = 0; e < returns.size(); ++e) returns[e] += at.rewards[e];
   }
+  evo_envs_free(envs);
   double mean = 0, variance = 0;
   for (const double r : returns) mean += r / returns.size();
   for (const double r : returns) variance += (r - mean) * (r - mean) / (returns.size() - 1);
-  std::printf("robot %s on a wave: %.4f +- %.4f\n", robot.id().c_str(), mean, std::sqrt(variance));
+  std::printf("robot %s on a wave: %.4f +- %.4f\n", robot.id, mean, std::sqrt(variance));
 
-  const auto steps = argc > 2 ? std::stoll(argv[2]) : 51'200;
-  const libevo::Policy policy = libevo::train(task, robot, {.steps = steps, .seed = 1});
-  policy.save("walk.policy.h5");
+  evo_policy* policy;
+  evo_policy_facts learned;
+  evo_training training{};
+  training.steps = argc > 2 ? std::stoll(argv[2]) : 51'200;
+  training.seed = 1;
+  need(evo_train(task, robots, 0, &training, sizeof training, &policy));
+  need(evo_policy_describe(policy, &learned, sizeof learned));
+  need(evo_policy_write(policy, "walk.policy.h5"));
 
-  libevo::VectorEnv again(policy.task(), {policy.robot()});
-  again.reset();
+  need(evo_envs_open(task, robots, 1, 1, &envs));
+  need(evo_envs_arrays(envs, &at, sizeof at));
+  need(evo_envs_reset(envs, nullptr, 0, nullptr));
   double earned = 0;
-  actions.resize(again.action_values());
-  while (!again.terminated()[0] && !again.truncated()[0]) {
-    policy.act(again.observations(), again.steps(), actions);
-    again.step(actions);
-    earned += again.rewards()[0];
+  while (!at.terminated[0] && !at.truncated[0]) {
+    need(evo_envs_act(envs, policy, actions.data(), at.action_values));
+    need(evo_envs_step(envs, actions.data(), at.action_values, nullptr, 0));
+    earned += at.rewards[0];
   }
-  std::printf("trained: fitness %.4f, from the official start %.4f\n", policy.fitness(), earned);
-} catch (const libevo::Error& failure) {
-  std::fprintf(stderr, "walk: %s\n", failure.what());
-  return static_cast<int>(failure.kind());
+  std::printf("trained: fitness %.4f, from the official start %.4f\n", learned.fitness, earned);
+  evo_policy_free(policy);
+  evo_envs_free(envs);
+  evo_robots_free(robots);
+  evo_task_free(task);
 }

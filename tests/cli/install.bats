@@ -121,9 +121,9 @@ build_example() {
   [ ! -s others ]
   grep -E '^EVO_API' "$PREFIX/include/evo/evo.h" | grep -oE 'evo_[a-z_]+\(' | tr -d '(' | sort -u | diff - symbols
   objdump -p "$PREFIX/lib/libevo.so" | grep -qE 'SONAME +libevo\.so\.[0-9]+\.[0-9]+$'
-  grep -h '^#include' "$PREFIX/include/evo/"evo.h* > includes
+  grep -h '^#include' "$PREFIX/include/evo/evo.h" > includes
   run ! grep -vE '<[a-z]+(\.h)?>$|"evo/evo\.h"' includes
-  echo '#include <evo/evo.hpp>' > alone.cpp
+  echo '#include <evo/evo.h>' > alone.cpp
   g++ -std=c++20 -Wall -Wextra -Wconversion -Wpedantic -Werror -fsyntax-only -I"$PREFIX/include" alone.cpp
 }
 

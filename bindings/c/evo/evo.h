@@ -1,4 +1,4 @@
-/* The library of evo for any language that can call C. For C++ there is evo/evo.hpp.
+/* The library of evo for C, C++ and any language that can call C.
  *
  *   evo_task* task;
  *   evo_robots* robots;

@@ -130,50 +130,6 @@ TEST_CASE("c: environments, their arrays and their states") {
   evo_free(observed);
 }
 
-TEST_CASE("c: what a task draws may be given") {
-  const Session s("Catcher-v0", 2);
-  const int32_t first = 0;
-  evo_start start{1, 0, 3, 0, 0.0, R"({"ox":1,"oy":2})"};
-  REQUIRE(evo_envs_reset(s.envs, &first, 1, &start) == EVO_OK);
-  start.seed = 4;
-  const int32_t second = 1;
-  REQUIRE(evo_envs_reset(s.envs, &second, 1, &start) == EVO_OK);
-  evo_arrays at{};
-  REQUIRE(evo_envs_arrays(s.envs, &at, sizeof at) == EVO_OK);
-  const std::vector<double> all(at.positions, at.positions + 2 * at.points);
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  CHECK(std::equal(all.begin(), middle, middle, all.end()));
-  start.draws = R"({"ox":1000,"oy":2})";
-  fails(EVO_USAGE, "'ox' is 1000", evo_envs_reset(s.envs, &first, 1, &start));
-  start.draws = "{";
-  fails(EVO_DATA, "draws", evo_envs_reset(s.envs, &first, 1, &start));
-}
-
-// The reference's package, 2x2 body on the bare floor (docs/physics.md, "World floor").
-TEST_CASE("c: a world built in code moves as the benchmark's does") {
-  evo_world* world = nullptr;
-  REQUIRE(evo_world_new(&world) == EVO_OK);
-  REQUIRE(evo_world_add(world, "robot", corner.data(), 2, 2, nullptr, 0, 5, 0) == EVO_OK);
-  evo_sims* sims = nullptr;
-  REQUIRE(evo_sims_open(world, nullptr, 2, 1, &sims) == EVO_OK);
-  evo_world_free(world);
-  const evo_sim_arrays at = arrays_of(sims);
-  REQUIRE(at.points == 9);
-  REQUIRE(at.actuators == 4);
-  const std::vector<double> rest(8, 1.0);
-  for (int t = 0; t < 40; ++t)
-    REQUIRE(evo_sims_step(sims, rest.data(), rest.size(), nullptr, 0) == EVO_OK);
-  double x = 0;
-  double y = 0;
-  for (std::size_t i = 0; i < at.points; ++i) {
-    x += at.positions[2 * i];
-    y += at.positions[2 * i + 1];
-  }
-  CHECK(x / 9 / 0.1 == Approx(5.999227935004826).epsilon(1e-15));
-  CHECK(y / 9 / 0.1 == Approx(0.9958063894145683).epsilon(1e-15));
-  evo_sims_free(sims);
-}
-
 TEST_CASE("c: two robots in one world, in simulations of their own") {
   evo_world* world = world_of_two();
   evo_sims* sims = nullptr;
@@ -515,6 +471,20 @@ TEST_CASE("c: the learner, asked from outside, gives the policy that a training 
   evo_policy_free(expected);
   evo_policy_free(found);
   evo_learner_free(learner);
+}
+
+TEST_CASE("c: a training can be ended") {
+  const Session s("Walker-v0");
+  int64_t seen = 0;
+  const auto end = [](int64_t step, void* user) {
+    *static_cast<int64_t*>(user) = step;
+    return 0;
+  };
+  const evo_training training{nullptr, nullptr, 0, 8192, 0, end, &seen};
+  evo_policy* policy = nullptr;
+  fails(EVO_WORK, "ended", evo_train(s.task, s.robots, 0, &training, sizeof training, &policy));
+  CHECK(seen > 0);
+  CHECK(policy == nullptr);
 }
 
 TEST_CASE("c: every function refuses what is no handle of its kind, and NULL where it writes") {

@@ -33,7 +33,7 @@ const assignments = (values) => `'use strict';\nglobalThis.Evo ??= {};\n` + Obje
 writeFileSync(`${out}/data.js`, assignments({ files, taskNames, records, published, firstRobot: JSON.parse(site('first-robot.json')), workerSource,
   packedModule: gzipSync(readFileSync(module), { level: 9 }).toString('base64') }));
 writeFileSync(`${out}/js-yaml.js`, yaml);
-const scripts = ['js-yaml.js', 'data.js', 'yaml.js', 'module.js', 'hdf5.js', 'files.js', 'stage.js', 'player.js', 'common.js', 'play.js', 'records.js', 'tasks.js', 'main.js'];
+const scripts = ['js-yaml.js', 'data.js', 'yaml.js', 'module.js', 'stage.js', 'player.js', 'common.js', 'play.js', 'records.js', 'tasks.js', 'main.js'];
 for (const name of scripts.slice(2)) writeFileSync(`${out}/${name}`, site(name));
 writeFileSync(`${out}/site.css`, site('site.css'));
 writeFileSync(`${out}/index.html`, site('index.html').replace('{{policy}}', policy).replace('{{version}}', version)

@@ -139,8 +139,8 @@ const checkFiles = async () => {
   check('a dropped policy in JSON drives its robot', await until(`document.getElementById('gait-about').textContent.includes('network of policy.json')`), await text('#gait-about'));
 };
 
-// Files that the tools wrote, in HDF5.
-const checkBinaryFiles = async () => {
+// Policies that the tools wrote.
+const checkPolicies = async () => {
   const folder = process.env.EVO_FILES;
   const drop = async (name, page = '') => {
     await open(page);
@@ -156,20 +156,11 @@ const checkBinaryFiles = async () => {
     await evaluate(`(document.getElementById('speed').value = 10, document.getElementById('speed').dispatchEvent(new Event('change')))`);
     return await until(`document.getElementById('moment').textContent.includes('over')`, 60) && (await text('#return')) === (await evaluate(`Evo.number(${expected})`));
   };
-  await drop('policy.h5', '#records');
-  check('a policy dropped on another page opens in Play', await until(`Evo.page === 'play' && document.getElementById('gait-about').textContent.startsWith('Driven by the network of policy.h5')`), await about());
+  await drop('policy.json', '#records');
+  check('a policy dropped on another page opens in Play', await until(`Evo.page === 'play' && document.getElementById('gait-about').textContent.startsWith('Driven by the network of policy.json')`), await about());
   check('and moves', await until(stepped), await text('#moment'));
-  await drop('walk.h5');
-  check('a rollout is simulated again, to the last bit', await until(`document.getElementById('gait-about').textContent.endsWith('to the last bit.')`), await about());
-  check('and earns what its file says', await earned(process.env.EVO_EXPECTED), await text('#return'));
-  check('its command names the file', (await text('#command')) === 'evo-eval --task Jumper-v0 --actions walk.h5 walk.h5', await text('#command'));
-  await drop('shifted.h5');
-  check('a perturbed start is shown as recorded', await until(`document.getElementById('gait-about').textContent.includes('not simulated')`), await about());
-  check('and has the return of its file', await earned(process.env.EVO_SHIFTED), await text('#return'));
-  await evaluate(`(() => { const pick = document.getElementById('episode'); pick.value = 1; pick.dispatchEvent(new Event('change')); })()`);
-  check('episodes can be chosen', await until(`document.getElementById('moment').textContent.startsWith('step') && document.querySelector('#episode').selectedOptions[0].textContent === '2 of 2'`), await text('#moment'));
-  await drop('modular.h5');
-  check('a modular policy drives its robot', await until(`document.getElementById('gait-about').textContent.startsWith('Driven by the modular policy of modular.h5')`), await about());
+  await drop('modular.json');
+  check('a modular policy drives its robot', await until(`document.getElementById('gait-about').textContent.startsWith('Driven by the modular policy of modular.json')`), await about());
   for (const [name, size] of [['rows', 2], ['columns', 3]])
     await evaluate(`(() => { const pick = document.getElementById('${name}'); pick.value = ${size}; pick.dispatchEvent(new Event('change')); })()`);
   await evaluate(`document.querySelector('#grid [data-r="0"][data-c="0"]').focus()`);
@@ -182,8 +173,10 @@ const checkBinaryFiles = async () => {
   check('it drives that one, too', (await about()).startsWith('Driven by the modular policy') && await earned(process.env.EVO_OTHER_BODY), [await about(), await text('#return'), process.env.EVO_OTHER_BODY]);
   check('the command draws the same', (await text('#command')) === `printf 'HVH\\nV.V\\n' |\n  evo-eval --policy modular.h5`, await text('#command'));
   await photograph('any-body');
-  await drop('cut.h5');
-  check('a damaged file is refused', await until(`document.getElementById('message').textContent.startsWith('cut.h5: ')`), await text('#message'));
+  await drop('policy.h5');
+  check('a file in HDF5 is answered with the way', await until(`document.getElementById('message').textContent.endsWith('evo-convert policy.h5 --to json -o policy.json')`), await text('#message'));
+  await drop('cut.json');
+  check('a damaged file is refused', await until(`document.getElementById('message').textContent.startsWith('cut.json: ')`), await text('#message'));
   check('and the robot from before is there', await until(stepped), await text('#moment'));
 };
 
@@ -323,7 +316,7 @@ try {
   await checkTasks();
   await checkOwn();
   await checkFiles();
-  if (process.env.EVO_FILES) await checkBinaryFiles();
+  if (process.env.EVO_FILES) await checkPolicies();
   await checkEvolve();
   await checkRecords();
   await checkCases();

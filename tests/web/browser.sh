@@ -13,15 +13,11 @@ export PATH="$EVO_BIN:$PATH"
 export EVO_FILES=$work/files
 mkdir "$EVO_FILES"
 cp "$here/../../records/Walker-v0/policy.h5" "$EVO_FILES/policy.h5"
-head -c 30000 "$EVO_FILES/policy.h5" > "$EVO_FILES/cut.h5"
-printf 'VVV\nHHH\nV.V\n' > "$work/body.txt"
-roll() { evo-eval -q "$work/body.txt" --task Jumper-v0 --sine 0.31,17.5,1.25 --rollout "$EVO_FILES/$1.h5" "${@:2}"; }
-EVO_EXPECTED=$(roll walk | jq .fitness)
-EVO_SHIFTED=$(roll shifted --episodes 2 --jitter 1e-3 | jq '.returns[0]')
-export EVO_EXPECTED EVO_SHIFTED
+evo-convert "$EVO_FILES/policy.h5" --to json -o "$EVO_FILES/policy.json"
+jq -c 'del(.actor)' "$EVO_FILES/policy.json" > "$EVO_FILES/cut.json"
 export EVO_CASES=$work/cases
 "$here/cases" "$EVO_CASES"
-cp "$EVO_CASES/modular.h5" "$EVO_FILES"
-EVO_OTHER_BODY=$(printf 'HVH\nV.V\n' | evo-eval -q --policy "$EVO_FILES/modular.h5" | jq .fitness)
+evo-convert "$EVO_CASES/modular.h5" --to json -o "$EVO_FILES/modular.json"
+EVO_OTHER_BODY=$(printf 'HVH\nV.V\n' | evo-eval -q --policy "$EVO_CASES/modular.h5" | jq .fitness)
 export EVO_OTHER_BODY
 node "$here/browser.mjs" "$browser" "$work/site" "$work/profile" ${EVO_PICTURES:+"$EVO_PICTURES"}

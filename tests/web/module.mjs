@@ -1,7 +1,6 @@
 // module.mjs ROOT BUILD CASES: the WebAssembly build against the tools, bit for bit (CASES is
 // what tests/web/cases wrote). Says what differs; status 1 then.
 import { readFileSync } from 'node:fs';
-import { isDeepStrictEqual } from 'node:util';
 import { dataFiles, loadScripts, read } from './native.mjs';
 
 const [root, build, cases] = process.argv.slice(2);
@@ -61,57 +60,6 @@ for (const line of lines(`${cases}/cases.jsonl`)) {
 console.log(Object.entries(played).map(([kind, count]) => `${kind}: ${count}`).join(', '));
 console.log(`${steps} control steps in ${Math.round(spent)} ms: ${Math.round(1000 * steps / spent)} a second`);
 check('records were played', played.record >= 6 && played.reference === 64 && played.random >= 100 && played.trained === 4, true);
-
-// The page's own reader of HDF5.
-const found = { policy: 0, rollout: 0 };
-for (const line of lines(`${cases}/hdf5.jsonl`)) {
-  const { path, ...expected } = JSON.parse(line);
-  const bytes = new Uint8Array(readFileSync(path));
-  try {
-    const opened = await Evo.openHdf5(bytes);
-    if (expected.policy) {
-      check(`${path}: as evo-convert has it`, isDeepStrictEqual(opened.policy, expected.policy), true);
-      ++found.policy;
-      continue;
-    }
-    const { rollout } = opened, { episodes, names, cells, ...facts } = expected.rollout;
-    for (const [name, value] of Object.entries(facts)) check(`${path}: ${name}`, isDeepStrictEqual(rollout[name], value), true);
-    check(`${path}: objects`, rollout.world.objects.map(({ name }) => name).join(), names.join());
-    check(`${path}: cells`, isDeepStrictEqual(rollout.world.cells.map((cell) => cell.slice(2)), cells), true);
-    check(`${path}: episodes`, rollout.episodes, episodes.length);
-    for (const [k, episode] of episodes.entries()) {
-      const read = await rollout.episode(k);
-      for (const name of ['seed', 'draws', 'rewards', 'actions']) check(`${path}: ${name} of episode ${k}`, isDeepStrictEqual(read[name], episode[name]), true);
-      check(`${path}: positions of episode ${k}`, isDeepStrictEqual(Array.from(read.positions), episode.positions), true);
-    }
-    ++found.rollout;
-  } catch (failure) {
-    check(path, failure.stack, 'a policy or rollout');
-  }
-}
-check('files in HDF5 were read', found.policy >= 8 && found.rollout === 5, true);
-console.log(`HDF5: ${found.policy} policies, ${found.rollout} rollouts`);
-
-// A damaged file is refused, or read with other numbers, and never anything else.
-{
-  const whole = ['eight', 'modular'].map((name) => new Uint8Array(readFileSync(`${cases}/${name}.h5`)));
-  let seed = 1, refused = 0;
-  const random = (below) => { seed = (Math.imul(seed, 1103515245) + 12345) >>> 0; return Math.floor(seed / 2 ** 32 * below); };
-  for (let k = 0; k < (slow ? 4000 : 600); ++k) {
-    const bytes = whole[k % 2];
-    const damaged = k % 3 ? bytes.slice() : bytes.slice(0, random(bytes.length));
-    if (k % 3) for (let n = 0; n < 1 + k % 8; ++n) damaged[random(k % 5 < 2 ? 4096 : damaged.length)] = random(256);
-    try {
-      const { rollout } = await Evo.openHdf5(damaged);
-      await rollout?.episode(0);
-    } catch (failure) {
-      if (failure.name === 'Refusal') ++refused;
-      else check(`damage ${k}`, failure.stack, 'a refusal');
-    }
-  }
-  check('damaged files were refused', refused > 200, true);
-  console.log(`${refused} damaged files refused`);
-}
 
 for (const line of lines(`${cases}/refused.jsonl`)) {
   const { what, text, error } = JSON.parse(line);

@@ -11,6 +11,6 @@ export const dataFiles = (root) => Object.fromEntries(['tasks', 'tasks/physics']
   readdirSync(`${root}/${folder}`).filter((name) => name.endsWith('.yaml')).map((name) => [`${folder}/${name}`, read(root, `${folder}/${name}`)])));
 
 export const loadScripts = (root) => {
-  for (const path of [...scripts, ...['yaml', 'module', 'hdf5', 'files'].map((name) => `${root}/bindings/web/site/${name}.js`)])
+  for (const path of [...scripts, ...['yaml', 'module'].map((name) => `${root}/bindings/web/site/${name}.js`)])
     vm.runInThisContext(readFileSync(path, 'utf8'), { filename: path });
 };

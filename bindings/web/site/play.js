@@ -6,9 +6,8 @@ Evo.playPage = (evo) => {
   const className = (letter) => 'block-' + (letter === '.' ? 'none' : letter);
   const nameOf = Object.fromEntries(materials.map(([letter, name]) => [letter, name.toLowerCase()]));
   const begin = { task: 'Walker-v0', body: Evo.firstRobot.body, gait: Evo.firstRobot.gait };
-  // `other`: a policy or recorded actions instead of the rhythm, from a record or a `file`; `recorded`:
-  // an episode that is shown and not simulated; `rollout`: the task that its command names.
-  const state = { ...begin, other: null, about: '', record: null, file: null, recorded: null, rollout: null, start: {}, material: 'H' };
+  // `other`: a policy instead of the rhythm, from a record or a `file` of that name.
+  const state = { ...begin, other: null, about: '', record: null, file: null, start: {}, material: 'H' };
   const message = id('message');
   let worker = null;
 
@@ -50,12 +49,8 @@ Evo.playPage = (evo) => {
     let player;
     try {
       const facts = evo.task(state.task);
-      if (state.recorded) {
-        player = Evo.recorded(state.recorded, facts, state.recorded.follow);
-      } else {
-        player = evo.open(state.task, { body: state.body });
-        player.control(controller());
-      }
+      player = evo.open(state.task, { body: state.body });
+      player.control(controller());
       const was = theatre.playing;
       theatre.show(player, state.start);
       state.facts = facts;
@@ -216,10 +211,9 @@ Evo.playPage = (evo) => {
     id('gait-wave').hidden = Boolean(state.other);
     id('gait-other').hidden = !state.other;
     id('gait-about').textContent = state.about;
-    id('episode-row').hidden = true;
   };
-  const useOther = (document, about, { record = null, file = null, recorded = null } = {}) => {
-    Object.assign(state, { other: document, about, record, file, recorded, rollout: null });
+  const useOther = (document, about, { record = null, file = null } = {}) => {
+    Object.assign(state, { other: document, about, record, file });
     showOther();
   };
   const dropOther = () => {
@@ -352,8 +346,6 @@ Evo.playPage = (evo) => {
     const policy = state.record ? `records/${state.record}/policy.h5` : state.file;
     if (fitsAny() && !isItsOwn()) return `${drawn()}evo-eval --policy ${policy}`;
     if (state.record) return `evo-eval --policy ${policy} ${policy}`;
-    if (state.recorded) return `evo-render ${state.file} -o robot.mp4`;
-    if (state.rollout) return `evo-eval --task ${state.rollout} --actions ${state.file}${state.start.draws ? ` --draws ${state.file}` : ''} ${state.file}`;
     if (state.other) return `evo-eval --policy ${policy} ${policy}`;
     const task = isNamed() ? state.task : './task.yaml';
     return `${drawn()}evo-eval --task ${task} --sine ${state.gait.join(',')}`;
@@ -362,15 +354,11 @@ Evo.playPage = (evo) => {
     id('command').textContent = command();
     id('copy-link').disabled = Boolean(state.other && !state.record);
     id('copy-link').title = id('copy-link').disabled ? 'A link cannot carry a file; pass the file on.' : '';
-    id('command-about').textContent = state.recorded ? 'The same episode with the tools:' : isNamed() || state.other ? 'The same robot with the tools:' : 'The same robot with the tools, once the task is saved as task.yaml:';
+    id('command-about').textContent = isNamed() || state.other ? 'The same robot with the tools:' : 'The same robot with the tools, once the task is saved as task.yaml:';
     if (location.hash !== address() && Evo.page === 'play') history.replaceState(null, '', address());
   };
   // The robot as evo-eval would write it, with the return of a whole episode.
   const robotDocument = () => {
-    if (state.recorded) {
-      const { robot, task, earned } = state.recorded;
-      return { ...evo.robot(JSON.stringify({ body: robot.body })), origin: { tool: 'evo page', controller: 'rollout' }, fitness: earned, task };
-    }
     const player = evo.open(state.task, { body: state.body });
     try {
       player.control(controller());
@@ -413,37 +401,6 @@ Evo.playPage = (evo) => {
     ownOption.hidden = Boolean(named);
     id('task').value = named ? named.name : '';
   };
-  // An episode of a rollout: its actions simulated again, and where that gives another return (a
-  // perturbed start, other physics) what was recorded.
-  const useRollout = async (rollout, file, k = 0) => {
-    const episode = await rollout.episode(k);
-    const { task, task_yaml, robot } = rollout;
-    const document = { kind: 'sequence', task, task_yaml, robot, actions: episode.actions };
-    const start = Object.keys(episode.draws).length ? { draws: episode.draws } : {};
-    let again = NaN, follow = ['robot'];
-    try {
-      const player = evo.open(task_yaml, robot);
-      follow = player.follow;
-      try {
-        player.control(document);
-        player.reset(start);
-        player.step(episode.rewards.length);
-        again = player.counts().total;
-      } finally { player.close(); }
-    } catch (failure) { if (failure.name !== 'Refusal') throw failure; }
-    const same = again === episode.earned;
-    usePolicy(document, same ? `The ${episode.rewards.length} actions of ${file}, simulated again: they earn the ${number(episode.earned)} of the file, to the last bit.`
-      : `The episode as ${file} has it, not simulated: from the usual start its actions earn ${number(again)}, in the file ${number(episode.earned)}.`,
-    { start, file, recorded: same ? null : { ...rollout, ...episode, follow } });
-    if (rollout.episodes > 1 && state.file === file) {
-      const pick = id('episode');
-      pick.replaceChildren(...Array.from({ length: rollout.episodes }, (_, n) => element('option', { value: n, ...(n === k ? { selected: '' } : {}) }, `${n + 1} of ${rollout.episodes}`)));
-      pick.onchange = () => useRollout(rollout, file, Number(pick.value));
-      id('episode-row').hidden = false;
-    }
-    state.rollout = Evo.tasks.some(({ name }) => name === task) ? task : './task.yaml';
-    remember();
-  };
   const useRobot = (text) => {
     const robot = evo.robot(text);
     stopEvolving();
@@ -459,21 +416,16 @@ Evo.playPage = (evo) => {
   const useText = (name, text) => {
     let json = null;
     try { json = JSON.parse(text); } catch { /* YAML, letters or several lines of JSON */ }
-    if (json?.format === 'evo/policy') usePolicy(json, drivenBy(json.kind, `${name}.`), { file: name });
+    if (json?.format === 'evo/policy') usePolicy(json, drivenBy(json.kind, `${name}.`), { file: name.replace(/\.json$/, '.h5') });
     else if (json?.objects && json?.grid_width) { useTask(text); id('own').open = true; id('own-text').value = state.facts?.yaml ?? text; }
     else if (!json && /^(format: *evo\/task|world:|observation:)/m.test(text)) { id('own').open = true; id('own-text').value = text; useTask(text); }
     else useRobot(text);
   };
   const useFile = async (file) => {
-    const bytes = new Uint8Array(await file.arrayBuffer());
+    const text = await file.text();
     try {
-      if (Evo.isHdf5(bytes)) {
-        const { policy, rollout } = await Evo.openHdf5(bytes);
-        if (policy) usePolicy(policy, drivenBy(policy.kind, `${file.name}, which earned ${number(policy.fitness)} in training.`), { file: file.name });
-        else await useRollout(rollout, file.name);
-      } else {
-        useText(file.name, new TextDecoder().decode(bytes));
-      }
+      if (/^.HDF\r\n/.test(text)) { say(`${file.name}: HDF5 is opened in JSON here: evo-convert ${file.name} --to json -o ${file.name.replace(/\.h5$/, '')}.json`); return; }
+      useText(file.name, text);
       if (state.other && !Evo.calm.matches) theatre.play();
     } catch (failure) {
       if (failure.name !== 'Refusal') throw failure;

@@ -59,7 +59,36 @@ def only_robot(simulator: Simulator, envs: int) -> Simulator:
     return simulator
 
 
-class Environment(gymnasium.Env):
+class Filmed(gymnasium.Env):
+    """Draws itself, and keeps what was at every step of the episode."""
+
+    metadata = RENDERING
+
+    def _begin_film(self, shown: Any, render_mode: str | None, width: int, height: int) -> None:
+        """shown: has ``positions`` and ``picture``."""
+        self.render_mode = known_render_mode(render_mode)
+        self._shown, self._size = shown, (width, height)
+        self._film: deque[np.ndarray] = deque(maxlen=MOST_STEPS + 1)  # positions
+
+    def _note(self, first: bool = False) -> None:
+        if first:
+            self._film.clear()
+        self._film.append(self._shown.positions[0].copy())
+
+    def render(self) -> np.ndarray | None:
+        if self.render_mode is None:
+            gymnasium.logger.warn("render() needs gymnasium.make(..., render_mode='rgb_array')")
+            return None
+        return self._shown.picture(0, *self._size)
+
+    def video(self, width: int = 480, height: int = 240, fps: float = 25.0,
+              speed: float = 1.0) -> Video:
+        """The episode so far (its last 2000 steps): plays in a notebook, ``save(path)`` writes it."""
+        return Video.of(list(self._film), lambda positions: self._shown.picture(
+            0, width, height, positions=positions), fps=fps, speed=speed, says=repr(self))
+
+
+class Environment(Filmed):
     """A robot in a task.
 
     task: a benchmark task by name, or a task file of your own. body,
@@ -75,8 +104,6 @@ class Environment(gymnasium.Env):
     A copy (copy.deepcopy, pickle) goes on from where the environment is. ``video()`` shows the
     episode so far.
     """
-
-    metadata = RENDERING
 
     def __init__(
         self,
@@ -94,16 +121,15 @@ class Environment(gymnasium.Env):
         physics: str | None = None,
         settings: Mapping[str, Any] | None = None,
     ) -> None:
-        self.render_mode = known_render_mode(render_mode)
+        known_render_mode(render_mode)
         self.simulator = only_robot(
             Simulator(task, the_robot(body, connections, robot), seed=seed,
                       physics=physics, settings=settings), 1)
+        self._begin_film(self.simulator, render_mode, width, height)
         self._limit = time_limit(max_episode_steps, self.simulator)
         self._steps, self._return = 0, 0.0
-        self._film: deque[np.ndarray] = deque(maxlen=MOST_STEPS + 1)  # positions of the episode
         self.observation_space = observation_box(int(self.simulator.observation_lengths[0]))
         self.action_space = action_box(self.simulator, int(self.simulator.action_lengths[0]))
-        self._size = (width, height)
         self._jitter = jitter
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None):
@@ -114,8 +140,7 @@ class Environment(gymnasium.Env):
             raise ValueError(f"options: {sorted(unknown)} are not known")
         state = self.simulator.reset(seed=seed, **{"jitter": self._jitter, **options})
         self._steps, self._return = 0, 0.0
-        self._film.clear()
-        self._film.append(self.simulator.positions[0].copy())
+        self._note(first=True)
         return state.observations[0], {}
 
     def step(self, action):
@@ -126,21 +151,9 @@ class Environment(gymnasium.Env):
         self._steps += 1
         reward = float(simulator.rewards[0])
         self._return += reward
-        self._film.append(simulator.positions[0].copy())
+        self._note()
         return (simulator.observations[0].copy(), reward, bool(simulator.terminated[0]),
                 self._steps >= self._limit, {})
-
-    def render(self) -> np.ndarray | None:
-        if self.render_mode is None:
-            gymnasium.logger.warn("render() needs gymnasium.make(..., render_mode='rgb_array')")
-            return None
-        return self.simulator.picture(0, *self._size)
-
-    def video(self, width: int = 480, height: int = 240, fps: float = 25.0,
-              speed: float = 1.0) -> Video:
-        """The episode so far (its last 2000 steps): plays in a notebook, ``save(path)`` writes it."""
-        return Video.of(list(self._film), lambda positions: self.simulator.picture(
-            0, width, height, positions=positions), fps=fps, speed=speed, says=repr(self))
 
     def close(self) -> None:
         self.simulator.close()

@@ -5,9 +5,8 @@ from __future__ import annotations
 import base64
 import os
 import shutil
-import struct
 import subprocess
-import zlib
+import tempfile
 from pathlib import Path
 from typing import Any, Callable, Sequence
 
@@ -49,58 +48,31 @@ class Video:
     def __repr__(self) -> str:
         return f"Video of {len(self)} frames, {len(self) / self.fps:.1f} s {self._says}".rstrip()
 
-    def png(self) -> bytes:
-        """All of it as an animated PNG, which every browser plays."""
-        height, width = self[0].shape[:2]
-
-        def chunk(kind: bytes, data: bytes) -> bytes:
-            return struct.pack(">I", len(data)) + kind + data + struct.pack(
-                ">I", zlib.crc32(kind + data))
-
-        parts = [b"\x89PNG\r\n\x1a\n",
-                 chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)),
-                 chunk(b"acTL", struct.pack(">II", len(self), 0))]
-        order = 0
-        for number in range(len(self)):
-            # Rows as they are, without one of PNG's filters: the pictures are flat.
-            rows = np.zeros((height, 1 + 3 * width), np.uint8)
-            rows[:, 1:] = self[number].reshape(height, -1)
-            data = zlib.compress(rows.tobytes(), 6)
-            parts.append(chunk(b"fcTL", struct.pack(">IIIIIHHBB", order, width, height, 0, 0, 1000,
-                                                    round(1000 * self.fps), 0, 0)))
-            order += 1
-            if number == 0:
-                parts.append(chunk(b"IDAT", data))
-            else:
-                parts.append(chunk(b"fdAT", struct.pack(">I", order) + data))
-                order += 1
-        return b"".join(parts + [chunk(b"IEND", b"")])
-
     def save(self, path: str | os.PathLike) -> None:
-        """A file by its ending: .png or .apng (animated), and with the program ffmpeg .mp4, .webm
-        or .gif. It appears whole or not at all."""
+        """A file by its ending, .mp4, .webm or .gif, by the program ffmpeg. It appears whole or not
+        at all."""
         target = Path(path)
-        if target.suffix not in (".png", ".apng", ".mp4", ".webm", ".gif"):
-            raise ValueError(f"{target}: a video ends in .png, .apng, .mp4, .webm or .gif")
+        if target.suffix not in (".mp4", ".webm", ".gif"):
+            raise ValueError(f"{target}: a video ends in .mp4, .webm or .gif")
         part = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
         try:
-            if target.suffix in (".png", ".apng"):
-                part.write_bytes(self.png())
-            else:
-                self._encode(part)
+            self._encode(part)
             os.replace(part, target)
         finally:
             part.unlink(missing_ok=True)
 
     def _encode(self, path: Path) -> None:
         if shutil.which("ffmpeg") is None:
-            raise EvoError(f"{path.suffix} needs the program ffmpeg; a video ending in .png does not")
+            raise EvoError("videos need the program ffmpeg, which is not in PATH")
         height, width = self[0].shape[:2]
-        even = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]
+        if path.suffix == ".gif":  # of the colours that are there, as evo-render
+            coding = ["-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse=dither=none"]
+        else:
+            coding = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]
         encoder = subprocess.Popen(
             ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
              f"{width}x{height}", "-r", str(self.fps), "-i", "-",
-             *([] if path.suffix == ".gif" else even), str(path)],
+             *coding, str(path)],
             stdin=subprocess.PIPE, stderr=subprocess.PIPE)
         try:
             for number in range(len(self)):
@@ -112,8 +84,10 @@ class Video:
             raise EvoError(f"ffmpeg: {said.decode(errors='replace').strip()}")
 
     def _repr_html_(self) -> str:
-        data = base64.b64encode(self.png()).decode()
-        return f'<img src="data:image/png;base64,{data}" alt="a robot in motion"/>'
+        with tempfile.TemporaryDirectory() as folder:
+            self.save(Path(folder, "video.mp4"))
+            data = base64.b64encode(Path(folder, "video.mp4").read_bytes()).decode()
+        return f'<video src="data:video/mp4;base64,{data}" controls autoplay loop muted></video>'
 
 
 class _Drawn(Sequence):

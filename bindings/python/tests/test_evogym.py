@@ -121,16 +121,6 @@ class Sims(unittest.TestCase):
         world.add_from_array("a", [[3, 0], [4, 4]], 5, 1)
         return EvoSim(world)
 
-    def test_a_body_on_the_bare_floor_moves_as_in_the_benchmark(self):
-        world = EvoWorld()
-        world.add_from_array("robot", BODY, 5, 0)
-        sim = EvoSim(world)
-        for _ in range(40):
-            self.assertFalse(sim.step())
-        x, y = sim.object_pos_at_time(40, "robot").mean(axis=1)
-        self.assertAlmostEqual(x, 5.999227935004826, delta=1e-13)
-        self.assertAlmostEqual(y, 0.9958063894145683, delta=1e-13)
-
     def test_two_robots_and_a_box_have_the_bits_of_the_benchmarks_package(self):
         world = EvoWorld()
         world.add_from_array("ground", np.full((1, 40), 5), 0, 0)

@@ -49,14 +49,6 @@ class One(unittest.TestCase):
             self.assertTrue(env.observation_space.contains(observation))
             env.close()
 
-    def test_the_time_limit_truncates(self):
-        env = gymnasium.make("evo/Walker-v0", body=SMALL)
-        env.reset(seed=0)
-        ends = [env.step(np.ones(4))[2:4] for _ in range(500)]
-        self.assertEqual(ends[-1], (False, True))
-        self.assertEqual(set(ends[:-1]), {(False, False)})
-        env.close()
-
     def test_a_time_limit_of_ones_own(self):
         def steps(env):
             env.reset(seed=0)
@@ -119,6 +111,7 @@ class One(unittest.TestCase):
             np.testing.assert_array_equal(observations[0], one.reset(seed=1)[0])
             envs.close()
 
+    @unittest.skipUnless(shutil.which("ffmpeg"), "videos need ffmpeg")
     def test_an_episode_is_a_video(self):
         env = gymnasium.make("evo/Walker-v0", body=WALKER).unwrapped
         with self.assertRaisesRegex(ValueError, "reset"):
@@ -131,20 +124,18 @@ class One(unittest.TestCase):
         self.assertEqual((len(video), video[0].shape), (6, (80, 160, 3)))
         self.assertFalse(np.array_equal(video[0], video[5]))
         np.testing.assert_array_equal(video[5], env.simulator.picture(0, 160, 80))
-        self.assertIn("data:image/png;base64,", video._repr_html_())
+        self.assertIn('src="data:video/mp4;base64,', video._repr_html_())
         with tempfile.TemporaryDirectory() as folder:
-            video.save(Path(folder, "walk.png"))
-            with self.assertRaisesRegex(ValueError, "ends in .png"):
+            with self.assertRaisesRegex(ValueError, "ends in .mp4"):
                 video.save(Path(folder, "walk.avi"))
-            self.assertEqual([p.name for p in Path(folder).iterdir()], ["walk.png"])
-            if shutil.which("ffmpeg"):  # reads the frames back
-                seen = subprocess.run(
-                    ["ffmpeg", "-loglevel", "error", "-i", Path(folder, "walk.png"), "-f", "rawvideo",
-                     "-pix_fmt", "rgb24", "-"], capture_output=True, check=True).stdout
-                np.testing.assert_array_equal(np.frombuffer(seen, np.uint8).reshape(6, 80, 160, 3),
-                                              np.stack([video[k] for k in range(6)]))
-                video.save(Path(folder, "walk.mp4"))
-                self.assertGreater(Path(folder, "walk.mp4").stat().st_size, 500)
+            video.save(Path(folder, "walk.gif"))
+            self.assertEqual([p.name for p in Path(folder).iterdir()], ["walk.gif"])
+            seen = subprocess.run(
+                ["ffmpeg", "-loglevel", "error", "-i", Path(folder, "walk.gif"), "-f", "rawvideo",
+                 "-pix_fmt", "rgb24", "-"], capture_output=True, check=True).stdout
+            frames = np.frombuffer(seen, np.uint8).reshape(-1, 80, 160, 3)
+            self.assertEqual(len(frames), 6)
+            self.assertLess(np.abs(frames[0].astype(int) - video[0]).mean(), 4)
         env.close()
 
     def test_settings_reach_the_simulator(self):
@@ -178,27 +169,21 @@ class Many(unittest.TestCase):
             env.close()
         envs.close()
 
-    def test_autoreset_in_the_next_step(self):
-        envs = gymnasium.make_vec("evo/Walker-v0", num_envs=2, body=SMALL)
-        start, _ = envs.reset(seed=0)
-        for _ in range(500):
-            observations, rewards, terminated, truncated, _ = envs.step(np.ones((2, 4)))
-        self.assertTrue(truncated.all())
-        observations, rewards, terminated, truncated, _ = envs.step(np.ones((2, 4)))
-        np.testing.assert_array_equal(observations, start)
-        self.assertEqual((rewards.tolist(), truncated.tolist()), ([0, 0], [False, False]))
-        envs.close()
-
-    def test_autoreset_in_the_same_step_keeps_the_last_observation(self):
-        envs = gymnasium.make_vec("evo/Walker-v0", num_envs=2, body=SMALL,
-                                  autoreset_mode=AutoresetMode.SAME_STEP)
-        start, _ = envs.reset(seed=0)
-        for t in range(500):
-            observations, _, _, truncated, infos = envs.step(np.ones((2, 4)))
-        self.assertTrue(truncated.all())
-        np.testing.assert_array_equal(observations, start)
-        self.assertFalse(np.array_equal(infos["final_obs"][0], start[0]))
-        envs.close()
+    def test_autoreset_in_the_next_step_or_in_the_same(self):
+        for mode in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
+            envs = gymnasium.make_vec("evo/Walker-v0", num_envs=2, body=SMALL, max_episode_steps=5,
+                                      autoreset_mode=mode)
+            start, _ = envs.reset(seed=0)
+            for _ in range(5):
+                observations, _, _, truncated, infos = envs.step(np.ones((2, 4)))
+            self.assertTrue(truncated.all())
+            if mode == AutoresetMode.SAME_STEP:
+                self.assertFalse(np.array_equal(infos["final_obs"][0], start[0]))
+            else:
+                observations, rewards, _, truncated, _ = envs.step(np.ones((2, 4)))
+                self.assertEqual((rewards.tolist(), truncated.tolist()), ([0, 0], [False, False]))
+            np.testing.assert_array_equal(observations, start)
+            envs.close()
 
     def test_what_cannot_be_drawn_is_refused(self):
         for make in (gymnasium.make, gymnasium.make_vec):

@@ -60,9 +60,6 @@ class Bodies(unittest.TestCase):
         benchmarks = {**document, "connections": links.tolist()}
         np.testing.assert_array_equal(evo_robots.robot_arrays(benchmarks)[1], links)
 
-    def test_two_rows_are_a_body(self):
-        self.assertEqual(evo_robots.robot_document(((3, 4), (4, 3)))["body"], ["HV", "VH"])
-
     def test_task_names_are_those_of_the_tools(self):
         names = subprocess.run([evo_robots.find_tool("evo-data"), "--names", "tasks"],
                                capture_output=True, text=True, check=True).stdout.split()
@@ -139,17 +136,6 @@ class Stepping(unittest.TestCase):
                 self.assertEqual(simulator.num_envs, count)
         with self.assertRaisesRegex(ValueError, "connections of shape"):
             Simulator("Walker-v0", (WALKER, links.T))
-
-    def test_connections_count(self):
-        links = evo_robots.get_full_connectivity(SMALL)[:, :3]
-        with Simulator("Walker-v0", (SMALL, links)) as cut, Simulator("Walker-v0", SMALL) as whole:
-            self.assertNotEqual(cut.info["robots"][0]["id"], whole.info["robots"][0]["id"])
-
-    def test_draws(self):
-        with Simulator("Catcher-v0", SMALL) as simulator:
-            one = simulator.reset(draws={"ox": 0, "oy": 3}).observations
-            other = simulator.reset(draws={"ox": 1, "oy": 3}).observations
-            self.assertFalse(np.array_equal(one, other))
 
     def test_positions_and_pictures(self):
         with Simulator("Carrier-v0", WALKER) as simulator:

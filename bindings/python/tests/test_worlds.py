@@ -1,7 +1,6 @@
 """Worlds built in Python, in this process; needs numpy alone."""
 import copy
 import gc
-import os
 import pickle
 import unittest
 
@@ -53,34 +52,6 @@ class Worlds(unittest.TestCase):
         self.assertGreater(np.ptp(right[1, :, 0]), np.ptp(right[0, :, 0]) + 0.03)
         np.testing.assert_allclose(sims.orientation("ground"), 0, atol=1e-3)
 
-    def test_a_state_goes_on_to_the_same_bits(self):
-        sims = Simulations(two_robots(), 2)
-        for t in range(10):
-            sims.step(wave(sims, t))
-        state = sims.save(0)
-        before = sims.positions[0].copy()
-        sims.restore(state, 1)
-        np.testing.assert_array_equal(sims.positions[1], before)
-        same = np.tile(wave(sims, 3)[:1], (2, 1))
-        for _ in range(20):
-            sims.step(same)
-        np.testing.assert_array_equal(sims.positions[0], sims.positions[1])
-        with self.assertRaisesRegex(EvoError, "damaged"):
-            sims.restore(state[:-1])
-        with self.assertRaisesRegex(EvoError, "another world"):
-            World_ = World()
-            World_.add("robot", BODY, 5, 0)
-            Simulations(World_).restore(state)
-
-    def test_masks_leave_others_as_they_are(self):
-        sims = Simulations(two_robots(), 2)
-        before = sims.positions.copy()
-        sims.step(wave(sims, 1), mask=[False, True])
-        np.testing.assert_array_equal(sims.positions[0], before[0])
-        self.assertTrue((sims.positions[1] != before[1]).any())
-        sims.reset(1)
-        np.testing.assert_array_equal(sims.positions, before)
-
     def test_arrays_outlive_what_they_are_of(self):
         sims = Simulations(two_robots())
         positions = sims.positions
@@ -111,29 +82,6 @@ class Worlds(unittest.TestCase):
             other.step(wave(sims, 9))
             np.testing.assert_array_equal(other.positions, again.positions)
 
-    def test_a_picture(self):
-        sims = Simulations(two_robots())
-        start, kept = sims.picture(0, 200, 100), sims.positions[0].copy()
-        self.assertEqual((start.shape, start.dtype), ((100, 200, 3), np.uint8))
-        for t in range(10):
-            sims.step(wave(sims, t))
-        self.assertFalse(np.array_equal(sims.picture(0, 200, 100), start))
-        np.testing.assert_array_equal(sims.picture(0, 200, 100, positions=kept), start)
-
-    def test_a_forked_child_goes_on(self):
-        sims = Simulations(two_robots())
-        sims.step(wave(sims, 0))
-        expected = sims.save()
-        reading, writing = os.pipe()
-        child = os.fork()
-        if child == 0:
-            os.write(writing, sims.save()[:64])
-            os._exit(0)
-        self.assertEqual(os.waitpid(child, 0)[1], 0)
-        self.assertEqual(os.read(reading, 64), expected[:64])
-        os.close(reading)
-        os.close(writing)
-
     def test_connections(self):
         joined, apart = World(), World()
         joined.add("robot", [[3, 4]], 0, 5)
@@ -160,25 +108,6 @@ class Worlds(unittest.TestCase):
                       lambda: sims.save(1), lambda: sims.orientation("nothing")):
             with self.assertRaises(ValueError):
                 wrong()
-
-    def test_no_memory_is_left_behind(self):
-        sims = Simulations(two_robots(), 4)
-        targets = np.ones((4, 8))
-
-        def work(rounds):
-            for _ in range(rounds):
-                sims.step(targets)
-                sims.restore(sims.save(0), 3)
-                two_robots().json()
-
-        def resident():
-            with open("/proc/self/statm") as statm:
-                return int(statm.read().split()[1]) * 4096
-
-        work(200)
-        before = resident()
-        work(2000)
-        self.assertLess(resident() - before, 4 << 20)
 
 
 if __name__ == "__main__":

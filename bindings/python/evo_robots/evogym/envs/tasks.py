@@ -121,26 +121,31 @@ def _first(reward: Any) -> float:
     return float(reward[0] if isinstance(reward, tuple) else reward)
 
 
-class WalkingFlat(TaskBase):
-    TASK = "Walker-v0"
-
-
-class SoftBridge(TaskBase):
-    TASK = "BridgeWalker-v0"
-
-
-class Duck(TaskBase):
-    TASK = "CaveCrawler-v0"
-    sight_dist = 5
-
-
-class StationaryJump(TaskBase):
-    TASK = "Jumper-v0"
-    sight_dist = 2
-
-
-class Flipping(TaskBase):
-    TASK = "Flipper-v0"
+# Those that the simulator observes and rewards alone: task, family, and what the benchmark's class says.
+_PLAIN = {
+    "WalkingFlat": ("Walker-v0", None, {}),
+    "SoftBridge": ("BridgeWalker-v0", None, {}),
+    "Duck": ("CaveCrawler-v0", None, {"sight_dist": 5}),
+    "StationaryJump": ("Jumper-v0", None, {"sight_dist": 2}),
+    "Flipping": ("Flipper-v0", None, {}),
+    "StepsUp": ("UpStepper-v0", StairsBase, {}),
+    "StepsDown": ("DownStepper-v0", StairsBase, {}),
+    "WalkingBumpy": ("ObstacleTraverser-v0", StairsBase, {}),
+    "WalkingBumpy2": ("ObstacleTraverser-v1", StairsBase, {}),
+    "VerticalBarrier": ("Hurdler-v0", StairsBase, {}),
+    "Gaps": ("GapJumper-v0", StairsBase, {"terrain_list": [f"platform_{k}" for k in range(1, 6)]}),
+    "FloatingPlatform": ("PlatformJumper-v0", StairsBase, {"terrain_list": [f"platform_{k}" for k in range(1, 8)]}),
+    "BlockSoup": ("Traverser-v0", StairsBase, {"terrain_list": ["ground"]}),
+    "PushSmallRect": ("Pusher-v0", PackageBase, {"thresh_height": 0.0}),
+    "PushSmallRectOnOppositeSide": ("Pusher-v1", PackageBase, {"thresh_height": 0.0}),
+    "Climb0": ("Climber-v0", ClimbBase, {}),
+    "Climb1": ("Climber-v1", ClimbBase, {}),
+    "Climb2": ("Climber-v2", ClimbBase, {"sight_dist": 3}),
+}
+for _name, (_task, _family, _says) in _PLAIN.items():
+    _far = {"sight_dist": 5} if _family is StairsBase else {}
+    globals()[_name] = type(_name, (TaskBase, _family) if _family else (TaskBase,),
+                            {"__module__": __name__, "TASK": _task, **_far, **_says})
 
 
 class Balance(TaskBase):
@@ -163,49 +168,6 @@ class BalanceJump(TaskBase):
 
     def get_reward(self, pos_init, pos_final):
         return nearer(17.5 * V, pos_init, pos_final) + nearer(6 * V, pos_init, pos_final, 1)
-
-
-class StepsUp(TaskBase, StairsBase):
-    TASK = "UpStepper-v0"
-    sight_dist = 5
-
-
-class StepsDown(TaskBase, StairsBase):
-    TASK = "DownStepper-v0"
-    sight_dist = 5
-
-
-class WalkingBumpy(TaskBase, StairsBase):
-    TASK = "ObstacleTraverser-v0"
-    sight_dist = 5
-
-
-class WalkingBumpy2(TaskBase, StairsBase):
-    TASK = "ObstacleTraverser-v1"
-    sight_dist = 5
-
-
-class VerticalBarrier(TaskBase, StairsBase):
-    TASK = "Hurdler-v0"
-    sight_dist = 5
-
-
-class Gaps(TaskBase, StairsBase):
-    TASK = "GapJumper-v0"
-    sight_dist = 5
-    terrain_list = [f"platform_{k}" for k in range(1, 6)]
-
-
-class FloatingPlatform(TaskBase, StairsBase):
-    TASK = "PlatformJumper-v0"
-    sight_dist = 5
-    terrain_list = [f"platform_{k}" for k in range(1, 8)]
-
-
-class BlockSoup(TaskBase, StairsBase):
-    TASK = "Traverser-v0"
-    sight_dist = 5
-    terrain_list = ["ground"]
 
 
 class LiftSmallRect(TaskBase, PackageBase):
@@ -237,16 +199,6 @@ class CarrySmallRectToTable(TaskBase, PackageBase):
         height = (4 if centre(package_pos_final)[0] > 20 * V else 6) * V
         return (nearer(40 * V, robot_pos_init, robot_pos_final)
                 + self._dropped(package_pos_init, package_pos_final, height))
-
-
-class PushSmallRect(TaskBase, PackageBase):
-    TASK = "Pusher-v0"
-    thresh_height = 0.0
-
-
-class PushSmallRectOnOppositeSide(TaskBase, PackageBase):
-    TASK = "Pusher-v1"
-    thresh_height = 0.0
 
 
 class ToppleBeam(TaskBase, PackageBase):
@@ -367,19 +319,6 @@ class MaximizeYShape(TaskBase, ShapeBase):
 
     def get_reward(self, robot_pos_init, robot_pos_final):
         return span(robot_pos_final, 1) - span(robot_pos_init, 1)
-
-
-class Climb0(TaskBase, ClimbBase):
-    TASK = "Climber-v0"
-
-
-class Climb1(TaskBase, ClimbBase):
-    TASK = "Climber-v1"
-
-
-class Climb2(TaskBase, ClimbBase):
-    TASK = "Climber-v2"
-    sight_dist = 3
 
 
 class BiWalk(TaskBase, GoalBase):

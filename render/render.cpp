@@ -6,6 +6,7 @@
 
 #include "libevo/base/error.h"
 #include "render/figures/key.h"
+#include "render/figures/label.h"
 #include "render/figures/legend.h"
 #include "render/figures/plot.h"
 #include "render/figures/strip.h"
@@ -13,7 +14,6 @@
 #include "render/film/movie.h"
 #include "render/film/race.h"
 #include "render/film/workers.h"
-#include "render/painters/label.h"
 #include "render/painters/painter.h"
 #include "render/painters/vector.h"
 

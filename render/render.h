@@ -12,11 +12,11 @@
 #include "render/figures/sheet.h"
 #include "render/film/evolution_film.h"
 #include "render/film/movie.h"
-#include "render/options.h"
 #include "render/painters/image.h"
 #include "render/painters/png.h"
 #include "render/scene/clip.h"
 #include "render/scene/moments.h"
+#include "render/scene/options.h"
 
 namespace evo::render {
 

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "formats/robot/robot.h"
-#include "render/options.h"
 #include "render/painters/image.h"
 #include "render/scene/clip.h"
+#include "render/scene/options.h"
 
 namespace evo::render {
 

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "libevo/base/error.h"
-#include "render/figures/round_numbers.h"
-#include "render/painters/label.h"
+#include "render/figures/label.h"
 #include "render/scene/projection.h"
+#include "render/scene/round_numbers.h"
 
 namespace evo::render {
 namespace {
@@ -47,7 +47,7 @@ void draw_arrow_key(double pixels_of_one, const char* one, const char* many, Col
   drawing.line({inside.x, y}, {tip - head, y}, 0.12F * size, color);
   drawing.triangle({Point{tip, y}, {tip - head, y - 0.45F * head}, {tip - head, y + 0.45F * head}},
                    color);
-  drawing.text({{tip + 0.7F * size, y + cap_height * size / 2}, size, words, theme.text});
+  drawing.text({tip + 0.7F * size, y + cap_height * size / 2}, size, words, theme.text);
 }
 
 std::string number(double value) {
@@ -73,22 +73,17 @@ void draw_value_bar(const ValueScale& scale, const Theme& theme, Column& column,
   const Rect inside = column.next(width, 3.3F * size);
   if (inside.x < column.panel.x) return;
   plate(inside, size, theme, drawing);
-  drawing.text({{inside.x, inside.y + cap_height * size}, size, scale.title, theme.text});
+  drawing.text({inside.x, inside.y + cap_height * size}, size, scale.title, theme.text);
   const Rect bar{inside.x, inside.y + 1.2F * size, inside.width, 0.8F * size};
   draw_colors(scale, bar, drawing);
   const float y = bar.y + bar.height + 0.2F * size + cap_height * size;
   const auto place = [&](double value) {
     return bar.x + bar.width * static_cast<float>((value - scale.low) / (scale.high - scale.low));
   };
-  drawing.text({{bar.x, y}, 0.9F * size, number(scale.low), theme.text});
-  drawing.text({{place(scale.middle), y},
-                0.9F * size,
-                number(scale.middle),
-                theme.text,
-                Align::centre,
-                false});
-  drawing.text(
-      {{bar.x + bar.width, y}, 0.9F * size, number(scale.high), theme.text, Align::right, false});
+  drawing.text({bar.x, y}, 0.9F * size, number(scale.low), theme.text);
+  drawing.text({place(scale.middle), y}, 0.9F * size, number(scale.middle), theme.text,
+               Align::centre);
+  drawing.text({bar.x + bar.width, y}, 0.9F * size, number(scale.high), theme.text, Align::right);
 }
 
 }  // namespace
@@ -103,11 +98,11 @@ void draw_value_line(const ValueScale& scale, const Theme& theme, Point centre, 
   const float before = typesetter.width(low, size);
   float x = centre.x - (title + before + length + typesetter.width(high, size) + 4 * gap) / 2;
   const float baseline = centre.y + cap_height * size / 2;
-  drawing.text({{x, baseline}, size, scale.title, theme.text});
-  drawing.text({{x += title + 2 * gap, baseline}, size, low, theme.text_muted});
+  drawing.text({x, baseline}, size, scale.title, theme.text);
+  drawing.text({x += title + 2 * gap, baseline}, size, low, theme.text_muted);
   const Rect bar{x += before + gap, centre.y - 0.45F * size, length, 0.9F * size};
   draw_colors(scale, bar, drawing);
-  drawing.text({{bar.x + length + gap, baseline}, size, high, theme.text_muted});
+  drawing.text({bar.x + length + gap, baseline}, size, high, theme.text_muted);
 }
 
 void draw_key(const Scene& scene, const Theme& theme, const Rect& panel, int captions,

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "libevo/task/spec.h"
-#include "render/figures/round_numbers.h"
 #include "render/figures/sheet.h"
+#include "render/scene/round_numbers.h"
 
 namespace evo::render {
 namespace {
@@ -39,12 +39,8 @@ void draw_scale_bar(double scale, float from, const Theme& theme, const Rect& ar
   drawing.segment({right - length, y}, {right, y}, 1.5F, theme.text);
   for (const float x : {right - length, right})
     drawing.segment({x, y - tick}, {x, y + tick}, 1.5F, theme.text);
-  drawing.text({{right - length - 0.6F * size, y + 0.36F * size},
-                size,
-                name,
-                theme.text,
-                Align::right,
-                false});
+  drawing.text({right - length - 0.6F * size, y + 0.36F * size}, size, name, theme.text,
+               Align::right);
 }
 
 // A legend being drawn, from the left.
@@ -61,7 +57,7 @@ struct Row {
 
   void name(const char* text) {
     x += side + 0.45F * size;
-    drawing.text({{x, baseline}, size, text, theme.text, Align::left, false});
+    drawing.text({x, baseline}, size, text, theme.text);
     x += typesetter.width(text, size) + 1.4F * size;
   }
   void robot(const std::set<Voxel>& kinds);

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "libevo/base/error.h"
-#include "render/figures/round_numbers.h"
-#include "render/painters/label.h"
+#include "render/figures/label.h"
 #include "render/scene/quantity.h"
+#include "render/scene/round_numbers.h"
 
 namespace evo::render {
 namespace {
@@ -24,17 +24,13 @@ struct Axes {
     return inside.x + inside.width * static_cast<float>((step - first) / (last - first));
   }
   void title(const char* text) const {
-    drawing.text({{inside.x, inside.y - 0.75F * size}, size, text, theme.text, Align::left, true});
+    drawing.text({inside.x, inside.y - 0.75F * size}, size, text, theme.text, Align::left, true);
   }
   void steps_below() const {
     const double between = round_number_from((last - first) / 8.0);
     for (double t = std::ceil(first / between) * between; t <= last + 1e-9; t += between)
-      drawing.text({{x(t), inside.y + inside.height + 1.35F * size},
-                    0.9F * size,
-                    fmt::format("{:.0f}", t),
-                    theme.text_muted,
-                    Align::centre,
-                    false});
+      drawing.text({x(t), inside.y + inside.height + 1.35F * size}, 0.9F * size,
+                   fmt::format("{:.0f}", t), theme.text_muted, Align::centre);
   }
   void cursor(double now) const {
     drawing.segment({x(now), inside.y - 0.3F * size},
@@ -60,12 +56,8 @@ void draw_return(const Clip& clip, double now, const Axes& axes) {
   const double every = round_number_from((high - low) / 3);
   for (double y = std::ceil(low / every - 1e-9) * every; y <= high + 1e-9; y += every) {
     drawing.segment({inside.x, y_of(y)}, {inside.x + inside.width, y_of(y)}, 1, theme.grid_major);
-    drawing.text({{inside.x - 0.5F * size, y_of(y) + 0.36F * size},
-                  0.9F * size,
-                  axis_number(y, every),
-                  theme.text_muted,
-                  Align::right,
-                  false});
+    drawing.text({inside.x - 0.5F * size, y_of(y) + 0.36F * size}, 0.9F * size,
+                 axis_number(y, every), theme.text_muted, Align::right);
   }
   for (const bool past : {false, true}) {
     std::vector<Point> points;
@@ -121,18 +113,10 @@ void draw_commands(const Clip& clip, double now, const Axes& axes) {
     drawing.rectangle({x, y, right - x, 0.8F * size},
                       color_of(scale, scale.low + (scale.high - scale.low) * (part + 0.5) / parts));
   }
-  drawing.text({{right - width - 0.4F * size, y + 0.75F * size},
-                0.9F * size,
-                axis_number(scale.low, 0.1),
-                theme.text_muted,
-                Align::right,
-                false});
-  drawing.text({{right + 0.4F * size, y + 0.75F * size},
-                0.9F * size,
-                axis_number(scale.high, 0.1),
-                theme.text_muted,
-                Align::left,
-                false});
+  drawing.text({right - width - 0.4F * size, y + 0.75F * size}, 0.9F * size,
+               axis_number(scale.low, 0.1), theme.text_muted, Align::right);
+  drawing.text({right + 0.4F * size, y + 0.75F * size}, 0.9F * size, axis_number(scale.high, 0.1),
+               theme.text_muted);
 }
 
 }  // namespace

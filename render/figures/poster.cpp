@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "render/figures/legend.h"
-#include "render/figures/round_numbers.h"
 #include "render/figures/sheet.h"
 #include "render/painters/drawing.h"
+#include "render/scene/round_numbers.h"
 
 namespace evo::render {
 namespace {
@@ -17,7 +17,7 @@ constexpr float inside = static_cast<float>(width) - 2 * margin;
 constexpr float text = 12;
 
 void heading(const char* words, Point at, const Theme& theme, Drawing& drawing) {
-  drawing.text({at, 1.15F * text, words, theme.text, Align::left, true});
+  drawing.text(at, 1.15F * text, words, theme.text, Align::left, true);
 }
 
 // A step for each robot; the axes have few, round numbers.
@@ -34,27 +34,15 @@ void draw_curve(const std::vector<double>& best, const Rect& area, const Theme& 
   const double tick = round_number_from((high - low) / 6);
   for (double y = std::ceil(low / tick - 1e-9) * tick; y <= high + 1e-9; y += tick) {
     drawing.segment({plot.x, y_of(y)}, {plot.x + plot.width, y_of(y)}, 1, theme.grid_major);
-    drawing.text({{plot.x - 0.6F * text, y_of(y) + 0.36F * text},
-                  text,
-                  axis_number(y, tick),
-                  theme.text_muted,
-                  Align::right,
-                  false});
+    drawing.text({plot.x - 0.6F * text, y_of(y) + 0.36F * text}, text, axis_number(y, tick),
+                 theme.text_muted, Align::right);
   }
   const double every = std::max(1.0, round_number_from(robots / 6));
   for (double k = 0; k <= robots + 1e-9; k += every)
-    drawing.text({{x_of(k), plot.y + plot.height + 1.4F * text},
-                  text,
-                  axis_number(k, 1),
-                  theme.text_muted,
-                  Align::centre,
-                  false});
-  drawing.text({{plot.x + plot.width / 2, plot.y + plot.height + 2.8F * text},
-                text,
-                "robots tried",
-                theme.text_muted,
-                Align::centre,
-                false});
+    drawing.text({x_of(k), plot.y + plot.height + 1.4F * text}, text, axis_number(k, 1),
+                 theme.text_muted, Align::centre);
+  drawing.text({plot.x + plot.width / 2, plot.y + plot.height + 2.8F * text}, text, "robots tried",
+               theme.text_muted, Align::centre);
   std::vector<Point> line;
   for (std::size_t k = 0; k < best.size(); ++k)
     if (k == 0 || best[k] != best[k - 1]) {
@@ -87,15 +75,12 @@ float draw_line(const PosterContent& content, const Rect& area, const Theme& the
     draw_body(robot.body, span, theme, body, drawing, before);
     drawing.clip(drawing.whole());
     const Point below{x + card / 2, area.y + card + 0.9F * text};
-    drawing.text({below, text, robot.fitness() ? signed_score(*robot.fitness()) : "failed",
-                  theme.text, Align::centre, true});
+    drawing.text(below, text, robot.fitness() ? signed_score(*robot.fitness()) : "failed",
+                 theme.text, Align::centre, true);
     drawing.text(
-        {{below.x, below.y + 1.3F * text},
-         0.85F * text,
-         typesetter.shortened(fmt::format("generation {}", generation), 0.85F * text, false, card),
-         theme.text_muted,
-         Align::centre,
-         false});
+        {below.x, below.y + 1.3F * text}, 0.85F * text,
+        typesetter.shortened(fmt::format("generation {}", generation), 0.85F * text, false, card),
+        theme.text_muted, Align::centre);
   }
   return card + 2.9F * text;
 }
@@ -108,14 +93,10 @@ Drawing poster(const PosterContent& content, const Drawing& moments, const Theme
                Typesetter& typesetter) {
   Drawing drawing({width, largest_side});
   float y = margin + 1.2F * text;
-  drawing.text({{margin, y}, 2.2F * text, content.title, theme.text, Align::left, true});
+  drawing.text({margin, y}, 2.2F * text, content.title, theme.text, Align::left, true);
   y += 2.0F * text;
-  drawing.text({{margin, y},
-                text,
-                typesetter.shortened(content.sentence, text, false, inside),
-                theme.text_muted,
-                Align::left,
-                false});
+  drawing.text({margin, y}, text, typesetter.shortened(content.sentence, text, false, inside),
+               theme.text_muted);
   y += 3.0F * text;
   heading("What it does", {margin, y}, theme, drawing);
   y += text;
@@ -132,12 +113,9 @@ Drawing poster(const PosterContent& content, const Drawing& moments, const Theme
   y += text;
   draw_body(best.body, span_of(best.body), theme, {margin, y, tall, tall}, drawing);
   drawing.clip(drawing.whole());
-  drawing.text({{margin, y + tall + 1.5F * text},
-                text,
-                best.id + (best.fitness() ? ", fitness " + signed_score(*best.fitness()) : ""),
-                theme.text_muted,
-                Align::left,
-                false});
+  drawing.text({margin, y + tall + 1.5F * text}, text,
+               best.id + (best.fitness() ? ", fitness " + signed_score(*best.fitness()) : ""),
+               theme.text_muted);
   if (!content.best.empty())
     draw_curve(content.best, {margin + 270, y, inside - 270, tall + 2.2F * text}, theme, drawing);
   y += tall + 5.0F * text;

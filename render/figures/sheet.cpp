@@ -5,9 +5,9 @@
 
 #include "libevo/base/error.h"
 #include "render/figures/key.h"
+#include "render/figures/label.h"
 #include "render/figures/legend.h"
 #include "render/painters/drawing.h"
-#include "render/painters/label.h"
 
 namespace evo::render {
 namespace {
@@ -21,8 +21,7 @@ std::string fitness_text(const Robot& robot) {
 // Text centred at x, cut to `most` pixels.
 void centred(std::string_view text, Point at, float size, Color color, bool bold, float most,
              Typesetter& typesetter, Drawing& drawing) {
-  drawing.text(
-      {at, size, typesetter.shortened(text, size, bold, most), color, Align::centre, bold});
+  drawing.text(at, size, typesetter.shortened(text, size, bold, most), color, Align::centre, bold);
 }
 
 // Of the box around all cells.
@@ -346,12 +345,9 @@ Drawing generation_sheet(const std::vector<Generation>& generations, int rows, c
               {start, height - note, static_cast<float>(width) - 2 * start, 1.6F * style.text},
               style.text, typesetter, drawing);
   if (some)
-    drawing.text({{static_cast<float>(width) - start, height - 0.9F * style.text},
-                  style.text,
-                  fmt::format("{} of {} generations", chosen.size(), generations.size()),
-                  theme.text_muted,
-                  Align::right,
-                  false});
+    drawing.text({static_cast<float>(width) - start, height - 0.9F * style.text}, style.text,
+                 fmt::format("{} of {} generations", chosen.size(), generations.size()),
+                 theme.text_muted, Align::right);
   return drawing;
 }
 
@@ -421,13 +417,9 @@ Drawing panel_sheet(const std::vector<Panel>& panels, std::size_t columns, const
   const float key = 2.4F * text;
   const float end = heading + static_cast<float>(rows) * (high + strip);
   Drawing drawing = blank({width, static_cast<int>(std::lround(end + key))}, theme);
-  drawing.text({{gap, gap + 1.5F * text}, 1.1F * text, frame.title, theme.text, Align::left, true});
-  drawing.text({{static_cast<float>(width) - gap, gap + 1.5F * text},
-                text,
-                frame.detail,
-                theme.text_muted,
-                Align::right,
-                false});
+  drawing.text({gap, gap + 1.5F * text}, 1.1F * text, frame.title, theme.text, Align::left, true);
+  drawing.text({static_cast<float>(width) - gap, gap + 1.5F * text}, text, frame.detail,
+               theme.text_muted, Align::right);
   for (std::size_t k = 0; k < panels.size(); ++k) {
     const std::size_t column = k % columns;
     const std::size_t row = k / columns;

@@ -7,9 +7,9 @@
 #include "libevo/task/bounds.h"
 #include "libevo/task/spec.h"
 #include "render/figures/key.h"
+#include "render/figures/label.h"
 #include "render/figures/legend.h"
 #include "render/painters/drawing.h"
-#include "render/painters/label.h"
 #include "render/scene/projection.h"
 
 namespace evo::render {
@@ -237,14 +237,10 @@ void draw_labels_below(const std::vector<Label>& labels, const Rect& area, float
   for (std::size_t k = 0; k < labels.size(); ++k) {
     const float y = area.y + 0.9F * size;
     drawing.line({labels[k].at, area.y + 1}, {places[k], y - 0.1F * size}, 1.0F, theme.text_muted);
-    drawing.text(
-        {{places[k], y + 1.05F * size}, size, labels[k].score, theme.text, Align::centre, true});
-    drawing.text({{places[k], y + 2.25F * size},
-                  0.9F * size,
-                  labels[k].step,
-                  theme.text_muted,
-                  Align::centre,
-                  false});
+    drawing.text({places[k], y + 1.05F * size}, size, labels[k].score, theme.text, Align::centre,
+                 true);
+    drawing.text({places[k], y + 2.25F * size}, 0.9F * size, labels[k].step, theme.text_muted,
+                 Align::centre);
   }
 }
 
@@ -257,14 +253,9 @@ void draw_labels_beside(const std::vector<Label>& labels, const Rect& area, floa
   for (std::size_t k = 0; k < labels.size(); ++k) {
     const float x = area.x + 1.6F * size;
     drawing.line({area.x + 1, labels[k].at}, {x - 0.3F * size, places[k]}, 1.0F, theme.text_muted);
-    drawing.text(
-        {{x, places[k] - 0.1F * size}, size, labels[k].score, theme.text, Align::left, true});
-    drawing.text({{x, places[k] + 1.05F * size},
-                  0.9F * size,
-                  labels[k].step,
-                  theme.text_muted,
-                  Align::left,
-                  false});
+    drawing.text({x, places[k] - 0.1F * size}, size, labels[k].score, theme.text, Align::left,
+                 true);
+    drawing.text({x, places[k] + 1.05F * size}, 0.9F * size, labels[k].step, theme.text_muted);
   }
 }
 
@@ -312,15 +303,10 @@ Drawing lying(const Clip& clip, const std::vector<int>& moments, Scene scene, co
   const Caption who = clip.caption(0);
   const float margin = 0.6F * size;
   const float baseline = 1.45F * size;
-  drawing.text({{margin, baseline}, 1.1F * size, who.title, theme.text, Align::left, true});
-  drawing.text({{margin + typesetter.width(who.title, 1.1F * size, true) + 0.8F * size, baseline},
-                size,
-                who.detail,
-                theme.text_muted,
-                Align::left,
-                false});
-  drawing.text(
-      {{width - margin, baseline}, size, duration(moments), theme.text_muted, Align::right, false});
+  drawing.text({margin, baseline}, 1.1F * size, who.title, theme.text, Align::left, true);
+  drawing.text({margin + typesetter.width(who.title, 1.1F * size, true) + 0.8F * size, baseline},
+               size, who.detail, theme.text_muted);
+  drawing.text({width - margin, baseline}, size, duration(moments), theme.text_muted, Align::right);
   const Projection to_pixels(scene.view, panel);
   const Rect under{0, panel.y + panel.height, width, below};
   draw_labels_below(labels(clip, moments, false, to_pixels), under, size, theme, typesetter,
@@ -404,10 +390,9 @@ Drawing standing(const Clip& clip, const std::vector<int>& moments, const Scene&
     if (!last) x += column;
   }
   x += 1.2F * size;
-  drawing.text({{x, 1.6F * size}, 1.1F * size, who.title, theme.text, Align::left, true});
-  drawing.text({{x, 2.9F * size}, 0.9F * size, who.detail, theme.text_muted, Align::left, false});
-  drawing.text(
-      {{x, 4.1F * size}, 0.9F * size, duration(moments), theme.text_muted, Align::left, false});
+  drawing.text({x, 1.6F * size}, 1.1F * size, who.title, theme.text, Align::left, true);
+  drawing.text({x, 2.9F * size}, 0.9F * size, who.detail, theme.text_muted);
+  drawing.text({x, 4.1F * size}, 0.9F * size, duration(moments), theme.text_muted);
   draw_legend(clip.mesh(), 0, theme,
               {0.6F * size, height, static_cast<float>(drawing.size().width), legend}, 0.8F * size,
               typesetter, drawing);

@@ -5,7 +5,7 @@
 
 #include "libevo/base/error.h"
 #include "render/figures/key.h"
-#include "render/painters/label.h"
+#include "render/figures/label.h"
 
 namespace evo::render {
 namespace {

@@ -9,7 +9,7 @@
 #include "formats/task/yaml.h"
 #include "libevo/base/error.h"
 #include "render/figures/key.h"
-#include "render/painters/label.h"
+#include "render/figures/label.h"
 #include "render/scene/projection.h"
 
 namespace evo::render {
@@ -228,17 +228,13 @@ void Race::draw_lane(std::size_t k, double step, const Rect& lane, Typesetter& t
   const float name = typesetter.width(runner.name, size);
   plate(badge.x - 0.2F * size, 2.7F * size + name);
   drawing.rounded_rectangle(badge, 0.35F * size, runner.color);
-  drawing.text({{badge.x + badge.width / 2, y},
-                size,
-                runner.letter,
-                ink_on(runner.color),
-                Align::centre,
-                true});
-  drawing.text({{badge.x + 2.0F * size, y}, size, runner.name, theme.text});
+  drawing.text({badge.x + badge.width / 2, y}, size, runner.letter, ink_on(runner.color),
+               Align::centre, true);
+  drawing.text({badge.x + 2.0F * size, y}, size, runner.name, theme.text);
   // Beside the name: at the right, robots come in.
   const float left = badge.x + 3.5F * size + name;
   plate(left - 0.4F * size, typesetter.width(result, size, true) + 0.8F * size);
-  drawing.text({{left, y}, size, result, theme.text, Align::left, true});
+  drawing.text({left, y}, size, result, theme.text, Align::left, true);
 }
 
 Drawing Race::frame(double step, Typesetter& typesetter) const {
@@ -318,24 +314,16 @@ void Race::draw_ranking(double step, const Rect& plate, Drawing& drawing) const 
   drawing.rounded_rectangle(plate, 0.5F * size, theme.label);
   const float left = plate.x + ranking_margin * size;
   float y = plate.y + 0.25F * size + ranking_line * size * 0.85F;
-  drawing.text({{left, y}, size, merged_->task, theme.text, Align::left, true});
+  drawing.text({left, y}, size, merged_->task, theme.text, Align::left, true);
   for (const Runner* runner : order) {
     y += ranking_line * size;
     const Rect badge{left - 0.2F * size, y - 1.02F * size, 1.3F * size, 1.3F * size};
     drawing.rounded_rectangle(badge, 0.35F * size, runner->color);
-    drawing.text({{badge.x + badge.width / 2, y},
-                  0.9F * size,
-                  runner->letter,
-                  ink_on(runner->color),
-                  Align::centre,
-                  true});
-    drawing.text({{left + ranking_names * size, y}, size, runner->name, theme.text_muted});
-    drawing.text({{plate.x + plate.width - ranking_margin * size, y},
-                  size,
-                  signed_score(runner->so_far(step)),
-                  theme.text,
-                  Align::right,
-                  true});
+    drawing.text({badge.x + badge.width / 2, y}, 0.9F * size, runner->letter, ink_on(runner->color),
+                 Align::centre, true);
+    drawing.text({left + ranking_names * size, y}, size, runner->name, theme.text_muted);
+    drawing.text({plate.x + plate.width - ranking_margin * size, y}, size,
+                 signed_score(runner->so_far(step)), theme.text, Align::right, true);
   }
 }
 

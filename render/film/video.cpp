@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -10,7 +11,6 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <ctime>
 #include <system_error>
 #include <vector>
 
@@ -20,30 +20,6 @@ namespace evo::render {
 namespace {
 
 std::string reason(int code) { return std::generic_category().message(code); }
-
-// Keeps SIGPIPE from the calling thread while it lives; one that was raised
-// meanwhile is taken away.
-class NoSigpipe {
- public:
-  NoSigpipe() {
-    sigemptyset(&pipe_);
-    sigaddset(&pipe_, SIGPIPE);
-    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
-  }
-  ~NoSigpipe() {
-    if (sigismember(&before_, SIGPIPE) == 1) return;  // somebody else waits for it
-    constexpr timespec at_once{0, 0};
-    while (sigtimedwait(&pipe_, nullptr, &at_once) < 0 && errno == EINTR) {
-    }
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-  NoSigpipe(const NoSigpipe&) = delete;
-  NoSigpipe& operator=(const NoSigpipe&) = delete;
-
- private:
-  sigset_t pipe_{};
-  sigset_t before_{};
-};
 
 // ---- ffmpeg --------------------------------------------------------------------
 
@@ -118,13 +94,12 @@ std::string last_line(std::string text) {
   return at == std::string::npos ? text : text.substr(at + 1);
 }
 
-// All of it. False when the reader has closed the pipe, which raises no signal here.
+// All of it. False when the reader has gone, which raises no signal here.
 bool write_quietly(int descriptor, std::string_view bytes, const std::string& label) {
-  const NoSigpipe guard;
   while (!bytes.empty()) {
-    const ssize_t put = ::write(descriptor, bytes.data(), bytes.size());
+    const ssize_t put = ::send(descriptor, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (put < 0 && errno == EINTR) continue;
-    if (put < 0 && errno == EPIPE) return false;
+    if (put < 0 && (errno == EPIPE || errno == ECONNRESET)) return false;
     if (put < 0) throw error(Failure::io, "{}: cannot be written: {}", label, reason(errno));
     bytes.remove_prefix(static_cast<std::size_t>(put));
   }
@@ -158,8 +133,8 @@ struct FfmpegEncoder::Process {
     int ends[2];
     // Seekable, so that a talkative ffmpeg never waits for a reader.
     complaints = ::memfd_create("ffmpeg-stderr", MFD_CLOEXEC);
-    if (complaints < 0 || ::pipe2(ends, O_CLOEXEC) != 0)
-      throw error(Failure::work, "cannot open a pipe to ffmpeg: {}", reason(errno));
+    if (complaints < 0 || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+      throw error(Failure::work, "cannot open a connection to ffmpeg: {}", reason(errno));
     input = ends[1];
     const int code = spawn(arguments, ends[0]);
     ::close(ends[0]);

@@ -95,7 +95,10 @@ class Drawing {
   void stroke(std::span<const Point> points, bool closed, float width, Color color);
   void disc(Point centre, float radius, Color color) { line(centre, centre, 2 * radius, color); }
   void rounded_rectangle(const Rect& area, float radius, Color color);
-  void text(Text text) { texts_.push_back(std::move(text)); }
+  void text(Point at, float size, std::string text, Color color, Align align = Align::left,
+            bool bold = false) {
+    texts_.push_back({at, size, std::move(text), color, align, bold});
+  }
   // All of another drawing, its upper left corner at `at`, everything `scale` times as large.
   void place(const Drawing& other, Point at, float scale);
 

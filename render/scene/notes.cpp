@@ -17,12 +17,8 @@ void draw_plate(const Rect& plate, const Note& note, float size, const Theme& th
                 Drawing& drawing) {
   const Color color = note.color.value_or(theme.trail);
   drawing.rounded_rectangle(plate, 0.4F * size, color);
-  drawing.text({{plate.x + plate.width / 2, plate.y + plate.height / 2 + 0.36F * size},
-                size,
-                note.text,
-                ink_on(color),
-                Align::centre,
-                true});
+  drawing.text({plate.x + plate.width / 2, plate.y + plate.height / 2 + 0.36F * size}, size,
+               note.text, ink_on(color), Align::centre, true);
 }
 
 bool touch(const Rect& a, const Rect& b, float gap) {

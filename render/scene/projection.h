@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "libevo/sim/model.h"
-#include "render/options.h"
 #include "render/painters/drawing.h"
+#include "render/scene/options.h"
 
 namespace evo::render {
 

@@ -8,7 +8,7 @@
 
 #include "formats/task/physics_profile.h"
 #include "libevo/base/error.h"
-#include "render/figures/round_numbers.h"
+#include "render/scene/round_numbers.h"
 
 namespace evo::render {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "formats/rollout/rollout.h"
 #include "libevo/sim/physics.h"
-#include "render/options.h"
 #include "render/scene/mesh.h"
+#include "render/scene/options.h"
 #include "render/scene/value_scale.h"
 
 namespace evo::render {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/figures/round_numbers.h"
 #include "render/scene/notes.h"
 #include "render/scene/objects.h"
+#include "render/scene/round_numbers.h"
 
 namespace evo::render {
 namespace {
@@ -94,12 +94,8 @@ void draw_ruler(const Scene& scene, const Theme& theme, const Projection& to_pix
     if (at.x < to_pixels.panel.x + margin ||
         at.x > to_pixels.panel.x + to_pixels.panel.width - margin)
       return;
-    drawing.text({{at.x, at.y + tick + 1.15F * size},
-                  size,
-                  digits,
-                  theme.text_on_earth,
-                  Align::centre,
-                  false});
+    drawing.text({at.x, at.y + tick + 1.15F * size}, size, digits, theme.text_on_earth,
+                 Align::centre);
   });
 }
 
@@ -126,8 +122,7 @@ void draw_heights(const Scene& scene, const Theme& theme, const Projection& to_p
                     theme.text_muted);
     drawing.rounded_rectangle({x, at - 0.65F * size, width, 1.3F * size}, 0.35F * size,
                               theme.label);
-    drawing.text(
-        {{x + width / 2, at + 0.36F * size}, size, digits, theme.text, Align::centre, false});
+    drawing.text({x + width / 2, at + 0.36F * size}, size, digits, theme.text, Align::centre);
   });
 }
 
@@ -194,12 +189,9 @@ void draw_way_to_goal(const Goal& goal, const Theme& theme, const Projection& to
   const Point tip{border - side * 0.6F * size, y};
   const float base = tip.x - side * 1.1F * size;
   smooth_triangle({tip, {base, y - 0.8F * size}, {base, y + 0.8F * size}}, theme.trail, drawing);
-  drawing.text({{base - side * 0.4F * size, y + 0.36F * size},
-                size,
-                std::to_string(std::lround(std::abs(goal.away))),
-                theme.trail,
-                right ? Align::right : Align::left,
-                true});
+  drawing.text({base - side * 0.4F * size, y + 0.36F * size}, size,
+               std::to_string(std::lround(std::abs(goal.away))), theme.trail,
+               right ? Align::right : Align::left, true);
 }
 
 void draw_goal(const Goal& goal, const Theme& theme, const Projection& to_pixels,

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "render/options.h"
 #include "render/painters/drawing.h"
 #include "render/scene/mesh.h"
+#include "render/scene/options.h"
 #include "render/scene/theme.h"
 #include "render/scene/value_scale.h"
 

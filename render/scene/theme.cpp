@@ -8,95 +8,55 @@
 namespace evo::render {
 namespace {
 
-constexpr Color rgb(unsigned hex, unsigned alpha = 255) {
-  return {static_cast<std::uint8_t>(hex >> 16 & 255U), static_cast<std::uint8_t>(hex >> 8 & 255U),
-          static_cast<std::uint8_t>(hex & 255U), static_cast<std::uint8_t>(alpha)};
+constexpr Color rgba(std::uint32_t hex) {
+  const auto part = [hex](int shift) { return static_cast<std::uint8_t>(hex >> shift & 255U); };
+  return {part(24), part(16), part(8), part(0)};
 }
 
-// The same in every theme, so that a robot looks alike wherever it is seen.
-void voxels(Theme& t) {
-  t.rigid = rgb(0x5c6573);
-  t.soft = rgb(0xdde1e6);
-  t.horizontal = rgb(0xfa9a45);
-  t.vertical = rgb(0x3f8ccb);
-  t.object_rigid = rgb(0x2f7c6c);
-  t.object_soft = rgb(0x83c4b0);
-}
+constexpr std::array names{"light", "dark", "paper"};
 
-Theme light() {
-  Theme t;
-  t.name = "light";
-  t.sky_top = rgb(0xe3edf6);
-  t.sky_bottom = rgb(0xfbfcfd);
-  t.earth_top = rgb(0xd8d2c7);
-  t.earth_bottom = rgb(0xc8c0b2);
-  t.floor_line = rgb(0x8d8473);
-  t.grid_minor = rgb(0x40608a, 20);
-  t.grid_major = rgb(0x40608a, 52);
-  t.paper = rgb(0xffffff);
-  t.card = rgb(0xf3f5f8);
-  t.text = rgb(0x1d2733);
-  t.text_muted = rgb(0x5d6a79);
-  t.text_on_earth = rgb(0x6a6253);
-  t.label = rgb(0xffffff, 216);
-  voxels(t);
-  t.fixed = rgb(0x8b929c);
-  t.outline = rgb(0x14181d);
-  t.seam = rgb(0x14181d, 96);
-  t.seam_on_dark = rgb(0xffffff, 56);
-  t.fixed_outline = rgb(0x3a424d);
-  t.fixed_seam = rgb(0x3a424d, 80);
-  t.trail = rgb(0xc2255c);
-  t.arrow = rgb(0x2f7d4f);
-  return t;
-}
+// What a role looks like in each theme. Voxels are the same in all, so that a robot looks alike
+// wherever it is seen.
+struct Role {
+  Color Theme::*color;
+  std::array<std::uint32_t, names.size()> looks;
+};
+constexpr std::array roles{
+    Role{&Theme::sky_top, {0xe3edf6ff, 0x11161dff, 0xffffffff}},
+    Role{&Theme::sky_bottom, {0xfbfcfdff, 0x202a36ff, 0xffffffff}},
+    Role{&Theme::earth_top, {0xd8d2c7ff, 0x2f2b27ff, 0xefefefff}},
+    Role{&Theme::earth_bottom, {0xc8c0b2ff, 0x221f1cff, 0xefefefff}},
+    Role{&Theme::floor_line, {0x8d8473ff, 0x7c7264ff, 0x777777ff}},
+    Role{&Theme::grid_minor, {0x40608a14, 0xa9c4e60f, 0x0000000c}},
+    Role{&Theme::grid_major, {0x40608a34, 0xa9c4e62c, 0x00000022}},
+    Role{&Theme::paper, {0xffffffff, 0x12161cff, 0xffffffff}},
+    Role{&Theme::card, {0xf3f5f8ff, 0x2b3541ff, 0xffffffff}},
+    Role{&Theme::text, {0x1d2733ff, 0xeef2f6ff, 0x111111ff}},
+    Role{&Theme::text_muted, {0x5d6a79ff, 0x9aa7b5ff, 0x555555ff}},
+    Role{&Theme::text_on_earth, {0x6a6253ff, 0xa79c8bff, 0x444444ff}},
+    Role{&Theme::label, {0xffffffd8, 0x0c1015c8, 0xffffffe6}},
+    Role{&Theme::rigid, {0x5c6573ff, 0x5c6573ff, 0x5c6573ff}},
+    Role{&Theme::soft, {0xdde1e6ff, 0xdde1e6ff, 0xdde1e6ff}},
+    Role{&Theme::horizontal, {0xfa9a45ff, 0xfa9a45ff, 0xfa9a45ff}},
+    Role{&Theme::vertical, {0x3f8ccbff, 0x3f8ccbff, 0x3f8ccbff}},
+    Role{&Theme::object_rigid, {0x2f7c6cff, 0x2f7c6cff, 0x2f7c6cff}},
+    Role{&Theme::object_soft, {0x83c4b0ff, 0x83c4b0ff, 0x83c4b0ff}},
+    Role{&Theme::fixed, {0x8b929cff, 0x39414bff, 0xbdbdbdff}},
+    Role{&Theme::outline, {0x14181dff, 0xe6ebf0ff, 0x14181dff}},
+    Role{&Theme::seam, {0x14181d60, 0xe6ebf054, 0x14181d60}},
+    Role{&Theme::seam_on_dark, {0xffffff38, 0xe6ebf054, 0xffffff38}},
+    Role{&Theme::fixed_outline, {0x3a424dff, 0x93a0afff, 0x555555ff}},
+    Role{&Theme::fixed_seam, {0x3a424d50, 0x93a0af3c, 0x5555553c}},
+    Role{&Theme::trail, {0xc2255cff, 0xff7aa8ff, 0xc2255cff}},
+    Role{&Theme::arrow, {0x2f7d4fff, 0x74d69bff, 0x2f7d4fff}},
+};
 
-Theme dark() {
-  Theme t;
-  t.name = "dark";
-  t.sky_top = rgb(0x11161d);
-  t.sky_bottom = rgb(0x202a36);
-  t.earth_top = rgb(0x2f2b27);
-  t.earth_bottom = rgb(0x221f1c);
-  t.floor_line = rgb(0x7c7264);
-  t.grid_minor = rgb(0xa9c4e6, 15);
-  t.grid_major = rgb(0xa9c4e6, 44);
-  t.paper = rgb(0x12161c);
-  t.card = rgb(0x2b3541);
-  t.text = rgb(0xeef2f6);
-  t.text_muted = rgb(0x9aa7b5);
-  t.text_on_earth = rgb(0xa79c8b);
-  t.label = rgb(0x0c1015, 200);
-  voxels(t);
-  t.fixed = rgb(0x39414b);
-  t.outline = rgb(0xe6ebf0);
-  t.seam = rgb(0xe6ebf0, 84);
-  t.seam_on_dark = t.seam;
-  t.fixed_outline = rgb(0x93a0af);
-  t.fixed_seam = rgb(0x93a0af, 60);
-  t.trail = rgb(0xff7aa8);
-  t.arrow = rgb(0x74d69b);
-  return t;
-}
-
-Theme paper() {
-  Theme t = light();
-  t.name = "paper";
-  t.signs = true;
-  t.sky_top = t.sky_bottom = rgb(0xffffff);
-  t.earth_top = t.earth_bottom = rgb(0xefefef);
-  t.floor_line = rgb(0x777777);
-  t.grid_minor = rgb(0x000000, 12);
-  t.grid_major = rgb(0x000000, 34);
-  t.card = rgb(0xffffff);
-  t.text = rgb(0x111111);
-  t.text_muted = rgb(0x555555);
-  t.text_on_earth = rgb(0x444444);
-  t.label = rgb(0xffffff, 230);
-  t.fixed = rgb(0xbdbdbd);
-  t.fixed_outline = rgb(0x555555);
-  t.fixed_seam = rgb(0x555555, 60);
-  return t;
+Theme theme(std::size_t k) {
+  Theme made;
+  made.name = names[k];
+  made.signs = made.name == "paper";
+  for (const Role& role : roles) made.*role.color = rgba(role.looks[k]);
+  return made;
 }
 
 std::uint8_t channel(double value) {
@@ -106,7 +66,7 @@ std::uint8_t channel(double value) {
 }  // namespace
 
 const Theme& theme_by_name(const std::string& name) {
-  static const Theme themes[] = {light(), dark(), paper()};
+  static const std::array themes{theme(0), theme(1), theme(2)};
   for (const Theme& theme : themes)
     if (theme.name == name) return theme;
   throw error(Failure::usage, "unknown theme '{}': allowed are light, dark and paper{}", name,
@@ -138,8 +98,9 @@ Color color_of_object(const Theme& theme, Voxel voxel) {
 }
 
 Color runner_color(std::size_t k) {
-  static constexpr std::array colors{rgb(0xd6336c), rgb(0x1c7ed6), rgb(0x2b9a3e), rgb(0x845ef7),
-                                     rgb(0xd9480f), rgb(0x0c8599), rgb(0xa87900), rgb(0x7b8794)};
+  static constexpr std::array colors{rgba(0xd6336cff), rgba(0x1c7ed6ff), rgba(0x2b9a3eff),
+                                     rgba(0x845ef7ff), rgba(0xd9480fff), rgba(0x0c8599ff),
+                                     rgba(0xa87900ff), rgba(0x7b8794ff)};
   return colors[k % colors.size()];
 }
 

@@ -30,7 +30,7 @@ TEST_CASE("shapes become elements, alike ones in a row one path") {
   drawing.disc({30, 10}, 2.5F, {0, 0, 0, 255});
   drawing.clip({0, 0, 20, 20});
   drawing.rounded_rectangle({1, 1, 8, 4}, 2, {1, 2, 3, 255});
-  drawing.text({{20, 10}, 8, "5 < 6", {0, 0, 0, 255}, Align::centre, true});
+  drawing.text({20, 10}, 8, "5 < 6", {0, 0, 0, 255}, Align::centre, true);
   const std::string text = svg(drawing);
   CHECK_THAT(text, Contains("<title>a &lt;title></title>"));
   CHECK_THAT(text, Contains("<path fill=\"#ff0000\" d=\"M0 0L4 0L4 4L0 4zM8 0L8 4L4 4L4 0z\"/>"));

@@ -1,4 +1,4 @@
-#include "render/options.h"
+#include "render/scene/options.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "render/painters/label.h"
+#include "render/figures/label.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,8 +31,8 @@ class Plate {
     float pen = x + padding();
     const float baseline = y + (height() + cap_height * size_) / 2;
     for (std::size_t k = 0; k < words_.size(); ++k) {
-      drawing.text(
-          {{pen, baseline}, size_, words_[k].text, words_[k].color, Align::left, words_[k].bold});
+      drawing.text({pen, baseline}, size_, words_[k].text, words_[k].color, Align::left,
+                   words_[k].bold);
       pen += widths_[k] + gap();
     }
   }

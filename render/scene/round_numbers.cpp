@@ -1,4 +1,4 @@
-#include "render/figures/round_numbers.h"
+#include "render/scene/round_numbers.h"
 
 #include <fmt/format.h>
 

@@ -1,12 +1,13 @@
 #include "cli/by_sequence.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
 
+#include "cli/data.h"
 #include "formats/io/values.h"
 #include "formats/training/policy.h"
 #include "libevo/base/error.h"
@@ -72,16 +73,20 @@ Robot keep_better(const TrainingPlan& plan, const std::vector<TrainingPlan>& sta
 int train_by_sequence(const Command& command, const TrainingOptions& options,
                       const std::vector<Robot>& robots,
                       const std::function<void(const Trained&)>& ended) {
+  if (const auto profile = profile_words(options.train).profile)
+    throw error(Failure::usage,
+                "--train {} excludes --by-sequence, whose profiles are {}; settings may change "
+                "them",
+                *profile, fmt::join(stages, ", "));
   const TrainingPlan plan = options.plan(command.seed);
   const std::int64_t steps = options.steps ? plan.children.steps : steps_at_first;
   std::vector<TrainingPlan> plans;
   for (const char* stage : stages) {
     TrainingOptions of_stage = options;
-    of_stage.profile = stage;
+    of_stage.train.insert(of_stage.train.begin(), {stage, "final_episodes=0"});
     const bool last = stage == stages.back();
     of_stage.steps = std::to_string(last ? steps - 2 * (steps / 8) : steps / 8);
     of_stage.out_dir = (fs::path(options.out_dir) / stage).string();
-    of_stage.final_episodes = 0;
     try {
       plans.push_back(of_stage.plan(derive_seed(command.seed, stage)));
     } catch (const Error& e) {

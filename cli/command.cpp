@@ -66,6 +66,12 @@ class Help : public CLI::Formatter {
     return entry(make_option_name(option, positional) + make_option_opts(option),
                  option->get_description() + (initial.empty() ? "" : " [" + initial + "]"));
   }
+  // A command within a tool has the tool's options, too.
+  std::string make_footer(const CLI::App* app) const override {
+    const CLI::App* within = app->get_parent();
+    return (within == nullptr ? "" : make_groups(within, CLI::AppFormatMode::Normal) + "\n") +
+           Formatter::make_footer(app);
+  }
   std::string make_subcommand(const CLI::App* app) const override {
     return entry(app->get_name(), app->get_description());
   }
@@ -250,13 +256,20 @@ const std::string& Command::name() const { return impl_->app->get_name(); }
 Command& Command::subcommand(const std::string& name, const std::string& purpose) {
   CLI::App* app = impl_->app->add_subcommand(name, purpose);
   app->fallthrough()->group("Commands");
-  impl_->app->require_subcommand(1);
+  impl_->app->require_subcommand(0, 1);
+  impl_->help->label("ARGUMENTS", " [COMMAND]");
   auto command = std::unique_ptr<Command>(new Command(std::make_unique<Impl>(app)));
   impl_->subcommands.push_back(std::move(command));
   return *impl_->subcommands.back();
 }
 
 bool Command::given() const { return impl_->app->parsed(); }
+
+std::string Command::subcommand_given() const {
+  for (const auto& command : impl_->subcommands)
+    if (command->given()) return command->name();
+  return "";
+}
 
 Option Command::add(const std::string& names, const std::string& value, const std::string& help,
                     const std::string& initial, const Set& set) {
@@ -371,6 +384,11 @@ void Command::arguments(std::vector<std::string>& target, const std::string& usa
   impl_->app->add_option("ARGUMENT", target);
 }
 
+void Command::argument(std::string& target, const std::string& value) {
+  impl_->help->label("ARGUMENTS", " [" + value + "]");
+  impl_->app->add_option("ARGUMENT", target);
+}
+
 void Command::only(bool applies, const std::vector<std::string>& long_names,
                    const std::string& where) const {
   if (applies) return;
@@ -409,11 +427,9 @@ void Command::common_options() {
            "auto, always, lines (one every ten seconds) or never; auto draws on a terminal, "
            "writes a line a minute elsewhere, and nothing under make")
         .one_of({"auto", "always", "lines", "never"});
-  for (const auto& command : impl_->subcommands) command->common_options();
-  const auto help = [&] {
-    impl_->app->set_help_flag("-h,--help", "show this help")->group(impl_->section);
-  };
-  if (impl_->owned == nullptr) return help();
+  // Their help is among the options of the tool, which theirs shows.
+  for (const auto& command : impl_->subcommands)
+    command->impl_->app->set_help_flag("-h,--help", "")->group("");
   const Option level = option("--log-level", impl_->level, "LEVEL",
                               "what is said: debug, info, warning, error or off")
                            .one_of(log::levels());
@@ -421,7 +437,7 @@ void Command::common_options() {
   flag("-v,--verbose", impl_->verbose, "say more: --log-level debug").excludes({level, quiet});
   option("--log-file", impl_->log_file, "FILE",
          "what is said goes to the end of this file, too, with the time");
-  help();
+  impl_->app->set_help_flag("-h,--help", "show this help")->group(impl_->section);
   impl_->app
       ->set_version_flag(
           "--version", [&] { return created_by(name()) + " " + best_isa(); },
@@ -457,23 +473,12 @@ Workers::Workers(const Command& command, std::size_t tasks)
                           wanted));
 }
 
-void Command::parse(std::vector<std::string> words) {
-  std::reverse(words.begin(), words.end());  // as CLI11 takes them
-  try {
-    impl_->app->parse(words);
-  } catch (const CLI::ParseError& e) {
-    throw impl_->explain(e);
-  }
-}
-
-// Of the command and of what stands within it, after parsing.
 void Command::resolve(const std::string& level) {
   quiet = level == "error" || level == "off";
   verbose = level == "debug";
   // make runs as many of us as it was asked to; each then has one core.
   jobs = impl_->jobs.value_or(
       std::getenv("MAKELEVEL") != nullptr ? 1 : std::min(available_cores(), most_threads));
-  for (const auto& command : impl_->subcommands) command->resolve(level);
 }
 
 int Command::answer(int argc, char** argv, const std::function<int()>& work) {
@@ -493,8 +498,10 @@ int Command::answer(int argc, char** argv, const std::function<int()>& work) {
   try {
     impl.app->parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    // Between groups CLI11 leaves two lines.
-    const std::string help = CLI::detail::find_and_replace(impl.app->help(), "\n\n\n", "\n\n");
+    // Between groups CLI11 leaves several lines.
+    std::string help = impl.app->help();
+    while (help.find("\n\n\n") != std::string::npos)
+      help = CLI::detail::find_and_replace(help, "\n\n\n", "\n\n");
     fmt::print("{}", help);
     return 0;
   } catch (const CLI::CallForVersion& e) {

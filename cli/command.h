@@ -50,10 +50,11 @@ class Command {
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
 
-  // A command within the tool, "evo-tool NAME", with arguments, options and examples of its
-  // own; common options hold for all. Of a tool that has some, one must be given.
+  // A command within the tool, "evo-tool NAME", with an argument and options of its own; those of
+  // the tool hold for all. At most one is given.
   Command& subcommand(const std::string& name, const std::string& purpose);
-  bool given() const;  // this is the subcommand that was
+  bool given() const;                    // this is the subcommand that was
+  std::string subcommand_given() const;  // its name, or nothing
 
   // An option that takes a value: `names` is "-n,--count" or "--rate", `value` the word for
   // it in the help. T is std::string, int, std::uint64_t or double: what the target holds is
@@ -92,6 +93,8 @@ class Command {
   };
   void arguments(std::vector<std::string>& target, const std::string& usage,
                  const std::vector<Form>& forms);
+  // One argument that may be left out.
+  void argument(std::string& target, const std::string& value);
   // Words that the value of an option, or what follows an argument, may be among others,
   // for the shell to complete.
   void suggestions(const std::string& long_name, const Option::Words& words);
@@ -117,9 +120,6 @@ class Command {
   bool verbose = false;             // all is
 
   const std::string& name() const;
-
-  // Options kept elsewhere than on a command line. Throws Error(usage).
-  void parse(std::vector<std::string> words);
 
   // Parses, then runs `work`, whose value is the exit status. Every Error ends
   // here, as one line on standard error and its kind as exit status.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <system_error>
-#include <vector>
 
 #include "formats/task/task.h"
 #include "libevo/base/error.h"
@@ -18,6 +17,25 @@ fs::path data_root() {
 }
 
 DataFolders data_folders() { return evo::data_folders(data_root()); }
+
+ProfileWords profile_words(const std::vector<std::string>& values) {
+  ProfileWords words;
+  for (const std::string& value : values) {
+    const std::size_t equals = value.find('=');
+    if (equals != std::string::npos && value.find('/') > equals)
+      words.settings.push_back(value);
+    else
+      words.profile = value;
+  }
+  return words;
+}
+
+std::vector<std::string> profiles_and_settings(const std::string& folder,
+                                               const std::vector<std::string>& settings) {
+  std::vector<std::string> words = data_names(data_folders(), folder);
+  words.insert(words.end(), settings.begin(), settings.end());
+  return words;
+}
 
 void refuse_task_as_file(const std::string& name) {
   std::error_code ignored;

@@ -9,10 +9,12 @@
 #include "cli/terminal.h"
 #include "formats/foreign/evogym.h"
 #include "formats/io/format.h"
+#include "formats/io/values.h"
 #include "formats/io/yaml.h"
 #include "formats/run/neat.h"
 #include "formats/run/neat_ini.h"
 #include "formats/run/run.h"
+#include "formats/run/settings.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
 #include "formats/task/text.h"
@@ -23,14 +25,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int shown_rows = 5;  // of the full body whose observation a task lays out
-constexpr int shown_cols = 5;
-
 fs::path folder_of(const std::string& name) { return fs::path(name).parent_path(); }
 
 std::string describe_task_file(const std::string& text, const std::string& name) {
   const TaskSpec task = parse_task(text, name, folder_of(name), data_folders());
-  return describe_task(task, full_body(shown_rows, shown_cols));
+  return describe_task(task);
 }
 
 std::string describe_physics(const std::string& text, const std::string& name) {
@@ -111,6 +110,13 @@ std::optional<Kind> kind_of(const std::string& text) {
 }
 
 }  // namespace
+
+std::string describe_task(const TaskSpec& task) {
+  const RunSettingInfo& info = *find_run_setting("shape");
+  const auto [rows, cols] =
+      parse_shape(initial_value(info, "ga", [&](const std::string&) { return task.name; }));
+  return describe_task(task, full_body(rows, cols));
+}
 
 bool print_document(const std::string& text, const std::string& name) {
   const auto kind = kind_of(text);

@@ -4,7 +4,13 @@
 
 #include <string>
 
+#include "libevo/task/spec.h"
+
 namespace evo::cli {
+
+// What is observed of a full body of the shape that is usual in the task, what is rewarded, and
+// what ends an episode.
+std::string describe_task(const TaskSpec& task);
 
 // Checks the document and prints what it is. False, and nothing printed, for a text
 // that is none of these: robots, or nothing known. Throws Error(data).

@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
       "axes of the grid: NAME:BINS for features of the body (" +
           fmt::format("{}", fmt::join(body_features(), ", ")) +
           "), NAME:BINS:LOW:HIGH for how it behaved (behaviour.distance, behaviour.rise, "
-          "behaviour.aloft, behaviour.width; evo-train --behaviour) and for numbers of the "
+          "behaviour.aloft, behaviour.width) and for numbers of the "
           "documents, such as final.mean");
   command.flag("--table", table, "the map as a table, in place of the robots");
   command.output_option("where the elites go, by cells, one JSON document per line");

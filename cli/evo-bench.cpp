@@ -3,9 +3,7 @@
 #include <time.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <numeric>
 
 #include "cli/command.h"
 #include "cli/data.h"
@@ -27,17 +25,15 @@ using namespace evo;
 constexpr VoxelWeights body_weights{0.2, 0.2, 0.2, 0.2, 0.2};
 constexpr int action_sets = 97;  // drawn beforehand and used in turn
 constexpr const char* flat_task = "Walker-v0";
+constexpr const char* all_tasks = "all";
+constexpr int repetitions = 5;  // of which the median is reported
 
 struct Settings {
   cli::TaskOptions task;
   std::string sizes = "5,10,15,20,25,30,35";
   std::string envs = "1,8";
   std::string isa = "best";
-  bool tasks = false;
   bool json = false;
-  int bodies = 1;
-  int threads = 1;
-  int repetitions = 5;
   double seconds = 0.5;
 };
 
@@ -67,25 +63,23 @@ Body random_body(int rows, int cols, std::uint64_t seed) {
   return sample_body(rows, cols, body_weights, random);
 }
 
-// A body in a task, as often as --tasks, --sizes and --bodies say.
+// A body in a task.
 struct Subject {
   TaskSpec task;
   Body body;
-  std::uint64_t seed = 0;  // of the body, if it is a random one, and the actions
 };
 
 std::vector<Subject> subjects(const Settings& settings, std::uint64_t seed) {
   std::vector<Subject> found;
-  if (settings.tasks) {
+  if (settings.task.task == all_tasks) {
     const Body body = Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"});
     for (const std::string& name : task_names(cli::data_folders())) {
-      found.push_back({load_task(name, cli::data_folders()), body, seed});
+      found.push_back({load_task(name, cli::data_folders()), body});
       settings.task.change_physics(found.back().task);
     }
   } else {
     for (const int size : parse_wholes(settings.sizes, "--sizes", 1, most_counted))
-      for (std::uint64_t n = seed; n < seed + static_cast<std::uint64_t>(settings.bodies); ++n)
-        found.push_back({settings.task.load(), random_body(size, size, n), n});
+      found.push_back({settings.task.load(), random_body(size, size, seed)});
   }
   return found;
 }
@@ -127,55 +121,35 @@ class Runner {
   std::uint64_t turn_ = 0;
 };
 
-double wall_clock() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-// Control steps per second of one runner by the given clock.
-double rate_of(Runner& runner, int envs, double seconds, double (*clock)()) {
-  const double start = clock();
+// Control steps per second of processor time.
+double rate_of(Runner& runner, int envs, double seconds) {
+  const double start = seconds_used();
   double used = 0.0;
   std::uint64_t steps = 0;
   while (used < seconds) {
     runner.step();
     ++steps;
-    used = clock() - start;
+    used = seconds_used() - start;
   }
   return static_cast<double>(steps) * envs / used;
 }
 
-// One thread is measured in its processor time, several in the time that passes:
-// what they take from one another is to count.
-Measurement measure(const Subject& subject, int envs, const Settings& settings) {
-  const auto& [task, body, seed] = subject;
+Measurement measure(const Subject& subject, int envs, std::uint64_t seed, double seconds) {
+  const auto& [task, body] = subject;
   const Arena arena(task, body);
-  const auto clock = settings.threads == 1 ? seconds_used : wall_clock;
-  std::vector<Runner> runners;
-  runners.reserve(static_cast<std::size_t>(settings.threads));
-  for (int i = 0; i < settings.threads; ++i)
-    runners.emplace_back(arena, envs, seed + static_cast<std::uint64_t>(i));
+  Runner runner(arena, envs, seed);
   Measurement result{
       task.name, cli::profile_name(task.physics), body, seed, envs, count_voxels(body), {}};
-  ThreadPool pool(settings.threads);
-  if (pool.threads() < settings.threads)
-    throw error(Failure::work, "--threads: only {} of {} could be started", pool.threads(),
-                settings.threads);
-  for (int repetition = -1; repetition < settings.repetitions; ++repetition) {
-    const bool warm_up = repetition < 0;  // allocates what later steps use
-    std::vector<double> rates(runners.size());
-    // Each takes as long as any thread needs to begin the next.
-    pool.run(runners.size(), [&](std::size_t i, int /*worker*/) {
-      rates[i] = rate_of(runners[i], envs, warm_up ? 0.0 : settings.seconds, clock);
-    });
-    if (!warm_up) result.rates.push_back(std::accumulate(rates.begin(), rates.end(), 0.0));
-  }
+  rate_of(runner, envs, 0.0);  // allocates what later steps use
+  for (int repetition = 0; repetition < repetitions; ++repetition)
+    result.rates.push_back(rate_of(runner, envs, seconds));
   std::sort(result.rates.begin(), result.rates.end());
   return result;
 }
 
 class Report {
  public:
-  explicit Report(const Settings& settings) : json_(settings.json), threads_(settings.threads) {
+  explicit Report(bool json) : json_(json) {
     if (!json_)
       fmt::print("{:<24} {:>7} {:>6} {:>5} {:>10} {:>7} {:>12} {:>14}\n", "task", "shape", "voxels",
                  "envs", "isa", "profile", "steps/s", "steps*voxels/s");
@@ -191,7 +165,6 @@ class Report {
                       {"width", m.envs},
                       {"isa", isa},
                       {"profile", m.profile},
-                      {"threads", threads_},
                       {"steps_per_second", m.median()},
                       {"steps_per_second_min", m.rates.front()},
                       {"steps_per_second_max", m.rates.back()}};
@@ -208,7 +181,6 @@ class Report {
 
  private:
   bool json_;
-  int threads_;
 };
 
 std::vector<std::string> isas(const std::string& text) {
@@ -223,11 +195,11 @@ int bench(const Settings& settings, std::uint64_t seed) {
   const std::vector<Subject> measured = subjects(settings, seed);
   const std::vector<std::string> chosen = isas(settings.isa);
   select_isa(chosen.front());  // refused before anything is written
-  const Report report(settings);
+  const Report report(settings.json);
   for (const std::string& isa : chosen) {
     select_isa(isa);
     for (const Subject& subject : measured)
-      for (const int n : envs) report.add(measure(subject, n, settings), isa);
+      for (const int n : envs) report.add(measure(subject, n, seed, settings.seconds), isa);
   }
   return 0;
 }
@@ -239,34 +211,20 @@ int main(int argc, char** argv) {
   Settings settings;
   settings.task.task = flat_task;
   command.section("What is measured");
-  settings.task.add_to(command);
-  command.option("--sizes", settings.sizes, "N,N,..", "bodies of N x N voxels");
-  const cli::Option bodies =
-      command
-          .option("--bodies", settings.bodies, "N",
-                  "random bodies of each size, a line each: those of --seed, and the N-1 after it")
-          .at_least(1);
-  command
-      .flag("--tasks", settings.tasks,
-            "all tasks, with one 5x5 body, instead of --task and --sizes")
-      .excludes({bodies});
+  settings.task.add_to(command, "; all: every task of the benchmark, with one 5x5 body");
+  command.option("--sizes", settings.sizes, "N,N,..", "random bodies of N x N voxels");
   command.option("--envs", settings.envs, "N,N,..", "environments stepped together");
-  command
-      .option("--threads", settings.threads, "N",
-              "batches of environments at a time, one per thread")
-      .between(1, most_threads);
   command.option("--isa", settings.isa, "NAME",
                  "instruction set, e.g. x86-64-v3, or all, one after the other");
   command.section("How");
-  command.option("--repetitions", settings.repetitions, "N", "of which the median is reported")
-      .at_least(1);
   command
       .option("--seconds", settings.seconds, "T",
-              "length of one repetition, s of processor time (of wall time with --threads)")
+              "seconds of processor time of a measurement; five are made, the median counts")
       .between(0.0, longest_repetition);
   command.flag("--json", settings.json, "one JSON object a line instead of a table");
   command.seed_option();
   command.example("evo-bench --sizes 5 --envs 8", "a batch of eight 5x5 robots on flat ground");
-  command.example("evo-bench --tasks --envs 8 --json > tasks.jsonl", "every task, for a program");
+  command.example("evo-bench --task all --envs 8 --json > tasks.jsonl",
+                  "every task, for a program");
   return command.run(argc, argv, [&] { return bench(settings, command.seed); });
 }

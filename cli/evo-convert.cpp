@@ -202,15 +202,14 @@ const Target& target_of(const std::optional<std::string>& asked, const std::stri
 }
 
 // Rollouts as a dataset for offline learning.
-void write_dataset(const std::vector<std::string>& files, const std::string& folder,
-                   const std::optional<std::string>& id) {
+void write_dataset(const std::vector<std::string>& files, const std::string& folder) {
   if (folder == standard_stream)
     throw error(Failure::usage, "--to minari writes a folder; name it with -o");
   std::vector<Rollout> rollouts;
   rollouts.reserve(files.size());
   for (const std::string& file : files) rollouts.push_back(read_rollout(file));
   if (rollouts.empty()) throw error(Failure::usage, "--to minari needs rollout files");
-  write_minari(folder, rollouts, id.value_or(minari_dataset_id(rollouts.front())));
+  write_minari(folder, rollouts, minari_dataset_id(rollouts.front()));
 }
 
 // The one input of formats that are no robots'.
@@ -265,7 +264,6 @@ int main(int argc, char** argv) {
   cli::Command command("evo-convert");
   std::vector<std::string> files;
   std::optional<std::string> format;
-  std::optional<std::string> dataset_id;
   std::optional<std::string> body;
   bool unique = false;
   bool bodies = false;
@@ -279,12 +277,10 @@ int main(int argc, char** argv) {
       "jsonl, json (of a policy: all of it), yaml, text, npz, onnx (a policy's network), policy "
       "(the one that a robot names), ids (each once, of robots or lists), "
       "evogym (design-tool JSON), task (of a design-tool world) or minari (a dataset "
-      "folder of rollouts) [by the ending of -o, else jsonl]");
+      "folder of rollouts, evo/<task>/rollouts-v0) [by the ending of -o, else jsonl]");
   command.suggestions("--to", target_names);
   command.option("--robot", body, "FILE",
                  "with --to onnx, of a modular policy: the robot that the graph is for [its own]");
-  command.option("--dataset-id", dataset_id, "ID",
-                 "of the Minari dataset [evo/<task>/rollouts-v0]");
   command.flag("--unique", unique,
                "each body once, where it first came, with the fitness of its longest training");
   command.flag("--bodies", bodies, "bodies alone, without fitness, parents and what else is said");
@@ -309,7 +305,7 @@ int main(int argc, char** argv) {
     const Target& target = target_of(format, command.output);
     const std::string& to = target.name;
     if (to == "minari") {
-      write_dataset(files, command.output, dataset_id);
+      write_dataset(files, command.output);
       return 0;
     }
     if (to == "task") {

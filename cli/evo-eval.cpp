@@ -1,9 +1,12 @@
 // evo-eval: episodes with a given controller, and what they earned.
 #include <unistd.h>
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <set>
+#include <string_view>
+#include <system_error>
 
 #include "cli/command.h"
 #include "cli/outputs.h"
@@ -27,18 +30,16 @@ struct Settings {
   cli::TaskOptions task;
   std::optional<std::string> policy;
   std::optional<std::string> actions;
-  std::optional<std::string> sine;
-  bool random = false;
   int episodes = 1;
   std::optional<int> max_steps;
   std::optional<std::string> draws;
   double jitter = 0.0;
   std::optional<std::string> rollout;
-  std::optional<std::string> rollout_dir;
-  bool velocities = false;
-  bool behaviour = false;
   bool skip_failures = false;
 };
+
+constexpr std::string_view random_actions = "random";
+constexpr std::string_view sine_actions = "sine:";
 
 using Warn = std::function<void(const std::string&)>;
 
@@ -74,41 +75,48 @@ Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task
 Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
                  const Warn& warn) {
   if (settings.policy) return policy_trial(settings, task, robot, *settings.policy, warn);
-  if (!settings.actions && !settings.sine && !settings.random) {
+  if (!settings.actions) {
     const auto policy = robot.policy();
-    if (!policy)
-      throw error(Failure::usage, "it has no policy; give --policy, --actions, --sine or --random");
+    if (!policy) throw error(Failure::usage, "it has no policy; give --policy or --actions");
     return policy_trial(settings, task, robot, *policy, warn);
   }
   Trial trial{task ? *task : settings.task.load(), {}};
-  if (settings.actions) {
-    ActionSequence sequence = read_actions(*settings.actions);
-    trial.controller = [sequence = std::move(sequence), name = *settings.actions,
+  const std::string& actions = *settings.actions;
+  if (actions == random_actions) {
+    trial.controller = [](const Arena& arena) -> Controller {
+      const Physics& physics = arena.task().physics;
+      return RandomController{physics.min_target, physics.max_target};
+    };
+  } else if (actions.starts_with(sine_actions)) {
+    const std::vector<double> wave =
+        parse_numbers(actions.substr(sine_actions.size()), "--actions");
+    if (wave.size() != 3 || wave[1] == 0.0)
+      throw error(Failure::usage, "--actions: '{}' is not sine:AMPLITUDE,PERIOD,PHASE", actions);
+    trial.controller = [wave](const Arena& arena) -> Controller {
+      return travelling_wave(arena.action_length(), wave[0], wave[1], wave[2]);
+    };
+  } else {
+    ActionSequence sequence = read_actions(actions);
+    trial.controller = [sequence = std::move(sequence), name = actions,
                         id = robot.id](const Arena& arena) -> Controller {
       if (sequence.actuators != arena.action_length())
         throw error(Failure::data, "{}: {} actions per step, but robot {} has {} actuators", name,
                     sequence.actuators, id, arena.action_length());
       return ReplayController{sequence.values, sequence.actuators};
     };
-  } else if (settings.sine) {
-    const std::vector<double> wave = parse_numbers(*settings.sine, "--sine");
-    if (wave.size() != 3 || wave[1] == 0.0)
-      throw error(Failure::usage, "--sine: '{}' is not AMPLITUDE,PERIOD,PHASE", *settings.sine);
-    trial.controller = [wave](const Arena& arena) -> Controller {
-      return travelling_wave(arena.action_length(), wave[0], wave[1], wave[2]);
-    };
-  } else {
-    trial.controller = [](const Arena& arena) -> Controller {
-      const Physics& physics = arena.task().physics;
-      return RandomController{physics.min_target, physics.max_target};
-    };
   }
   return trial;
 }
 
+bool records_into_folder(const Settings& settings) {
+  std::error_code unknown;
+  return settings.rollout && (settings.rollout->ends_with('/') ||
+                              std::filesystem::is_directory(*settings.rollout, unknown));
+}
+
 std::optional<std::string> rollout_of(const Settings& settings, const Robot& robot) {
-  if (settings.rollout_dir) return *settings.rollout_dir + "/" + robot.id + ".h5";
-  return settings.rollout;
+  if (!records_into_folder(settings)) return settings.rollout;
+  return (std::filesystem::path(*settings.rollout) / (robot.id + ".h5")).string();
 }
 
 void check_files(const Settings& settings, const std::vector<Robot>& robots,
@@ -119,14 +127,14 @@ void check_files(const Settings& settings, const std::vector<Robot>& robots,
     if (path) inputs.push_back({what, *path});
   };
   reads("the policy", settings.policy);
-  reads("the actions", settings.actions);
+  if (settings.actions != random_actions) reads("the actions", settings.actions);
   reads("the draws", settings.draws);
   std::set<std::string> ids;
   for (const Robot& robot : robots) {
     if (!ids.insert(robot.id).second) continue;
     reads("the policy of robot " + robot.id, robot.policy());
     if (const auto rollout = rollout_of(settings, robot))
-      rollouts.push_back({settings.rollout ? "--rollout" : "--rollout-dir", *rollout});
+      rollouts.push_back({"--rollout", *rollout});
   }
   std::vector<cli::FileName> outputs{{"--output", output}};
   outputs.insert(outputs.end(), rollouts.begin(), rollouts.end());
@@ -154,19 +162,19 @@ Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, con
   if (settings.draws) evaluation.draws = parse_draws(*settings.draws, arena.task());
 
   std::optional<Recorder> recorder;
-  if (rollout_path) recorder.emplace(arena, robot, seed, settings.velocities, "evo-eval");
+  if (rollout_path) recorder.emplace(arena, robot, seed, "evo-eval");
   BehaviourGauge gauge;
   const Evaluation result =
       evaluate(arena, trial.controller(arena), evaluation, [&](const EpisodeMoment& moment) {
         if (recorder) recorder->record(moment);
-        if (settings.behaviour) gauge.record(moment);
+        gauge.record(moment);
       });
   if (recorder) write_rollout(*rollout_path, recorder->rollout());
 
   Robot measured = robot;
   measured.set_fitness(result.mean());
   measured.document["task"] = arena.task().name;
-  if (settings.behaviour) measured.document["behaviour"] = gauge.mean();
+  measured.document["behaviour"] = gauge.mean();
   measured.document["returns"] = result.returns;
   measured.document["lengths"] = result.lengths;
   return measured;
@@ -190,19 +198,13 @@ int main(int argc, char** argv) {
   command.section("Controller (default: the policy named by each robot)");
   const cli::Option policy = command.option("--policy", settings.policy, "FILE.h5",
                                             "a trained policy, for every robot read");
-  const cli::Option actions =
-      command
-          .option("--actions", settings.actions, "FILE",
-                  "replay actions [T, A] of an HDF5 file or rollout, of NumPy, or rows of a CSV")
-          .excludes({policy});
-  const cli::Option sine =
-      command
-          .option("--sine", settings.sine, "A,PERIOD,PHASE",
-                  "targets 1.1 + A sin(2 pi t / PERIOD + PHASE i) of actuator i, PERIOD in control "
-                  "steps, PHASE in radian")
-          .excludes({policy, actions});
-  command.flag("--random", settings.random, "uniform random targets")
-      .excludes({policy, actions, sine});
+  command
+      .option(
+          "--actions", settings.actions, "WHAT",
+          "random: uniform targets; sine:A,PERIOD,PHASE: 1.1 + A sin(2 pi t / PERIOD + PHASE i) "
+          "of actuator i, in control steps and radian; or a file of actions [T, A]: a rollout, "
+          "another HDF5 file, NumPy's, or a CSV")
+      .excludes({policy});
   command.section("Episodes");
   command.option("--episodes", settings.episodes, "N", "episodes of each robot").at_least(1);
   command
@@ -219,17 +221,13 @@ int main(int argc, char** argv) {
   command.seed_option();
   command.section("Output");
   command.output_option("where the robots go, with fitness, returns and lengths");
-  command.flag("--behaviour", settings.behaviour, cli::behaviour_help);
-  const cli::Option rollout =
-      command.option("--rollout", settings.rollout, "FILE.h5", "record the episodes of one robot");
-  command.option("--rollout-dir", settings.rollout_dir, "DIR", "record into DIR/<id>.h5")
-      .excludes({rollout});
-  command.flag("--rollout-velocities", settings.velocities, "record velocities, too");
+  command.option("--rollout", settings.rollout, "FILE.h5|DIR/",
+                 "record the episodes of one robot, or in a folder of each: DIR/<id>.h5");
   command.choice("--failures", settings.skip_failures, "WHAT", {{"stop", false}, {"skip", true}},
                  "a robot that cannot be measured: stop, or skip (fitness null)");
   command.jobs_option();
   command.progress_option();
-  command.example("evo-sample -n 9 | evo-eval --task Walker-v0 --sine 0.5,20,0.7",
+  command.example("evo-sample -n 9 | evo-eval --task Walker-v0 --actions sine:0.5,20,0.7",
                   "how far random bodies get on a travelling wave");
   command.example("evo-eval best.json --episodes 20 --jitter 1e-4 --rollout best.h5",
                   "a trained robot from slightly different starts, recorded");
@@ -238,12 +236,13 @@ int main(int argc, char** argv) {
     std::optional<TaskSpec> task;
     if (settings.task.given()) task = settings.task.load();
     const std::vector<Robot> robots = cli::read_robots(files);
-    if (settings.rollout && robots.size() != 1)
+    const bool records_each = records_into_folder(settings);
+    if (settings.rollout && !records_each && robots.size() != 1)
       throw error(Failure::usage,
-                  "--rollout records one robot, but {} were read; use --rollout-dir",
-                  robots.size());
+                  "--rollout {0} records one robot, but {1} were read; {0}/ is a folder for each",
+                  *settings.rollout, robots.size());
     check_files(settings, robots, files, command.output);
-    if (settings.rollout_dir) make_folders(*settings.rollout_dir);
+    if (records_each) make_folders(*settings.rollout);
     const Warn warn = cli::log::warn;
     OrderedWriter out(command.output);
     // Robots that go to the terminal are progress enough.

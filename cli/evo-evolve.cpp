@@ -35,10 +35,9 @@ using Given = std::map<std::string, std::string>;  // settings by name
 struct Options {
   std::string run;
   std::map<std::string, std::optional<std::string>> settings;
-  bool no_video = false;
   bool plan = false;
   std::optional<std::string> launch;
-  std::string tasks;  // of compare
+  std::string tasks = "Walker-v0";  // of compare
   std::string methods = "ga neat bo";
   std::string seeds = "1 2 3";
 };
@@ -127,7 +126,7 @@ std::string last_shared_policy(const fs::path& policies) {
   return found.empty() ? "" : found.rbegin()->second.string();
 }
 
-// A run, a record, or a file of robots, of which `count` are wanted, or none.
+// A run, a record, or a file of robots, of which `count` are wanted.
 cli::Founders find_founders(const std::string& given, int count) {
   const fs::path path = fs::absolute(given).lexically_normal();
   cli::Founders founders;
@@ -141,7 +140,6 @@ cli::Founders find_founders(const std::string& given, int count) {
     founders.policies = (path / "policies").string();
   }
   founders.robots = file.string();
-  if (count == 0) return founders;
   const std::vector<Robot> robots = read_robots(founders.robots);
   const auto scored = std::count_if(robots.begin(), robots.end(),
                                     [](const Robot& robot) { return robot.fitness().has_value(); });
@@ -179,28 +177,18 @@ std::string settled(const RunSettingInfo& info, const std::string& value) {
 Given given_settings(const Options& options) {
   Given given;
   for (const RunSettingInfo& info : run_settings()) {
-    const std::optional<std::string>& value = options.settings.at(info.name);
-    if (value) given[info.name] = settled(info, *value);
-  }
-  if (options.no_video) {
-    if (given.contains("video") && given["video"] != "none")
-      throw error(Failure::usage, "--no-video and --video {} do not go together", given["video"]);
-    given["video"] = "none";
+    const auto value = options.settings.find(info.name);
+    if (value != options.settings.end() && value->second)
+      given[info.name] = settled(info, *value->second);
   }
   return given;
 }
 
 RunSettings complete(const std::string& method, Given given) {
-  check_run_method(method);
   const auto setting = [&](const std::string& name) {
     const auto found = given.find(name);
     return found == given.end() ? std::string() : found->second;
   };
-  for (const auto& [name, value] : given)
-    if (!find_run_setting(name)->belongs_to(method))
-      throw error(Failure::usage, "{} is a setting of {}, not of {}",
-                  find_run_setting(name)->option(),
-                  fmt::join(find_run_setting(name)->methods, ", "), method);
   std::vector<RunSetting> list;
   for (const RunSettingInfo& info : run_settings()) {
     if (!info.belongs_to(method)) continue;
@@ -238,9 +226,8 @@ void check_place(const fs::path& folder, std::vector<std::string> planned = {}) 
 void plan(const fs::path& folder, RunSettings settings, cli::Surroundings around) {
   if (const std::string* founders = settings.find("founders");
       founders != nullptr && !around.founders) {
-    const bool screens = settings.find("screen") != nullptr && settings.number("screen") > 0;
-    around.founders = find_founders(
-        *founders, screens ? 0 : std::min(settings.number("pop"), settings.number("evals")));
+    around.founders =
+        find_founders(*founders, std::min(settings.number("pop"), settings.number("evals")));
     if (settings.text("method") == "modular" && fs::is_directory(around.founders->policies))
       around.founders->policies = last_shared_policy(around.founders->policies);
   }
@@ -353,10 +340,7 @@ std::vector<std::string> items(std::string list) {
 // Every method on every task with every seed, each a run, TASK/METHOD-SEED.
 void plan_comparison(const fs::path& folder, const Options& options, const Given& given,
                      const cli::Surroundings& around) {
-  for (const char* decided : {"task", "seed"})
-    if (given.contains(decided))
-      throw error(Failure::usage, "--{0} is given to compare as --{0}s", decided);
-  const std::vector<std::string> tasks = items(options.tasks.empty() ? "Walker-v0" : options.tasks);
+  const std::vector<std::string> tasks = items(options.tasks);
   std::vector<std::string> names;
   for (const std::string& task : tasks) names.push_back(fs::path(task).stem().string());
   check_collection(folder, names);
@@ -432,18 +416,29 @@ void start_watcher(const fs::path& folder, const std::string& progress) {
               std::strerror(errno));
 }
 
+// The settings of a method, or of all methods, as options.
+void add_settings(cli::Command& command, Options& options, const std::string& method,
+                  const std::vector<std::string>& without = {}) {
+  const auto initial_of = [](const std::string& name) { return find_run_setting(name)->initial; };
+  command.section("Settings");
+  for (const RunSettingInfo& info : run_settings()) {
+    if (!method.empty() && !info.belongs_to(method)) continue;
+    if (std::find(without.begin(), without.end(), info.name) != without.end()) continue;
+    std::string help = info.meaning;
+    if (!info.initial.empty()) help += " [" + initial_value(info, method, initial_of) + "]";
+    cli::Option option =
+        command.option(info.option(), options.settings[info.name], info.value, help);
+    if (info.kind == SettingKind::words) option.one_of(info.words());
+  }
+  command.suggestions("--task", [] { return task_names(cli::data_folders()); });
+  command.suggestions("--train", [] { return data_names(cli::data_folders(), "training"); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   cli::Command command("evo-evolve");
   Options options;
-  std::vector<std::string> words;
-  std::vector<cli::Command::Form> forms;
-  for (const RunMethod& method : run_methods()) forms.push_back({method.name, method.meaning});
-  forms.push_back({"recipe [NAME]", fmt::format("rounds of ga, as tasks/recipes has them [{}]",
-                                                cli::default_recipe)});
-  forms.push_back({"compare", "methods, tasks and seeds side by side"});
-  command.arguments(words, "[METHOD]", forms);
   command
       .option("--run", options.run, "DIR",
               "the run's folder, where it is or shall be; a run that is there goes on")
@@ -453,28 +448,21 @@ int main(int argc, char** argv) {
                  "what stands in front of every training, such as 'srun --exact -n1 -c1'");
   command.jobs_option();
   command.progress_option();
-  std::string title;
-  for (const RunSettingInfo& info : run_settings()) {
-    const std::string next =
-        info.methods.empty() ? "Settings" : fmt::format("Of {}", fmt::join(info.methods, ", "));
-    if (next != title) command.section(next);
-    title = next;
-    std::string help = info.meaning;
-    if (!info.initial.empty()) help += " [" + info.initial + "]";
-    cli::Option option =
-        command.option(info.option(), options.settings[info.name], info.value, help);
-    if (info.kind == SettingKind::words) option.one_of(info.words());
-  }
-  command.section("Of compare");
-  command.option("--tasks", options.tasks, "LIST",
-                 "tasks, separated by blanks or commas [Walker-v0]");
-  command.option("--methods", options.methods, "LIST", "methods, likewise");
-  command.option("--seeds", options.seeds, "LIST", "seeds, likewise");
-  command.section("Of all");
-  command.flag("--no-video", options.no_video, "as --video none");
+  for (const RunMethod& method : run_methods())
+    add_settings(command.subcommand(method.name, method.meaning), options, method.name);
+  cli::Command& recipe = command.subcommand(
+      "recipe",
+      fmt::format("rounds of ga: a NAME in tasks/recipes, or a file [{}]", cli::default_recipe));
+  std::string recipe_name = cli::default_recipe;
+  recipe.argument(recipe_name, "NAME");
+  add_settings(recipe, options, "ga");
   command.suggestions("recipe", [] { return data_names(cli::data_folders(), "recipes"); });
-  command.suggestions("--task", [] { return task_names(cli::data_folders()); });
-  command.suggestions("--train", [] { return data_names(cli::data_folders(), "training"); });
+  cli::Command& side_by_side =
+      command.subcommand("compare", "methods, tasks and seeds side by side");
+  side_by_side.option("--tasks", options.tasks, "LIST", "tasks, separated by blanks or commas");
+  side_by_side.option("--methods", options.methods, "LIST", "methods, likewise");
+  side_by_side.option("--seeds", options.seeds, "LIST", "seeds, likewise");
+  add_settings(side_by_side, options, "", {"task", "seed"});
   command.example("evo evolve ga --run runs/walker --task Walker-v0 --evals 100 -j8",
                   "bodies by the genetic algorithm, each with a controller of its own");
   command.example("evo evolve recipe moments --run runs/stairs --task UpStepper-v0 -j8",
@@ -484,10 +472,6 @@ int main(int argc, char** argv) {
   command.example("evo evolve --run runs/walker -j8", "go on; so does make -C runs/walker -j8");
 
   return command.run(argc, argv, [&] {
-    const std::string method = words.empty() ? "" : words[0];
-    if (words.size() > (method == "recipe" ? 2 : 1))
-      throw error(Failure::usage, "name one method, not '{}'", fmt::join(words, " "));
-    command.only(method == "compare", {"--tasks", "--methods", "--seeds"}, "compare");
     const fs::path folder = options.run;
     const Given given = given_settings(options);
     cli::Surroundings around;
@@ -495,15 +479,14 @@ int main(int argc, char** argv) {
     around.here = fs::current_path().string();
     around.python = python_command();
     prefer_own_tools();
-    if (method == "recipe") {
-      plan_recipe(folder, words.size() > 1 ? words[1] : cli::default_recipe, given, around);
-    } else if (method == "compare") {
+    const std::string method = command.subcommand_given();
+    if (recipe.given()) {
+      plan_recipe(folder, recipe_name, given, around);
+    } else if (side_by_side.given()) {
       plan_comparison(folder, options, given, around);
     } else if (!method.empty()) {
       plan_or_compare(folder, method, given, around);
-    } else if (fs::exists(folder / "run.yaml")) {
-      compare(folder, method, given);
-    } else if (!fs::exists(folder / "Makefile") || !given.empty()) {
+    } else if (!fs::exists(folder / "run.yaml") && !fs::exists(folder / "Makefile")) {
       throw error(Failure::no_input, "{}: there is no such run; name a method to begin it",
                   folder.string());
     }

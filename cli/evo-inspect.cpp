@@ -63,9 +63,9 @@ void print_perturbed(const Json& document) {
                     final["episodes"].get<int>());
 }
 
-void print_robot(const Robot& robot, bool color) {
+void print_robot(const Robot& robot) {
   const Body& body = robot.body;
-  fmt::print("{}", cli::draw_body(body, color));
+  fmt::print("{}", cli::draw_body(body));
   fmt::print("id        {}\n", robot.id);
   fmt::print("size      {}x{}, {} voxels: {}\n", body.rows, body.cols, count_voxels(body),
              kinds(body));
@@ -113,9 +113,9 @@ void print_histogram(const std::vector<double>& scores) {
   }
 }
 
-void print_robots(const std::vector<Robot>& robots, const std::string& name, bool color) {
+void print_robots(const std::vector<Robot>& robots, const std::string& name) {
   if (robots.size() == 1) {
-    print_robot(robots.front(), color);
+    print_robot(robots.front());
     return;
   }
   std::vector<double> scores;
@@ -173,10 +173,10 @@ std::string describe(const ModularPolicy& policy) {
   return text;
 }
 
-void print_policy(const std::string& path, bool color) {
+void print_policy(const std::string& path) {
   const PolicyFile file = read_policy(path);
   fmt::print("{}: policy\n", cli::printable(path));
-  print_robot(file.robot, color);
+  print_robot(file.robot);
   fmt::print("trained   on {}, {} steps, seed {}, best evaluation {:.6g} at step {}\n",
              cli::printable(file.task), file.steps, file.seed, file.fitness, file.best_step);
   if (file.final_score)
@@ -199,11 +199,11 @@ void print_policy(const std::string& path, bool color) {
   cli::print_wrapped(observes + "\n");
 }
 
-void print_rollout(const std::string& path, bool color) {
+void print_rollout(const std::string& path) {
   const Rollout rollout = read_rollout(path);
   fmt::print("{}: rollout of {}\n", cli::printable(path),
              rollout.task.empty() ? "an unknown task" : cli::printable(rollout.task));
-  if (rollout.robot) print_robot(*rollout.robot, color);
+  if (rollout.robot) print_robot(*rollout.robot);
   fmt::print("{} observations, {} actuators, {} points{}\n", rollout.observation_length,
              rollout.action_length, rollout.points,
              rollout.world.cells.empty() ? ", no cells (cannot be drawn)" : "");
@@ -217,12 +217,12 @@ void print_rollout(const std::string& path, bool color) {
   }
 }
 
-void print_hdf5(const std::string& path, bool color) {
+void print_hdf5(const std::string& path) {
   const hdf5::Reader reader(path);
   const std::string found =
       reader.has_attribute("/", "format") ? reader.text("/", "format") : std::string();
-  if (found == format::policy.name) return print_policy(path, color);
-  if (found == format::rollout.name) return print_rollout(path, color);
+  if (found == format::policy.name) return print_policy(path);
+  if (found == format::rollout.name) return print_rollout(path);
   if (found == format::checkpoint.name) {
     fmt::print("{}: checkpoint of a training; evo-train --resume goes on from it\n",
                cli::printable(path));
@@ -282,7 +282,7 @@ void print_slots(const fs::path& folder) {
                  state_word(slot.state), detail(slot, history));
 }
 
-void print_run(const fs::path& folder, bool color) {
+void print_run(const fs::path& folder) {
   const cli::RunStatus run(folder);
   const RunHistory& history = run.history();
   const RunSettings& settings = run.folder().settings();
@@ -315,20 +315,17 @@ void print_run(const fs::path& folder, bool color) {
   fmt::print("disk         {}\n", cli::file_size(size_on_disk(folder)));
   if (const TrainedRobot* best = history.champion()) {
     fmt::print("best so far  {}\n", cli::sparkline(run.best_so_far(), 60));
-    print_robot(best->robot, color);
+    print_robot(best->robot);
   }
 }
 
 // ---- the command line ---------------------------------------------------------
 
-void print_tasks(bool markdown) {
+void print_tasks() {
   const DataFolders folders = cli::data_folders();
   std::vector<TaskSpec> tasks;
   for (const std::string& name : task_names(folders)) tasks.push_back(load_task(name, folders));
-  if (markdown)
-    fmt::print("{}", task_table(tasks, TableStyle::markdown));
-  else
-    cli::print_wrapped(task_table(tasks, TableStyle::plain));
+  cli::print_wrapped(task_table(tasks, TableStyle::plain));
 }
 
 // Keys, values, what is allowed, and what it means, a line each.
@@ -370,10 +367,10 @@ void check_bodies(const std::vector<Robot>& robots, const std::string& name) {
       throw error(Failure::data, "{}: robot {} cannot be one: {}", name, robot.id, *fault);
 }
 
-void print_file(const std::string& name, bool color) {
+void print_file(const std::string& name) {
   cli::refuse_task_as_file(name);
-  if (name != standard_stream && fs::is_directory(name)) return print_run(name, color);
-  if (name != standard_stream && hdf5::is_hdf5(name)) return print_hdf5(name, color);
+  if (name != standard_stream && fs::is_directory(name)) return print_run(name);
+  if (name != standard_stream && hdf5::is_hdf5(name)) return print_hdf5(name);
   const std::string text = read_robot_text(name);
   const bool is_hdf5 = hdf5::begins_as_hdf5(text);
   if (!is_hdf5 && !begins_as_numpy(text) && cli::print_document(text, input_label(name))) return;
@@ -381,14 +378,14 @@ void print_file(const std::string& name, bool color) {
                                         ? parse_robots(hdf5::Reader(text, name).text("/", "robot"),
                                                        input_label(name), BodyCheck::any)
                                         : robots_in(text, name, BodyCheck::any);
-  print_robots(robots, input_label(name), color);
+  print_robots(robots, input_label(name));
   check_bodies(robots, input_label(name));
 }
 
-void draw_robots(const std::string& name, bool color) {
+void draw_robots(const std::string& name) {
   const std::vector<Robot> robots = cli::read_robots({name}, BodyCheck::any);
   for (const Robot& robot : robots) {
-    print_robot(robot, color);
+    print_robot(robot);
     fmt::print("\n");
   }
   check_bodies(robots, input_label(name));
@@ -399,9 +396,6 @@ void draw_robots(const std::string& name, bool color) {
 int main(int argc, char** argv) {
   cli::Command command("evo-inspect");
   std::vector<std::string> words;
-  cli::ColorWhen color = cli::ColorWhen::terminal;
-  std::optional<std::string> shape;
-  bool markdown = false;
   bool watch = false;
   bool check = false;
   bool replay = false;
@@ -414,14 +408,6 @@ int main(int argc, char** argv) {
        {"physics [PROFILE]", "what can be set there, and its values in a profile [evogym]"},
        {"training [PROFILE]", "the same of trainings [default]"},
        {"robot FILE...", "robots, drawn"}});
-  using cli::ColorWhen;
-  command.choice(
-      "--color", color, "WHEN",
-      {{"auto", ColorWhen::terminal}, {"always", ColorWhen::always}, {"never", ColorWhen::never}},
-      "auto, always or never");
-  command.option("--shape", shape, "ROWSxCOLS",
-                 "of the full body whose observation 'task NAME' lays out [5x5]");
-  command.flag("--markdown", markdown, "'tasks' as a Markdown table");
   command.flag("--watch", watch,
                "follow a run, or one that is to begin, until it is over: a line per generation, on "
                "a terminal the champion's body and live curves");
@@ -442,10 +428,6 @@ int main(int argc, char** argv) {
   command.example("evo-inspect --watch runs/walker", "the same, live");
 
   return command.run(argc, argv, [&] {
-    const std::string subject = words.empty() ? "" : words[0];
-    command.only(subject == "tasks", {"--markdown"}, "'tasks'");
-    command.only(subject == "task", {"--shape"}, "'task NAME'");
-    const bool colored = cli::use_color(color);
     if (check) {
       if (words.empty()) throw error(Failure::usage, "--check: name files or run folders");
       cli::check_paths(words, replay);
@@ -467,19 +449,17 @@ int main(int argc, char** argv) {
                   "see evo-inspect --help");
     if (words.empty()) words.emplace_back(standard_stream);
     if (words == std::vector<std::string>{"tasks"}) {
-      print_tasks(markdown);
+      print_tasks();
     } else if (words[0] == "task") {
       if (words.size() != 2) throw error(Failure::usage, "task: name one task, such as Walker-v0");
-      const Shape size = parse_shape(shape.value_or("5x5"));
-      cli::print_wrapped(
-          describe_task(load_task(words[1], cli::data_folders()), full_body(size.rows, size.cols)));
+      cli::print_wrapped(cli::describe_task(load_task(words[1], cli::data_folders())));
     } else if (print_profile(words)) {
       return 0;
     } else if (words[0] == "robot") {
       if (words.size() < 2) words.emplace_back(standard_stream);
-      for (std::size_t i = 1; i < words.size(); ++i) draw_robots(words[i], colored);
+      for (std::size_t i = 1; i < words.size(); ++i) draw_robots(words[i]);
     } else {
-      for (const std::string& word : words) print_file(word, colored);
+      for (const std::string& word : words) print_file(word);
     }
     return 0;
   });

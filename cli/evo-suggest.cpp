@@ -43,7 +43,6 @@ History read_history(const std::vector<std::string>& files, std::optional<int> k
 
 int main(int argc, char** argv) {
   cli::Command command("evo-suggest");
-  SuggestSettings settings;
   int count = 25;
   std::string shape_text = "5x5";
   std::vector<std::string> files;
@@ -56,8 +55,6 @@ int main(int argc, char** argv) {
       .option("--known", known, "N", "of scored robots only the first so many count as such [all]")
       .at_least(1);
   command.option("--shape", shape_text, "ROWSxCOLS", "of the bodies, while there are no robots");
-  command.option("--candidates", settings.candidates, "N", "random valid bodies considered")
-      .at_least(1);
   command.seed_option();
   command.output_option("where the bodies go, one JSON document per line");
   command.jobs_option();
@@ -71,8 +68,8 @@ int main(int argc, char** argv) {
     const Shape shape = history.shape.rows == 0 ? parse_shape(shape_text) : history.shape;
     cli::Workers workers(command, static_cast<std::size_t>(command.jobs));
     const SuggestedBatch batch =
-        suggest(shape.rows, shape.cols, history.observations, history.pending, count, settings,
-                command.seed, &workers.pool);
+        suggest(shape.rows, shape.cols, history.observations, history.pending, count,
+                SuggestSettings{}, command.seed, &workers.pool);
     if (!batch.from_model) cli::log::warn("no scored robot to learn from; these bodies are random");
     RobotWriter out(command.output);
     int index = 0;

@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 void check_files(const TrainingPlan& plan, const std::vector<Robot>& robots,
                  const std::string& output) {
   std::vector<cli::FileName> outputs{{"--output", output}};
-  if (plan.curve) outputs.push_back({"--curve", plan.curve->string()});
   std::set<std::string> ids;
   for (const Robot& robot : robots) {
     if (!ids.insert(robot.id).second) continue;

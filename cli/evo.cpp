@@ -36,7 +36,7 @@ void print_help() {
       "  --version                      version, commit, instruction set\n"
       "\nExamples:\n"
       "  # how far a travelling wave carries random robots; the best five\n"
-      "  evo sample -n 100 | evo eval --task Walker-v0 --sine 0.5,20,0.7 |\n"
+      "  evo sample -n 100 | evo eval --task Walker-v0 --actions sine:0.5,20,0.7 |\n"
       "    evo select --keep 5\n"
       "  # a whole evolution, over the same tools\n"
       "  evo evolve ga --run runs/walker --task Walker-v0 -j8\n"

@@ -19,6 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// How each champion of a modular run goes on alone.
+constexpr const char* champions_training =
+    " --train learning_rate=3e-4 --train rollout=128 --train evaluation_interval=16"
+    " --train final_episodes=20";
+
 // ---- words --------------------------------------------------------------------------
 
 std::string for_make(const std::string& line) {
@@ -170,12 +175,6 @@ class RunMakefile {
           stage_seed(0));
     else if (method_ == "bo")
       command = sample + " --weights 1,1,1,1,1 -o $@";
-    else if (screens())
-      command = fmt::format(
-          "evo-sample -n {} --shape {} --seed {}{} | \\\n\t  evo-eval -q --task {}{} --seed {} "
-          "--failures skip --policy {} | \\\n\t  evo-select --keep {} | evo-convert --bodies -o $@",
-          settings_.number("screen"), shape, stage_seed(0), options(settings_, "sample_options"),
-          file_setting("task"), physics(), seed_, make_word(around_.founders->policies), robots);
     else if (around_.founders && around_.founders->scored)
       command = fmt::format("evo-select --keep {} {} | evo-convert --bodies -o $@", robots,
                             make_word(around_.founders->robots));
@@ -184,9 +183,6 @@ class RunMakefile {
     else
       command = sample + options(settings_, "sample_options") + " -o $@";
     return "mkdir -p $(@D)\n\t" + command;
-  }
-  bool screens() const {
-    return settings_.find("screen") != nullptr && settings_.number("screen") > 0;
   }
 
   void add_ga() {
@@ -335,8 +331,8 @@ class RunMakefile {
     if (const int champions = settings_.number("champions"); champions > 0)
       generation(champions, folder(last_shared) + "/scores.jsonl",
                  fmt::format("$(call go_on,{},{})", folder(last_shared), champions),
-                 fmt::format("$(call train,--steps {}{} --init {})", settings_.number("own_steps"),
-                             options(settings_, "own_options"), shared(last_shared)),
+                 fmt::format("$(call train,--steps {}{} --init {})", settings_.steps(generations_),
+                             champions_training, shared(last_shared)),
                  "CHAMPIONS");
   }
 
@@ -349,7 +345,6 @@ class RunMakefile {
   std::string training() const {
     std::string text = fmt::format("evo-train --task {}{} --train {}", file_setting("task"),
                                    physics(), file_setting("train"));
-    if (settings_.find("algo") != nullptr) text += " --algo " + file_setting("algo");
     if (method_ != "race" && method_ != "modular") {
       text += fmt::format(" --steps {}", settings_.number("steps"));
       if (settings_.find("founder_steps") != nullptr)
@@ -360,10 +355,7 @@ class RunMakefile {
     if (method_ != "modular" && (inherit == "yes" || inherit == "all")) text += " --init policies";
     if (method_ != "modular" && inherit == "all")
       text += " --founder-init " + make_word(around_.founders->policies);
-    const bool measures = setting(settings_, "features").find("behaviour.") != std::string::npos;
-    text += options(settings_, "train_options");
-    if (measures && text.find(" --behaviour") == std::string::npos) text += " --behaviour";
-    return text;
+    return text + options(settings_, "train_options");
   }
 
   std::string program() const {
@@ -555,25 +547,21 @@ class RunMakefile {
           "breed",
           seen +
               fmt::format("rm -f policies/*.checkpoint.h5\n"
-                          "evo-select --skip-failed --keep {0} $(2) -o $(@D)/parents.jsonl\n"
-                          "[ -s $(@D)/parents.jsonl ] || evo-select --skip-failed --keep {0} {1} "
-                          "-o $(@D)/parents.jsonl\n",
-                          setting(settings_, "parents"), all("scores.jsonl")) +
+                          "evo-select --keep {} $(2) -o $(@D)/parents.jsonl\n",
+                          setting(settings_, "parents")) +
               "$(MUTATE) -n $(3) --seed $(4) --avoid seen.txt $(@D)/parents.jsonl -o $@\n");
     if (method_ == "race" || method_ == "modular")
       define("The best go on. $(1) generation before, $(2) robots", "go_on",
              "mkdir -p $(@D)\n"
-             "evo-select --skip-failed --keep $(2) --unscored $(1)/scores.jsonl -o $@\n");
+             "evo-select --keep $(2) --unscored $(1)/scores.jsonl -o $@\n");
     if (method_ == "modular")
       define(
           "Children take the places of the worst. $(1) generation before, $(2) that stay,\n"
           "# $(3) children, $(4) seed",
           "breed",
           seen +
-              fmt::format("evo-select --keep $(2) --grace {} --layers {} --unscored {} "
-                          "-o $(@D)/stay.jsonl\n",
-                          settings_.number("grace"), settings_.number("layers"),
-                          all("scores.jsonl")) +
+              fmt::format("evo-select --keep $(2) --grace {} --unscored {} -o $(@D)/stay.jsonl\n",
+                          settings_.number("grace"), all("scores.jsonl")) +
               "$(MUTATE) -n $(3) --seed $(4) --avoid seen.txt $(@D)/stay.jsonl "
               "-o $(@D)/children.jsonl\n"
               "evo-convert $(@D)/stay.jsonl $(@D)/children.jsonl -o $@\n");
@@ -655,7 +643,7 @@ void check_python_task(const RunSettings& settings) {
   if (settings.text("method") == "race" || settings.text("method") == "modular")
     throw error(Failure::usage, "--task {}: trainings in Python cannot go on, as {} needs",
                 settings.text("task"), settings.text("method"));
-  for (const char* name : {"algo", "physics", "founder_steps"})
+  for (const char* name : {"physics", "founder_steps"})
     if (settings.find(name) != nullptr)
       throw error(Failure::usage, "{} is for tasks of the suite: {} is a class in Python",
                   find_run_setting(name)->option(), settings.text("task"));
@@ -695,14 +683,6 @@ void check(const RunSettings& settings, const Surroundings& around) {
                 "--pop {} leaves no place for robots out of --grace; more than children x (grace + "
                 "1) are needed, {}",
                 pop, safe);
-  const int screen = settings.number("screen");
-  if (screen > 0 && (!around.founders || around.founders->policies.empty()))
-    throw error(Failure::usage,
-                "--screen {} needs --founders, a run of modular or a record, whose controller says "
-                "which bodies are the first",
-                screen);
-  if (screen > 0 && screen < std::min(pop, settings.number("evals")))
-    throw error(Failure::usage, "--screen {} is less than --pop {}", screen, pop);
 }
 
 }  // namespace
@@ -777,9 +757,8 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
                                  "--task",    in_full(settings.text("task")),
                                  "--train",   in_full(settings.text("train")),
                                  "--seed",    settings.text("seed")};
-  for (const char* name : {"algo", "physics"})
-    if (settings.find(name) != nullptr)
-      train.insert(train.end(), {find_run_setting(name)->option(), in_full(settings.text(name))});
+  if (settings.find("physics") != nullptr)
+    train.insert(train.end(), {"--physics", in_full(settings.text("physics"))});
   const std::vector<std::string> more = words_of(settings, "train_options");
   train.insert(train.end(), more.begin(), more.end());
   const auto add_training = [&](std::vector<std::string> words, int robots) {
@@ -791,9 +770,9 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
     constexpr int enough = 64;  // robots, to see whether the first steps are too few
     add_training({"--steps", settings.text("steps"), "--shared", "none.policy.h5"},
                  std::min(settings.number("pop"), enough));
-    std::vector<std::string> own{"--steps", settings.text("own_steps")};
-    const std::vector<std::string> options = words_of(settings, "own_options");
-    own.insert(own.end(), options.begin(), options.end());
+    std::vector<std::string> own =
+        option_words(fmt::format("--steps {}{}", settings.number("steps") / 2, champions_training),
+                     "--champions");
     if (settings.number("champions") > 0) add_training(own, 1);
     return list;
   }

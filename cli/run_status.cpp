@@ -225,8 +225,7 @@ class ChampionShown {
     const TrainedRobot* best = run.history().champion();
     if (!output_columns() || best == nullptr || best->robot.id == shown_) return;
     shown_ = best->robot.id;
-    fmt::print("\n{}{}  {:.3f}\n\n", draw_body(best->robot.body, use_color(ColorWhen::terminal)),
-               shown_, *best->fitness);
+    fmt::print("\n{}{}  {:.3f}\n\n", draw_body(best->robot.body), shown_, *best->fitness);
   }
 
  private:

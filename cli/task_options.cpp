@@ -10,15 +10,13 @@ void TaskOptions::add_to(Command& command, const std::string& otherwise) {
   command.option("--task", task, "TASK",
                  "a benchmark task by name, or a task file of your own" +
                      (task ? " [" + *task + "]" : otherwise));
-  command.option("--physics", physics, "PROFILE",
-                 "physics profile by name or file (evogym, paper) [the task's]");
-  command.option(
-      "--set", set, "KEY=VALUE",
-      "one constant of the physics, such as gravity=50 (repeatable); 'evo-inspect physics' "
-      "lists them");
+  command.option("--physics", physics, "PROFILE|KEY=VALUE",
+                 "a physics profile by name or file, or one constant, such as gravity=50 "
+                 "(repeatable); 'evo-inspect physics' lists them [the task's]");
   command.suggestions("--task", [] { return task_names(data_folders()); });
-  command.suggestions("--physics", [] { return data_names(data_folders(), "physics"); });
-  command.suggestions("--set", [] { return assignments(physics_table(Physics())); });
+  command.suggestions("--physics", [] {
+    return profiles_and_settings("physics", assignments(physics_table(Physics())));
+  });
 }
 
 TaskSpec TaskOptions::load() const {
@@ -29,9 +27,10 @@ TaskSpec TaskOptions::load() const {
 }
 
 void TaskOptions::change_physics(TaskSpec& spec) const {
-  if (!physics && set.empty()) return;
-  Physics changed = physics ? load_physics(*physics, data_folders()) : spec.physics;
-  for (const std::string& assignment : set) apply_override(changed, assignment);
+  if (physics.empty()) return;
+  const auto [profile, settings] = profile_words(physics);
+  Physics changed = profile ? load_physics(*profile, data_folders()) : spec.physics;
+  for (const std::string& assignment : settings) apply_override(changed, assignment);
   set_physics(spec, changed);
 }
 

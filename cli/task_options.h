@@ -1,4 +1,4 @@
-// --task, --physics and --set: what robots are trained and measured in.
+// --task and --physics: what robots are trained and measured in.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,7 @@ namespace evo::cli {
 
 struct TaskOptions {
   std::optional<std::string> task;
-  std::optional<std::string> physics;
-  std::vector<std::string> set;
+  std::vector<std::string> physics;
 
   // `otherwise` says in the help what holds without --task.
   void add_to(Command& command, const std::string& otherwise = "; required");
@@ -24,10 +23,6 @@ struct TaskOptions {
   // Changes the physics of a task that came from elsewhere (a policy file).
   void change_physics(TaskSpec& spec) const;
 };
-
-// What --behaviour of the tools does.
-inline constexpr const char* behaviour_help =
-    "write how the robot behaved, too: distance, rise, aloft, width (evo-archive)";
 
 // The profile with just these constants, "own" if there is none.
 std::string profile_name(const Physics& physics);

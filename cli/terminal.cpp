@@ -55,13 +55,9 @@ std::size_t utf8_length(std::string_view text) {
 
 }  // namespace
 
-bool use_color(ColorWhen when) {
-  if (when == ColorWhen::always) return true;
-  if (when == ColorWhen::never) return false;
-  return isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr && terminal_redraws();
-}
-
-std::string draw_body(const Body& body, bool color) {
+std::string draw_body(const Body& body) {
+  const bool color =
+      isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr && terminal_redraws();
   std::string text;
   for (int row = 0; row < body.rows; ++row) {
     for (int col = 0; col < body.cols; ++col) {

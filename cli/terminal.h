@@ -11,15 +11,9 @@
 
 namespace evo::cli {
 
-enum class ColorWhen {
-  terminal,  // standard output is one, and $NO_COLOR is unset
-  always,
-  never,
-};
-bool use_color(ColorWhen when);
-
-// The body, top row first, two characters per voxel: blocks of colour, or letters.
-std::string draw_body(const Body& body, bool color);
+// The body, top row first, two characters per voxel: blocks of colour where standard output is a
+// terminal, and $NO_COLOR is unset, else letters.
+std::string draw_body(const Body& body);
 
 // "4.2 s", "3 min 20 s", "2 h 05 min"
 std::string duration(double seconds);

@@ -98,13 +98,6 @@ void save_policy(const fs::path& path, const PolicyFile& policy, bool replace) {
   }
 }
 
-void write_curve(const fs::path& path, const std::vector<CurvePoint>& curve) {
-  std::string table = "step\treturn\tbest\n";
-  for (const CurvePoint& point : curve)
-    table += fmt::format("{}\t{}\t{}\n", point.step, point.evaluation, point.best);
-  write_file(path, table);
-}
-
 // ---- one training ---------------------------------------------------------------------
 
 // One training from its start to its files, or to a checkpoint where it is interrupted: of
@@ -235,7 +228,6 @@ class Training {
     }
     std::error_code ignored;
     if (!keeps) fs::remove(paths_.checkpoint, ignored);
-    if (plan_.curve) write_curve(*plan_.curve, result.curve);
     return measured;
   }
 
@@ -315,13 +307,12 @@ Robot scored(const TrainingPlan& plan, const Robot& robot, double fitness, const
   result.document["task"] = policy.task;
   result.document["steps"] = policy.steps;
   result.document["policy"] = path.string();
-  if (const auto& score = policy.final_score; score && !plan.shared)
+  if (plan.shared) return result;
+  if (const auto& score = policy.final_score)
     result.document["final"] = {{"episodes", score->episodes},
                                 {"mean", score->mean},
                                 {"standard_error", score->standard_error}};
-  if (plan.behaviour)
-    result.document["behaviour"] =
-        behaviour_of(plan, robot, to_controller(policy.controller), arena);
+  result.document["behaviour"] = behaviour_of(plan, robot, to_controller(policy.controller), arena);
   return result;
 }
 
@@ -365,11 +356,6 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
 
 int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, ThreadPool& pool,
                  const TrainingObserver& observer) {
-  if (plan.curve && robots.size() != 1 && !plan.shared)
-    throw error(Failure::usage,
-                "--curve writes the curve of one robot, but {} were read; the "
-                "policy files hold the curves of all",
-                robots.size());
   if (!plan.shared) {
     make_folders(plan.policies);
     make_folders(plan.logs);

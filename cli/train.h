@@ -1,5 +1,5 @@
 // Robots in, trained controllers out, as files: where a training starts from (start.h),
-// policy, checkpoint, log and curve of each robot, and what is known already. evo-train
+// policy, checkpoint and log of each robot, and what is known already. evo-train
 // is this from a command line.
 #pragma once
 
@@ -32,7 +32,6 @@ struct TrainingPlan {
   std::filesystem::path logs = ".";
   // One controller for all robots, into this policy; checkpoint and log lie beside it.
   std::optional<std::filesystem::path> shared;
-  std::optional<std::filesystem::path> curve;  // a table, of one robot
 
   // Where controllers to start from are: a policy for every robot, or a folder with those
   // of parents; and one for every robot without parents, or a folder that has theirs.
@@ -49,7 +48,6 @@ struct TrainingPlan {
   bool resume = false;                      // go on from checkpoints
   bool replace = false;                     // policies that were trained otherwise
   bool skip_failures = false;               // a training that diverges: no fitness, go on
-  bool behaviour = false;                   // measure how the robot behaves
 
   const TrainingSettings& settings(const Robot& robot) const;
 };
@@ -98,9 +96,8 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
 
 // Trains the robots on the pool's threads, or one controller for all of them. Returns the signal
 // that interrupted, or 0; each training that had not ended then has a checkpoint. Throws
-// Error(usage) for a curve of several robots, Error(work) for a training that failed unless
-// failures are skipped, else what reading and writing the files throws; the first Error names its
-// robot.
+// Error(work) for a training that failed unless failures are skipped, else what reading and
+// writing the files throws; the first Error names its robot.
 int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, ThreadPool& pool,
                  const TrainingObserver& observer);
 

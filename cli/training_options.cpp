@@ -1,14 +1,11 @@
 #include "cli/training_options.h"
 
-#include <fmt/ranges.h>
-
 #include <limits>
 
 #include "cli/data.h"
 #include "formats/io/values.h"
 #include "formats/training/training.h"
 #include "formats/training/training_log.h"
-#include "libevo/control/method.h"
 
 namespace evo::cli {
 namespace {
@@ -23,26 +20,14 @@ void TrainingOptions::add_to(Command& command) {
   command.section("Task");
   task.add_to(command);
   command.section("Training");
-  const Option train = command.option(
-      "--train", profile, "PROFILE",
-      "training profile by name or file: adapt, default, feedback, gait, lineage, long, modular, "
-      "moments, paper, sequence");
-  command.option("--train-set", set, "KEY=VALUE",
-                 "one setting of the profile, such as learning_rate=3e-4 (repeatable); "
-                 "'evo-inspect training' lists them");
-  const Option algo =
-      command.option("--algo", algorithm, "NAME",
-                     fmt::format("{} [the profile's]", fmt::join(algorithm_names(), ", ")));
+  command.option("--train", train, "PROFILE|KEY=VALUE",
+                 "a training profile by name or file (adapt, default, feedback, gait, lineage, "
+                 "long, modular, moments, paper, sequence), or one setting, such as "
+                 "learning_rate=3e-4 (repeatable); 'evo-inspect training' lists them [default]");
   command.option("--steps", steps, "N", "environment steps [the profile's]");
   const Option of_founders =
       command.option("--founder-steps", founder_steps, "N",
                      "environment steps of robots without parents [--steps]");
-  const Option final = command.option(
-      "--final-episodes", final_episodes, "N",
-      "episodes of the best policy from perturbed starts, after training [the profile's]");
-  const Option final_start =
-      command.option("--jitter", jitter, "VOXELS",
-                     "how far their start coordinates are perturbed [the profile's]");
   const Option start =
       command.option("--init", init, "POLICY|DIR",
                      "start from this policy, or in a folder from the parent's (<id>.policy.h5); "
@@ -59,11 +44,8 @@ void TrainingOptions::add_to(Command& command) {
   command.option("--out-dir", out_dir, "DIR", "where <id>.policy.h5 and <id>.log go");
   const Option for_all = command.option(
       "--shared", shared, "FILE.policy.h5",
-      "one controller for all robots read, instead of one for each (--algo modular)");
-  const Option table =
-      command.option("--curve", curve, "FILE.tsv", "learning curve of one training as a table");
+      "one controller for all robots read, instead of one for each (--train modular)");
   command.output_option("where the robots go, with fitness, steps and policy");
-  command.flag("--behaviour", behaviour, behaviour_help);
   command.option("--checkpoint-every", checkpoint_every, "N",
                  "save a checkpoint after this many steps; 0: on interruption only");
   const Option kept =
@@ -78,27 +60,20 @@ void TrainingOptions::add_to(Command& command) {
           "--by-sequence", by_sequence,
           "search for a sequence of actions, train two networks along it and keep the better one, "
           "which takes 2 000 000 steps unless --steps says")
-      .excludes({train, algo, of_founders, final, final_start, start, founders_start, recorded,
-                 for_all, table, kept});
+      .excludes({of_founders, start, founders_start, recorded, for_all, kept});
   command.jobs_option();
   command.progress_option();
-  command.suggestions("--train", [] { return data_names(data_folders(), "training"); });
-  command.suggestions("--train-set", [] { return assignments(training_table({})); });
-  command.suggestions("--algo", algorithm_names);
+  command.suggestions(
+      "--train", [] { return profiles_and_settings("training", assignments(training_table({}))); });
 }
 
 TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
   TrainingPlan plan;
   plan.task = task.load();
-  plan.children = load_training(profile, data_folders());
-  const auto apply = [&](const std::string& key, const auto& value) {
-    if (value) apply_override(plan.children, fmt::format("{}={}", key, *value));
-  };
-  apply("algorithm", algorithm);
-  if (steps) apply("steps", std::optional(parse_steps(*steps, "--steps")));
-  apply("final_episodes", final_episodes);
-  apply("final_jitter", jitter);
-  for (const std::string& assignment : set) apply_override(plan.children, assignment);
+  const auto [profile, settings] = profile_words(train);
+  plan.children = load_training(profile.value_or("default"), data_folders());
+  if (steps) plan.children.steps = parse_steps(*steps, "--steps");
+  for (const std::string& assignment : settings) apply_override(plan.children, assignment);
   check(plan.children);
   plan.founders = plan.children;
   if (founder_steps) plan.founders.steps = parse_steps(*founder_steps, "--founder-steps");
@@ -108,7 +83,6 @@ TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
   plan.created_by = created_by("evo-train");
   plan.policies = out_dir;
   plan.logs = out_dir;
-  plan.curve = curve;
   plan.init = init;
   plan.founders_from = founder_init;
   plan.moments.assign(moments.begin(), moments.end());
@@ -118,7 +92,6 @@ TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
   plan.resume = resume;
   plan.replace = force;
   plan.skip_failures = skip_failures;
-  plan.behaviour = behaviour;
   return plan;
 }
 

@@ -16,16 +16,11 @@ namespace evo::cli {
 
 struct TrainingOptions {
   TaskOptions task;
-  std::string profile = "default";
-  std::vector<std::string> set;
-  std::optional<std::string> algorithm;
+  std::vector<std::string> train;  // profiles and settings (profile_words)
   std::optional<std::string> steps;
   std::optional<std::string> founder_steps;
   std::string out_dir = ".";
-  std::optional<std::string> curve;
   int checkpoint_every = 100'000;
-  std::optional<int> final_episodes;
-  std::optional<double> jitter;
   std::optional<std::string> init;
   std::optional<std::string> founder_init;
   std::vector<std::string> moments;
@@ -34,7 +29,6 @@ struct TrainingOptions {
   bool keep_checkpoint = false;
   bool resume = false;
   bool force = false;
-  bool behaviour = false;
   bool skip_failures = false;
 
   // All of them, --seed, --output, --jobs and --progress included.

@@ -82,7 +82,7 @@ def bench(size):
     """A body and how fast evo-bench steps sixteen of it, without Python."""
     said = subprocess.run(
         [evo_robots.find_tool("evo-bench"), "--sizes", str(size), "--envs", str(LANES), "--json",
-         "--repetitions", str(REPETITIONS), "--seconds", str(SECONDS / REPETITIONS)],
+         "--seconds", str(SECONDS / REPETITIONS)],
         capture_output=True, text=True, check=True).stdout
     found = json.loads(said)
     return found["body"], round(found["steps_per_second"])

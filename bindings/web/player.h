@@ -29,7 +29,8 @@ EVO_EXPORTED void evo_close(evo_player* player);
 // top left, top right, bottom left, bottom right]..], "follow": [objects], "terms": [name..]}.
 EVO_EXPORTED int evo_describe(const evo_player* player);
 
-// What drives the robot, JSON: {"kind": "wave", "amplitude", "period", "phase"} is `--sine`;
+// What drives the robot, JSON: {"kind": "wave", "amplitude", "period", "phase"} is `--actions
+// sine:..`;
 // {"kind": "rest"} holds every target at 1; else a policy as `evo-convert --to json` writes it.
 EVO_EXPORTED int evo_control(evo_player* player, const char* controller);
 // Begins episode `episode` of a seed, as evo-eval does. `draws`, or null: JSON of what the

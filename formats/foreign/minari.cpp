@@ -92,7 +92,6 @@ void write_episode(hdf5::Writer& file, const Rollout& rollout, const RolloutEpis
   file.flags(group + "/terminations", episode.terminations);
   file.flags(group + "/truncations", episode.truncations);
   write_points(file, group + "/infos/positions", episode.positions, steps + 1);
-  write_points(file, group + "/infos/velocities", episode.velocities, steps + 1);
 }
 
 // A Box space of Gymnasium as Minari has it: JSON, but Python's, where numbers

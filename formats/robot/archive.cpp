@@ -89,9 +89,8 @@ std::vector<double> features_of(const Robot& robot, const std::vector<FeatureAxi
   for (const FeatureAxis& axis : axes) {
     features.push_back(feature_of(robot, axis.name));
     if (std::isnan(features.back()) && axis.name.starts_with(behaviour) && robot.fitness())
-      throw error(Failure::data,
-                  "robot {} has no '{}'; evo-train and evo-eval write it with --behaviour",
-                  robot.id, axis.name);
+      throw error(Failure::data, "robot {} has no '{}'; evo-train and evo-eval give it", robot.id,
+                  axis.name);
   }
   return features;
 }

@@ -20,9 +20,8 @@ void append(std::vector<double>& to, std::span<const double> values) {
 
 }  // namespace
 
-Recorder::Recorder(const Arena& arena, const Robot& robot, std::uint64_t seed, bool velocities,
-                   const std::string& created_by)
-    : velocities_(velocities) {
+Recorder::Recorder(const Arena& arena, const Robot& robot, std::uint64_t seed,
+                   const std::string& created_by) {
   const Model& model = arena.model();
   rollout_.task = arena.task().name;
   rollout_.task_yaml = arena.task().source;
@@ -58,10 +57,6 @@ void Recorder::record(const EpisodeMoment& moment) {
                                     static_cast<std::size_t>(rollout_.observation_length)));
   const auto positions = env.positions(moment.lane);
   episode.positions.insert(episode.positions.end(), positions.begin(), positions.end());
-  if (velocities_) {
-    const auto velocities = env.velocities(moment.lane);
-    episode.velocities.insert(episode.velocities.end(), velocities.begin(), velocities.end());
-  }
 }
 
 void BehaviourGauge::record(const EpisodeMoment& moment) {
@@ -84,7 +79,7 @@ Rollout play(const PolicyFile& policy, const std::string& created_by) {
   const Arena arena(policy_task(policy, "robot " + policy.robot.id), policy.robot.body);
   EvaluationSettings settings;
   settings.seed = policy.seed;
-  Recorder recorder(arena, policy.robot, policy.seed, false, created_by);
+  Recorder recorder(arena, policy.robot, policy.seed, created_by);
   evaluate(arena, to_controller(policy.controller), settings,
            [&](const EpisodeMoment& moment) { recorder.record(moment); });
   return recorder.rollout();

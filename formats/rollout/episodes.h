@@ -15,7 +15,7 @@ namespace evo {
 // Gathers what episodes of one arena do into a Rollout.
 class Recorder {
  public:
-  Recorder(const Arena& arena, const Robot& robot, std::uint64_t seed, bool velocities,
+  Recorder(const Arena& arena, const Robot& robot, std::uint64_t seed,
            const std::string& created_by);
 
   // For evaluate(): call with every moment, in any order of episodes.
@@ -24,7 +24,6 @@ class Recorder {
   const Rollout& rollout() const { return rollout_; }
 
  private:
-  bool velocities_;
   Rollout rollout_;
 };
 

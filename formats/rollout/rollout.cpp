@@ -88,8 +88,6 @@ void write_episode(hdf5::Writer& file, const Rollout& rollout, std::size_t k) {
   file.vector(group + "/terminations", episode.terminations);
   file.vector(group + "/truncations", episode.truncations);
   file.array(group + "/infos/positions", {steps + 1, points, 2}, as_numbers(episode.positions));
-  if (!episode.velocities.empty())
-    file.array(group + "/infos/velocities", {steps + 1, points, 2}, as_numbers(episode.velocities));
 }
 
 // ---- reading ----------------------------------------------------------------
@@ -173,7 +171,6 @@ RolloutEpisode read_episode(const hdf5::Reader& file, std::size_t k, Lengths& le
   episode.terminations = read_flags(file, group + "/terminations", steps);
   episode.truncations = read_flags(file, group + "/truncations", steps);
   episode.positions = read_points(file, group + "/infos/positions", steps + 1, lengths.points);
-  episode.velocities = read_points(file, group + "/infos/velocities", steps + 1, lengths.points);
   return episode;
 }
 

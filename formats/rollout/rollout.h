@@ -25,7 +25,6 @@ struct RolloutEpisode {
   std::vector<std::uint8_t> terminations;  // [T]
   std::vector<std::uint8_t> truncations;   // [T]
   std::vector<Vec2> positions;             // [T+1 x N], raw units, world order
-  std::vector<Vec2> velocities;            // [T+1 x N] or empty
   int steps() const { return static_cast<int>(rewards.size()); }
 };
 

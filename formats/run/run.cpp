@@ -139,7 +139,7 @@ int RunSettings::rungs_left(int generation) const {
 }
 
 bool RunSettings::shares(int generation) const {
-  if (find("own_steps") == nullptr) return false;
+  if (text("method") != "modular") return false;
   const int pop = number("pop");
   const int children = std::max(1, number("children"));
   const int born_later = std::max(0, number("evals") - pop);
@@ -147,7 +147,7 @@ bool RunSettings::shares(int generation) const {
 }
 
 int RunSettings::steps(int generation) const {
-  if (find("own_steps") != nullptr && !shares(generation)) return std::max(1, number("own_steps"));
+  if (text("method") == "modular" && !shares(generation)) return std::max(1, number("steps") / 2);
   constexpr int most = 30;  // halvings that leave anything
   const bool founders = generation == 0 && find("founder_steps") != nullptr;
   return std::max(

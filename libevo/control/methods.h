@@ -1,5 +1,5 @@
 // The ways of training. A new one is a class that fulfils TrainingMethod
-// (method.h) and a line here: profiles, --algo, messages and checkpoints know it
+// (method.h) and a line here: profiles, messages and checkpoints know it
 // by its name from then on.
 #pragma once
 

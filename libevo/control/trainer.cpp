@@ -160,16 +160,15 @@ struct Trainer::Impl {
     const Abilities can = abilities(job.settings.algorithm);
     if (job.inheritance && !can.shares &&
         std::holds_alternative<ModularPolicy>(job.inheritance->controller))
-      throw error(Failure::usage, "training: {} cannot start from a modular policy; --algo {} can",
-                  name, algorithm_that(&Abilities::shares));
+      throw error(Failure::usage, "training: {} cannot start from a modular policy; {} can", name,
+                  algorithm_that(&Abilities::shares));
     if (job.robots.size() > 1 && !can.shares)
       throw error(Failure::usage,
-                  "training: {} makes a controller for each robot; --algo {} makes one for all",
-                  name, algorithm_that(&Abilities::shares));
+                  "training: {} makes a controller for each robot; {} makes one for all", name,
+                  algorithm_that(&Abilities::shares));
     if (!job.demonstrations.empty() && !can.moments)
-      throw error(Failure::usage,
-                  "training: {} begins no episodes at recorded moments; --algo {} does", name,
-                  algorithm_that(&Abilities::moments));
+      throw error(Failure::usage, "training: {} begins no episodes at recorded moments; {} does",
+                  name, algorithm_that(&Abilities::moments));
     return make_method(job);
   }
 

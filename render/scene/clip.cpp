@@ -246,8 +246,7 @@ double Clip::ground(double x) const {
   return height;
 }
 
-// Recorded velocities where there are any would do as well; differences need no
-// unit of time and are what the eye sees.
+// A difference of positions needs no unit of time and is what the eye sees.
 Vec2 Clip::velocity(int step, int point) const {
   const int before = std::max(0, step - 1);
   const int after = std::min(steps_, before + 1);

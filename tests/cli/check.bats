@@ -6,7 +6,7 @@ setup_file() {
   export made="$BATS_FILE_TMPDIR"
   printf 'HV\nHV\n' > small.txt
   evo-train small.txt --task Walker-v0 --steps 640 --out-dir . -o trained.json \
-    --train-set 'hidden=[8]' --train-set environments=2 --train-set rollout=32
+    --train 'hidden=[8]' --train environments=2 --train rollout=32
   evo-eval trained.json --max-steps 5 --rollout walk.h5 > /dev/null
 }
 
@@ -70,8 +70,8 @@ with h5py.File(sys.argv[1], 'r+') as f: f['actor/layer_0/bias'][0] += 0.5" "$pol
   cp "$made"/* .
   local policy; policy=$(basename ./*.policy.h5)
   head -c 2000 "$policy" > half; mv half "$policy"
-  fails_with 65 "$policy" -- evo-train small.txt --task Walker-v0 --steps 640 --out-dir . --train-set 'hidden=[8]' --train-set environments=2 --train-set rollout=32
-  evo-train small.txt --task Walker-v0 --steps 640 --out-dir . --force --train-set 'hidden=[8]' --train-set environments=2 --train-set rollout=32 | jq -e '.fitness'
+  fails_with 65 "$policy" -- evo-train small.txt --task Walker-v0 --steps 640 --out-dir . --train 'hidden=[8]' --train environments=2 --train rollout=32
+  evo-train small.txt --task Walker-v0 --steps 640 --out-dir . --force --train 'hidden=[8]' --train environments=2 --train rollout=32 | jq -e '.fitness'
   cmp "$policy" "$made/$policy"
 }
 

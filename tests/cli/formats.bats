@@ -5,12 +5,12 @@ setup_file() {
   cd "$BATS_FILE_TMPDIR" || return
   export made="$BATS_FILE_TMPDIR"
   printf 'HVH\nHVH\n' > small.txt
-  local small=(--train-set 'hidden=[8]' --train-set environments=2 --train-set rollout=32)
+  local small=(--train 'hidden=[8]' --train environments=2 --train rollout=32)
   evo-train small.txt --task Walker-v0 --steps 640 --out-dir net "${small[@]}" -o net.json
-  evo-train small.txt --task Walker-v0 --steps 640 --out-dir squash "${small[@]}" --train-set action_map=squash -o squash.json
-  evo-train small.txt --task Walker-v0 --steps 64 --out-dir timed "${small[@]}" --train-set 'clock=[20]'
+  evo-train small.txt --task Walker-v0 --steps 640 --out-dir squash "${small[@]}" --train action_map=squash -o squash.json
+  evo-train small.txt --task Walker-v0 --steps 64 --out-dir timed "${small[@]}" --train 'clock=[20]'
   evo-train small.txt --task Walker-v0 --steps 8000 --train gait --out-dir sine -o sine.json
-  evo-train small.txt --task Walker-v0 --steps 16000 --algo sequence --out-dir sequence -o sequence.json
+  evo-train small.txt --task Walker-v0 --steps 16000 --train algorithm=sequence --out-dir sequence -o sequence.json
 }
 schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
 
@@ -23,12 +23,12 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
   schema neat-state < species.json
   evo-neat -n 6 --state-in species.json --state-out next.json genomes | schema robot
   schema neat-state < next.json
-  evo-eval --task Walker-v0 --random --max-steps 3 sampled | tee scored | schema robot
+  evo-eval --task Walker-v0 --actions random --max-steps 3 sampled | tee scored | schema robot
   evo-select --keep 3 scored | schema robot
-  evo-eval --task Walker-v0 --random --max-steps 3 --behaviour sampled | schema robot
+  evo-eval --task Walker-v0 --actions random --max-steps 3 sampled | schema robot
   schema robot < net.json
   schema robot < sine.json
-  evo-train small.txt --task Walker-v0 --steps 64 --out-dir bad --failures skip --train-set learning_rate=1e300 --train-set environments=2 --train-set rollout=8 | schema robot
+  evo-train small.txt --task Walker-v0 --steps 64 --out-dir bad --failures skip --train learning_rate=1e300 --train environments=2 --train rollout=8 | schema robot
   evo-convert sampled --to yaml | schema robot
   evo-convert small.txt --to json | schema robot
   evo-convert small.txt --to evogym | schema design-tool
@@ -47,7 +47,7 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
 @test "runs fit their schemas" {
   local method
   for method in ga neat bo map race modular; do
-    evo-evolve $method -q --plan --run $method --pop 40 --evals 90 --shape 4x4 --train-options "--train-set 'hidden=8,8'"
+    evo-evolve $method -q --plan --run $method --pop 40 --evals 90 --shape 4x4 --train-options "--train 'hidden=8,8'"
     schema run < $method/run.yaml
   done
   evo-evolve ga -q --plan --run own --evaluate "echo '# it\"s: [odd]' \$x" --window 3
@@ -99,8 +99,8 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
   evo-convert --task Carrier-v1 --to evogym -o steps.json
   evo-convert steps.json --to task -o steps.yaml
   evo-inspect task steps.yaml | grep -q steps
-  evo-eval --task steps.yaml --random --max-steps 3 "$made/small.txt" | jq -e '.lengths == [3]'
+  evo-eval --task steps.yaml --actions random --max-steps 3 "$made/small.txt" | jq -e '.lengths == [3]'
   evo-convert "$made/small.txt" --to evogym -o 'my robot.json'
   evo-convert 'my robot.json' --to task -o alone.yaml
-  evo-eval --task alone.yaml --random --max-steps 3 "$made/small.txt" | jq -e '.task == "my-robot"'
+  evo-eval --task alone.yaml --actions random --max-steps 3 "$made/small.txt" | jq -e '.task == "my-robot"'
 }

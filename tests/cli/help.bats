@@ -5,6 +5,10 @@ tools() { (cd "$EVO_BIN" && printf '%s\n' evo-*); }
 
 @test "every tool's help is as agreed" {
   for tool in $(tools); do "$tool" --help | golden "help/$tool.txt"; done
+  for method in ga neat bo map race modular recipe compare; do
+    evo-evolve $method --help | golden "help/evo-evolve-$method.txt"
+    run ! grep -E '^.{81}' <(evo-evolve $method --help)
+  done
 }
 
 @test "help fits a terminal and shows two examples and the exit statuses" {
@@ -17,7 +21,7 @@ tools() { (cd "$EVO_BIN" && printf '%s\n' evo-*); }
 }
 
 @test "help names the training profiles that there are" {
-  named() { evo-train --help | sed -n '/--train PROFILE/,/--train-set/p' | paste -sd ' ' | sed 's/.*file: //; s/ \[default\].*//; s/[ ,]\+/\n/g'; }
+  named() { evo-train --help | tr -d '\n' | grep -o '(adapt[^)]*)' | tr -d '() ' | tr , '\n'; }
   (cd "$EVO_SOURCE/tasks/training" && ls *.yaml) | sed 's/\.yaml//' | cmp - <(named)
 }
 
@@ -35,7 +39,7 @@ tools() { (cd "$EVO_BIN" && printf '%s\n' evo-*); }
   fails_with 2 "'trian'" "did you mean 'train'" "evo help" -- evo trian robot
   fails_with 2 "'../evo-train'" -- evo ../evo-train
   fails_with 2 "''" -- evo ""
-  fails_with 66 "missing.json" -- evo eval --task Walker-v0 --random missing.json
+  fails_with 66 "missing.json" -- evo eval --task Walker-v0 --actions random missing.json
   mkdir own; printf '#!/bin/sh\necho own "$@"\nexit 7\n' > own/evo-mine; chmod +x own/evo-mine
   PATH=$PWD/own:$PATH run evo mine a 'b c'
   [ "$status" -eq 7 ]
@@ -79,7 +83,7 @@ commit_of() {
 @test "wrong usage: status 2 and one line that names the nearest option" {
   for tool in $(tools); do fails_with 2 "$tool" "--verbsoe" "--verbose" -- "$tool" --verbsoe; done
   fails_with 2 "--seed" -- evo-sample --seed seven
-  fails_with 2 "--jobs" -- evo-eval -j 0 --task Walker-v0 --random
+  fails_with 2 "--jobs" -- evo-eval -j 0 --task Walker-v0 --actions random
 }
 
 @test "names misspelt or cut short, tasks and files mixed up: what was meant is named" {
@@ -87,12 +91,12 @@ commit_of() {
   evo-sample -n 1 > robot
   local word
   for word in walker Walker WALKER-V0 wlaker-v0; do
-    fails_with 2 "'$word'" "did you mean 'Walker-v0'" -- evo-eval --task $word --random robot
+    fails_with 2 "'$word'" "did you mean 'Walker-v0'" -- evo-eval --task $word --actions random robot
   done
   cp "$EVO_SOURCE/tasks/Walker-v0.yaml" mine
-  fails_with 2 "'./mine'" -- evo-eval --task mine --random robot
-  evo-eval --task ./mine --random --max-steps 1 robot > /dev/null
-  fails_with 66 "given as 'Walker-v0'" -- evo-eval --task Walker-v0.yaml --random robot
+  fails_with 2 "'./mine'" -- evo-eval --task mine --actions random robot
+  evo-eval --task ./mine --actions random --max-steps 1 robot > /dev/null
+  fails_with 66 "given as 'Walker-v0'" -- evo-eval --task Walker-v0.yaml --actions random robot
   fails_with 66 "a task and no file" "--task Walker-v0" -- evo-eval Walker-v0
   fails_with 66 "a task and no file" "evo-inspect task Walker-v0" -- evo-inspect Walker-v0
 }

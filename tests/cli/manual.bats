@@ -41,7 +41,7 @@ offers() {
 }
 
 @test "bash: options of the tool, names of tasks and profiles" {
-  offers evo-eval --rollout | diff - <(printf '%s\n' --rollout --rollout-dir --rollout-velocities)
+  offers evo-train --out | diff - <(printf '%s\n' --out-dir --output)
   offers evo-eval --task Walk | diff - <(echo Walker-v0)
   [ "$(offers evo-train --task '' | wc -l)" -eq "$(evo-data --names tasks | wc -l)" ]
   offers evo-train --physics p | diff - <(echo paper)
@@ -58,10 +58,10 @@ offers() {
 }
 
 @test "bash: the words that an option may have as its value" {
-  offers evo-train --algo s | diff - <(echo sequence)
-  offers evo-train --train-set gam | diff - <(echo gamma=)
+  offers evo-train --train algorithm=s | diff - <(echo sequence)
+  offers evo-train --train gam | diff - <(echo gamma=)
   offers evo-train --failures '' | diff - <(printf '%s\n' stop skip)
-  offers evo-eval --set grav | diff - <(echo gravity=)
+  offers evo-eval --physics grav | diff - <(echo gravity=)
   offers evo-render --tint st | diff - <(printf '%s\n' strain stress)
   offers evo-convert --to json | diff - <(printf '%s\n' jsonl json)
   offers evo render --theme '' | diff - <(printf '%s\n' light dark paper)
@@ -79,16 +79,16 @@ offers() {
   zsh -f -c 'fpath=("'"$EVO_SOURCE"'/scripts/completion" $fpath); autoload -U compinit; compinit -D
     [[ ${_postpatcomps[evo-*]} == _evo ]]'
   cat > offers.zsh <<'END'
-compadd() { [[ $1 == -a ]] && print -l -- ${(P)2}; }
+compadd() { [[ $* == *-a* ]] && print -l -- ${(P)@[-1]}; }
 _files() { print files; }
 words=("$@") CURRENT=$#
 source "$EVO_SOURCE/scripts/completion/_evo"
 END
   zsh -f offers.zsh evo-eval --task '' | grep -qx Walker-v0
-  zsh -f offers.zsh evo-eval -- | grep -qx -- --rollout-dir
+  zsh -f offers.zsh evo-eval -- | grep -qx -- --rollout
   zsh -f offers.zsh evo-render --tint '' | grep -qx strain
   zsh -f offers.zsh evo '' | grep -qx train
-  zsh -f offers.zsh evo eval -- | grep -qx -- --rollout-dir
+  zsh -f offers.zsh evo eval -- | grep -qx -- --rollout
   zsh -f offers.zsh evo-eval walk | diff - <(echo files)
   zsh -f offers.zsh evo-evolve '' | diff - <(printf '%s\n' ga neat bo map race modular recipe compare files)
 }

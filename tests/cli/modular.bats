@@ -2,7 +2,7 @@
 load helpers
 
 robots() { evo-sample -n 4 --seed 2; }
-shared() { evo-train --task Walker-v0 --train modular --train-set environments=2 --steps "$1" --shared "$2" "${@:3}"; }
+shared() { evo-train --task Walker-v0 --train modular --train environments=2 --steps "$1" --shared "$2" "${@:3}"; }
 
 @test "modular: one controller for all, which any body can wear" {
   robots | shared 4096 one.policy.h5 > scored
@@ -20,7 +20,7 @@ shared() { evo-train --task Walker-v0 --train modular --train-set environments=2
   evo-sample -n 1 --seed 9 --shape 4x6 > other
   evo-eval --policy one.policy.h5 other 2> warnings | jq -e '.fitness | type == "number"'
   [ ! -s warnings ]
-  evo-train --task Walker-v0 --train modular --steps 512 --train-set environments=2 --init one.policy.h5 --out-dir own other |
+  evo-train --task Walker-v0 --train modular --steps 512 --train environments=2 --init one.policy.h5 --out-dir own other |
     jq -e '.steps == 512'
   evo-train --task Walker-v0 --train adapt --steps 2048 --init one.policy.h5 --out-dir adapted other > adapted.json
   jq -e --slurpfile before <(evo-eval --policy one.policy.h5 other 2> /dev/null) '.fitness >= $before[0].fitness' adapted.json
@@ -48,7 +48,7 @@ shared() { evo-train --task Walker-v0 --train modular --train-set environments=2
 @test "modular: what does not fit is refused in a line" {
   robots > robots
   shared 512 one.policy.h5 robots > scored
-  fails_with 2 "ppo makes a controller for each robot; --algo modular makes one for all" -- \
+  fails_with 2 "ppo makes a controller for each robot; --train algorithm=modular makes one for all" -- \
     evo-train --task Walker-v0 --steps 16384 --shared two.policy.h5 robots
   fails_with 2 "starts from one policy, not from those of a folder" -- shared 512 two.policy.h5 --init . robots
   fails_with 73 "one.policy.h5: trained with other settings" -- shared 1024 one.policy.h5 robots
@@ -67,19 +67,19 @@ shared() { evo-train --task Walker-v0 --train modular --train-set environments=2
   evo-sample -n 1 --seed 9 --shape 4x6 > other
   local python
   python=$("$EVO_SOURCE/tests/cli/onnxruntime.sh" "$EVO_BUILD") || python=
-  shared 512 two.policy.h5 --train-set clock=10,20 robots > scored
+  shared 512 two.policy.h5 --train clock=10,20 robots > scored
   evo-convert two.policy.h5 --robot other -o two.onnx
   /usr/bin/python3 "$EVO_SOURCE/tests/cli/policy_onnx.py" two.onnx two.policy.h5 other
   [ -z "$python" ] || "$python" "$EVO_SOURCE/tests/cli/policy_run.py" two.onnx two.policy.h5 other
   # Without --robot it is for the policy's own, the best; without a clock no step is asked for.
-  shared 512 one.policy.h5 --train-set action_map=squash robots > scored
+  shared 512 one.policy.h5 --train action_map=squash robots > scored
   evo-convert one.policy.h5 -o own.onnx
   evo-convert one.policy.h5 --to jsonl -o best
   /usr/bin/python3 "$EVO_SOURCE/tests/cli/policy_onnx.py" own.onnx one.policy.h5 best
   /usr/bin/python3 -c 'import onnx; print([i.name for i in onnx.load("own.onnx").graph.input])' | grep -x "\['task', 'local'\]"
   fails_with 2 "--to onnx writes one robot, but 4 were read" -- evo-convert one.policy.h5 --robot robots -o no.onnx
   fails_with 2 "--robot is for --to onnx" -- evo-convert robots --robot other -o no.jsonl
-  evo-train other --task Walker-v0 --algo ppo --steps 64 --train-set environments=2 --train-set rollout=32 --out-dir net > net.json
+  evo-train other --task Walker-v0 --train algorithm=ppo --steps 64 --train environments=2 --train rollout=32 --out-dir net > net.json
   fails_with 2 "--robot is for modular policies" -- evo-convert net/*.policy.h5 --robot other -o no.onnx
   [ ! -e no.onnx ]
 }

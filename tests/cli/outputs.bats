@@ -5,7 +5,7 @@ setup_file() {
   cd "$BATS_FILE_TMPDIR" || return
   export made="$BATS_FILE_TMPDIR"
   printf 'HV\nHV\n' > small.txt
-  evo-eval small.txt --task Walker-v0 --random --max-steps 3 --rollout walk.h5 > scored.jsonl
+  evo-eval small.txt --task Walker-v0 --actions random --max-steps 3 --rollout walk.h5 > scored.jsonl
   evo-neat -n 4 --state-out species.json | jq -c '.fitness = 1' > neat.jsonl
 }
 
@@ -14,27 +14,25 @@ setup_file() {
   fails_with 2 "--output and --state-out" "'x'" -- evo-neat -n 4 -o x --state-out x
   fails_with 2 "--output and --state-out" -- evo-neat -n 4 -o x --state-out ./x
   [ ! -e x ]
-  fails_with 2 "--output and --rollout" -- evo-eval small.txt --task Walker-v0 --random -o x --rollout x
-  fails_with 2 "--rollout" "--rollout-dir" -- evo-eval small.txt --task Walker-v0 --random --rollout x --rollout-dir y
+  fails_with 2 "--output and --rollout" -- evo-eval small.txt --task Walker-v0 --actions random -o x --rollout x
   local id; id=$(evo-convert small.txt | jq -r .id)
   mkdir p
-  fails_with 2 "--output" "policy of robot $id" -- evo-train small.txt --task Walker-v0 --steps 2 --algo gait --out-dir p -o "p/$id.policy.h5"
-  fails_with 2 "--curve" "--output" -- evo-train small.txt --task Walker-v0 --steps 2 --algo gait --out-dir p -o p/x --curve p/x
+  fails_with 2 "--output" "policy of robot $id" -- evo-train small.txt --task Walker-v0 --steps 2 --train algorithm=gait --out-dir p -o "p/$id.policy.h5"
   evo-neat -n 4 -o /dev/null --state-out /dev/null
 }
 
 @test "a rollout does not replace what it is made from" {
   cp "$made"/* .
   cp walk.h5 before.h5
-  fails_with 2 "--rollout would replace the robots, 'walk.h5'" -- evo-eval walk.h5 --task Walker-v0 --random --rollout walk.h5
+  fails_with 2 "--rollout would replace the robots, 'walk.h5'" -- evo-eval walk.h5 --task Walker-v0 --actions random --rollout walk.h5
   fails_with 2 "the actions, './walk.h5'" -- evo-eval small.txt --task Walker-v0 --actions ./walk.h5 --rollout walk.h5
-  fails_with 2 "the draws" -- evo-eval small.txt --task Walker-v0 --random --draws walk.h5 -o walk.h5
+  fails_with 2 "the draws" -- evo-eval small.txt --task Walker-v0 --actions random --draws walk.h5 -o walk.h5
   mkdir dir
   cp walk.h5 "dir/$(evo-convert small.txt | jq -r .id).h5"
-  fails_with 2 "--rollout-dir" "the robots" -- evo-eval dir/*.h5 --task Walker-v0 --random --rollout-dir dir
+  fails_with 2 "--rollout" "the robots" -- evo-eval dir/*.h5 --task Walker-v0 --actions random --rollout dir/
   cmp walk.h5 before.h5
   # Robots may go where they came from.
-  evo-eval scored.jsonl --task Walker-v0 --random --max-steps 1 -o scored.jsonl
+  evo-eval scored.jsonl --task Walker-v0 --actions random --max-steps 1 -o scored.jsonl
   jq -e '.lengths == [1]' scored.jsonl
 }
 
@@ -79,9 +77,9 @@ setup_file() {
 @test "folders that cannot be made, disks that are full: 73 and 74" {
   cp "$made"/small.txt .
   echo x > file
-  fails_with 73 "file/sub" -- evo-eval small.txt --task Walker-v0 --random --rollout-dir file/sub
+  fails_with 73 "file/sub" -- evo-eval small.txt --task Walker-v0 --actions random --rollout file/sub/
   fails_with 73 "file/sub" -- evo-train small.txt --task Walker-v0 --out-dir file/sub
-  fails_with 74 "too large" -- bash -c 'ulimit -f 1; evo-eval small.txt --task Walker-v0 --random --max-steps 200 --rollout big.h5'
+  fails_with 74 "too large" -- bash -c 'ulimit -f 1; evo-eval small.txt --task Walker-v0 --actions random --max-steps 200 --rollout big.h5'
   fails_with 74 "too large" -- bash -c "ulimit -f 1; evo-render $made/walk.h5 -o walk.mp4"
   [ ! -e big.h5 ]
   [ ! -e walk.mp4 ]
@@ -116,11 +114,11 @@ P
   cp "$made"/small.txt .
   local signal
   for signal in INT TERM HUP KILL; do
-    run timeout -s $signal 0.5 evo-eval small.txt --task Walker-v0 --random --episodes 100000 --rollout r.h5 -o scored.jsonl
+    run timeout -s $signal 0.5 evo-eval small.txt --task Walker-v0 --actions random --episodes 100000 --rollout r.h5 -o scored.jsonl
     [ "$status" -ne 0 ]
   done
   [ "$(ls)" = small.txt ]
   run ! grep -Evx '\.scored\.jsonl\.[0-9]+-[0-9]+\.tmp' <(find . -name '.?*' -printf '%f\n')
-  evo-eval small.txt --task Walker-v0 --random --max-steps 2 -o scored.jsonl
+  evo-eval small.txt --task Walker-v0 --actions random --max-steps 2 -o scored.jsonl
   jq -e .fitness scored.jsonl
 }

@@ -1,7 +1,7 @@
 # evo-render and evo-inspect as processes.
 load helpers
 
-episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0.7 --max-steps 40 --rollout "$1" > /dev/null; }
+episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:0.5,20,0.7 --max-steps 40 --rollout "$1" > /dev/null; }
 
 @test "video, animation, frames, sheet" {
   unset DISPLAY
@@ -29,7 +29,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
 
 @test "several robots at one moment, side by side" {
   evo-sample -n 7 --seed 1 > robots
-  evo-eval --task Walker-v0 --sine 0.4,20,0.7 --max-steps 60 --rollout-dir each robots > /dev/null
+  evo-eval --task Walker-v0 --actions sine:0.4,20,0.7 --max-steps 60 --rollout each/ robots > /dev/null
   mapfile -t each < <(jq -r '"each/\(.id).h5"' robots)
   evo-render "${each[@]}" --at 50 --show trail --size 800x600 -o seven.svg
   for id in $(jq -r .id robots); do grep -q "$id" seven.svg; done
@@ -37,7 +37,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   [ "$(grep -o '>return [^<]*[0-9]' seven.svg | wc -l)" -eq 7 ]
   evo-render "${each[@]}" --at 50 --size 800x600 -o seven.png
   # One that is over stands at its end.
-  head -1 robots | evo-eval --task Walker-v0 --sine 0.4,20,0.7 --max-steps 40 --rollout short.h5 > /dev/null
+  head -1 robots | evo-eval --task Walker-v0 --actions sine:0.4,20,0.7 --max-steps 40 --rollout short.h5 > /dev/null
   evo-render short.h5 "${each[1]}" --at 50 -o two.svg
   grep -q "return +[0-9.]* at step 40<" two.svg
   fails_with 2 "there is no step 70: the longest episode has steps 0 to 60" -- evo-render short.h5 "${each[1]}" --at 70 -o x.png
@@ -47,7 +47,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
 @test "a race: several robots in one world, one frame per step of the longest" {
   for seed in 4 5; do
     evo-sample -n 1 --seed $seed |
-      evo-eval --task Walker-v0 --sine 0.5,20,0.7 --max-steps $((seed * 10)) --rollout $seed.h5 > /dev/null
+      evo-eval --task Walker-v0 --actions sine:0.5,20,0.7 --max-steps $((seed * 10)) --rollout $seed.h5 > /dev/null
   done
   evo-render --race 4.h5 5.h5 -o race.mp4 --size 320x180
   ffprobe -v error -show_entries stream=nb_frames -of csv=p=0 race.mp4 | grep -qx 51
@@ -55,7 +55,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
   evo-render 5.h5 -o 'one/%d.png' --size 320x180 --speed 25
   [ "$(ls race | wc -l)" -eq "$(ls one | wc -l)" ]
   fails_with 2 "2 to 26" -- evo-render --race 4.h5 -o race.mp4
-  evo-sample -n 1 --seed 4 | evo-eval --task Climber-v0 --random --max-steps 5 --rollout c.h5 > /dev/null
+  evo-sample -n 1 --seed 4 | evo-eval --task Climber-v0 --actions random --max-steps 5 --rollout c.h5 > /dev/null
   fails_with 2 "Climber-v0" "Walker-v0" -- evo-render --race 4.h5 c.h5 -o race.mp4
   fails_with 2 "--race" -- evo-render --race -o race.png < /dev/null
 }
@@ -91,7 +91,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
 }
 
 @test "a gait plays for ever in an SVG; what has none says so" {
-  evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0.7 --max-steps 160 --rollout w.h5 > /dev/null
+  evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:0.5,20,0.7 --max-steps 160 --rollout w.h5 > /dev/null
   evo-render w.h5 --loop --steps 60- --size 240x240 -o gait.svg
   grep -q 'dur="0.40s" repeatCount="indefinite"' gait.svg
   [ "$(wc -c < gait.svg)" -lt 150000 ]
@@ -140,13 +140,13 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --sine 0.5,20,0
 
 @test "goals are counted, and the way to the next is measured from the robot" {
   evo-sample -n 1 --seed 4 |
-    evo-eval --task BidirectionalWalker-v0 --draws '{"goals":[25,40]}' --sine 0.5,20,0.7 --max-steps 5 --rollout g.h5 > /dev/null
+    evo-eval --task BidirectionalWalker-v0 --draws '{"goals":[25,40]}' --actions sine:0.5,20,0.7 --max-steps 5 --rollout g.h5 > /dev/null
   evo-render g.h5 --at 0 -o goal.svg
   grep -Eq '>0 goals reached, next 1[01]\.[0-9] voxels to the left<' goal.svg
 }
 
 @test "a video says why its episode ended, and stays there for half a second" {
-  evo-sample -n 1 --seed 4 | evo-eval --task Lifter-v0 --sine 0.5,20,0.7 --rollout r.h5 > /dev/null
+  evo-sample -n 1 --seed 4 | evo-eval --task Lifter-v0 --actions sine:0.5,20,0.7 --rollout r.h5 > /dev/null
   evo-render r.h5 --at 300 -o end.svg
   grep -q '>time is up<' end.svg
   evo-render r.h5 --at 299 -o before.svg
@@ -207,7 +207,7 @@ print(np.abs(a - b).mean())" "$1" "$2"
   evo-inspect task Carrier-v1 | golden task-Carrier-v1.txt
   evo-inspect task WingspanMaximizer-v0 | head -1 | grep -q WingspanMazimizer-v0
   evo-sample -n 1 --seed 1 | evo-inspect robot | golden robot.txt
-  evo-sample -n 1 --seed 1 | evo-inspect robot --color always | grep -q $'\x1b\[48;5;'
+  TERM=xterm-256color script -qec "evo-sample -n 1 --seed 1 | evo-inspect robot" /dev/null | grep -q $'\x1b\[48;5;'
   episode r.h5
   evo-inspect r.h5 | grep -q 'rollout of Walker-v0'
   evo-inspect r.h5 | tail -1 | grep -q '  end of the recording$'
@@ -225,7 +225,7 @@ print(np.abs(a - b).mean())" "$1" "$2"
 2.333 .. 3.667 1
 1 .. 2.333 5
 END
-  evo-sample -n 1 --seed 4 | evo-eval --task Lifter-v0 --sine 0.5,20,0.7 --rollout l.h5 > /dev/null
+  evo-sample -n 1 --seed 4 | evo-eval --task Lifter-v0 --actions sine:0.5,20,0.7 --rollout l.h5 > /dev/null
   evo-inspect l.h5 | tail -1 | grep -q '  time is up$'
 }
 

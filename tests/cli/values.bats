@@ -7,7 +7,7 @@ load helpers
   fails_with 2 "--keep" "empty" -- evo-select --keep= r.json
   fails_with 2 "--count" "empty" -- evo-sample -n ''
   fails_with 2 "--seed" "empty" -- evo-sample --seed ''
-  fails_with 2 "--max-steps" "empty" -- evo-eval --task Walker-v0 --random --max-steps '' r.json
+  fails_with 2 "--max-steps" "empty" -- evo-eval --task Walker-v0 --actions random --max-steps '' r.json
   fails_with 2 "--output" "empty" -- evo-sample -o ''
   fails_with 2 "--avoid" "empty" -- evo-sample --avoid ''
 }
@@ -40,9 +40,9 @@ load helpers
 @test "what other programs call a setting is understood well enough to name it" {
   printf 'HV\n' > r.txt
   local train=(evo-train r.txt --task Walker-v0 --steps 2048)
-  fails_with 2 "unknown training setting 'gama' (did you mean 'gamma'?)" -- "${train[@]}" --train-set gama=1
-  fails_with 2 "a number from 0 to 1 is expected for 'gamma', found '1.5'" -- "${train[@]}" --train-set gamma=1.5
-  fails_with 2 "found 'PPO' (did you mean 'ppo'?)" -- "${train[@]}" --algo PPO
+  fails_with 2 "unknown training setting 'gama' (did you mean 'gamma'?)" -- "${train[@]}" --train gama=1
+  fails_with 2 "a number from 0 to 1 is expected for 'gamma', found '1.5'" -- "${train[@]}" --train gamma=1.5
+  fails_with 2 "found 'PPO' (did you mean 'ppo'?)" -- "${train[@]}" --train algorithm=PPO
   fails_with 65 "no robot has a fitness yet" "evo-eval" -- evo-select r.txt
 }
 
@@ -64,7 +64,7 @@ load helpers
   fails_with 2 "--seconds" -- evo-bench --seconds -1
   fails_with 2 "--size: '64x64x5'" "WIDTHxHEIGHT" -- evo-render --size 64x64x5 h -o x.png
   fails_with 2 "--size" -- evo-render --size 64x h -o x.png
-  evo-eval h --task Walker-v0 --random --max-steps 2 --rollout r.h5 > /dev/null
+  evo-eval h --task Walker-v0 --actions random --max-steps 2 --rollout r.h5 > /dev/null
   fails_with 2 "--episode: '1.5'" -- evo-render r.h5 --episode 1.5 -o x.gif
   fails_with 2 "--envs" "'0'" "1 to 4096" -- evo-bench --envs 1,0
 }
@@ -73,20 +73,20 @@ load helpers
   printf 'H\n' > h
   tiny_profile > tiny.yaml
   for hidden in '[8, 8]' '8,8' '[8,8]'; do
-    evo-train h --task Walker-v0 --train tiny.yaml --steps 2 --out-dir p --train-set "hidden=$hidden" > /dev/null
+    evo-train h --task Walker-v0 --train tiny.yaml --steps 2 --out-dir p --train "hidden=$hidden" > /dev/null
   done
 }
 
 @test "a wrong constant is named in full" {
   printf 'H\n' > h
-  fails_with 2 "'soft.edge'" "'x'" -- evo-eval --task Walker-v0 --random --set soft.edge=x h
+  fails_with 2 "'soft.edge'" "'x'" -- evo-eval --task Walker-v0 --actions random --physics soft.edge=x h
 }
 
 @test "what would be ignored is refused, or told" {
   printf 'HV\nS.\n' > r.txt
   fails_with 2 "x.foo" ".foo" "--to" -- evo-convert r.txt -o x.foo
   [ ! -e x.foo ]
-  fails_with 2 "--max-steps 1000" "500 steps" -- evo-eval --task Walker-v0 --random --max-steps 1000 r.txt
+  fails_with 2 "--max-steps 1000" "500 steps" -- evo-eval --task Walker-v0 --actions random --max-steps 1000 r.txt
   run --separate-stderr evo-train r.txt --task Walker-v0 --steps 2e3 -j1
   [ "$status" -eq 0 ]
   [[ $stderr == *"1024 of 2000 steps are trained"* ]]
@@ -100,7 +100,7 @@ load helpers
   evo-convert r.txt --to evogym -o world.json
   for file in r.txt r.json r.npz without-ending world.json; do
     [ "$(evo-convert "$file" | jq -c '[.id, .body]')" = '["9bdfd2342d8b",["HHH","V.V"]]' ]
-    [ "$(evo-eval --task Walker-v0 --random --max-steps 3 "$file" | jq -r .id)" = 9bdfd2342d8b ]
+    [ "$(evo-eval --task Walker-v0 --actions random --max-steps 3 "$file" | jq -r .id)" = 9bdfd2342d8b ]
     [ "$(evo-mutate -n 1 "$file" | jq -r '.parents[0]')" = 9bdfd2342d8b ]
   done
   [ "$(evo-convert < r.npz | jq -r .id)" = 9bdfd2342d8b ]
@@ -142,7 +142,7 @@ END
   fails_with 65 "two.npz: 2 arrays, none of which is called actions" -- "${eval[@]}" --actions two.npz r.txt
   fails_with 65 "nan.npy: step 3 holds nan" -- "${eval[@]}" --actions nan.npy r.txt
   local command
-  for command in "evo-convert FILE" "evo-inspect FILE" "evo-eval --task Walker-v0 --random FILE" \
+  for command in "evo-convert FILE" "evo-inspect FILE" "evo-eval --task Walker-v0 --actions random FILE" \
       "evo-eval --policy FILE r.txt" "evo-eval --task Walker-v0 --actions FILE r.txt" \
       "evo-train --task Walker-v0 --steps 2048 --init FILE r.txt" "evo-mutate -n 1 FILE"; do
     fails_with 65 "model.zip: a model of Stable-Baselines3" write_sb3_policy -- ${command/FILE/model.zip}
@@ -153,16 +153,11 @@ END
 
 @test "an option where it means nothing is refused" {
   printf 'HV\nVH\n' > r.txt
-  evo-eval --task Walker-v0 --random --max-steps 3 r.txt --rollout r.h5 > s.json
+  evo-eval --task Walker-v0 --actions random --max-steps 3 r.txt --rollout r.h5 > s.json
   fails_with 2 "--weights goes with --encoding voxel" -- evo-sample --encoding cppn --weights 0,0,0,1,1
-  fails_with 2 "--evaluated goes with --schedule paper" -- evo-select --evaluated 5 s.json
-  fails_with 2 "--evals goes with" -- evo-select --keep 1 --evals 5 s.json
-  fails_with 2 "--layers goes with --grace" -- evo-select --layers 2 s.json
   fails_with 2 "s.json: a scored population goes with --state-in" -- evo-neat --state-out x.json s.json
   evo-neat -n 2 --state-out x.json > g.jsonl
   fails_with 2 "--shape excludes --state-in" -- evo-neat --shape 3x3 --state-in x.json --state-out y.json g.jsonl
-  fails_with 2 "--markdown goes with 'tasks'" -- evo-inspect --markdown r.txt
-  fails_with 2 "--shape goes with 'task NAME'" -- evo-inspect --shape 3x3 r.txt
   fails_with 2 "--episode goes with rollouts" -- evo-render r.txt --episode 1 -o a.png
   fails_with 2 "--plot goes with rollouts" -- evo-render r.txt --plot return -o a.png
   fails_with 2 "--fps goes with films" -- evo-render r.h5 --at 2 --fps 5 -o a.png

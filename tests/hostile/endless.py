@@ -18,7 +18,7 @@ import hostile
 import valid
 
 EVAL = ["evo-eval", "-j1", "--task", "Walker-v0", "--max-steps", "2"]
-RANDOM = [*EVAL, "--random"]
+RANDOM = [*EVAL, "--actions", "random"]
 TRAIN = ["evo-train", "-j1", "--task", "Walker-v0", "--steps", "512", "--out-dir", "policies"]
 
 # Commands; {} is the input, "<" gives it on standard input.
@@ -59,7 +59,7 @@ INPUTS = [
     [*EVAL, "--actions", "-", "<", "valid/one.txt"],
     [*RANDOM, "--draws", "{}", "valid/one.txt"],
     [*RANDOM, "--physics", "{}", "valid/one.txt"],
-    ["evo-eval", "-j1", "--random", "--task", "{}", "valid/one.txt"],
+    ["evo-eval", "-j1", "--actions", "random", "--task", "{}", "valid/one.txt"],
     [*TRAIN, "{}"],
     [*TRAIN, "--init", "{}", "valid/one.txt"],
     [*TRAIN, "--train", "{}", "valid/one.txt"],

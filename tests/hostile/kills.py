@@ -24,19 +24,19 @@ import time
 
 import valid
 
-SMALL = ["--train-set", "hidden=8", "--train-set", "environments=2", "--train-set", "rollout=32",
-         "--train-set", "final_episodes=2"]
+SMALL = ["--train", "hidden=8", "--train", "environments=2", "--train", "rollout=32",
+         "--train", "final_episodes=2"]
 # Command, and the files it makes. @ is the folder of valid files.
 TOOLS = [
     (["evo-sample", "-n", "2000", "-o", "o.jsonl"], ["o.jsonl"]),
     (["evo-mutate", "-n", "1000", "@/robots.jsonl", "-o", "o.jsonl"], ["o.jsonl"]),
     (["evo-select", "@/many.jsonl", "-o", "o.jsonl"], ["o.jsonl"]),
-    (["evo-suggest", "-q", "-n", "5", "--candidates", "200", "@/scored.jsonl", "-o",
+    (["evo-suggest", "-q", "-n", "5", "@/scored.jsonl", "-o",
       "o.jsonl"], ["o.jsonl"]),
     (["evo-neat", "-n", "200", "--state-out", "s.json", "-o", "o.jsonl"], ["s.json", "o.jsonl"]),
     (["evo-convert", "@/many.jsonl", "-o", "o.yaml"], ["o.yaml"]),
     (["evo-convert", "@/rollout.h5", "--to", "minari", "-o", "set"], ["set"]),
-    (["evo-eval", "--task", "Walker-v0", "--random", "@/robots.jsonl", "--rollout-dir", "r", "-o",
+    (["evo-eval", "--task", "Walker-v0", "--actions", "random", "@/robots.jsonl", "--rollout", "r/", "-o",
       "o.jsonl"], ["o.jsonl"]),
     (["evo-train", "--task", "Walker-v0", "--steps", "1280", "@/one.txt", "--out-dir", "p", "-o",
       "o.jsonl", "--checkpoint-every", "64", "--resume", *SMALL], ["o.jsonl", "p/{id}.policy.h5"]),
@@ -145,7 +145,7 @@ def no_memory(words, megabytes, folder):
 def kill_run(name, kills, folder):
     make = ["evo-evolve", name, "-q", "--pop", "4", "--evals", "8", "--steps", "64", "--shape", "3x3", "--seed", "1",
             "--video", "gif", "--video-options=--size 64x64 --to 2", "-j2",
-            "--train-options=--train-set environments=2 --train-set rollout=16 --train-set hidden=4"]
+            "--train-options=--train environments=2 --train rollout=16 --train hidden=4"]
     start = time.monotonic()
     done = run([*make, "--run", "whole"], folder)
     took = time.monotonic() - start

@@ -7,14 +7,14 @@ TOOLS = {
     "evo-sample": ["-n", "1"],
     "evo-mutate": ["-n", "1", "valid/one.txt"],
     "evo-select": ["valid/scored.jsonl"],
-    "evo-suggest": ["-q", "-n", "1", "--candidates", "20"],
+    "evo-suggest": ["-q", "-n", "1"],
     "evo-neat": ["-n", "2", "--shape", "2x2", "--state-out", "o.json"],
     "evo-convert": ["valid/robots.jsonl"],
     "evo-inspect": ["valid/robot.json"],
-    "evo-eval": ["-j1", "--task", "Walker-v0", "--random", "--max-steps", "2", "valid/one.txt"],
+    "evo-eval": ["-j1", "--task", "Walker-v0", "--actions", "random", "--max-steps", "2", "valid/one.txt"],
     "evo-train": ["-j1", "--task", "Walker-v0", "--train", "valid/tiny.yaml", "--steps", "2", "--out-dir",
                   "policies", "--force", "valid/one.txt"],
-    "evo-bench": ["--sizes", "3", "--seconds", "0.001", "--repetitions", "1"],
+    "evo-bench": ["--sizes", "3", "--seconds", "0.001"],
     "evo-report": ["valid"],
 }
 VALUES = [

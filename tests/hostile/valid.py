@@ -36,12 +36,12 @@ def make(folder, source):
         run("evo-convert", "one.txt", "-o", "robot.npz")
         run("evo-convert", "one.txt", "--to", "evogym", "-o", "world.json")
         run("evo-convert", "--task", "Carrier-v0", "--to", "evogym", "-o", "carrier.json")
-        run("evo-eval", "robots.jsonl", "--task", "Walker-v0", "--random", "--max-steps", "2",
+        run("evo-eval", "robots.jsonl", "--task", "Walker-v0", "--actions", "random", "--max-steps", "2",
             "-o", "scored.jsonl")
-        run("evo-eval", "one.txt", "--task", "Walker-v0", "--random", "--max-steps", "2",
+        run("evo-eval", "one.txt", "--task", "Walker-v0", "--actions", "random", "--max-steps", "2",
             "--rollout", "rollout.h5")
         run("evo-train", "one.txt", "--task", "Walker-v0", "--train", "gait", "--steps", "2000",
-            "--out-dir", ".", "--train-set", "population=4", "-o", "sine.json")
+            "--out-dir", ".", "--train", "population=4", "-o", "sine.json")
         os.rename(next(n for n in os.listdir(".") if n.endswith(".policy.h5")), "sine.h5")
         with open("tiny.yaml", "w") as file:
             file.write("base: paper\nenvironments: 1\nrollout: 2\nminibatches: 1\nhidden: [4]\n"
@@ -74,7 +74,7 @@ def make(folder, source):
         with open("draws.json", "w") as file:
             file.write('{"goals":[3,4]}')
         run("evo-evolve", "neat", "--run", "run", "--pop", "3", "--evals", "6", "--steps", "512", "--shape", "2x2",
-            "--train-options=--train-set environments=2 --train-set rollout=16", "--seed", "1", "--plan", "-q")
+            "--train-options=--train environments=2 --train rollout=16", "--seed", "1", "--plan", "-q")
         os.rename("run/run.yaml", "run.yaml")
         shutil.rmtree("run")
     finally:

@@ -72,7 +72,7 @@ const checkLink = async () => {
   await open('#play?task=Jumper-v0&body=VVV-HHH-V.V&gait=0.31,17.5,1.25');
   check('a link restores the task', (await evaluate(`document.getElementById('task').value`)) === 'Jumper-v0');
   check('and the body', (await body()) === 'VVV-HHH-V.V', await body());
-  check('and the rhythm', (await text('#command')).includes('--sine 0.31,17.5,1.25'), await text('#command'));
+  check('and the rhythm', (await text('#command')).includes('--actions sine:0.31,17.5,1.25'), await text('#command'));
   check('and is its own address', (await evaluate('location.hash')) === '#play?task=Jumper-v0&body=VVV-HHH-V.V&gait=0.31,17.5,1.25', await evaluate('location.hash'));
   const expected = JSON.parse(process.env.EVO_EXPECTED ?? 'null');
   if (expected) {

@@ -73,7 +73,7 @@ EVO_API int evo_task_parse(const char* yaml, const char* origin, evo_task** task
 EVO_API int evo_task_copy(const evo_task* task, evo_task** copy);
 EVO_API void evo_task_free(evo_task* task);
 
-/* As --physics and --set of the tools: "paper", a file; "gravity=50". */
+/* As --physics of the tools: "paper", a file; "gravity=50". */
 EVO_API int evo_task_set_physics(evo_task* task, const char* profile_or_file);
 EVO_API int evo_task_set(evo_task* task, const char* assignment);
 

@@ -46,10 +46,8 @@ def options() -> argparse.ArgumentParser:
     parser.add_argument("task", metavar="FILE.py:CLASS", help="a class derived from evo_robots.Task")
     parser.add_argument("--steps", type=int, metavar="N", help="environment steps [the profile's]")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="[0]")
-    parser.add_argument("--train", default="default", metavar="PROFILE",
-                        help="training profile by name or file [default]")
-    parser.add_argument("--train-set", action="append", default=[], metavar="KEY=VALUE",
-                        help="one setting of the profile (repeatable)")
+    parser.add_argument("--train", action="append", default=[], metavar="PROFILE|KEY=VALUE",
+                        help="a training profile by name or file, or one setting (repeatable) [default]")
     parser.add_argument("--out-dir", metavar="DIR", help="where <id>.policy.h5 goes [nowhere]")
     parser.add_argument("--video", nargs=2, metavar=("POLICY", "FILE"), help="instead: a policy's episode as a "
                         "video, by its ending (.mp4, .webm, .gif)")
@@ -62,11 +60,9 @@ def main() -> int:
     given = options().parse_args()
     folder = given.out_dir
     try:
-        wrong = [text for text in given.train_set if "=" not in text]
-        if wrong:
-            raise ValueError(f"--train-set {wrong[0]}: KEY=VALUE is expected")
-        training = {"steps": given.steps, "seed": given.seed, "profile": given.train,
-                    "settings": dict(text.split("=", 1) for text in given.train_set)}
+        profiles = [text for text in given.train if "=" not in text.split("/")[0]]
+        training = {"steps": given.steps, "seed": given.seed, "profile": (["default"] + profiles)[-1],
+                    "settings": dict(text.split("=", 1) for text in given.train if text not in profiles)}
         check_training(**training)
         task = task_class(given.task)()
         if given.video is not None:

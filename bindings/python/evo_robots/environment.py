@@ -93,7 +93,7 @@ class Environment(Filmed):
 
     task: a benchmark task by name, or a task file of your own. body,
     connections: see ``evo_robots.robots``; ``robot`` takes a file or a document
-    instead. physics, settings: as --physics and --set of the tools. jitter: every start coordinate is moved by up to this, voxels.
+    instead. physics, settings: as --physics of the tools. jitter: every start coordinate is moved by up to this, voxels.
     max_episode_steps: steps after which an episode is truncated [the task's];
     -1 for none.
 

@@ -380,7 +380,7 @@ def count_of(name: str, *arguments: Any) -> int:
 
 
 def task_of(task: Any, physics: Any, settings: Any) -> Handle:
-    """A task by name or file, with its physics changed as --physics and --set do."""
+    """A task by name or file, with its physics changed as --physics does."""
     opened = Handle("task", "evo_task_open", text_of(task))
     if physics is not None:
         call("evo_task_set_physics", opened, text_of(physics))

@@ -250,7 +250,7 @@ def train(task: Any, robot: Any, *, steps: int | None = None, seed: int = 0,
     """Trains a robot by the suite's own learner: with a task of the suite (a name or a file) as
     evo-train does, to the same bytes; with a Task of one's own by the same PPO.
 
-    steps: environment steps [the profile's]. profile, settings: as --train and --train-set of
+    steps: environment steps [the profile's]. profile, settings: as --train of
     evo-train. physics, settings of the physics as ``physics_settings``: for tasks of the suite.
     progress: True shows a bar by tqdm; a function is called with the steps so far. Ctrl-C ends it.
     """

@@ -42,7 +42,7 @@ for pattern in "${patterns[@]}"; do run "$venv/bin/python"; done
 
 # The gallery.
 mkdir run
-"$EVO_BIN/evo-sample" -n 3 --seed 1 | "$EVO_BIN/evo-eval" --task Walker-v0 --sine 0.5,20,0.7 > run/history.jsonl
+"$EVO_BIN/evo-sample" -n 3 --seed 1 | "$EVO_BIN/evo-eval" --task Walker-v0 --actions sine:0.5,20,0.7 > run/history.jsonl
 for script in "$source"/../../examples/python/*.py; do
   case $script in
     *own_reward.py) arguments=(4096) ;;

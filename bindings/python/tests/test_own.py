@@ -139,7 +139,7 @@ class Training(unittest.TestCase):
             robot.write_text(json.dumps(evo_robots.robot_document(WALKER)))
             said = subprocess.run(
                 [evo_robots.find_tool("evo-train"), robot, "--task", "Walker-v0", "--steps", "2048", "--seed",
-                 "3", "--out-dir", folder, *[f"--train-set={k}={v}" for k, v in FEW.items()]],
+                 "3", "--out-dir", folder, *[f"--train={k}={v}" for k, v in FEW.items()]],
                 capture_output=True, text=True, check=True).stdout
             self.assertEqual(json.loads(said)["fitness"], trained.fitness)
 
@@ -200,7 +200,7 @@ class Training(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "walk.py").write_text(WALK)
             command = [sys.executable, "-m", "evo_robots", f"{folder}/walk.py:Walk", "--steps", "512", "--out-dir",
-                       folder, *[f"--train-set={k}={v}" for k, v in FEW.items()]]
+                       folder, *[f"--train={k}={v}" for k, v in FEW.items()]]
             robots = subprocess.run([evo_robots.find_tool("evo-sample"), "-n", "2", "--seed", "1"],
                                     capture_output=True, text=True, check=True).stdout
             said = subprocess.run(command, input=robots, capture_output=True, text=True, check=True).stdout

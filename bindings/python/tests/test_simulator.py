@@ -421,8 +421,8 @@ class Views(unittest.TestCase):
             def tool(name, *arguments):
                 return subprocess.run([evo_robots.find_tool(name), "-q", *arguments], check=True, text=True,
                                       stdout=subprocess.PIPE, cwd=folder).stdout
-            tool("evo-train", "robots", "--task", "Walker-v0", "--train", "modular", "--train-set",
-                 "environments=2", "--train-set", "clock=20", "--steps", "512", "--shared", "one.policy.h5", "-o", "scored")
+            tool("evo-train", "robots", "--task", "Walker-v0", "--train", "modular", "--train",
+                 "environments=2", "--train", "clock=20", "--steps", "512", "--shared", "one.policy.h5", "-o", "scored")
             other = evo_robots.sample_robot((4, 3), rng=np.random.default_rng(1))[0]
             with open(f"{folder}/other", "w", encoding="utf-8") as file:
                 file.write(document(other))

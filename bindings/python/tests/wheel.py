@@ -33,7 +33,7 @@ def said(command):
 robot = said("evo-sample -n 1 --seed 1")
 trained = json.loads(said("evo-sample -n 1 --seed 1 | evo-train --task Walker-v0 --steps 2048 --seed 1 --out-dir ."))
 assert trained["id"] == json.loads(robot)["id"] and "fitness" in trained
-said("evo-sample -n 1 --seed 1 | evo eval --task Walker-v0 --sine 0.5,20,0.7 --rollout walk.h5")
+said("evo-sample -n 1 --seed 1 | evo eval --task Walker-v0 --actions sine:0.5,20,0.7 --rollout walk.h5")
 said("evo-render walk.h5 --strip 2 -o sheet.png")
 assert open("sheet.png", "rb").read(4) == b"\x89PNG"
 assert os.path.exists(said("evo-data tasks/recipes/moments.yaml").strip())

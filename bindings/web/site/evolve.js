@@ -1,6 +1,6 @@
 // A small search, in a Worker: first for a gait of the given body, then for bodies and gaits.
 // Everything follows from the seed, so that a search can be repeated. Gaits are rounded to
-// three decimals: the numbers that `evo-eval --sine` is given are the ones that were tried.
+// three decimals: the numbers that `evo-eval --actions sine:` is given are the ones that were tried.
 'use strict';
 (() => {
   const episode = (evo, task, body, gait) => {

@@ -348,7 +348,7 @@ Evo.playPage = (evo) => {
     if (state.record) return `evo-eval --policy ${policy} ${policy}`;
     if (state.other) return `evo-eval --policy ${policy} ${policy}`;
     const task = isNamed() ? state.task : './task.yaml';
-    return `${drawn()}evo-eval --task ${task} --sine ${state.gait.join(',')}`;
+    return `${drawn()}evo-eval --task ${task} --actions sine:${state.gait.join(',')}`;
   };
   const remember = () => {
     id('command').textContent = command();

@@ -520,10 +520,10 @@ TEST_CASE("what a modular policy cannot do is said in one line") {
   const TrainResult learned = train(trainer);
   const Inheritance modular{*learned.controller, {}};
   CHECK_THROWS_WITH(Trainer({robots.all()[0], robots.all()[1]}, ppo, 1, "x"),
-                    "training: ppo makes a controller for each robot; --algo modular makes one "
+                    "training: ppo makes a controller for each robot; modular makes one "
                     "for all");
   CHECK_THROWS_WITH(Trainer(robots.arenas[0], ppo, 1, "x", modular),
-                    "training: ppo cannot start from a modular policy; --algo modular can");
+                    "training: ppo cannot start from a modular policy; modular can");
   CHECK_THROWS_WITH(Trainer(robots.arenas[0], settings, 1, "x",
                             Inheritance{travelling_wave(5, 0.5, 20, 0.5), {}}),
                     "training: modular can start from a modular policy only");

@@ -612,9 +612,8 @@ TEST_CASE("episodes begin at moments of demonstrations") {
     settings.moment_share = 0.0;
     CHECK_THROWS_WITH(trainer(shown), Catch::Contains("while moment_share is 0"));
     settings = brief_sequence();
-    CHECK_THROWS_WITH(
-        trainer(shown),
-        Catch::Contains("sequence begins no episodes at recorded moments; --algo ppo does"));
+    CHECK_THROWS_WITH(trainer(shown),
+                      Catch::Contains("sequence begins no episodes at recorded moments; ppo does"));
   }
 }
 

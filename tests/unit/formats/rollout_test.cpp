@@ -57,7 +57,6 @@ Rollout example() {
     for (int t = 1; t <= steps; ++t) episode.terminations.push_back(t == steps ? 1 : 0);
     for (int i = 0; i < (steps + 1) * 8; ++i)
       episode.positions.push_back({stream.gaussian(), stream.gaussian()});
-    episode.velocities = episode.positions;
     rollout.episodes.push_back(episode);
   }
   return rollout;
@@ -126,7 +125,6 @@ TEST_CASE("Rollout: what is written is what is read") {
     CHECK(a.terminations == b.terminations);
     CHECK(a.truncations == b.truncations);
     CHECK(same(a.positions, b.positions));
-    CHECK(same(a.velocities, b.velocities));
   }
   // Written again it is the same file.
   write_rollout(folder / "again.h5", read);
@@ -150,7 +148,6 @@ TEST_CASE("Rollout: the layout is the one of the specification") {
   CHECK(file.shape("/episode_0/terminations") == hdf5::Shape{5});
   CHECK(file.shape("/episode_0/truncations") == hdf5::Shape{5});
   CHECK(file.shape("/episode_0/infos/positions") == hdf5::Shape{6, 8, 2});
-  CHECK(file.shape("/episode_0/infos/velocities") == hdf5::Shape{6, 8, 2});
   CHECK(file.strings("/world/object_names") == std::vector<std::string>{"robot", "ground"});
   CHECK(file.shape("/world/cell_points") == hdf5::Shape{2, 4});
 }
@@ -169,7 +166,6 @@ TEST_CASE("Rollout: files of other makers are read") {
   CHECK(catcher.world.cells.empty());
   CHECK(catcher.episodes[0].positions.size() ==
         static_cast<std::size_t>((catcher.episodes[0].steps() + 1) * catcher.points));
-  CHECK(catcher.episodes[0].velocities.empty());
 
   const ActionSequence actions = read_actions(reference("Catcher-v0_A"));
   CHECK(actions.steps == catcher.episodes[0].steps());

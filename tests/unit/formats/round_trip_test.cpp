@@ -176,11 +176,8 @@ Rollout any_rollout(Stream& stream) {
     }
     rollout.points += points;
   }
-  const bool with_velocities = stream.below(2) == 0;
-  for (int k = 0, episodes = stream.integer(1, 12); k < episodes; ++k) {
+  for (int k = 0, episodes = stream.integer(1, 12); k < episodes; ++k)
     rollout.episodes.push_back(any_episode(stream, rollout));
-    if (with_velocities) rollout.episodes.back().velocities = rollout.episodes.back().positions;
-  }
   return rollout;
 }
 
@@ -301,7 +298,6 @@ TEST_CASE("random rollouts come back to the last bit") {
       REQUIRE(same(a.rewards, b.rewards));
       REQUIRE(a.terminations == b.terminations);
       REQUIRE(a.truncations == b.truncations);
-      REQUIRE(a.velocities.size() == b.velocities.size());
     }
   }
 }

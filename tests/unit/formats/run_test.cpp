@@ -19,7 +19,7 @@ const std::vector<RunSetting> list{{"task", "Walker-v0"},
                                    {"evals", "4"},
                                    {"steps", "1000"},
                                    {"mutate_options", "--rate 0.2"},
-                                   {"train_options", "--train-set 'hidden=8,8'"}};
+                                   {"train_options", "--train 'hidden=8,8'"}};
 
 // A run as evo-evolve begins it.
 RunFolder begin(const std::filesystem::path& path, const RunSettings& settings = {"ga", list}) {
@@ -163,7 +163,7 @@ TEST_CASE("the command of a run has what does not hold anyway") {
                                     {"shape", "4x4"},
                                     {"train", "default"},
                                     {"inherit", "no"},
-                                    {"train_options", "--behaviour -q"}});
+                                    {"train_options", "--failures stop -q"}});
   const auto setting = [&](const std::string& name) {
     const std::string* value = settings.find(name);
     return value == nullptr ? std::string() : *value;
@@ -171,7 +171,7 @@ TEST_CASE("the command of a run has what does not hold anyway") {
   CHECK(
       evolve_command("my run", setting, {{"seed", "2"}}) ==
       "evo evolve ga --run 'my run' --task Walker-v0 --pop 25 --evals 250 --steps 512000 --seed 2 "
-      "--shape 4x4 --train-options '--behaviour -q' -j8");
+      "--shape 4x4 --train-options '--failures stop -q' -j8");
 }
 
 TEST_CASE("a history follows a run while it grows") {
@@ -237,15 +237,14 @@ TEST_CASE("a history follows a run while it grows") {
 
 TEST_CASE("where one controller learns on all robots, they count with their last fitness") {
   const test::ScratchFolder scratch;
-  const RunSettings settings(
-      "modular",
-      {{"pop", "2"}, {"evals", "5"}, {"children", "2"}, {"steps", "1000"}, {"own_steps", "300"}});
+  const RunSettings settings("modular",
+                             {{"pop", "2"}, {"evals", "5"}, {"children", "2"}, {"steps", "1000"}});
   for (const int generation : {0, 1, 2}) {
     CHECK(settings.shares(generation));
     CHECK(settings.steps(generation) == 1000);
   }
   CHECK_FALSE(settings.shares(3));
-  CHECK(settings.steps(3) == 300);
+  CHECK(settings.steps(3) == 500);
   CHECK_FALSE(RunSettings("ga", {{"steps", "1000"}}).shares(0));
 
   const RunFolder run = begin(scratch.path() / "run", settings);

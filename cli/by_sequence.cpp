@@ -86,7 +86,7 @@ int train_by_sequence(const Command& command, const TrainingOptions& options,
     of_stage.train.insert(of_stage.train.begin(), {stage, "final_episodes=0"});
     const bool last = stage == stages.back();
     of_stage.steps = std::to_string(last ? steps - 2 * (steps / 8) : steps / 8);
-    of_stage.out_dir = (fs::path(options.out_dir) / stage).string();
+    of_stage.files.policies = (fs::path(options.files.policies) / stage).string();
     try {
       plans.push_back(of_stage.plan(derive_seed(command.seed, stage)));
     } catch (const Error& e) {

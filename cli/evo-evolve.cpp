@@ -1,8 +1,6 @@
 // evo-evolve: plans a whole evolution as a folder with a Makefile, and becomes make.
-#include <fcntl.h>
 #include <fmt/ranges.h>
 #include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 
 #include "cli/command.h"
 #include "cli/data.h"
+#include "cli/process.h"
 #include "cli/recipes.h"
 #include "cli/run_makefile.h"
 #include "formats/io/files.h"
@@ -66,41 +65,6 @@ void prefer_own_tools() {
   // The tools of a run are started in its folder.
   if (const char* data = std::getenv("EVO_DATA"); data != nullptr && *data != '\0')
     ::setenv("EVO_DATA", fs::absolute(data).c_str(), 1);
-}
-
-std::vector<char*> pointers(std::vector<std::string>& words) {
-  std::vector<char*> list;
-  for (std::string& word : words) list.push_back(word.data());
-  list.push_back(nullptr);
-  return list;
-}
-
-std::FILE* unnamed_file(const std::string& text) {
-  std::FILE* file = std::tmpfile();
-  if (file == nullptr || std::fwrite(text.data(), 1, text.size(), file) != text.size() ||
-      std::fflush(file) != 0)
-    throw error(Failure::io, "no temporary file can be written: {}", std::strerror(errno));
-  std::rewind(file);
-  return file;
-}
-
-// The status of a command that is tried; what it refuses it says itself.
-int status_of(const cli::Trial& trial) {
-  std::FILE* const input = unnamed_file(trial.input);
-  std::vector<std::string> words = trial.words;
-  const pid_t child = ::fork();
-  if (child < 0) throw error(Failure::io, "no process can be started: {}", std::strerror(errno));
-  if (child == 0) {
-    ::dup2(::fileno(input), STDIN_FILENO);
-    ::dup2(::open("/dev/null", O_WRONLY), STDOUT_FILENO);
-    ::execvp(words[0].c_str(), pointers(words).data());
-    ::_exit(127);
-  }
-  std::fclose(input);
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
 // Python with the package evo_robots, which a checkout has.
@@ -233,7 +197,8 @@ void plan(const fs::path& folder, RunSettings settings, cli::Surroundings around
   }
   const std::string makefile = cli::run_makefile(settings, around);
   for (const cli::Trial& trial : cli::trials(settings, around)) {
-    const int status = status_of(trial);
+    // What it refuses it says itself.
+    const int status = cli::run_program(trial.words, trial.input).status;
     if (status != 0) std::exit(status);
   }
   make_folders(folder);
@@ -395,7 +360,7 @@ void start_watcher(const fs::path& folder, const std::string& progress) {
   if (::getppid() != caller) ::_exit(0);
   ::dup2(STDERR_FILENO, STDOUT_FILENO);
   std::vector<std::string> words{"evo-inspect", "--watch", folder.string(), "--progress", progress};
-  ::execvp(words[0].c_str(), pointers(words).data());
+  ::execvp(words[0].c_str(), cli::pointers(words).data());
   ::_exit(127);
 }
 
@@ -411,7 +376,7 @@ void start_watcher(const fs::path& folder, const std::string& progress) {
   words.insert(words.end(), {"-C", folder.string()});
   if (std::getenv("MAKELEVEL") == nullptr) words.push_back(fmt::format("-j{}", command.jobs));
   if (options.launch) words.push_back("LAUNCH=" + *options.launch);
-  ::execvp(words[0].c_str(), pointers(words).data());
+  ::execvp(words[0].c_str(), cli::pointers(words).data());
   throw error(Failure::io, "make cannot be started ({}); to install it: apt install make",
               std::strerror(errno));
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <string_view>
 
 #include "cli/check.h"
 #include "cli/command.h"
@@ -187,6 +188,10 @@ void print_policy(const std::string& path) {
   fmt::print("curve     {}\n", cli::sparkline(evaluations, 60));
   fmt::print("made by   {}, settings {}\n", cli::printable(file.created_by),
              cli::printable(file.settings_hash.substr(0, 12)));
+  constexpr std::string_view key = "\ninherited=";
+  if (const std::size_t at = file.identity.find(key); at != std::string::npos)
+    fmt::print("began     with the policy of settings {}\n",
+               cli::printable(file.identity.substr(at + key.size(), 12)));
   fmt::print("control   {}\n",
              std::visit([](const auto& any) { return describe(any); }, file.controller));
   if (!std::holds_alternative<Policy>(file.controller) &&

@@ -1,22 +1,13 @@
 // evo-score: the fitness of robots, from a program of one's own.
-#include <fcntl.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <chrono>
-#include <csignal>
-#include <cstdio>
-#include <cstring>
 
 #include "cli/command.h"
 #include "cli/journal.h"
 #include "cli/pick.h"
+#include "cli/process.h"
 #include "cli/robots.h"
-#include "formats/io/files.h"
 #include "formats/robot/writer.h"
 
 namespace {
@@ -30,64 +21,6 @@ struct Options {
   int tries = 3;
   bool give_up = false;
 };
-
-// ---- one call of the program ----------------------------------------------------------
-
-struct Answer {
-  std::string text;
-  int status = 0;  // as of a shell: 128 + the signal that ended it
-};
-
-// A file without a name that holds the text.
-int unnamed_file(const std::string& text) {
-  std::FILE* file = std::tmpfile();
-  if (file == nullptr || std::fwrite(text.data(), 1, text.size(), file) != text.size() ||
-      std::fflush(file) != 0)
-    throw error(Failure::io, "no temporary file can be written: {}", std::strerror(errno));
-  const int descriptor = ::dup(::fileno(file));
-  std::fclose(file);
-  ::lseek(descriptor, 0, SEEK_SET);
-  return descriptor;
-}
-
-std::string read_to_end(int descriptor) {
-  std::string text;
-  std::array<char, 1 << 16> buffer{};
-  for (;;) {
-    const ssize_t count = ::read(descriptor, buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR && cli::interrupted() == 0) continue;
-    if (count <= 0 || text.size() > largest_value) return text;
-    text.append(buffer.data(), static_cast<std::size_t>(count));
-  }
-}
-
-// The program's standard input is the robot, a line of JSON. It does not outlive this process.
-Answer ask(const std::string& program, const std::string& robot) {
-  const int input = unnamed_file(robot + "\n");
-  std::array<int, 2> pipe{};
-  if (::pipe2(pipe.data(), O_CLOEXEC) != 0)
-    throw error(Failure::io, "no pipe can be opened: {}", std::strerror(errno));
-  const pid_t child = ::fork();
-  if (child < 0) throw error(Failure::io, "no process can be started: {}", std::strerror(errno));
-  if (child == 0) {
-    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-    ::dup2(input, STDIN_FILENO);
-    ::dup2(pipe[1], STDOUT_FILENO);
-    ::execlp("bash", "bash", "-euo", "pipefail", "-c", program.c_str(), nullptr);
-    ::_exit(127);
-  }
-  ::close(input);
-  ::close(pipe[1]);
-  Answer answer;
-  answer.text = read_to_end(pipe[0]);
-  ::close(pipe[0]);
-  if (cli::interrupted() != 0) ::kill(child, SIGTERM);
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR)
-    if (cli::interrupted() != 0) ::kill(child, SIGTERM);
-  answer.status = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-  return answer;
-}
 
 // ---- what it says -----------------------------------------------------------------------
 
@@ -124,9 +57,10 @@ bool is_refusal(int status) {
 std::optional<Robot> score(const Options& options, const Robot& robot) {
   int status = 0;
   for (int attempt = 0; attempt < options.tries; ++attempt) {
-    const Answer answer = ask(options.program, robot_to_line(robot));
+    const cli::Ended answer = cli::run_program(
+        {"bash", "-euo", "pipefail", "-c", options.program}, robot_to_line(robot) + "\n");
     if (cli::interrupted() != 0) return std::nullopt;
-    if (answer.status == 0) return scored(options.program, robot, answer.text);
+    if (answer.status == 0) return scored(options.program, robot, answer.output);
     status = answer.status;
     if (is_refusal(status))
       throw error(Failure::data, "'{}' ended with status {} for robot {}", options.program, status,

@@ -141,7 +141,7 @@ int train(const cli::Command& command, const TrainingPlan& plan, std::vector<Rob
     }
     if (journal) journal->ended(name);
   };
-  const int status = cli::train_robots(command, plan, trained_now, begins, ends);
+  const int status = train_robots(command, plan, trained_now, begins, ends);
   if (status == 0)
     out.finish();
   else

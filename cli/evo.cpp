@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/process.h"
 #include "cli/tools.h"
 #include "formats/io/values.h"
 #include "libevo/base/error.h"
@@ -72,10 +73,7 @@ std::vector<std::string> command_names() {
     throw error(Failure::usage, "'{}' is not a command{}; see evo help", command,
                 did_you_mean(command, command_names()));
   arguments.insert(arguments.begin(), tool.string());
-  std::vector<char*> words;
-  for (std::string& argument : arguments) words.push_back(argument.data());
-  words.push_back(nullptr);
-  ::execv(tool.c_str(), words.data());
+  ::execv(tool.c_str(), cli::pointers(arguments).data());
   throw error(Failure::io, "{} cannot be started: {}", tool.string(), std::strerror(errno));
 }
 

@@ -63,6 +63,14 @@ std::string options(const RunSettings& settings, const std::string& name) {
   return text.empty() ? "" : " " + text;
 }
 
+// What evo-render is told of the champion's film.
+std::vector<std::string> film(const RunSettings& settings) {
+  std::vector<std::string> words = words_of(settings, "video_options");
+  if (std::find(words.begin(), words.end(), "--size") == words.end())
+    words.insert(words.begin(), {"--size", "640x360", "--fps", "25"});
+  return words;
+}
+
 std::string setting(const RunSettings& settings, const std::string& name) {
   const std::string* value = settings.find(name);
   return value == nullptr ? "" : *value;
@@ -606,11 +614,7 @@ class RunMakefile {
              seed_));
     if (has_video())
       rule(video(), "best.rollout.h5",
-           fmt::format("evo-render -q best.rollout.h5{}{} -o $@",
-                       options(settings_, "video_options").find("--size") == std::string::npos
-                           ? " --size 640x360 --fps 25"
-                           : "",
-                       options(settings_, "video_options")));
+           fmt::format("evo-render -q best.rollout.h5 {} -o $@", joined(film(settings_))));
     rule("report.html", has_video() ? video() : "best.rollout.h5", "evo-report -q . -o $@");
   }
 
@@ -766,6 +770,21 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
     list.push_back({std::move(words), ""});
     for (int k = 0; k < robots; ++k) list.back().input += body;
   };
+  // A film of a moment, where such a body can stand in the task.
+  if (settings.find("video_options") != nullptr && setting(settings, "video") != "none") {
+    std::vector<std::string> words{
+        "bash",
+        "-c",
+        "task=$1 kind=$2 d=$(mktemp -d); trap 'rm -r \"$d\"' EXIT; "
+        "evo-eval -q --task \"$task\" --actions random --max-steps 2 --rollout \"$d/r.h5\" "
+        "> \"$d/said\" 2>&1 || exit 0; evo-render -q \"$d/r.h5\" \"${@:3}\" -o \"$d/best.$kind\"",
+        "bash",
+        in_full(settings.text("task")),
+        settings.text("video")};
+    const std::vector<std::string> more = film(settings);
+    words.insert(words.end(), more.begin(), more.end());
+    list.push_back({std::move(words), body});
+  }
   if (method == "modular") {
     constexpr int enough = 64;  // robots, to see whether the first steps are too few
     add_training({"--steps", settings.text("steps"), "--shared", "none.policy.h5"},

@@ -29,14 +29,14 @@ std::optional<fs::path> inherited_policy(const TrainingPlan& plan, const Robot& 
     if (fs::is_regular_file(*plan.founders_from)) return plan.founders_from;
     if (auto own = policy_in(*plan.founders_from, robot.id)) return own;
     throw error(Failure::no_input, "{}: has no policy of robot {} to go on from",
-                plan.founders_from->string(), robot.id);
+                *plan.founders_from, robot.id);
   }
   if (!plan.init) return std::nullopt;
   if (plan.shared && fs::is_directory(*plan.init))
     throw error(Failure::usage,
                 "--init {}: one controller for all robots starts from one policy, not from those "
                 "of a folder",
-                plan.init->string());
+                *plan.init);
   if (!fs::is_directory(*plan.init)) return plan.init;
   for (const std::string& parent : parents)
     if (auto path = policy_in(*plan.init, parent)) return path;
@@ -144,7 +144,7 @@ TrainingStart find_start(const TrainingPlan& plan, const Robot& robot,
     start.inheritance = Inheritance{file.controller, anatomy(file.robot.body, file.layout)};
     start.origin.inherited = file.settings_hash;
   }
-  for (const fs::path& path : plan.moments)
+  for (const std::string& path : plan.moments)
     if (const auto rollout = rollout_for(path, robot.id))
       add_demonstrations(*rollout, robot, plan.task, start.demonstrations);
   for (const Demonstration& demonstration : start.demonstrations)

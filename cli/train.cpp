@@ -98,6 +98,50 @@ void save_policy(const fs::path& path, const PolicyFile& policy, bool replace) {
   }
 }
 
+// ---- progress -------------------------------------------------------------------------
+
+// Who follows trainings; called from several threads.
+class Follower {
+ public:
+  Follower(const cli::Command& command, const std::vector<Robot>& robots,
+           const std::function<void(std::size_t)>& begins,
+           const std::function<void(const Trained&)>& ended)
+      : begins(begins),
+        robots_(robots),
+        ended_(ended),
+        line_(command.progress_style(), robots.size()),
+        views_(robots.size()),
+        last_steps_(robots.size(), 0) {}
+
+  const std::function<void(std::size_t)>& begins;
+
+  void progress(std::size_t i, const TrainingReport& report) {
+    cli::TrainingView& view = views_[i];
+    view.id = robots_[i].id;
+    view.done = static_cast<double>(report.step) / static_cast<double>(report.steps);
+    if (const auto value = metric(report, "eval/return")) {
+      view.evaluations.push_back(*value);
+      view.best = metric(report, "eval/best").value_or(*value);
+      cli::log::debug(fmt::format("robot {}: step {} of {}, return {:.4g}, best {:.4g}", view.id,
+                                  report.step, report.steps, *value, view.best));
+    }
+    line_.update(i, view, static_cast<double>(report.step - last_steps_[i]));
+    last_steps_[i] = report.step;
+  }
+
+  void ended(const Trained& trained) {
+    line_.finish(trained.index);
+    ended_(trained);
+  }
+
+ private:
+  const std::vector<Robot>& robots_;
+  const std::function<void(const Trained&)>& ended_;
+  cli::TrainingProgress line_;
+  std::vector<cli::TrainingView> views_;  // each of one thread at a time
+  std::vector<std::int64_t> last_steps_;
+};
+
 // ---- one training ---------------------------------------------------------------------
 
 // One training from its start to its files, or to a checkpoint where it is interrupted: of
@@ -105,11 +149,11 @@ void save_policy(const fs::path& path, const PolicyFile& policy, bool replace) {
 class Training {
  public:
   Training(const TrainingPlan& plan, std::span<const Robot> robots, std::size_t index,
-           const TrainingObserver& observer)
+           Follower& follower)
       : plan_(plan),
         robots_(robots),
         index_(index),
-        observer_(observer),
+        follower_(follower),
         paths_(training_paths(plan, robots.front().id)) {
     for (const Robot& robot : robots) {
       try {
@@ -159,10 +203,10 @@ class Training {
     Trainer trainer(pointers_, plan_.settings(first()), plan_.seed, stream_name(plan_, first()),
                     start_.inheritance, start_.demonstrations);
     begin(trainer);
-    if (observer_.begins) observer_.begins(index_);
+    follower_.begins(index_);
 
     TrainingLog log(paths_.log);
-    log.begin(plan_.created_by, plan_.task.name, start_.checkpoint.has_value());
+    log.begin(cli::created_by("evo-train"), plan_.task.name, start_.checkpoint.has_value());
     trained.started = seconds_since_1970();
     const auto began = SteadyClock::now();
     const bool ended = advance(trainer, log, trained, began);
@@ -178,12 +222,12 @@ class Training {
   }
 
   void begin(Trainer& trainer) {
-    const std::string what = plan_.shared ? plan_.shared->string() : "robot " + first().id;
+    const std::string what = plan_.shared ? *plan_.shared : "robot " + first().id;
     if (start_.checkpoint) {
       restore(trainer, *start_.checkpoint, paths_.checkpoint);
-      observer_.note(fmt::format("{}: goes on from {}", what, paths_.checkpoint.string()));
+      cli::log::info(fmt::format("{}: goes on from {}", what, paths_.checkpoint.string()));
     } else if (fs::exists(paths_.checkpoint)) {
-      observer_.note(fmt::format("{}: begins anew; --resume would go on from {}", what,
+      cli::log::info(fmt::format("{}: begins anew; --resume would go on from {}", what,
                                  paths_.checkpoint.string()));
     }
   }
@@ -202,9 +246,9 @@ class Training {
       trained.steps = report.step - first_step;
       if (metric(report, "eval/return"))
         log.line(report, static_cast<double>(trained.steps) / std::max(seconds_since(began), 1e-9));
-      observer_.progress(index_, report);
+      follower_.progress(index_, report);
       if (trainer.done()) break;
-      if (observer_.interrupted() != 0) return false;
+      if (cli::interrupted() != 0) return false;
       if (plan_.checkpoint_every > 0 && report.step - saved_step >= plan_.checkpoint_every) {
         save(trainer);
         saved_step = report.step;
@@ -234,7 +278,7 @@ class Training {
   PolicyFile policy_file(const TrainResult& result) const {
     const auto file_of = [&](std::size_t i) {
       return make_policy_file(robots_[i], arenas_[i], plan_.settings(first()), plan_.seed, result,
-                              plan_.created_by, start_.origin);
+                              cli::created_by("evo-train"), start_.origin);
     };
     if (!plan_.shared) return file_of(0);
     // What each robot earns with the controller of all.
@@ -284,7 +328,7 @@ class Training {
   const TrainingPlan& plan_;
   std::span<const Robot> robots_;
   std::size_t index_;  // of the first
-  const TrainingObserver& observer_;
+  Follower& follower_;
   TrainingPaths paths_;
   std::deque<Arena> arenas_;  // of each robot
   std::vector<const Arena*> pointers_;
@@ -322,13 +366,13 @@ const TrainingSettings& TrainingPlan::settings(const Robot& robot) const {
 
 TrainingPaths training_paths(const TrainingPlan& plan, const std::string& id) {
   if (plan.shared) {
-    std::string stem = plan.shared->string();
+    std::string stem = *plan.shared;
     for (const std::string_view end : {".h5", ".policy"})
       if (stem.size() > end.size() && stem.ends_with(end)) stem.resize(stem.size() - end.size());
     return {*plan.shared, stem + ".checkpoint.h5", stem + ".log"};
   }
-  return {plan.policies / (id + ".policy.h5"), plan.policies / (id + ".checkpoint.h5"),
-          plan.logs / (id + ".log")};
+  const fs::path folder = plan.policies;
+  return {folder / (id + ".policy.h5"), folder / (id + ".checkpoint.h5"), folder / (id + ".log")};
 }
 
 std::string stream_name(const TrainingPlan& plan, const Robot& robot) {
@@ -354,35 +398,34 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
   (void)Trainer(all, settings, plan.seed, "", std::move(inheritance), std::move(demonstrations));
 }
 
-int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, ThreadPool& pool,
-                 const TrainingObserver& observer) {
-  if (!plan.shared) {
-    make_folders(plan.policies);
-    make_folders(plan.logs);
-  } else if (plan.shared->has_parent_path()) {
-    make_folders(plan.shared->parent_path());
-  }
-  std::atomic<bool> stopped = false;
+int train_robots(const cli::Command& command, const TrainingPlan& plan,
+                 const std::vector<Robot>& robots, const std::function<void(std::size_t)>& begins,
+                 const std::function<void(const Trained&)>& ended) {
+  cli::catch_interrupts();
+  make_folders(plan.shared ? fs::absolute(*plan.shared).parent_path() : fs::path(plan.policies));
+  Follower follower(command, robots, begins, ended);
   const auto train = [&](std::span<const Robot> of, std::size_t index) {
-    for (const Trained& trained : Training(plan, of, index, observer).run()) {
+    for (const Trained& trained : Training(plan, of, index, follower).run()) {
       if (trained.robot) stop_at_failure(plan, *trained.robot);
-      observer.ended(trained);
+      follower.ended(trained);
     }
   };
+  cli::Workers workers(command, plan.shared ? 1 : robots.size());
+  std::atomic<bool> stopped = false;
   if (plan.shared) {
     if (!robots.empty()) train(robots, 0);
-    return observer.interrupted();
+  } else {
+    workers.pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
+      if (cli::interrupted() != 0 || stopped) return;
+      try {
+        train(std::span(robots).subspan(i, 1), i);
+      } catch (const Error& e) {
+        stopped = true;
+        throw e.at("robot " + robots[i].id);
+      }
+    });
   }
-  pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
-    if (observer.interrupted() != 0 || stopped) return;
-    try {
-      train(std::span(robots).subspan(i, 1), i);
-    } catch (const Error& e) {
-      stopped = true;
-      throw e.at("robot " + robots[i].id);
-    }
-  });
-  return observer.interrupted();
+  return cli::interrupted() == 0 ? 0 : 128 + cli::interrupted();
 }
 
 }  // namespace evo

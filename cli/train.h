@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "cli/command.h"
 #include "formats/robot/robot.h"
 #include "formats/training/policy.h"
-#include "libevo/base/parallel.h"
 #include "libevo/control/settings.h"
 #include "libevo/control/trainer.h"
 #include "libevo/task/spec.h"
@@ -25,29 +25,27 @@ struct TrainingPlan {
   TrainingSettings children;  // of robots with parents
   TrainingSettings founders;  // of the others
   std::uint64_t seed = 0;
-  std::string created_by;  // goes into policies and logs
 
-  // ID.policy.h5 and ID.checkpoint.h5 go to `policies`, ID.log to `logs`.
-  std::filesystem::path policies = ".";
-  std::filesystem::path logs = ".";
+  // The folder of ID.policy.h5, ID.checkpoint.h5 and ID.log.
+  std::string policies = ".";
   // One controller for all robots, into this policy; checkpoint and log lie beside it.
-  std::optional<std::filesystem::path> shared;
+  std::optional<std::string> shared;
 
   // Where controllers to start from are: a policy for every robot, or a folder with those
   // of parents; and one for every robot without parents, or a folder that has theirs.
-  std::optional<std::filesystem::path> init;
-  std::optional<std::filesystem::path> founders_from;
+  std::optional<std::string> init;
+  std::optional<std::string> founders_from;
   // A folder that has one for every robot, instead.
-  std::optional<std::filesystem::path> own;
+  std::optional<std::string> own;
 
   // Rollouts at whose moments episodes begin, or folders with a robot's, ID.h5.
-  std::vector<std::filesystem::path> moments;
+  std::vector<std::string> moments;
 
-  std::int64_t checkpoint_every = 100'000;  // environment steps; 0: when interrupted only
-  bool keep_checkpoint = false;             // at the end, too
-  bool resume = false;                      // go on from checkpoints
-  bool replace = false;                     // policies that were trained otherwise
-  bool skip_failures = false;               // a training that diverges: no fitness, go on
+  int checkpoint_every = 100'000;  // environment steps; 0: when interrupted only
+  bool keep_checkpoint = false;    // at the end, too
+  bool resume = false;             // go on from checkpoints
+  bool replace = false;            // policies that were trained otherwise
+  bool skip_failures = false;      // a training that diverges: no fitness, go on
 
   const TrainingSettings& settings(const Robot& robot) const;
 };
@@ -76,16 +74,6 @@ struct Trained {
   std::int64_t steps = 0;  // environment steps taken
 };
 
-// Who follows trainings; called from several threads.
-struct TrainingObserver {
-  std::function<void(const std::string&)> note;
-  std::function<int()> interrupted;  // the signal that asks to stop, or 0
-  // Before its first step in this process; not of robots that are trained already.
-  std::function<void(std::size_t index)> begins;
-  std::function<void(std::size_t index, const TrainingReport&)> progress;
-  std::function<void(const Trained&)> ended;  // in any order
-};
-
 // Whether a robot of this shape could be trained as planned: settings and steps allow it,
 // from the controller of another one, too, where it `inherits`. Throws what the beginning
 // of its training would throw. Of a shape that cannot stand in the task nothing is known.
@@ -94,11 +82,14 @@ enum class Inherits { no, yes };
 void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, int rows, int cols,
                     Inherits inherits, int robots = 1);
 
-// Trains the robots on the pool's threads, or one controller for all of them. Returns the signal
-// that interrupted, or 0; each training that had not ended then has a checkpoint. Throws
-// Error(work) for a training that failed unless failures are skipped, else what reading and
-// writing the files throws; the first Error names its robot.
-int train_robots(const TrainingPlan& plan, const std::vector<Robot>& robots, ThreadPool& pool,
-                 const TrainingObserver& observer);
+// Trains the robots, or one controller for all of them, on the command's threads with a live line
+// of progress; `begins` is told of each before its first step in this process, `ended` after its
+// last, in any order, from several threads. Returns the exit status: 0, or 128 + the signal that
+// interrupted; each training that had not ended then has a checkpoint. Throws Error(work) for a
+// training that failed unless failures are skipped, else what reading and writing the files
+// throws; the first Error names its robot.
+int train_robots(const cli::Command& command, const TrainingPlan& plan,
+                 const std::vector<Robot>& robots, const std::function<void(std::size_t)>& begins,
+                 const std::function<void(const Trained&)>& ended);
 
 }  // namespace evo

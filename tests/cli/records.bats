@@ -183,6 +183,10 @@ evolve() {
   "$EVO_SOURCE/scripts/records-page" | grep '^| \[Walker-v0\](#walker-v0.*, less | '
   jq '.fitness = 20' $record > better && mv better $record
   "$EVO_SOURCE/scripts/records-page" | grep '^| \[Walker-v0\](#walker-v0) | network along a gait | 20 ([^,]*) | '
+  # What a record was replaced by is nothing that a run began with.
+  cp records/Walker-v0/* first
+  jq '.shifted.mean = -100' $record > worse && mv worse $record
+  fails_with 2 "network began with another record than $PWD/first is now" -- "$EVO_SOURCE/scripts/add-record" network
   run further two records/Walker-v0 --pop 2 --evals 2
   [ "$status" -ne 0 ]
   [[ $output == *"records/Walker-v0: has 1 robots, not --pop 2"* ]]

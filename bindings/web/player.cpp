@@ -208,8 +208,9 @@ struct evo_player {
     counts[Count::steps] = env.steps(0);
     if (folded) counts[Count::folding] += arena.task().folding_reward;
     for (std::size_t i = 0; i < shares.size(); ++i)
-      counts[Count::rules + i] +=
-          evo::judge(*shares[i].arena, env.model(0), shares[i].episode, before, now, folded).reward;
+      counts[Count::rules + i] += evo::judge(*shares[i].arena, env.model(0), shares[i].episode,
+                                             before, now, targets, folded)
+                                      .reward;
     counts[Count::ended] = static_cast<double>(how_it_ended(folded));
   }
 

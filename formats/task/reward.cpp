@@ -127,6 +127,28 @@ struct Form<GoalApproach> {
   }
 };
 
+// ---- actions ----------------------------------------------------------------------------
+
+template <typename Term>
+struct OfActionsForm {
+  static Term read(const PieceNode&) { return {}; }
+  static std::string write(const Term&) { return ""; }
+};
+
+template <>
+struct Form<Effort> : OfActionsForm<Effort> {
+  static TermWords words(const Effort&, const Physics&) {
+    return {"sum (a - 1)^2", "squared distance of the targets from the rest lengths"};
+  }
+};
+
+template <>
+struct Form<ActionChange> : OfActionsForm<ActionChange> {
+  static TermWords words(const ActionChange&, const Physics&) {
+    return {"sum (da)^2", "squared change of the targets"};
+  }
+};
+
 // The one key of a list item that is neither `weight` nor `when`.
 PieceNode read_term_key(const YamlNode& node, const Scope& scope) {
   std::optional<PieceNode> piece;

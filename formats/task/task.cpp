@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int most_steps = 10'000'000;
+constexpr int longest_hold = 1000;          // control steps
 constexpr int largest_draw = 100'000;       // voxels
 constexpr int longest_goal_path = 100'000;  // voxels
 constexpr int longest_chain = 16;           // of tasks that start from one another
@@ -95,10 +96,11 @@ std::string read_task_name(const YamlNode& node) {
 }
 
 YamlMapping task_mapping(std::string_view text, const std::string& where) {
-  YamlMapping mapping(YamlNode::parse(text, where), "task",
-                      {"format", "version", "name", "aliases", "base", "difficulty", "description",
-                       "notes", "steps", "robot", "world", "draws", "goals", "observation",
-                       "reward", "folding_reward", "rules", "follow", "physics"});
+  YamlMapping mapping(
+      YamlNode::parse(text, where), "task",
+      {"format", "version",     "name",   "aliases",        "base",  "difficulty", "description",
+       "notes",  "steps",       "hold",   "step_cost",      "robot", "world",      "draws",
+       "goals",  "observation", "reward", "folding_reward", "rules", "follow",     "physics"});
   check_format(mapping.node(), format::task);
   return mapping;
 }
@@ -141,6 +143,8 @@ TaskSpec read_task(std::string_view text, const std::string& where, const fs::pa
     task.description = description->string();
   if (const auto notes = mapping.find("notes")) task.notes = read_words(*notes);
   task.episode_steps = mapping.at("steps").integer(1, most_steps);
+  if (const auto hold = mapping.find("hold")) task.hold = hold->integer(1, longest_hold);
+  if (const auto cost = mapping.find("step_cost")) task.step_cost = cost->number();
 
   const YamlMapping robot(mapping.at("robot"), "robot", {"at"});
   const YamlNode at = robot.at("at");

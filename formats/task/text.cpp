@@ -105,7 +105,8 @@ std::string observation_text(const TaskSpec& task, const Arena& arena) {
 
 std::string reward_text(const TaskSpec& task) {
   std::string text =
-      "reward of a step (X, Y: centre; d: change in the step; raw lengths, a voxel is " +
+      "reward of a step (X, Y: centre; a: targets; d: change in the step; raw lengths, a voxel "
+      "is " +
       number_text(task.physics.voxel_length) + ")\n";
   for (const RewardTerm& term : task.reward) {
     const TermWords words = term_to_words(term.term, task.physics);
@@ -114,6 +115,8 @@ std::string reward_text(const TaskSpec& task) {
     if (!term.when.empty())
       text += fmt::format("{:9}while {}\n", "", conditions_to_words(term.when, task.physics));
   }
+  if (task.step_cost != 0.0)
+    text += fmt::format("  {:>6} every step\n", signed_number(-task.step_cost));
   return text;
 }
 
@@ -142,7 +145,8 @@ std::string describe_task(const TaskSpec& task, const Body& robot) {
   text += "\n";
   if (!task.description.empty()) text += task.description + "\n";
   if (!task.aliases.empty()) text += fmt::format("also called: {}\n", joined(task.aliases, ", "));
-  text += fmt::format("episode: {} steps\naction: {} targets in [{}, {}]\n\n", task.episode_steps,
+  text += fmt::format("episode: {} steps{}\naction: {} targets in [{}, {}]\n\n", task.episode_steps,
+                      task.hold == 1 ? "" : fmt::format(" of {} control steps", task.hold),
                       arena.action_length(), number_text(task.physics.min_target),
                       number_text(task.physics.max_target));
   text += world_text(task, robot) + "\n" + observation_text(task, arena) + "\n" +

@@ -42,8 +42,10 @@ std::string task_to_yaml(const TaskSpec& task) {
     text += "notes:\n";
     for (const std::string& note : task.notes) text += "  - " + yaml_scalar(note) + "\n";
   }
-  text += fmt::format("steps: {}\nrobot: {{at: [{}, {}]}}\n", task.episode_steps, task.robot_x,
-                      task.robot_y);
+  text += fmt::format("steps: {}\n", task.episode_steps);
+  if (task.hold != 1) text += fmt::format("hold: {}\n", task.hold);
+  if (task.step_cost != 0.0) text += fmt::format("step_cost: {}\n", task.step_cost);
+  text += fmt::format("robot: {{at: [{}, {}]}}\n", task.robot_x, task.robot_y);
   if (!task.draws.empty()) {
     text += "draws:\n";
     for (const DrawnInteger& drawn : task.draws)

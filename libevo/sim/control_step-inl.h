@@ -299,13 +299,8 @@ class ControlStep {
     }
   }
 
-  // A target of single precision is clipped in it by whoever gives it, as in the benchmark: its
-  // bounds are 0.600000023841858 and 1.600000023841858, and are not clipped again.
   double target(const Lane& lane, std::int32_t actuator) const {
-    const double value = lane.targets[static_cast<std::size_t>(actuator)];
-    for (const double bound : {physics_.min_target, physics_.max_target})
-      if (value == static_cast<double>(static_cast<float>(bound))) return value;
-    return std::clamp(value, physics_.min_target, physics_.max_target);
+    return physics_.clip(lane.targets[static_cast<std::size_t>(actuator)]);
   }
 
   void copy_lane(std::size_t from, std::size_t to) const {

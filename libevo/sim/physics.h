@@ -3,6 +3,8 @@
 // benchmark simulator (docs/physics.md; profiles in tasks/physics/*.yaml).
 #pragma once
 
+#include <algorithm>
+
 namespace evo {
 
 struct SpringStiffness {
@@ -40,6 +42,15 @@ struct Physics {
 
   double min_target = 0.6;  // actuator targets, share of the rest length
   double max_target = 1.6;
+
+  // An actuator's target within its range. One of single precision is clipped in it by whoever
+  // gives it, as in the benchmark: its bounds are 0.600000023841858 and 1.600000023841858, and
+  // are not clipped again.
+  double clip(double target) const {
+    for (const double bound : {min_target, max_target})
+      if (target == static_cast<double>(static_cast<float>(bound))) return target;
+    return std::clamp(target, min_target, max_target);
+  }
 
   bool operator==(const Physics&) const = default;
 };

@@ -169,7 +169,9 @@ std::vector<Terrain> make_terrains(const Arena::Compiled& arena, const Model& mo
 
 std::shared_ptr<const EpisodeWorld> make_episode_world(const Arena::Compiled& arena,
                                                        const Draws& draws) {
-  Model model(make_world(arena.task, arena.robot, draws), arena.task.physics);
+  Physics physics = arena.task.physics;
+  physics.substeps *= arena.task.hold;
+  Model model(make_world(arena.task, arena.robot, draws), physics);
   std::vector<Terrain> terrains = make_terrains(arena, model);
   return std::make_shared<const EpisodeWorld>(EpisodeWorld{std::move(model), std::move(terrains)});
 }

@@ -52,11 +52,12 @@ struct View {
   std::span<const Terrain> terrains;
 };
 
-// What conditions and reward terms see: quantities before and after the step.
+// What conditions and reward terms see: quantities before and after the step, and its targets.
 struct Step {
   const Episode& episode;  // goals counted already
   std::span<const double> pre;
   std::span<const double> post;
+  std::span<const double> targets;  // [A], clipped
 };
 
 // Where a part writes its numbers: as many as it declared, all of them. Throws
@@ -154,6 +155,6 @@ void observe(const Arena::Compiled& arena, std::span<const Terrain> terrains,
              std::span<const double> quantities, std::span<double> observation);
 
 StepOutcome judge(const Arena::Compiled& arena, Episode& episode, std::span<const double> pre,
-                  std::span<const double> post, bool folded);
+                  std::span<const double> post, std::span<const double> targets, bool folded);
 
 }  // namespace evo

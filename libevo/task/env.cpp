@@ -73,6 +73,7 @@ struct Environment {
   std::span<Vec2> velocities;
   std::vector<double> quantities;  // measured in positions
   std::vector<double> previous_quantities;
+  std::vector<double> targets;  // of the step under way, clipped
   std::vector<Vec2> work;
 };
 
@@ -108,6 +109,11 @@ std::shared_ptr<const EpisodeWorld> episode_world_for(const Arena::Compiled& are
   } catch (const Error& failure) {
     throw failure.at("task '" + arena.task.name + "' with these draws");
   }
+}
+
+void clip(std::span<const double> targets, const Physics& physics, std::vector<double>& clipped) {
+  clipped.clear();
+  for (const double target : targets) clipped.push_back(physics.clip(target));
 }
 
 void shift(State& state, double amount, std::uint64_t seed) {
@@ -253,7 +259,7 @@ void VecEnv::reset(int environment, const EpisodeStart& start) {
     impl.batch.read_moving(index, e.positions, e.velocities);
     e.initial_shapes = make_initial_shapes(arena, e.positions);
   }
-  e.episode = {start.draws, 0, 0};
+  e.episode = {start.draws, 0, 0, {}};
   measure(arena, e.initial_shapes, e.positions, e.work, e.quantities);
   impl.look(index);
   impl.rewards[index] = 0.0;
@@ -276,7 +282,9 @@ void VecEnv::Impl::finish(std::size_t index) {
     measure(arena, e.initial_shapes, e.positions, e.work, e.quantities);
   }
   look(index);
-  const StepOutcome outcome = judge(arena, e.episode, e.previous_quantities, e.quantities, folded);
+  clip(batch.targets(index), arena.task.physics, e.targets);
+  const StepOutcome outcome =
+      judge(arena, e.episode, e.previous_quantities, e.quantities, e.targets, folded);
   rewards[index] = outcome.reward;
   terminated[index] = outcome.terminated ? 1 : 0;
   truncated[index] = outcome.truncated ? 1 : 0;
@@ -413,6 +421,7 @@ void save_episode(ByteWriter& out, const Episode& episode) {
   out.values(episode.draws.goals);
   out.value(episode.steps);
   out.value(episode.goal);
+  out.values(episode.targets);
 }
 
 Episode load_episode(ByteReader& in) {
@@ -426,6 +435,7 @@ Episode load_episode(ByteReader& in) {
   in.values(episode.draws.goals);
   in.value(episode.steps);
   in.value(episode.goal);
+  in.values(episode.targets);
   return episode;
 }
 
@@ -591,10 +601,12 @@ void observe(const Arena& arena, const Model& model, const Episode& episode, con
 }
 
 StepOutcome judge(const Arena& arena, const Model& model, Episode& episode, const Snapshot& pre,
-                  const Snapshot& post, bool folded) {
+                  const Snapshot& post, std::span<const double> targets, bool folded) {
   const Arena::Compiled& compiled = arena.compiled();
+  std::vector<double> clipped;
+  clip(targets, compiled.task.physics, clipped);
   return judge(compiled, episode, measured(compiled, model, pre), measured(compiled, model, post),
-               folded);
+               clipped, folded);
 }
 
 }  // namespace evo

@@ -81,7 +81,7 @@ class VecEnv {
   // Throws Error(usage) for draws that are not the task's.
   void reset(int environment, const EpisodeStart& start);
 
-  // One control step of the environments marked in `active` (all, if empty);
+  // One step (TaskSpec::hold control steps) of the environments marked in `active` (all, if empty);
   // the others stay as they are. Targets are absolute, share of the rest length,
   // clipped to the physics' range. Does not reset what ended. The work is done by
   // the calling thread, or by the threads of `pool`, with the same bits. Threads share
@@ -151,7 +151,8 @@ struct Snapshot {
 struct Episode {
   Draws draws;
   int steps = 0;
-  int goal = 0;  // goals reached; the next one counts
+  int goal = 0;                 // goals reached; the next one counts
+  std::vector<double> targets;  // [A] of the last step, clipped; empty before the first
 };
 
 struct StepOutcome {
@@ -166,9 +167,9 @@ struct StepOutcome {
 // shows the goal from before the step.
 void observe(const Arena& arena, const Model& model, const Episode& episode, const Snapshot& now,
              std::span<double> observation);
-// Counts the step in `episode`. `folded`: the simulator reported self-folding,
-// and `post` is what `pre` was.
+// Counts the step in `episode`. `targets`: [A], as they were given. `folded`: the simulator
+// reported self-folding, and `post` is what `pre` was.
 StepOutcome judge(const Arena& arena, const Model& model, Episode& episode, const Snapshot& pre,
-                  const Snapshot& post, bool folded);
+                  const Snapshot& post, std::span<const double> targets, bool folded);
 
 }  // namespace evo

@@ -90,11 +90,11 @@ void observe(const Arena::Compiled& arena, std::span<const Terrain> terrains,
 }
 
 StepOutcome judge(const Arena::Compiled& arena, Episode& episode, std::span<const double> pre,
-                  std::span<const double> post, bool folded) {
+                  std::span<const double> post, std::span<const double> targets, bool folded) {
   StepOutcome outcome;
   ++episode.steps;
   if (arena.has_goals) count_goals(arena, episode, post);
-  const compiled::Step step{episode, pre, post};
+  const compiled::Step step{episode, pre, post, targets};
   for (const compiled::WeightedTerm& term : arena.terms)
     if (all_hold(term.when, step)) outcome.reward += term.weight * term.term(step);
   if (folded) {
@@ -106,6 +106,8 @@ StepOutcome judge(const Arena::Compiled& arena, Episode& episode, std::span<cons
     outcome.reward += rule.reward;
     outcome.terminated = outcome.terminated || rule.terminate;
   }
+  outcome.reward -= arena.task.step_cost;
+  episode.targets.assign(targets.begin(), targets.end());
   outcome.truncated = episode.steps >= arena.task.episode_steps;
   return outcome;
 }

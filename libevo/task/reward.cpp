@@ -73,6 +73,25 @@ Term bind_one(const reward::GoalApproach& term, Binder& bind) {
   };
 }
 
+Term bind_one(const reward::Effort&, Binder&) {
+  return [](const Step& step) {
+    double sum = 0.0;
+    for (const double target : step.targets) sum += (target - 1.0) * (target - 1.0);
+    return sum;
+  };
+}
+
+Term bind_one(const reward::ActionChange&, Binder&) {
+  return [](const Step& step) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < step.targets.size(); ++i) {
+      const double before = step.episode.targets.empty() ? 1.0 : step.episode.targets[i];
+      sum += (step.targets[i] - before) * (step.targets[i] - before);
+    }
+    return sum;
+  };
+}
+
 }  // namespace
 
 compiled::Term bind_term(const reward::Term& term, Binder& bind) {

@@ -152,8 +152,14 @@ struct Rotation {
 struct GoalApproach {
   static constexpr const char* name = "goal_approach";
 };  // how much nearer the robot came to the goal; docs/tasks.md, "Rewards and ends"
-using Term =
-    std::variant<Displacement, Distance, Approach, HullArea, Extent, Rotation, GoalApproach>;
+struct Effort {
+  static constexpr const char* name = "effort";
+};  // sum over actuators of (target - 1)^2, targets as the physics clips them
+struct ActionChange {
+  static constexpr const char* name = "action_change";
+};  // sum over actuators of (target - target of the step before)^2; before the first: 1
+using Term = std::variant<Displacement, Distance, Approach, HullArea, Extent, Rotation,
+                          GoalApproach, Effort, ActionChange>;
 }  // namespace reward
 
 struct RewardTerm {
@@ -204,7 +210,9 @@ struct TaskSpec {
   std::string difficulty;          // easy, medium, hard, or empty
   std::vector<std::string> notes;  // differences from the paper, for evo-inspect
   int episode_steps = 500;
-  int robot_x = 0;  // cell of the lower-left corner of the body's matrix
+  int hold = 1;            // control steps of a step, all with the same action
+  double step_cost = 0.0;  // subtracted from the reward of every step
+  int robot_x = 0;         // cell of the lower-left corner of the body's matrix
   int robot_y = 0;
   std::vector<Placement> objects;
   std::vector<DrawnInteger> draws;

@@ -421,7 +421,7 @@ TEST_CASE("rewards and ends are those of the specification, around every thresho
       spec.rules(after, expected);
 
       Episode episode;
-      const StepOutcome outcome = judge(arena, model, episode, pre, post, folded);
+      const StepOutcome outcome = judge(arena, model, episode, pre, post, {}, folded);
       CHECK(outcome.reward == Approx(expected.reward).epsilon(0).margin(1e-11));
       CHECK(outcome.terminated == expected.terminated);
       CHECK_FALSE(outcome.truncated);
@@ -443,9 +443,9 @@ TEST_CASE("all tasks are truncated at their last step, wherever they are") {
     Snapshot still;
     still.positions = arena.model().initial_positions();
     still.velocities.resize(still.positions.size());
-    Episode episode{arena.draw(0, 0), arena.task().episode_steps - 2, 0};
-    CHECK_FALSE(judge(arena, arena.model(), episode, still, still, false).truncated);
-    CHECK(judge(arena, arena.model(), episode, still, still, false).truncated);
+    Episode episode{arena.draw(0, 0), arena.task().episode_steps - 2, 0, {}};
+    CHECK_FALSE(judge(arena, arena.model(), episode, still, still, {}, false).truncated);
+    CHECK(judge(arena, arena.model(), episode, still, still, {}, false).truncated);
   }
 }
 
@@ -462,7 +462,7 @@ TEST_CASE("BidirectionalWalker-v0 goes from goal to goal as released") {
     return snapshot;
   };
   for (int round = 0; round < 100; ++round) {
-    Episode episode{arena.draw(2, static_cast<std::uint64_t>(round)), 0, 0};
+    Episode episode{arena.draw(2, static_cast<std::uint64_t>(round)), 0, 0, {}};
     const std::vector<int> goals = episode.draws.goals;
     std::size_t c = 0;
     Snapshot pre = state(3.5);
@@ -493,13 +493,13 @@ TEST_CASE("BidirectionalWalker-v0 goes from goal to goal as released") {
       terminated = c == goals.size();
       if (terminated) reward += 1.0;
 
-      const StepOutcome outcome = judge(arena, model, episode, pre, post, false);
+      const StepOutcome outcome = judge(arena, model, episode, pre, post, {}, false);
       CHECK(outcome.reward == Approx(reward).epsilon(0).margin(1e-12));
       CHECK(outcome.terminated == terminated);
       pre = post;
     }
     CHECK(terminated);
     // One more step after the end does no harm.
-    judge(arena, model, episode, pre, state(1.0), false);
+    judge(arena, model, episode, pre, state(1.0), {}, false);
   }
 }

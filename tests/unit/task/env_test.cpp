@@ -439,12 +439,12 @@ TEST_CASE("self-folding costs its reward and ends the episode; rules still apply
   const Arena arena(task, walker());
   Episode episode;
   const Snapshot start = moved(arena.model(), 0.0, 0.0);
-  StepOutcome outcome = judge(arena, arena.model(), episode, start, start, true);
+  StepOutcome outcome = judge(arena, arena.model(), episode, start, start, {}, true);
   CHECK(outcome.reward == -3.0);
   CHECK(outcome.terminated);
   CHECK_FALSE(outcome.truncated);
   const Snapshot far = moved(arena.model(), 1.5, 0.0);
-  outcome = judge(arena, arena.model(), episode, far, far, true);
+  outcome = judge(arena, arena.model(), episode, far, far, {}, true);
   CHECK(outcome.reward == -2.0);
   CHECK(episode.steps == 2);
 }
@@ -461,12 +461,56 @@ TEST_CASE("rules add up, and need not end the episode") {
   const Model& model = arena.model();
   Episode episode;
   const Snapshot start = moved(model, 0.0, 0.0);
-  StepOutcome outcome = judge(arena, model, episode, start, moved(model, 0.7, 0.0), false);
+  StepOutcome outcome = judge(arena, model, episode, start, moved(model, 0.7, 0.0), {}, false);
   CHECK(outcome.reward == 5.0);
   CHECK_FALSE(outcome.terminated);
-  outcome = judge(arena, model, episode, start, moved(model, 1.0, 0.0), false);
+  outcome = judge(arena, model, episode, start, moved(model, 1.0, 0.0), {}, false);
   CHECK(outcome.reward == 5.5);
   CHECK(outcome.terminated);
+}
+
+TEST_CASE("a reward sees the targets as the physics clips them, and those of the step before") {
+  TaskSpec task = walking();
+  task.reward = {{-0.5, reward::Effort{}, {}}, {1.0, reward::ActionChange{}, {}}};
+  task.step_cost = 0.25;
+  const Arena arena(task, Body::from_rows({"HV"}));
+  VecEnv env(arena, 1);
+  env.reset(0, {});
+  env.step(std::vector{1.5, 9.0});  // 9 is clipped to 1.6
+  CHECK(env.rewards()[0] == Approx(-0.5 * (0.25 + 0.36) + (0.25 + 0.36) - 0.25));
+  const std::vector<std::uint8_t> saved = env.save();
+  for (int again = 0; again < 2; ++again) {
+    env.step(std::vector{1.0, 1.5});
+    CHECK(env.rewards()[0] == Approx(-0.5 * 0.25 + (0.25 + 0.01) - 0.25));
+    env.load(saved);
+  }
+  env.reset(0, {});
+  env.step(std::vector{1.0, 1.0});
+  CHECK(env.rewards()[0] == -0.25);
+}
+
+TEST_CASE("an action that is held is the same action in so many control steps") {
+  TaskSpec task = walking();
+  const Arena plain(task, walker());
+  task.hold = 5;
+  const Arena held(task, walker());
+  VecEnv one(plain, 1);
+  VecEnv five(held, 1);
+  one.reset(0, {});
+  five.reset(0, {});
+  for (int step = 0; step < 8; ++step) {
+    const auto targets = actions(plain, 1, step);
+    double earned = 0.0;
+    for (int k = 0; k < 5; ++k) {
+      one.step(targets);
+      earned += one.rewards()[0];
+    }
+    five.step(targets);
+    CHECK(std::ranges::equal(one.positions(), five.positions(),
+                             [](Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }));
+    CHECK(five.rewards()[0] == Approx(earned).margin(1e-12));
+  }
+  CHECK(five.steps(0) == 8);
 }
 
 TEST_CASE("bounds are strict or not, as named") {
@@ -481,7 +525,7 @@ TEST_CASE("bounds are strict or not, as named") {
     task.rules = {{{position}, 1.0, false}};
     const Arena arena(task, walker());
     Episode episode;
-    return judge(arena, arena.model(), episode, start, start, false).reward == 1.0;
+    return judge(arena, arena.model(), episode, start, start, {}, false).reward == 1.0;
   };
   // A bound b voxels for which b * 0.1 is exactly x.
   double bound = x / 0.1;
@@ -499,22 +543,22 @@ TEST_CASE("several goals can be reached in one step; the last one looked at coun
   const Model& model = arena.model();
   const double x0 = robot_x(model, moved(model, 0.0, 0.0));
   const auto at = [&](double x) { return moved(model, x - x0, 0.0); };
-  Episode episode{{{}, {10, 11, 16}}, 0, 0};
+  Episode episode{{{}, {10, 11, 16}}, 0, 0, {}};
 
-  StepOutcome outcome = judge(arena, model, episode, at(0.5), at(0.7), false);
+  StepOutcome outcome = judge(arena, model, episode, at(0.5), at(0.7), {}, false);
   CHECK(episode.goal == 0);
   CHECK(outcome.reward == Approx(0.2));
 
   // At 1.05 both 1.0 and 1.1 are within 0.2: the reward is the approach to 1.6.
-  outcome = judge(arena, model, episode, at(0.7), at(1.05), false);
+  outcome = judge(arena, model, episode, at(0.7), at(1.05), {}, false);
   CHECK(episode.goal == 2);
   CHECK(outcome.reward == Approx(0.35));
   CHECK_FALSE(outcome.terminated);
 
   // On the edge of the radius: 0.2 away is not near enough.
-  outcome = judge(arena, model, episode, at(1.05), at(1.3999999), false);
+  outcome = judge(arena, model, episode, at(1.05), at(1.3999999), {}, false);
   CHECK(episode.goal == 2);
-  outcome = judge(arena, model, episode, at(1.3), at(1.4000001), false);
+  outcome = judge(arena, model, episode, at(1.3), at(1.4000001), {}, false);
   CHECK(episode.goal == 3);
   CHECK(outcome.reward == Approx(0.1000001 + 1.0));
   CHECK(outcome.terminated);
@@ -525,7 +569,7 @@ TEST_CASE("several goals can be reached in one step; the last one looked at coun
   CHECK(seen[0] == 3.0);
   CHECK(seen[1] == Approx(1.6));
   CHECK(seen[2] == Approx(0.1));
-  outcome = judge(arena, model, episode, at(1.5), at(1.4), false);
+  outcome = judge(arena, model, episode, at(1.5), at(1.4), {}, false);
   CHECK(outcome.reward == Approx(-0.1 + 1.0));
 }
 
@@ -558,7 +602,7 @@ TEST_CASE("turning is counted on over whole turns") {
     for (int step = 1; step <= 40; ++step) {
       const double after = 0.1 + sign * two_turns * step / 40.0;
       const double reward =
-          judge(arena, model, episode, turned(before), turned(after), false).reward;
+          judge(arena, model, episode, turned(before), turned(after), {}, false).reward;
       CHECK(reward == Approx(sign * two_turns / 40.0).margin(1e-6));
       sum += reward;
       before = after;

@@ -105,6 +105,22 @@ std::vector<std::string> Body::to_rows() const {
   return drawn;
 }
 
+Body with_stiffness(Body body, std::vector<double> stiffness) {
+  if (stiffness.size() != body.cells.size())
+    throw error(Failure::data, "{} factors of stiffness for {} cells", stiffness.size(),
+                body.cells.size());
+  for (std::size_t i = 0; i < stiffness.size(); ++i) {
+    if (body.cells[i] == Voxel::empty) stiffness[i] = 1.0;
+    if (!(stiffness[i] >= softest && stiffness[i] <= stiffest))
+      throw error(Failure::data, "stiffness {} at {}: a factor from {} to {} is expected",
+                  stiffness[i], place(body, static_cast<int>(i)), softest, stiffest);
+  }
+  const bool plain =
+      std::all_of(stiffness.begin(), stiffness.end(), [](double s) { return s == 1.0; });
+  body.stiffness = plain ? std::vector<double>() : std::move(stiffness);
+  return body;
+}
+
 std::vector<Link> full_links(int rows, int cols, const std::vector<Voxel>& cells) {
   std::vector<Link> links;
   links.reserve(2 * cells.size());
@@ -179,6 +195,7 @@ std::string identity(const Body& body) {
   std::string text = fmt::format("evo1\n{}x{}\n", body.rows, body.cols);
   for (const std::string& row : body.to_rows()) text.append(row).push_back('\n');
   for (const Link& link : links) text += fmt::format("{}-{}\n", link.a, link.b);
+  for (const double factor : body.stiffness) text += fmt::format("{}\n", factor);
 
   constexpr std::size_t identity_digits = 12;
   return sha256_hex(text).substr(0, identity_digits);

@@ -34,6 +34,9 @@ struct Body {
   int cols = 0;
   std::vector<Voxel> cells;  // rows*cols, row-major, row 0 on top
   std::vector<Link> links;   // sorted, unique; both ends non-empty and adjacent
+  // rows*cols factors of the stiffness of each voxel's springs, 1 in empty cells; none: all 1.
+  // A spring that two voxels share has the mean of theirs (docs/physics.md, "Springs").
+  std::vector<double> stiffness;
 
   Body() = default;
   // All adjacent pairs of non-empty cells linked.
@@ -48,8 +51,17 @@ struct Body {
   }
   int index(int row, int col) const { return row * cols + col; }
   std::vector<std::string> to_rows() const;
+  double stiffness_of(std::size_t cell) const { return stiffness.empty() ? 1.0 : stiffness[cell]; }
   bool operator==(const Body&) const = default;
 };
+
+// The least and the greatest factor of a voxel's stiffness.
+inline constexpr double softest = 0.1;
+inline constexpr double stiffest = 10.0;
+
+// The body with these factors, [rows*cols]; those of empty cells do not count. Throws
+// Error(data) for another number of them, or naming the cell of one out of range.
+Body with_stiffness(Body body, std::vector<double> stiffness);
 
 // Every adjacent pair of non-empty cells, sorted.
 std::vector<Link> full_links(int rows, int cols, const std::vector<Voxel>& cells);
@@ -69,7 +81,7 @@ std::optional<std::string> defect(const Body& body, bool needs_actuator);
 // cells that are not adjacent.
 std::optional<std::string> link_defect(const Body& body);
 
-// First 12 hex digits of the SHA-256 of the canonical text of body and links
+// First 12 hex digits of the SHA-256 of the canonical text of body, links and stiffness
 // (docs/formats/robot.md). Equal bodies have equal ids on any machine.
 std::string identity(const Body& body);
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "libevo/base/elementary.h"
 #include "libevo/base/error.h"
 #include "libevo/body/components.h"
 
@@ -148,8 +149,15 @@ std::optional<Body> mutate(const Body& parent, const MutationSettings& settings,
   for (int attempt = 0; attempt < settings.attempts; ++attempt) {
     for (Voxel& cell : cells)
       if (stream.discrete(redraw_or_keep) == 0) cell = draw_voxel(settings.weights, stream);
-    if (is_valid(cells, parent.rows, matrix))
-      return Body(parent.rows, parent.cols, std::move(cells));
+    if (!is_valid(cells, parent.rows, matrix)) continue;
+    std::vector<double> stiffness;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      double factor = parent.stiffness_of(i);
+      if (settings.stiffness_sigma > 0.0 && cells[i] != Voxel::empty)
+        factor *= math::exp(settings.stiffness_sigma * stream.gaussian());
+      stiffness.push_back(std::clamp(factor, softest, stiffest));
+    }
+    return with_stiffness({parent.rows, parent.cols, std::move(cells)}, std::move(stiffness));
   }
   return std::nullopt;
 }
@@ -159,11 +167,16 @@ std::optional<Body> crossover(const Body& a, const Body& b, int attempts, Stream
     throw error(Failure::data, "crossover of a {}x{} and a {}x{} body: the shapes must be equal",
                 a.rows, a.cols, b.rows, b.cols);
   std::vector<Voxel> cells(a.cells.size());
+  std::vector<double> stiffness(a.cells.size());
   GrowingMatrix matrix(a.rows, a.cols);
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      cells[i] = stream.below(2) == 0 ? a.cells[i] : b.cells[i];
-    if (is_valid(cells, a.rows, matrix)) return Body(a.rows, a.cols, std::move(cells));
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const Body& from = stream.below(2) == 0 ? a : b;
+      cells[i] = from.cells[i];
+      stiffness[i] = from.stiffness_of(i);
+    }
+    if (is_valid(cells, a.rows, matrix))
+      return with_stiffness({a.rows, a.cols, std::move(cells)}, std::move(stiffness));
   }
   return std::nullopt;
 }

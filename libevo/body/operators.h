@@ -26,16 +26,18 @@ struct MutationSettings {
   double rate = 0.1;  // probability that a voxel is redrawn
   int attempts = 50;  // each continues from the matrix of the one before
   VoxelWeights weights = default_weights;
+  double stiffness_sigma = 0.0;  // of the change of every factor's logarithm
 };
 
 // A valid child, or nothing after `attempts` failures. It may equal the parent
-// in its cells; its cells are fully linked, whatever links the parent had.
-// Throws Error(usage) for a rate outside [0, 1] or weights without a sum.
+// in its cells; its cells are fully linked, whatever links the parent had. Its voxels
+// have the stiffness of the parent's cells, times exp(stiffness_sigma N(0, 1)), within
+// its range. Throws Error(usage) for a rate outside [0, 1] or weights without a sum.
 std::optional<Body> mutate(const Body& parent, const MutationSettings& settings, Stream& stream);
 
-// Uniform crossover: every voxel from either parent with probability 1/2, until
-// valid; nothing after `attempts` failures. The child is fully linked. Throws
-// Error(data) for parents of different shapes.
+// Uniform crossover: every voxel, with its stiffness, from either parent with probability 1/2,
+// until valid; nothing after `attempts` failures. The child is fully linked. Throws Error(data) for
+// parents of different shapes.
 std::optional<Body> crossover(const Body& a, const Body& b, int attempts, Stream& stream);
 
 }  // namespace evo

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "libevo/base/elementary.h"
 #include "libevo/base/error.h"
@@ -108,22 +109,28 @@ std::vector<float> CppnNetwork::evaluate(std::span<const float> inputs) const {
   return {first, first + static_cast<std::ptrdiff_t>(outputs_)};
 }
 
-Body decode(const Genome& genome, int rows, int cols) {
-  const CppnNetwork network(genome, cppn_inputs, cppn_outputs);
+Body decode(const Genome& genome, int rows, int cols, int outputs) {
+  const CppnNetwork network(genome, cppn_inputs, outputs);
   const double middle_row = (rows - 1) / 2.0;
   const double middle_col = (cols - 1) / 2.0;
   std::vector<Voxel> cells;
+  std::vector<double> stiffness;
   cells.reserve(static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
   for (int row = 0; row < rows; ++row)
     for (int col = 0; col < cols; ++col) {
       const double dy = row - middle_row;
       const double dx = col - middle_col;
-      const std::vector<float> kinds = network.evaluate(std::array{
+      const std::vector<float> painted = network.evaluate(std::array{
           static_cast<float>(row), static_cast<float>(col), single(math::sqrt(dy * dy + dx * dx))});
-      cells.push_back(
-          static_cast<Voxel>(std::max_element(kinds.begin(), kinds.end()) - kinds.begin()));
+      const auto first = painted.begin();
+      cells.push_back(static_cast<Voxel>(std::max_element(first, first + cppn_outputs) - first));
+      if (outputs > cppn_outputs)
+        stiffness.push_back(std::clamp(
+            math::exp(std::numbers::ln10 * std::clamp(double{painted.back()}, -1.0, 1.0)), softest,
+            stiffest));
     }
-  return {rows, cols, std::move(cells)};
+  Body body(rows, cols, std::move(cells));
+  return stiffness.empty() ? body : with_stiffness(std::move(body), std::move(stiffness));
 }
 
 }  // namespace evo

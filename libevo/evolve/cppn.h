@@ -52,8 +52,9 @@ class CppnNetwork {
 inline constexpr int cppn_inputs = 3;   // row, column, distance from the centre, in cells
 inline constexpr int cppn_outputs = 5;  // empty, rigid, soft, horizontal, vertical
 
-// The body a genome paints: in each cell the kind of the largest output, the
-// first one on ties; all adjacent voxels linked. It need not be a valid robot.
-Body decode(const Genome& genome, int rows, int cols);
+// The body a genome paints: in each cell the kind of the largest of these outputs, the
+// first one on ties; all adjacent voxels linked. A sixth output s, if there is one, makes
+// the voxel 10^s times as stiff, s being cut to [-1, 1]. It need not be a valid robot.
+Body decode(const Genome& genome, int rows, int cols, int outputs = cppn_outputs);
 
 }  // namespace evo

@@ -58,6 +58,7 @@ class Builder {
     make_points();
     make_edges();
     make_diagonals();
+    if (!body_.stiffness.empty()) scale_edges();
     return std::move(built_);
   }
 
@@ -199,9 +200,28 @@ class Builder {
       if (c.type == Voxel::soft || is_actuator(c.type))
         for (const int edge : c.edges)
           built_.springs[static_cast<std::size_t>(edge)].stiffness = k.edge;
-      add_spring(c.corners[top_right], c.corners[bottom_left], rest, k.diagonal);
-      add_spring(c.corners[top_left], c.corners[bottom_right], rest, k.diagonal);
+      const double diagonal = k.diagonal * body_.stiffness_of(index(c.row, c.col));
+      add_spring(c.corners[top_right], c.corners[bottom_left], rest, diagonal);
+      add_spring(c.corners[top_left], c.corners[bottom_right], rest, diagonal);
     }
+  }
+
+  // An edge that two voxels share has the mean of both factors.
+  void scale_edges() {
+    struct Sum {
+      double stiffness = 0.0;
+      double voxels = 0.0;
+    };
+    std::map<int, Sum> sums;
+    for (const Built::Cell& c : built_.cells)
+      for (const int edge : c.edges) {
+        Sum& sum = sums[edge];
+        sum.stiffness += built_.springs[static_cast<std::size_t>(edge)].stiffness *
+                         body_.stiffness_of(index(c.row, c.col));
+        sum.voxels += 1.0;
+      }
+    for (const auto& [edge, sum] : sums)
+      built_.springs[static_cast<std::size_t>(edge)].stiffness = sum.stiffness / sum.voxels;
   }
 
   const Body& body_;

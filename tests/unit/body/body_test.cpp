@@ -181,3 +181,16 @@ TEST_CASE("The identity depends on everything but the order of links") {
   CHECK(identity(Body::from_rows({"HHV.", "VRS."})) != id);
   CHECK(identity(Body::from_rows({"HHV", "VSS"})) != id);
 }
+
+TEST_CASE("Stiffness counts in voxels, within its range, and where it is not 1") {
+  const Body body = Body::from_rows({"HS", ".V"});
+  CHECK(with_stiffness(body, {1, 1, 7, 1}) == body);  // an empty cell has none
+  const Body stiff = with_stiffness(body, {2, 1, 7, 0.1});
+  CHECK(stiff.stiffness == std::vector<double>{2, 1, 1, 0.1});
+  CHECK(identity(stiff) != identity(body));
+  CHECK(identity(stiff) != identity(with_stiffness(body, {1, 2, 1, 0.1})));
+  CHECK_THROWS_WITH(with_stiffness(body, {1, 1, 1}), "3 factors of stiffness for 4 cells");
+  CHECK_THROWS_WITH(with_stiffness(body, {1, 10.5, 1, 1}),
+                    "stiffness 10.5 at row 1, column 2: a factor from 0.1 to 10 is expected");
+  CHECK_THROWS_AS(with_stiffness(body, {1, NAN, 1, 1}), Error);
+}

@@ -224,3 +224,22 @@ TEST_CASE("Crossover takes every voxel from one of the parents") {
           (void)crossover(Body::from_rows({"HH"}), Body::from_rows({"H", "H"}), 5, stream);
         }) == Failure::data);
 }
+
+TEST_CASE("Stiffness is inherited with its voxel, and mutates by a share of itself") {
+  Stream stream(16, "test/stiffness");
+  const Body plain = sample_body(5, 5, {0, 0.25, 0.25, 0.25, 0.25}, stream);
+  const Body parent = with_stiffness(plain, std::vector<double>(25, 2.0));
+  CHECK(mutate(parent, {.rate = 0.0}, stream) == parent);
+  CHECK(mutate(plain, {.rate = 0.0}, stream)->stiffness.empty());
+  double moved = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    const auto child = mutate(parent, {.rate = 0.0, .stiffness_sigma = 0.3}, stream);
+    for (const double factor : child->stiffness) {
+      REQUIRE((factor >= softest && factor <= stiffest));
+      moved += std::log(factor / 2.0) * std::log(factor / 2.0) / (400 * 25);
+    }
+  }
+  CHECK(moved == Approx(0.09).epsilon(0.05));
+  const auto mixed = crossover(parent, plain, 50, stream);
+  for (const double factor : mixed->stiffness) CHECK((factor == 1.0 || factor == 2.0));
+}

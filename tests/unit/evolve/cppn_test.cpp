@@ -33,6 +33,18 @@ TEST_CASE("outputs without connections give their bare bias") {
   CHECK(picture(painter({0, 0, 0, 0, 0}), 1, 2) == Rows{".."});
 }
 
+TEST_CASE("a sixth output paints the stiffness, a power of ten") {
+  for (const auto& [output, factor] :
+       {std::pair{0.0, 1.0}, std::pair{0.5, std::sqrt(10.0)}, std::pair{-7.0, 0.1}}) {
+    Genome genome = painter({-1, -2, -3, 1, 0});
+    insert(genome, NodeGene{5, output});
+    const Body body = decode(genome, 2, 2, 6);
+    CHECK(body.to_rows() == Rows{"HH", "HH"});
+    CHECK(body.stiffness_of(3) == Approx(factor));
+    CHECK(decode(genome, 2, 2).stiffness.empty());
+  }
+}
+
 TEST_CASE("a bare bias beats every sigmoid when it exceeds 1") {
   Genome genome = painter({1.5, 0, 0, 30, 0});
   insert(genome, ConnectionGene{-1, 3, 1.0});

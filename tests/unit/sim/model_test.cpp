@@ -59,6 +59,18 @@ TEST_CASE("springs of two cells: order, ends, stiffness, limits") {
   CHECK(d.rigid_edges == std::vector<int>{0, 3, 1, 2});
   CHECK(d.drives.size() == 2);
 
+  // Factors of stiffness: a voxel's own, and their mean where two share an edge.
+  World world{{object("robot", {"RH"}, 1, 1)}};
+  world.objects[0].body = with_stiffness(world.objects[0].body, {2.0, 0.5});
+  const Model scaled(world, physics);
+  const std::vector<Spring>& springs = scaled.compiled().dynamics.springs;
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    INFO("spring " << s);
+    const double factor = s == 3 ? 1.25 : s < 3 || s == 7 || s == 8 ? 2.0 : 0.5;
+    CHECK(springs[s].stiffness == factor * d.springs[s].stiffness);
+    CHECK(springs[s].rest == d.springs[s].rest);
+  }
+
   const StrainLimit& limit = model.compiled().plan.strain.limits[0];
   CHECK_FALSE(std::sqrt(limit.longest_square) / 0.1 > 1.25);
   CHECK(std::sqrt(std::nextafter(limit.longest_square, 1.0)) / 0.1 > 1.25);

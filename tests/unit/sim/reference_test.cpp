@@ -49,4 +49,32 @@ TEST_CASE("every reference trajectory is reproduced to the last bit") {
   }
 }
 
+// EvoGymCM's own simulator (EvoGymCM-I, commit 6456214) in the same world with the same actions.
+TEST_CASE("a body of one material with factors of stiffness has EvoGymCM's bits") {
+  std::vector<double> factors;
+  for (int cell = 0; cell < 25; ++cell) factors.push_back(0.5 + (cell * 7 % 16) / 10.0);
+  const Body robot = Body::from_rows({"HHHHH", "HHHHH", "HH.HH", "H...H", "H...H"});
+  const Model model({{{"robot", with_stiffness(robot, factors), 1, 1}, fixed_ground(60)}},
+                    Physics{});
+  Batch batch(1);
+  batch.place(0, model);
+  std::uint64_t number = 5;
+  for (int t = 0; t < 100; ++t) {
+    for (double& target : batch.targets(0)) {
+      number = number * 6364136223846793005U + 1442695040888963407U;
+      target = 0.6 + static_cast<double>(number >> 11) * 0x1p-53;
+    }
+    batch.step();
+  }
+  std::vector<Vec2> positions(static_cast<std::size_t>(model.points()));
+  std::vector<Vec2> velocities(positions.size());
+  batch.read_moving(0, positions, velocities);
+  CHECK(positions[0].x == 0.1198723709157257);
+  CHECK(positions[0].y == 0.59169401347341177);
+  double sum = 0.0;
+  for (int p = 0; p < model.objects()[0].points; ++p)
+    sum += positions[static_cast<std::size_t>(p)].x;
+  CHECK(sum == 12.416385056004758);
+}
+
 }  // namespace evo

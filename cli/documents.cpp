@@ -120,7 +120,7 @@ std::string describe_task(const TaskSpec& task) {
 
 bool print_document(const std::string& text, const std::string& name) {
   const auto kind = kind_of(text);
-  if (kind) fmt::print("{}", kind->describe(text, name));
+  if (kind) fmt::print("{}", printable_lines(kind->describe(text, name)));
   return kind.has_value();
 }
 

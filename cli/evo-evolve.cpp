@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "cli/command.h"
 #include "cli/data.h"
@@ -103,6 +104,8 @@ cli::Founders find_founders(const std::string& given, int count) {
     file = path / "history.jsonl";
     founders.policies = (path / "policies").string();
   }
+  if (!fs::is_regular_file(file))
+    throw error(Failure::no_input, "--founders {}: {} is no file", given, file.string());
   founders.robots = file.string();
   const std::vector<Robot> robots = read_robots(founders.robots);
   const auto scored = std::count_if(robots.begin(), robots.end(),
@@ -308,6 +311,10 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
   const std::vector<std::string> tasks = items(options.tasks);
   std::vector<std::string> names;
   for (const std::string& task : tasks) names.push_back(fs::path(task).stem().string());
+  std::set<std::string> different(names.begin(), names.end());
+  if (different.size() < names.size())
+    throw Error(Failure::usage,
+                "--tasks: two of them have the same name, after which their runs are called");
   check_collection(folder, names);
   const std::vector<std::string> methods = items(options.methods);
   for (const std::string& method : methods) check_run_method(method);

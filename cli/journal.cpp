@@ -37,9 +37,8 @@ std::uint64_t byte_of(const std::string& name) {
 Journal::Journal(const fs::path& folder) : folder_(made(folder)), lock_(folder_ / "lock") {}
 
 std::optional<std::string> Journal::killed_on(const std::string& name) const {
-  if (!fs::exists(mark(name))) return std::nullopt;
-  const Json found = Json::parse(read_file(mark(name), largest_document), nullptr, false);
-  return found.is_object() ? found.value("host", "?") : "?";
+  if (!fs::is_regular_file(mark(name))) return std::nullopt;
+  return marked_machine(mark(name));
 }
 
 void Journal::take(const std::string& name, const std::function<void(const std::string&)>& note,

@@ -478,6 +478,17 @@ class RunMakefile {
         work, more);
   }
 
+  // A program of one's own may make fewer, or bodies that there were.
+  std::string checked_children(const std::string& count) const {
+    if (settings_.find("mutate") == nullptr) return "";
+    return fmt::format(
+        "new=$$(($$(evo-convert --to ids seen.txt $(@D)/children.jsonl | wc -l) - $$(wc -l < "
+        "seen.txt))); \\\n"
+        "[ $$new -eq {0} ] || {{ echo \"$(@D)/children.jsonl: $$new new bodies, not {0}\" >&2; "
+        "exit 65; }}\n",
+        count);
+  }
+
   std::string recipes() const {
     const std::string seen =
         "mkdir -p $(@D)\n"
@@ -508,7 +519,8 @@ class RunMakefile {
           seen +
               "evo-select --keep $(2) $(1)/scores.jsonl -o $(@D)/survivors.jsonl\n"
               "$(MUTATE) -n $(3) --seed $(4) --avoid seen.txt $(@D)/survivors.jsonl "
-              "-o $(@D)/children.jsonl\n"
+              "-o $(@D)/children.jsonl\n" +
+              checked_children("$(3)") +
               "evo-convert $(@D)/survivors.jsonl $(@D)/children.jsonl -o $@\n");
     if (method_ == "ga" && window_ > 0)
       define(
@@ -517,7 +529,8 @@ class RunMakefile {
           "breed",
           seen + fmt::format("evo-select --keep {} $(2) -o $(@D)/parents.jsonl\n", pop_) +
               "evo-select --keep $(3) $(@D)/parents.jsonl | \\\n"
-              "  $(MUTATE) -n $(4) --seed $(5) --avoid seen.txt -o $@\n");
+              "  $(MUTATE) -n $(4) --seed $(5) --avoid seen.txt -o $(@D)/children.jsonl\n" +
+              checked_children("$(4)") + "evo-convert $(@D)/children.jsonl -o $@\n");
     if (method_ == "map")
       define(
           "Children of the fittest robot of every kind. $(1) generation before, $(2) elites and\n"

@@ -201,7 +201,8 @@ std::string wrapped(const std::string& text, std::size_t columns, std::size_t fu
 
 void print_wrapped(const std::string& text) {
   const auto columns = output_columns();
-  fmt::print("{}", columns ? wrapped(text, *columns) : text);
+  const std::string shown = printable_lines(text);
+  fmt::print("{}", columns ? wrapped(shown, *columns) : shown);
 }
 
 std::string cut_to_width(const std::string& text, std::size_t columns) {
@@ -227,6 +228,15 @@ std::string printable(std::string_view text) {
     text.remove_prefix(taken);
   }
   return shown;
+}
+
+std::string printable_lines(std::string_view text) {
+  std::string shown;
+  for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n')) {
+    shown += printable(text.substr(0, end)) + '\n';
+    text.remove_prefix(end + 1);
+  }
+  return shown + printable(text);
 }
 
 std::string file_size(double bytes) {

@@ -62,6 +62,15 @@ std::string this_machine() {
   return name.data();
 }
 
+std::string marked_machine(const fs::path& mark) {
+  std::ifstream file(mark);  // may be gone by now
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  const Json found = Json::parse(text, nullptr, false);
+  return found.is_object() && found.contains("host") && found["host"].is_string()
+             ? found["host"].get<std::string>()
+             : "?";
+}
+
 // ---- RunSettings --------------------------------------------------------------------
 
 RunSettings::RunSettings(std::string method, std::vector<RunSetting> list) {
@@ -173,7 +182,7 @@ RunFolder::RunFolder(fs::path path) : path_(std::move(path)) {
   if (!fs::is_directory(path_))
     throw error(Failure::data, "{}: a file, not a run folder", path_.string());
   const fs::path file = path_ / settings_name;
-  if (!fs::exists(file))
+  if (!fs::is_regular_file(file))
     throw error(Failure::data, "{}: a folder without {} is not a run", path_.string(),
                 settings_name);
   settings_ = RunSettings::read(file);
@@ -185,7 +194,7 @@ fs::path RunFolder::generation(int number) const {
 
 bool RunFolder::is_edited() const {
   const fs::path makefile = path_ / "Makefile";
-  return !settings_.makefile().empty() && fs::exists(makefile) &&
+  return !settings_.makefile().empty() && fs::is_regular_file(makefile) &&
          sha256_hex(read_file(makefile)) != settings_.makefile();
 }
 
@@ -205,11 +214,8 @@ std::map<std::string, std::string> RunFolder::running() const {
   std::map<std::string, std::string> found;
   if (!fs::exists(journal())) return found;
   for (const auto& entry : fs::directory_iterator(journal())) {
-    if (entry.path().extension() != ".running") continue;
-    std::ifstream file(entry.path());  // may be gone by now
-    const std::string text(std::istreambuf_iterator<char>(file), {});
-    const Json mark = Json::parse(text, nullptr, false);
-    if (mark.is_object()) found[entry.path().stem().string()] = mark.value("host", "");
+    if (entry.path().extension() == ".running" && entry.is_regular_file())
+      found[entry.path().stem().string()] = marked_machine(entry.path());
   }
   return found;
 }
@@ -218,7 +224,7 @@ std::map<int, fs::path> RunFolder::trained_slots(int generation_number) const {
   std::map<int, fs::path> found;
   for (const auto& entry : fs::directory_iterator(generation(generation_number))) {
     const std::string name = entry.path().filename().string();
-    if (!name.ends_with(slot_suffix)) continue;
+    if (!name.ends_with(slot_suffix) || !entry.is_regular_file()) continue;
     if (const auto first =
             whole_number(std::string_view(name).substr(0, name.find_first_not_of("0123456789"))))
       found[*first] = entry.path();
@@ -244,19 +250,19 @@ void RunHistory::update() {
 
 // Asked whether it is finished before its files are listed: none is missed.
 void RunHistory::read_generation(Generation& generation) {
-  generation.finished = fs::exists(folder_.scores(generation.number));
+  generation.finished = fs::is_regular_file(folder_.scores(generation.number));
   const auto is_known = [&](std::size_t slot) {
     return slot < generation.slots.size() && generation.slots[slot];
   };
   // One file instead of many, and all there is to know of the population.
-  if (const fs::path scores = folder_.scores(generation.number); fs::exists(scores)) {
+  if (const fs::path scores = folder_.scores(generation.number); fs::is_regular_file(scores)) {
     std::vector<Robot> robots = read_robots(scores.string(), BodyCheck::any);
     for (std::size_t slot = 0; slot < robots.size(); ++slot)
       if (!is_known(slot)) add(generation, slot, std::move(robots[slot]));
     return;
   }
   if (const fs::path file = folder_.population(generation.number);
-      generation.population.empty() && fs::exists(file)) {
+      generation.population.empty() && fs::is_regular_file(file)) {
     for (const Robot& robot : read_robots(file.string(), BodyCheck::any))
       generation.population.push_back(robot.id);
     generation.slots.resize(std::max(generation.slots.size(), generation.population.size()));
@@ -296,20 +302,23 @@ void RunHistory::add(Generation& generation, std::size_t slot, Robot robot) {
 void RunHistory::read_timings() {
   if (!fs::exists(folder_.journal())) return;
   for (const auto& entry : fs::directory_iterator(folder_.journal())) {
-    if (entry.path().extension() != ".jsonl") continue;
+    if (entry.path().extension() != ".jsonl" || !entry.is_regular_file()) continue;
     std::ifstream file(entry.path(), std::ios::binary);
     std::uintmax_t& read = timings_read_[entry.path().filename().string()];
     file.seekg(static_cast<std::streamoff>(read));
     for (std::string line; std::getline(file, line) && !file.eof();) {
       read += line.size() + 1;
       const Json timing = Json::parse(line, nullptr, false);
-      if (!timing.is_object() || !timing.contains("seconds")) continue;
-      const double seconds = timing.value("seconds", 0.0);
-      const double started = timing.value("started", 0.0);
+      const auto has_number = [&](const char* key) {
+        return timing.is_object() && timing.contains(key) && timing[key].is_number();
+      };
+      if (!has_number("seconds")) continue;
+      const double seconds = timing["seconds"].get<double>();
+      const double started = has_number("started") ? timing["started"].get<double>() : 0.0;
       seconds_ += seconds;
       if (started > 0.0) worked_.emplace_back(started, started + seconds);
       machines_.insert(entry.path().stem().string());
-      timed_ += timing.value("finished", false) ? 1 : 0;
+      timed_ += timing.contains("finished") && timing["finished"] == true ? 1 : 0;
     }
   }
 }

@@ -96,6 +96,8 @@ struct SlotAddress {
 
 // What this machine is called: by Slurm, where it runs us, else by itself.
 std::string this_machine();
+// The machine that a mark in the journal names, "?" where it names none.
+std::string marked_machine(const std::filesystem::path& mark);
 
 // ---- the folder -------------------------------------------------------------------
 

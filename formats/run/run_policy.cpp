@@ -16,7 +16,7 @@ std::optional<RunPolicy> policy_of(const RunFolder& folder, const Robot& robot) 
   }
   places.push_back({{}, folder.path() / "best.policy.h5", std::nullopt});
   for (RunPolicy& found : places) {
-    if (!std::filesystem::exists(found.file)) continue;
+    if (!std::filesystem::is_regular_file(found.file)) continue;
     found.policy = read_policy(found.file);
     for (const Robot& one : found.policy.robots)
       if (one.id == robot.id) found.policy.robot = one;

@@ -70,7 +70,7 @@ void add_history(const RunHistory& history, Run& run) {
 void read_shared(const RunFolder& folder, Run& run) {
   for (const int generation : folder.generations()) {
     const fs::path file = folder.shared_policy(generation);
-    if (!folder.settings().shares(generation) || !fs::exists(file)) continue;
+    if (!folder.settings().shares(generation) || !fs::is_regular_file(file)) continue;
     Training training = training_of(read_policy(file));
     add_log(folder.log(generation, ""), training);
     run.shared.push_back({generation, std::move(training)});
@@ -116,7 +116,7 @@ void read_trainings(const RunFolder& folder, std::size_t replays, int threads, R
 // policy is gone.
 void read_recording(const fs::path& folder, const std::string& id, Run& run) {
   const fs::path file = folder / "best.rollout.h5";
-  if (!fs::exists(file)) return;
+  if (!fs::is_regular_file(file)) return;
   const Rollout rollout = read_rollout(file);
   if (!rollout.robot || rollout.robot->id != id) return;
   run.film = draw_film(rollout);

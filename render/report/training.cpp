@@ -36,7 +36,7 @@ Training training_of(const PolicyFile& policy) {
 
 // A line an update: "name value<tab>name value<tab>..".
 void add_log(const std::filesystem::path& file, Training& training) {
-  if (!std::filesystem::exists(file)) return;
+  if (!std::filesystem::is_regular_file(file)) return;
   const std::map<std::string, std::string> wanted{
       {"losses/entropy", "entropy"},
       {"losses/approx_kl", "KL divergence"},

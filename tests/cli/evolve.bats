@@ -151,6 +151,7 @@ END
   evo-inspect --slots run | grep -q 'failed.*status 139'
   evo-sample -n 2 --seed 1 > two
   fails_with 65 "it gave another one" -- evo-score --by "tail -n1 $PWD/two" --pick 0 two
+  fails_with 65 "with its fitness" -- evo-score --by 'jq -c ".fitness = 1 | .body[0] = \"HHHHH\""' two
   fails_with 65 "has no fitness" -- evo-score --by cat two
   fails_with 65 "to write the robot with its fitness" -- evo-score --by 'cat; echo nonsense' two
   fails_with 65 "not 2" -- evo-score --by "cat $PWD/two" two
@@ -161,6 +162,34 @@ END
   evo-score --by 'jq -c ".fitness = null"' two | jq -es 'all(.fitness == null and .failure.why == "its program gave no fitness")'
   # A survivor keeps its fitness.
   evo-score --by 'jq -c ".fitness = 1"' two | evo-score --by false | jq -es 'all(.fitness == 1)'
+}
+
+@test "own mutation: as many new bodies as it was asked for" {
+  stand_in
+  printf '#!/bin/bash\nexec evo-mutate "$@" -n 1\n' > lazy && chmod +x lazy
+  run ! evolve ga run -q -j2 --mutate "$PWD/lazy"
+  [[ $output == *"gen-001/children.jsonl: 1 new bodies, not 2"* ]]
+  [ ! -e run/gen-001/population.jsonl ]
+}
+
+@test "whatever lies in a run folder: nothing hangs, and what is damaged is named" {
+  stand_in
+  evolve ga run -q -j2
+  look() { timeout 20 evo-inspect run && timeout 20 evo-inspect --slots run && timeout 60 evo-report -q run -o page.html; }
+  echo '{"host":5}' > run/journal/0123456789ab.running
+  echo '{"robot":"x","seconds":null,"started":"now"}' > run/journal/there.jsonl
+  mkfifo run/journal/{more.jsonl,ba9876543210.running} run/gen-000/99.json
+  look > said
+  grep -q '14 of 14 trained' said
+  rm run/gen-001/scores.jsonl && mkfifo run/gen-001/scores.jsonl
+  look > said
+  mkfifo fifo
+  fails_with 66 "fifo is no file" -- timeout 20 evo-evolve ga --run no --founders fifo
+  local text
+  for text in Null $'\xff\xfe' 'method: [' 'format: evo/run'; do
+    echo "$text" > run/run.yaml
+    fails_with 65 "run/run.yaml" -- evo-inspect run
+  done
 }
 
 @test "a run in which every first training fails ends with the reason; mended, it goes on" {
@@ -442,6 +471,7 @@ END
   [ "$(tail -n 1 table | cut -f 3)" -eq 3 ]
   [ -z "$(find all/Walker-v0/ga-1/policies -newer mark)" ]
   fails_with 2 "unknown method 'gaa'" -- compare --methods gaa
+  fails_with 2 "--tasks: two of them have the same name" -- compare --tasks "Walker-v0 ./elsewhere/Walker-v0.yaml"
   fails_with 2 "unknown option --seed (did you mean '--seeds'?)" -- compare --seed 3
 }
 

@@ -33,7 +33,9 @@ SMALLER = [  # what costs hours of a core
     (r"--episodes \d+", "--episodes 2"), (r"-o walk\.mp4", "-o walk.gif --size 160x90"),
     (r"evo evolve recipe easier", ROUNDS % (1, 1, 1, 1) + "evo evolve recipe ./small.yaml"),
     (r"evo evolve recipe (?:moments|network)", ROUNDS % (3, 4, 3, 4) + "evo evolve recipe ./small.yaml"),
-    (r"num_envs=16", "num_envs=4"),
+    (r"num_envs=16", "num_envs=4"), (r"--array=1-12", "--array=1-8"),
+    (r"(modular\b[^\n]*?)--steps 2048", r"\1--steps 8192"), (r"evo evolve modular", "evo evolve modular --children 1 --champions 1"),
+    (r"evo-sample -n (?:64|128|500)", "evo-sample -n 4"), (r"--keep (?:16|64)", "--keep 3"),
     (r'--methods "([^" ]+ [^" ]+) [^"]*"', r'--methods "\1"'),
 ]
 COMMIT = (r"(\d+\.\d+\.\d+) \(([0-9a-f]{7,40}[+]?|no commit)\)", r"\1 (commit)")  # of the build that wrote a text

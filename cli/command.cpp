@@ -186,11 +186,15 @@ struct Command::Impl {
   bool verbose = false;
 
   // For completion: the words that an option may have as its value, one a line.
-  void print_values(const std::string& option) const {
-    if (const auto found = words.find(option); found != words.end())
+  bool print_values(const std::string& option) const {
+    if (const auto found = words.find(option); found != words.end()) {
       for (const std::string& word : found->second()) fmt::print("{}\n", word);
-    else
-      for (const auto& command : subcommands) command->impl_->print_values(option);
+      return true;
+    }
+    // Of several commands that have it, any.
+    return std::any_of(subcommands.begin(), subcommands.end(), [&](const auto& command) {
+      return command->impl_->print_values(option);
+    });
   }
 
   std::vector<std::string> long_names() const {

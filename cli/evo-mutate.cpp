@@ -2,9 +2,9 @@
 #include <set>
 #include <utility>
 
-#include "cli/breeding_options.h"
 #include "cli/command.h"
 #include "cli/robots.h"
+#include "formats/robot/children.h"
 #include "formats/robot/writer.h"
 
 using namespace evo;
@@ -17,7 +17,11 @@ int main(int argc, char** argv) {
   std::vector<std::string> files;
   command.arguments(files, "FILE", "robots (JSON, JSON Lines, YAML, letters) [standard input]");
   command.option("-n,--count", count, "N", "children to make [as many as robots read]").at_least(0);
-  cli::add_breeding_options(command, breeding);
+  command.option("--rate", breeding.mutation.rate, "P", "chance of each voxel to be redrawn");
+  command.option("--attempts", breeding.mutation.attempts, "N",
+                 "tries to reach a valid body, each going on from the one before");
+  command.option("--crossover", breeding.crossover, "P",
+                 "chance of a child to mix two parents before it is mutated");
   command.option("--avoid", avoid, "FILE", "robots or ids that must not come again (repeatable)");
   command.seed_option();
   command.output_option("where the children go, one JSON document per line");

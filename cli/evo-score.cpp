@@ -5,7 +5,6 @@
 
 #include "cli/command.h"
 #include "cli/journal.h"
-#include "cli/pick.h"
 #include "cli/process.h"
 #include "cli/robots.h"
 #include "formats/robot/writer.h"
@@ -57,8 +56,8 @@ bool is_refusal(int status) {
 std::optional<Robot> score(const Options& options, const Robot& robot) {
   int status = 0;
   for (int attempt = 0; attempt < options.tries; ++attempt) {
-    const cli::Ended answer = cli::run_program(
-        {"bash", "-euo", "pipefail", "-c", options.program}, robot_to_line(robot) + "\n");
+    const cli::Ended answer = cli::run_program({"bash", "-euo", "pipefail", "-c", options.program},
+                                               robot_to_line(robot) + "\n");
     if (cli::interrupted() != 0) return std::nullopt;
     if (answer.status == 0) return scored(options.program, robot, answer.output);
     status = answer.status;

@@ -6,7 +6,6 @@
 #include "cli/by_sequence.h"
 #include "cli/journal.h"
 #include "cli/outputs.h"
-#include "cli/pick.h"
 #include "cli/robots.h"
 #include "cli/training_options.h"
 #include "formats/robot/writer.h"

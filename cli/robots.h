@@ -1,6 +1,7 @@
 // Robots as the tools read them: from files named on the command line, or standard input.
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -19,6 +20,12 @@ std::vector<Robot> read_robots(const std::vector<std::string>& files,
 // The same of one file whose bytes were read.
 std::vector<Robot> robots_in(std::string_view bytes, const std::string& file,
                              BodyCheck check = BodyCheck::robot);
+
+inline constexpr const char* pick_help =
+    "of the robots read, those at these places from 0: 7, 3-8, or 5- for all from there; there "
+    "may be none [all]";
+// Those at the places that --pick names. Throws Error(usage) for what is none of these forms.
+std::vector<Robot> pick(std::vector<Robot> robots, const std::optional<std::string>& places);
 
 // Ids in the files, of robots or listed (--avoid).
 std::set<std::string> read_ids(const std::vector<std::string>& files);

@@ -58,7 +58,9 @@ offers() {
 }
 
 @test "bash: the words that an option may have as its value" {
-  offers evo-train --train algorithm=s | diff - <(echo sequence)
+  offers evo-train --train algo | diff - <(echo algorithm=)
+  [ -z "$(offers evo-evolve ga --grac)" ]
+  offers evo-evolve modular --grac | diff - <(echo --grace)
   offers evo-train --train gam | diff - <(echo gamma=)
   offers evo-train --failures '' | diff - <(printf '%s\n' stop skip)
   offers evo-eval --physics grav | diff - <(echo gravity=)

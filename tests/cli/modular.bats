@@ -48,7 +48,7 @@ shared() { evo-train --task Walker-v0 --train modular --train environments=2 --s
 @test "modular: what does not fit is refused in a line" {
   robots > robots
   shared 512 one.policy.h5 robots > scored
-  fails_with 2 "ppo makes a controller for each robot; --train algorithm=modular makes one for all" -- \
+  fails_with 2 "ppo makes a controller for each robot; modular makes one for all" -- \
     evo-train --task Walker-v0 --steps 16384 --shared two.policy.h5 robots
   fails_with 2 "starts from one policy, not from those of a folder" -- shared 512 two.policy.h5 --init . robots
   fails_with 73 "one.policy.h5: trained with other settings" -- shared 1024 one.policy.h5 robots

@@ -13,6 +13,7 @@
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
+#include "formats/io/text.h"
 #include "formats/rollout/rollout.h"
 #include "formats/run/run.h"
 #include "formats/task/task.h"

@@ -9,6 +9,7 @@
 #include "cli/terminal.h"
 #include "formats/foreign/evogym.h"
 #include "formats/io/format.h"
+#include "formats/io/text.h"
 #include "formats/io/values.h"
 #include "formats/io/yaml.h"
 #include "formats/run/neat.h"

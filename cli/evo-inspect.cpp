@@ -19,6 +19,7 @@
 #include "formats/foreign/npz.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
+#include "formats/io/text.h"
 #include "formats/io/values.h"
 #include "formats/rollout/ending.h"
 #include "formats/rollout/rollout.h"
@@ -79,7 +80,7 @@ void print_robot(const Robot& robot) {
     const auto found = document.find(key);
     if (found == document.end() || found->is_null()) return;
     fmt::print("{:<9} {}\n", label,
-               cli::printable(found->is_string() ? found->get<std::string>() : compact(*found)));
+               printable(found->is_string() ? found->get<std::string>() : compact(*found)));
   };
   print_field("fitness", "fitness");
   print_perturbed(document);
@@ -127,7 +128,7 @@ void print_robots(const std::vector<Robot>& robots, const std::string& name) {
     if (const auto fitness = robot.fitness()) scores.push_back(*fitness);
     failed += robot.document.contains("failure") ? 1 : 0;
   }
-  fmt::print("{}: {} robots, {} different\n", cli::printable(name), robots.size(), ids.size());
+  fmt::print("{}: {} robots, {} different\n", printable(name), robots.size(), ids.size());
   if (!scores.empty()) {
     const auto [low, high] = std::minmax_element(scores.begin(), scores.end());
     double sum = 0.0;
@@ -176,22 +177,22 @@ std::string describe(const ModularPolicy& policy) {
 
 void print_policy(const std::string& path) {
   const PolicyFile file = read_policy(path);
-  fmt::print("{}: policy\n", cli::printable(path));
+  fmt::print("{}: policy\n", printable(path));
   print_robot(file.robot);
   fmt::print("trained   on {}, {} steps, seed {}, best evaluation {:.6g} at step {}\n",
-             cli::printable(file.task), file.steps, file.seed, file.fitness, file.best_step);
+             printable(file.task), file.steps, file.seed, file.fitness, file.best_step);
   if (file.final_score)
     print_perturbed(file.final_score->mean, file.final_score->standard_error,
                     file.final_score->episodes);
   std::vector<double> evaluations;
   for (const CurvePoint& point : file.curve) evaluations.push_back(point.evaluation);
   fmt::print("curve     {}\n", cli::sparkline(evaluations, 60));
-  fmt::print("made by   {}, settings {}\n", cli::printable(file.created_by),
-             cli::printable(file.settings_hash.substr(0, 12)));
+  fmt::print("made by   {}, settings {}\n", printable(file.created_by),
+             printable(file.settings_hash.substr(0, 12)));
   constexpr std::string_view key = "\ninherited=";
   if (const std::size_t at = file.identity.find(key); at != std::string::npos)
     fmt::print("began     with the policy of settings {}\n",
-               cli::printable(file.identity.substr(at + key.size(), 12)));
+               printable(file.identity.substr(at + key.size(), 12)));
   fmt::print("control   {}\n",
              std::visit([](const auto& any) { return describe(any); }, file.controller));
   if (!std::holds_alternative<Policy>(file.controller) &&
@@ -199,15 +200,15 @@ void print_policy(const std::string& path) {
     return;  // sees nothing
   std::string observes = "observes ";
   for (const ObservationSlice& slice : file.layout)
-    observes += fmt::format(" {} [{}..{}]", cli::printable(slice.name), slice.offset,
+    observes += fmt::format(" {} [{}..{}]", printable(slice.name), slice.offset,
                             slice.offset + slice.length - 1);
   cli::print_wrapped(observes + "\n");
 }
 
 void print_rollout(const std::string& path) {
   const Rollout rollout = read_rollout(path);
-  fmt::print("{}: rollout of {}\n", cli::printable(path),
-             rollout.task.empty() ? "an unknown task" : cli::printable(rollout.task));
+  fmt::print("{}: rollout of {}\n", printable(path),
+             rollout.task.empty() ? "an unknown task" : printable(rollout.task));
   if (rollout.robot) print_robot(*rollout.robot);
   fmt::print("{} observations, {} actuators, {} points{}\n", rollout.observation_length,
              rollout.action_length, rollout.points,
@@ -218,7 +219,7 @@ void print_rollout(const std::string& path) {
     double sum = 0.0;
     for (const double reward : episode.rewards) sum += reward;
     fmt::print("{:>8} {:>7} {:>20.17g}  {}\n", k, episode.steps(), sum,
-               cli::printable(ending(rollout, episode).text));
+               printable(ending(rollout, episode).text));
   }
 }
 
@@ -230,7 +231,7 @@ void print_hdf5(const std::string& path) {
   if (found == format::rollout.name) return print_rollout(path);
   if (found == format::checkpoint.name) {
     fmt::print("{}: checkpoint of a training; evo-train --resume goes on from it\n",
-               cli::printable(path));
+               printable(path));
     return;
   }
   throw error(Failure::data, "{}: an HDF5 file, but neither a policy nor a rollout{}", path,
@@ -270,7 +271,7 @@ std::string state_word(SlotState state) {
 std::string detail(const SlotStatus& slot, const RunHistory& history) {
   if (slot.state == SlotState::done)
     return fmt::format("{}", *history.robots()[history.by_id().at(slot.robot)].fitness);
-  if (slot.state == SlotState::failed) return cli::printable(slot.why);
+  if (slot.state == SlotState::failed) return printable(slot.why);
   if (slot.state == SlotState::waiting) return "";
   const fs::path log = history.folder().log(slot.address.generation, slot.robot);
   const double steps = history.folder().settings().steps(slot.address.generation);
@@ -291,14 +292,14 @@ void print_run(const fs::path& folder) {
   const cli::RunStatus run(folder);
   const RunHistory& history = run.history();
   const RunSettings& settings = run.folder().settings();
-  fmt::print("{}: {} on {}, seed {}\n", cli::printable(folder.string()),
-             cli::printable(settings.text("method")), cli::printable(settings.text("task")),
-             cli::printable(settings.text("seed")));
+  fmt::print("{}: {} on {}, seed {}\n", printable(folder.string()),
+             printable(settings.text("method")), printable(settings.text("task")),
+             printable(settings.text("seed")));
   const auto setting = [&](const std::string& name) {
     const std::string* value = settings.find(name);
     return value == nullptr ? std::string() : *value;
   };
-  fmt::print("command      {}\n", cli::printable(evolve_command(folder.string(), setting)));
+  fmt::print("command      {}\n", printable(evolve_command(folder.string(), setting)));
   if (run.folder().is_edited()) fmt::print("Makefile     edited by hand\n");
   fmt::print("robots       {} of {} trained, {} left\n", run.trained(), run.evaluations(),
              run.left());

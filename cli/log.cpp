@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "cli/terminal.h"
+#include "formats/io/text.h"
 #include "libevo/base/error.h"
 
 namespace evo::cli::log {

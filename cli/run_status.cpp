@@ -11,6 +11,7 @@
 
 #include "cli/command.h"
 #include "cli/terminal.h"
+#include "formats/io/text.h"
 #include "formats/training/training_log.h"
 
 namespace evo::cli {

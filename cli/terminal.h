@@ -47,12 +47,6 @@ void print_wrapped(const std::string& text);
 // The first `columns` characters of UTF-8 text whose characters are one column wide.
 std::string cut_to_width(const std::string& text, std::size_t columns);
 
-// Text from files and arguments, fit for a terminal: control characters, line
-// breaks included, and bytes that are not UTF-8 are written as \x1b.
-std::string printable(std::string_view text);
-// The same of several lines, whose breaks stay.
-std::string printable_lines(std::string_view text);
-
 // "812 B", "4.1 MB"
 std::string file_size(double bytes);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/io/text.h"
 #include "libevo/base/error.h"
 #include "libevo/task/bounds.h"
 #include "render/painters/vector.h"

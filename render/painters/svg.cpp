@@ -4,24 +4,10 @@
 #include <cmath>
 #include <map>
 
+#include "formats/io/text.h"
 #include "render/painters/vector.h"
 
 namespace evo::render {
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '&')
-      safe += "&amp;";
-    else if (c == '<')
-      safe += "&lt;";
-    else if (c == '"')
-      safe += "&quot;";
-    else
-      safe += c;
-  }
-  return safe;
-}
 
 namespace {
 

@@ -13,9 +13,6 @@ namespace evo::render {
 // bytes. `title` is for those who cannot see the picture.
 std::string encode_svg(const Drawing& drawing, const std::string& title, Typesetter& typesetter);
 
-// Text as it stands in such a document: without signs of markup.
-std::string escaped(const std::string& text);
-
 // One page of the drawing's size at 96 pixels an inch, its letters embedded.
 std::string encode_pdf(const Drawing& drawing, const std::string& title, Typesetter& typesetter);
 

@@ -37,7 +37,7 @@ std::string verdict_card(const Run& run) {
                                                               : "bad";
   std::string html =
       fmt::format("<section class=\"card verdict {}\">\n<h3>{}</h3>\n<p>{}</p>\n", look,
-                  escape(verdict.headline), escape(joined(verdict.sentences, " ")));
+                  escaped(verdict.headline), escaped(joined(verdict.sentences, " ")));
   return html + "</section>\n";
 }
 
@@ -51,7 +51,7 @@ std::string next_card(const Run& run, const std::string& anchor) {
     html += fmt::format(
         "<div class=\"command\"><span>{0}</span><code>{1}</code><button type=\"button\" "
         "data-copy=\"{1}\" aria-label=\"Copy: {0}\">Copy</button></div>\n",
-        escape(command.why), escape(command.line));
+        escaped(command.why), escaped(command.line));
   return html + "</section>\n";
 }
 
@@ -203,7 +203,7 @@ std::string champion_card(const Run& run, const std::string& anchor, Page& page)
           "<h3 id=\"{}-champion\">Champion</h3>\n<p class=\"introduction\">{}</p>\n"
           "<p class=\"about on-screen\">Every picture of a robot opens its card, where it "
           "moves, if wanted beside its parent. Commands to go on with are at the end.</p>\n",
-          anchor, escape(introduction(run)));
+          anchor, escaped(introduction(run)));
   html += fmt::format("<div class=\"champion{}\">\n", moving ? "" : " still");
   if (moving)
     html += stage({{anchor, robot.id, "The champion"}}) + "<div>" + page.link(robot, anchor);
@@ -301,7 +301,7 @@ std::string descent(const Run& run, const Entry& child, const Entry& from,
     if (id != from.robot.id)
       html += fmt::format("<li>{} <span class=\"id\">{}</span></li>",
                           run.by_id.contains(id) ? "also from" : "also from, not in this run,",
-                          escape(id));
+                          escaped(id));
   return html + "</ul>";
 }
 
@@ -379,7 +379,7 @@ std::string robot_row(const Run& run, std::size_t number, bool has_genomes,
                                 number == run.champion ? " class=\"champion-row\"" : "");
   row += fmt::format("<td>{}</td>", page.link(entry.robot, anchor));
   row += entry.fitness ? fitness_cell(entry.fitness)
-                       : cell("", "failed: " + escape(entry.failure), "n failed");
+                       : cell("", "failed: " + escaped(entry.failure), "n failed");
   const auto& score = entry.training.final_score;
   row += score ? cell(fmt::to_string(score->mean), with_error(score->mean, score->standard_error))
                : cell("", "");
@@ -457,7 +457,7 @@ std::string settings_card(const std::vector<const Run*>& runs) {
   std::string head;
   if (runs.size() > 1) {
     head = "<thead><tr><th>setting</th>";
-    for (const Run* run : runs) head += "<th>" + escape(run->label) + "</th>";
+    for (const Run* run : runs) head += "<th>" + escaped(run->label) + "</th>";
     head += "</tr></thead>\n";
   }
   std::string rows;
@@ -467,10 +467,11 @@ std::string settings_card(const std::vector<const Run*>& runs) {
     for (const Run* run : runs) {
       const std::string value = run->setting(name);
       values.insert(value);
-      cells += fmt::format("<td class=\"wrap\">{}</td>", value.empty() ? "&ndash;" : escape(value));
+      cells +=
+          fmt::format("<td class=\"wrap\">{}</td>", value.empty() ? "&ndash;" : escaped(value));
     }
     rows += fmt::format("<tr{}><td>{}</td>{}</tr>\n", values.size() > 1 ? " class=\"differs\"" : "",
-                        escape(name), cells);
+                        escaped(name), cells);
   }
   return fmt::format(
       "<section class=\"card\">\n<h3 id=\"settings\">Settings</h3>\n<div class=\"scroll\">"

@@ -1,4 +1,4 @@
-// Pieces of HTML and SVG. Everything that comes from a file goes through escape().
+// Pieces of HTML and SVG. Everything that comes from a file goes through escaped().
 #pragma once
 
 #include <map>
@@ -7,13 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include "formats/io/text.h"
 #include "libevo/body/body.h"
 #include "render/report/lineage.h"
 
 namespace evo::report {
-
-// Text for an element or a quoted attribute.
-std::string escape(std::string_view text);
 
 // "data:<media type>;base64,<bytes>"
 std::string data_uri(const std::string& media_type, std::string_view bytes);

@@ -171,7 +171,7 @@ void add_run(const Run& run, const std::string& anchor, bool alone, Page& page) 
   if (alone) link_parts(run, anchor, page);
   if (!alone)
     html += fmt::format("<details id=\"{}\">\n<summary><h2>{} {}</h2></summary>\n", anchor,
-                        escape(run.label), badge(run));
+                        escaped(run.label), badge(run));
   page.runs[anchor] = robots_data(run);
   if (run.champion) html += champion_card(run, anchor, page);
   html += verdict_card(run);
@@ -206,9 +206,9 @@ std::string comparison_row(const Run& run, std::size_t number, Page& page) {
   std::string row = "<tr>";
   row += fmt::format("<td>{}</td>",
                      run.champion ? page.link(run.robots[*run.champion].robot, anchor) : "");
-  row += cell(run.label, fmt::format("<a href=\"#{}\">{}</a>", anchor, escape(run.label)), "");
+  row += cell(run.label, fmt::format("<a href=\"#{}\">{}</a>", anchor, escaped(run.label)), "");
   for (const char* name : {"task", "method", "seed"})
-    row += cell(run.setting(name), escape(run.setting(name)), "");
+    row += cell(run.setting(name), escaped(run.setting(name)), "");
   row += run.champion ? fitness_cell(run.robots[*run.champion].fitness) : cell("", "none yet");
   const auto score = run.champion ? run.robots[*run.champion].training.final_score : std::nullopt;
   row += score ? cell(fmt::to_string(score->mean), with_error(score->mean, score->standard_error))
@@ -240,7 +240,7 @@ std::string champions_of(const Comparison& comparison, const std::vector<Run>& r
 
 std::string method_row(const Comparison& comparison, std::size_t k) {
   const MethodResult& method = comparison.methods[k];
-  std::string row = "<tr>" + cell(method.group.label, escape(method.group.label), "");
+  std::string row = "<tr>" + cell(method.group.label, escaped(method.group.label), "");
   row += cell(method.best.size());
   row += cell(fmt::to_string(method.median),
               fmt::format("<b>{}</b> <small>({} to {})</small>", shown(method.median),
@@ -268,7 +268,7 @@ std::string answer_card(const std::string& task, const std::vector<const Run*>& 
     if (purpose.empty()) purpose = purpose_in_words(*run);
   const std::string best = "median best fitness (95 %)";
   const std::string needed = "robots for " + shown(comparison.target);
-  const std::string ahead = escape(comparison.methods.front().group.label) + " ahead in";
+  const std::string ahead = escaped(comparison.methods.front().group.label) + " ahead in";
   std::vector<Column> columns{
       {"method", "", "ascending"}, {"runs"}, {best.c_str()}, {needed.c_str(), "n", "ascending"}};
   if (comparison.methods.size() > 1)
@@ -279,12 +279,12 @@ std::string answer_card(const std::string& task, const std::vector<const Run*>& 
       "<section class=\"card answer\">\n<h3>{}</h3>\n<p class=\"introduction\">{}{}</p>\n{}"
       "<div class=\"scroll\"><table class=\"data sortable\">\n{}<tbody>\n{}</tbody></table></div>\n"
       "<p class=\"about\">{}</p>\n</section>\n",
-      escape(task + ": " + comparison.headline),
-      escape(purpose.empty() ? ""
-                             : fmt::format("Each run evolves robots to {}; what counts is the "
-                                           "fitness of its best robot. ",
-                                           purpose)),
-      escape(joined(comparison.sentences, " ")), champions_of(comparison, runs),
+      escaped(task + ": " + comparison.headline),
+      escaped(purpose.empty() ? ""
+                              : fmt::format("Each run evolves robots to {}; what counts is the "
+                                            "fitness of its best robot. ",
+                                            purpose)),
+      escaped(joined(comparison.sentences, " ")), champions_of(comparison, runs),
       table_head(columns), rows,
       "Runs count as far as the shortest of them goes. In brackets the 95 % interval of the median "
       "(percentile bootstrap, 10 000 resamples); &ldquo;ahead in&rdquo; is Vargha and "
@@ -296,7 +296,7 @@ std::string answer_card(const std::string& task, const std::vector<const Run*>& 
 std::string curve_of_task(const std::string& task, const std::vector<const Run*>& group,
                           Page& page) {
   return chart_card(
-      "", "Best fitness so far on " + escape(task),
+      "", "Best fitness so far on " + escaped(task),
       "By robots trained. Runs that differ in nothing but their seed are one curve, their "
       "median with its range (quartiles of eight runs or more), as far as all of them have "
       "come; each can be added.",
@@ -361,11 +361,11 @@ std::string when_and_where(const Run& run) {
     std::strftime(day.data(), day.size(), " on %Y-%m-%d", std::gmtime(&ended));
     text += day.data();
   }
-  if (run.machines.size() == 1) text += " on " + escape(run.machines.front());
+  if (run.machines.size() == 1) text += " on " + escaped(run.machines.front());
   if (run.machines.size() > 1) text += " on " + count_of(run.machines.size(), "machine");
   if (run.champion)
     if (const std::string& tool = run.robots[*run.champion].training.created_by; !tool.empty())
-      text += " with " + escape(tool);
+      text += " with " + escaped(tool);
   return text.empty() ? "" : "; trained" + text;
 }
 
@@ -374,8 +374,8 @@ std::string lead(const std::vector<Run>& runs) {
     return "Soft robots, bodies and controllers evolved together: what several runs say, and each";
   const Run& run = runs[0];
   return fmt::format("Co-design of soft robots by {}, bodies of {} voxels, seed {}{} {}",
-                     escape(run.setting("method")), escape(run.setting("shape")),
-                     escape(run.setting("seed")), when_and_where(run), badge(run));
+                     escaped(run.setting("method")), escaped(run.setting("shape")),
+                     escaped(run.setting("seed")), when_and_where(run), badge(run));
 }
 
 std::string legend() {
@@ -405,9 +405,9 @@ std::string make_page(const std::vector<Run>& runs, const std::string& generator
     add_run(runs[k], anchor_of(k), alone, page);
   }
   return fill(page_template(),
-              {{"title", escape(title_of(runs))},
+              {{"title", escaped(title_of(runs))},
                {"lead", lead(runs)},
-               {"generator", escape(generator)},
+               {"generator", escaped(generator)},
                {"style", std::string(style())},
                {"charts_script", std::string(charts_script())},
                {"stage_script", std::string(stage_script())},

@@ -23,17 +23,17 @@ std::string Page::chart(Json data, const std::string& run, const std::string& na
   charts[key] = std::move(data);
   return fmt::format(
       "<div class=\"chart {}\" data-chart=\"{}\" data-run=\"{}\" data-name=\"{}\"></div>\n", look,
-      key, run, escape(name));
+      key, run, escaped(name));
 }
 
 void Page::navigate(const std::string& anchor, const std::string& text) {
-  navigation += fmt::format("<a href=\"#{}\">{}</a>\n", anchor, escape(text));
+  navigation += fmt::format("<a href=\"#{}\">{}</a>\n", anchor, escaped(text));
 }
 
 std::string stage(const std::vector<Actor>& cast) {
   Json list = Json::array();
   for (const Actor& actor : cast) list.push_back({actor.anchor, actor.id, actor.name});
-  return fmt::format("<div class=\"replay\" data-cast=\"{}\"></div>\n", escape(compact(list)));
+  return fmt::format("<div class=\"replay\" data-cast=\"{}\"></div>\n", escaped(compact(list)));
 }
 
 std::string heading(const std::string& id, const std::string& title, const std::string& about) {
@@ -50,7 +50,7 @@ std::string fact(const std::string& name, const std::string& html) {
 }
 
 std::string cell(const std::string& sort_value, const std::string& html, const std::string& look) {
-  return fmt::format("<td class=\"{}\" data-v=\"{}\">{}</td>", look, escape(sort_value), html);
+  return fmt::format("<td class=\"{}\" data-v=\"{}\">{}</td>", look, escaped(sort_value), html);
 }
 std::string cell(std::size_t value) { return cell(fmt::to_string(value), fmt::to_string(value)); }
 std::string fitness_cell(const std::optional<double>& fitness) {

@@ -112,7 +112,7 @@ TEST_CASE("a gait is repeated for ever, and only a gait") {
   const Rollout rollout = swinging(example::simulate("Walker-v0", example::walker, 200), 20);
   const Clip clip({&rollout, 0, ""}, {}, 1.0);
   const std::string svg = gait_loop(clip, 60, 200, 320, "a <walk>");
-  CHECK_THAT(svg, Contains("<title>a &lt;walk>") && Contains("dur=\"0.40s\""));
+  CHECK_THAT(svg, Contains("<title>a &lt;walk&gt;") && Contains("dur=\"0.40s\""));
   std::size_t shapes = 0;
   for (std::size_t at = 0; (at = svg.find("<polygon", at)) != std::string::npos; ++at) ++shapes;
   CHECK(static_cast<int>(shapes) == rollout.world.objects.front().cells);

@@ -32,7 +32,7 @@ TEST_CASE("shapes become elements, alike ones in a row one path") {
   drawing.rounded_rectangle({1, 1, 8, 4}, 2, {1, 2, 3, 255});
   drawing.text({20, 10}, 8, "5 < 6", {0, 0, 0, 255}, Align::centre, true);
   const std::string text = svg(drawing);
-  CHECK_THAT(text, Contains("<title>a &lt;title></title>"));
+  CHECK_THAT(text, Contains("<title>a &lt;title&gt;</title>"));
   CHECK_THAT(text, Contains("<path fill=\"#ff0000\" d=\"M0 0L4 0L4 4L0 4zM8 0L8 4L4 4L4 0z\"/>"));
   CHECK_THAT(text, Contains("stroke=\"#0000ff\" stroke-opacity=\".5\" stroke-width=\".5\" "
                             "stroke-linecap=\"round\" d=\"M1 2L3 2\""));
@@ -41,6 +41,12 @@ TEST_CASE("shapes become elements, alike ones in a row one path") {
   CHECK_THAT(text, Contains("<g clip-path=\"url(#c1)\">\n<rect x=\"1\""));
   CHECK_THAT(text, Contains("text-anchor=\"middle\" font-weight=\"bold\""));
   CHECK_THAT(text, Contains(">5 &lt; 6</text>"));
+}
+
+TEST_CASE("control characters and bytes that are no UTF-8 leave an SVG well-formed") {
+  Drawing drawing({40, 20});
+  drawing.text({20, 10}, 8, "a\x1b[31m\x01\xff\n\"b'", {0, 0, 0, 255});
+  CHECK_THAT(svg(drawing), Contains(">a\\x1b[31m\\x01\\xff\n&quot;b&#39;</text>"));
 }
 
 TEST_CASE("a gradient is defined once") {

@@ -25,6 +25,12 @@ def moved(before: np.ndarray, now: np.ndarray, axis: int = 0) -> float:
     return centre(now)[axis] - centre(before)[axis]
 
 
+def approached(before: np.ndarray, now: np.ndarray, other_before: np.ndarray, other_now: np.ndarray) -> float:
+    """By how much two things came nearer to each other along the ground."""
+    return (abs(centre(before)[0] - centre(other_before)[0])
+            - abs(centre(now)[0] - centre(other_now)[0]))
+
+
 def span(points: np.ndarray, axis: int) -> float:
     return float(np.ptp(points[axis]))
 
@@ -94,10 +100,9 @@ class PackageBase(BenchmarkBase):
                                centre(package_vel_final)])
 
     def get_reward(self, package_pos_init, package_pos_final, robot_pos_init, robot_pos_final):
-        apart = abs(centre(robot_pos_init)[0] - centre(package_pos_init)[0])
         return (0.75 * moved(package_pos_init, package_pos_final)
                 + 0.5 * moved(robot_pos_init, robot_pos_final)
-                + apart - abs(centre(robot_pos_final)[0] - centre(package_pos_final)[0])
+                + approached(robot_pos_init, robot_pos_final, package_pos_init, package_pos_final)
                 + self._dropped(package_pos_init, package_pos_final))
 
     def _dropped(self, before: np.ndarray, now: np.ndarray, height: float | None = None) -> float:

@@ -13,7 +13,7 @@ from gymnasium.spaces import Box
 from ..sim import TaskSim
 from ..world import EvoWorld, WorldObject
 from .base import BenchmarkBase
-from .bases import (ClimbBase, Goal, GoalBase, PackageBase, ShapeBase, StairsBase, WalkToX, centre,
+from .bases import (ClimbBase, Goal, GoalBase, PackageBase, ShapeBase, StairsBase, WalkToX, approached, centre,
                     moved, nearer, span)
 
 __all__ = ["DRAWS", "TaskBase", "ClimbBase", "Goal", "GoalBase", "PackageBase", "ShapeBase", "StairsBase",
@@ -211,8 +211,7 @@ class ToppleBeam(TaskBase, PackageBase):
 
     def get_reward_topple(self, robot_pos_init, robot_pos_final, beam_pos_init, beam_pos_final):
         """And whether the beam is off to the left."""
-        closer = (abs(centre(beam_pos_init)[0] - centre(robot_pos_init)[0])
-                  - abs(centre(beam_pos_final)[0] - centre(robot_pos_final)[0]))
+        closer = approached(robot_pos_init, robot_pos_final, beam_pos_init, beam_pos_final)
         along, up = (moved(beam_pos_init, beam_pos_final, axis) for axis in (0, 1))
         return closer + abs(along) + 3 * abs(up) - 10 * up, bool(centre(beam_pos_final)[0] < 2 * V)
 
@@ -227,8 +226,7 @@ class SlideBeam(TaskBase, PackageBase):
 
     def get_reward_topple(self, robot_pos_init, robot_pos_final, beam_pos_init, beam_pos_final):
         """And whether the beam is off to the left."""
-        closer = (abs(centre(beam_pos_init)[0] - centre(robot_pos_init)[0])
-                  - abs(centre(beam_pos_final)[0] - centre(robot_pos_final)[0]))
+        closer = approached(robot_pos_init, robot_pos_final, beam_pos_init, beam_pos_final)
         return closer + moved(beam_pos_init, beam_pos_final), bool(centre(beam_pos_final)[0] < 2 * V)
 
 
@@ -279,8 +277,7 @@ class CatchSmallRect(TaskBase, PackageBase):
         return centre(package_pos_final) - centre(robot_pos_final)
 
     def get_reward_catch(self, robot_pos_init, robot_pos_final, package_pos_init, package_pos_final):
-        apart = abs(centre(robot_pos_init)[0] - centre(package_pos_init)[0])
-        return (apart - abs(centre(robot_pos_final)[0] - centre(package_pos_final)[0])
+        return (approached(robot_pos_init, robot_pos_final, package_pos_init, package_pos_final)
                 + self._dropped(package_pos_init, package_pos_final))
 
     def _draws(self) -> dict[str, Any] | None:

@@ -76,6 +76,12 @@ evolve() {
   fails_with 66 "no run folder" -- "$EVO_SOURCE/scripts/add-record" nothing
 }
 
+@test "a record's folder is named by its task, and by no path" {
+  evo-evolve ga -q --plan --run run --task Walker-v0 --pop 2 --evals 2 --steps 1024 --seed 1
+  sed -i 's|^task: .*|task: ../../x|' run/run.yaml
+  RECORDS=$PWD/records fails_with 2 "cannot be the name of a record" -- "$EVO_SOURCE/scripts/add-record" run
+}
+
 @test "a sequence of actions is no record, but what a body can do beside one" {
   evolve waves 1
   evo-evolve ga -q --run actions --task Walker-v0 --pop 4 --evals 8 --train sequence --steps 9000 --seed 1 \

@@ -88,43 +88,6 @@ class Help : public CLI::Formatter {
 // "--count" of "-n,--count".
 std::string long_name(const std::string& names) { return names.substr(names.rfind("--")); }
 
-// What the text of an option's value means for its target. An empty text is an
-// unset shell variable, and never meant.
-template <typename T>
-T value_of(const std::string& text, const std::string& option) {
-  if (text.empty()) throw error(Failure::usage, "{}: its value is empty", option);
-  if constexpr (std::same_as<T, std::string>) return text;
-  if constexpr (std::same_as<T, double>) return parse_number(text, option);
-  if constexpr (std::same_as<T, std::uint64_t>) return parse_unsigned(text, option);
-  if constexpr (std::same_as<T, int>)
-    return static_cast<int>(parse_whole(text, option, std::numeric_limits<int>::min(),
-                                        std::numeric_limits<int>::max()));
-}
-
-template <typename T>
-constexpr bool is_optional = false;
-template <typename T>
-constexpr bool is_optional<std::optional<T>> = true;
-template <typename T>
-constexpr bool is_vector = false;
-template <typename T>
-constexpr bool is_vector<std::vector<T>> = true;
-
-template <typename T>
-void assign(T& target, const std::vector<std::string>& texts, const std::string& option) {
-  target = value_of<T>(texts.back(), option);
-}
-template <typename T>
-void assign(std::optional<T>& target, const std::vector<std::string>& texts,
-            const std::string& option) {
-  target = value_of<T>(texts.back(), option);
-}
-void assign(std::vector<std::string>& target, const std::vector<std::string>& texts,
-            const std::string& option) {
-  target.clear();
-  for (const std::string& text : texts) target.push_back(value_of<std::string>(text, option));
-}
-
 // A program started with a standard stream closed would give the next file it
 // opens that number, and results would go into the wrong file. What is opened
 // here cannot be used, so that using the stream fails.
@@ -192,9 +155,8 @@ struct Command::Impl {
       return true;
     }
     // Of several commands that have it, any.
-    return std::any_of(subcommands.begin(), subcommands.end(), [&](const auto& command) {
-      return command->impl_->print_values(option);
-    });
+    return std::any_of(subcommands.begin(), subcommands.end(),
+                       [&](const auto& command) { return command->impl_->print_values(option); });
   }
 
   std::vector<std::string> long_names() const {
@@ -290,38 +252,35 @@ Option Command::add(const std::string& names, const std::string& value, const st
 }
 
 template <typename T>
-Option Command::option(const std::string& names, T& target, const std::string& value,
-                       const std::string& help) {
-  std::string initial;
-  if constexpr (!is_vector<T> && !is_optional<T>) initial = fmt::format("{}", target);
-  const Option option = add(
-      names, value, help, initial,
-      [&target, option = long_name(names)](const auto& texts) { assign(target, texts, option); });
+T option_value(const std::string& text, const std::string& names) {
+  const std::string option = long_name(names);
+  if (text.empty()) throw error(Failure::usage, "{}: its value is empty", option);
+  if constexpr (std::same_as<T, std::string>) return text;
+  if constexpr (std::same_as<T, double>) return parse_number(text, option);
+  if constexpr (std::same_as<T, std::uint64_t>) return parse_unsigned(text, option);
+  if constexpr (std::same_as<T, int>)
+    return static_cast<int>(parse_whole(text, option, std::numeric_limits<int>::min(),
+                                        std::numeric_limits<int>::max()));
+}
+template std::string option_value(const std::string&, const std::string&);
+template int option_value(const std::string&, const std::string&);
+template std::uint64_t option_value(const std::string&, const std::string&);
+template double option_value(const std::string&, const std::string&);
+
+Option Command::option(const std::string& names, std::vector<std::string>& target,
+                       const std::string& value, const std::string& help) {
+  const auto set = [names, &target](const std::vector<std::string>& texts) {
+    target.clear();
+    for (const std::string& text : texts) target.push_back(option_value<std::string>(text, names));
+  };
+  const Option option = add(names, value, help, "", set);
   // Repeated, never greedy: the word after the value is not another value.
-  if constexpr (is_vector<T>)
-    impl_->app->get_option(long_name(names))
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-        ->expected(1, std::numeric_limits<int>::max())
-        ->allow_extra_args(false);
+  impl_->app->get_option(long_name(names))
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->expected(1, std::numeric_limits<int>::max())
+      ->allow_extra_args(false);
   return option;
 }
-template Option Command::option(const std::string&, std::string&, const std::string&,
-                                const std::string&);
-template Option Command::option(const std::string&, int&, const std::string&, const std::string&);
-template Option Command::option(const std::string&, std::uint64_t&, const std::string&,
-                                const std::string&);
-template Option Command::option(const std::string&, double&, const std::string&,
-                                const std::string&);
-template Option Command::option(const std::string&, std::optional<std::string>&, const std::string&,
-                                const std::string&);
-template Option Command::option(const std::string&, std::optional<int>&, const std::string&,
-                                const std::string&);
-template Option Command::option(const std::string&, std::optional<std::uint64_t>&,
-                                const std::string&, const std::string&);
-template Option Command::option(const std::string&, std::optional<double>&, const std::string&,
-                                const std::string&);
-template Option Command::option(const std::string&, std::vector<std::string>&, const std::string&,
-                                const std::string&);
 
 Option Command::flag(const std::string& names, bool& target, const std::string& help) {
   return {impl_->app->add_flag(names, target, help)->group(impl_->section), &impl_->words};
@@ -410,10 +369,9 @@ void Command::seed_option() {
 }
 
 void Command::output_option(const std::string& what) {
-  const auto set = [&](const std::vector<std::string>& texts) {
-    assign(output, texts, "--output");
-  };
-  add("-o,--output", "FILE", what, output == "-" ? "standard output" : output, set);
+  const std::string names = "-o,--output";
+  add(names, "FILE", what, output == "-" ? "standard output" : output,
+      setter<std::string>(names, output));
 }
 
 // Common options stand last in the help.

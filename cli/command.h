@@ -3,6 +3,8 @@
 // its work; main() is then one call.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -43,6 +45,11 @@ class Option {
   std::map<std::string, Words>* completions_;
 };
 
+// What the text of an option's value means: a std::string, int, std::uint64_t or double. An empty
+// text is an unset shell variable, and never meant. Throws Error(usage).
+template <typename T>
+T option_value(const std::string& text, const std::string& names);
+
 class Command {
  public:
   explicit Command(const std::string& executable);  // one of cli/tools.h
@@ -62,7 +69,16 @@ class Command {
   // the option may be repeated. Given twice otherwise, the last one counts.
   template <typename T>
   Option option(const std::string& names, T& target, const std::string& value,
-                const std::string& help);
+                const std::string& help) {
+    return add(names, value, help, fmt::format("{}", target), setter<T>(names, target));
+  }
+  template <typename T>
+  Option option(const std::string& names, std::optional<T>& target, const std::string& value,
+                const std::string& help) {
+    return add(names, value, help, "", setter<T>(names, target));
+  }
+  Option option(const std::string& names, std::vector<std::string>& target,
+                const std::string& value, const std::string& help);
   Option flag(const std::string& names, bool& target, const std::string& help);
   // An option whose value is one of some words, each of which stands for a value of the target.
   template <typename T>
@@ -130,6 +146,13 @@ class Command {
   explicit Command(std::unique_ptr<Impl> impl);
 
   using Set = std::function<void(const std::vector<std::string>&)>;
+  // The last text that was given, as what it means.
+  template <typename T, typename Target>
+  static Set setter(const std::string& names, Target& target) {
+    return [names, &target](const std::vector<std::string>& texts) {
+      target = option_value<T>(texts.back(), names);
+    };
+  }
   Option add(const std::string& names, const std::string& value, const std::string& help,
              const std::string& initial, const Set& set);
   void common_options();

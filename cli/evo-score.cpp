@@ -83,7 +83,6 @@ int score_all(const cli::Command& command, const Options& options,
   cli::catch_interrupts();
   std::optional<cli::Journal> journal;
   if (options.journal) journal.emplace(*options.journal);
-  const auto note = [&](const std::string& text) { cli::log::info(text); };
   RobotWriter out(command.output);
   for (const Robot& robot : robots) {
     // A survivor has its fitness already, or is known to have none.
@@ -91,7 +90,7 @@ int score_all(const cli::Command& command, const Options& options,
       out.write(robot);
       continue;
     }
-    if (journal) journal->take(robot.id, note, cli::interrupted);
+    if (journal) journal->take(robot.id);
     if (const auto machine =
             journal && options.give_up ? journal->killed_on(robot.id) : std::nullopt) {
       Robot failed = robot;

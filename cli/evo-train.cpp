@@ -94,6 +94,14 @@ std::string name_of(const TrainingPlan& plan, const Robot& robot) {
   return plan.shared ? training_paths(plan, robot.id).log.stem().string() : robot.id;
 }
 
+int end(OrderedWriter& out, int status) {
+  if (status == 0)
+    out.finish();
+  else
+    cli::log::warn("interrupted; give the same command with --resume to go on");
+  return status;
+}
+
 struct Options {
   std::optional<std::string> pick;
   std::optional<std::string> journal;
@@ -120,11 +128,10 @@ int train(const cli::Command& command, const TrainingPlan& plan, std::vector<Rob
     trained_now.push_back(std::move(robots[k]));
     places.push_back(k);
   }
-  const auto note = [&](const std::string& text) { cli::log::info(text); };
   if (journal)
     for (std::size_t k = 0;
          k < (plan.shared ? std::min<std::size_t>(places.size(), 1) : places.size()); ++k)
-      journal->take(name_of(plan, trained_now[k]), note, cli::interrupted);
+      journal->take(name_of(plan, trained_now[k]));
   const auto begins = [&](std::size_t k) {
     if (journal) journal->begun(name_of(plan, trained_now[k]));
   };
@@ -140,12 +147,7 @@ int train(const cli::Command& command, const TrainingPlan& plan, std::vector<Rob
     }
     if (journal) journal->ended(name);
   };
-  const int status = train_robots(command, plan, trained_now, begins, ends);
-  if (status == 0)
-    out.finish();
-  else
-    cli::log::warn(cli::how_to_go_on);
-  return status;
+  return end(out, train_robots(command, plan, trained_now, begins, ends));
 }
 
 int by_sequence(const cli::Command& command, const cli::TrainingOptions& options,
@@ -154,11 +156,7 @@ int by_sequence(const cli::Command& command, const cli::TrainingOptions& options
   const int status = cli::train_by_sequence(command, options, robots, [&](const Trained& trained) {
     if (trained.robot) out.put(trained.index, *trained.robot);
   });
-  if (status == 0)
-    out.finish();
-  else
-    cli::log::warn(cli::how_to_go_on);
-  return status;
+  return end(out, status);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <system_error>
 #include <thread>
 
+#include "cli/command.h"
 #include "formats/io/files.h"
 #include "formats/io/json.h"
 #include "formats/run/run.h"
@@ -41,11 +42,10 @@ std::optional<std::string> Journal::killed_on(const std::string& name) const {
   return marked_machine(mark(name));
 }
 
-void Journal::take(const std::string& name, const std::function<void(const std::string&)>& note,
-                   const std::function<int()>& interrupted) const {
+void Journal::take(const std::string& name) const {
   bool told = false;
   while (!lock_.take(byte_of(name)) && interrupted() == 0) {
-    if (!told) note(fmt::format("{}: waiting for another process that trains it", name));
+    if (!told) log::info(fmt::format("{}: waiting for another process that trains it", name));
     told = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }

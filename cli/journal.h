@@ -8,7 +8,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -23,9 +22,8 @@ class Journal {
 
   // The machine on which a training of this name (a robot's id) was killed, if it was.
   std::optional<std::string> killed_on(const std::string& name) const;
-  // Waits while another process is at it, saying so by `note`, until `interrupted`.
-  void take(const std::string& name, const std::function<void(const std::string&)>& note,
-            const std::function<int()>& interrupted) const;
+  // Waits while another process is at it, and says so, until interrupted.
+  void take(const std::string& name) const;
   void begun(const std::string& name) const;
   void ended(const std::string& name) const;
 

@@ -28,7 +28,4 @@ struct TrainingOptions {
   TrainingPlan plan(std::uint64_t seed) const;
 };
 
-inline constexpr const char* how_to_go_on =
-    "interrupted; give the same command with --resume to go on";
-
 }  // namespace evo::cli

@@ -34,7 +34,8 @@ shared() { evo-train --task Walker-v0 --train modular --train environments=2 --s
   # It is known, and is not trained again.
   shared 16384 calm.policy.h5 robots | cmp - calm
   for _ in 1 2 3; do
-    shared 16384 stormy.policy.h5 --resume robots > /dev/null 2>&1 3>&- & training=$!
+    (exec evo-train --task Walker-v0 --train modular --train environments=2 --steps 16384 --shared stormy.policy.h5 \
+      --resume robots > /dev/null 2>&1 3>&-) & training=$!
     until [ -e stormy.log ]; do kill -0 $training || return; sleep 0.05; done
     random_pause
     kill -TERM $training 2> /dev/null || break

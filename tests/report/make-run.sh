@@ -18,7 +18,6 @@ evals: 1000
 steps: 512
 seed: $seed
 shape: 5x5
-algo: ppo
 train: $PWD/fast.yaml
 physics: task
 train_options: '--note "<img src=x onerror=alert(1)></script>"'

@@ -9,7 +9,7 @@
 #include "cli/documents.h"
 #include "cli/robots.h"
 #include "cli/terminal.h"
-#include "formats/foreign/npz.h"
+#include "formats/io/npz.h"
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
@@ -47,7 +47,7 @@ class Policies {
   static void replay(const fs::path& path, const PolicyFile& policy) {
     const std::string name = path.string();
     const TaskSpec task = policy_task(policy, name);
-    const YamlNode training = YamlNode::parse(policy.training_yaml, name + ": training");
+    const Node training = Node::yaml(policy.training_yaml, name + ": training");
     EvaluationSettings evaluation;
     evaluation.seed = policy.seed;
     for (const auto& [key, value] : training.entries()) {

@@ -7,11 +7,11 @@
 
 #include "cli/data.h"
 #include "cli/terminal.h"
-#include "formats/foreign/evogym.h"
+#include "formats/robot/evogym.h"
 #include "formats/io/format.h"
+#include "formats/io/node.h"
 #include "formats/io/text.h"
 #include "formats/io/values.h"
-#include "formats/io/yaml.h"
 #include "formats/run/neat.h"
 #include "formats/run/neat_ini.h"
 #include "formats/run/run.h"
@@ -34,13 +34,13 @@ std::string describe_task_file(const std::string& text, const std::string& name)
 }
 
 std::string describe_physics(const std::string& text, const std::string& name) {
-  const YamlNode node = YamlNode::parse(text, name);
+  const Node node = Node::yaml(text, name);
   return fmt::format("{}: physics profile, in full\n{}", printable(name),
                      physics_to_yaml(physics_from_yaml(node, folder_of(name), data_folders())));
 }
 
 std::string describe_training(const std::string& text, const std::string& name) {
-  const YamlNode node = YamlNode::parse(text, name);
+  const Node node = Node::yaml(text, name);
   return fmt::format("{}: training profile, in full\n{}", printable(name),
                      training_to_yaml(training_from_yaml(node, folder_of(name), data_folders())));
 }
@@ -71,7 +71,7 @@ std::string describe_run(const std::string& text, const std::string& name) {
 }
 
 std::string describe_world(const std::string& text, const std::string& name) {
-  const World world = evogym_world_from_json(parse_json(text, name), name);
+  const World world = read_evogym_world(Node::json(text, name));
   std::string told = fmt::format("{}: world of the design tool, {} objects\n", printable(name),
                                  world.objects.size());
   for (const Object& object : world.objects)

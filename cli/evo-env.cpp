@@ -12,7 +12,7 @@
 #include "formats/io/base64.h"
 #include "formats/io/files.h"
 #include "formats/io/format.h"
-#include "formats/io/json_object.h"
+#include "formats/io/json.h"
 #include "formats/rollout/episodes.h"
 #include "formats/task/physics_profile.h"
 
@@ -70,85 +70,63 @@ Json state(const Session& session, const std::vector<int>& environments) {
   return answer;
 }
 
-// A misspelt field would otherwise be left out without a word.
-void check_fields(const Json& object, const std::string& path,
-                  const std::vector<std::string>& known) {
-  const JsonObject checked(object, path);
-  for (const auto& [name, value] : object.items())
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      throw refusal(checked.path_of(name), "is not known{}; there may be: {}",
-                    did_you_mean(name, known),
-                    known.empty() ? "nothing" : fmt::format("{}", fmt::join(known, ", ")));
-}
-
 // The list of this name, each environment at most once; all when there is none.
-std::vector<int> chosen_environments(const Session& session, const Json& object,
-                                     const std::string& path) {
+std::vector<int> chosen_environments(const Session& session, const Node& object) {
   std::vector<int> chosen;
-  if (!object.contains("environments")) {
+  const auto list = object.find("environments");
+  if (!list) {
     chosen.resize(static_cast<std::size_t>(session.environments()));
     std::iota(chosen.begin(), chosen.end(), 0);
     return chosen;
   }
-  const JsonObject checked(object, path);
-  const std::string list = checked.path_of("environments");
-  for (const Json& value : checked.array("environments")) {
-    chosen.push_back(json_integer(value, list, 0, session.environments() - 1));
+  for (const Node& item : list->items()) {
+    chosen.push_back(item.integer(0, session.environments() - 1));
     if (std::count(chosen.begin(), chosen.end(), chosen.back()) > 1)
-      throw refusal(list, "names {} twice", chosen.back());
+      throw item.error(fmt::format("environment {} is there twice", chosen.back()));
   }
-  if (chosen.empty()) throw refusal(list, "is empty");
+  if (chosen.empty()) throw list->error("no environment is named");
   return chosen;
 }
 
-Json reset(Session& session, const Json& request) {
-  const std::string path = "/reset";
-  const Json& wanted = request["reset"];
-  check_fields(wanted, path, {"environments", "seed", "episode", "draws", "jitter"});
-  const auto natural = [&](const char* name, std::optional<std::uint64_t>& value) {
-    if (!wanted.contains(name)) return;
-    if (!wanted[name].is_number_unsigned())
-      throw refusal(path + "/" + name, "expected a whole number from 0, found {}",
-                    shown(wanted[name]));
-    value = wanted[name].get<std::uint64_t>();
-  };
+Json reset(Session& session, const Node& request) {
+  const Node wanted = request.at("reset");
+  const Mapping fields(wanted, "reset", {"environments", "seed", "episode", "draws", "jitter"});
   ResetRequest start;
-  start.environments = chosen_environments(session, wanted, path);
-  natural("seed", start.seed);
-  natural("episode", start.episode);
-  if (wanted.contains("jitter")) start.jitter = JsonObject(wanted, path).number("jitter");
-  if (wanted.contains("draws"))
-    start.draws = draws_from_json(wanted["draws"], session.task(), path + "/draws");
+  start.environments = chosen_environments(session, wanted);
+  if (const auto seed = fields.find("seed")) start.seed = seed->natural();
+  if (const auto episode = fields.find("episode")) start.episode = episode->natural();
+  if (const auto jitter = fields.find("jitter")) start.jitter = jitter->number();
+  if (const auto draws = fields.find("draws")) start.draws = read_draws(*draws, session.task());
   session.reset(start);
   return state(session, start.environments);
 }
 
-Json step(Session& session, const Json& request) {
-  const std::vector<int> environments = chosen_environments(session, request, "");
-  const Json& rows = JsonObject(request, "").array("step");
+Json step(Session& session, const Node& request) {
+  const std::vector<int> environments = chosen_environments(session, request);
+  const Node step = request.at("step");
+  const std::vector<Node> rows = step.items();
   if (rows.size() != environments.size())
-    throw refusal("/step", "has {} rows of actions for {} environments", rows.size(),
-                  environments.size());
+    throw step.error(fmt::format("{} rows of actions for {} environments", rows.size(),
+                                 environments.size()));
   std::vector<double> actions(session.action_values());
   std::vector<std::uint8_t> active(static_cast<std::size_t>(session.environments()));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const int e = environments[i];
-    const std::string path = fmt::format("/step/{}", i);
     const auto length = static_cast<std::size_t>(session.envs().arena(e).action_length());
-    if (!rows[i].is_array() || rows[i].size() != length)
-      throw refusal(path, "expected {} actions, found {}", length, shown(rows[i]));
-    for (std::size_t k = 0; k < length; ++k)
-      actions[session.envs().action_offset(e) + k] =
-          json_number(rows[i][k], fmt::format("{}/{}", path, k));
+    const std::vector<double> row = rows[i].numbers();
+    if (row.size() != length)
+      throw rows[i].error(fmt::format("{} actions are expected, found {}", length, row.size()));
+    std::copy(row.begin(), row.end(),
+              actions.begin() + static_cast<std::ptrdiff_t>(session.envs().action_offset(e)));
     active[static_cast<std::size_t>(e)] = 1;
   }
   session.step(actions, active);
   return state(session, environments);
 }
 
-Json save(Session& session, const Json& request) {
-  check_fields(request["save"], "/save", {"environments"});
-  const std::vector<int> environments = chosen_environments(session, request["save"], "/save");
+Json save(Session& session, const Node& request) {
+  const Mapping fields(request.at("save"), "save", {"environments"});
+  const std::vector<int> environments = chosen_environments(session, fields.node());
   Json states = Json::array();
   for (const int e : environments) {
     const std::vector<std::uint8_t> bytes = session.save(e);
@@ -157,40 +135,35 @@ Json save(Session& session, const Json& request) {
   return {{"environments", environments}, {"states", std::move(states)}};
 }
 
-Json restore(Session& session, const Json& request) {
-  const std::string path = "/restore";
-  const Json& wanted = request["restore"];
-  check_fields(wanted, path, {"environments", "states"});
-  const std::vector<int> environments = chosen_environments(session, wanted, path);
-  const Json& texts = JsonObject(wanted, path).array("states");
-  if (texts.size() != environments.size())
-    throw refusal(path + "/states", "has {} states for {} environments", texts.size(),
-                  environments.size());
+Json restore(Session& session, const Node& request) {
+  const Mapping fields(request.at("restore"), "restore", {"environments", "states"});
+  const std::vector<int> environments = chosen_environments(session, fields.node());
+  const Node texts = fields.at("states");
   std::vector<std::vector<std::uint8_t>> states;
-  for (std::size_t i = 0; i < texts.size(); ++i) {
-    auto bytes =
-        texts[i].is_string() ? from_base64(texts[i].get_ref<const std::string&>()) : std::nullopt;
-    if (!bytes)
-      throw refusal(fmt::format("{}/states/{}", path, i), "expected a saved state, found {}",
-                    shown(texts[i]));
+  for (const Node& text : texts.items()) {
+    auto bytes = from_base64(text.string());
+    if (!bytes) throw text.error("a saved state is expected, found " + text.found());
     states.push_back(std::move(*bytes));
   }
+  if (states.size() != environments.size())
+    throw texts.error(fmt::format("{} states for {} environments", states.size(),
+                                  environments.size()));
   std::vector<Session::Restored> restored;
   for (std::size_t i = 0; i < states.size(); ++i) restored.push_back({environments[i], states[i]});
   session.restore(restored);
   return state(session, environments);
 }
 
-Json positions(Session& session, const Json& request) {
+Json positions(Session& session, const Node& request) {
   const auto pairs = [](std::span<const Vec2> points) {
     std::vector<std::pair<double, double>> list;
     for (const Vec2& p : points) list.emplace_back(p.x, p.y);
     return list;
   };
-  check_fields(request["positions"], "/positions", {"environments"});
+  const Mapping fields(request.at("positions"), "positions", {"environments"});
   const VecEnv& envs = session.envs();
   Json list = Json::array();
-  for (const int e : chosen_environments(session, request["positions"], "/positions")) {
+  for (const int e : chosen_environments(session, fields.node())) {
     Json objects = Json::array();
     for (const ModelObject& object : envs.model(e).objects())
       objects.push_back(
@@ -204,8 +177,8 @@ Json positions(Session& session, const Json& request) {
 }
 
 // What a policy file keeps of the task.
-Json task_of(Session& session, const Json& request) {
-  check_fields(request["task"], "/task", {});
+Json task_of(Session& session, const Node& request) {
+  const Mapping none(request.at("task"), "task", {});
   return {{"task", session.task().name},
           {"task_yaml", session.task().source},
           {"physics_yaml", physics_to_yaml(session.task().physics)}};
@@ -213,30 +186,26 @@ Json task_of(Session& session, const Json& request) {
 
 struct Request {
   std::string name;
-  Json (*answer)(Session&, const Json&);
+  Json (*answer)(Session&, const Node&);
 };
 
 // Throws Error for what is no request or cannot be fulfilled; nothing has changed
 // then.
-Json answer(Session& session, const Json& request, const std::string& where) try {
+Json answer(Session& session, const Node& request) {
   static const std::vector<Request> all{{"reset", reset},         {"step", step},
                                         {"save", save},           {"restore", restore},
                                         {"positions", positions}, {"task", task_of}};
   std::vector<std::string> names;
   for (const auto& [name, respond] : all) {
     names.push_back(name);
-    if (!request.is_object() || !request.contains(name)) continue;
-    check_fields(
-        request, "",
-        name == "step" ? std::vector<std::string>{name, "environments"} : std::vector{name});
+    if (!request.find(name)) continue;
+    std::vector<std::string> allowed{name};
+    if (name == "step") allowed.emplace_back("environments");
+    const Mapping fields(request, "request", allowed);
     return respond(session, request);
   }
-  check_fields(request, "", names);
-  throw refusal("", "expected one of: {}", fmt::join(names, ", "));
-} catch (const Refusal& refused) {
-  throw refused.at(where);
-} catch (const Error& failure) {
-  throw failure.at(where);
+  const Mapping fields(request, "request", names);
+  throw request.error(fmt::format("one of these is expected: {}", fmt::join(names, ", ")));
 }
 
 // Until the input ends. Throws Error(data) for a line that is too long, and for an input
@@ -255,9 +224,9 @@ void serve(Session& session) {
     if (text.find_first_not_of(" \t\r") == std::string_view::npos) continue;
     const std::string where = fmt::format("request {}", number);
     try {
-      const Json request = parse_json(text, where);
+      const Node request = Node::json(text, where);
       strange = 0;
-      out.line(compact(answer(session, request, where)));
+      out.line(compact(answer(session, request)));
     } catch (const Error& failure) {
       if (failure.kind() == Failure::io) throw;
       out.line(compact({{"error", failure.what()}}));

@@ -1,6 +1,7 @@
 // evo-eval: episodes with a given controller, and what they earned.
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -102,7 +103,13 @@ Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, 
       if (sequence.actuators != arena.action_length())
         throw error(Failure::data, "{}: {} actions per step, but robot {} has {} actuators", name,
                     sequence.actuators, id, arena.action_length());
-      return ReplayController{sequence.values, sequence.actuators};
+      std::vector<double> targets = sequence.values;
+      const Physics& physics = arena.task().physics;
+      if (sequence.is_single)  // clipped in their own type, as the benchmark does
+        for (double& target : targets)
+          target = std::clamp(static_cast<float>(target), static_cast<float>(physics.min_target),
+                              static_cast<float>(physics.max_target));
+      return ReplayController{std::move(targets), sequence.actuators};
     };
   }
   return trial;

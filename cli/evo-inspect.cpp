@@ -16,7 +16,7 @@
 #include "cli/robots.h"
 #include "cli/run_status.h"
 #include "cli/terminal.h"
-#include "formats/foreign/npz.h"
+#include "formats/io/npz.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
 #include "formats/io/text.h"

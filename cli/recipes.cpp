@@ -4,17 +4,17 @@
 
 #include "formats/io/files.h"
 #include "formats/io/format.h"
-#include "formats/io/yaml.h"
+#include "formats/io/node.h"
 #include "formats/run/settings.h"
 
 namespace evo::cli {
 namespace {
 
-std::vector<RunSetting> round_of(const YamlNode& node) {
+std::vector<RunSetting> round_of(const Node& node) {
   std::vector<std::string> known;
   for (const RunSettingInfo& info : run_settings())
     if (info.belongs_to("ga")) known.push_back(info.name);
-  const YamlMapping mapping(node, "round", known);
+  const Mapping mapping(node, "round", known);
   std::vector<RunSetting> round;
   for (const auto& [key, value] : mapping.node().entries()) {
     const std::string text = value.string();
@@ -46,12 +46,12 @@ Recipe load_recipe(const std::string& name, const std::string& task, const DataF
                   unknown_name("recipe", name, data_names(folders, "recipes")));
     file = found->string();
   }
-  const YamlNode document = YamlNode::parse(read_file(file, largest_document), file);
+  const Node document = Node::yaml(read_file(file, largest_document), file);
   check_format(document, format::recipe);
-  const YamlMapping mapping(document, "recipe", {"format", "version", "description", "rounds"});
+  const Mapping mapping(document, "recipe", {"format", "version", "description", "rounds"});
   Recipe recipe;
   if (const auto text = mapping.find("description")) recipe.description = text->string();
-  for (const YamlNode& node : mapping.at("rounds").items()) {
+  for (const Node& node : mapping.at("rounds").items()) {
     const std::vector<RunSetting> round = round_of(node);
     const auto easier = std::find_if(round.begin(), round.end(), [](const RunSetting& setting) {
       return setting.name == "task" && setting.value == "easier";

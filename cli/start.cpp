@@ -61,7 +61,7 @@ void add_demonstrations(const fs::path& path, const Robot& robot, const TaskSpec
     const RolloutEpisode& episode = rollout.episodes[k];
     const std::string where = fmt::format("{}: /episode_{}", path.string(), k);
     demonstrations.push_back({where,
-                              {draws_from_json(episode.random_draws, task, where + "@random_draws"),
+                              {read_draws(to_node(episode.random_draws, where + "@random_draws"), task),
                                episode.jitter, episode.jitter_seed},
                               {episode.actions, rollout.action_length},
                               episode.rewards});

@@ -4,7 +4,7 @@
 
 #include "bindings/c/handles.h"
 #include "bindings/c/pictures.h"
-#include "formats/foreign/evogym.h"
+#include "formats/robot/evogym.h"
 #include "formats/io/json.h"
 #include "formats/task/physics_profile.h"
 #include "libevo/base/digest.h"
@@ -321,7 +321,7 @@ int evo_world_parse(const char* json, evo_world** world) {
   return open(world, [&] {
     const std::string text = text_of(json, "json");
     return std::make_unique<evo_world>(
-        evo_world{evo::evogym_world_from_json(evo::parse_json(text, "world"), "world")});
+        evo_world{evo::read_evogym_world(evo::Node::json(text, "world"))});
   });
 }
 

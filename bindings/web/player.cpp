@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "formats/foreign/evogym.h"
+#include "formats/robot/evogym.h"
 #include "formats/robot/robot.h"
 #include "formats/rollout/episodes.h"
 #include "formats/task/draft.h"
@@ -28,7 +28,7 @@ bool begins_with(const std::string& text, char sign) {
 
 TaskSpec read_task(const std::string& text) {
   if (begins_with(text, '{')) {
-    const World world = evogym_world_from_json(parse_json(text, "world"), "world");
+    const World world = read_evogym_world(Node::json(text, "world"));
     return parse_task(draft_task(world, "world"), "the task of this world", {}, folders());
   }
   if (text.find('\n') == std::string::npos) return load_task(text, folders());
@@ -116,19 +116,19 @@ struct evo_player {
     return {std::make_unique<evo::Arena>(std::move(task), robot.body), {}};
   }
 
-  void control(const evo::Json& document) {
-    const evo::Json kind = document.is_object() ? document.value("kind", evo::Json()) : evo::Json();
+  void control(const evo::Node& document) {
+    const std::string kind = document.at("kind").string();
     const int actuators = arena.action_length();
     if (kind == "wave") {
-      controller = evo::travelling_wave(actuators, document.at("amplitude").get<double>(),
-                                        document.at("period").get<double>(),
-                                        document.at("phase").get<double>());
+      controller = evo::travelling_wave(actuators, document.at("amplitude").number(),
+                                        document.at("period").number(),
+                                        document.at("phase").number());
     } else if (kind == "rest") {
       evo::SineController rest = evo::travelling_wave(actuators, 0.0, 1.0, 0.0);
       rest.middle = 1.0;
       controller = rest;
     } else {
-      evo::TrainedController read = evo::controller_from_json(document, "controller");
+      evo::TrainedController read = evo::read_controller(document);
       check_lengths(read);
       controller = std::move(read);
       modular.reset();
@@ -290,7 +290,7 @@ int evo_describe(const evo_player* player) {
     for (const evo::RewardTerm& term : arena.task().reward)
       terms.push_back(evo::term_to_words(term.term, arena.task().physics).formula);
     answer() = evo::compact({{"task", arena.task().name},
-                             {"robot", evo::parse_json(evo::robot_to_line(player->robot), "robot")},
+                             {"robot", evo::robot_to_document(player->robot)},
                              {"steps", arena.task().episode_steps},
                              {"actuators", arena.action_length()},
                              {"observation", arena.observation_length()},
@@ -304,7 +304,7 @@ int evo_describe(const evo_player* player) {
 }
 
 int evo_control(evo_player* player, const char* controller) {
-  return guarded([&] { player->control(evo::parse_json(controller, "controller")); });
+  return guarded([&] { player->control(evo::Node::json(controller, "controller")); });
 }
 
 int evo_reset(evo_player* player, std::uint32_t seed, std::uint32_t episode, double jitter,
@@ -312,7 +312,7 @@ int evo_reset(evo_player* player, std::uint32_t seed, std::uint32_t episode, dou
   return guarded([&] {
     std::optional<evo::Draws> given;
     if (draws != nullptr)
-      given = evo::draws_from_json(evo::parse_json(draws, "draws"), player->arena.task(), "draws");
+      given = evo::read_draws(evo::Node::json(draws, "draws"), player->arena.task());
     player->reset(seed, episode, jitter, given);
   });
 }

@@ -116,7 +116,7 @@ std::string action_space(const std::vector<Rollout>& rollouts) {
     const Physics physics =
         rollout.physics_yaml.empty()
             ? Physics{}
-            : physics_from_yaml(YamlNode::parse(rollout.physics_yaml, "physics of the rollout"), {},
+            : physics_from_yaml(Node::yaml(rollout.physics_yaml, "physics of the rollout"), {},
                                 {});
     low.push_back(physics.min_target);
     high.push_back(physics.max_target);
@@ -135,7 +135,7 @@ std::string environment_spec(const std::vector<Rollout>& rollouts) {
       first.robot && std::all_of(rollouts.begin(), rollouts.end(), [&](const Rollout& rollout) {
         return rollout.robot && rollout.robot->id == first.robot->id;
       });
-  if (one_robot) arguments["robot"] = parse_json(robot_to_line(Robot(first.robot->body)), "robot");
+  if (one_robot) arguments["robot"] = robot_to_document(Robot(first.robot->body));
   return compact(Json{{"id", "evo/" + first.task},
                       {"entry_point", "evo_robots.environment:Environment"},
                       {"reward_threshold", nullptr},

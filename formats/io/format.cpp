@@ -28,36 +28,18 @@ std::optional<std::string> wrong_version(const Format& format, std::int64_t vers
   return std::nullopt;
 }
 
-void check_format(const YamlNode& document, const Format& format, Head head) {
-  std::optional<std::string> name;
-  bool has_version = false;
-  for (const auto& [key, value] : document.entries()) {
-    std::optional<std::string> problem;
-    if (key.string() == "format") {
-      name = value.string();
-      problem = wrong_name(format, name);
-    } else if (key.string() == "version") {
-      has_version = true;
-      problem = wrong_version(format, value.integer());
-    }
-    if (problem) throw value.error(*problem);
-  }
-  if (head != Head::required) return;
-  if (!name) throw document.error(*wrong_name(format, name));
-  if (!has_version)
-    throw document.error(fmt::format("there is no version, such as version: {}", format.version));
-}
-
-void check_format(const Json& document, const Format& format) {
-  if (const auto name = document.find("format"); name != document.end())
-    if (!name->is_string() || *name != format.name)
-      throw refusal("/format", "expected \"{}\", found {}", format.name, shown(*name));
+void check_format(const Node& document, const Format& format, Head head) {
+  const auto name = document.find("format");
   const auto version = document.find("version");
-  if (version == document.end()) return;
-  if (!version->is_number_integer())
-    throw refusal("/version", "expected a whole number, found {}", shown(*version));
-  if (const auto problem = wrong_version(format, version->get<std::int64_t>()))
-    throw refusal("/version", "{}", *problem);
+  if (name)
+    if (const auto problem = wrong_name(format, name->string())) throw name->error(*problem);
+  if (version)
+    if (const auto problem = wrong_version(format, version->integer()))
+      throw version->error(*problem);
+  if (head != Head::required) return;
+  if (!name) throw document.error(*wrong_name(format, std::nullopt));
+  if (!version)
+    throw document.error(fmt::format("there is no version, such as version: {}", format.version));
 }
 
 void check_format(const hdf5::Reader& file, const Format& format, Head head) {

@@ -6,8 +6,7 @@
 #include <string>
 
 #include "formats/io/hdf5.h"
-#include "formats/io/json.h"
-#include "formats/io/yaml.h"
+#include "formats/io/node.h"
 
 namespace evo {
 
@@ -39,11 +38,10 @@ std::optional<std::string> wrong_name(const Format& format, const std::optional<
 std::optional<std::string> wrong_version(const Format& format, std::int64_t version);
 
 // Another format, or a version that this program does not know, is refused with
-// its place: Error(data), for JSON a Refusal. What people write by hand need not say
-// either; `required` is for what programs write, which has to say both.
+// its place: Error(data). What people write by hand need not say either; `required` is for what
+// programs write, which has to say both.
 enum class Head { required, optional };
-void check_format(const YamlNode& document, const Format& format, Head head = Head::optional);
-void check_format(const Json& document, const Format& format);
+void check_format(const Node& document, const Format& format, Head head = Head::optional);
 void check_format(const hdf5::Reader& file, const Format& format, Head head);
 
 }  // namespace evo

@@ -151,26 +151,21 @@ std::string attribute_path(const std::string& object, const std::string& name) {
 
 // ---- types ------------------------------------------------------------------
 
-template <Number T>
-hid_t memory_type() {
-  if constexpr (std::is_same_v<T, double>) return H5T_NATIVE_DOUBLE;
-  if constexpr (std::is_same_v<T, float>) return H5T_NATIVE_FLOAT;
-  if constexpr (std::is_same_v<T, std::uint8_t>) return H5T_NATIVE_UINT8;
-  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_NATIVE_INT32;
-  if constexpr (std::is_same_v<T, std::uint32_t>) return H5T_NATIVE_UINT32;
-  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_NATIVE_INT64;
-  if constexpr (std::is_same_v<T, std::uint64_t>) return H5T_NATIVE_UINT64;
-}
+// The library's types are variables, which it sets as it begins.
+struct NumberType {
+  hid_t memory;
+  hid_t file;
+};
 
 template <Number T>
-hid_t file_type() {
-  if constexpr (std::is_same_v<T, double>) return H5T_IEEE_F64LE;
-  if constexpr (std::is_same_v<T, float>) return H5T_IEEE_F32LE;
-  if constexpr (std::is_same_v<T, std::uint8_t>) return H5T_STD_U8LE;
-  if constexpr (std::is_same_v<T, std::int32_t>) return H5T_STD_I32LE;
-  if constexpr (std::is_same_v<T, std::uint32_t>) return H5T_STD_U32LE;
-  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_STD_I64LE;
-  if constexpr (std::is_same_v<T, std::uint64_t>) return H5T_STD_U64LE;
+NumberType type_of() {
+  if constexpr (std::is_same_v<T, double>) return {H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE};
+  if constexpr (std::is_same_v<T, float>) return {H5T_NATIVE_FLOAT, H5T_IEEE_F32LE};
+  if constexpr (std::is_same_v<T, std::uint8_t>) return {H5T_NATIVE_UINT8, H5T_STD_U8LE};
+  if constexpr (std::is_same_v<T, std::int32_t>) return {H5T_NATIVE_INT32, H5T_STD_I32LE};
+  if constexpr (std::is_same_v<T, std::uint32_t>) return {H5T_NATIVE_UINT32, H5T_STD_U32LE};
+  if constexpr (std::is_same_v<T, std::int64_t>) return {H5T_NATIVE_INT64, H5T_STD_I64LE};
+  if constexpr (std::is_same_v<T, std::uint64_t>) return {H5T_NATIVE_UINT64, H5T_STD_U64LE};
 }
 
 Handle string_type() {
@@ -264,15 +259,15 @@ struct Writer::File {
     }
   }
 
-  void dataset(const std::string& path, hid_t stored_type, hid_t given_type, const Shape& shape,
+  void dataset(const std::string& path, const NumberType& type, const Shape& shape,
                const void* values, const Handle& properties) const {
     make_groups(path.substr(0, path.rfind('/')));
     const Handle space = space_of(shape);
-    const Handle dataset(H5Dcreate2(id.get(), path.c_str(), stored_type, space.get(),
+    const Handle dataset(H5Dcreate2(id.get(), path.c_str(), type.file, space.get(),
                                     link_properties().get(), properties.get(), H5P_DEFAULT),
                          H5Dclose);
     if (!dataset.ok() ||
-        H5Dwrite(dataset.get(), given_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
+        H5Dwrite(dataset.get(), type.memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
       throw failed(path);
   }
 
@@ -293,15 +288,15 @@ struct Writer::File {
     return properties;
   }
 
-  void attribute(const std::string& object, const std::string& attribute_name, hid_t stored_type,
-                 hid_t given_type, const Shape& shape, const void* value) const {
+  void attribute(const std::string& object, const std::string& attribute_name,
+                 const NumberType& type, const Shape& shape, const void* value) const {
     silence();
     const Handle owner(H5Oopen(id.get(), object.c_str(), H5P_DEFAULT), H5Oclose);
     const Handle space = space_of(shape);
-    const Handle attribute(H5Acreate2(owner.get(), attribute_name.c_str(), stored_type, space.get(),
+    const Handle attribute(H5Acreate2(owner.get(), attribute_name.c_str(), type.file, space.get(),
                                       H5P_DEFAULT, H5P_DEFAULT),
                            H5Aclose);
-    if (!attribute.ok() || H5Awrite(attribute.get(), given_type, value) < 0)
+    if (!attribute.ok() || H5Awrite(attribute.get(), type.memory, value) < 0)
       throw failed(attribute_path(object, attribute_name));
   }
 };
@@ -318,13 +313,12 @@ void Writer::array(const std::string& path, const Shape& shape, std::span<const 
   if (elements != values.size())
     throw error(Failure::io, "{}: {}: {} values do not fill the shape {}", file_->name, path,
                 values.size(), shape_text(shape));
-  file_->dataset(path, file_type<T>(), memory_type<T>(), shape, values.data(),
-                 File::compressed(shape, sizeof(T)));
+  file_->dataset(path, type_of<T>(), shape, values.data(), File::compressed(shape, sizeof(T)));
 }
 
 void Writer::flags(const std::string& path, const std::vector<std::uint8_t>& values) {
   const Handle type = flag_type();
-  file_->dataset(path, type.get(), type.get(), {values.size()}, values.data(),
+  file_->dataset(path, {type.get(), type.get()}, {values.size()}, values.data(),
                  File::compressed({values.size()}, 1));
 }
 
@@ -340,7 +334,7 @@ void Writer::strings(const std::string& path, const std::vector<std::string>& va
   H5Tset_size(type.get(), length);
   H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
   H5Tset_cset(type.get(), H5T_CSET_UTF8);
-  file_->dataset(path, type.get(), type.get(), {values.size()}, characters.data(),
+  file_->dataset(path, {type.get(), type.get()}, {values.size()}, characters.data(),
                  File::object_properties(H5P_DATASET_CREATE));
 }
 
@@ -351,18 +345,18 @@ void Writer::attribute(const std::string& object, const std::string& name,
 
 void Writer::attribute(const std::string& object, const std::string& name, const char* value) {
   const Handle type = string_type();
-  file_->attribute(object, name, type.get(), type.get(), {}, &value);
+  file_->attribute(object, name, {type.get(), type.get()}, {}, &value);
 }
 
 template <Number T>
 void Writer::attribute(const std::string& object, const std::string& name, T value) {
-  file_->attribute(object, name, file_type<T>(), memory_type<T>(), {}, &value);
+  file_->attribute(object, name, type_of<T>(), {}, &value);
 }
 
 template <Number T>
 void Writer::attribute(const std::string& object, const std::string& name,
                        const std::vector<T>& values) {
-  file_->attribute(object, name, file_type<T>(), memory_type<T>(), {values.size()}, values.data());
+  file_->attribute(object, name, type_of<T>(), {values.size()}, values.data());
 }
 
 void Writer::commit(Existing existing) {
@@ -426,15 +420,11 @@ struct Reader::File {
 
   File(std::string_view sealed, std::string name_) : name(std::move(name_)), size(sealed.size()) {
     const std::string_view bytes = unsealed(sealed, name);
-    need_memory();
-    silence();
-    stay_in_this_file();
-    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    const Handle access = begin();
     constexpr std::size_t growth = std::size_t{1} << 16;
     H5Pset_fapl_core(access.get(), growth, false);
     H5Pset_file_image(access.get(), const_cast<char*>(bytes.data()), bytes.size());  // copies
-    id = Handle(H5Fopen(in_memory(name).c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
-    if (!id.ok()) throw damaged(begins_as_hdf5(bytes));
+    open(in_memory(name), access, begins_as_hdf5(bytes));
   }
 
   explicit File(const std::filesystem::path& path) : name(path.string()) {
@@ -444,16 +434,26 @@ struct Reader::File {
       throw error(Failure::no_input, "{}: is not a file, an HDF5 file is needed", name);
     constexpr std::size_t any_size = std::numeric_limits<std::size_t>::max();
     size = unsealed(read_file(path, any_size), name).size();
+    const Handle access = begin();
+    // Files appear whole and never change: a lock would only fail, on file systems without.
+    H5Pset_file_locking(access.get(), false, true);
+    open(name, access, is_hdf5(path));
+  }
+
+  // Before a file is opened; how it is opened.
+  static Handle begin() {
     need_memory();
     silence();
     stay_in_this_file();
-    id = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    if (!id.ok()) throw damaged(H5Fis_hdf5(path.c_str()) > 0);
+    return {H5Pcreate(H5P_FILE_ACCESS), H5Pclose};
   }
 
-  Error damaged(bool is_hdf5) const {
-    return error(Failure::data, "{}: {}{}", name,
-                 is_hdf5 ? "damaged or truncated HDF5 file" : "not an HDF5 file", library_reason());
+  void open(const std::string& file, const Handle& access, bool looks_like_hdf5) {
+    id = Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+    if (id.ok()) return;
+    throw error(Failure::data, "{}: {}{}", name,
+                looks_like_hdf5 ? "damaged or truncated HDF5 file" : "not an HDF5 file",
+                library_reason());
   }
 
   Error failed(const std::string& path, const std::string& what) const {
@@ -544,8 +544,15 @@ struct Reader::File {
       throw failed(path, "does not hold numbers");
   }
 
-  void check_string(const Handle& type, const std::string& path) const {
+  template <typename Read>
+  std::vector<std::string> texts(const Handle& type, const Handle& space, const std::string& path,
+                                 const Read& read) const {
     if (H5Tget_class(type.get()) != H5T_STRING) throw failed(path, "does not hold text");
+    const std::size_t n =
+        count(shape_of(space, path), std::max<std::size_t>(H5Tget_size(type.get()), 1), path);
+    auto texts = read_strings(type.get(), space, n, read);
+    if (texts.size() != n) throw unreadable(path);
+    return texts;
   }
 
   template <Number T>
@@ -557,7 +564,7 @@ struct Reader::File {
     Array<T> result;
     result.shape = shape_of(Handle(H5Aget_space(opened.get()), H5Sclose), path);
     result.values = room_for<T>(result.shape, path);
-    if (H5Aread(opened.get(), memory_type<T>(), result.values.data()) < 0) throw unreadable(path);
+    if (H5Aread(opened.get(), type_of<T>().memory, result.values.data()) < 0) throw unreadable(path);
     return result;
   }
 };
@@ -598,7 +605,7 @@ Array<T> Reader::array(const std::string& path) const {
   Array<T> result;
   result.shape = file_->shape_of(Handle(H5Dget_space(dataset.get()), H5Sclose), path);
   result.values = file_->room_for<T>(result.shape, path);
-  if (!result.values.empty() && H5Dread(dataset.get(), memory_type<T>(), H5S_ALL, H5S_ALL,
+  if (!result.values.empty() && H5Dread(dataset.get(), type_of<T>().memory, H5S_ALL, H5S_ALL,
                                         H5P_DEFAULT, result.values.data()) < 0)
     throw file_->unreadable(path);
   return result;
@@ -616,16 +623,12 @@ Array<T> Reader::array(const std::string& path, const Shape& expected) const {
 
 std::vector<std::string> Reader::strings(const std::string& path) const {
   const Handle dataset = file_->open_dataset(path);
-  const Handle type(H5Dget_type(dataset.get()), H5Tclose);
-  file_->check_string(type, path);
-  const Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  const std::size_t n = file_->count(file_->shape_of(space, path),
-                                     std::max<std::size_t>(H5Tget_size(type.get()), 1), path);
-  auto texts = read_strings(type.get(), space, n, [&](hid_t memory, void* into) {
-    return H5Dread(dataset.get(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, into) >= 0;
-  });
-  if (texts.size() != n) throw file_->unreadable(path);
-  return texts;
+  return file_->texts(Handle(H5Dget_type(dataset.get()), H5Tclose),
+                      Handle(H5Dget_space(dataset.get()), H5Sclose), path,
+                      [&](hid_t memory, void* into) {
+                        return H5Dread(dataset.get(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                                       into) >= 0;
+                      });
 }
 
 bool Reader::has_attribute(const std::string& object, const std::string& name) const {
@@ -635,16 +638,12 @@ bool Reader::has_attribute(const std::string& object, const std::string& name) c
 std::string Reader::text(const std::string& object, const std::string& name) const {
   const std::string path = attribute_path(object, name);
   const Handle attribute = file_->open_attribute(object, name);
-  const Handle type(H5Aget_type(attribute.get()), H5Tclose);
-  file_->check_string(type, path);
-  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
-  const std::size_t n = file_->count(file_->shape_of(space, path),
-                                     std::max<std::size_t>(H5Tget_size(type.get()), 1), path);
-  if (n != 1) throw file_->failed(path, fmt::format("holds {} texts, expected one", n));
-  const auto texts = read_strings(type.get(), space, n, [&](hid_t memory, void* into) {
-    return H5Aread(attribute.get(), memory, into) >= 0;
-  });
-  if (texts.size() != n) throw file_->unreadable(path);
+  const auto texts = file_->texts(
+      Handle(H5Aget_type(attribute.get()), H5Tclose),
+      Handle(H5Aget_space(attribute.get()), H5Sclose), path,
+      [&](hid_t memory, void* into) { return H5Aread(attribute.get(), memory, into) >= 0; });
+  if (texts.size() != 1)
+    throw file_->failed(path, fmt::format("holds {} texts, expected one", texts.size()));
   return texts.front();
 }
 

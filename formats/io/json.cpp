@@ -1,8 +1,10 @@
 #include "formats/io/json.h"
 
 #include <algorithm>
-#include <unordered_set>
-#include <vector>
+#include <cstdint>
+
+#include "formats/io/node_builder.h"
+#include "formats/io/number.h"
 
 template class nlohmann::basic_json<nlohmann::ordered_map>;
 
@@ -19,16 +21,6 @@ std::string parser_reason(const std::string& message) {
   std::replace(reason.begin(), reason.end(), '\n', ' ');
   if (reason.size() > most) reason = reason.substr(0, most) + "...";
   return reason;
-}
-
-Error malformed(const JsonPiece& piece, std::size_t byte, const std::string& message,
-                const std::string& where) {
-  const std::string_view before = piece.text.substr(0, byte == 0 ? 0 : byte - 1);
-  const auto lines = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'));
-  const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
-  return refusal("", "malformed JSON at column {}: {}", before.size() - line_start + 1,
-                 parser_reason(message))
-      .at(with_place(where, fmt::format("line {}", piece.line + lines)));
 }
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
@@ -48,11 +40,11 @@ std::string compact(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string shown(const Json& value) {
+std::string shown(std::string_view text) {
   constexpr std::size_t most = 40;
-  std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
-  if (text.size() > most) text = text.substr(0, most) + "...";
-  return text;
+  std::string all = Json(text).dump(-1, ' ', true, Json::error_handler_t::replace);
+  if (all.size() > most) all = all.substr(0, most) + "...";
+  return all;
 }
 
 std::string shown(char letter) {
@@ -60,26 +52,19 @@ std::string shown(char letter) {
   return fmt::format("0x{:02X}", static_cast<unsigned char>(letter));
 }
 
-std::string with_place(const std::string& where, const std::string& what) {
-  return where.empty() ? what : fmt::format("{}: {}", where, what);
-}
-
-Error Refusal::at(const std::string& where) const {
-  return {Failure::data, with_place(where, with_place(path, message))};
-}
-
 // ---- JsonPieces ---------------------------------------------------------------
 
 std::optional<JsonPiece> JsonPieces::next() {
   skip_blanks();
   if (at_ == text_.size()) return std::nullopt;
+  JsonPiece piece{{}, line_, static_cast<int>(at_ - line_start_) + 1};
   if (text_[at_] != '{' && text_[at_] != '[')
-    throw refusal("", "expected a JSON object, which begins with '{{', found {}", shown(text_[at_]))
-        .at(with_place(where_, fmt::format("line {}", line_)));
+    throw error(Failure::data, "{}:{}:{}: a JSON object is expected, which begins with '{{', found {}",
+                file_, piece.line, piece.column, shown(text_[at_]));
   const std::size_t begin = at_;
-  const std::size_t line = line_;
   skip_value();
-  return JsonPiece{text_.substr(begin, at_ - begin), line};
+  piece.text = text_.substr(begin, at_ - begin);
+  return piece;
 }
 
 bool JsonPieces::done() {
@@ -89,7 +74,10 @@ bool JsonPieces::done() {
 
 void JsonPieces::skip_blanks() {
   for (; at_ < text_.size() && is_blank(text_[at_]); ++at_)
-    if (text_[at_] == '\n') ++line_;
+    if (text_[at_] == '\n') {
+      ++line_;
+      line_start_ = at_ + 1;
+    }
 }
 
 void JsonPieces::skip_value() {
@@ -97,16 +85,17 @@ void JsonPieces::skip_value() {
   bool in_text = false;
   for (; at_ < text_.size(); ++at_) {
     const char c = text_[at_];
-    if (c == '\n') ++line_;
+    if (c == '\n') {
+      ++line_;
+      line_start_ = at_ + 1;
+    }
     if (in_text) {
       if (c == '\\') ++at_;
       if (c == '"') in_text = false;
       continue;
     }
     if (c == '"') in_text = true;
-    if ((c == '{' || c == '[') && ++depth > deepest_json)
-      throw refusal("", "nested deeper than {} levels", deepest_json)
-          .at(with_place(where_, fmt::format("line {}", line_)));
+    if (c == '{' || c == '[') ++depth;
     if ((c == '}' || c == ']') && --depth == 0) {
       ++at_;
       return;
@@ -117,38 +106,151 @@ void JsonPieces::skip_value() {
 
 // ---- parsing ------------------------------------------------------------------
 
-Json parse_json(const JsonPiece& piece, const std::string& where) {
-  // The library keeps the last of several values of one key, and looks every new key up among
-  // all before it.
-  constexpr std::size_t most_keys = 40'000;
-  std::vector<std::unordered_set<std::string>> open;  // keys of the objects around
-  const auto check = [&](int /*depth*/, Json::parse_event_t event, const Json& parsed) {
-    if (event == Json::parse_event_t::object_start) open.emplace_back();
-    if (event == Json::parse_event_t::object_end) open.pop_back();
-    if (event != Json::parse_event_t::key) return true;
-    if (!open.back().insert(parsed.get_ref<const std::string&>()).second)
-      throw refusal("", "the key {} is given twice in one object", shown(parsed));
-    if (open.back().size() > most_keys)
-      throw refusal("", "an object with more than {} keys", most_keys);
+namespace {
+
+// The library's events do not say where: the place follows the tokens along.
+class JsonEvents : public nlohmann::json_sax<Json> {
+ public:
+  JsonEvents(const JsonPiece& piece, const std::string& file)
+      : builder(file, true), piece_(piece), file_(file) {}
+
+  NodeBuilder builder;
+
+  bool null() override {
+    builder.null(next());
     return true;
-  };
-  try {
-    return Json::parse(piece.text, check);
-  } catch (const Json::parse_error& failure) {
-    throw malformed(piece, failure.byte, failure.what(), where);
-  } catch (const Json::exception& failure) {  // a number too large
-    throw malformed(piece, 0, failure.what(), where);
-  } catch (const Refusal& refused) {
-    throw refused.at(with_place(where, fmt::format("line {}", piece.line)));
   }
+  bool boolean(bool) override { return plain(); }
+  bool number_integer(std::int64_t) override { return plain(); }
+  bool number_unsigned(std::uint64_t) override { return plain(); }
+  bool number_float(double, const std::string&) override { return plain(); }
+  bool string(std::string& text) override {
+    builder.scalar(next(), std::move(text), false);
+    return true;
+  }
+  bool binary(Json::binary_t&) override { return false; }  // JSON has none
+  bool start_object(std::size_t) override { return open(Node::Kind::mapping); }
+  bool key(std::string& name) override { return string(name); }
+  bool end_object() override { return close(); }
+  bool start_array(std::size_t) override { return open(Node::Kind::sequence); }
+  bool end_array() override { return close(); }
+
+  bool parse_error(std::size_t position, const std::string&,
+                   const Json::exception& failure) override {
+    pass(std::max<std::size_t>(position, 1) - 1);
+    const auto [line, column] = place();
+    throw error(Failure::data, "{}:{}:{}: not valid JSON: {}", file_, line, column,
+                parser_reason(failure.what()));
+  }
+
+ private:
+  bool plain() {
+    const NodeBuilder::Place place = next();
+    builder.scalar(place, std::string(token_), true);
+    return true;
+  }
+  bool open(Node::Kind kind) {
+    builder.open(kind, next());
+    return true;
+  }
+  bool close() {
+    next();
+    builder.close();
+    return true;
+  }
+
+  NodeBuilder::Place place() const {
+    const int before = line_ == piece_.line ? piece_.column - 1 : 0;
+    return {line_, static_cast<int>(at_ - line_start_) + 1 + before};
+  }
+
+  // To a later place in the text.
+  void pass(std::size_t to) {
+    for (; at_ < std::min(to, piece_.text.size()); ++at_)
+      if (piece_.text[at_] == '\n') {
+        ++line_;
+        line_start_ = at_ + 1;
+      }
+  }
+
+  // Over the next token.
+  NodeBuilder::Place next() {
+    const std::string_view text = piece_.text;
+    pass(text.find_first_not_of(" \t\r\n,:", at_));
+    const NodeBuilder::Place here = place();
+    const std::size_t begin = at_++;
+    if (text[begin] == '"') {
+      while (text[at_] != '"') at_ += text[at_] == '\\' ? 2 : 1;
+      ++at_;
+    } else if (std::string_view("{}[]").find(text[begin]) == std::string_view::npos) {
+      at_ = std::min(text.find_first_of(" \t\r\n,:]}", at_), text.size());
+    }
+    token_ = text.substr(begin, at_ - begin);
+    return here;
+  }
+
+  const JsonPiece& piece_;
+  const std::string& file_;
+  std::string_view token_;
+  std::size_t at_ = 0;
+  std::size_t line_start_ = 0;
+  int line_ = piece_.line;
+};
+
+// A plain scalar by YAML's core schema.
+Json plain_value(const std::string& text) {
+  if (text.empty() || text == "~" || text == "null" || text == "Null" || text == "NULL") return {};
+  if (text == "true" || text == "True" || text == "TRUE") return true;
+  if (text == "false" || text == "False" || text == "FALSE") return false;
+  if (const auto value = number_in<std::uint64_t>(text)) return *value;
+  if (const auto value = number_in<std::int64_t>(text)) return *value;
+  if (const auto value = finite_number(text)) return *value;
+  return text;
 }
 
-Json parse_json(std::string_view text, const std::string& where) {
-  JsonPieces pieces(text, where);
+// `as_text`: whatever plain scalars of YAML look like.
+Json convert(const Node& node, std::size_t& values, bool as_text,
+             const std::vector<std::string>& text_keys) {
+  if (++values > most_values) throw node.error("aliases repeat too much");
+  if (node.is_null()) return {};
+  if (node.is_scalar())
+    return node.is_plain() && !(as_text && node.is_text()) ? plain_value(node.text())
+                                                           : Json(node.text());
+  if (node.is_sequence()) {
+    Json list = Json::array();
+    for (const Node& item : node.items()) list.push_back(convert(item, values, as_text, {}));
+    return list;
+  }
+  Json object = Json::object();
+  for (const auto& [key, value] : node.entries())
+    object[key.text()] =
+        convert(value, values, std::ranges::find(text_keys, key.text()) != text_keys.end(), {});
+  return object;
+}
+
+}  // namespace
+
+Node JsonPiece::parse(const std::string& file) const {
+  JsonEvents events(*this, file);
+  Json::sax_parse(text, &events);
+  return *events.builder.take();
+}
+
+Node Node::json(std::string_view text, const std::string& file) {
+  JsonPieces pieces(text, file);
   const auto piece = pieces.next();
-  if (!piece) throw Refusal{"", "is empty, expected JSON"}.at(where);
-  if (!pieces.done()) throw Refusal{"", "more than one JSON value"}.at(where);
-  return parse_json(*piece, where);
+  if (!piece) throw evo::error(Failure::data, "{}: is empty, JSON is expected", file);
+  if (!pieces.done()) throw evo::error(Failure::data, "{}: more than one JSON value", file);
+  return piece->parse(file);
+}
+
+Json to_json(const Node& node, const std::vector<std::string>& text_keys) {
+  std::size_t values = 0;
+  return convert(node, values, false, text_keys);
+}
+
+Node to_node(const Json& value, const std::string& where) {
+  return Node::json(compact(value), where);
 }
 
 }  // namespace evo

@@ -1,6 +1,5 @@
-// JSON text read with care: errors carry line, column and path; a key given
-// twice is an error; so is nesting so deep that walking over it would exhaust
-// the stack. And the errors of documents made of JSON.
+// JSON: the value that documents are written from, and the reading of JSON text, which fills a
+// Node.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +8,9 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
-#include "libevo/base/error.h"
+#include "formats/io/node.h"
 
 // Instantiated once, in json.cpp.
 extern template class nlohmann::basic_json<nlohmann::ordered_map>;
@@ -20,32 +20,38 @@ namespace evo {
 // Key order is kept, so that what passes through a tool stays recognisable.
 using Json = nlohmann::ordered_json;
 
-inline constexpr int deepest_json = 100;  // levels of arrays and objects
-
-// The one value in `text`; `where` begins every message. Throws Error(data).
-Json parse_json(std::string_view text, const std::string& where);
-
 // On one line, without blanks; what is not UTF-8 is replaced.
 std::string compact(const Json& value);
 
 bool is_utf8(const std::string& text);
 
-// A value, or a letter, as a message shows it: short and on one line.
-std::string shown(const Json& value);
+// A text, or a letter, as a message shows it: short and on one line.
+std::string shown(std::string_view text);
 std::string shown(char letter);
+
+// What a document holds. Plain scalars have the types of YAML's core schema, without hexadecimal
+// and octal numbers; what is quoted is text, and so are the items of the keys `text_keys` at the
+// outer level, quoted or not (an id may look like a number). Throws Error(data) for aliases that
+// blow a small text up.
+Json to_json(const Node& node, const std::vector<std::string>& text_keys = {});
+// A value as a document to be read; `where` begins every message.
+Node to_node(const Json& value, const std::string& where);
 
 // ---- texts of several values ------------------------------------------------
 
 struct JsonPiece {
   std::string_view text;  // one value
-  std::size_t line = 1;   // where it begins
+  int line = 1;           // where it begins
+  int column = 1;
+
+  Node parse(const std::string& file) const;
 };
 
 // Splits a text of objects and arrays that follow each other, one per line or
 // not, by their brackets. What stands inside is left to the parser.
 class JsonPieces {
  public:
-  JsonPieces(std::string_view text, std::string where) : text_(text), where_(std::move(where)) {}
+  JsonPieces(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
 
   // The next one, or nothing at the end. Throws Error(data).
   std::optional<JsonPiece> next();
@@ -57,30 +63,10 @@ class JsonPieces {
   void skip_value();
 
   std::string_view text_;
-  std::string where_;
+  std::string file_;
   std::size_t at_ = 0;
-  std::size_t line_ = 1;
+  std::size_t line_start_ = 0;
+  int line_ = 1;
 };
-
-Json parse_json(const JsonPiece& piece, const std::string& where);
-
-// ---- refused documents ------------------------------------------------------
-
-// Why a document is refused and the JSON path of the reason; becomes an Error
-// where the file and the line are known.
-struct Refusal {
-  std::string path;  // "/body/1", or empty for the whole
-  std::string message;
-
-  Error at(const std::string& where) const;
-};
-
-template <typename... Args>
-Refusal refusal(std::string path, fmt::format_string<Args...> format, Args&&... args) {
-  return {std::move(path), fmt::format(format, std::forward<Args>(args)...)};
-}
-
-// "<where>: <what>", or `what` alone.
-std::string with_place(const std::string& where, const std::string& what);
 
 }  // namespace evo

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -17,6 +18,12 @@ std::optional<Number> number_in(std::string_view text) {
   const char* const end = text.data() + text.size();
   const auto [stopped, status] = std::from_chars(text.data(), end, value);
   return status == std::errc() && stopped == end ? std::optional(value) : std::nullopt;
+}
+
+// A finite one.
+inline std::optional<double> finite_number(std::string_view text) {
+  const auto value = number_in<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 }  // namespace evo

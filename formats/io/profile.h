@@ -12,7 +12,7 @@
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/settings.h"
-#include "formats/io/yaml.h"
+#include "formats/io/node.h"
 
 namespace evo {
 
@@ -34,13 +34,13 @@ Settings load_profile(const ProfileKind<Settings>& kind, const std::string& name
 
 // The profile in a mapping. A base that is a file is looked for in `folder`.
 template <typename Settings>
-Settings read_profile(const ProfileKind<Settings>& kind, const YamlNode& node,
+Settings read_profile(const ProfileKind<Settings>& kind, const Node& node,
                       const std::filesystem::path& folder, const DataFolders& folders,
                       int depth = 0) {
   constexpr int longest_chain = 16;  // of profiles that start from one another
   std::vector<std::string> allowed{"format", "version", "name", "description", "base"};
   for (std::string& key : kind.table.outer_keys()) allowed.push_back(std::move(key));
-  const YamlMapping profile(node, kind.what, allowed);
+  const Mapping profile(node, kind.what, allowed);
   check_format(profile.node(), kind.format);
 
   const auto base = profile.find("base");
@@ -66,7 +66,7 @@ template <typename Settings>
 Settings load_profile(const ProfileKind<Settings>& kind, const std::string& name_or_file,
                       const std::filesystem::path& folder, const DataFolders& folders, int depth) {
   const auto load_file = [&](const std::filesystem::path& path, const DataFolders& bases) {
-    return read_profile(kind, YamlNode::parse(read_file(path, largest_document), path.string()),
+    return read_profile(kind, Node::yaml(read_file(path, largest_document), path.string()),
                         path.parent_path(), bases, depth);
   };
   const bool is_root = name_or_file == kind.root;

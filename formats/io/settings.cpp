@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "formats/io/number.h"
 #include "formats/io/values.h"
 
 namespace evo {
@@ -35,9 +36,9 @@ std::string expected_number(const char* noun, const Range& range) {
 
 std::optional<double> parse_real(std::string_view text) {
   const std::size_t slash = text.find('/');
-  if (slash == std::string_view::npos) return parse_number(text);
-  const auto over = parse_number(trimmed(text.substr(0, slash)));
-  const auto under = parse_number(trimmed(text.substr(slash + 1)));
+  if (slash == std::string_view::npos) return finite_number(text);
+  const auto over = finite_number(trimmed(text.substr(0, slash)));
+  const auto under = finite_number(trimmed(text.substr(slash + 1)));
   if (!over || !under || !std::isfinite(*over / *under)) return std::nullopt;
   return *over / *under;
 }
@@ -72,11 +73,11 @@ std::pair<std::string, std::string> split_assignment(std::string_view assignment
   return {std::string(assignment.substr(0, equals)), std::string(assignment.substr(equals + 1))};
 }
 
-std::optional<std::string> flat_text(const YamlNode& node) {
+std::optional<std::string> flat_text(const Node& node) {
   if (node.is_scalar()) return node.string();
   if (!node.is_sequence()) return std::nullopt;
   std::vector<std::string> items;
-  for (const YamlNode& item : node.items()) items.push_back(item.string());
+  for (const Node& item : node.items()) items.push_back(item.string());
   return fmt::format("[{}]", fmt::join(items, ", "));
 }
 
@@ -87,7 +88,7 @@ std::vector<std::string> outer_keys(const std::vector<std::string>& keys) {
   return outer;
 }
 
-std::optional<YamlNode> find(const YamlMapping& mapping, const std::string& key,
+std::optional<Node> find(const Mapping& mapping, const std::string& key,
                              const std::vector<std::string>& keys) {
   const std::string group = before_dot(key);
   const auto node = mapping.find(group);
@@ -95,7 +96,7 @@ std::optional<YamlNode> find(const YamlMapping& mapping, const std::string& key,
   std::vector<std::string> parts;
   for (const std::string& one : keys)
     if (one.starts_with(group + ".")) parts.push_back(one.substr(group.size() + 1));
-  return YamlMapping(*node, group, parts).find(key.substr(group.size() + 1));
+  return Mapping(*node, group, parts).find(key.substr(group.size() + 1));
 }
 
 std::string to_yaml(const std::vector<SettingRow>& rows, const std::string& indent) {

@@ -24,7 +24,7 @@
 
 #include "formats/io/format.h"
 #include "formats/io/json.h"
-#include "formats/io/yaml.h"
+#include "formats/io/node.h"
 #include "libevo/base/error.h"
 #include "libevo/base/words.h"
 
@@ -160,11 +160,11 @@ std::string meant(std::string_view text) {
 std::pair<std::string, std::string> split_assignment(std::string_view assignment,
                                                      const std::string& example);
 // A scalar as written, a list as "1,2,3"; nothing for what is neither.
-std::optional<std::string> flat_text(const YamlNode& node);
+std::optional<std::string> flat_text(const Node& node);
 // The keys that may stand in a mapping: of those with a dot what is before it.
 std::vector<std::string> outer_keys(const std::vector<std::string>& keys);
 // The value at a key, which may have a dot.
-std::optional<YamlNode> find(const YamlMapping& mapping, const std::string& key,
+std::optional<Node> find(const Mapping& mapping, const std::string& key,
                              const std::vector<std::string>& keys);
 // Lines "key: value  # unit; meaning", those of one mapping together.
 std::string to_yaml(const std::vector<SettingRow>& rows, const std::string& indent);
@@ -235,7 +235,7 @@ class SettingTable {
   std::vector<std::string> outer_keys() const { return setting::outer_keys(keys_); }
 
   // Takes over what the mapping gives. Throws Error(data).
-  void read(Settings& settings, const YamlMapping& mapping) const {
+  void read(Settings& settings, const Mapping& mapping) const {
     for (const Setting<Settings>& one : settings_) {
       const auto node = setting::find(mapping, one.key, keys_);
       if (!node) continue;

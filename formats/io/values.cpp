@@ -46,6 +46,15 @@ std::string bounds(std::string_view text, Whole low, Whole high) {
   return has_high || is_number ? fmt::format(" up to {}", high) : "";
 }
 
+// Numbers between commas, at least one.
+std::vector<std::string> pieces_of(const std::string& text, const std::string& option) {
+  if (text.empty()) throw error(Failure::usage, "{}: '{}' holds no numbers", option, text);
+  const std::string list = "," + text + ",";
+  if (list.find(",,") != std::string::npos)
+    throw error(Failure::usage, "{}: '{}' has a comma without a number", option, text);
+  return split_list(text);
+}
+
 }  // namespace
 
 std::optional<std::int64_t> whole_number(std::string_view text) {
@@ -85,17 +94,16 @@ double parse_number(const std::string& text, const std::string& option) {
 
 std::vector<double> parse_numbers(const std::string& text, const std::string& option) {
   std::vector<double> numbers;
-  for (const std::string& piece : split_list(text)) numbers.push_back(parse_number(piece, option));
-  if (numbers.empty()) throw error(Failure::usage, "{}: '{}' holds no numbers", option, text);
+  for (const std::string& piece : pieces_of(text, option))
+    numbers.push_back(parse_number(piece, option));
   return numbers;
 }
 
 std::vector<int> parse_wholes(const std::string& text, const std::string& option, int low,
                               int high) {
   std::vector<int> numbers;
-  for (const std::string& piece : split_list(text))
+  for (const std::string& piece : pieces_of(text, option))
     numbers.push_back(static_cast<int>(parse_whole(piece, option, low, high)));
-  if (numbers.empty()) throw error(Failure::usage, "{}: '{}' holds no numbers", option, text);
   return numbers;
 }
 

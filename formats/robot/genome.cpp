@@ -1,6 +1,5 @@
 #include "formats/robot/genome.h"
 
-#include "formats/io/json_object.h"
 #include "libevo/base/words.h"
 #include "libevo/evolve/cppn.h"
 
@@ -10,25 +9,16 @@ namespace {
 constexpr const char* genome_kind = "cppn";
 constexpr int largest_key = 1 << 30;  // leaves room to count on
 
-template <Worded Function>
-Function function_of(const JsonObject& node, const char* field) {
-  const std::string& text = node.text(field);
-  if (const auto found = from_word<Function>(text)) return *found;
-  const std::vector<std::string> known = words_of<Function>();
-  throw refusal(node.path_of(field), "unknown {} {}{}; allowed: {}", field, shown(Json(text)),
-                did_you_mean(text, known), fmt::join(known, ", "));
+NodeGene node_gene(const Node& node) {
+  return {node.at("key").integer(0, largest_key), node.at("bias").number(),
+          node.at("response").number(), node.at("activation").choice<Activation>("activation"),
+          node.at("aggregation").choice<Aggregation>("aggregation")};
 }
 
-NodeGene node_from_json(const JsonObject& node) {
-  return {node.integer("key", 0, largest_key), node.number("bias"), node.number("response"),
-          function_of<Activation>(node, "activation"),
-          function_of<Aggregation>(node, "aggregation")};
-}
-
-ConnectionGene connection_from_json(const JsonObject& connection) {
-  return {connection.integer("in", -cppn_inputs, largest_key),
-          connection.integer("out", 0, largest_key), connection.number("weight"),
-          connection.boolean("enabled")};
+ConnectionGene connection_gene(const Node& connection) {
+  return {connection.at("in").integer(-cppn_inputs, largest_key),
+          connection.at("out").integer(0, largest_key), connection.at("weight").number(),
+          connection.at("enabled").boolean()};
 }
 
 }  // namespace
@@ -51,43 +41,30 @@ Json genome_to_json(const Genome& genome) {
   return document;
 }
 
-Genome genome_from_json(const Json& document, const std::string& path) {
-  const JsonObject object(document, path);
-  if (object.text("kind") != genome_kind)
-    throw refusal(object.path_of("kind"), "unknown kind of genome {}; allowed: {}",
-                  shown(object.at("kind")), genome_kind);
+Genome read_genome(const Node& document) {
+  document.at("kind").choice("kind of genome", {genome_kind});
   Genome genome;
-  genome.key = object.integer("key", 0, largest_key);
-
-  const Json& nodes = object.array("nodes");
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const JsonObject item(nodes[i], fmt::format("{}/nodes/{}", path, i));
-    const NodeGene node = node_from_json(item);
+  genome.key = document.at("key").integer(0, largest_key);
+  for (const Node& item : document.at("nodes").items()) {
+    const NodeGene node = node_gene(item);
     if (find(genome, node.key) != nullptr)
-      throw refusal(item.path_of("key"), "node {} is there twice", node.key);
+      throw item.error(fmt::format("node {} is there twice", node.key));
     insert(genome, node);
   }
-  const Json& connections = object.array("connections");
-  for (std::size_t i = 0; i < connections.size(); ++i) {
-    const JsonObject item(connections[i], fmt::format("{}/connections/{}", path, i));
-    const ConnectionGene gene = connection_from_json(item);
+  for (const Node& item : document.at("connections").items()) {
+    const ConnectionGene gene = connection_gene(item);
     if (find(genome, gene.in, gene.out) != nullptr)
-      throw refusal(item.path(), "connection {} -> {} is there twice", gene.in, gene.out);
+      throw item.error(fmt::format("connection {} -> {} is there twice", gene.in, gene.out));
     insert(genome, gene);
   }
-  if (const auto found = defect(genome, cppn_inputs, cppn_outputs))
-    throw refusal(path, "{}", *found);
+  if (const auto found = defect(genome, cppn_inputs, cppn_outputs)) throw document.error(*found);
   return genome;
 }
 
 std::optional<Genome> genome_of(const Robot& robot, const std::string& where) {
   const auto found = robot.document.find("genome");
   if (found == robot.document.end() || found->is_null()) return {};
-  try {
-    return genome_from_json(*found, "/genome");
-  } catch (const Refusal& refused) {
-    throw refused.at(where);
-  }
+  return read_genome(to_node(*found, where + ": /genome"));
 }
 
 }  // namespace evo

@@ -12,11 +12,10 @@ namespace evo {
 
 Json genome_to_json(const Genome& genome);
 
-// `path` is where the genome stands in its document. Genes in any order; unknown
-// fields are accepted. Throws Refusal with the JSON path for anything that is
-// missing, of the wrong type, there twice, or no feed-forward network with the
-// inputs and outputs of a robot's.
-Genome genome_from_json(const Json& genome, const std::string& path);
+// Genes in any order; unknown fields are accepted. Throws Error(data) for anything that is
+// missing, of the wrong type, there twice, or no feed-forward network with the inputs and
+// outputs of a robot's.
+Genome read_genome(const Node& genome);
 
 // The genome of a robot, or nothing if it has none. `where` begins the message
 // of the Error(data).

@@ -6,14 +6,14 @@
 #include <filesystem>
 #include <utility>
 
-#include "formats/foreign/evogym.h"
-#include "formats/foreign/learners.h"
-#include "formats/foreign/npz.h"
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
+#include "formats/io/learners.h"
+#include "formats/io/node_builder.h"
+#include "formats/io/npz.h"
 #include "formats/io/number.h"
-#include "formats/io/yaml_json.h"
+#include "formats/robot/evogym.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -34,110 +34,108 @@ bool is_canonical(const std::string& name) {
 bool is_robot_voxel(std::optional<Voxel> voxel) { return voxel && voxel != Voxel::fixed; }
 
 // Why the voxel given as `found` is not one that a robot may have.
-Refusal bad_voxel(std::optional<Voxel> voxel, const std::string& found, std::size_t r,
-                  std::size_t c, const char* allowed) {
+Error bad_voxel(const Node& node, std::optional<Voxel> voxel, const std::string& found,
+                std::size_t r, std::size_t c, const char* allowed) {
   const bool fixed = voxel == Voxel::fixed;
-  return refusal(fmt::format("/body/{}", r), "{}{} at row {}, column {}{}; allowed {}",
-                 fixed ? "" : "unknown ", found, r + 1, c + 1,
-                 fixed ? " is a fixed cell, which only worlds have" : "", allowed);
+  return node.error(fmt::format("{}{} at row {}, column {}{}; allowed {}", fixed ? "" : "unknown ",
+                                found, r + 1, c + 1,
+                                fixed ? " is a fixed cell, which only worlds have" : "", allowed));
 }
 
-void append_row(const std::string& row, std::size_t r, std::vector<Voxel>& cells) {
+// A row as letters, or as digits without anything between them.
+void append_row(const Node& node, const std::string& row, std::size_t r,
+                std::vector<Voxel>& cells) {
+  const bool digits = row.find_first_not_of("01234") == std::string::npos;
   for (std::size_t c = 0; c < row.size(); ++c) {
-    const auto voxel = voxel_from_letter(row[c]);
+    const auto voxel =
+        digits ? std::optional(static_cast<Voxel>(row[c] - '0')) : voxel_from_letter(row[c]);
     if (!is_robot_voxel(voxel))
-      throw bad_voxel(voxel, "letter " + shown(row[c]), r, c, ". R S H V");
+      throw bad_voxel(node, voxel, "letter " + shown(row[c]), r, c, ". R S H V");
     cells.push_back(*voxel);
   }
 }
 
 // Numbers may be real, as NumPy writes its matrices: 3.0.
-void append_row(const Json& row, std::size_t r, std::vector<Voxel>& cells) {
+void append_row(const std::vector<Node>& row, std::size_t r, std::vector<Voxel>& cells) {
   for (std::size_t c = 0; c < row.size(); ++c) {
-    const double number = row[c].is_number() ? row[c].get<double>() : -1.0;
+    const double number = row[c].is_plain() ? finite_number(row[c].text()).value_or(-1.0) : -1.0;
     std::optional<Voxel> voxel;
     if (number >= 0.0 && number <= static_cast<double>(Voxel::fixed) &&
         number == std::floor(number))
       voxel = static_cast<Voxel>(static_cast<int>(number));
-    if (!is_robot_voxel(voxel)) throw bad_voxel(voxel, "value " + shown(row[c]), r, c, "0 1 2 3 4");
+    if (!is_robot_voxel(voxel))
+      throw bad_voxel(row[c], voxel, "value " + row[c].found(), r, c, "0 1 2 3 4");
     cells.push_back(*voxel);
   }
 }
 
-// A picture in one text, a line per row.
-Json split_lines(const std::string& text) {
-  Json rows = Json::array();
+// The rows of a picture in one text, between line breaks or slashes.
+std::vector<std::string> split_rows(std::string_view text) {
+  std::vector<std::string> rows;
   for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    rows.push_back(text.substr(begin, end - begin));
+    const std::size_t end = std::min(text.find_first_of("\n/", begin), text.size());
+    rows.emplace_back(text.substr(begin, end - begin));
     begin = end + 1;
   }
   return rows;
 }
 
-Body body_from_json(const Json& value) {
-  if (value.is_string()) return body_from_json(split_lines(value.get<std::string>()));
-  if (!value.is_array() || value.empty())
-    throw refusal("/body", "expected a list of rows, found {}", shown(value));
+Body read_body(const Node& value) {
+  // A row is a text, or a list of numbers.
+  std::vector<std::string> texts;
+  std::vector<Node> items;
+  if (value.is_scalar() && value.is_text())
+    texts = split_rows(value.text());
+  else if (value.is_sequence())
+    items = value.items();
+  const std::size_t rows = std::max(texts.size(), items.size());
+  if (rows == 0) throw value.error("a list of rows is expected, found " + value.found());
   std::vector<Voxel> cells;
   std::size_t width = 0;
-  for (std::size_t r = 0; r < value.size(); ++r) {
-    const Json& row = value[r];
-    const std::string path = fmt::format("/body/{}", r);
-    if (!row.is_string() && !row.is_array())
-      throw refusal(path, "expected a row of letters or a list of numbers, found {}", shown(row));
-    const std::size_t length =
-        row.is_string() ? row.get_ref<const std::string&>().size() : row.size();
+  for (std::size_t r = 0; r < rows; ++r) {
+    const Node& row = texts.empty() ? items[r] : value;
+    if (!row.is_text() && !row.is_sequence())
+      throw row.error("a row of letters or a list of numbers is expected, found " + row.found());
+    const std::string& text = texts.empty() ? row.text() : texts[r];
+    const std::size_t length = row.is_sequence() ? row.size() : text.size();
     if (r == 0) width = length;
-    if (width == 0) throw refusal(path, "a row without cells");
-    if (width > largest_side || value.size() > largest_side)
-      throw refusal("/body", "{} rows of {} cells; the largest robot is {}x{}", value.size(), width,
-                    largest_side, largest_side);
+    if (width == 0) throw row.error("a row without cells");
+    if (width > largest_side || rows > largest_side)
+      throw value.error(fmt::format("{} rows of {} cells; the largest robot is {}x{}", rows, width,
+                                    largest_side, largest_side));
     if (length != width)
-      throw refusal(path, "row {} has {} cells, but row 1 has {}", r + 1, length, width);
-    if (row.is_string())
-      append_row(row.get_ref<const std::string&>(), r, cells);
+      throw row.error(fmt::format("row {} has {} cells, but row 1 has {}", r + 1, length, width));
+    if (row.is_sequence())
+      append_row(row.items(), r, cells);
     else
-      append_row(row, r, cells);
+      append_row(row, text, r, cells);
   }
-  return {static_cast<int>(value.size()), static_cast<int>(width), std::move(cells)};
+  return {static_cast<int>(rows), static_cast<int>(width), std::move(cells)};
 }
 
 // ---- connections ------------------------------------------------------------
 
-int cell_from_json(const Json& value, const std::string& path, const Body& body) {
-  const auto last = static_cast<std::int64_t>(body.cells.size()) - 1;
-  const std::int64_t cell = value.is_number_integer() ? value.get<std::int64_t>() : -1;
-  if (cell < 0 || cell > last)
-    throw refusal(path, "expected the number of a cell, 0 to {}, found {}", last, shown(value));
-  return static_cast<int>(cell);
-}
-
-// Two lists of equal length, as the benchmark has its connections: [2, k]. Of two pairs
-// ([2, 2]) nobody can tell; those are pairs, as in our documents.
-bool is_two_lists(const Json& value) {
-  return value.size() == 2 && value[0].is_array() && value[1].is_array() &&
-         value[0].size() == value[1].size() && value[0].size() != 2;
-}
-
-Json as_pairs(const Json& value) {
-  Json pairs = Json::array();
-  for (std::size_t k = 0; k < value[0].size(); ++k) pairs.push_back({value[0][k], value[1][k]});
-  return pairs;
-}
-
-std::vector<Link> links_from_json(const Json& value, const Body& body) {
-  if (!value.is_array())
-    throw refusal("/connections", "expected a list of pairs of cells, found {}", shown(value));
-  if (is_two_lists(value)) return links_from_json(as_pairs(value), body);
+// Pairs, or two lists of equal length, as the benchmark has its connections: [2, k]. Of two
+// pairs ([2, 2]) nobody can tell; those are pairs, as in our documents.
+std::vector<Link> read_links(const Node& value, const Body& body) {
+  const int last = static_cast<int>(body.cells.size()) - 1;
   std::vector<Link> links;
-  for (std::size_t k = 0; k < value.size(); ++k) {
-    const std::string path = fmt::format("/connections/{}", k);
-    if (!value[k].is_array() || value[k].size() != 2)
-      throw refusal(path, "expected a pair of cells, found {}", shown(value[k]));
-    const int a = cell_from_json(value[k][0], path + "/0", body);
-    const int b = cell_from_json(value[k][1], path + "/1", body);
-    links.push_back({std::min(a, b), std::max(a, b)});
+  const auto add = [&](const Node& a, const Node& b) {
+    const auto [low, high] = std::minmax({a.integer(0, last), b.integer(0, last)});
+    links.push_back({low, high});
+  };
+  const std::vector<Node> items = value.items();
+  if (items.size() == 2 && items[0].is_sequence() && items[1].is_sequence() &&
+      items[0].size() == items[1].size() && items[0].size() != 2) {
+    const std::vector<Node> from = items[0].items();
+    const std::vector<Node> to = items[1].items();
+    for (std::size_t k = 0; k < from.size(); ++k) add(from[k], to[k]);
+  } else {
+    for (const Node& item : items) {
+      const std::vector<Node> pair = item.items();
+      if (pair.size() != 2) throw item.error("a pair of cells is expected");
+      add(pair[0], pair[1]);
+    }
   }
   std::sort(links.begin(), links.end());
   links.erase(std::unique(links.begin(), links.end()), links.end());
@@ -189,12 +187,12 @@ constexpr std::array<FieldType, 8> field_types{{
     {"policy", [](const Json& v) { return v.is_string(); }, "the path of a policy file"},
 }};
 
-void check_fields(const Json& document) {
+void check_fields(const Json& document, const Node& node) {
   for (const FieldType& field : field_types) {
     const auto found = document.find(field.name);
-    if (found != document.end() && !found->is_null() && !field.holds(*found))
-      throw refusal(fmt::format("/{}", field.name), "expected {}, found {}", field.expected,
-                    shown(*found));
+    if (found == document.end() || found->is_null() || field.holds(*found)) continue;
+    const Node value = node.at(field.name);
+    throw value.error(fmt::format("{} is expected, found {}", field.expected, value.found()));
   }
 }
 
@@ -206,32 +204,6 @@ void set_identity(Robot& robot) {
     robot.document.erase("connections");
   else
     robot.document["connections"] = links_to_json(robot.body.links);
-}
-
-Robot read_document(Json document, BodyCheck check) {
-  if (!document.is_object())
-    throw refusal("", "expected a robot document (an object), found {}", shown(document));
-  check_format(document, format::robot);
-  const auto body = document.find("body");
-  if (body == document.end()) throw refusal("/body", "is missing");
-  Robot robot;
-  robot.body = body_from_json(*body);
-  const auto links = document.find("connections");
-  if (links != document.end() && !links->is_null()) {
-    robot.body.links = links_from_json(*links, robot.body);
-    if (const auto wrong = link_defect(robot.body)) throw refusal("/connections", "{}", *wrong);
-  }
-  if (check == BodyCheck::robot)
-    if (const auto wrong = defect(robot.body, true)) throw refusal("/body", "{}", *wrong);
-  check_fields(document);
-  robot.id = identity(robot.body);
-  const auto id = document.find("id");
-  if (id != document.end() && !id->is_null() && *id != robot.id)
-    throw refusal("/id", "{} is not the id of this body, which is \"{}\"; correct or remove it",
-                  shown(*id), robot.id);
-  robot.document = std::move(document);
-  set_identity(robot);
-  return robot;
 }
 
 // The document with its fields in canonical order and complete.
@@ -254,61 +226,42 @@ constexpr std::size_t most_robots = 1'000'000;                 // of one input
 constexpr std::size_t longest_yaml = std::size_t{1} << 23;     // bytes
 constexpr std::size_t longest_drawing = std::size_t{1} << 26;  // bytes, of letters
 
-Error too_many(const std::string& where) {
-  return refusal("", "more than {} robots in one input", most_robots).at(where);
-}
-
-void check_count(const std::vector<Robot>& robots, const std::string& where) {
-  if (robots.size() > most_robots) throw too_many(where);
+void check_count(std::size_t robots, const std::string& where) {
+  if (robots > most_robots)
+    throw error(Failure::data, "{}: more than {} robots in one input", where, most_robots);
 }
 
 // A matrix as the benchmark's scripts have it: [[3, 3, 3], [4, 0, 4]].
-bool is_matrix(const Json& value) {
-  return value.is_array() && !value.empty() && value[0].is_array() && !value[0].empty() &&
-         value[0][0].is_number();
-}
-
-// The robot of a document or of a matrix, or the robots of a list.
-void add_robots(Json value, BodyCheck check, std::vector<Robot>& robots) {
-  if (is_matrix(value)) value = {{"body", std::move(value)}};
-  if (!value.is_array()) {
-    robots.push_back(read_document(std::move(value), check));
-    return;
-  }
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    try {
-      robots.push_back(read_document(std::move(value[i]), check));
-    } catch (const Refusal& refused) {
-      throw Refusal{fmt::format("/{}{}", i, refused.path), refused.message};
-    }
-  }
+bool is_matrix(const Node& value) {
+  if (!value.is_sequence() || value.size() == 0) return false;
+  const Node row = value.items().front();
+  if (!row.is_sequence() || row.size() == 0) return false;
+  const Node first = row.items().front();
+  return first.is_plain() && finite_number(first.text());
 }
 
 // A world of the benchmark's design tool.
-bool is_world(const Json& value) {
-  return value.is_object() && value.contains("grid_width") && value.contains("objects") &&
-         !value.contains("body");
+bool is_world(const Node& value) {
+  return value.find("grid_width") && value.find("objects") && !value.find("body");
+}
+
+// The robot of a document, a matrix or a world, or the robots of a list.
+void add_robots(const Node& value, const std::string& where, BodyCheck check,
+                std::vector<Robot>& robots) {
+  if (is_world(value))
+    robots.push_back(robot_from_evogym_world(read_evogym_world(value), where, check));
+  else if (value.is_sequence() && !is_matrix(value))
+    for (const Node& item : value.items()) robots.push_back(read_robot(item, check));
+  else
+    robots.push_back(read_robot(value, check));
+  check_count(robots.size(), where);
 }
 
 std::vector<Robot> parse_json_robots(std::string_view text, const std::string& where,
                                      BodyCheck check) {
   std::vector<Robot> robots;
   JsonPieces pieces(text, where);
-  while (const auto piece = pieces.next()) {
-    // A document that is the whole file needs no line.
-    const bool alone = robots.empty() && piece->line == 1 && pieces.done();
-    Json value = parse_json(*piece, where);
-    if (is_world(value)) {
-      robots.push_back(robot_from_evogym_world(evogym_world_from_json(value, where), where, check));
-      continue;
-    }
-    try {
-      add_robots(std::move(value), check, robots);
-    } catch (const Refusal& refused) {
-      throw refused.at(alone ? where : with_place(where, fmt::format("line {}", piece->line)));
-    }
-    check_count(robots, where);
-  }
+  while (const auto piece = pieces.next()) add_robots(piece->parse(where), where, check, robots);
   return robots;
 }
 
@@ -316,17 +269,11 @@ std::vector<Robot> parse_json_robots(std::string_view text, const std::string& w
 std::vector<Robot> parse_yaml_robots(std::string_view text, const std::string& where,
                                      BodyCheck check) {
   if (text.size() > longest_yaml)
-    throw refusal("", "longer than {} MiB of YAML; JSON Lines have no such bound",
-                  longest_yaml >> 20U)
-        .at(where);
+    throw error(Failure::data, "{}: longer than {} MiB of YAML; JSON Lines have no such bound",
+                where, longest_yaml >> 20U);
   std::vector<Robot> robots;
-  for (YamlDocument& document : parse_yaml_documents(text, where, {"id", "parents"})) {
-    try {
-      add_robots(std::move(document.value), check, robots);
-    } catch (const Refusal& refused) {
-      throw refused.at(with_place(where, fmt::format("line {}", document.line_of(refused.path))));
-    }
-  }
+  for (const Node& document : Node::yaml_documents(text, where))
+    if (!document.is_null()) add_robots(document, where, check, robots);
   return robots;
 }
 
@@ -335,63 +282,84 @@ std::string_view without_trailing_blanks(std::string_view line) {
   return line.substr(0, last == std::string_view::npos ? 0 : last + 1);
 }
 
-// A row of a drawing: letters, or numbers between blanks or commas, as numpy.savetxt
-// writes them.
-Json grid_row(std::string_view row) {
-  constexpr std::string_view between = " \t,";
-  const bool has_numbers = row.find_first_of("0123456789") != std::string_view::npos &&
-                           row.find_first_not_of("0123456789.+-eE \t,") == std::string_view::npos;
-  if (!has_numbers) return row;
-  Json numbers = Json::array();
+// ---- drawings -----------------------------------------------------------------
+
+// A row of letters or digits; or numbers between blanks or commas, as numpy.savetxt writes
+// them, and in brackets, as numpy prints them.
+void add_row(std::string_view row, NodeBuilder::Place place, NodeBuilder& builder) {
+  constexpr std::string_view between = " \t,[]";
+  constexpr std::string_view numbers = "0123456789.+-eE \t,[]";
+  if (row.find_first_of(". \t,[]") == std::string_view::npos ||
+      row.find_first_not_of(numbers) != std::string_view::npos ||
+      row.find_first_of("0123456789") == std::string_view::npos) {
+    builder.scalar(place, std::string(row), false);
+    return;
+  }
+  builder.open(Node::Kind::sequence, place);
   for (std::size_t begin = row.find_first_not_of(between); begin != std::string_view::npos;) {
     const std::size_t end = std::min(row.find_first_of(between, begin), row.size());
-    const std::string_view text = row.substr(begin, end - begin);
-    const auto number = number_in<double>(text);
-    numbers.push_back(number ? Json(*number) : Json(text));
+    builder.scalar({place.line, place.column + static_cast<int>(begin)},
+                   std::string(row.substr(begin, end - begin)), true);
     begin = row.find_first_not_of(between, end);
   }
-  return numbers;
+  builder.close();
 }
 
-std::vector<Robot> parse_grids(std::string_view text, const std::string& where, BodyCheck check) {
-  std::vector<Robot> robots;
-  Json rows = Json::array();
-  std::size_t first_line = 1;
-  const auto finish_grid = [&] {
-    if (rows.empty()) return;
-    try {
-      robots.push_back(read_document({{"body", rows}}, check));
-    } catch (const Refusal& refused) {
-      throw Refusal{"", refused.message}.at(
-          with_place(where, fmt::format("robot drawn from line {}", first_line)));
+// The rows of the first robot in `text`, which is then the rest, and `line` its number;
+// nothing at the end. Robots stand between empty lines.
+std::optional<Node> next_drawing(std::string_view& text, int& line, const std::string& where) {
+  NodeBuilder builder(where, false);
+  bool begun = false;
+  bool ended = false;
+  for (; !text.empty() && !ended; ++line) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view all = without_trailing_blanks(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    ended = all.ends_with("]]") || (begun && all.empty());
+    for (std::size_t at = 0; at < all.size();) {
+      const std::size_t slash = std::min(all.find('/', at), all.size());
+      if (!begun) builder.open(Node::Kind::sequence, {line, 1});
+      begun = true;
+      add_row(all.substr(at, slash - at), {line, static_cast<int>(at) + 1}, builder);
+      at = slash + 1;
     }
-    rows.clear();
-    check_count(robots, where);
-  };
-  std::size_t line = 1;
-  for (std::size_t begin = 0; begin < text.size(); ++line) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string_view row = without_trailing_blanks(text.substr(begin, end - begin));
-    begin = end + 1;
-    if (row.empty()) {
-      finish_grid();
-      continue;
-    }
-    if (rows.empty()) first_line = line;
-    rows.push_back(grid_row(row));
   }
-  finish_grid();
-  return robots;
+  if (!begun) return std::nullopt;
+  builder.close();
+  return builder.take();
 }
 
-// By the first line that is not blank: YAML has a colon, a dash, a directive or
-// a comment there, which no row of letters has.
-bool looks_like_yaml(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t\r\n");
-  const std::string_view line =
-      without_trailing_blanks(text.substr(begin, text.find('\n', begin) - begin));
+std::vector<Robot> parse_drawings(std::string_view text, const std::string& where,
+                                  BodyCheck check) {
+  std::vector<Robot> robots;
+  for (int line = 1;;) {
+    const auto rows = next_drawing(text, line, where);
+    if (!rows) return robots;
+    robots.push_back(read_robot(*rows, check));
+    check_count(robots.size(), where);
+  }
+}
+
+// A matrix as numpy prints it: no comma, no quotes.
+bool looks_printed(std::string_view text) {
+  return text.starts_with("[[") && text.find_first_of("0123456789") != text.npos &&
+         text.find_first_not_of("0123456789.[] \t\r\n") == text.npos;
+}
+
+// ---- the forms of text ----------------------------------------------------------
+
+enum class Form { json, yaml, drawing };
+
+// By what the text begins with, which is no blank: YAML has a colon, a dash, a directive or a
+// comment in its first line, which no row of letters has.
+Form form_of(std::string_view text) {
+  if (looks_printed(text)) return Form::drawing;
+  if (text.front() == '{' || text.front() == '[') return Form::json;
+  const std::string_view line = without_trailing_blanks(text.substr(0, text.find('\n')));
   const bool comment = line.front() == '#' && line.find_first_not_of(".RSHV#") != line.npos;
-  return comment || line.front() == '-' || line.front() == '%' || line.find(':') != line.npos;
+  const bool yaml = comment || line.front() == '-' || line.front() == '%' ||
+                    line.find(':') != line.npos;
+  return yaml ? Form::yaml : Form::drawing;
 }
 
 std::string_view without_byte_order_mark(std::string_view text) {
@@ -399,22 +367,9 @@ std::string_view without_byte_order_mark(std::string_view text) {
   return text.starts_with(mark) ? text.substr(mark.size()) : text;
 }
 
-// Of a drawing, the rows of the first robot, the last one perhaps cut short.
-void glance_at_grid(std::string_view beginning, const std::string& where) {
-  Json rows = Json::array();
-  while (!beginning.empty()) {
-    const std::size_t end = std::min(beginning.find('\n'), beginning.size());
-    const std::string_view row = without_trailing_blanks(beginning.substr(0, end));
-    const bool cut = end == beginning.size();
-    beginning.remove_prefix(std::min(end + 1, beginning.size()));
-    if (row.empty() || (cut && !rows.empty())) break;
-    rows.push_back(grid_row(row));
-  }
-  try {
-    (void)body_from_json(rows);
-  } catch (const Refusal& refused) {
-    throw Refusal{"", refused.message}.at(with_place(where, "line 1"));
-  }
+std::string_view without_blanks_before(std::string_view text) {
+  text = without_byte_order_mark(text);
+  return text.substr(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
 }
 
 bool is_id(std::string_view word) {
@@ -438,8 +393,10 @@ std::vector<Robot> robots_of(const hdf5::Reader& file, const std::string& input,
   return robots;
 }
 
-Error too_large(const std::string& where) {
-  return refusal("", "a JSON value of more than {} MiB", largest_value >> 20U).at(where);
+void check_size(std::size_t bytes, const std::string& where) {
+  if (bytes >= largest_value)
+    throw error(Failure::data, "{}: a JSON value of more than {} MiB", where,
+                largest_value >> 20U);
 }
 
 // Of JSON, whether the first value ends within a bound and is a robot, and whether there
@@ -448,37 +405,47 @@ std::size_t glance_at_json(std::string_view beginning, const std::string& where)
   JsonPieces pieces(beginning, where);
   const auto first = pieces.next();
   if (!first || pieces.done()) {  // not ended yet
-    if (beginning.size() >= largest_value) throw too_large(where);
+    check_size(beginning.size(), where);
     return largest_value;
   }
   (void)parse_json_robots(first->text, where, BodyCheck::any);
   if (beginning.size() < largest_value) return largest_value;
   std::size_t robots = 1;
   while (const auto piece = pieces.next()) {
-    if (++robots > most_robots) throw too_many(where);
-    if (piece->text.size() >= largest_value) throw too_large(where);
+    check_count(++robots, where);
+    check_size(piece->text.size(), where);
   }
   return 2 * beginning.size();
+}
+
+// Of a drawing, the rows of the first robot, the last one perhaps cut short.
+std::size_t glance_at_drawing(std::string_view beginning, const std::string& where) {
+  if (const auto end = beginning.rfind('\n'); end != std::string_view::npos)
+    beginning = beginning.substr(0, end);
+  int line = 1;
+  if (const auto rows = next_drawing(beginning, line, where)) (void)read_body(*rows);
+  return longest_drawing;
 }
 
 std::size_t glance_at_robots(std::string_view beginning, const std::string& where) {
   if (hdf5::begins_as_hdf5(beginning)) return hdf5::stated_size(beginning, where);
   if (const auto what = learner_file(beginning)) throw error(Failure::data, "{}: {}", where, *what);
   if (begins_as_numpy(beginning)) return largest_numpy;
-  beginning = without_byte_order_mark(beginning);
-  const std::size_t first = beginning.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos)
-    throw refusal("", "{} blanks and no robot", beginning.size()).at(where);
-  if (beginning[first] == '{' || beginning[first] == '[') return glance_at_json(beginning, where);
-  if (looks_like_yaml(beginning)) {
-    for (const char c : beginning.substr(0, beginning.find('\n')))
-      if (static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r')
-        throw refusal("", "a control character, which no robot has")
-            .at(with_place(where, "line 1"));
-    return longest_yaml;
+  const std::size_t size = beginning.size();
+  beginning = without_blanks_before(beginning);
+  if (beginning.empty()) throw error(Failure::data, "{}: {} blanks and no robot", where, size);
+  switch (form_of(beginning)) {
+    case Form::json:
+      return glance_at_json(beginning, where);
+    case Form::drawing:
+      return glance_at_drawing(beginning, where);
+    case Form::yaml:
+      break;
   }
-  glance_at_grid(beginning.substr(first), where);
-  return longest_drawing;
+  for (const char c : beginning.substr(0, beginning.find('\n')))
+    if (static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\r')
+      throw error(Failure::data, "{}:1: a control character, which no robot has", where);
+  return longest_yaml;
 }
 
 }  // namespace
@@ -553,13 +520,49 @@ Robot make_child(Body body, const std::vector<std::string>& parents, const std::
   return child;
 }
 
-Robot robot_from_json(const Json& document, const std::string& where, BodyCheck check) {
-  try {
-    return read_document(document, check);
-  } catch (const Refusal& refused) {
-    throw refused.at(where);
-  }
+Robot checked(Robot robot, const std::string& where, BodyCheck check) {
+  if (check == BodyCheck::robot)
+    if (const auto wrong = defect(robot.body, true))
+      throw error(Failure::data, "{}: {}", where, *wrong);
+  return robot;
 }
+
+Robot read_robot(const Node& node, BodyCheck check) {
+  const auto inner = node.find("robot");
+  if (inner && inner->is_mapping() && !node.find("body")) return read_robot(*inner, check);
+  check_format(node, format::robot);
+  Json document = Json::object();
+  std::optional<Node> body;
+  if (node.is_sequence()) {
+    body = node;
+  } else {
+    std::string key = "body";
+    for (const char* other : {"structure", "robot"})
+      if (!node.find(key) && node.find(other)) key = other;
+    body = node.at(key);
+    document = to_json(node, {"id", "parents"});
+    if (key != "body") document.erase(key);
+  }
+  Robot robot;
+  robot.body = read_body(*body);
+  const auto links = node.find("connections");
+  if (links && !links->is_null()) {
+    robot.body.links = read_links(*links, robot.body);
+    if (const auto wrong = link_defect(robot.body)) throw links->error(*wrong);
+  }
+  if (check == BodyCheck::robot)
+    if (const auto wrong = defect(robot.body, true)) throw body->error(*wrong);
+  if (node.is_mapping()) check_fields(document, node);
+  robot.id = identity(robot.body);
+  if (const auto id = node.find("id"); id && !id->is_null() && document["id"] != robot.id)
+    throw id->error(fmt::format("{} is not the id of this body, which is '{}'; correct or remove it",
+                                id->found(), robot.id));
+  robot.document = std::move(document);
+  set_identity(robot);
+  return robot;
+}
+
+Json robot_to_document(const Robot& robot) { return in_canonical_order(robot); }
 
 std::string robot_to_line(const Robot& robot) { return compact(in_canonical_order(robot)); }
 
@@ -597,11 +600,17 @@ std::string robot_to_yaml(const Robot& robot) {
 
 std::vector<Robot> parse_robots(std::string_view text, const std::string& where, BodyCheck check) {
   text = without_byte_order_mark(text);
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos) return {};
-  if (text[first] == '{' || text[first] == '[') return parse_json_robots(text, where, check);
-  if (looks_like_yaml(text)) return parse_yaml_robots(text, where, check);
-  return parse_grids(text, where, check);
+  const std::string_view begun = without_blanks_before(text);
+  if (begun.empty()) return {};
+  switch (form_of(begun)) {
+    case Form::json:
+      return parse_json_robots(text, where, check);
+    case Form::yaml:
+      return parse_yaml_robots(text, where, check);
+    case Form::drawing:
+      break;
+  }
+  return parse_drawings(text, where, check);
 }
 
 std::string read_robot_text(const std::string& input) {
@@ -614,7 +623,7 @@ std::vector<Robot> robots_in(std::string_view bytes, const std::string& input, B
   const std::string where = input_label(input);
   if (const auto what = learner_file(bytes)) throw error(Failure::data, "{}: {}", where, *what);
   if (begins_as_numpy(bytes))
-    return {robot_from_json(Robot(body_from_numpy(bytes, where)).document, where, check)};
+    return {checked(Robot(body_from_numpy(bytes, where)), where, check)};
   if (!hdf5::begins_as_hdf5(bytes)) return parse_robots(bytes, where, check);
   return robots_of(hdf5::Reader(bytes, where), input, check);
 }

@@ -61,23 +61,27 @@ enum class BodyCheck {
   robot  // and it is connected and has an actuator
 };
 
-// One document. `where` begins every message (a file name, "line 7", ...).
-// Throws Error(data) with the JSON path or the cell. Fields that are known have
-// the right type; an `id` that is not the body's own is an error, `connections`
-// are kept in the document only if they differ from all adjacent pairs.
-Robot robot_from_json(const Json& document, const std::string& where,
-                      BodyCheck check = BodyCheck::robot);
+// One document, or a body alone: a matrix, rows of letters. Throws Error(data) with the place
+// or the cell. Fields that are known have the right type; an `id` that is not the body's own is
+// an error, `connections` are kept in the document only if they differ from all adjacent pairs.
+// What other programs call `structure` or `robot` is the body, too, and an object called `robot`
+// the whole document.
+Robot read_robot(const Node& document, BodyCheck check = BodyCheck::robot);
+// The robot itself. Throws Error(data), which begins with `where`, unless the body is what
+// `check` asks for.
+Robot checked(Robot robot, const std::string& where, BodyCheck check = BodyCheck::robot);
 // The document in its canonical field order, unknown fields last; body, links
 // and id as in `robot`. Ends without newline.
+Json robot_to_document(const Robot& robot);
 std::string robot_to_line(const Robot& robot);  // JSON Lines
 std::string robot_to_json(const Robot& robot);  // indented, for a file of its own
 std::string robot_to_yaml(const Robot& robot);
 
 // Everything in `text`, whatever the form: JSON Lines, one JSON document, a JSON
 // array, YAML (one or several documents), grids of letters or of numbers separated by
-// empty lines, matrices as lists of lists, a world of the benchmark's design tool. Nothing but
-// blanks is no robots. Throws Error(data) with line and JSON path; a key given twice in one object
-// is an error.
+// empty lines (rows also by slashes: 333/404), matrices as lists of lists or as NumPy prints
+// them, a world of the benchmark's design tool. Nothing but blanks is no robots. Throws
+// Error(data) with line and column.
 std::vector<Robot> parse_robots(std::string_view text, const std::string& where,
                                 BodyCheck check = BodyCheck::robot);
 

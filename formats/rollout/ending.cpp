@@ -1,9 +1,8 @@
 #include "formats/rollout/ending.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <optional>
-
-#include "formats/task/yaml.h"
 
 namespace evo {
 namespace {
@@ -33,19 +32,19 @@ struct Judged {
   bool holds = false;
   std::string text;
 };
-std::optional<Judged> judge(const YamlNode& condition, const Rollout& rollout,
+std::optional<Judged> judge(const Node& condition, const Rollout& rollout,
                             const RolloutEpisode& episode) {
-  const auto position = value_of(condition, "position");
+  const auto position = condition.find("position");
   if (!position) return std::nullopt;
-  const auto of = value_of(*position, "of");
-  const auto axis = value_of(*position, "axis");
+  const auto of = position->find("of");
+  const auto axis = position->find("axis");
   if (!of || !axis) return std::nullopt;
   const auto centre = last_centre(rollout, episode, of->string());
   if (!centre) return std::nullopt;
   const double value = axis->string() == "x" ? centre->x : centre->y;
   for (const auto& [key, sign] :
        {std::pair{"above", 1.0}, {"at_least", 1.0}, {"below", -1.0}, {"at_most", -1.0}}) {
-    const auto bound = value_of(*position, key);
+    const auto bound = position->find(key);
     if (!bound || !bound->is_scalar()) continue;
     const double limit = bound->number();
     constexpr double close = 1e-6;
@@ -63,31 +62,57 @@ struct RuleThatHolds {
 };
 
 std::optional<RuleThatHolds> rule_of(const Rollout& rollout, const RolloutEpisode& episode) {
-  const auto task = task_document(rollout);
-  const auto rules = task ? value_of(*task, "rules") : std::nullopt;
+  const auto rules = task_value(rollout, "rules");
   if (!rules || !rules->is_sequence()) return std::nullopt;
   std::optional<RuleThatHolds> found;
-  for (const YamlNode& rule : rules->items()) {
-    const auto when = value_of(rule, "when");
+  for (const Node& rule : rules->items()) {
+    const auto when = rule.find("when");
     if (!when) continue;
-    const std::vector<YamlNode> conditions =
-        when->is_sequence() ? when->items() : std::vector<YamlNode>{*when};
+    const std::vector<Node> conditions =
+        when->is_sequence() ? when->items() : std::vector<Node>{*when};
     bool all = true;
     std::string text;
-    for (const YamlNode& condition : conditions) {
+    for (const Node& condition : conditions) {
       const auto judged = judge(condition, rollout, episode);
       all = all && judged && judged->holds;
       if (judged) text += (text.empty() ? "" : ", ") + judged->text;
     }
     if (!all) continue;
-    const auto reward = value_of(rule, "reward");
+    const auto reward = rule.find("reward");
     const double worth = reward ? reward->number() : 0.0;
     if (!found || std::abs(worth) > std::abs(found->reward)) found = RuleThatHolds{worth, text};
   }
   return found;
 }
 
+bool is_height(const Node& reward) {
+  if (reward.find("when")) return false;
+  if (const auto weight = reward.find("weight"); weight && weight->number() < 0) return false;
+  return std::ranges::any_of(std::array{"displacement", "extent"}, [&](const char* what) {
+    const auto measured = reward.find(what);
+    const auto axis = measured ? measured->find("axis") : std::nullopt;
+    return axis && axis->string() == "y";
+  });
+}
+
+bool rewards_any(const Rollout& rollout, bool (*what)(const Node&)) {
+  const auto rewards = task_value(rollout, "reward");
+  return rewards && rewards->is_sequence() && std::ranges::any_of(rewards->items(), what);
+}
+
 }  // namespace
+
+std::optional<Node> task_value(const Rollout& rollout, const char* key) {
+  if (rollout.task_yaml.empty()) return std::nullopt;
+  return Node::yaml(rollout.task_yaml, "task of the rollout").find(key);
+}
+
+bool rewards_height(const Rollout& rollout) { return rewards_any(rollout, is_height); }
+
+bool rewards_turning(const Rollout& rollout) {
+  return rewards_any(rollout,
+                     [](const Node& part) { return part.find("rotation").has_value(); });
+}
 
 Ending ending(const Rollout& rollout, const RolloutEpisode& episode) {
   const auto last = [](const std::vector<std::uint8_t>& flags) {

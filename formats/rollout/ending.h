@@ -1,11 +1,22 @@
-// Why an episode was over.
+// What a rollout's task says about it: why an episode was over, what it rewards.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "formats/io/node.h"
 #include "formats/rollout/rollout.h"
 
 namespace evo {
+
+// What the task has under a key; nothing where it does not, and in files that carry no task.
+// Throws Error(data) for a task that is not YAML.
+std::optional<Node> task_value(const Rollout& rollout, const char* key);
+
+// Whether the task rewards height at all times: a displacement or an extent along y.
+bool rewards_height(const Rollout& rollout);
+// Whether the robot's turning counts.
+bool rewards_turning(const Rollout& rollout);
 
 struct Ending {
   enum class Kind { cut, limit, goal, failure, rule };

@@ -1,18 +1,13 @@
 #include "formats/rollout/episodes.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
+#include "libevo/base/join.h"
 
 namespace evo {
 namespace {
-
-bool is_int(const Json& value) {
-  return value.is_number_integer() && value >= std::numeric_limits<int>::min() &&
-         value <= std::numeric_limits<int>::max();
-}
 
 void append(std::vector<double>& to, std::span<const double> values) {
   to.insert(to.end(), values.begin(), values.end());
@@ -92,44 +87,35 @@ Json draws_to_json(const Draws& draws) {
   return json;
 }
 
-Draws draws_from_json(const Json& json, const TaskSpec& task, const std::string& where) {
+Draws read_draws(const Node& node, const TaskSpec& task) {
   std::vector<std::string> names;
   for (const DrawnInteger& drawn : task.draws) names.push_back(drawn.name);
   if (task.goals) names.push_back("goals");
-  if (!json.is_object())
-    throw error(Failure::usage, "{}: expected a JSON object such as {{\"ox\":0,\"oy\":3}}", where);
   Draws draws;
-  for (const auto& [name, value] : json.items()) {
+  for (const auto& [key, value] : node.entries()) {
+    const std::string& name = key.text();
     if (std::find(names.begin(), names.end(), name) == names.end())
-      throw error(Failure::usage, "{}: {} draws nothing named '{}'{}; it draws: {}", where,
-                  task.name, name, did_you_mean(name, names),
-                  names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", ")));
-    const bool is_list = name == "goals" && task.goals;
-    const bool fits = is_list ? value.is_array() && !value.empty() &&
-                                    std::all_of(value.begin(), value.end(), is_int)
-                              : is_int(value);
-    if (!fits)
-      throw error(Failure::usage, "{}: '{}' must be {}, not {}", where, name,
-                  is_list ? "a list of integers" : "an integer", shown(value));
-    if (is_list) {
-      draws.goals = value.get<std::vector<int>>();
+      throw key.error(fmt::format("{} draws nothing named '{}'{}; it draws: {}", task.name, name,
+                                  did_you_mean(name, names),
+                                  names.empty() ? "nothing" : joined(names, ", ")));
+    if (name == "goals" && task.goals) {
+      for (const Node& goal : value.items()) draws.goals.push_back(goal.integer());
+      if (draws.goals.empty()) throw value.error("a list of integers is expected, found none");
     } else {
-      draws.integers[name] = value.get<int>();
+      draws.integers[name] = value.integer();
     }
   }
-  for (const std::string& name : names)
-    if (!json.contains(name)) throw error(Failure::usage, "{}: '{}' is missing", where, name);
+  for (const std::string& name : names) (void)node.at(name);
   return draws;
 }
 
-Draws parse_draws(const std::string& text_or_file, const TaskSpec& task) {
+Draws parse_draws(const std::string& text_or_file, const TaskSpec& task) try {
   if (text_or_file.find('{') == std::string::npos)
-    return draws_from_json(read_draws(text_or_file), task);
-  try {
-    return draws_from_json(Json::parse(text_or_file), task);
-  } catch (const Json::exception&) {
-    throw error(Failure::usage, "--draws: '{}' is not JSON", text_or_file);
-  }
+    return read_draws(to_node(read_draws(text_or_file), text_or_file), task);
+  return read_draws(Node::json(text_or_file, "--draws"), task);
+} catch (const Error& failure) {
+  if (failure.kind() != Failure::data) throw;
+  throw Error(Failure::usage, failure.what());
 }
 
 }  // namespace evo

@@ -44,10 +44,9 @@ Rollout play(const PolicyFile& policy, const std::string& created_by);
 
 // {"ox":0,"oy":3} or {"goals":[47,32]}; {} for a task without random parts.
 Json draws_to_json(const Draws& draws);
-// Throws Error(usage) unless the names are those the task draws; `where` begins
-// every message.
-Draws draws_from_json(const Json& json, const TaskSpec& task, const std::string& where = "--draws");
-// As above from JSON text, or from the file (a rollout) of that name.
+// Throws Error(data) unless the names are those the task draws.
+Draws read_draws(const Node& draws, const TaskSpec& task);
+// As above from JSON text, or from the file (a rollout) of that name, as an option: Error(usage).
 Draws parse_draws(const std::string& text_or_file, const TaskSpec& task);
 
 }  // namespace evo

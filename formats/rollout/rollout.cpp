@@ -1,15 +1,16 @@
 #include "formats/rollout/rollout.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <string_view>
 #include <utility>
 
-#include "formats/foreign/learners.h"
-#include "formats/foreign/npz.h"
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
+#include "formats/io/learners.h"
+#include "formats/io/npz.h"
 #include "formats/io/number.h"
 #include "libevo/base/error.h"
 
@@ -114,10 +115,9 @@ std::optional<Json> draws_of(const hdf5::Reader& file, const std::string& group)
   for (const std::string& owner : {group, std::string("/")}) {
     if (!file.exists(owner) || !file.has_attribute(owner, "random_draws")) continue;
     const std::string where = fmt::format("{}: {}@random_draws", file.name(), owner);
-    Json draws = parse_json(file.text(owner, "random_draws"), where);
-    if (!draws.is_object())
-      throw error(Failure::data, "{}: expected a JSON object, found {}", where, shown(draws));
-    return draws;
+    const Node draws = Node::json(file.text(owner, "random_draws"), where);
+    (void)draws.entries();
+    return to_json(draws);
   }
   return std::nullopt;
 }
@@ -270,9 +270,11 @@ std::vector<std::string_view> words_of(std::string_view line) {
 }
 
 // A row per step, of numbers between commas or blanks; blank lines and lines that begin with # are
-// passed over, a first line without any number is a heading.
+// passed over, a first line of names is a heading.
 ActionSequence actions_from_csv(std::string_view text, const std::string& name) {
   ActionSequence actions;
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   bool heading_possible = true;
   std::size_t line_number = 0;
   for (std::string_view line : split(text, '\n')) {
@@ -281,8 +283,12 @@ ActionSequence actions_from_csv(std::string_view text, const std::string& name) 
     if (line.empty() || line.front() == '#') continue;
     const auto fields = line.find(',') == line.npos ? words_of(line) : split(line, ',');
     const bool is_heading =
-        heading_possible && std::none_of(fields.begin(), fields.end(),
-                                         [](auto f) { return number_in<double>(trimmed(f)); });
+        heading_possible && std::all_of(fields.begin(), fields.end(), [](std::string_view f) {
+          f = trimmed(f);
+          const bool named = !f.empty() && (std::isalpha(static_cast<unsigned char>(f[0])) != 0 ||
+                                            f[0] == '"' || f[0] == '_');
+          return named && !number_in<double>(f);
+        });
     heading_possible = false;
     if (is_heading) continue;
     if (actions.steps == 0) actions.actuators = static_cast<int>(fields.size());
@@ -293,7 +299,7 @@ ActionSequence actions_from_csv(std::string_view text, const std::string& name) 
       const auto value = number_in<double>(trimmed(fields[i]));
       if (!value || !std::isfinite(*value))
         throw error(Failure::data, "{}: line {}: value {} is {}, expected a number", name,
-                    line_number, i + 1, shown(Json(std::string(fields[i]))));
+                    line_number, i + 1, shown(fields[i]));
       actions.values.push_back(*value);
     }
     ++actions.steps;
@@ -306,6 +312,9 @@ ActionSequence actions_from_csv(std::string_view text, const std::string& name) 
 ActionSequence actions_from_hdf5(const fs::path& path) {
   const hdf5::Reader file(path);
   check_format(file, format::rollout, Head::optional);
+  if (const auto episodes = episode_numbers(file); !file.exists("/actions") && episodes.size() > 1)
+    throw wrong(file, "/", fmt::format("{} episodes, actions are of one: /actions is expected",
+                                       episodes.size()));
   for (const char* dataset : {"/actions", "/episode_0/actions"}) {
     if (!file.exists(dataset)) continue;
     auto array = file.array<double>(dataset, {hdf5::any, hdf5::any});
@@ -315,7 +324,7 @@ ActionSequence actions_from_hdf5(const fs::path& path) {
                     fmt::format("step {} holds {}, expected a number", i / array.shape[1],
                                 array.values[i]));
     return {static_cast<int>(array.shape[0]), static_cast<int>(array.shape[1]),
-            std::move(array.values)};
+            std::move(array.values), false};
   }
   throw wrong(file, "/actions", "is missing, and so is /episode_0/actions");
 }
@@ -328,7 +337,8 @@ ActionSequence actions_from_numpy(std::string_view bytes, const std::string& nam
                   matrix.values[i]);
   if (matrix.values.empty())
     throw error(Failure::data, "{}: no actions; expected a row of numbers per step", name);
-  return {static_cast<int>(matrix.rows), static_cast<int>(matrix.cols), std::move(matrix.values)};
+  return {static_cast<int>(matrix.rows), static_cast<int>(matrix.cols), std::move(matrix.values),
+          matrix.is_single};
 }
 
 }  // namespace
@@ -364,7 +374,7 @@ Rollout read_rollout(const fs::path& path) {
   if (file.has_attribute("/", "robot")) {
     const std::string where = file.name() + ": /@robot";
     rollout.robot =
-        robot_from_json(parse_json(file.text("/", "robot"), where), where, BodyCheck::any);
+        read_robot(Node::json(file.text("/", "robot"), where), BodyCheck::any);
   }
   Lengths lengths;
   for (const std::size_t k : episode_numbers(file))

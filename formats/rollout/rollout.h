@@ -56,7 +56,7 @@ void write_rollout(const std::filesystem::path& path, const Rollout& rollout);
 // file and dataset.
 Rollout read_rollout(const std::filesystem::path& path);
 
-// HDF5: `actions` at the root or `episode_0/actions`, [T x A] row-major. CSV, or
+// HDF5: `actions` at the root, or those of a rollout's only episode, [T x A] row-major. CSV, or
 // blanks between the numbers: a row per step, # for comments, a heading allowed. NumPy's .npy
 // [T x A], or .npz of that called `actions`. "-" is standard input. Throws Error(no_input, io,
 // data).
@@ -64,6 +64,7 @@ struct ActionSequence {
   int steps = 0;
   int actuators = 0;
   std::vector<double> values;
+  bool is_single = false;  // of float32, in which the benchmark then clips them
 };
 ActionSequence read_actions(const std::filesystem::path& path);
 // What the task drew in the first episode of a rollout, an object.

@@ -9,7 +9,6 @@
 
 #include "formats/io/files.h"
 #include "formats/io/format.h"
-#include "formats/io/json_object.h"
 #include "formats/io/settings.h"
 #include "formats/robot/genome.h"
 #include "formats/run/neat_ini.h"
@@ -32,62 +31,52 @@ Json species_to_json(const Species& species) {
   return document;
 }
 
-Species species_from_json(const JsonObject& object, int generation) {
+Species read_species(const Node& node, int generation) {
   Species species;
-  species.key = object.integer("key", 1, largest_count);
-  species.created = object.integer("created", 0, generation);
-  species.last_improved = object.integer("last_improved", 0, generation);
-  const Json& members = object.array("members");
-  for (std::size_t i = 0; i < members.size(); ++i)
-    species.members.push_back(json_integer(
-        members[i], fmt::format("{}/{}", object.path_of("members"), i), 0, largest_count));
-  const Json& history = object.array("fitness_history");
-  for (std::size_t i = 0; i < history.size(); ++i)
-    species.fitness_history.push_back(
-        json_number(history[i], fmt::format("{}/{}", object.path_of("fitness_history"), i)));
-  species.representative =
-      genome_from_json(object.at("representative"), object.path_of("representative"));
+  species.key = node.at("key").integer(1, largest_count);
+  species.created = node.at("created").integer(0, generation);
+  species.last_improved = node.at("last_improved").integer(0, generation);
+  for (const Node& member : node.at("members").items())
+    species.members.push_back(member.integer(0, largest_count));
+  species.fitness_history = node.at("fitness_history").numbers();
+  species.representative = read_genome(node.at("representative"));
   return species;
 }
 
 // Counters are beyond every key in use, and nothing is in two places.
-void check_keys(const NeatState& state) {
+void check_keys(const NeatState& state, const Node& document) {
   std::set<int> species_keys;
   std::set<int> members;
+  const std::vector<Node> nodes = document.at("species").items();
+  const auto check_counter = [&](const char* name, int next, const char* what, int used) {
+    if (used >= next)
+      throw document.at(name).error(fmt::format("{} is not beyond {} {}", next, what, used));
+  };
   for (std::size_t i = 0; i < state.species.size(); ++i) {
     const Species& species = state.species[i];
-    const std::string path = fmt::format("/species/{}", i);
     if (!species_keys.insert(species.key).second)
-      throw refusal(path + "/key", "species {} is there twice", species.key);
-    if (species.key >= state.next_species_key)
-      throw refusal("/next_species_key", "{} is not beyond species {}", state.next_species_key,
-                    species.key);
+      throw nodes[i].at("key").error(fmt::format("species {} is there twice", species.key));
+    check_counter("next_species_key", state.next_species_key, "species", species.key);
     for (const int member : species.members) {
       if (!members.insert(member).second)
-        throw refusal(path + "/members", "genome {} is a member twice", member);
-      if (member >= state.next_genome_key)
-        throw refusal("/next_genome_key", "{} is not beyond genome {}", state.next_genome_key,
-                      member);
+        throw nodes[i].at("members").error(fmt::format("genome {} is a member twice", member));
+      check_counter("next_genome_key", state.next_genome_key, "genome", member);
     }
-    const int last_node = species.representative.nodes.back().key;
-    if (last_node >= state.next_node_key)
-      throw refusal("/next_node_key", "{} is not beyond node {}", state.next_node_key, last_node);
+    check_counter("next_node_key", state.next_node_key, "node",
+                  species.representative.nodes.back().key);
   }
 }
 
-NeatState state_from_json(const Json& document) {
+NeatState read_state(const Node& document) {
   check_format(document, format::neat_state);
-  const JsonObject object(document, "");
   NeatState state;
-  state.generation = object.integer("generation", 0, largest_count);
-  state.next_genome_key = object.integer("next_genome_key", 1, largest_count);
-  state.next_node_key = object.integer("next_node_key", 0, largest_count);
-  state.next_species_key = object.integer("next_species_key", 1, largest_count);
-  const Json& species = object.array("species");
-  for (std::size_t i = 0; i < species.size(); ++i)
-    state.species.push_back(
-        species_from_json(JsonObject(species[i], fmt::format("/species/{}", i)), state.generation));
-  check_keys(state);
+  state.generation = document.at("generation").integer(0, largest_count);
+  state.next_genome_key = document.at("next_genome_key").integer(1, largest_count);
+  state.next_node_key = document.at("next_node_key").integer(0, largest_count);
+  state.next_species_key = document.at("next_species_key").integer(1, largest_count);
+  for (const Node& species : document.at("species").items())
+    state.species.push_back(read_species(species, state.generation));
+  check_keys(state, document);
   return state;
 }
 
@@ -222,21 +211,17 @@ std::string neat_state_to_text(const NeatState& state) {
 }
 
 NeatState parse_neat_state(std::string_view text, const std::string& where) {
-  try {
-    return state_from_json(parse_json(text, where));
-  } catch (const Refusal& refused) {
-    throw refused.at(where);
-  }
+  return read_state(Node::json(text, where));
 }
 
 NeatState load_neat_state(const std::string& file) {
   return parse_neat_state(read_input(file, largest_value), input_label(file));
 }
 
-NeatSettings neat_settings_from_yaml(const YamlNode& node) {
+NeatSettings neat_settings_from_yaml(const Node& node) {
   std::vector<std::string> keys = table().keys();
   for (const char* key : {"format", "version", "feed_forward"}) keys.emplace_back(key);
-  const YamlMapping mapping(node, "NEAT settings", keys);
+  const Mapping mapping(node, "NEAT settings", keys);
   check_format(mapping.node(), format::neat);
   if (const auto feed_forward = mapping.find("feed_forward"))
     if (!feed_forward->boolean())
@@ -248,7 +233,7 @@ NeatSettings neat_settings_from_yaml(const YamlNode& node) {
 
 NeatSettings parse_neat_settings(const std::string& text, const std::string& where) {
   return neat_settings_from_yaml(
-      YamlNode::parse(begins_as_ini(text) ? neat_ini_to_yaml(text, where) : text, where));
+      Node::yaml(begins_as_ini(text) ? neat_ini_to_yaml(text, where) : text, where));
 }
 
 NeatSettings load_neat_settings(const std::string& file) {

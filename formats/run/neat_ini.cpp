@@ -75,7 +75,7 @@ struct Entry {
 
 // "activation_options: [sigmoid, tanh]"
 std::string yaml_of(const Entry& entry, const std::string& where) {
-  const std::string place = with_place(where, fmt::format("line {}", entry.line));
+  const std::string place = fmt::format("{}:{}", where, entry.line);
   if (const auto known = without_effect.find(entry.key); known != without_effect.end()) {
     const auto& neutral = known->second;
     if (std::find(neutral.begin(), neutral.end(), lower(entry.value)) == neutral.end())
@@ -102,8 +102,10 @@ bool begins_as_ini(std::string_view text) {
     const std::string_view line = trimmed(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.empty() || is_comment(line)) continue;
-    return line.size() > 2 && line.front() == '[' && line.back() == ']' &&
-           sections.contains(std::string(line.substr(1, line.size() - 2)));
+    // A section, of whatever name: the reader says which there are.
+    constexpr std::string_view letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_- ";
+    return line.front() == '[' && line.size() > 2 &&
+           line.find_first_not_of(letters, 1) == line.size() - 1 && line.back() == ']';
   }
   return false;
 }
@@ -118,7 +120,7 @@ std::string neat_ini_to_yaml(std::string_view text, const std::string& where) {
     const std::string_view line = trimmed(whole);
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.empty() || is_comment(line)) continue;
-    const std::string place = with_place(where, fmt::format("line {}", number));
+    const std::string place = fmt::format("{}:{}", where, number);
     if (line.front() == '[') {
       const std::string name(trimmed(line.substr(1, line.find(']') - 1)));
       if (line.back() != ']' || !sections.contains(name))

@@ -19,7 +19,7 @@
 
 #include "formats/io/files.h"
 #include "formats/io/format.h"
-#include "formats/io/yaml.h"
+#include "formats/io/node.h"
 #include "formats/run/settings.h"
 #include "libevo/base/digest.h"
 
@@ -97,7 +97,7 @@ RunSettings RunSettings::read(const fs::path& file) {
 }
 
 RunSettings RunSettings::parse(std::string_view text, const std::string& where) {
-  const YamlNode document = YamlNode::parse(text, where);
+  const Node document = Node::yaml(text, where);
   if (!document.is_mapping()) throw document.error("a run's settings are a mapping");
   check_format(document, format::run, Head::required);
   std::string method;

@@ -8,7 +8,7 @@
 
 #include "formats/io/format.h"
 #include "formats/io/values.h"
-#include "formats/io/yaml.h"
+#include "formats/io/node.h"
 #include "libevo/base/error.h"
 
 namespace evo {

@@ -16,8 +16,8 @@ struct Form;
 template <>
 struct Form<Position> {
   static Position read(const PieceNode& piece) {
-    const YamlNode node = piece.value();
-    const YamlMapping mapping(node, piece.word(),
+    const Node node = piece.value();
+    const Mapping mapping(node, piece.word(),
                               {"of", "axis", "above", "below", "at_least", "at_most"});
     const auto bound = [&](const char* key) -> std::optional<double> {
       const auto value = mapping.find(key);
@@ -60,7 +60,7 @@ struct Form<Position> {
 template <>
 struct Form<Tilt> {
   static Tilt read(const PieceNode& piece) {
-    const YamlMapping mapping(piece.value(), piece.word(), {"of", "degrees"});
+    const Mapping mapping(piece.value(), piece.word(), {"of", "degrees"});
     return {read_object(mapping.at("of"), piece.scope), mapping.at("degrees").number(0, 180)};
   }
   static std::string write(const Tilt& c) {
@@ -81,7 +81,7 @@ struct Form<GoalsReached> {
   static std::string words(const GoalsReached&, const Physics&) { return "all goals reached"; }
 };
 
-Condition read_condition(const YamlNode& node, const Scope& scope) {
+Condition read_condition(const Node& node, const Scope& scope) {
   const PieceNode piece = read_piece(node, "a condition", scope);
   piece.name.choice("condition", names_of<Condition>());
   return read_form<Form, Condition>(piece);
@@ -91,10 +91,10 @@ Condition read_condition(const YamlNode& node, const Scope& scope) {
 
 // ---- any of them --------------------------------------------------------------------------
 
-std::vector<Condition> read_conditions(const YamlNode& node, const Scope& scope) {
+std::vector<Condition> read_conditions(const Node& node, const Scope& scope) {
   if (!node.is_sequence()) return {read_condition(node, scope)};
   std::vector<Condition> conditions;
-  for (const YamlNode& item : node.items()) conditions.push_back(read_condition(item, scope));
+  for (const Node& item : node.items()) conditions.push_back(read_condition(item, scope));
   if (conditions.empty()) throw node.error("at least one condition is expected");
   return conditions;
 }

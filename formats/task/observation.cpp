@@ -45,7 +45,7 @@ struct Form<RelativePositions> {
 template <>
 struct Form<Offset> {
   static Offset read(const PieceNode& piece) {
-    const YamlMapping mapping(piece.value(), piece.word(), {"of", "from"});
+    const Mapping mapping(piece.value(), piece.word(), {"of", "from"});
     return {read_object(mapping.at("of"), piece.scope),
             read_object(mapping.at("from"), piece.scope)};
   }
@@ -59,10 +59,10 @@ struct Form<Offset> {
 
 // ---- clearance from terrain -----------------------------------------------------------
 
-std::vector<std::string> read_terrain(const YamlNode& node, const Scope& scope) {
+std::vector<std::string> read_terrain(const Node& node, const Scope& scope) {
   if (node.is_scalar()) return {read_object(node, scope)};
   std::vector<std::string> objects;
-  for (const YamlNode& item : node.items()) objects.push_back(read_object(item, scope));
+  for (const Node& item : node.items()) objects.push_back(read_object(item, scope));
   if (objects.empty())
     throw node.error("at least one object is expected; leave `over` out for all but the robot");
   return objects;
@@ -71,7 +71,7 @@ std::vector<std::string> read_terrain(const YamlNode& node, const Scope& scope) 
 template <typename Clearance>
 struct ClearanceForm {
   static Clearance read(const PieceNode& piece) {
-    const YamlMapping mapping(piece.value(), piece.word(), {"width", "range", "over"});
+    const Mapping mapping(piece.value(), piece.word(), {"width", "range", "over"});
     Clearance part;
     part.width = mapping.at("width").integer(0, widest_clearance);
     if (const auto range = mapping.find("range")) part.range = range->positive();
@@ -141,7 +141,7 @@ struct Form<GoalOffset> : GoalForm<GoalOffset> {
 
 // ---- any of them --------------------------------------------------------------------------
 
-ObservationPart read_part(const YamlNode& node, const Scope& scope) {
+ObservationPart read_part(const Node& node, const Scope& scope) {
   const PieceNode piece = read_piece(node, "an observation part", scope);
   piece.name.choice("observation part", names_of<ObservationPart>());
   return read_form<Form, ObservationPart>(piece);

@@ -81,7 +81,7 @@ Physics load_physics(const std::string& name_or_file, const DataFolders& folders
   return load_profile(physics_kind(), name_or_file, "", folders);
 }
 
-Physics physics_from_yaml(const YamlNode& node, const std::filesystem::path& folder,
+Physics physics_from_yaml(const Node& node, const std::filesystem::path& folder,
                           const DataFolders& folders) {
   return read_profile(physics_kind(), node, folder, folders);
 }

@@ -10,7 +10,7 @@
 
 #include "formats/io/data_folders.h"
 #include "formats/io/profile.h"
-#include "formats/io/yaml.h"
+#include "formats/io/node.h"
 #include "libevo/sim/physics.h"
 
 namespace evo {
@@ -23,7 +23,7 @@ Physics load_physics(const std::string& name_or_file, const DataFolders& folders
 // A profile as written in a file or in a task: a mapping of constants, with
 // `base` naming the profile it starts from (default evogym). A base that is a
 // file is looked for in `folder`.
-Physics physics_from_yaml(const YamlNode& node, const std::filesystem::path& folder,
+Physics physics_from_yaml(const Node& node, const std::filesystem::path& folder,
                           const DataFolders& folders);
 
 // Sets one constant: "gravity=50", "soft.edge=3e8/7". Throws Error(usage).

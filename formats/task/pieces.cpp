@@ -7,7 +7,7 @@ constexpr double largest_length = 1e6;  // voxels
 
 }  // namespace
 
-YamlNode PieceNode::value() const {
+Node PieceNode::value() const {
   if (given) return *given;
   throw name.error(fmt::format("'{}' needs a value", word()));
 }
@@ -19,7 +19,7 @@ void PieceNode::needs_goals() const {
   if (!scope.has_goals) throw name.error(word() + " needs the task to have `goals`");
 }
 
-PieceNode read_piece(const YamlNode& node, const std::string& what, const Scope& scope) {
+PieceNode read_piece(const Node& node, const std::string& what, const Scope& scope) {
   if (node.is_scalar()) return {node, std::nullopt, scope};
   const auto& entries = node.entries();
   if (entries.size() != 1)
@@ -28,13 +28,13 @@ PieceNode read_piece(const YamlNode& node, const std::string& what, const Scope&
   return {entries[0].key, entries[0].value, scope};
 }
 
-std::string read_object(const YamlNode& node, const Scope& scope) {
+std::string read_object(const Node& node, const Scope& scope) {
   return node.choice("object", scope.objects);
 }
 
-Axis read_axis(const YamlNode& node) { return node.choice<Axis>("axis"); }
+Axis read_axis(const Node& node) { return node.choice<Axis>("axis"); }
 
-double read_length(const YamlNode& node) { return node.number(-largest_length, largest_length); }
+double read_length(const Node& node) { return node.number(-largest_length, largest_length); }
 
 const char* axis_letter(Axis axis) { return axis == Axis::x ? "X" : "Y"; }
 

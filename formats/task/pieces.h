@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/io/yaml.h"
+#include "formats/io/node.h"
 #include "libevo/base/alternatives.h"
 #include "libevo/task/spec.h"
 
@@ -26,17 +26,17 @@ struct Scope {
 
 // ---- the three lists ----------------------------------------------------------------
 
-ObservationPart read_part(const YamlNode& node, const Scope& scope);
+ObservationPart read_part(const Node& node, const Scope& scope);
 std::string part_to_yaml(const ObservationPart& part);  // "velocity: \"robot\""
 std::string part_to_words(const ObservationPart& part, const Physics& physics);
 
 // One condition, or a list of which all have to hold.
-std::vector<Condition> read_conditions(const YamlNode& node, const Scope& scope);
+std::vector<Condition> read_conditions(const Node& node, const Scope& scope);
 std::string condition_to_yaml(const Condition& condition);
 std::string conditions_to_words(const std::vector<Condition>& conditions, const Physics& physics);
 
 // A term with its weight and conditions.
-RewardTerm read_reward(const YamlNode& node, const Scope& scope);
+RewardTerm read_reward(const Node& node, const Scope& scope);
 std::string term_to_yaml(const reward::Term& term);
 struct TermWords {
   std::string formula;
@@ -49,22 +49,22 @@ TermWords term_to_words(const reward::Term& term, const Physics& physics);
 // A piece as it is written: a word (`- goal_index`), or a word with a value
 // (`- velocity: robot`).
 struct PieceNode {
-  YamlNode name;
-  std::optional<YamlNode> given;
+  Node name;
+  std::optional<Node> given;
   const Scope& scope;
 
   std::string word() const { return name.string(); }
-  YamlNode value() const;      // throws where there is none
+  Node value() const;      // throws where there is none
   std::string object() const;  // of the value: a name in scope
   void needs_goals() const;    // no value, and goals to look at
 };
 
 // `what` is "an observation part", "a condition", for messages.
-PieceNode read_piece(const YamlNode& node, const std::string& what, const Scope& scope);
+PieceNode read_piece(const Node& node, const std::string& what, const Scope& scope);
 
-std::string read_object(const YamlNode& node, const Scope& scope);
-Axis read_axis(const YamlNode& node);
-double read_length(const YamlNode& node);  // voxels
+std::string read_object(const Node& node, const Scope& scope);
+Axis read_axis(const Node& node);
+double read_length(const Node& node);  // voxels
 
 const char* axis_letter(Axis axis);  // X, in formulas
 

@@ -1,5 +1,6 @@
 // Reward terms: how each is read, written and told.
 
+#include "formats/io/number.h"
 #include "formats/task/pieces.h"
 #include "formats/task/world.h"
 #include "libevo/base/join.h"
@@ -20,7 +21,7 @@ struct Form;
 template <typename Term>
 struct OfAxisForm {
   static Term read(const PieceNode& piece) {
-    const YamlMapping mapping(piece.value(), piece.word(), {"of", "axis"});
+    const Mapping mapping(piece.value(), piece.word(), {"of", "axis"});
     return {read_object(mapping.at("of"), piece.scope), read_axis(mapping.at("axis"))};
   }
   static std::string write(const Term& t) {
@@ -56,12 +57,12 @@ struct Form<Extent> : OfAxisForm<Extent> {
 template <>
 struct Form<Approach> {
   static Approach read(const PieceNode& piece) {
-    const YamlMapping mapping(piece.value(), piece.word(), {"of", "axis", "to"});
+    const Mapping mapping(piece.value(), piece.word(), {"of", "axis", "to"});
     Approach approach;
     approach.of = read_object(mapping.at("of"), piece.scope);
     approach.axis = read_axis(mapping.at("axis"));
-    const YamlNode to = mapping.at("to");
-    if (to.is_scalar() && parse_number(to.string()))
+    const Node to = mapping.at("to");
+    if (to.is_scalar() && finite_number(to.string()))
       approach.to = read_length(to);
     else
       approach.to = read_object(to, piece.scope);
@@ -150,7 +151,7 @@ struct Form<ActionChange> : OfActionsForm<ActionChange> {
 };
 
 // The one key of a list item that is neither `weight` nor `when`.
-PieceNode read_term_key(const YamlNode& node, const Scope& scope) {
+PieceNode read_term_key(const Node& node, const Scope& scope) {
   std::optional<PieceNode> piece;
   for (const auto& [key, value] : node.entries()) {
     if (key.string() == "weight" || key.string() == "when") continue;
@@ -166,14 +167,14 @@ PieceNode read_term_key(const YamlNode& node, const Scope& scope) {
 
 // ---- any of them --------------------------------------------------------------------------
 
-RewardTerm read_reward(const YamlNode& node, const Scope& scope) {
+RewardTerm read_reward(const Node& node, const Scope& scope) {
   if (node.is_scalar()) {
     node.choice("reward term", names_of<Term>());
     return {1.0, read_form<Form, Term>({node, std::nullopt, scope}), {}};
   }
   std::vector<std::string> allowed = names_of<Term>();
   allowed.insert(allowed.end(), {"weight", "when"});
-  const YamlMapping mapping(node, "reward term", allowed);
+  const Mapping mapping(node, "reward term", allowed);
   RewardTerm term{1.0, read_form<Form, Term>(read_term_key(node, scope)), {}};
   if (const auto weight = mapping.find("weight")) term.weight = weight->number();
   if (const auto when = mapping.find("when")) term.when = read_conditions(*when, scope);

@@ -23,8 +23,8 @@ constexpr int longest_chain = 16;           // of tasks that start from one anot
 // load_task, for a task that `depth` others start from, one from the other.
 TaskSpec load(const std::string& name_or_file, const DataFolders& folders, int depth);
 
-Rule read_rule(const YamlNode& node, const Scope& scope) {
-  const YamlMapping mapping(node, "rule", {"when", "reward", "terminate"});
+Rule read_rule(const Node& node, const Scope& scope) {
+  const Mapping mapping(node, "rule", {"when", "reward", "terminate"});
   Rule rule;
   rule.when = read_conditions(mapping.at("when"), scope);
   if (const auto reward = mapping.find("reward")) rule.reward = reward->number();
@@ -34,7 +34,7 @@ Rule read_rule(const YamlNode& node, const Scope& scope) {
 
 // ---- random parts -----------------------------------------------------------------------
 
-std::vector<DrawnInteger> read_draws(const YamlNode& node) {
+std::vector<DrawnInteger> read_draws(const Node& node) {
   std::vector<DrawnInteger> draws;
   for (const auto& [name, range] : node.entries()) {
     const auto& bounds = range.items();
@@ -46,11 +46,11 @@ std::vector<DrawnInteger> read_draws(const YamlNode& node) {
   return draws;
 }
 
-DrawnGoals read_goals(const YamlNode& node) {
-  const YamlMapping mapping(node, "goals", {"start", "between", "distance", "radius"});
+DrawnGoals read_goals(const Node& node) {
+  const Mapping mapping(node, "goals", {"start", "between", "distance", "radius"});
   DrawnGoals goals;
   goals.start = mapping.at("start").integer(-largest_draw, largest_draw);
-  const YamlNode between = mapping.at("between");
+  const Node between = mapping.at("between");
   const auto& bounds = between.items();
   if (bounds.size() != 2)
     throw between.error("a range [low, high] of whole numbers, both included, is expected");
@@ -65,7 +65,7 @@ DrawnGoals read_goals(const YamlNode& node) {
 
 // What `load` makes of the profile or task that a node names; a file is looked for in `folder`.
 template <typename Load>
-auto load_named(const YamlNode& node, const fs::path& folder, Load load) {
+auto load_named(const Node& node, const fs::path& folder, Load load) {
   const std::string name = node.string();
   try {
     return load(is_file_name(name) ? (folder / name).string() : name);
@@ -76,28 +76,28 @@ auto load_named(const YamlNode& node, const fs::path& folder, Load load) {
 }
 
 // A profile by name or file, or constants given in the task itself.
-Physics read_physics(const YamlNode& node, const fs::path& folder, const DataFolders& folders) {
+Physics read_physics(const Node& node, const fs::path& folder, const DataFolders& folders) {
   if (node.is_mapping()) return physics_from_yaml(node, folder, folders);
   return load_named(node, folder,
                     [&](const std::string& name) { return load_physics(name, folders); });
 }
 
-std::vector<std::string> read_words(const YamlNode& node) {
+std::vector<std::string> read_words(const Node& node) {
   std::vector<std::string> words;
-  for (const YamlNode& item : node.items()) words.push_back(item.string());
+  for (const Node& item : node.items()) words.push_back(item.string());
   return words;
 }
 
-std::string read_task_name(const YamlNode& node) {
+std::string read_task_name(const Node& node) {
   std::string name = node.string();
   if (is_file_name(name) || name.find_first_of(" \t\n") != std::string::npos)
     throw node.error("a name without spaces, '/' or '.yaml' is expected, found " + node.found());
   return name;
 }
 
-YamlMapping task_mapping(std::string_view text, const std::string& where) {
-  YamlMapping mapping(
-      YamlNode::parse(text, where), "task",
+Mapping task_mapping(std::string_view text, const std::string& where) {
+  Mapping mapping(
+      Node::yaml(text, where), "task",
       {"format", "version",     "name",   "aliases",        "base",  "difficulty", "description",
        "notes",  "steps",       "hold",   "step_cost",      "robot", "world",      "draws",
        "goals",  "observation", "reward", "folding_reward", "rules", "follow",     "physics"});
@@ -105,15 +105,15 @@ YamlMapping task_mapping(std::string_view text, const std::string& where) {
   return mapping;
 }
 
-bool names_file(const YamlNode& world) {
+bool names_file(const Node& world) {
   if (world.is_scalar()) return true;
   const auto& entries = world.entries();
   return std::any_of(entries.begin(), entries.end(),
-                     [](const YamlNode::Entry& entry) { return entry.key.string() == "file"; });
+                     [](const Node::Entry& entry) { return entry.key.string() == "file"; });
 }
 
 // The task that another starts from, `depth` others that one.
-YamlMapping read_base(const YamlNode& node, const fs::path& folder, const DataFolders& folders,
+Mapping read_base(const Node& node, const fs::path& folder, const DataFolders& folders,
                       int depth) {
   if (depth >= longest_chain) throw node.error("tasks start from one another in a circle");
   return load_named(node, folder, [&](const std::string& name) {
@@ -122,7 +122,7 @@ YamlMapping read_base(const YamlNode& node, const fs::path& folder, const DataFo
 }
 
 // The text needs no other file: no base, no world file, no profile but the built-in one.
-bool is_complete(const YamlMapping& mapping, const TaskSpec& task) {
+bool is_complete(const Mapping& mapping, const TaskSpec& task) {
   if (mapping.has("base") || names_file(mapping.at("world"))) return false;
   const auto physics = mapping.find("physics");
   const bool built_in = !physics || (physics->is_scalar() && physics->string() == "evogym");
@@ -131,7 +131,7 @@ bool is_complete(const YamlMapping& mapping, const TaskSpec& task) {
 
 TaskSpec read_task(std::string_view text, const std::string& where, const fs::path& folder,
                    const DataFolders& folders, int depth) {
-  YamlMapping mapping = task_mapping(text, where);
+  Mapping mapping = task_mapping(text, where);
   TaskSpec task;
   task.name = read_task_name(mapping.at("name"));
   if (const auto aliases = mapping.find("aliases")) task.aliases = read_words(*aliases);
@@ -146,8 +146,8 @@ TaskSpec read_task(std::string_view text, const std::string& where, const fs::pa
   if (const auto hold = mapping.find("hold")) task.hold = hold->integer(1, longest_hold);
   if (const auto cost = mapping.find("step_cost")) task.step_cost = cost->number();
 
-  const YamlMapping robot(mapping.at("robot"), "robot", {"at"});
-  const YamlNode at = robot.at("at");
+  const Mapping robot(mapping.at("robot"), "robot", {"at"});
+  const Node at = robot.at("at");
   if (at.items().size() != 2) throw at.error("a cell [x, y] is expected");
   task.robot_x = at.items()[0].integer(0, largest_draw);
   task.robot_y = at.items()[1].integer(0, largest_draw);
@@ -158,16 +158,16 @@ TaskSpec read_task(std::string_view text, const std::string& where, const fs::pa
 
   Scope scope{{robot_name}, task.goals.has_value()};
   for (const Placement& placement : task.objects) scope.objects.push_back(placement.object.name);
-  for (const YamlNode& part : mapping.at("observation").items())
+  for (const Node& part : mapping.at("observation").items())
     task.observation.push_back(read_part(part, scope));
-  for (const YamlNode& term : mapping.at("reward").items())
+  for (const Node& term : mapping.at("reward").items())
     task.reward.push_back(read_reward(term, scope));
   if (const auto folding = mapping.find("folding_reward")) task.folding_reward = folding->number();
   if (const auto rules = mapping.find("rules"))
-    for (const YamlNode& rule : rules->items()) task.rules.push_back(read_rule(rule, scope));
+    for (const Node& rule : rules->items()) task.rules.push_back(read_rule(rule, scope));
   if (const auto follow = mapping.find("follow")) {
     task.follow.clear();
-    for (const YamlNode& object : follow->items())
+    for (const Node& object : follow->items())
       task.follow.push_back(read_object(object, scope));
   }
   if (task.observation.empty())
@@ -197,7 +197,7 @@ struct TaskFile {
 
 // Throws Error(data) for a file that is not YAML.
 std::optional<TaskFile> read_head(const std::string& name, const fs::path& path) {
-  const YamlNode root = YamlNode::parse(read_file(path, largest_document), path.string());
+  const Node root = Node::yaml(read_file(path, largest_document), path.string());
   TaskFile file{name, path, {}};
   bool is_task = false;
   for (const auto& [key, value] : root.entries()) {

@@ -1,3 +1,4 @@
+#include "formats/io/number.h"
 #include "formats/task/world.h"
 
 #include <algorithm>
@@ -7,7 +8,7 @@
 #include <sstream>
 #include <utility>
 
-#include "formats/foreign/evogym.h"
+#include "formats/robot/evogym.h"
 
 namespace evo {
 namespace {
@@ -21,7 +22,7 @@ struct Cell {
   auto operator<=>(const Cell&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
 };
 
-Cell read_cell(const YamlNode& node, int low) {
+Cell read_cell(const Node& node, int low) {
   const auto& pair = node.items();
   if (pair.size() != 2)
     throw node.error(fmt::format("a cell [x, y] is expected, found {} numbers", pair.size()));
@@ -37,10 +38,10 @@ struct Drawing {
 };
 
 // Rows as a list, or as a block of text (`|`), a line each.
-Drawing read_drawing(const YamlNode& node) {
+Drawing read_drawing(const Node& node) {
   Drawing drawing;
   if (node.is_sequence()) {
-    for (const YamlNode& row : node.items()) drawing.lines.push_back(row.string());
+    for (const Node& row : node.items()) drawing.lines.push_back(row.string());
   } else {
     std::istringstream lines(node.string());
     for (std::string line; std::getline(lines, line);) drawing.lines.push_back(line);
@@ -56,7 +57,7 @@ Drawing read_drawing(const YamlNode& node) {
   return drawing;
 }
 
-Voxel read_voxel(const YamlNode& node, char drawn, const std::string& place) {
+Voxel read_voxel(const Node& node, char drawn, const std::string& place) {
   if (const auto voxel = voxel_from_letter(drawn)) return *voxel;
   throw node.error(fmt::format("unknown letter '{}'{}; allowed: . empty, R rigid, S soft, # fixed",
                                drawn, place));
@@ -77,7 +78,7 @@ struct Canvas {
   }
 };
 
-Canvas blank(const YamlNode& node, Cell at, int rows, int cols) {
+Canvas blank(const Node& node, Cell at, int rows, int cols) {
   if (static_cast<long>(rows) * cols > most_cells)
     throw node.error(
         fmt::format("{} x {} cells are too many (at most {})", rows, cols, most_cells));
@@ -87,7 +88,7 @@ Canvas blank(const YamlNode& node, Cell at, int rows, int cols) {
 }
 
 // What one `rows`, or one `size` with `fill`, says.
-Canvas paint_shape(const YamlMapping& shape, Cell at) {
+Canvas paint_shape(const Mapping& shape, Cell at) {
   const auto rows = shape.find("rows");
   const auto size = shape.find("size");
   if (rows.has_value() == size.has_value())
@@ -108,7 +109,7 @@ Canvas paint_shape(const YamlMapping& shape, Cell at) {
   if (pair.size() != 2) throw size->error("a size [columns, rows] is expected");
   const int cols = pair[0].integer(1, largest_coordinate);
   const int lines = pair[1].integer(1, largest_coordinate);
-  const YamlNode fill = shape.at("fill");
+  const Node fill = shape.at("fill");
   const std::string text = fill.string();
   if (text.size() != 1) throw fill.error("one letter is expected, found " + fill.found());
   Canvas canvas = blank(*size, at, lines, cols);
@@ -117,12 +118,12 @@ Canvas paint_shape(const YamlMapping& shape, Cell at) {
 }
 
 // Parts one over the other, the last one on top; empty cells erase.
-Canvas paint_parts(const YamlNode& node, Cell at) {
+Canvas paint_parts(const Node& node, Cell at) {
   std::vector<Canvas> parts;
   Cell low{largest_coordinate, largest_coordinate};
   Cell high;
-  for (const YamlNode& item : node.items()) {
-    const YamlMapping part(item, "part", {"at", "rows", "size", "fill"});
+  for (const Node& item : node.items()) {
+    const Mapping part(item, "part", {"at", "rows", "size", "fill"});
     const auto offset = part.find("at");
     const Cell cell = offset ? read_cell(*offset, 0) : Cell{};
     parts.push_back(paint_shape(part, {at.x + cell.x, at.y + cell.y}));
@@ -161,10 +162,10 @@ Box bounding_box(const Canvas& canvas) {
 }
 
 // Pairs of row-major indices of the matrix as it was written.
-std::vector<Link> read_links(const YamlNode& node, const Canvas& canvas) {
+std::vector<Link> read_links(const Node& node, const Canvas& canvas) {
   std::set<Link> links;
   const int last = canvas.rows * canvas.cols - 1;
-  for (const YamlNode& item : node.items()) {
+  for (const Node& item : node.items()) {
     const auto& ends = item.items();
     if (ends.size() != 2) throw item.error("a pair of cells [a, b] is expected");
     const int a = std::min(ends[0].integer(0, last), ends[1].integer(0, last));
@@ -180,7 +181,7 @@ std::vector<Link> read_links(const YamlNode& node, const Canvas& canvas) {
   return {links.begin(), links.end()};
 }
 
-void check_body(const YamlNode& node, const std::string& name, const Body& body) {
+void check_body(const Node& node, const std::string& name, const Body& body) {
   if (const auto problem = defect(body, false))
     throw node.error(fmt::format("object '{}': {}", name, *problem));
   if (count_actuators(body) > 0)
@@ -190,8 +191,8 @@ void check_body(const YamlNode& node, const std::string& name, const Body& body)
 
 // Cut to its cells, as the benchmark stores objects: the start coordinates of a
 // point follow from the matrix it is in (docs/physics.md, "Points").
-Object cut_out(const YamlNode& node, const std::string& name, const Canvas& canvas,
-               const std::optional<YamlNode>& connections) {
+Object cut_out(const Node& node, const std::string& name, const Canvas& canvas,
+               const std::optional<Node>& connections) {
   const Box box = bounding_box(canvas);
   if (box.bottom < 0) throw node.error(fmt::format("object '{}' has no cell", name));
   const int rows = box.bottom - box.top + 1;
@@ -215,15 +216,15 @@ Object cut_out(const YamlNode& node, const std::string& name, const Canvas& canv
   return object;
 }
 
-void check_name(const YamlNode& node, const std::string& name) {
+void check_name(const Node& node, const std::string& name) {
   if (name == robot_name)
     throw node.error("the name 'robot' belongs to the robot; its place is the task's `robot`");
-  if (parse_number(name))
+  if (finite_number(name))
     throw node.error("a name is expected for an object, found " + node.found());
 }
 
 // "" or the name of a drawn integer.
-std::string read_offset(const YamlNode& node, const std::vector<DrawnInteger>& draws) {
+std::string read_offset(const Node& node, const std::vector<DrawnInteger>& draws) {
   if (node.is_null() || node.found() == "'0'") return "";
   std::vector<std::string> names;
   names.reserve(draws.size());
@@ -231,11 +232,11 @@ std::string read_offset(const YamlNode& node, const std::vector<DrawnInteger>& d
   return node.choice("draw", names);
 }
 
-Placement read_object(const YamlNode& name_node, const YamlNode& node,
+Placement read_object(const Node& name_node, const Node& node,
                       const std::vector<DrawnInteger>& draws) {
   const std::string name = name_node.string();
   check_name(name_node, name);
-  const YamlMapping object(node, fmt::format("object '{}'", name),
+  const Mapping object(node, fmt::format("object '{}'", name),
                            {"at", "offset", "rows", "size", "fill", "parts", "connections"});
   const auto at = object.find("at");
   const Cell cell = at ? read_cell(*at, 0) : Cell{};
@@ -275,7 +276,7 @@ struct Legend {
   std::map<char, Meaning> letters;
 };
 
-Legend read_legend(const YamlNode& node) {
+Legend read_legend(const Node& node) {
   Legend legend;
   for (const auto& [key, value] : node.entries()) {
     const std::string letter = key.string();
@@ -283,9 +284,9 @@ Legend read_legend(const YamlNode& node) {
       throw key.error("one letter (not '.') is expected in a legend, found " + key.found());
     Legend::Meaning meaning;
     if (value.is_mapping()) {  // {object: beam, voxel: R}
-      const YamlMapping entry(value, "legend", {"object", "voxel"});
+      const Mapping entry(value, "legend", {"object", "voxel"});
       meaning.object = entry.at("object").string();
-      const YamlNode voxel = entry.at("voxel");
+      const Node voxel = entry.at("voxel");
       const std::string drawn = voxel.string();
       if (drawn.size() != 1) throw voxel.error("one letter is expected, found " + voxel.found());
       meaning.voxel = read_voxel(voxel, drawn[0], "");
@@ -303,7 +304,7 @@ Legend read_legend(const YamlNode& node) {
   return legend;
 }
 
-std::vector<Placement> read_picture(const YamlNode& node, const YamlNode& legend_node) {
+std::vector<Placement> read_picture(const Node& node, const Node& legend_node) {
   const Drawing drawing = read_drawing(node);
   const Legend legend = read_legend(legend_node);
   std::map<std::string, Canvas> canvases;
@@ -330,7 +331,7 @@ std::vector<Placement> read_picture(const YamlNode& node, const YamlNode& legend
 
 // ---- a file of Evolution Gym's design tool ---------------------------------------------
 
-std::vector<Placement> read_world_file(const YamlNode& node, const std::filesystem::path& folder) {
+std::vector<Placement> read_world_file(const Node& node, const std::filesystem::path& folder) {
   World world;
   try {
     world = read_evogym_world(folder / node.string());
@@ -358,7 +359,7 @@ int lowest(const std::string& draw, const std::vector<DrawnInteger>& draws) {
   return 0;
 }
 
-void check_objects(const YamlNode& node, const std::vector<Placement>& placements,
+void check_objects(const Node& node, const std::vector<Placement>& placements,
                    const std::vector<DrawnInteger>& draws) {
   std::set<std::string> names;
   std::map<Cell, std::string> taken;
@@ -386,13 +387,13 @@ void check_objects(const YamlNode& node, const std::vector<Placement>& placement
 
 }  // namespace
 
-std::vector<Placement> world_from_yaml(const YamlNode& node, const std::filesystem::path& folder,
+std::vector<Placement> world_from_yaml(const Node& node, const std::filesystem::path& folder,
                                        const std::vector<DrawnInteger>& draws) {
   std::vector<Placement> placements;
   if (node.is_scalar()) {
     placements = read_world_file(node, folder);
   } else {
-    const YamlMapping world(node, "world", {"file", "drawing", "legend", "objects"});
+    const Mapping world(node, "world", {"file", "drawing", "legend", "objects"});
     if (const auto file = world.find("file")) placements = read_world_file(*file, folder);
     if (const auto drawing = world.find("drawing"))
       append(placements, read_picture(*drawing, world.at("legend")));

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/io/yaml.h"
+#include "formats/io/node.h"
 #include "libevo/task/spec.h"
 
 namespace evo {
@@ -14,7 +14,7 @@ namespace evo {
 // Objects in the order written, each cut to the bounding box of its cells.
 // `draws` are the integers an object's `offset` may name, at their lowest here.
 // Throws Error(data) for bad drawings, objects in pieces or over one another.
-std::vector<Placement> world_from_yaml(const YamlNode& node, const std::filesystem::path& folder,
+std::vector<Placement> world_from_yaml(const Node& node, const std::filesystem::path& folder,
                                        const std::vector<DrawnInteger>& draws);
 
 // The value of `world:` that world_from_yaml reads back; lines begin with two

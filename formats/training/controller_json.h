@@ -2,13 +2,12 @@
 // driven by.
 #pragma once
 
-#include "formats/io/json.h"
+#include "formats/io/node.h"
 #include "libevo/control/controller.h"
 
 namespace evo {
 
-// What does not act may be missing: critic, log_std, curve, identity. Throws Error(data)
-// with `where` and the JSON path.
-TrainedController controller_from_json(const Json& document, const std::string& where);
+// What does not act may be missing: critic, log_std, curve, identity. Throws Error(data).
+TrainedController read_controller(const Node& document);
 
 }  // namespace evo

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "formats/io/values.h"
-#include "formats/io/yaml.h"
+#include "formats/io/node.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
 #include "formats/training/training.h"
@@ -27,13 +27,14 @@ std::string one_line(std::string text) {
   return text;
 }
 
-void add_lines(const YamlNode& node, const std::string& key, std::string& lines) {
+void add_lines(const Node& node, const std::string& key, std::string& lines) {
   if (node.is_mapping()) {
     for (const auto& [name, value] : node.entries())
       add_lines(value, fmt::format("{}.{}", key, name.string()), lines);
   } else if (node.is_sequence()) {
-    for (std::size_t i = 0; i < node.items().size(); ++i)
-      add_lines(node.items()[i], fmt::format("{}.{}", key, i), lines);
+    int number = 0;
+    for (const Node& item : node.items())
+      add_lines(item, fmt::format("{}.{}", key, number++), lines);
   } else {
     lines += fmt::format("{}={}\n", key, node.is_null() ? "" : one_line(node.string()));
   }
@@ -42,7 +43,7 @@ void add_lines(const YamlNode& node, const std::string& key, std::string& lines)
 // From the form in which tasks are written, so that whatever is added there is
 // part of the identity. The order counts: of objects, draws and terms, too.
 std::string task_lines(const std::string& task_yaml) {
-  const YamlNode document = YamlNode::parse(task_yaml, "task");
+  const Node document = Node::yaml(task_yaml, "task");
   std::string lines;
   for (const auto& [key, value] : document.entries())
     if (std::find(without_effect.begin(), without_effect.end(), key.string()) ==

@@ -4,11 +4,12 @@
 #include <utility>
 #include <variant>
 
-#include "formats/foreign/learners.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
+#include "formats/io/learners.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
+#include "formats/training/controller_fields.h"
 #include "formats/training/training.h"
 #include "libevo/base/alternatives.h"
 #include "libevo/base/digest.h"
@@ -21,293 +22,157 @@ Error bad(const hdf5::Reader& file, const std::string& path, const std::string& 
   return error(Failure::data, "{}: {}: {}", file.name(), path, problem);
 }
 
-// ---- parts ------------------------------------------------------------------------
-
-std::size_t size(Eigen::Index n) { return static_cast<std::size_t>(n); }
+// ---- controllers ------------------------------------------------------------------
 
 template <typename Dense>
 auto values_of(const Dense& x) {
   return std::vector<typename Dense::Scalar>(x.data(), x.data() + x.size());
 }
 
-void write_network(hdf5::Writer& file, const std::string& group, const Network& network) {
-  for (std::size_t l = 0; l < network.layers.size(); ++l) {
-    const Layer& layer = network.layers[l];
-    const std::string at = fmt::format("{}/layer_{}", group, l);
-    file.array(at + "/weight", {size(layer.weight.rows()), size(layer.weight.cols())},
-               values_of(layer.weight));
-    file.vector(at + "/bias", values_of(layer.bias));
+// Where the fields of a controller stand (controller_fields.h): numbers and words are attributes
+// of a group, everything else is a dataset in it.
+struct Place {
+  std::string group;   // "" is the file's own
+  std::string prefix;  // of attributes
+
+  std::string owner() const { return group.empty() ? "/" : group; }
+  std::string attribute(const char* name) const { return prefix + name; }
+  std::string dataset(const char* name) const { return fmt::format("{}/{}", group, name); }
+  Place part(const std::string& name) const { return {fmt::format("{}/{}", group, name), ""}; }
+  Place layer(const char* name, std::size_t l) const {
+    return part(fmt::format("{}/layer_{}", name, l));
   }
-}
+  Place choices(const char* name) const { return {group, fmt::format("{}_", name)}; }
+};
 
-// `inputs`: how many it has to have, or hdf5::any.
-Layer read_layer(const hdf5::Reader& file, const std::string& group,
-                 std::size_t inputs = hdf5::any) {
-  const auto weight = file.array<float>(group + "/weight", {hdf5::any, inputs});
-  const auto bias = file.vector<float>(group + "/bias", weight.shape[0]);
-  const auto rows = static_cast<Eigen::Index>(weight.shape[0]);
-  const auto cols = static_cast<Eigen::Index>(weight.shape[1]);
-  return {Eigen::Map<const Matrix>(weight.values.data(), rows, cols),
-          Eigen::Map<const Vector>(bias.data(), rows)};
-}
+class FieldWriter {
+ public:
+  FieldWriter(hdf5::Writer& file, Place at) : file_(file), at_(std::move(at)) {}
 
-Network read_network(const hdf5::Reader& file, const std::string& group, std::size_t inputs) {
-  Network network;
-  for (std::size_t l = 0; file.exists(fmt::format("{}/layer_{}", group, l)); ++l) {
-    network.layers.push_back(read_layer(file, fmt::format("{}/layer_{}", group, l), inputs));
-    inputs = size(network.layers.back().bias.size());
+  void number(const char* name, double value) {
+    file_.attribute(at_.owner(), at_.attribute(name), value);
   }
-  if (network.layers.empty()) throw bad(file, group, "no layers");
-  return network;
-}
-
-// ---- controllers ------------------------------------------------------------------
-//
-// One Stored for every TrainedController; `kind` names it in the file.
-
-template <typename Controller>
-struct Stored;
-
-template <>
-struct Stored<Policy> {
-  static constexpr const char* kind = "network";
-  static void write(hdf5::Writer& file, const Policy& policy);
-  static Policy read(const hdf5::Reader& file);
-};
-
-template <>
-struct Stored<SineController> {
-  static constexpr const char* kind = "sine";
-  static void write(hdf5::Writer& file, const SineController& sine);
-  static SineController read(const hdf5::Reader& file);
-};
-
-template <>
-struct Stored<ReplayController> {
-  static constexpr const char* kind = "sequence";
-  static void write(hdf5::Writer& file, const ReplayController& sequence);
-  static ReplayController read(const hdf5::Reader& file);
-};
-
-template <>
-struct Stored<ModularPolicy> {
-  static constexpr const char* kind = "modular";
-  static void write(hdf5::Writer& file, const ModularPolicy& policy);
-  static ModularPolicy read(const hdf5::Reader& file);
-};
-
-// Shifts are written where there are any: waves without are as ever.
-void write_sine(hdf5::Writer& file, const std::string& group, const SineController& sine) {
-  file.vector(group + "/amplitude", sine.amplitude);
-  file.vector(group + "/phase", sine.phase);
-  if (!sine.shift.empty()) file.vector(group + "/shift", sine.shift);
-  file.attribute(group, "period", sine.period);
-  file.attribute(group, "middle", sine.middle);
-}
-
-SineController read_sine(const hdf5::Reader& file, const std::string& group) {
-  SineController sine;
-  sine.amplitude = file.vector<double>(group + "/amplitude");
-  sine.phase = file.vector<double>(group + "/phase", sine.amplitude.size());
-  if (file.exists(group + "/shift"))
-    sine.shift = file.vector<double>(group + "/shift", sine.amplitude.size());
-  sine.period = file.number<double>(group, "period");
-  sine.middle = file.number<double>(group, "middle");
-  return sine;
-}
-
-void write_sequence(hdf5::Writer& file, const std::string& path, const ReplayController& sequence) {
-  file.array(
-      path,
-      {static_cast<std::size_t>(sequence.steps()), static_cast<std::size_t>(sequence.actuators)},
-      sequence.actions);
-}
-
-ReplayController read_sequence(const hdf5::Reader& file, const std::string& path) {
-  auto actions = file.array<double>(path, {hdf5::any, hdf5::any});
-  if (actions.values.empty()) throw bad(file, path, "it is empty");
-  return {std::move(actions.values), static_cast<int>(actions.shape[1])};
-}
-
-void write_base(hdf5::Writer& file, const SineController& gait) { write_sine(file, "/gait", gait); }
-void write_base(hdf5::Writer& file, const ReplayController& sequence) {
-  write_sequence(file, "/sequence", sequence);
-}
-
-std::optional<OpenLoop> read_base(const hdf5::Reader& file) {
-  if (file.exists("/gait")) return read_sine(file, "/gait");
-  if (file.exists("/sequence")) return read_sequence(file, "/sequence");
-  return std::nullopt;
-}
-
-void write_normalizer(hdf5::Writer& file, const std::string& group, const Normalizer& normalizer) {
-  file.vector(group + "/mean", values_of(normalizer.mean));
-  file.vector(group + "/var", values_of(normalizer.variance));
-  file.attribute(group, "count", normalizer.count);
-  file.attribute(group, "clip", normalizer.clip);
-  file.attribute(group, "epsilon", normalizer.epsilon);
-}
-
-Normalizer read_normalizer(const hdf5::Reader& file, const std::string& group) {
-  Normalizer normalizer;
-  const auto mean = file.vector<double>(group + "/mean");
-  const auto variance = file.vector<double>(group + "/var", mean.size());
-  const auto length = static_cast<Eigen::Index>(mean.size());
-  normalizer.mean = Eigen::Map<const Eigen::VectorXd>(mean.data(), length);
-  normalizer.variance = Eigen::Map<const Eigen::VectorXd>(variance.data(), length);
-  normalizer.count = file.number<double>(group, "count");
-  normalizer.clip = file.number<double>(group, "clip");
-  normalizer.epsilon = file.number<double>(group, "epsilon");
-  return normalizer;
-}
-
-// Of a policy of either kind of network.
-template <typename AnyPolicy>
-void write_action(hdf5::Writer& file, const AnyPolicy& policy) {
-  file.attribute("/", "action_map", word(policy.action_map));
-  file.attribute("/", "action_offset", policy.action_offset);
-  file.attribute("/", "action_bounds", std::vector<double>{policy.low, policy.high});
-}
-
-template <typename AnyPolicy>
-void read_action(const hdf5::Reader& file, AnyPolicy& policy) {
-  const std::string map = file.text("/", "action_map");
-  const auto known_map = from_word<ActionMap>(map);
-  if (!known_map)
-    throw bad(file, "/@action_map", unknown_name("action map", map, words_of<ActionMap>()));
-  policy.action_map = *known_map;
-  policy.action_offset = file.number<double>("/", "action_offset");
-  const auto bounds = file.numbers<double>("/", "action_bounds");
-  if (bounds.size() != 2 || !(bounds[0] <= bounds[1]))
-    throw bad(file, "/@action_bounds", "two numbers, the lower one first, are expected");
-  policy.low = bounds[0];
-  policy.high = bounds[1];
-}
-
-void Stored<Policy>::write(hdf5::Writer& file, const Policy& policy) {
-  write_network(file, "/actor", policy.actor);
-  write_network(file, "/critic", policy.critic);
-  file.vector("/log_std", values_of(policy.log_std));
-  write_normalizer(file, "/normalizer", policy.normalizer);
-  write_action(file, policy);
-  if (!policy.clock.empty()) file.vector("/clock", policy.clock);
-  if (policy.base) std::visit([&](const auto& base) { write_base(file, base); }, *policy.base);
-}
-
-Policy Stored<Policy>::read(const hdf5::Reader& file) {
-  Policy policy;
-  policy.normalizer = read_normalizer(file, "/normalizer");
-  if (file.exists("/clock")) policy.clock = file.vector<double>("/clock");
-  policy.base = read_base(file);
-  const std::size_t inputs = size(policy.normalizer.mean.size()) + 2 * policy.clock.size();
-  policy.actor = read_network(file, "/actor", inputs);
-  policy.critic = read_network(file, "/critic", inputs);
-  const std::size_t actions = size(policy.actor.layers.back().bias.size());
-  const auto log_std = file.vector<float>("/log_std", actions);
-  if (policy.critic.layers.back().bias.size() != 1)
-    throw bad(file, "/critic", "its last layer has more than one output");
-  policy.log_std =
-      Eigen::Map<const Vector>(log_std.data(), static_cast<Eigen::Index>(log_std.size()));
-  read_action(file, policy);
-  return policy;
-}
-
-void write_modular_network(hdf5::Writer& file, const std::string& group,
-                           const ModularNetwork& network) {
-  const auto write = [&](const char* name, const Matrix& weight) {
-    file.array(group + "/first/" + name, {size(weight.rows()), size(weight.cols())},
-               values_of(weight));
-  };
-  write("local", network.local);
-  write("task", network.task);
-  write("fixed", network.fixed);
-  file.vector(group + "/first/bias", values_of(network.bias));
-  write_network(file, group + "/rest", network.rest);
-  for (std::size_t l = 0; l < network.gates.size(); ++l)
-    for (const auto& [name, weight] :
-         {std::pair{"scale", &network.gates[l].scale}, std::pair{"shift", &network.gates[l].shift}})
-      if (weight->size() > 0)
-        file.array(fmt::format("{}/gates/layer_{}/{}", group, l, name),
-                   {size(weight->rows()), size(weight->cols())}, values_of(*weight));
-}
-
-ModularNetwork read_modular_network(const hdf5::Reader& file, const std::string& group,
-                                    std::size_t task_inputs) {
-  ModularNetwork network;
-  const auto bias = file.vector<float>(group + "/first/bias");
-  network.bias = Eigen::Map<const Vector>(bias.data(), static_cast<Eigen::Index>(bias.size()));
-  const auto read = [&](const char* name, std::size_t inputs) {
-    const auto weight = file.array<float>(group + "/first/" + name, {bias.size(), inputs});
-    return Matrix(Eigen::Map<const Matrix>(weight.values.data(), network.bias.size(),
-                                           static_cast<Eigen::Index>(inputs)));
-  };
-  network.local = read("local", VoxelViews::local_length);
-  network.task = read("task", task_inputs);
-  network.fixed = read("fixed", VoxelViews::fixed_length);
-  for (std::size_t l = 0; file.exists(fmt::format("{}/rest/layer_{}", group, l)); ++l)
-    network.rest.layers.push_back(read_layer(file, fmt::format("{}/rest/layer_{}", group, l)));
-  for (std::size_t l = 0;; ++l) {
-    const std::string gate = fmt::format("{}/gates/layer_{}", group, l);
-    if (!file.exists(gate) || l > network.rest.layers.size()) return network;
-    const std::size_t units = l == 0 ? bias.size() : size(network.rest.layers[l - 1].bias.size());
-    const auto part = [&](const char* name) {
-      const auto weight =
-          file.array<float>(gate + "/" + name, {units, size(VoxelViews::fixed_length)});
-      return Matrix(Eigen::Map<const Matrix>(weight.values.data(), static_cast<Eigen::Index>(units),
-                                             VoxelViews::fixed_length));
-    };
-    network.gates.push_back({part("scale"), l == 0 ? Matrix() : part("shift")});
+  void bounds(const char* name, const std::vector<double>& values) {
+    file_.attribute(at_.owner(), at_.attribute(name), values);
   }
-}
+  template <Worded E>
+  void word(const char* name, E value) {
+    file_.attribute(at_.owner(), at_.attribute(name), evo::word(value));
+  }
+  void numbers(const char* name, const std::vector<double>& values) {
+    file_.vector(at_.dataset(name), values);
+  }
+  template <typename Dense>
+  void vector(const char* name, const Dense& values) {
+    file_.vector(at_.dataset(name), values_of(values));
+  }
+  void matrix(const char* name, const Matrix& values) {
+    const auto size = [](Eigen::Index n) { return static_cast<std::size_t>(n); };
+    file_.array(at_.dataset(name), {size(values.rows()), size(values.cols())}, values_of(values));
+  }
+  void rows(const char* name, const std::vector<double>& values, int width) {
+    const auto columns = static_cast<std::size_t>(width);
+    file_.array(at_.dataset(name), {width > 0 ? values.size() / columns : 0, columns}, values);
+  }
+  template <typename T>
+  void parts(const char* name, std::vector<T>& list) {
+    for (std::size_t l = 0; l < list.size(); ++l) {
+      FieldWriter part(file_, at_.layer(name, l));
+      describe(part, list[l]);
+    }
+  }
+  template <typename Fields>
+  void part(const char* name, const Fields& fields) {
+    FieldWriter deeper(file_, at_.part(name));
+    fields(deeper);
+  }
+  template <typename Fields>
+  void choices(const char* name, const Fields& fields) {
+    FieldWriter named(file_, at_.choices(name));
+    fields(named);
+  }
+  template <typename Fields>
+  void optional(const char* /*name*/, bool present, const Fields& fields) {
+    if (present) fields();
+  }
 
-void Stored<ModularPolicy>::write(hdf5::Writer& file, const ModularPolicy& policy) {
-  write_modular_network(file, "/actor", policy.actor);
-  write_modular_network(file, "/critic", policy.critic);
-  file.vector("/log_std", values_of(policy.log_std));
-  write_normalizer(file, "/normalizer/local", policy.local);
-  write_normalizer(file, "/normalizer/task", policy.task);
-  write_action(file, policy);
-  if (!policy.clock.empty()) file.vector("/clock", policy.clock);
-}
+ private:
+  hdf5::Writer& file_;
+  Place at_;
+};
 
-ModularPolicy Stored<ModularPolicy>::read(const hdf5::Reader& file) {
-  ModularPolicy policy;
-  policy.local = read_normalizer(file, "/normalizer/local");
-  policy.task = read_normalizer(file, "/normalizer/task");
-  if (policy.local.mean.size() != VoxelViews::local_length)
-    throw bad(file, "/normalizer/local/mean", "it is not as long as a voxel's view");
-  if (file.exists("/clock")) policy.clock = file.vector<double>("/clock");
-  const std::size_t inputs = size(policy.task.mean.size()) + 2 * policy.clock.size();
-  policy.actor = read_modular_network(file, "/actor", inputs);
-  policy.critic = read_modular_network(file, "/critic", inputs);
-  const auto log_std = file.vector<float>("/log_std", 1);
-  policy.log_std = Vector::Constant(1, log_std.front());
-  read_action(file, policy);
-  if (const auto problem = defect(policy)) throw bad(file, "/", *problem);
-  return policy;
-}
+class FieldReader {
+ public:
+  FieldReader(const hdf5::Reader& file, Place at) : file_(file), at_(std::move(at)) {}
 
-void Stored<SineController>::write(hdf5::Writer& file, const SineController& sine) {
-  write_sine(file, "/sine", sine);
-}
+  void number(const char* name, double& value) {
+    value = file_.number<double>(at_.owner(), at_.attribute(name));
+  }
+  void bounds(const char* name, std::vector<double>& values) {
+    values = file_.numbers<double>(at_.owner(), at_.attribute(name));
+    if (values.size() != 2)
+      throw bad(file_, "/@" + at_.attribute(name), "two numbers, the lower one first, are expected");
+  }
+  template <Worded E>
+  void word(const char* name, E& value) {
+    const std::string found = file_.text(at_.owner(), at_.attribute(name));
+    const auto known = from_word<E>(found);
+    if (!known)
+      throw bad(file_, "/@" + at_.attribute(name), unknown_name(name, found, words_of<E>()));
+    value = *known;
+  }
+  void numbers(const char* name, std::vector<double>& values) {
+    values = file_.vector<double>(at_.dataset(name));
+  }
+  template <typename Dense>
+  void vector(const char* name, Dense& values) {
+    const auto found = file_.vector<typename Dense::Scalar>(at_.dataset(name));
+    values = Eigen::Map<const Dense>(found.data(), static_cast<Eigen::Index>(found.size()));
+  }
+  void matrix(const char* name, Matrix& values) {
+    const auto found = file_.array<float>(at_.dataset(name), {hdf5::any, hdf5::any});
+    values = Eigen::Map<const Matrix>(found.values.data(),
+                                      static_cast<Eigen::Index>(found.shape[0]),
+                                      static_cast<Eigen::Index>(found.shape[1]));
+  }
+  void rows(const char* name, std::vector<double>& values, int& width) {
+    auto found = file_.array<double>(at_.dataset(name), {hdf5::any, hdf5::any});
+    width = static_cast<int>(found.shape[1]);
+    values = std::move(found.values);
+  }
+  template <typename T>
+  void parts(const char* name, std::vector<T>& list) {
+    for (std::size_t l = 0; file_.exists(at_.layer(name, l).group); ++l) {
+      FieldReader part(file_, at_.layer(name, l));
+      describe(part, list.emplace_back());
+    }
+  }
+  template <typename Fields>
+  void part(const char* name, const Fields& fields) {
+    FieldReader deeper(file_, at_.part(name));
+    fields(deeper);
+  }
+  template <typename Fields>
+  void choices(const char* name, const Fields& fields) {
+    FieldReader named(file_, at_.choices(name));
+    fields(named);
+  }
+  template <typename Fields>
+  void optional(const char* name, bool /*present*/, const Fields& fields) {
+    if (file_.exists(at_.dataset(name))) fields();
+  }
 
-SineController Stored<SineController>::read(const hdf5::Reader& file) {
-  return read_sine(file, "/sine");
-}
-
-void Stored<ReplayController>::write(hdf5::Writer& file, const ReplayController& sequence) {
-  write_sequence(file, "/actions", sequence);
-}
-
-ReplayController Stored<ReplayController>::read(const hdf5::Reader& file) {
-  return read_sequence(file, "/actions");
-}
+ private:
+  const hdf5::Reader& file_;
+  Place at_;
+};
 
 void write_controller(hdf5::Writer& file, const TrainedController& controller) {
   std::visit(
-      [&]<typename T>(const T& c) {
-        file.attribute("/", "kind", Stored<T>::kind);
-        Stored<T>::write(file, c);
+      [&]<typename T>(T copy) {
+        file.attribute("/", "kind", kind_of<T>);
+        FieldWriter fields(file, {});
+        describe_controller(fields, copy);
       },
       controller);
 }
@@ -317,10 +182,15 @@ TrainedController read_controller(const hdf5::Reader& file) {
   std::optional<TrainedController> controller;
   std::vector<std::string> kinds;
   for_each_alternative<TrainedController>([&]<typename T>(std::type_identity<T>) {
-    kinds.emplace_back(Stored<T>::kind);
-    if (kind == Stored<T>::kind) controller = Stored<T>::read(file);
+    kinds.emplace_back(kind_of<T>);
+    if (kind != kind_of<T>) return;
+    FieldReader fields(file, {});
+    T read;
+    describe_controller(fields, read);
+    controller = std::move(read);
   });
   if (!controller) throw bad(file, "/@kind", unknown_name("kind of policy", kind, kinds));
+  if (const auto problem = misfit(*controller)) throw bad(file, "/", *problem);
   return std::move(*controller);
 }
 

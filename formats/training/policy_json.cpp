@@ -6,127 +6,78 @@
 
 #include "formats/io/format.h"
 #include "formats/io/json.h"
+#include "formats/training/controller_fields.h"
 #include "libevo/base/error.h"
 
 namespace evo {
 namespace {
 
-Json number(double value) {
+Json as_json(double value) {
   if (!std::isfinite(value))
     throw error(Failure::data, "the policy holds {}, which JSON cannot say", value);
   return value;
 }
 
 template <typename Values>
-Json numbers(const Values& values) {
+Json list_of(const Values& values) {
   Json list = Json::array();
-  for (const auto value : values) list.push_back(number(static_cast<double>(value)));
+  for (const auto value : values) list.push_back(as_json(static_cast<double>(value)));
   return list;
 }
 
-Json network_to_json(const Network& network) {
-  Json layers = Json::array();
-  for (const Layer& layer : network.layers) {
-    Json rows = Json::array();
-    for (Eigen::Index r = 0; r < layer.weight.rows(); ++r)
-      rows.push_back(numbers(layer.weight.row(r)));
-    layers.push_back({{"weight", std::move(rows)}, {"bias", numbers(layer.bias)}});
+// Writes fields into a JSON object (controller_fields.h).
+class JsonFields {
+ public:
+  explicit JsonFields(Json& at) : at_(at) {}
+
+  void number(const char* name, double value) { at_[name] = as_json(value); }
+  void numbers(const char* name, const std::vector<double>& values) {
+    at_[name] = list_of(values);
   }
-  return layers;
-}
-
-Json sine_to_json(const SineController& sine) {
-  Json wave{{"amplitude", numbers(sine.amplitude)},
-            {"phase", numbers(sine.phase)},
-            {"period", number(sine.period)},
-            {"middle", number(sine.middle)}};
-  if (!sine.shift.empty()) wave["shift"] = numbers(sine.shift);
-  return wave;
-}
-
-Json sequence_to_json(const ReplayController& sequence) {
-  Json rows = Json::array();
-  const auto width = static_cast<std::size_t>(sequence.actuators);
-  const std::span<const double> actions = sequence.actions;
-  for (std::size_t row = 0; row + width <= actions.size(); row += width)
-    rows.push_back(numbers(actions.subspan(row, width)));
-  return rows;
-}
-
-void add_base(Json& document, const SineController& gait) { document["gait"] = sine_to_json(gait); }
-void add_base(Json& document, const ReplayController& sequence) {
-  document["sequence"] = sequence_to_json(sequence);
-}
-
-Json normalizer_to_json(const Normalizer& normalizer) {
-  return {{"mean", numbers(normalizer.mean)},
-          {"var", numbers(normalizer.variance)},
-          {"count", number(normalizer.count)},
-          {"clip", number(normalizer.clip)},
-          {"epsilon", number(normalizer.epsilon)}};
-}
-
-// Of a policy of either kind of network.
-template <typename AnyPolicy>
-Json action_to_json(const AnyPolicy& policy) {
-  return {{"map", word(policy.action_map)},
-          {"offset", number(policy.action_offset)},
-          {"bounds", {number(policy.low), number(policy.high)}}};
-}
-
-// One for every TrainedController.
-void add_controller(Json& document, const Policy& policy) {
-  document["kind"] = "network";
-  document["normalizer"] = normalizer_to_json(policy.normalizer);
-  document["action"] = action_to_json(policy);
-  document["actor"] = network_to_json(policy.actor);
-  document["critic"] = network_to_json(policy.critic);
-  document["log_std"] = numbers(policy.log_std);
-  if (!policy.clock.empty()) document["clock"] = numbers(policy.clock);
-  if (policy.base) std::visit([&](const auto& base) { add_base(document, base); }, *policy.base);
-}
-
-Json rows_to_json(const Matrix& weight) {
-  Json rows = Json::array();
-  for (Eigen::Index r = 0; r < weight.rows(); ++r) rows.push_back(numbers(weight.row(r)));
-  return rows;
-}
-
-Json network_to_json(const ModularNetwork& network) {
-  Json document = {{"first",
-                    {{"local", rows_to_json(network.local)},
-                     {"task", rows_to_json(network.task)},
-                     {"fixed", rows_to_json(network.fixed)},
-                     {"bias", numbers(network.bias)}}},
-                   {"rest", network_to_json(network.rest)}};
-  for (const Gate& gate : network.gates) {
-    Json& own = document["gates"].emplace_back();
-    own["scale"] = rows_to_json(gate.scale);
-    if (gate.shift.size() > 0) own["shift"] = rows_to_json(gate.shift);
+  void bounds(const char* name, const std::vector<double>& values) { numbers(name, values); }
+  template <typename Dense>
+  void vector(const char* name, const Dense& values) {
+    at_[name] = list_of(values);
   }
-  return document;
-}
+  void matrix(const char* name, const Matrix& values) {
+    Json& rows = at_[name] = Json::array();
+    for (Eigen::Index r = 0; r < values.rows(); ++r) rows.push_back(list_of(values.row(r)));
+  }
+  void rows(const char* name, const std::vector<double>& values, int columns) {
+    Json& rows = at_[name] = Json::array();
+    const auto width = static_cast<std::size_t>(columns);
+    for (std::size_t i = 0; i + width <= values.size() && width > 0; i += width)
+      rows.push_back(list_of(std::span(values).subspan(i, width)));
+  }
+  template <Worded E>
+  void word(const char* name, E value) {
+    at_[name] = evo::word(value);
+  }
+  template <typename T>
+  void parts(const char* name, std::vector<T>& list) {
+    Json& parts = at_[name] = Json::array();
+    for (T& item : list) {
+      JsonFields part(parts.emplace_back(Json::object()));
+      describe(part, item);
+    }
+  }
+  template <typename Fields>
+  void part(const char* name, const Fields& fields) {
+    JsonFields deeper(at_[name] = Json::object());
+    fields(deeper);
+  }
+  template <typename Fields>
+  void choices(const char* name, const Fields& fields) {
+    part(name, fields);
+  }
+  template <typename Fields>
+  void optional(const char* /*name*/, bool present, const Fields& fields) {
+    if (present) fields();
+  }
 
-void add_controller(Json& document, const ModularPolicy& policy) {
-  document["kind"] = "modular";
-  document["normalizer"] = {{"local", normalizer_to_json(policy.local)},
-                            {"task", normalizer_to_json(policy.task)}};
-  document["action"] = action_to_json(policy);
-  document["actor"] = network_to_json(policy.actor);
-  document["critic"] = network_to_json(policy.critic);
-  document["log_std"] = numbers(policy.log_std);
-  if (!policy.clock.empty()) document["clock"] = numbers(policy.clock);
-}
-
-void add_controller(Json& document, const SineController& sine) {
-  document["kind"] = "sine";
-  document["sine"] = sine_to_json(sine);
-}
-
-void add_controller(Json& document, const ReplayController& sequence) {
-  document["kind"] = "sequence";
-  document["actions"] = sequence_to_json(sequence);
-}
+ private:
+  Json& at_;
+};
 
 Json curve_to_json(const std::vector<CurvePoint>& curve) {
   Json steps = Json::array();
@@ -134,8 +85,8 @@ Json curve_to_json(const std::vector<CurvePoint>& curve) {
   Json best = Json::array();
   for (const CurvePoint& point : curve) {
     steps.push_back(point.step);
-    evaluations.push_back(number(point.evaluation));
-    best.push_back(number(point.best));
+    evaluations.push_back(as_json(point.evaluation));
+    best.push_back(as_json(point.best));
   }
   return {{"step", steps}, {"evaluation", evaluations}, {"best", best}};
 }
@@ -144,11 +95,16 @@ Json curve_to_json(const std::vector<CurvePoint>& curve) {
 
 std::string policy_to_json(const PolicyFile& policy) {
   Json document{{"format", format::policy.name}, {"version", format::policy.version}};
-  std::visit([&](const auto& controller) { add_controller(document, controller); },
-             policy.controller);
-  document["robot"] = parse_json(robot_to_line(policy.robot), "robot");
+  std::visit(
+      [&]<typename T>(T controller) {
+        document["kind"] = kind_of<T>;
+        JsonFields fields(document);
+        describe_controller(fields, controller);
+      },
+      policy.controller);
+  document["robot"] = robot_to_document(policy.robot);
   for (const Robot& robot : policy.robots)
-    document["robots"].push_back(parse_json(robot_to_line(robot), "robot"));
+    document["robots"].push_back(robot_to_document(robot));
   document["task"] = policy.task;
   document["task_yaml"] = policy.task_yaml;
   document["physics_yaml"] = policy.physics_yaml;
@@ -160,13 +116,13 @@ std::string policy_to_json(const PolicyFile& policy) {
   document["isa"] = policy.isa;
   document["created_by"] = policy.created_by;
   document["settings_hash"] = policy.settings_hash;
-  document["fitness"] = number(policy.fitness);
+  document["fitness"] = as_json(policy.fitness);
   document["best_step"] = policy.best_step;
   document["steps"] = policy.steps;
   if (const auto& score = policy.final_score)
     document["final"] = {{"episodes", score->episodes},
-                         {"mean", number(score->mean)},
-                         {"standard_error", number(score->standard_error)}};
+                         {"mean", as_json(score->mean)},
+                         {"standard_error", as_json(score->standard_error)}};
   document["curve"] = curve_to_json(policy.curve);
   return compact(document) + "\n";
 }

@@ -102,7 +102,7 @@ TrainingSettings load_training(const std::string& name_or_file, const DataFolder
   return load_profile(training_kind(), name_or_file, "", folders);
 }
 
-TrainingSettings training_from_yaml(const YamlNode& node, const std::filesystem::path& folder,
+TrainingSettings training_from_yaml(const Node& node, const std::filesystem::path& folder,
                                     const DataFolders& folders) {
   return read_profile(training_kind(), node, folder, folders);
 }

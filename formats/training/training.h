@@ -10,7 +10,7 @@
 #include "formats/io/data_folders.h"
 #include "formats/io/json.h"
 #include "formats/io/profile.h"
-#include "formats/io/yaml.h"
+#include "formats/io/node.h"
 #include "libevo/control/settings.h"
 
 namespace evo {
@@ -23,7 +23,7 @@ TrainingSettings load_training(const std::string& name_or_file, const DataFolder
 
 // A mapping of settings, with `base` naming the profile it starts from (default
 // paper). A base that is a file is looked for in `folder`.
-TrainingSettings training_from_yaml(const YamlNode& node, const std::filesystem::path& folder,
+TrainingSettings training_from_yaml(const Node& node, const std::filesystem::path& folder,
                                     const DataFolders& folders);
 
 // Sets one setting: "gamma=0.995", "hidden=32,32". Throws Error(usage).

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "formats/task/yaml.h"
+#include "formats/rollout/ending.h"
 #include "libevo/base/error.h"
 #include "render/figures/key.h"
 #include "render/figures/label.h"
@@ -97,17 +97,16 @@ Rollout merge(const std::vector<Episode>& episodes) {
 
 // Where the task ends an episode with a reward, x in voxels.
 std::optional<double> finish_of(const Rollout& rollout) {
-  const auto task = task_document(rollout);
-  const auto rules = task ? value_of(*task, "rules") : std::nullopt;
+  const auto rules = task_value(rollout, "rules");
   if (!rules || !rules->is_sequence()) return std::nullopt;
-  for (const YamlNode& rule : rules->items()) {
-    const auto reward = value_of(rule, "reward");
-    const auto when = value_of(rule, "when");
+  for (const Node& rule : rules->items()) {
+    const auto reward = rule.find("reward");
+    const auto when = rule.find("when");
     if (!reward || !when || !when->is_sequence() || !(reward->number() > 0)) continue;
-    for (const YamlNode& condition : when->items()) {
-      const auto position = value_of(condition, "position");
-      const auto axis = position ? value_of(*position, "axis") : std::nullopt;
-      const auto above = position ? value_of(*position, "above") : std::nullopt;
+    for (const Node& condition : when->items()) {
+      const auto position = condition.find("position");
+      const auto axis = position ? position->find("axis") : std::nullopt;
+      const auto above = position ? position->find("above") : std::nullopt;
       if (axis && axis->string() == "x" && above) return above->number();
     }
   }

@@ -10,7 +10,7 @@
 #include "formats/rollout/rollout.h"
 #include "formats/run/run.h"
 #include "formats/run/run_policy.h"
-#include "formats/task/yaml.h"
+#include "formats/rollout/ending.h"
 #include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
 #include "render/report/choice.h"
@@ -36,7 +36,7 @@ std::string folder_in_commands(const fs::path& folder) {
 
 std::string purpose_of(const PolicyFile& policy) {
   if (policy.task_yaml.empty()) return "";  // of a task in Python
-  const auto text = value_of(YamlNode::parse(policy.task_yaml, "task of a policy"), "description");
+  const auto text = Node::yaml(policy.task_yaml, "task of a policy").find("description");
   return text && text->is_scalar() ? text->text() : "";
 }
 

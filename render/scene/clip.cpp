@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "formats/rollout/ending.h"
-#include "formats/task/yaml.h"
 #include "libevo/base/error.h"
 #include "libevo/base/join.h"
 #include "libevo/task/contacts.h"
@@ -88,10 +87,9 @@ double voxel_length(const Rollout& rollout, const RolloutEpisode& episode) {
 // What the task wants to be kept in view, or nothing.
 std::vector<std::string> task_follow(const Rollout& rollout) {
   std::vector<std::string> names;
-  const auto task = task_document(rollout);
-  const auto follow = task ? value_of(*task, "follow") : std::nullopt;
+  const auto follow = task_value(rollout, "follow");
   if (follow && follow->is_sequence())
-    for (const YamlNode& name : follow->items()) names.push_back(name.string());
+    for (const Node& name : follow->items()) names.push_back(name.string());
   return names;
 }
 

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/task/yaml.h"
+#include "formats/rollout/ending.h"
 
 namespace evo::render {
 namespace {
 
 // Of a goal, voxels; nothing for a task without goals.
 std::optional<double> goal_radius(const Rollout& rollout) {
-  const auto task = task_document(rollout);
-  const auto goals = task ? value_of(*task, "goals") : std::nullopt;
-  const auto radius = goals ? value_of(*goals, "radius") : std::nullopt;
+  const auto goals = task_value(rollout, "goals");
+  const auto radius = goals ? goals->find("radius") : std::nullopt;
   return radius ? std::optional(radius->positive()) : std::nullopt;
 }
 

@@ -170,7 +170,7 @@ Physics physics_of(const Rollout& rollout) {
     throw Error(Failure::data,
                 "the rollout does not carry its physics (attribute physics_yaml), "
                 "so forces are not known; record it with evo-eval --rollout");
-  return physics_from_yaml(YamlNode::parse(rollout.physics_yaml, "physics of the rollout"), {}, {});
+  return physics_from_yaml(Node::yaml(rollout.physics_yaml, "physics of the rollout"), {}, {});
 }
 
 std::vector<int> actuators_of(const Mesh& mesh) {

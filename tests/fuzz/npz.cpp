@@ -1,8 +1,8 @@
 // NumPy's: structures in .npz and .npy, actions. What is accepted as a body is written and
 // read again as it was.
-#include "formats/foreign/npz.h"
+#include "formats/io/npz.h"
 
-#include "formats/foreign/learners.h"
+#include "formats/io/learners.h"
 
 #include "target.h"
 

@@ -27,6 +27,7 @@ import valid
 SECONDS = 20.0  # of processor time: what runs on and on, however slow the machine
 KILOBYTES = 200_000
 PATIENCE = 120  # s of wall time until a run counts as hanging
+RUN_KINDS = {".h5": "hdf5", ".json": "json", ".jsonl": "json"}
 Outcome = collections.namedtuple("Outcome", "row status fault words")
 
 
@@ -37,6 +38,9 @@ class Suite:
         self.options = list(options.cases())
         random.Random(seed).shuffle(self.options)
         self.weights = [row[5] for row in readers.READERS]
+        valid = os.path.join(folder, "valid")
+        self.run = sorted(os.path.relpath(os.path.join(place, name), valid)
+                          for place, _, names in os.walk(os.path.join(valid, "run")) for name in names)
 
     def plan(self, number):
         """Row of the table, command, damaged bytes or none, statuses."""
@@ -45,6 +49,11 @@ class Suite:
             return (words[0] + ", options", words, None, options.STATUSES)
         generator = random.Random(f"{self.seed}/{number}")
         name, file, kind, words, statuses, _ = generator.choices(readers.READERS, self.weights)[0]
+        if kind == "run":
+            file = generator.choice(self.run)
+            kind = RUN_KINDS.get(os.path.splitext(file)[1], "text")
+            if generator.random() < 0.2:
+                return (f"{words[0]}, {name}", words, (file, generator.choice(["gone", "folder", "pipe"])), statuses)
         with open(os.path.join(self.folder, "valid", file), "rb") as source:
             data = source.read()
         for _ in range(generator.choice([1, 1, 1, 2, 3])):
@@ -109,13 +118,29 @@ def clean():
             os.unlink(entry.path)
 
 
+def lay_out(file, data):
+    """The damaged file in the current folder, or the run of which it is one. Its name."""
+    name = target = "input" + os.path.splitext(file)[1]
+    if file.startswith("run/"):
+        name = "run"
+        target = file
+        shutil.copytree(os.path.realpath("valid/run"), name)
+        os.unlink(target)
+    if data == "folder":
+        os.mkdir(target)
+    elif data == "pipe":
+        os.mkfifo(target)
+    elif data != "gone":
+        with open(target, "wb") as output:
+            output.write(data)
+    return name
+
+
 def attempt(number):
     row, words, damaged, statuses = suite.plan(number)
     feed = None
     if damaged:
-        name = "input" + os.path.splitext(damaged[0])[1]
-        with open(name, "wb") as file:
-            file.write(damaged[1])
+        name = lay_out(*damaged)
         feed = name if "<" in words else None
         words = [word.replace("{}", name) for word in words if word != "<"]
     code, seconds, kilobytes, hanging, said = execute(words, feed, PATIENCE)
@@ -123,7 +148,8 @@ def attempt(number):
     if fault:
         fault = f"run {number}: {words}: {fault}: {said[:300]!r}"
         if damaged and keep:
-            shutil.copy(name, os.path.join(keep, f"{number}-{name}"))
+            copy = shutil.copytree if os.path.isdir(name) else shutil.copy
+            copy(name, os.path.join(keep, f"{number}-{name}"))
     clean()
     return Outcome(row, code, fault, words)
 

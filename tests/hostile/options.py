@@ -16,14 +16,17 @@ TOOLS = {
                   "policies", "--force", "valid/one.txt"],
     "evo-bench": ["--sizes", "3", "--seconds", "0.001"],
     "evo-report": ["valid"],
+    "evo-evolve": ["neat", "--run", "r", "--pop", "3", "--evals", "6", "--steps", "512", "--shape", "2x2",
+                   "--plan", "-q"],
 }
 VALUES = [
     "", " ", "0", "-1", "1.5", "nan", "inf", "-inf", "1e308", "1e999", "99999999999999999999",
     "2147483648", "0x10", "1,2,3", ",", "5x5x5", "0x0", "x", "é", b"\xff", b"\x1b[31m", "A" * 5000,
     "%s%n", "[", "{", '{"a":', "=", "a=b", "gravity=nan", "/", ".", "no/such", "/dev/null", "-",
 ]
-# Values that mean what they say: long work.
+# Values that mean what they say: long work, files in the root of the file system.
 MEANT = {
+    ("evo-evolve", "--run", "/"),
     ("evo-bench", "--seconds", "1.5"),
     *(("evo-train", option, "2147483648") for option in ("--steps", "--founder-steps", "--seed")),
 }

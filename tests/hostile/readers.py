@@ -1,11 +1,14 @@
 """Which tool reads which file, and how it may end when the file is damaged.
 
 A row: name, file, kind of damage (mutate.KINDS), command, statuses, weight.
-{} in a command is the damaged file; "<" feeds it to standard input. Status 0 is
+{} in a command is the damaged file, or the run with it; "<" feeds it to standard input. Status 0 is
 always possible: damage need not show. 65 is bad data; others are listed where
 the content can ask for them: 1 a simulation that diverges or work that cannot
 be done, 2 a name in the file that means nothing here, 66 a file that it names.
 """
+import os
+
+CALLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "calls.py")
 EVAL = ["evo-eval", "-j1", "--task", "Walker-v0", "--max-steps", "2"]
 
 READERS = [
@@ -82,4 +85,8 @@ READERS = [
     ("pictures", "rollout.h5", "hdf5",
      ["evo-render", "-j1", "--strip", "2", "--size", "64x64", "{}", "-o", "o.png"],
      (65, 1, 2), 0.1),
+    ("Python and C interface", "one.txt", "text", ["/usr/bin/python3", CALLS, "{}"], (), 3),
+    # A run with one of its files damaged, gone, a folder or a pipe.
+    ("run", "run", "run", ["evo-report", "-q", "{}"], (65, 1, 2, 66), 3),
+    ("run", "run", "run", ["evo-evolve", "--run", "{}", "--plan", "-q"], (65, 1, 2, 66, 73), 3),
 ]

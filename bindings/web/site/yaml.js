@@ -1,4 +1,4 @@
-// YAML as libevo asks for it (bindings/web/wasm/yaml_parser.cpp): a tree in which every value
+// YAML as libevo asks for it (bindings/web/wasm/yaml.cpp): a tree in which every value
 // has its place, from the events of js-yaml. What is not text, list or mapping stays text: the
 // reader of the tools decides what a number is.
 //   {"documents": [tree..]}, or {"error", "line", "column"}; lines and columns from 1

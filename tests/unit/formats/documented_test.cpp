@@ -31,7 +31,7 @@ bool mentions(const Json& schema, const std::string& name) {
 // `section`: where the schema has them.
 template <typename Pieces>
 void check_pieces(const char* section) {
-  const Json schema = parse_json(document("formats/schema/task.schema.json"), "task schema");
+  const Json schema = Json::parse(document("formats/schema/task.schema.json"));
   const std::string manual = document("make-a-task.md");
   for (const std::string& name : names_of<Pieces>()) {
     INFO(name);

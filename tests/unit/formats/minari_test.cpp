@@ -30,7 +30,7 @@ TEST_CASE("Minari: a dataset folder of all episodes") {
   CHECK(folder.entries() == 1);
 
   const fs::path data = folder / "dataset" / "data";
-  const Json metadata = parse_json(read_file(data / "metadata.json"), "metadata");
+  const Json metadata = Json::parse(read_file(data / "metadata.json"));
   CHECK(metadata["total_episodes"] == 2);
   CHECK(metadata["total_steps"] == 200);
   CHECK(metadata["data_format"] == "hdf5");
@@ -74,7 +74,7 @@ TEST_CASE("Minari: the bounds of actions are those of the physics, the widest of
   shorter.physics_yaml = physics_to_yaml(physics);
   const auto bounds = [&](const char* name, const std::vector<Rollout>& rollouts) {
     write_minari(folder / name, rollouts, "a-v0");
-    const Json metadata = parse_json(read_file(folder / name / "data" / "metadata.json"), name);
+    const Json metadata = Json::parse(read_file(folder / name / "data" / "metadata.json"));
     const Json space = Json::parse(metadata["action_space"].get<std::string>());
     return std::pair{space["low"][12].get<double>(), space["high"][0].get<double>()};
   };

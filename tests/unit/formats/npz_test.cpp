@@ -1,4 +1,4 @@
-#include "formats/foreign/npz.h"
+#include "formats/io/npz.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -45,6 +45,12 @@ TEST_CASE("npz: NumPy's own files are read") {
   CHECK(read_npz(data / "numpy_int64.npz") == expected);
   // float32 by columns, int32 links with one given in both directions, deflated
   CHECK(read_npz(data / "numpy_compressed_fortran.npz") == expected);
+  // No links but None, as a body's default; arrays that are not in the order of their names.
+  const fs::path field = fs::path(EVO_TEST_DATA) / "field";
+  for (const char* name : {"body_and_none.npz", "members_in_other_order.npz"})
+    CHECK(read_npz(field / name) == Body::from_rows({"HHH", "V.V"}));
+  CHECK(contains(error_of(Failure::data, [&] { (void)read_npz(field / "body_twice.npz"); }),
+                 "two arrays are called arr_0.npy"));
 }
 
 TEST_CASE("npz: bad files are refused with member and reason") {

@@ -11,7 +11,7 @@ namespace {
 const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
 
 Physics read(const std::string& text) {
-  return physics_from_yaml(YamlNode::parse(text, "p.yaml"), "", data);
+  return physics_from_yaml(Node::yaml(text, "p.yaml"), "", data);
 }
 
 std::string message(const std::string& text) {

@@ -152,11 +152,11 @@ std::string message_reading(const std::filesystem::path& path) {
 
 TEST_CASE("policies come back as they were written, and twice the same bytes") {
   const Scratch scratch;
-  const PolicyFile file =
-      GENERATE(example(network_policy()), example(policy_on_gait()), example(policy_on_sequence()),
-               example(shifted_wave()), example(modular_policy()), example_for_several(),
-               example(ReplayController{{0.6, 1.1, 1.6, 1.0, 0.7, 1.25}, 3}),
-               example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
+  const PolicyFile file = GENERATE(
+      example(network_policy()), example(policy_on_gait()), example(policy_on_sequence()),
+      example(shifted_wave()), example(modular_policy()),
+      example_for_several(), example(ReplayController{{0.6, 1.1, 1.6, 1.0, 0.7, 1.25}, 3}),
+      example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
   const auto path = scratch.folder / "a.policy.h5";
   write_policy(path, file);
   check_equal(read_policy(path), file);
@@ -167,57 +167,60 @@ TEST_CASE("policies come back as they were written, and twice the same bytes") {
 }
 
 TEST_CASE("a controller comes back from a policy's JSON with the same bits", "[formats][policy]") {
-  const std::vector<TrainedController> all{
-      policy_on_gait(), policy_on_sequence(), network_policy(),
-      shifted_wave(),   modular_policy(),     ReplayController{{0.6, 1.1, 1.6, 1.0}, 2}};
+  const std::vector<TrainedController> all{policy_on_gait(),
+                                           policy_on_sequence(),
+                                           network_policy(),
+                                           shifted_wave(),
+                                           modular_policy(),
+                                           ReplayController{{0.6, 1.1, 1.6, 1.0}, 2}};
   for (const TrainedController& controller : all)
-    CHECK(controller_from_json(parse_json(policy_to_json(example(controller)), "policy"),
-                               "policy") == controller);
+    CHECK(read_controller(Node::json(policy_to_json(example(controller)), "policy")) == controller);
 }
 
 TEST_CASE("a JSON controller that does not fit together is refused with its place",
           "[formats][policy]") {
   const auto problem = [](const std::function<void(Json&)>& change) -> std::string {
-    Json document = parse_json(policy_to_json(example(network_policy())), "policy");
+    Json document = Json::parse(policy_to_json(example(network_policy())));
     change(document);
     try {
-      controller_from_json(document, "policy");
+      read_controller(to_node(document, "policy"));
     } catch (const Error& failure) {
       return failure.what();
     }
     return "";
   };
-  CHECK(problem([](Json& d) { d["kind"] = "dream"; }) ==
-        "policy: /kind: network, modular, sine or sequence is expected, found \"dream\"");
-  CHECK(problem([](Json& d) { d["actor"][0]["bias"].push_back(1.0); }).find("/actor/0/bias") !=
+  CHECK_THAT(problem([](Json& d) { d["kind"] = "dream"; }),
+             Catch::Contains(": /kind: unknown kind of policy 'dream'; allowed: network, sine"));
+  CHECK(problem([](Json& d) { d["actor"][0]["bias"].push_back(1.0); }).find("actor: layer 0 has") !=
         std::string::npos);
   CHECK(problem([](Json& d) { d["actor"][0]["weight"][0].erase(0); }).find("/actor/0/weight/1") !=
         std::string::npos);
-  CHECK(problem([](Json& d) { d["normalizer"]["mean"].push_back(1.0); }).find("/normalizer") !=
+  CHECK(problem([](Json& d) { d["normalizer"]["mean"].push_back(1.0); }).find("normalizer: ") !=
         std::string::npos);
-  CHECK(problem([](Json& d) { d.erase("action"); }) == "policy: 'action' is missing");
+  CHECK(problem([](Json& d) { d.erase("action"); }) ==
+        "policy:1:1: key 'action' is missing");
 
-  Json gated = parse_json(policy_to_json(example(modular_policy())), "policy");
-  CHECK_NOTHROW(controller_from_json(gated, "policy"));
+  Json gated = Json::parse(policy_to_json(example(modular_policy())));
+  CHECK_NOTHROW(read_controller(to_node(gated, "policy")));
   gated["actor"]["gates"].erase(1);
-  CHECK_THROWS_WITH(controller_from_json(gated, "policy"), "policy: actor: 1 gates for 2 layers");
+  CHECK_THROWS_WITH(read_controller(to_node(gated, "policy")), "policy:1:1: actor: 1 gates for 2 layers");
 }
 
 TEST_CASE("as JSON a policy keeps its clock, its gait and the shifts of its waves") {
-  const Json network = parse_json(policy_to_json(example(policy_on_gait())), "policy");
+  const Json network = Json::parse(policy_to_json(example(policy_on_gait())));
   CHECK(network.at("clock") == Json{40.0, 17.5});
   CHECK(network.at("gait").at("period") == 17.5);
   CHECK(network.at("gait").at("shift") == Json{0.1, -0.05, 0.0});
-  const Json plain = parse_json(policy_to_json(example(network_policy())), "policy");
+  const Json plain = Json::parse(policy_to_json(example(network_policy())));
   CHECK_FALSE(plain.contains("clock"));
   CHECK_FALSE(plain.contains("gait"));
-  const Json wave = parse_json(policy_to_json(example(shifted_wave())), "policy");
+  const Json wave = Json::parse(policy_to_json(example(shifted_wave())));
   CHECK(wave.at("sine").at("shift") == network.at("gait").at("shift"));
 }
 
 TEST_CASE("as JSON a sequence has a row of targets for every step") {
   const Json sequence =
-      parse_json(policy_to_json(example(ReplayController{{0.6, 1.1, 1.6, 1.0}, 2})), "policy");
+      Json::parse(policy_to_json(example(ReplayController{{0.6, 1.1, 1.6, 1.0}, 2})));
   CHECK(sequence.at("kind") == "sequence");
   CHECK(sequence.at("actions") == Json{{0.6, 1.1}, {1.6, 1.0}});
 }
@@ -229,7 +232,7 @@ TEST_CASE("a sequence of no actuators or of numbers in a row is refused") {
   const PolicyFile there = read_policy(path);
   CHECK(std::get<ReplayController>(there.controller).steps() == 1);
   write_policy(path, example(ReplayController{{}, 0}));
-  CHECK_THAT(message_reading(path), Catch::Contains("/actions"));
+  CHECK_THAT(message_reading(path), Catch::Contains("actions: "));
 }
 
 TEST_CASE("a policy without final episodes has no final score") {
@@ -291,7 +294,7 @@ TEST_CASE("networks whose shapes do not fit are refused") {
   file.controller = policy;
   const auto path = scratch.folder / "a.policy.h5";
   write_policy(path, file);
-  CHECK_THAT(message_reading(path), Catch::Contains("/actor/layer_1/bias"));
+  CHECK_THAT(message_reading(path), Catch::Contains("actor: layer 1 has 9 biases"));
 }
 
 // Controllers that nothing has trained are no policies.
@@ -342,7 +345,7 @@ TEST_CASE("the same training is the same file, and its policy earns its fitness 
   CHECK(file.settings_hash == identify(robot.body, arena.task(), settings, 3).hash());
   CHECK(file.task == "Walker-v0");
   CHECK(parse_task(file.task_yaml, "stored").name == "Walker-v0");
-  CHECK(training_from_yaml(YamlNode::parse(file.training_yaml, "stored"), "", {}) == settings);
+  CHECK(training_from_yaml(Node::yaml(file.training_yaml, "stored"), "", {}) == settings);
   CHECK(file.layout.size() == 2);
   EvaluationSettings evaluation;
   evaluation.seed = 3;

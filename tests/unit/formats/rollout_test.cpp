@@ -218,12 +218,12 @@ TEST_CASE("Rollout: what makes no sense is refused with file and dataset") {
                    f.vector("/episode_0/rewards", two);
                    f.attribute("/", "robot", R"({"body":["HX"]})");
                  }),
-                 "/@robot: /body/0: unknown letter"));
+                 "/@robot:1:10: /body/0: unknown letter"));
   CHECK(contains(refused_after([&](auto& f) {
                    f.vector("/episode_0/rewards", two);
                    f.attribute("/episode_0", "random_draws", "[1]");
                  }),
-                 "/episode_0@random_draws: expected a JSON object, found [1]"));
+                 "/episode_0@random_draws:1:1: a mapping"));
 
   const auto with_world = [&](const std::vector<int>& owners, const std::vector<int>& types,
                               const std::vector<int>& corners) {
@@ -280,6 +280,15 @@ TEST_CASE("Actions: from HDF5") {
   CHECK(actions.values == std::vector<double>{1, 2, 3, 4, 5, 6});
   CHECK(contains(error_of(Failure::data, [&] { (void)read([](auto& f) { f.group("/x"); }); }),
                  "/actions: is missing"));
+  CHECK(contains(error_of(Failure::data,
+                          [&] {
+                            (void)read([](auto& f) {
+                              for (const char* group : {"/episode_0", "/episode_1"})
+                                f.array(std::string(group) + "/actions", {1, 1},
+                                        std::vector<double>{1});
+                            });
+                          }),
+                 "2 episodes, actions are of one"));
   CHECK(contains(
       error_of(Failure::data,
                [&] { (void)read([](auto& f) { f.vector("/actions", std::vector<double>{1}); }); }),
@@ -344,7 +353,7 @@ TEST_CASE("Actions: from CSV") {
   };
   for (const std::string text :
        {"0.6,1.6\n1.1,+1\n1e0,.7\n", "# numpy\n0.6, 1.6\r\n\r\n1.1,1\n1,0.7",
-        "left,right\n0.6,1.6\n1.1,1\n1,0.7\n"}) {
+        "\xEF\xBB\xBF\"left\",right\n0.6,1.6\n1.1,1\n1,0.7\n", "\xEF\xBB\xBF" "0.6 1.6\n1.1 1\n1 0.7\n"}) {
     const ActionSequence actions = read(text);
     CHECK(actions.steps == 3);
     CHECK(actions.actuators == 2);
@@ -357,6 +366,8 @@ TEST_CASE("Actions: from CSV") {
   CHECK(contains(refused("1,2\n1\n"), "line 2: 1 values, but the row before has 2"));
   CHECK(contains(refused("1,\n"), "line 1: value 2"));
   CHECK(contains(refused("1,nan\n"), "expected a number"));
+  CHECK(contains(refused("o.6,1.6\n1,1\n"), "line 1: value 1 is"));
+  CHECK(contains(refused("1,6;1.1\n1;1\n"), "line 1: value 2 is"));
   CHECK(contains(refused(""), "no actions"));
   CHECK(contains(refused("a,b\n"), "no actions"));
   CHECK(contains(refused("a,b\nc,d\n"), "line 2"));

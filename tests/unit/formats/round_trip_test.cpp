@@ -309,13 +309,13 @@ TEST_CASE("random profiles come back to the last bit") {
     const std::string physics_text = physics_to_yaml(physics);
     INFO(physics_text);
     REQUIRE_FALSE(physics == Physics{});
-    REQUIRE(physics_from_yaml(YamlNode::parse(physics_text, "p.yaml"), "", data) == physics);
+    REQUIRE(physics_from_yaml(Node::yaml(physics_text, "p.yaml"), "", data) == physics);
     const TrainingSettings training =
         any_settings(TrainingSettings{}, training_table(TrainingSettings{}), stream);
     const std::string training_text = training_to_yaml(training);
     INFO(training_text);
     REQUIRE_FALSE(training == TrainingSettings{});
-    REQUIRE(training_from_yaml(YamlNode::parse(training_text, "t.yaml"), "", data) == training);
+    REQUIRE(training_from_yaml(Node::yaml(training_text, "t.yaml"), "", data) == training);
   }
 }
 

@@ -12,7 +12,7 @@ namespace {
 const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
 
 TrainingSettings read(const std::string& text) {
-  return training_from_yaml(YamlNode::parse(text, "t.yaml"), "", data);
+  return training_from_yaml(Node::yaml(text, "t.yaml"), "", data);
 }
 
 std::string message(const std::string& text) {
@@ -44,8 +44,8 @@ TEST_CASE("the profile paper is what libevo has built in") {
   CHECK(read("{}") == TrainingSettings{});
   const auto path = find_data_file(data, "training", "paper");
   REQUIRE(path);
-  const YamlNode node = YamlNode::parse(read_file(*path), "paper.yaml");
-  const YamlMapping mapping(node, "profile", [] {
+  const Node node = Node::yaml(read_file(*path), "paper.yaml");
+  const Mapping mapping(node, "profile", [] {
     std::vector<std::string> keys{"format", "version", "name", "description"};
     for (const SettingRow& row : training_table({})) keys.push_back(row.key);
     return keys;

@@ -4,7 +4,7 @@
 
 #include "formats/io/files.h"
 #include "formats/task/physics_profile.h"
-#include "formats/task/yaml.h"
+#include "formats/rollout/ending.h"
 #include "libevo/task/contacts.h"
 #include "render/figures/plot.h"
 #include "render/render.h"

@@ -29,6 +29,7 @@ struct NumpyMatrix {
   std::size_t rows = 0;
   std::size_t cols = 0;
   std::vector<double> values;  // row-major
+  bool is_single = false;      // of float32
 };
 // The array of an .npy; of an .npz its only array, or the one of this name. Throws Error(data).
 NumpyMatrix matrix_from_numpy(std::string_view bytes, const std::string& name,

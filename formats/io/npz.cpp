@@ -1,4 +1,4 @@
-#include "formats/foreign/npz.h"
+#include "formats/io/npz.h"
 
 #include <zip.h>
 
@@ -87,14 +87,14 @@ const NumberType& number_type(std::string_view descr) {
   for (const NumberType& type : number_types)
     if (descr.size() == 5 && descr.substr(2, 2) == type.name && (type.size == 1 || descr[1] == '<'))
       return type;
-  throw refusal("", "numbers of type {}, expected little-endian integers or reals",
-                shown(Json(std::string(descr))));
+  throw error(Failure::data, "numbers of type {}, expected little-endian integers or reals",
+                shown(descr));
 }
 
 // The header of an array and where the numbers begin.
 std::pair<std::string_view, std::size_t> split_npy(std::string_view npy) {
   if (!npy.starts_with(npy_magic) || npy.size() < npy_version_1_prefix + 2)
-    throw Refusal{"", "is not a NumPy array"};
+    throw Error(Failure::data, "is not a NumPy array");
   const bool short_length = npy[npy_magic.size()] == 1;
   const auto byte = [&](std::size_t i) {
     return static_cast<std::size_t>(static_cast<unsigned char>(npy[i]));
@@ -102,8 +102,16 @@ std::pair<std::string_view, std::size_t> split_npy(std::string_view npy) {
   const std::size_t prefix = npy_version_1_prefix + (short_length ? 0 : 2);
   std::size_t length = byte(8) | byte(9) << 8;
   if (!short_length) length |= byte(10) << 16 | byte(11) << 24;
-  if (length > npy.size() - prefix) throw Refusal{"", "the header of the array is cut off"};
+  if (length > npy.size() - prefix) throw Error(Failure::data, "the header of the array is cut off");
   return {npy.substr(prefix, length), prefix + length};
+}
+
+// What numpy.savez makes of None: one object.
+bool is_none(std::string_view npy) {
+  const auto [header, begin] = split_npy(npy);
+  constexpr std::size_t pickle_head = 2;
+  return header_value(header, "descr") == "'|O'" && npy.size() > begin + pickle_head &&
+         npy.substr(begin + pickle_head) == "N.";
 }
 
 NpyArray parse_npy(std::string_view npy) {
@@ -112,14 +120,15 @@ NpyArray parse_npy(std::string_view npy) {
   const auto sizes = sizes_in(header_value(header, "shape"));
   const bool by_columns = header_value(header, "fortran_order") == "True";
   if (!sizes || sizes->empty() || sizes->size() > 2)
-    throw Refusal{"", "expected an array of two dimensions"};
+    throw Error(Failure::data, "expected an array of two dimensions");
   const auto most = (npy.size() - begin) / type.size;
   NpyArray array;
   array.dimensions = static_cast<int>(sizes->size());
+  array.is_single = type.name == "f4";
   array.rows = sizes->size() == 2 ? sizes->front() : 1;
   array.cols = sizes->back();
   if (array.cols != 0 && array.rows > most / array.cols)
-    throw refusal("", "{} x {} numbers are announced, there are {}", array.rows, array.cols, most);
+    throw error(Failure::data, "{} x {} numbers are announced, there are {}", array.rows, array.cols, most);
   const std::size_t count = array.rows * array.cols;
   array.values.resize(count);
   const std::size_t stride = by_columns ? array.rows : array.cols;
@@ -172,9 +181,9 @@ class ZipError {
 Zip<zip_t> open_archive(std::string_view bytes) {
   ZipError failed;
   Zip<zip_source_t> source(zip_source_buffer_create(bytes.data(), bytes.size(), 0, failed.get()));
-  if (!source) throw Refusal{"", failed.text()};
+  if (!source) throw Error(Failure::data, failed.text());
   Zip<zip_t> archive(zip_open_from_source(source.get(), ZIP_RDONLY, failed.get()));
-  if (!archive) throw refusal("", "not an .npz file (a zip archive): {}", failed.text());
+  if (!archive) throw error(Failure::data, "not an .npz file (a zip archive): {}", failed.text());
   (void)source.release();  // the archive's now
   return archive;
 }
@@ -186,43 +195,77 @@ constexpr std::size_t largest_member =
 std::string read_member(zip_t* archive, zip_uint64_t index) {
   zip_stat_t status{};
   if (zip_stat_index(archive, index, 0, &status) != 0 || (status.valid & ZIP_STAT_SIZE) == 0)
-    throw Refusal{"", zip_strerror(archive)};
+    throw Error(Failure::data, zip_strerror(archive));
   if (status.size > largest_member)
-    throw refusal("", "{} bytes; the largest robot is {}x{}", status.size, largest_side,
+    throw error(Failure::data, "{} bytes; the largest robot is {}x{}", status.size, largest_side,
                   largest_side);
   const Zip<zip_file_t> member(zip_fopen_index(archive, index, 0));
-  if (!member) throw Refusal{"", zip_strerror(archive)};
+  if (!member) throw Error(Failure::data, zip_strerror(archive));
   std::string bytes(static_cast<std::size_t>(status.size), '\0');
   const zip_int64_t got = zip_fread(member.get(), bytes.data(), bytes.size());
   char past_the_end = 0;  // reading there is what makes libzip compare the checksum
   if (std::cmp_not_equal(got, bytes.size()) || zip_fread(member.get(), &past_the_end, 1) != 0)
-    throw refusal("", "cut off or damaged: {}", zip_file_strerror(member.get()));
+    throw error(Failure::data, "cut off or damaged: {}", zip_file_strerror(member.get()));
   return bytes;
 }
 
-NpyArray read_array(zip_t* archive, zip_uint64_t index) {
-  const char* name = zip_get_name(archive, index, ZIP_FL_ENC_RAW);
+std::string member_name(zip_t* archive, zip_int64_t index) {
+  const char* name = zip_get_name(archive, static_cast<zip_uint64_t>(index), ZIP_FL_ENC_RAW);
+  return name == nullptr ? fmt::format("member {}", index) : name;
+}
+
+// What `read` makes of a member; its errors begin with the member's name.
+template <typename Read>
+auto from_member(zip_t* archive, zip_int64_t index, const Read& read) {
   try {
-    return parse_npy(read_member(archive, index));
-  } catch (const Refusal& refused) {
-    throw Refusal{name == nullptr ? fmt::format("member {}", index) : name, refused.message};
+    return read(read_member(archive, static_cast<zip_uint64_t>(index)));
+  } catch (const Error& failure) {
+    throw failure.at(member_name(archive, index));
   }
+}
+
+std::vector<std::string> member_names(zip_t* archive) {
+  std::vector<std::string> names;
+  for (zip_int64_t i = 0; i < zip_get_num_entries(archive, 0); ++i) {
+    names.push_back(member_name(archive, i));
+    if (std::count(names.begin(), names.end(), names.back()) > 1)
+      throw error(Failure::data, "two arrays are called {}", names.back());
+  }
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+// The member of one of these names; -1: there is none.
+zip_int64_t named(const Names& names, const Names& wanted) {
+  for (const std::string& name : wanted)
+    if (const auto found = std::find(names.begin(), names.end(), name + ".npy");
+        found != names.end())
+      return found - names.begin();
+  return -1;
+}
+
+// That, else the first that is not `other`.
+zip_int64_t choose(const Names& names, const Names& wanted, zip_int64_t other) {
+  if (const zip_int64_t found = named(names, wanted); found >= 0) return found;
+  const zip_int64_t first = other == 0 ? 1 : 0;
+  return std::cmp_less(first, names.size()) ? first : -1;
 }
 
 // ---- body and links -------------------------------------------------------------
 
 Body body_of(const NpyArray& matrix) {
   if (matrix.dimensions != 2)
-    throw refusal(body_member, "{} numbers in a row, expected a matrix", matrix.cols);
+    throw error(Failure::data, "{} numbers in a row, expected a matrix", matrix.cols);
   if (matrix.rows < 1 || matrix.cols < 1 || matrix.rows > largest_side ||
       matrix.cols > largest_side)
-    throw refusal(body_member, "a body of {}x{} cells; rows and columns go from 1 to {}",
+    throw error(Failure::data, "a body of {}x{} cells; rows and columns go from 1 to {}",
                   matrix.rows, matrix.cols, largest_side);
   std::vector<Voxel> cells;
   for (std::size_t i = 0; i < matrix.values.size(); ++i) {
     const double kind = matrix.values[i];
     if (!(kind >= 0.0 && kind <= static_cast<double>(Voxel::vertical)) || kind != std::floor(kind))
-      throw refusal(body_member, "unknown kind {} at row {}, column {}; allowed 0 1 2 3 4", kind,
+      throw error(Failure::data, "unknown kind {} at row {}, column {}; allowed 0 1 2 3 4", kind,
                     i / matrix.cols + 1, i % matrix.cols + 1);
     cells.push_back(static_cast<Voxel>(static_cast<int>(kind)));
   }
@@ -232,12 +275,12 @@ Body body_of(const NpyArray& matrix) {
 std::vector<Link> links_of(const NpyArray& pairs, const Body& body) {
   if (pairs.values.empty()) return {};
   if (pairs.rows != 2)
-    throw refusal(links_member, "{} x {} numbers, expected two rows", pairs.rows, pairs.cols);
+    throw error(Failure::data, "{} x {} numbers, expected two rows", pairs.rows, pairs.cols);
   const auto cell = [&](std::size_t i) {
     const double index = pairs.values[i];
     if (!(index >= 0.0 && index < static_cast<double>(body.cells.size())) ||
         index != std::floor(index))
-      throw refusal(links_member, "{} is not the number of a cell, 0 to {}", index,
+      throw error(Failure::data, "{} is not the number of a cell, 0 to {}", index,
                     body.cells.size() - 1);
     return static_cast<int>(index);
   };
@@ -284,15 +327,23 @@ std::string bytes_of(zip_source_t* source) {
 Body body_from_npz(std::string_view bytes, const std::string& where) {
   try {
     const Zip<zip_t> archive = open_archive(bytes);
-    const zip_int64_t members = zip_get_num_entries(archive.get(), 0);
-    if (members < 1) throw Refusal{"", "an archive without a body matrix"};
-    Body body = body_of(read_array(archive.get(), 0));
-    if (members < 2) return body;
-    body.links = links_of(read_array(archive.get(), 1), body);
-    if (const auto wrong = link_defect(body)) throw Refusal{links_member, *wrong};
+    const std::vector<std::string> names = member_names(archive.get());
+    const Names links{"arr_1", "connections"};
+    const zip_int64_t first = choose(names, {"arr_0", "body", "structure"},
+                                     names.size() > 1 ? named(names, links) : -1);
+    if (first < 0) throw error(Failure::data, "an archive without a body matrix");
+    Body body = from_member(archive.get(), first,
+                            [](const std::string& npy) { return body_of(parse_npy(npy)); });
+    const zip_int64_t second = choose(names, links, first);
+    if (second < 0) return body;
+    from_member(archive.get(), second, [&](const std::string& npy) {
+      if (is_none(npy)) return;
+      body.links = links_of(parse_npy(npy), body);
+      if (const auto wrong = link_defect(body)) throw Error(Failure::data, *wrong);
+    });
     return body;
-  } catch (const Refusal& refused) {
-    throw refused.at(where);
+  } catch (const Error& failure) {
+    throw failure.at(where);
   }
 }
 
@@ -304,8 +355,8 @@ Body body_from_numpy(std::string_view bytes, const std::string& where) {
   if (!bytes.starts_with(npy_magic)) return body_from_npz(bytes, where);
   try {
     return body_of(parse_npy(bytes));
-  } catch (const Refusal& refused) {
-    throw Refusal{"", refused.message}.at(where);
+  } catch (const Error& failure) {
+    throw failure.at(where);
   }
 }
 
@@ -317,17 +368,17 @@ NumpyMatrix matrix_from_numpy(std::string_view bytes, const std::string& name,
       matrix = parse_npy(bytes);
     } else {
       const Zip<zip_t> archive = open_archive(bytes);
-      zip_int64_t index = zip_name_locate(archive.get(), (name + ".npy").c_str(), 0);
-      const zip_int64_t members = zip_get_num_entries(archive.get(), 0);
-      if (index < 0 && members == 1) index = 0;
-      if (index < 0) throw refusal("", "{} arrays, none of which is called {}", members, name);
-      matrix = read_array(archive.get(), static_cast<zip_uint64_t>(index));
+      const Names names = member_names(archive.get());
+      const zip_int64_t index = names.size() == 1 ? 0 : named(names, {name});
+      if (index < 0)
+        throw error(Failure::data, "{} arrays, none of which is called {}", names.size(), name);
+      matrix = from_member(archive.get(), index, parse_npy);
     }
     if (matrix.dimensions != 2)
-      throw refusal("", "{} numbers in a row, expected a matrix", matrix.cols);
+      throw error(Failure::data, "{} numbers in a row, expected a matrix", matrix.cols);
     return matrix;
-  } catch (const Refusal& refused) {
-    throw refused.at(where);
+  } catch (const Error& failure) {
+    throw failure.at(where);
   }
 }
 
@@ -336,7 +387,7 @@ std::string read_npz_bytes(const std::string& input) {
   constexpr std::size_t longest = 2 * largest_member;
   return read_input(input, longest, [&](std::string_view beginning) {
     if (!beginning.starts_with("PK"))
-      throw refusal("", "not an .npz file (a zip archive)").at(input_label(input));
+      throw error(Failure::data, "not an .npz file (a zip archive)").at(input_label(input));
     return longest;
   });
 }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/io/json.h"
+#include "formats/io/node.h"
 #include "formats/robot/robot.h"
 #include "libevo/sim/world.h"
 
@@ -20,12 +20,11 @@ using WorldWarning = std::function<void(const std::string&)>;
 // order of objects and cells; a link counts from whichever end it is listed. As the
 // benchmark does, with a warning each: cells above `grid_height`, or a `grid_height` that is
 // none, make the grid as high as its cells; a cell listed twice has its last type; neighbours
-// that are not adjacent, and those of no cell, are left out. Refused, with the JSON path: a
+// that are not adjacent, and those of no cell, are left out. Refused: a
 // missing field, collections of different lengths, a cell that is none, a neighbour that is
 // no cell of the object, an object without voxels or in several pieces (which the benchmark
 // leaves out), two objects in one cell. Throws Error(data).
-World evogym_world_from_json(const Json& document, const std::string& where,
-                             const WorldWarning& warn = {});
+World read_evogym_world(const Node& document, const WorldWarning& warn = {});
 World read_evogym_world(const std::filesystem::path& path, const WorldWarning& warn = {});
 
 // JSON text. The grid is as large as the contents; an object whose matrix has an

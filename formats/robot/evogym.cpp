@@ -1,4 +1,4 @@
-#include "formats/foreign/evogym.h"
+#include "formats/robot/evogym.h"
 
 #include <fmt/ranges.h>
 
@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "formats/foreign/npz.h"
+#include "formats/io/npz.h"
 #include "formats/io/files.h"
 #include "formats/io/number.h"
 #include "libevo/base/error.h"
@@ -41,112 +41,78 @@ struct Grid {
   }
 };
 
-// A name as a step of a JSON path.
-std::string step(const std::string& name) {
-  std::string escaped = "/";
-  for (const char c : name) {
-    if (c == '~')
-      escaped += "~0";
-    else if (c == '/')
-      escaped += "~1";
-    else
-      escaped += c;
-  }
-  return escaped;
-}
-
-const Json& field(const Json& record, const std::string& path, const char* name, Json::value_t type,
-                  const char* expected) {
-  const auto found = record.find(name);
-  const std::string place = path + step(name);
-  if (found == record.end()) throw Refusal{place, "is missing"};
-  if (found->type() != type) throw refusal(place, "expected {}, found {}", expected, shown(*found));
-  return *found;
-}
-
 // Told of a place, and of what is read there in the benchmark's way.
-using Note = std::function<void(const std::string& path, const std::string& text)>;
+using Note = std::function<void(const Node& node, const std::string& text)>;
 
-// The benchmark reads 3.0 as 3, too.
-bool is_whole(const Json& value) {
-  if (!value.is_number_float()) return value.is_number_integer();
-  const auto number = value.get<double>();
-  return number == std::floor(number) && std::abs(number) < 1e15;
-}
-
-int grid_side(const Json& document, const char* name) {
-  const auto found = document.find(name);
-  if (found == document.end()) throw Refusal{step(name), "is missing"};
-  if (!found->is_number_integer() || *found < 1 || *found > largest_grid)
-    throw refusal(step(name), "expected a number of cells, 1 to {}, found {}", largest_grid,
-                  shown(*found));
-  return found->get<int>();
+// A whole number; the benchmark reads 3.0 as 3, too.
+std::optional<std::int64_t> whole(const Node& node) {
+  constexpr double largest_exact = 1e15;
+  const auto number = node.is_plain() ? finite_number(node.text()) : std::nullopt;
+  if (!number || *number != std::floor(*number) || std::abs(*number) > largest_exact)
+    return std::nullopt;
+  return static_cast<std::int64_t>(*number);
 }
 
 // Rows of the highest cell that an object names. The benchmark finds a cell's place by the
 // grid's width alone, and published worlds have cells above their grid_height.
-int rows_named(const Json& objects, const Grid& grid) {
+int rows_named(const Node& objects, int width) {
   std::int64_t highest = 0;
-  for (const auto& [name, record] : objects.items()) {
-    const auto indices = record.is_object() ? record.find("indices") : record.end();
-    if (indices == record.end() || !indices->is_array()) continue;
-    for (const Json& index : *indices)
-      if (index.is_number_integer() && index >= 0 &&
-          index < std::int64_t{grid.width} * largest_grid)
-        highest = std::max(highest, index.get<std::int64_t>());
+  for (const auto& [name, record] : objects.entries()) {
+    const auto indices = record.find("indices");
+    if (!indices || !indices->is_sequence()) continue;
+    for (const Node& item : indices->items())
+      if (const auto index = whole(item); index && *index < std::int64_t{width} * largest_grid)
+        highest = std::max(highest, *index);
   }
-  return static_cast<int>(highest / grid.width) + 1;
+  return static_cast<int>(highest / width) + 1;
 }
 
 // Rows of the grid: the benchmark asks for the number and does not use it.
-int grid_height(const Json& document, const Json& objects, int width, const Note& note) {
-  const auto found = document.find("grid_height");
-  if (found == document.end()) throw Refusal{"/grid_height", "is missing"};
-  const bool usable = found->is_number_integer() && *found >= 1 && *found <= largest_grid;
-  const int given = usable ? found->get<int>() : 0;
-  const int rows = rows_named(objects, {width, given});
-  if (!usable)
-    note("/grid_height",
-         fmt::format("is {}, which is no number of rows; read as {}", shown(*found), rows));
-  else if (rows > given)
-    note("/grid_height",
-         fmt::format("is {}, but there are cells up to row {}; read as {}", given, rows - 1, rows));
-  return std::max(rows, given);
+int grid_height(const Node& given, const Node& objects, int width, const Note& note) {
+  const auto number = whole(given);
+  const int rows = rows_named(objects, width);
+  if (!number || *number < 1 || *number > largest_grid) {
+    note(given, fmt::format("{} is no number of rows; read as {}", given.found(), rows));
+    return rows;
+  }
+  if (rows > *number)
+    note(given, fmt::format("is {}, but there are cells up to row {}; read as {}", *number,
+                            rows - 1, rows));
+  return std::max(rows, static_cast<int>(*number));
 }
 
-std::int64_t cell_index(const Json& value, const Grid& grid, const std::string& path) {
-  if (!is_whole(value) || value < 0 || value >= grid.cells())
-    throw refusal(path, "cell {} is outside the grid of {}x{} cells, 0 to {}", shown(value),
-                  grid.width, grid.height, grid.cells() - 1);
-  return value.get<std::int64_t>();
+std::int64_t cell_index(const Node& node, const Grid& grid) {
+  const auto index = whole(node);
+  if (!index || *index < 0 || *index >= grid.cells())
+    throw node.error(fmt::format("cell {} is outside the grid of {}x{} cells, 0 to {}",
+                                 node.found(), grid.width, grid.height, grid.cells() - 1));
+  return *index;
 }
 
 // The cells of an object by index, with their types.
 using Cells = std::map<std::int64_t, Voxel>;
 
-Cells read_cells(const Json& record, const Grid& grid, const std::string& path, const Note& note) {
-  const Json& indices =
-      field(record, path, "indices", Json::value_t::array, "a list of cell indices");
-  const Json& types = field(record, path, "types", Json::value_t::array, "a list of cell types");
-  const Json& neighbors = field(record, path, "neighbors", Json::value_t::object,
-                                "a mapping from cell index to a list of cell indices");
-  if (indices.size() != types.size() || indices.size() != neighbors.size())
-    throw refusal(path, "{} indices, {} types and {} neighbors: their numbers must be equal",
-                  indices.size(), types.size(), neighbors.size());
+Cells read_cells(const Node& record, const Grid& grid, const Note& note) {
+  const std::vector<Node> indices = record.at("indices").items();
+  const std::vector<Node> types = record.at("types").items();
+  const std::size_t neighbors = record.at("neighbors").entries().size();
+  if (indices.size() != types.size() || indices.size() != neighbors)
+    throw record.error(
+        fmt::format("{} indices, {} types and {} neighbors: their numbers must be equal",
+                    indices.size(), types.size(), neighbors));
   Cells cells;
   for (std::size_t i = 0; i < indices.size(); ++i) {
-    const std::int64_t index = cell_index(indices[i], grid, fmt::format("{}/indices/{}", path, i));
-    const Json& type = types[i];
-    if (!is_whole(type) || type < 0 || type > static_cast<int>(Voxel::fixed))
-      throw refusal(fmt::format("{}/types/{}", path, i), "unknown type {}; allowed 0 1 2 3 4 5",
-                    shown(type));
-    if (!cells.insert_or_assign(index, static_cast<Voxel>(type.get<int>())).second)
-      note(fmt::format("{}/indices/{}", path, i),
-           fmt::format("cell {} is listed twice; its last type counts", index));
+    const std::int64_t index = cell_index(indices[i], grid);
+    const auto type = whole(types[i]);
+    if (!type || *type < 0 || *type > static_cast<int>(Voxel::fixed))
+      throw types[i].error(
+          fmt::format("unknown type {}; allowed 0 1 2 3 4 5", types[i].found()));
+    if (!cells.insert_or_assign(index, static_cast<Voxel>(*type)).second)
+      note(indices[i], fmt::format("cell {} is listed twice; its last type counts", index));
   }
   if (std::none_of(cells.begin(), cells.end(),
                    [](const auto& cell) { return cell.second != Voxel::empty; }))
-    throw Refusal{path, "an object without voxels"};
+    throw record.error("an object without voxels");
   return cells;
 }
 
@@ -177,56 +143,50 @@ Box box_around(const Cells& cells, const Grid& grid) {
   return box;
 }
 
-std::vector<std::pair<std::int64_t, std::int64_t>> read_neighbors(const Json& record,
+std::vector<std::pair<std::int64_t, std::int64_t>> read_neighbors(const Node& record,
                                                                   const Cells& cells,
                                                                   const Grid& grid, const Box& box,
-                                                                  const std::string& path,
                                                                   const Note& note) {
   std::vector<std::pair<std::int64_t, std::int64_t>> pairs;
-  for (const auto& [key, list] : record["neighbors"].items()) {
-    const std::string place = path + "/neighbors" + step(key);
-    const std::int64_t index = number_in<std::int64_t>(key).value_or(-1);
+  for (const auto& [key, list] : record.at("neighbors").entries()) {
+    const std::int64_t index = number_in<std::int64_t>(key.text()).value_or(-1);
     if (!cells.contains(index)) {
-      note(place, fmt::format("{} is not a cell of this object; left out", shown(Json(key))));
+      note(list, fmt::format("{} is not a cell of this object; left out", key.found()));
       continue;
     }
-    if (!list.is_array())
-      throw refusal(place, "expected a list of cell indices, found {}", shown(list));
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      const std::string link = fmt::format("{}/{}", place, i);
-      const std::int64_t other = cell_index(list[i], grid, link);
+    for (const Node& item : list.items()) {
+      const std::int64_t other = cell_index(item, grid);
       if (!cells.contains(other))
-        throw refusal(link, "neighbour {} of cell {} is not a cell of this object", other, index);
+        throw item.error(
+            fmt::format("neighbour {} of cell {} is not a cell of this object", other, index));
       const Cell a = grid.at(index);
       const Cell b = grid.at(other);
       if (std::abs(a.x - b.x) + std::abs(a.y - b.y) != 1) {
+        const std::string text =
+            fmt::format("neighbour {} of cell {} is not adjacent to it", other, index);
         // The benchmark, which counts cells row by row, would weld the ends of two rows.
-        if (std::abs(box.place(a) - box.place(b)) == 1)
-          throw refusal(link, "neighbour {} of cell {} is not adjacent to it", other, index);
-        note(link,
-             fmt::format("neighbour {} of cell {} is not adjacent to it; left out", other, index));
+        if (std::abs(box.place(a) - box.place(b)) == 1) throw item.error(text);
+        note(item, text + "; left out");
         continue;
       }
       if (cells.at(index) == Voxel::empty || cells.at(other) == Voxel::empty)
-        throw refusal(link, "cells {} and {} are neighbours, but one is empty", index, other);
+        throw item.error(
+            fmt::format("cells {} and {} are neighbours, but one is empty", index, other));
       pairs.emplace_back(index, other);
     }
   }
   return pairs;
 }
 
-Object read_object(const std::string& name, const Json& record, const Grid& grid,
+Object read_object(const std::string& name, const Node& record, const Grid& grid,
                    const Note& note) {
-  const std::string path = "/objects" + step(name);
-  if (!record.is_object())
-    throw refusal(path, "expected an object record, found {}", shown(record));
-  const Cells cells = read_cells(record, grid, path, note);
+  const Cells cells = read_cells(record, grid, note);
   const Box box = box_around(cells, grid);
   const std::size_t reach =
       static_cast<std::size_t>(box.width()) + static_cast<std::size_t>(box.height()) - 1;
   if (reach > cells.size() || std::int64_t{box.width()} * box.height() > largest_box)
-    throw refusal(path, "{} cells cannot connect the {}x{} cells they are spread over",
-                  cells.size(), box.width(), box.height());
+    throw record.error(fmt::format("{} cells cannot connect the {}x{} cells they are spread over",
+                                   cells.size(), box.width(), box.height()));
   const auto in_box = [&](std::int64_t index) {
     return static_cast<int>(box.place(grid.at(index)));
   };
@@ -236,11 +196,11 @@ Object read_object(const std::string& name, const Json& record, const Grid& grid
   body.cells.resize(static_cast<std::size_t>(body.rows) * static_cast<std::size_t>(body.cols));
   for (const auto& [index, type] : cells)
     body.cells[static_cast<std::size_t>(in_box(index))] = type;
-  for (const auto& [a, b] : read_neighbors(record, cells, grid, box, path, note))
+  for (const auto& [a, b] : read_neighbors(record, cells, grid, box, note))
     body.links.push_back({std::min(in_box(a), in_box(b)), std::max(in_box(a), in_box(b))});
   std::sort(body.links.begin(), body.links.end());
   body.links.erase(std::unique(body.links.begin(), body.links.end()), body.links.end());
-  if (const auto wrong = defect(body, false)) throw Refusal{path, "inside its box, " + *wrong};
+  if (const auto wrong = defect(body, false)) throw record.error("inside its box, " + *wrong);
   return {name, std::move(body), box.left, box.bottom};
 }
 
@@ -254,14 +214,14 @@ std::vector<Cell> filled_cells(const Object& object) {
   return cells;
 }
 
-void check_overlap(const World& world) {
+void check_overlap(const World& world, const Node& objects) {
   std::map<Cell, const Object*> owners;
   for (const Object& object : world.objects)
     for (const Cell& cell : filled_cells(object))
       if (const auto [owner, added] = owners.emplace(cell, &object); !added)
-        throw refusal("/objects" + step(object.name),
-                      "the cell at x {}, y {} belongs to object {}, too", cell.x, cell.y,
-                      shown(Json(owner->second->name)));
+        throw objects.at(object.name)
+            .error(fmt::format("the cell at x {}, y {} belongs to object '{}', too", cell.x, cell.y,
+                               owner->second->name));
 }
 
 // ---- worlds: writing --------------------------------------------------------------
@@ -370,7 +330,7 @@ std::vector<Ranked> read_ranking(const fs::path& path) {
     const auto value = number_in<double>(fitness);
     if (!number || !value || !more.empty())
       throw error(Failure::data, "{}: line {}: expected a label and a fitness, found {}",
-                  path.string(), line_number, shown(Json(line)));
+                  path.string(), line_number, shown(line));
     ranking.push_back({static_cast<int>(*number), *value, std::isfinite(*value)});
   }
   return ranking;
@@ -411,32 +371,23 @@ class Collection {
 
 // ---- public ---------------------------------------------------------------------------
 
-World evogym_world_from_json(const Json& document, const std::string& where,
-                             const WorldWarning& warn) {
-  try {
-    if (!document.is_object())
-      throw refusal("", "expected a world (an object), found {}", shown(document));
-    const Note note = [&](const std::string& path, const std::string& text) {
-      if (warn) warn(fmt::format("{}: {} {}", where, path, text));
-    };
-    Grid grid{grid_side(document, "grid_width"), 0};
-    const Json& objects = field(document, "", "objects", Json::value_t::object,
-                                "a mapping from object name to record");
-    grid.height = grid_height(document, objects, grid.width, note);
-    World world;
-    for (const auto& [name, record] : objects.items())
-      world.objects.push_back(read_object(name, record, grid, note));
-    check_overlap(world);
-    return world;
-  } catch (const Refusal& refused) {
-    throw refused.at(where);
-  }
+World read_evogym_world(const Node& document, const WorldWarning& warn) {
+  const Note note = [&](const Node& node, const std::string& text) {
+    if (warn) warn(fmt::format("{}: {}", node.where(), text));
+  };
+  Grid grid{document.at("grid_width").integer(1, largest_grid), 0};
+  const Node objects = document.at("objects");
+  grid.height = grid_height(document.at("grid_height"), objects, grid.width, note);
+  World world;
+  for (const auto& [name, record] : objects.entries())
+    world.objects.push_back(read_object(name.text(), record, grid, note));
+  check_overlap(world, objects);
+  return world;
 }
 
 World read_evogym_world(const fs::path& path, const WorldWarning& warn) {
-  const std::string where = input_label(path.string());
-  return evogym_world_from_json(parse_json(read_input(path.string(), largest_value), where), where,
-                                warn);
+  return read_evogym_world(
+      Node::json(read_input(path.string(), largest_value), input_label(path.string())), warn);
 }
 
 std::string evogym_world_to_json(const World& world) {
@@ -473,7 +424,7 @@ Robot robot_from_evogym_world(const World& world, const std::string& where, Body
     throw error(Failure::data,
                 "{}: a world of {} objects, {} of which have actuators; one is expected, the robot",
                 where, world.objects.size(), robots);
-  return robot_from_json(Robot(robot->body).document, where, check);
+  return checked(Robot(robot->body), where, check);
 }
 
 World evogym_world_of_robot(const Robot& robot) { return {{{"robot", robot.body, 0, 0}}}; }

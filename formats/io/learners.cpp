@@ -1,4 +1,4 @@
-#include "formats/foreign/learners.h"
+#include "formats/io/learners.h"
 
 #include <fstream>
 

@@ -7,11 +7,11 @@
 
 #include "cli/data.h"
 #include "cli/terminal.h"
-#include "formats/robot/evogym.h"
 #include "formats/io/format.h"
 #include "formats/io/node.h"
 #include "formats/io/text.h"
 #include "formats/io/values.h"
+#include "formats/robot/evogym.h"
 #include "formats/run/neat.h"
 #include "formats/run/neat_ini.h"
 #include "formats/run/run.h"

@@ -106,8 +106,8 @@ Json step(Session& session, const Node& request) {
   const Node step = request.at("step");
   const std::vector<Node> rows = step.items();
   if (rows.size() != environments.size())
-    throw step.error(fmt::format("{} rows of actions for {} environments", rows.size(),
-                                 environments.size()));
+    throw step.error(
+        fmt::format("{} rows of actions for {} environments", rows.size(), environments.size()));
   std::vector<double> actions(session.action_values());
   std::vector<std::uint8_t> active(static_cast<std::size_t>(session.environments()));
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -146,8 +146,8 @@ Json restore(Session& session, const Node& request) {
     states.push_back(std::move(*bytes));
   }
   if (states.size() != environments.size())
-    throw texts.error(fmt::format("{} states for {} environments", states.size(),
-                                  environments.size()));
+    throw texts.error(
+        fmt::format("{} states for {} environments", states.size(), environments.size()));
   std::vector<Session::Restored> restored;
   for (std::size_t i = 0; i < states.size(); ++i) restored.push_back({environments[i], states[i]});
   session.restore(restored);
@@ -229,7 +229,8 @@ void serve(Session& session) {
       out.line(compact(answer(session, request)));
     } catch (const Error& failure) {
       if (failure.kind() == Failure::io) throw;
-      out.line(compact({{"error", failure.what()}}));
+      const std::string what = failure.what();  // of a document, it begins with its place
+      out.line(compact({{"error", what.starts_with(where) ? what : where + ": " + what}}));
     }
   }
   if (!std::cin.eof())

@@ -60,11 +60,12 @@ void add_demonstrations(const fs::path& path, const Robot& robot, const TaskSpec
   for (std::size_t k = 0; k < rollout.episodes.size(); ++k) {
     const RolloutEpisode& episode = rollout.episodes[k];
     const std::string where = fmt::format("{}: /episode_{}", path.string(), k);
-    demonstrations.push_back({where,
-                              {read_draws(to_node(episode.random_draws, where + "@random_draws"), task),
-                               episode.jitter, episode.jitter_seed},
-                              {episode.actions, rollout.action_length},
-                              episode.rewards});
+    demonstrations.push_back(
+        {where,
+         {read_draws(to_node(episode.random_draws, where + "@random_draws"), task), episode.jitter,
+          episode.jitter_seed},
+         {episode.actions, rollout.action_length},
+         episode.rewards});
   }
 }
 

@@ -127,8 +127,7 @@ int evo_envs_reset(evo_envs* envs, const int32_t* environments, size_t count,
       if (start->has_seed != 0) request.seed = start->seed;
       if (start->has_episode != 0) request.episode = start->episode;
       if (start->draws != nullptr)
-        request.draws =
-            evo::read_draws(evo::Node::json(start->draws, "draws"), session.task());
+        request.draws = evo::read_draws(evo::Node::json(start->draws, "draws"), session.task());
       request.jitter = start->jitter;
     }
     session.reset(request);

@@ -4,8 +4,8 @@
 
 #include "bindings/c/handles.h"
 #include "bindings/c/pictures.h"
-#include "formats/robot/evogym.h"
 #include "formats/io/json.h"
+#include "formats/robot/evogym.h"
 #include "formats/task/physics_profile.h"
 #include "libevo/base/digest.h"
 #include "libevo/base/parallel.h"

@@ -120,9 +120,9 @@ struct evo_player {
     const std::string kind = document.at("kind").string();
     const int actuators = arena.action_length();
     if (kind == "wave") {
-      controller = evo::travelling_wave(actuators, document.at("amplitude").number(),
-                                        document.at("period").number(),
-                                        document.at("phase").number());
+      controller =
+          evo::travelling_wave(actuators, document.at("amplitude").number(),
+                               document.at("period").number(), document.at("phase").number());
     } else if (kind == "rest") {
       evo::SineController rest = evo::travelling_wave(actuators, 0.0, 1.0, 0.0);
       rest.middle = 1.0;

@@ -116,8 +116,7 @@ std::string action_space(const std::vector<Rollout>& rollouts) {
     const Physics physics =
         rollout.physics_yaml.empty()
             ? Physics{}
-            : physics_from_yaml(Node::yaml(rollout.physics_yaml, "physics of the rollout"), {},
-                                {});
+            : physics_from_yaml(Node::yaml(rollout.physics_yaml, "physics of the rollout"), {}, {});
     low.push_back(physics.min_target);
     high.push_back(physics.max_target);
   }

@@ -564,7 +564,8 @@ struct Reader::File {
     Array<T> result;
     result.shape = shape_of(Handle(H5Aget_space(opened.get()), H5Sclose), path);
     result.values = room_for<T>(result.shape, path);
-    if (H5Aread(opened.get(), type_of<T>().memory, result.values.data()) < 0) throw unreadable(path);
+    if (H5Aread(opened.get(), type_of<T>().memory, result.values.data()) < 0)
+      throw unreadable(path);
     return result;
   }
 };
@@ -623,12 +624,11 @@ Array<T> Reader::array(const std::string& path, const Shape& expected) const {
 
 std::vector<std::string> Reader::strings(const std::string& path) const {
   const Handle dataset = file_->open_dataset(path);
-  return file_->texts(Handle(H5Dget_type(dataset.get()), H5Tclose),
-                      Handle(H5Dget_space(dataset.get()), H5Sclose), path,
-                      [&](hid_t memory, void* into) {
-                        return H5Dread(dataset.get(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                                       into) >= 0;
-                      });
+  return file_->texts(
+      Handle(H5Dget_type(dataset.get()), H5Tclose), Handle(H5Dget_space(dataset.get()), H5Sclose),
+      path, [&](hid_t memory, void* into) {
+        return H5Dread(dataset.get(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, into) >= 0;
+      });
 }
 
 bool Reader::has_attribute(const std::string& object, const std::string& name) const {

@@ -59,8 +59,9 @@ std::optional<JsonPiece> JsonPieces::next() {
   if (at_ == text_.size()) return std::nullopt;
   JsonPiece piece{{}, line_, static_cast<int>(at_ - line_start_) + 1};
   if (text_[at_] != '{' && text_[at_] != '[')
-    throw error(Failure::data, "{}:{}:{}: a JSON object is expected, which begins with '{{', found {}",
-                file_, piece.line, piece.column, shown(text_[at_]));
+    throw error(Failure::data,
+                "{}:{}:{}: a JSON object is expected, which begins with '{{', found {}", file_,
+                piece.line, piece.column, shown(text_[at_]));
   const std::size_t begin = at_;
   skip_value();
   piece.text = text_.substr(begin, at_ - begin);

@@ -1,12 +1,13 @@
 #include "formats/io/node.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <unordered_map>
 #include <utility>
 
-#include "formats/io/number.h"
 #include "formats/io/node_builder.h"
+#include "formats/io/number.h"
 
 namespace evo {
 
@@ -27,23 +28,14 @@ const std::string& Node::file() const { return data_->document->file; }
 int Node::line() const { return data_->line; }
 
 std::string Node::path() const {
-  struct Search {
-    const Data* wanted;
-    bool in(const Data& at, std::string& path) const {
-      if (&at == wanted) return true;
-      const bool named = at.kind == Kind::mapping;
-      const std::size_t length = path.size();
-      for (std::size_t i = 0; i < at.children.size(); ++i) {
-        const std::size_t name = i - i % 2;
-        path += named ? "/" + at.children[name]->text : fmt::format("/{}", i);
-        if (in(*at.children[i], path)) return true;
-        path.resize(length);
-      }
-      return false;
-    }
-  };
   std::string path;
-  Search{data_.get()}.in(*data_->document->root, path);
+  for (const Data* at = data_.get(); at->parent != nullptr; at = at->parent) {
+    const auto& siblings = at->parent->children;
+    const auto i = std::find(siblings.begin(), siblings.end(), at) - siblings.begin();
+    const bool named = at->parent->kind == Kind::mapping;
+    const auto name = static_cast<std::size_t>(i - i % 2);  // of a key and of its value
+    path.insert(0, named ? "/" + siblings[name]->text : fmt::format("/{}", i));
+  }
   return path;
 }
 
@@ -54,7 +46,10 @@ std::string Node::where() const {
 }
 
 Error Node::error(const std::string& message) const {
-  return Error(Failure::data, message).at(where());
+  std::string line = where() + ": " + message;
+  for (char& c : line)  // of keys and texts
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  return {Failure::data, line};
 }
 
 std::string Node::found() const {
@@ -80,7 +75,9 @@ std::string Node::string() const {
 }
 
 // A scalar that may be a number, true or false: in JSON, one without quotes.
-bool Node::holds_value() const { return is_scalar() && (data_->plain || !data_->document->is_json); }
+bool Node::holds_value() const {
+  return is_scalar() && (data_->plain || !data_->document->is_json);
+}
 
 bool Node::boolean() const {
   if (holds_value() && data_->text == "true") return true;
@@ -176,8 +173,7 @@ Node Node::at(std::string_view key) const {
   throw error(fmt::format("key '{}' is missing", key));
 }
 
-std::string Node::choice(const std::string& what,
-                             const std::vector<std::string>& allowed) const {
+std::string Node::choice(const std::string& what, const std::vector<std::string>& allowed) const {
   std::string name = string();
   for (const std::string& candidate : allowed)
     if (candidate == name) return name;
@@ -230,16 +226,17 @@ NodeBuilder::NodeBuilder(const std::string& file, bool is_json)
 
 Node::Data* NodeBuilder::add(Node::Kind kind, Place place, std::size_t anchor) {
   auto& all = document_->all;
-  all.push_back({document_.get(), kind, false, place.line, place.column, {}, {}});
+  const Node::Data* const parent = open_.empty() ? nullptr : open_.back().data;
+  all.push_back({document_.get(), parent, kind, false, place.line, place.column, {}, {}});
   Node::Data* const data = &all.back();
-  if (all.size() > most_values)
-    throw node(data).error(fmt::format("more than {} values in one document", most_values));
   if (anchor != 0 && kind != Node::Kind::sequence && kind != Node::Kind::mapping)
     anchors_[anchor] = data;
   if (!open_.empty())
     open_.back().data->children.push_back(data);
   else
     document_->root = data;
+  if (all.size() > most_values)
+    throw node(data).error(fmt::format("more than {} values in one document", most_values));
   return data;
 }
 

@@ -53,7 +53,7 @@ class Node {
   bool boolean() const;        // true or false
   double number(double low = -std::numeric_limits<double>::infinity(),
                 double high = std::numeric_limits<double>::infinity()) const;
-  double positive() const;  // number > 0
+  double positive() const;              // number > 0
   std::vector<double> numbers() const;  // a list of them
   int integer(int low = std::numeric_limits<int>::min(),
               int high = std::numeric_limits<int>::max()) const;

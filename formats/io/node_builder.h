@@ -14,12 +14,13 @@
 
 namespace evo {
 
-inline constexpr std::size_t deepest_document = 100;             // levels
+inline constexpr std::size_t deepest_document = 100;              // levels
 inline constexpr std::size_t most_values = std::size_t{1} << 22;  // of one document
-inline constexpr std::size_t most_keys = 40'000;                 // of one mapping
+inline constexpr std::size_t most_keys = 40'000;                  // of one mapping
 
 struct Node::Data {
   const Document* document;
+  const Data* parent;  // where it stands first; of the root none
   Kind kind;
   bool plain;  // a scalar without quotes and tag
   int line;    // from 1

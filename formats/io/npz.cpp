@@ -88,7 +88,7 @@ const NumberType& number_type(std::string_view descr) {
     if (descr.size() == 5 && descr.substr(2, 2) == type.name && (type.size == 1 || descr[1] == '<'))
       return type;
   throw error(Failure::data, "numbers of type {}, expected little-endian integers or reals",
-                shown(descr));
+              shown(descr));
 }
 
 // The header of an array and where the numbers begin.
@@ -102,16 +102,18 @@ std::pair<std::string_view, std::size_t> split_npy(std::string_view npy) {
   const std::size_t prefix = npy_version_1_prefix + (short_length ? 0 : 2);
   std::size_t length = byte(8) | byte(9) << 8;
   if (!short_length) length |= byte(10) << 16 | byte(11) << 24;
-  if (length > npy.size() - prefix) throw Error(Failure::data, "the header of the array is cut off");
+  if (length > npy.size() - prefix)
+    throw Error(Failure::data, "the header of the array is cut off");
   return {npy.substr(prefix, length), prefix + length};
 }
 
-// What numpy.savez makes of None: one object.
+// What numpy.savez makes of None: one object, whose pickle ends by appending it (opcodes N, a, t)
+// to the list of the array's items.
 bool is_none(std::string_view npy) {
-  const auto [header, begin] = split_npy(npy);
-  constexpr std::size_t pickle_head = 2;
-  return header_value(header, "descr") == "'|O'" && npy.size() > begin + pickle_head &&
-         npy.substr(begin + pickle_head) == "N.";
+  const std::string_view header = split_npy(npy).first;
+  constexpr std::size_t longest_end = 7;
+  return header_value(header, "descr") == "'|O'" && header_value(header, "shape") == "(" &&
+         npy.substr(npy.size() - longest_end).find("Nat") != std::string_view::npos;
 }
 
 NpyArray parse_npy(std::string_view npy) {
@@ -128,7 +130,8 @@ NpyArray parse_npy(std::string_view npy) {
   array.rows = sizes->size() == 2 ? sizes->front() : 1;
   array.cols = sizes->back();
   if (array.cols != 0 && array.rows > most / array.cols)
-    throw error(Failure::data, "{} x {} numbers are announced, there are {}", array.rows, array.cols, most);
+    throw error(Failure::data, "{} x {} numbers are announced, there are {}", array.rows,
+                array.cols, most);
   const std::size_t count = array.rows * array.cols;
   array.values.resize(count);
   const std::size_t stride = by_columns ? array.rows : array.cols;
@@ -198,7 +201,7 @@ std::string read_member(zip_t* archive, zip_uint64_t index) {
     throw Error(Failure::data, zip_strerror(archive));
   if (status.size > largest_member)
     throw error(Failure::data, "{} bytes; the largest robot is {}x{}", status.size, largest_side,
-                  largest_side);
+                largest_side);
   const Zip<zip_file_t> member(zip_fopen_index(archive, index, 0));
   if (!member) throw Error(Failure::data, zip_strerror(archive));
   std::string bytes(static_cast<std::size_t>(status.size), '\0');
@@ -260,13 +263,13 @@ Body body_of(const NpyArray& matrix) {
   if (matrix.rows < 1 || matrix.cols < 1 || matrix.rows > largest_side ||
       matrix.cols > largest_side)
     throw error(Failure::data, "a body of {}x{} cells; rows and columns go from 1 to {}",
-                  matrix.rows, matrix.cols, largest_side);
+                matrix.rows, matrix.cols, largest_side);
   std::vector<Voxel> cells;
   for (std::size_t i = 0; i < matrix.values.size(); ++i) {
     const double kind = matrix.values[i];
     if (!(kind >= 0.0 && kind <= static_cast<double>(Voxel::vertical)) || kind != std::floor(kind))
       throw error(Failure::data, "unknown kind {} at row {}, column {}; allowed 0 1 2 3 4", kind,
-                    i / matrix.cols + 1, i % matrix.cols + 1);
+                  i / matrix.cols + 1, i % matrix.cols + 1);
     cells.push_back(static_cast<Voxel>(static_cast<int>(kind)));
   }
   return {static_cast<int>(matrix.rows), static_cast<int>(matrix.cols), std::move(cells)};
@@ -281,7 +284,7 @@ std::vector<Link> links_of(const NpyArray& pairs, const Body& body) {
     if (!(index >= 0.0 && index < static_cast<double>(body.cells.size())) ||
         index != std::floor(index))
       throw error(Failure::data, "{} is not the number of a cell, 0 to {}", index,
-                    body.cells.size() - 1);
+                  body.cells.size() - 1);
     return static_cast<int>(index);
   };
   std::vector<Link> links;
@@ -329,8 +332,8 @@ Body body_from_npz(std::string_view bytes, const std::string& where) {
     const Zip<zip_t> archive = open_archive(bytes);
     const std::vector<std::string> names = member_names(archive.get());
     const Names links{"arr_1", "connections"};
-    const zip_int64_t first = choose(names, {"arr_0", "body", "structure"},
-                                     names.size() > 1 ? named(names, links) : -1);
+    const zip_int64_t first =
+        choose(names, {"arr_0", "body", "structure"}, names.size() > 1 ? named(names, links) : -1);
     if (first < 0) throw error(Failure::data, "an archive without a body matrix");
     Body body = from_member(archive.get(), first,
                             [](const std::string& npy) { return body_of(parse_npy(npy)); });

@@ -11,8 +11,8 @@
 #include "formats/io/data_folders.h"
 #include "formats/io/files.h"
 #include "formats/io/format.h"
-#include "formats/io/settings.h"
 #include "formats/io/node.h"
+#include "formats/io/settings.h"
 
 namespace evo {
 

@@ -89,7 +89,7 @@ std::vector<std::string> outer_keys(const std::vector<std::string>& keys) {
 }
 
 std::optional<Node> find(const Mapping& mapping, const std::string& key,
-                             const std::vector<std::string>& keys) {
+                         const std::vector<std::string>& keys) {
   const std::string group = before_dot(key);
   const auto node = mapping.find(group);
   if (!node || group == key) return node;

@@ -165,7 +165,7 @@ std::optional<std::string> flat_text(const Node& node);
 std::vector<std::string> outer_keys(const std::vector<std::string>& keys);
 // The value at a key, which may have a dot.
 std::optional<Node> find(const Mapping& mapping, const std::string& key,
-                             const std::vector<std::string>& keys);
+                         const std::vector<std::string>& keys);
 // Lines "key: value  # unit; meaning", those of one mapping together.
 std::string to_yaml(const std::vector<SettingRow>& rows, const std::string& indent);
 // A mapping of `format` with these properties and no others.

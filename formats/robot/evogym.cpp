@@ -11,8 +11,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "formats/io/npz.h"
 #include "formats/io/files.h"
+#include "formats/io/npz.h"
 #include "formats/io/number.h"
 #include "libevo/base/error.h"
 
@@ -105,8 +105,7 @@ Cells read_cells(const Node& record, const Grid& grid, const Note& note) {
     const std::int64_t index = cell_index(indices[i], grid);
     const auto type = whole(types[i]);
     if (!type || *type < 0 || *type > static_cast<int>(Voxel::fixed))
-      throw types[i].error(
-          fmt::format("unknown type {}; allowed 0 1 2 3 4 5", types[i].found()));
+      throw types[i].error(fmt::format("unknown type {}; allowed 0 1 2 3 4 5", types[i].found()));
     if (!cells.insert_or_assign(index, static_cast<Voxel>(*type)).second)
       note(indices[i], fmt::format("cell {} is listed twice; its last type counts", index));
   }

@@ -357,8 +357,8 @@ Form form_of(std::string_view text) {
   if (text.front() == '{' || text.front() == '[') return Form::json;
   const std::string_view line = without_trailing_blanks(text.substr(0, text.find('\n')));
   const bool comment = line.front() == '#' && line.find_first_not_of(".RSHV#") != line.npos;
-  const bool yaml = comment || line.front() == '-' || line.front() == '%' ||
-                    line.find(':') != line.npos;
+  const bool yaml =
+      comment || line.front() == '-' || line.front() == '%' || line.find(':') != line.npos;
   return yaml ? Form::yaml : Form::drawing;
 }
 
@@ -395,8 +395,7 @@ std::vector<Robot> robots_of(const hdf5::Reader& file, const std::string& input,
 
 void check_size(std::size_t bytes, const std::string& where) {
   if (bytes >= largest_value)
-    throw error(Failure::data, "{}: a JSON value of more than {} MiB", where,
-                largest_value >> 20U);
+    throw error(Failure::data, "{}: a JSON value of more than {} MiB", where, largest_value >> 20U);
 }
 
 // Of JSON, whether the first value ends within a bound and is a robot, and whether there
@@ -555,8 +554,9 @@ Robot read_robot(const Node& node, BodyCheck check) {
   if (node.is_mapping()) check_fields(document, node);
   robot.id = identity(robot.body);
   if (const auto id = node.find("id"); id && !id->is_null() && document["id"] != robot.id)
-    throw id->error(fmt::format("{} is not the id of this body, which is '{}'; correct or remove it",
-                                id->found(), robot.id));
+    throw id->error(
+        fmt::format("{} is not the id of this body, which is '{}'; correct or remove it",
+                    id->found(), robot.id));
   robot.document = std::move(document);
   set_identity(robot);
   return robot;
@@ -622,8 +622,7 @@ std::string read_robot_text(const std::string& input) {
 std::vector<Robot> robots_in(std::string_view bytes, const std::string& input, BodyCheck check) {
   const std::string where = input_label(input);
   if (const auto what = learner_file(bytes)) throw error(Failure::data, "{}: {}", where, *what);
-  if (begins_as_numpy(bytes))
-    return {checked(Robot(body_from_numpy(bytes, where)), where, check)};
+  if (begins_as_numpy(bytes)) return {checked(Robot(body_from_numpy(bytes, where)), where, check)};
   if (!hdf5::begins_as_hdf5(bytes)) return parse_robots(bytes, where, check);
   return robots_of(hdf5::Reader(bytes, where), input, check);
 }

@@ -110,8 +110,7 @@ std::optional<Node> task_value(const Rollout& rollout, const char* key) {
 bool rewards_height(const Rollout& rollout) { return rewards_any(rollout, is_height); }
 
 bool rewards_turning(const Rollout& rollout) {
-  return rewards_any(rollout,
-                     [](const Node& part) { return part.find("rotation").has_value(); });
+  return rewards_any(rollout, [](const Node& part) { return part.find("rotation").has_value(); });
 }
 
 Ending ending(const Rollout& rollout, const RolloutEpisode& episode) {

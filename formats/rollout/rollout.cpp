@@ -313,8 +313,9 @@ ActionSequence actions_from_hdf5(const fs::path& path) {
   const hdf5::Reader file(path);
   check_format(file, format::rollout, Head::optional);
   if (const auto episodes = episode_numbers(file); !file.exists("/actions") && episodes.size() > 1)
-    throw wrong(file, "/", fmt::format("{} episodes, actions are of one: /actions is expected",
-                                       episodes.size()));
+    throw wrong(
+        file, "/",
+        fmt::format("{} episodes, actions are of one: /actions is expected", episodes.size()));
   for (const char* dataset : {"/actions", "/episode_0/actions"}) {
     if (!file.exists(dataset)) continue;
     auto array = file.array<double>(dataset, {hdf5::any, hdf5::any});
@@ -373,8 +374,7 @@ Rollout read_rollout(const fs::path& path) {
   if (file.has_attribute("/", "seed")) rollout.seed = file.number<std::uint64_t>("/", "seed");
   if (file.has_attribute("/", "robot")) {
     const std::string where = file.name() + ": /@robot";
-    rollout.robot =
-        read_robot(Node::json(file.text("/", "robot"), where), BodyCheck::any);
+    rollout.robot = read_robot(Node::json(file.text("/", "robot"), where), BodyCheck::any);
   }
   Lengths lengths;
   for (const std::size_t k : episode_numbers(file))

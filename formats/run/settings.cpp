@@ -7,8 +7,8 @@
 #include <charconv>
 
 #include "formats/io/format.h"
-#include "formats/io/values.h"
 #include "formats/io/node.h"
+#include "formats/io/values.h"
 #include "libevo/base/error.h"
 
 namespace evo {

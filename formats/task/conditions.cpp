@@ -18,7 +18,7 @@ struct Form<Position> {
   static Position read(const PieceNode& piece) {
     const Node node = piece.value();
     const Mapping mapping(node, piece.word(),
-                              {"of", "axis", "above", "below", "at_least", "at_most"});
+                          {"of", "axis", "above", "below", "at_least", "at_most"});
     const auto bound = [&](const char* key) -> std::optional<double> {
       const auto value = mapping.find(key);
       return value ? std::optional(read_length(*value)) : std::nullopt;

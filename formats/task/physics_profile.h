@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "formats/io/data_folders.h"
-#include "formats/io/profile.h"
 #include "formats/io/node.h"
+#include "formats/io/profile.h"
 #include "libevo/sim/physics.h"
 
 namespace evo {

@@ -54,7 +54,7 @@ struct PieceNode {
   const Scope& scope;
 
   std::string word() const { return name.string(); }
-  Node value() const;      // throws where there is none
+  Node value() const;          // throws where there is none
   std::string object() const;  // of the value: a name in scope
   void needs_goals() const;    // no value, and goals to look at
 };

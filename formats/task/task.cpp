@@ -113,8 +113,7 @@ bool names_file(const Node& world) {
 }
 
 // The task that another starts from, `depth` others that one.
-Mapping read_base(const Node& node, const fs::path& folder, const DataFolders& folders,
-                      int depth) {
+Mapping read_base(const Node& node, const fs::path& folder, const DataFolders& folders, int depth) {
   if (depth >= longest_chain) throw node.error("tasks start from one another in a circle");
   return load_named(node, folder, [&](const std::string& name) {
     return task_mapping(load(name, folders, depth + 1).source, name);
@@ -167,8 +166,7 @@ TaskSpec read_task(std::string_view text, const std::string& where, const fs::pa
     for (const Node& rule : rules->items()) task.rules.push_back(read_rule(rule, scope));
   if (const auto follow = mapping.find("follow")) {
     task.follow.clear();
-    for (const Node& object : follow->items())
-      task.follow.push_back(read_object(object, scope));
+    for (const Node& object : follow->items()) task.follow.push_back(read_object(object, scope));
   }
   if (task.observation.empty())
     throw mapping.at("observation").error("at least one observation part is expected");

@@ -1,4 +1,3 @@
-#include "formats/io/number.h"
 #include "formats/task/world.h"
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "formats/io/number.h"
 #include "formats/robot/evogym.h"
 
 namespace evo {
@@ -237,7 +237,7 @@ Placement read_object(const Node& name_node, const Node& node,
   const std::string name = name_node.string();
   check_name(name_node, name);
   const Mapping object(node, fmt::format("object '{}'", name),
-                           {"at", "offset", "rows", "size", "fill", "parts", "connections"});
+                       {"at", "offset", "rows", "size", "fill", "parts", "connections"});
   const auto at = object.find("at");
   const Cell cell = at ? read_cell(*at, 0) : Cell{};
 

@@ -78,7 +78,8 @@ void describe(auto& archive, Policy& policy) {
   const bool on_gait = policy.base && std::holds_alternative<SineController>(*policy.base);
   archive.optional("gait", on_gait, [&] {
     if (!on_gait) policy.base = SineController{};
-    archive.part("gait", [&](auto& part) { describe(part, std::get<SineController>(*policy.base)); });
+    archive.part("gait",
+                 [&](auto& part) { describe(part, std::get<SineController>(*policy.base)); });
   });
   const bool on_sequence = policy.base && std::holds_alternative<ReplayController>(*policy.base);
   archive.optional("sequence", on_sequence, [&] {

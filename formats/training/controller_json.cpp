@@ -33,8 +33,8 @@ class JsonFields {
     int columns = 0;
     rows(name, all, columns);
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    values = Eigen::Map<const RowMajor>(
-                 all.data(), static_cast<Eigen::Index>(all.size()) / columns, columns)
+    values = Eigen::Map<const RowMajor>(all.data(), static_cast<Eigen::Index>(all.size()) / columns,
+                                        columns)
                  .cast<float>();
   }
   void rows(const char* name, std::vector<double>& all, int& columns) {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
-#include "formats/io/values.h"
 #include "formats/io/node.h"
+#include "formats/io/values.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
 #include "formats/training/training.h"

@@ -111,7 +111,8 @@ class FieldReader {
   void bounds(const char* name, std::vector<double>& values) {
     values = file_.numbers<double>(at_.owner(), at_.attribute(name));
     if (values.size() != 2)
-      throw bad(file_, "/@" + at_.attribute(name), "two numbers, the lower one first, are expected");
+      throw bad(file_, "/@" + at_.attribute(name),
+                "two numbers, the lower one first, are expected");
   }
   template <Worded E>
   void word(const char* name, E& value) {
@@ -131,9 +132,9 @@ class FieldReader {
   }
   void matrix(const char* name, Matrix& values) {
     const auto found = file_.array<float>(at_.dataset(name), {hdf5::any, hdf5::any});
-    values = Eigen::Map<const Matrix>(found.values.data(),
-                                      static_cast<Eigen::Index>(found.shape[0]),
-                                      static_cast<Eigen::Index>(found.shape[1]));
+    values =
+        Eigen::Map<const Matrix>(found.values.data(), static_cast<Eigen::Index>(found.shape[0]),
+                                 static_cast<Eigen::Index>(found.shape[1]));
   }
   void rows(const char* name, std::vector<double>& values, int& width) {
     auto found = file_.array<double>(at_.dataset(name), {hdf5::any, hdf5::any});

@@ -31,9 +31,7 @@ class JsonFields {
   explicit JsonFields(Json& at) : at_(at) {}
 
   void number(const char* name, double value) { at_[name] = as_json(value); }
-  void numbers(const char* name, const std::vector<double>& values) {
-    at_[name] = list_of(values);
-  }
+  void numbers(const char* name, const std::vector<double>& values) { at_[name] = list_of(values); }
   void bounds(const char* name, const std::vector<double>& values) { numbers(name, values); }
   template <typename Dense>
   void vector(const char* name, const Dense& values) {
@@ -103,8 +101,7 @@ std::string policy_to_json(const PolicyFile& policy) {
       },
       policy.controller);
   document["robot"] = robot_to_document(policy.robot);
-  for (const Robot& robot : policy.robots)
-    document["robots"].push_back(robot_to_document(robot));
+  for (const Robot& robot : policy.robots) document["robots"].push_back(robot_to_document(robot));
   document["task"] = policy.task;
   document["task_yaml"] = policy.task_yaml;
   document["physics_yaml"] = policy.physics_yaml;

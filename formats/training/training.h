@@ -9,8 +9,8 @@
 
 #include "formats/io/data_folders.h"
 #include "formats/io/json.h"
-#include "formats/io/profile.h"
 #include "formats/io/node.h"
+#include "formats/io/profile.h"
 #include "libevo/control/settings.h"
 
 namespace evo {

@@ -6,11 +6,11 @@
 #include <string_view>
 
 #include "formats/io/number.h"
+#include "formats/rollout/ending.h"
 #include "formats/rollout/episodes.h"
 #include "formats/rollout/rollout.h"
 #include "formats/run/run.h"
 #include "formats/run/run_policy.h"
-#include "formats/rollout/ending.h"
 #include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
 #include "render/report/choice.h"

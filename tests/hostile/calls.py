@@ -29,6 +29,7 @@ WHOLE = {"envs", "seed", "episode", "count", "sim", "environment", "index", "wid
 def cases(text):
     """Name, function, arguments that are right."""
     simulator = evo_robots.Simulator("Walker-v0", BODY, envs=2)
+    simulator.reset()
     world = evo_robots.World()
     world.add("ground", numpy.full((1, 20), 5), 0, 0)
     world.add("robot", numpy.array(BODY), 1, 1)

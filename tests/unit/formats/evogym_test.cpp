@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "formats/io/npz.h"
 #include "formats/io/files.h"
+#include "formats/io/npz.h"
 #include "formats/task/task.h"
 #include "formats/task/text.h"
 #include "libevo/base/random.h"
@@ -134,8 +134,9 @@ TEST_CASE("EvoGym world: cells above grid_height make the grid higher, with a wa
   std::vector<std::string> warnings;
   const auto warn = [&](const std::string& text) { warnings.push_back(text); };
   CHECK(same(world_of(document, warn), expected));
-  CHECK(warnings == std::vector<std::string>{
-                        "w.json:1:31: /grid_height: is 1, but there are cells up to row 2; read as 3"});
+  CHECK(warnings ==
+        std::vector<std::string>{
+            "w.json:1:31: /grid_height: is 1, but there are cells up to row 2; read as 3"});
   warnings.clear();
   world_of(Json::parse(example), warn);
   CHECK(warnings.empty());
@@ -146,8 +147,7 @@ TEST_CASE("EvoGym world: what the benchmark passes over is told and passed over"
     Json document = Json::parse(example);
     document[Json::json_pointer(place)] = value;
     std::vector<std::string> warnings;
-    CHECK(same(world_of(document,
-                        [&](const std::string& text) { warnings.push_back(text); }),
+    CHECK(same(world_of(document, [&](const std::string& text) { warnings.push_back(text); }),
                world_of(Json::parse(example))));
     return fmt::format("{}", fmt::join(warnings, "; "));
   };

@@ -65,7 +65,8 @@ TEST_CASE("genes may come in any order and with fields of others") {
 TEST_CASE("a bad genome is refused with its path and what was found") {
   using Change = void (*)(Json&);
   const std::vector<std::pair<Change, const char*>> all{
-      {[](Json& g) { g["kind"] = "tree"; }, ": /kind: unknown kind of genome 'tree'; allowed: cppn"},
+      {[](Json& g) { g["kind"] = "tree"; },
+       ": /kind: unknown kind of genome 'tree'; allowed: cppn"},
       {[](Json& g) { g.erase("nodes"); }, "1: key 'nodes' is missing"},
       {[](Json& g) { g["nodes"][1]["bias"] = "much"; },
        ": /nodes/1/bias: a number is expected, found 'much'"},
@@ -84,6 +85,5 @@ TEST_CASE("a bad genome is refused with its path and what was found") {
       {[](Json& g) { g["connections"][0] = 3; }, ": /connections/0: a mapping"},
       {[](Json& g) { g["key"] = 1e30; }, ": /key: a whole number"}};
   CHECK(message([](Json&) {}) == "(no error)");
-  for (const auto& [change, expected] : all)
-    CHECK_THAT(message(change), Catch::Contains(expected));
+  for (const auto& [change, expected] : all) CHECK_THAT(message(change), Catch::Contains(expected));
 }

@@ -66,11 +66,20 @@ TEST_CASE("errors say where, what was found and what is expected") {
        "t:1:4: a list is expected, found '5'"},
       {"[1]", [](const Node& n) { n.entries(); },
        "t:1:1: a mapping (key: value) is expected, found a list"},
-      {"a: z", [](const Node& n) { n.entries()[0].value.choice("axis", {"x", "y"}); },
+      {"a: z",
+       [](const Node& n) {
+         n.entries()[0].value.choice("axis", {"x", "y"});
+       },
        "t:1:4: unknown axis 'z' (did you mean 'x'?); allowed: x, y"},
-      {"steps: 3\nrewrad: 1\n", [](const Node& n) { Mapping(n, "task", {"reward", "steps"}); },
+      {"steps: 3\nrewrad: 1\n",
+       [](const Node& n) {
+         Mapping(n, "task", {"reward", "steps"});
+       },
        "t:2:1: task: unknown key 'rewrad' (did you mean 'reward'?); allowed: reward, steps"},
-      {"steps: 3\n", [](const Node& n) { Mapping(n, "task", {"reward", "steps"}).at("reward"); },
+      {"steps: 3\n",
+       [](const Node& n) {
+         Mapping(n, "task", {"reward", "steps"}).at("reward");
+       },
        "t:1:1: task: key 'reward' is missing"}};
   for (const auto& [text, read, expected] : all) CHECK(message(text, read) == expected);
 }

@@ -104,41 +104,6 @@ PolicyFile example(TrainedController controller) {
   return file;
 }
 
-PolicyFile example_for_several() {
-  PolicyFile file = example(modular_policy());
-  file.robots = {file.robot, Robot(Body::from_rows({"HH"}))};
-  return file;
-}
-
-void check_equal(const PolicyFile& a, const PolicyFile& b) {
-  CHECK(robot_to_line(a.robot) == robot_to_line(b.robot));
-  REQUIRE(a.robots.size() == b.robots.size());
-  for (std::size_t i = 0; i < a.robots.size(); ++i)
-    CHECK(robot_to_line(a.robots[i]) == robot_to_line(b.robots[i]));
-  CHECK(a.task == b.task);
-  CHECK(a.task_yaml == b.task_yaml);
-  CHECK(a.physics_yaml == b.physics_yaml);
-  CHECK(a.training_yaml == b.training_yaml);
-  REQUIRE(a.layout.size() == b.layout.size());
-  for (std::size_t i = 0; i < a.layout.size(); ++i) {
-    CHECK(a.layout[i].name == b.layout[i].name);
-    CHECK(a.layout[i].offset == b.layout[i].offset);
-    CHECK(a.layout[i].length == b.layout[i].length);
-  }
-  CHECK(a.seed == b.seed);
-  CHECK(a.isa == b.isa);
-  CHECK(a.created_by == b.created_by);
-  CHECK(a.identity == b.identity);
-  CHECK(a.settings_hash == b.settings_hash);
-  CHECK(a.controller == b.controller);
-  CHECK(a.fitness == b.fitness);
-  CHECK(a.best_step == b.best_step);
-  CHECK(a.steps == b.steps);
-  CHECK(a.curve == b.curve);
-  CHECK(a.final_score == b.final_score);
-}
-
-// A copy of a policy file without one of its parts, which is then missed.
 std::string message_reading(const std::filesystem::path& path) {
   try {
     read_policy(path);
@@ -150,29 +115,10 @@ std::string message_reading(const std::filesystem::path& path) {
 
 }  // namespace
 
-TEST_CASE("policies come back as they were written, and twice the same bytes") {
-  const Scratch scratch;
-  const PolicyFile file = GENERATE(
-      example(network_policy()), example(policy_on_gait()), example(policy_on_sequence()),
-      example(shifted_wave()), example(modular_policy()),
-      example_for_several(), example(ReplayController{{0.6, 1.1, 1.6, 1.0, 0.7, 1.25}, 3}),
-      example(SineController{{0.1, 0.2}, {0.5, -3.0}, 17.5, 1.1}));
-  const auto path = scratch.folder / "a.policy.h5";
-  write_policy(path, file);
-  check_equal(read_policy(path), file);
-  CHECK(read_policy_identity(path) == file.identity);
-  const auto again = scratch.folder / "b.policy.h5";
-  write_policy(again, file);
-  CHECK(read_file(path) == read_file(again));
-}
-
 TEST_CASE("a controller comes back from a policy's JSON with the same bits", "[formats][policy]") {
-  const std::vector<TrainedController> all{policy_on_gait(),
-                                           policy_on_sequence(),
-                                           network_policy(),
-                                           shifted_wave(),
-                                           modular_policy(),
-                                           ReplayController{{0.6, 1.1, 1.6, 1.0}, 2}};
+  const std::vector<TrainedController> all{
+      policy_on_gait(), policy_on_sequence(), network_policy(),
+      shifted_wave(),   modular_policy(),     ReplayController{{0.6, 1.1, 1.6, 1.0}, 2}};
   for (const TrainedController& controller : all)
     CHECK(read_controller(Node::json(policy_to_json(example(controller)), "policy")) == controller);
 }
@@ -197,13 +143,13 @@ TEST_CASE("a JSON controller that does not fit together is refused with its plac
         std::string::npos);
   CHECK(problem([](Json& d) { d["normalizer"]["mean"].push_back(1.0); }).find("normalizer: ") !=
         std::string::npos);
-  CHECK(problem([](Json& d) { d.erase("action"); }) ==
-        "policy:1:1: key 'action' is missing");
+  CHECK(problem([](Json& d) { d.erase("action"); }) == "policy:1:1: key 'action' is missing");
 
   Json gated = Json::parse(policy_to_json(example(modular_policy())));
   CHECK_NOTHROW(read_controller(to_node(gated, "policy")));
   gated["actor"]["gates"].erase(1);
-  CHECK_THROWS_WITH(read_controller(to_node(gated, "policy")), "policy:1:1: actor: 1 gates for 2 layers");
+  CHECK_THROWS_WITH(read_controller(to_node(gated, "policy")),
+                    "policy:1:1: actor: 1 gates for 2 layers");
 }
 
 TEST_CASE("as JSON a policy keeps its clock, its gait and the shifts of its waves") {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "formats/io/npz.h"
 #include "formats/io/files.h"
 #include "formats/io/hdf5.h"
+#include "formats/io/npz.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
 #include "scratch.h"

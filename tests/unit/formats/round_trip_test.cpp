@@ -14,6 +14,7 @@
 #include "formats/training/policy.h"
 #include "formats/training/training.h"
 #include "libevo/body/operators.h"
+#include "libevo/control/modular_passes.h"
 #include "libevo/evolve/cppn_neat.h"
 #include "scratch.h"
 
@@ -105,6 +106,33 @@ Policy any_policy(Stream& stream) {
   return policy;
 }
 
+ModularPolicy any_modular_policy(Stream& stream) {
+  TrainingSettings settings;
+  settings.hidden = {6, 5};
+  settings.clock = {20};
+  ModularPolicy policy = initial_modular_policy(settings, 3, 0.6, 1.5, stream);
+  policy.local.mean.setLinSpaced(-1.0, stream.gaussian());
+  policy.task.count = 77.25;
+  for (Gate& gate : policy.actor.gates) {
+    gate.scale.setConstant(0.25F);
+    gate.shift.setConstant(-0.75F);
+  }
+  return policy;
+}
+
+TrainedController any_controller(Stream& stream) {
+  switch (stream.below(5)) {
+    case 0:
+      return any_wave(stream, stream.integer(1, 6));
+    case 1:
+      return ReplayController{numbers(stream, 3 * stream.integer(1, 9)), 3};
+    case 2:
+      return any_modular_policy(stream);
+    default:
+      return any_policy(stream);
+  }
+}
+
 PolicyFile any_policy_file(Stream& stream) {
   PolicyFile file;
   file.robot = any_robot(stream);
@@ -122,10 +150,8 @@ PolicyFile any_policy_file(Stream& stream) {
     file.layout.push_back({"part " + any_text(stream), at, length});
     at += length;
   }
-  if (stream.below(3) == 0)
-    file.controller = any_wave(stream, stream.integer(1, 6));
-  else
-    file.controller = any_policy(stream);
+  file.controller = any_controller(stream);
+  if (stream.below(3) == 0) file.robots = {file.robot, any_robot(stream)};
   file.fitness = any_number(stream);
   file.steps = static_cast<std::int64_t>(any_bits(stream) >> 1U);
   file.best_step = file.steps / 2;
@@ -142,6 +168,10 @@ RolloutEpisode any_episode(Stream& stream, const Rollout& rollout) {
   RolloutEpisode episode;
   episode.seed = any_bits(stream);
   if (stream.below(2) == 0) episode.random_draws = {{"ox", stream.integer(-9, 9)}};
+  if (stream.below(2) == 0) {
+    episode.jitter = stream.uniform();
+    episode.jitter_seed = any_bits(stream);
+  }
   episode.observations = numbers(stream, (steps + 1) * rollout.observation_length);
   episode.actions = numbers(stream, steps * rollout.action_length);
   episode.rewards = numbers(stream, steps);
@@ -238,6 +268,8 @@ TEST_CASE("random policies come back to the last bit") {
     REQUIRE(back.steps == file.steps);
     REQUIRE(back.curve == file.curve);
     REQUIRE(back.final_score == file.final_score);
+    REQUIRE(back.robots.size() == file.robots.size());
+    REQUIRE(read_policy_identity(folder / "once") == file.identity);
   }
 }
 
@@ -293,6 +325,8 @@ TEST_CASE("random rollouts come back to the last bit") {
       const RolloutEpisode& b = rollout.episodes[k];
       REQUIRE(a.seed == b.seed);
       REQUIRE(a.random_draws == b.random_draws);
+      REQUIRE(a.jitter == b.jitter);
+      REQUIRE(a.jitter_seed == b.jitter_seed);
       REQUIRE(same(a.observations, b.observations));
       REQUIRE(same(a.actions, b.actions));
       REQUIRE(same(a.rewards, b.rewards));

@@ -566,8 +566,7 @@ TEST_CASE("mistakes in a task and its world are named with their place and the n
        "displacement, distance, "},
       {"axis: x}\n", "axis: z}\n",
        "t.yaml:11:37: unknown axis 'z' (did you mean 'x'?); allowed: x, y"},
-      {"steps: 100", "stesp: 100",
-       "t.yaml:2:1: task: unknown key 'stesp' (did you mean 'steps'?)"},
+      {"steps: 100", "stesp: 100", "t.yaml:2:1: task: unknown key 'stesp' (did you mean 'steps'?)"},
       {"steps: 100\n", "", "t.yaml:1:1: task: key 'steps' is missing"},
       {"steps: 100", "steps: 0",
        "t.yaml:2:8: a whole number from 1 to 10000000 is expected, found '0'"},
@@ -597,8 +596,7 @@ TEST_CASE("mistakes in a task and its world are named with their place and the n
       {"size: [3, 2], fill: S", "rows: [S.S]", "object 'package': "},
       {"size: [3, 2], fill: S", "rows: [SS], fill: S", "`fill` goes with `size`"},
       {"size: [3, 2], fill: S", "{}", "t.yaml:7:"},
-      {"size: [3, 2], fill: S", "rows: [SS], connections: [[0, 5]]",
-       "a whole number from 0 to 1"},
+      {"size: [3, 2], fill: S", "rows: [SS], connections: [[0, 5]]", "a whole number from 0 to 1"},
       {"{at: [12, 1], size", "{at: [12, 0], size",
        "t.yaml:5:3: objects 'ground' and 'package' overlap at cell (12, 0)"},
       {"package:", "robot:", "the name 'robot' belongs to the robot"},
@@ -610,8 +608,7 @@ TEST_CASE("mistakes in a task and its world are named with their place and the n
   CHECK(message(good) == "(no error)");
   for (const auto& [piece, by, expected] : mistakes)
     CHECK_THAT(spoilt(piece, by), Catch::Contains(expected));
-  CHECK(spoilt("robot: {at: [1, 1]}", "draws: {d: [-20, 0]}\nrobot: {at: [1, 1]}") ==
-        "(no error)");
+  CHECK(spoilt("robot: {at: [1, 1]}", "draws: {d: [-20, 0]}\nrobot: {at: [1, 1]}") == "(no error)");
 }
 
 // ---- examples and words ------------------------------------------------------------

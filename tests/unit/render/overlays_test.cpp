@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "formats/io/files.h"
-#include "formats/task/physics_profile.h"
 #include "formats/rollout/ending.h"
+#include "formats/task/physics_profile.h"
 #include "libevo/task/contacts.h"
 #include "render/figures/plot.h"
 #include "render/render.h"

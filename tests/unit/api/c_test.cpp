@@ -85,65 +85,23 @@ TEST_CASE("c: the sizes of structs are those that programs were built with") {
   CHECK(std::vector<size_t>(sizes_in_c, sizes_in_c + sizes_in_c_count) == pinned);
 }
 
-TEST_CASE("c: environments, their arrays and their states") {
+TEST_CASE("c: a start is moved by at most what is said") {
   const Session s("Carrier-v0", 3, 2);
   evo_arrays at{};
   REQUIRE(evo_envs_arrays(s.envs, &at, sizeof at) == EVO_OK);
-  REQUIRE(at.environments == 3);
-  CHECK(at.action_values == 12);
-  CHECK(at.point_offsets[3] == at.points);
-  CHECK(at.status[0] == EVO_ENV_UNRESET);
-  const evo_start start{1, 0, 7, 0, 1e-3, nullptr};
-  REQUIRE(evo_envs_reset(s.envs, nullptr, 0, &start) == EVO_OK);
-  CHECK(at.status[0] == EVO_ENV_OK);
-
-  evo_object robot{};
-  REQUIRE(evo_envs_object(s.envs, 1, 0, &robot, sizeof robot) == EVO_OK);
-  CHECK(std::string(robot.name) == "robot");
-  CHECK(robot.points == 9);
-  const double before = at.positions[2 * (at.point_offsets[1] + robot.first_point)];
-  for (int t = 0; t < 5; ++t) {
-    const auto actions = wave(at.action_values, t);
-    REQUIRE(evo_envs_step(s.envs, actions.data(), actions.size(), nullptr, 0) == EVO_OK);
-  }
-  CHECK(at.positions[2 * (at.point_offsets[1] + robot.first_point)] != before);
-  CHECK(at.steps[2] == 5);
-
-  void* state = nullptr;
-  size_t count = 0;
-  REQUIRE(evo_envs_save(s.envs, 1, &state, &count) == EVO_OK);
-  const double saved = at.positions[2 * at.point_offsets[1]];
-  const auto actions = wave(at.action_values, 9);
-  REQUIRE(evo_envs_step(s.envs, actions.data(), actions.size(), nullptr, 0) == EVO_OK);
-  REQUIRE(evo_envs_restore(s.envs, 1, state, count) == EVO_OK);
-  CHECK(at.positions[2 * at.point_offsets[1]] == saved);
-  CHECK(at.steps[1] == 5);
-  fails(EVO_DATA, "damaged", evo_envs_restore(s.envs, 1, state, count - 1));
-  evo_free(state);
+  REQUIRE(evo_envs_reset(s.envs, nullptr, 0, nullptr) == EVO_OK);
+  const double before = at.positions[2 * at.point_offsets[1]];
   REQUIRE(evo_envs_perturb(s.envs, 1, 1e-3, 5) == EVO_OK);
-  CHECK(std::abs(at.positions[2 * at.point_offsets[1]] - saved) <= 1e-4);
+  const double moved = std::abs(at.positions[2 * at.point_offsets[1]] - before);
+  CHECK(moved > 0);
+  CHECK(moved <= 1e-4);
   fails(EVO_USAGE, "jitter", evo_envs_perturb(s.envs, 1, -1, 5));
-
-  char* observed = nullptr;
-  REQUIRE(evo_envs_observed(s.envs, 0, &observed) == EVO_OK);
-  CHECK_THAT(observed, Contains("\"offset\":0"));
-  evo_free(observed);
 }
 
-TEST_CASE("c: two robots in one world, in simulations of their own") {
+TEST_CASE("c: simulations of a world stand still, go on and are moved, each by itself") {
   evo_world* world = world_of_two();
   evo_sims* sims = nullptr;
   REQUIRE(evo_sims_open(world, nullptr, 3, 2, &sims) == EVO_OK);
-  const evo_sim_arrays at = arrays_of(sims);
-  REQUIRE(at.sims == 3);
-  REQUIRE(at.actuators == 8);
-  evo_sim_object left{};
-  REQUIRE(evo_sims_object(sims, 0, &left, sizeof left) == EVO_OK);
-  CHECK(std::string(left.name) == "left");
-  CHECK(left.first_actuator == 0);
-  evo_sim_object right{};
-  REQUIRE(evo_sims_object(sims, 1, &right, sizeof right) == EVO_OK);
-  CHECK(right.first_actuator == 4);
   const auto begin = positions_of(sims, 2);
   const std::vector<std::uint8_t> active{1, 1, 0};
   for (int t = 0; t < 30; ++t) {
@@ -153,23 +111,16 @@ TEST_CASE("c: two robots in one world, in simulations of their own") {
   }
   CHECK(positions_of(sims, 0) == positions_of(sims, 1));
   CHECK(positions_of(sims, 2) == begin);
-
-  void* state = nullptr;
-  size_t count = 0;
-  REQUIRE(evo_sims_save(sims, 0, &state, &count) == EVO_OK);
-  REQUIRE(evo_sims_restore(sims, 2, state, count) == EVO_OK);
-  CHECK(positions_of(sims, 2) == positions_of(sims, 0));
   double angles[3] = {9, 9, 9};
   REQUIRE(evo_sims_orientation(sims, 0, nullptr, angles, 3) == EVO_OK);
   double again_at[1] = {9};
   REQUIRE(evo_sims_orientation(sims, 0, arrays_of(sims).positions, again_at, 1) == EVO_OK);
   CHECK(again_at[0] == angles[0]);
   CHECK(angles[0] == angles[1]);
-  REQUIRE(evo_sims_reset(sims, -1) == EVO_OK);
-  CHECK(positions_of(sims, 0) == begin);
-  fails(EVO_DATA, "damaged", evo_sims_restore(sims, 0, state, 3));
-  evo_free(state);
 
+  REQUIRE(evo_sims_reset(sims, -1) == EVO_OK);
+  evo_sim_object right{};
+  REQUIRE(evo_sims_object(sims, 1, &right, sizeof right) == EVO_OK);
   REQUIRE(evo_sims_translate(sims, 0, 1, 0.5, 0.25) == EVO_OK);
   auto moved = begin;
   for (std::size_t i = right.first_point; i < right.first_point + right.points; ++i) {
@@ -178,73 +129,58 @@ TEST_CASE("c: two robots in one world, in simulations of their own") {
   }
   CHECK(positions_of(sims, 0) == moved);
   CHECK(positions_of(sims, 1) == begin);
-  fails(EVO_USAGE, "terrain", evo_sims_translate(sims, 0, 2, 0.5, 0));
   fails(EVO_USAGE, "no object 3", evo_sims_translate(sims, 0, 3, 0.5, 0));
   fails(EVO_USAGE, "cannot be moved", evo_sims_translate(sims, 0, 1, std::nan(""), 0));
-  REQUIRE(evo_sims_reset(sims, -1) == EVO_OK);
 
-  // The same world by way of the design tool's JSON.
-  char* json = nullptr;
-  REQUIRE(evo_world_json(world, &json) == EVO_OK);
-  evo_world* again = nullptr;
-  REQUIRE(evo_world_parse(json, &again) == EVO_OK);
-  evo_free(json);
-  evo_sims* others = nullptr;
-  REQUIRE(evo_sims_open(again, nullptr, 1, 1, &others) == EVO_OK);
-  CHECK(positions_of(others, 0) == begin);
-  evo_sims_free(others);
-  evo_sims* of_another_world = nullptr;
-  REQUIRE(evo_world_move(again, "left", 5, 1) == EVO_OK);
-  REQUIRE(evo_sims_open(again, "paper", 1, 1, &of_another_world) == EVO_OK);
+  void* state = nullptr;
+  size_t count = 0;
   REQUIRE(evo_sims_save(sims, 0, &state, &count) == EVO_OK);
+  fails(EVO_DATA, "damaged", evo_sims_restore(sims, 0, state, 3));
+  evo_sims* of_another_world = nullptr;
+  REQUIRE(evo_world_move(world, "left", 5, 1) == EVO_OK);
+  REQUIRE(evo_sims_open(world, "paper", 1, 1, &of_another_world) == EVO_OK);
   fails(EVO_DATA, "another world", evo_sims_restore(of_another_world, 0, state, count));
   evo_free(state);
   evo_sims_free(of_another_world);
-  evo_world_free(again);
   evo_world_free(world);
   evo_sims_free(sims);
 }
 
 TEST_CASE("c: objects that cannot stand in a world are refused") {
   evo_world* world = world_of_two();
-  fails(EVO_USAGE, "already", evo_world_add(world, "left", corner.data(), 2, 2, nullptr, 0, 1, 5));
-  fails(EVO_USAGE, "name", evo_world_add(world, "", corner.data(), 2, 2, nullptr, 0, 1, 5));
-  fails(EVO_USAGE, "outside", evo_world_add(world, "x", corner.data(), 2, 2, nullptr, 0, -1, 5));
-  fails(EVO_USAGE, "outside",
-        evo_world_add(world, "x", corner.data(), 2, 2, nullptr, 0, INT32_MAX - 1, 5));
+  const auto refused = [&](const char* text, const char* name, int rows, int columns, int x) {
+    CAPTURE(name, rows, columns, x);
+    fails(EVO_USAGE, text,
+          evo_world_add(world, name, corner.data(), rows, columns, nullptr, 0, x, 5));
+  };
+  refused("name", "", 2, 2, 1);
+  refused("outside", "x", 2, 2, INT32_MAX - 1);
+  refused("rows", "x", 0, 2, 1);
+  refused("rows", "x", 1 << 30, 1 << 30, 1);
   fails(EVO_USAGE, "outside", evo_world_move(world, "left", 1, INT32_MAX));
-  fails(EVO_USAGE, "rows", evo_world_add(world, "x", corner.data(), 0, 2, nullptr, 0, 1, 5));
-  fails(EVO_USAGE, "rows",
-        evo_world_add(world, "x", corner.data(), 1 << 30, 1 << 30, nullptr, 0, 1, 5));
   const std::uint8_t unknown = 9;
   fails(EVO_USAGE, "voxel 0 is 9", evo_world_add(world, "x", &unknown, 1, 1, nullptr, 0, 1, 5));
   const std::int32_t far[] = {0, 3};
   fails(EVO_USAGE, "", evo_world_add(world, "x", corner.data(), 2, 2, far, 1, 1, 5));
-  fails(EVO_USAGE, "did you mean 'left'", evo_world_move(world, "lift", 1, 1));
   fails(EVO_USAGE, "no object", evo_world_remove(world, "nothing"));
   REQUIRE(evo_world_move(world, "left", 9, 1) == EVO_OK);
   evo_sims* sims = nullptr;
   CHECK(evo_sims_open(world, nullptr, 1, 1, &sims) == EVO_DATA);  // in one cell
   CHECK(sims == nullptr);
   REQUIRE(evo_world_remove(world, "left") == EVO_OK);
-  fails(EVO_USAGE, "simulations", evo_sims_open(world, nullptr, 0, 1, &sims));
-  fails(EVO_USAGE, "thread", evo_sims_open(world, nullptr, 1, 0, &sims));
-  fails(EVO_USAGE, "1024 threads", evo_sims_open(world, nullptr, 1, 1'000'000, &sims));
   REQUIRE(evo_sims_open(world, nullptr, 1, 1, &sims) == EVO_OK);
   evo_sims* const before = sims;
-  fails(EVO_USAGE, "simulations", evo_sims_open(world, nullptr, 0, 1, &sims));
+  fails(EVO_USAGE, "thread", evo_sims_open(world, nullptr, 1, 0, &sims));
+  fails(EVO_USAGE, "1024 threads", evo_sims_open(world, nullptr, 1, 1'000'000, &sims));
   CHECK(sims == before);  // a failed call changes nothing
   evo_sims_free(sims);
-  fails(EVO_USAGE, "paper", evo_sims_open(world, "papper", 1, 1, &sims));
   evo_world_free(world);
 }
 
 TEST_CASE("c: misuse is answered, not died of") {
   const Session s("Walker-v0", 2);
   evo_arrays at{};
-  fails(EVO_USAGE, "NULL", evo_task_copy(nullptr, nullptr));
   fails(EVO_USAGE, "evo_task is expected, not NULL", evo_task_set(nullptr, "gravity=1"));
-  fails(EVO_USAGE, "NULL", evo_task_open(nullptr, nullptr));
   evo_task* task = nullptr;
   fails(EVO_USAGE, "`name_or_file` is NULL", evo_task_open(nullptr, &task));
   fails(EVO_USAGE, "`assignment` is NULL", evo_task_set(s.task, nullptr));
@@ -254,25 +190,18 @@ TEST_CASE("c: misuse is answered, not died of") {
   fails(EVO_USAGE, "bytes is not of this version", evo_envs_arrays(s.envs, &at, sizeof at + 8));
   fails(EVO_USAGE, "bytes is not of this version", evo_envs_arrays(s.envs, &at, 0));
   CHECK(evo_envs_arrays(s.envs, &at, 16) == EVO_OK);  // of a caller who knows less
-  fails(EVO_USAGE, "8 actions are expected", evo_envs_step(s.envs, nullptr, 0, nullptr, 0));
   fails(EVO_USAGE, "`actions` is NULL", evo_envs_step(s.envs, nullptr, 8, nullptr, 0));
   const std::vector<double> actions(8, 1.0);
-  fails(EVO_USAGE, "needs a reset", evo_envs_step(s.envs, actions.data(), 8, nullptr, 0));
   const std::uint8_t active[1] = {1};
   fails(EVO_USAGE, "`active` has 1", evo_envs_step(s.envs, actions.data(), 8, active, 1));
   const std::int32_t none[] = {2};
   fails(EVO_USAGE, "no environment 2", evo_envs_reset(s.envs, none, 1, nullptr));
   fails(EVO_USAGE, "no environment -1", evo_envs_restore(s.envs, -1, actions.data(), 8));
   fails(EVO_USAGE, "`bytes` is NULL", evo_envs_restore(s.envs, 0, nullptr, 8));
-  void* bytes = nullptr;
-  size_t count = 0;
-  fails(EVO_USAGE, "unreset", evo_envs_save(s.envs, 0, &bytes, &count));
-  fails(EVO_USAGE, "no environment 9", evo_envs_object_count(s.envs, 9, &count));
   evo_object object{};
   fails(EVO_USAGE, "no object 99", evo_envs_object(s.envs, 0, 99, &object, sizeof object));
   evo_robot_facts robot{};
   fails(EVO_USAGE, "no robot 1", evo_robots_describe(s.robots, 1, &robot, sizeof robot));
-  fails(EVO_USAGE, "NULL", evo_train(s.task, s.robots, 5, nullptr, 0, nullptr));
   fails(EVO_USAGE, "no robot 5", evo_robots_append(s.robots, s.robots, 5));
   evo_envs* envs = nullptr;
   fails(EVO_USAGE, "thread", evo_envs_open(s.task, s.robots, 1, 0, &envs));
@@ -343,17 +272,6 @@ TEST_CASE("c: pictures of environments, simulations and robots, and the same in 
     return evo_sims_render(sims, 0, nullptr, &view, sizeof view, pixels.data(), pixels.size());
   };
   view.window[2] = view.window[3] = 20;
-  CHECK(watch() == EVO_OK);
-  std::vector<std::vector<std::uint8_t>> seen{pixels};
-  for (const int hidden : {EVO_HIDE_GRID, EVO_HIDE_BACKGROUND, EVO_HIDE_EDGES, EVO_HIDE_VOXELS}) {
-    view.hide = hidden;
-    CHECK(watch() == EVO_OK);
-    CHECK(std::ranges::find(seen, pixels) == seen.end());
-    seen.push_back(pixels);
-  }
-  view.hide = 15;
-  CHECK(watch() == EVO_OK);
-  CHECK(std::ranges::count(pixels, 255) == std::ssize(pixels));  // nothing but white
   view.hide = 16;
   fails(EVO_USAGE, "no sum of evo_hide", watch());
   view.hide = 0;
@@ -473,174 +391,130 @@ TEST_CASE("c: the learner, asked from outside, gives the policy that a training 
   evo_learner_free(learner);
 }
 
-TEST_CASE("c: a training can be ended") {
-  const Session s("Walker-v0");
-  int64_t seen = 0;
-  const auto end = [](int64_t step, void* user) {
-    *static_cast<int64_t*>(user) = step;
-    return 0;
-  };
-  const evo_training training{nullptr, nullptr, 0, 8192, 0, end, &seen};
-  evo_policy* policy = nullptr;
-  fails(EVO_WORK, "ended", evo_train(s.task, s.robots, 0, &training, sizeof training, &policy));
-  CHECK(seen > 0);
-  CHECK(policy == nullptr);
-}
+// A handle, of whatever kind a function takes it for.
+struct AnyHandle {
+  void* at;
+  template <typename T>
+  operator T*() const {  // NOLINT(google-explicit-constructor): that is its use
+    return static_cast<T*>(at);
+  }
+};
+
+// Where a function is to write: a place, or nowhere.
+struct Writes {
+  bool given;
+  template <typename T>
+  T* operator()(T& place) const {
+    return given ? &place : nullptr;
+  }
+};
 
 TEST_CASE("c: every function refuses what is no handle of its kind, and NULL where it writes") {
   const Session s("Walker-v0");
-  evo_world* freed = nullptr;
-  REQUIRE(evo_world_new(&freed) == EVO_OK);
-  evo_world_free(freed);
-  double number = 0;
-  std::vector<std::uint8_t> bytes(64);
-  const std::int32_t step = 0;
-  const std::int32_t nowhere = 99;
-  const std::uint8_t no = 0;
-
-  // With a handle that is none, and places to write to; or with a good one, and no places.
-  using Call = std::function<int(void* handle, bool places)>;
   char* text = nullptr;
   void* state = nullptr;
   size_t count = 0;
-  evo_policy* policy = nullptr;
-  const auto place = [](bool places, auto* at) { return places ? at : nullptr; };
-  const auto as = []<typename H>(void* handle, H*) { return static_cast<H*>(handle); };
-  evo_task* const t = nullptr;
-  evo_robots* const r = nullptr;
-  evo_envs* const e = nullptr;
-  evo_world* const w = nullptr;
-  evo_sims* const sims = nullptr;
-  evo_policy* const p = nullptr;
-  evo_learner* const l = nullptr;
+  double number = 0;
+  const std::int32_t step = 0;
+  const std::int32_t nowhere = 99;
+  const std::uint8_t no = 0;
   evo_task* task = nullptr;
   evo_robots* robots = nullptr;
   evo_envs* envs = nullptr;
-  evo_sims* opened = nullptr;
-  evo_arrays at{};
+  evo_sims* sims = nullptr;
+  evo_policy* policy = nullptr;
   evo_task_facts task_facts{};
   evo_robot_facts robot{};
+  evo_arrays at{};
   evo_object object{};
-  evo_sim_arrays sim_arrays{};
+  evo_voxels voxels{};
+  evo_sim_arrays sim_at{};
   evo_sim_object sim_object{};
   evo_policy_facts policy_facts{};
   evo_learner_facts learner_facts{};
-  evo_voxels voxels{};
-  const std::vector<Call> calls{
-      [&](void* h, bool y) { return evo_task_copy(as(h, t), place(y, &task)); },
-      [&](void* h, bool) { return evo_task_set(as(h, t), nullptr); },
-      [&](void* h, bool) { return evo_task_set_physics(as(h, t), nullptr); },
-      [&](void* h, bool y) {
-        return evo_task_describe(as(h, t), place(y, &task_facts), sizeof task_facts);
-      },
-      [&](void* h, bool y) { return evo_robots_count(as(h, r), place(y, &count)); },
-      [&](void* h, bool) { return evo_robots_append(as(h, r), nullptr, 0); },
-      [&](void* h, bool y) {
-        return evo_robots_describe(as(h, r), 0, place(y, &robot), sizeof robot);
-      },
-      [&](void* h, bool y) { return evo_robots_svg(as(h, r), 0, 100, place(y, &text)); },
-      [&](void* h, bool y) { return evo_envs_open(as(h, t), s.robots, 1, 1, place(y, &envs)); },
-      [&](void* h, bool y) { return evo_envs_open(s.task, as(h, r), 1, 1, place(y, &envs)); },
-      [&](void* h, bool y) { return evo_envs_arrays(as(h, e), place(y, &at), sizeof at); },
-      [&](void* h, bool) { return evo_envs_reset(as(h, e), &nowhere, 1, nullptr); },
-      [&](void* h, bool) { return evo_envs_step(as(h, e), nullptr, 4, nullptr, 0); },
-      [&](void* h, bool y) { return evo_envs_save(as(h, e), 0, place(y, &state), &count); },
-      [&](void* h, bool) { return evo_envs_restore(as(h, e), 0, nullptr, 9); },
-      [&](void* h, bool) { return evo_envs_perturb(as(h, e), 0, -1.0, 0); },
-      [&](void* h, bool) { return evo_envs_translate(as(h, e), 0, 99, 0, 0); },
-      [&](void* h, bool y) { return evo_envs_object_count(as(h, e), 0, place(y, &count)); },
-      [&](void* h, bool y) {
-        return evo_envs_object(as(h, e), 0, 0, place(y, &object), sizeof object);
-      },
-      [&](void* h, bool y) {
-        return evo_envs_orientation(as(h, e), 0, 0, nullptr, place(y, &number), 1);
-      },
-      [&](void* h, bool y) { return evo_envs_observed(as(h, e), 0, place(y, &text)); },
-      [&](void* h, bool y) {
-        return evo_envs_voxels(as(h, e), 0, place(y, &voxels), sizeof voxels);
-      },
-      [&](void* h, bool) { return evo_envs_look(as(h, e), nullptr, 4, nullptr, 1); },
-      [&](void* h, bool) { return evo_envs_act(as(h, e), nullptr, nullptr, 4); },
-      [&](void* h, bool) {
-        return evo_envs_render(as(h, e), 0, nullptr, nullptr, 0, nullptr, 600 * 300 * 3);
-      },
-      [&](void* h, bool) { return evo_world_add(as(h, w), "a", nullptr, 1, 1, nullptr, 0, 0, 0); },
-      [&](void* h, bool) { return evo_world_move(as(h, w), nullptr, 0, 0); },
-      [&](void* h, bool) { return evo_world_remove(as(h, w), nullptr); },
-      [&](void* h, bool y) { return evo_world_json(as(h, w), place(y, &text)); },
-      [&](void* h, bool y) { return evo_sims_open(as(h, w), nullptr, 1, 1, place(y, &opened)); },
-      [&](void* h, bool y) {
-        return evo_sims_arrays(as(h, sims), place(y, &sim_arrays), sizeof sim_arrays);
-      },
-      [&](void* h, bool) { return evo_sims_reset(as(h, sims), 99); },
-      [&](void* h, bool) { return evo_sims_step(as(h, sims), nullptr, 8, nullptr, 0); },
-      [&](void* h, bool y) { return evo_sims_save(as(h, sims), 0, place(y, &state), &count); },
-      [&](void* h, bool) { return evo_sims_restore(as(h, sims), 0, nullptr, 9); },
-      [&](void* h, bool) { return evo_sims_translate(as(h, sims), 0, 99, 0, 0); },
-      [&](void* h, bool y) { return evo_sims_object_count(as(h, sims), place(y, &count)); },
-      [&](void* h, bool y) {
-        return evo_sims_object(as(h, sims), 0, place(y, &sim_object), sizeof sim_object);
-      },
-      [&](void* h, bool y) {
-        return evo_sims_orientation(as(h, sims), 0, nullptr, place(y, &number), 1);
-      },
-      [&](void* h, bool) {
-        return evo_sims_render(as(h, sims), 0, nullptr, nullptr, 0, nullptr, 600 * 300 * 3);
-      },
-      [&](void* h, bool) { return evo_policy_write(as(h, p), nullptr); },
-      [&](void* h, bool y) { return evo_policy_copy(as(h, p), place(y, &policy)); },
-      [&](void* h, bool y) {
-        return evo_policy_describe(as(h, p), place(y, &policy_facts), sizeof policy_facts);
-      },
-      [&](void* h, bool y) { return evo_policy_robot(as(h, p), place(y, &robots)); },
-      [&](void* h, bool y) { return evo_policy_task(as(h, p), place(y, &task)); },
-      [&](void* h, bool) { return evo_policy_act(as(h, p), nullptr, nullptr, 1, nullptr, 4); },
-      [&](void* h, bool y) {
-        return evo_train(as(h, t), s.robots, 0, nullptr, 0, place(y, &policy));
-      },
-      [&](void* h, bool y) {
-        return evo_train(s.task, as(h, r), 0, nullptr, 0, place(y, &policy));
-      },
-      [&](void* h, bool y) {
-        return evo_learner_describe(as(h, l), place(y, &learner_facts), sizeof learner_facts);
-      },
-      [&](void* h, bool) { return evo_learner_observe(as(h, l), nullptr, 1, &step, 1); },
-      [&](void* h, bool) { return evo_learner_act(as(h, l), nullptr, 1); },
-      [&](void* h, bool) {
-        return evo_learner_reward(as(h, l), &number, &no, &no, nullptr, 1, &step, 1);
-      },
-      [&](void* h, bool) { return evo_learner_learn(as(h, l)); },
-      [&](void* h, bool y) {
-        return evo_learner_policy(as(h, l), s.robots, 0, nullptr, 0, place(y, &policy));
-      },
+
+  // With a handle that is none, and places to write to; or with a good one, and no places.
+  using H = AnyHandle;
+  using W = Writes;
+  const std::vector<std::function<int(H handle, W places)>> calls{
+      [&](H h, W w) { return evo_task_copy(h, w(task)); },
+      [&](H h, W) { return evo_task_set(h, nullptr); },
+      [&](H h, W) { return evo_task_set_physics(h, nullptr); },
+      [&](H h, W w) { return evo_task_describe(h, w(task_facts), sizeof task_facts); },
+      [&](H h, W w) { return evo_robots_count(h, w(count)); },
+      [&](H h, W) { return evo_robots_append(h, nullptr, 0); },
+      [&](H h, W w) { return evo_robots_describe(h, 0, w(robot), sizeof robot); },
+      [&](H h, W w) { return evo_robots_svg(h, 0, 100, w(text)); },
+      [&](H h, W w) { return evo_envs_open(h, s.robots, 1, 1, w(envs)); },
+      [&](H h, W w) { return evo_envs_open(s.task, h, 1, 1, w(envs)); },
+      [&](H h, W w) { return evo_envs_arrays(h, w(at), sizeof at); },
+      [&](H h, W) { return evo_envs_reset(h, &nowhere, 1, nullptr); },
+      [&](H h, W) { return evo_envs_step(h, nullptr, 4, nullptr, 0); },
+      [&](H h, W w) { return evo_envs_save(h, 0, w(state), &count); },
+      [&](H h, W) { return evo_envs_restore(h, 0, nullptr, 9); },
+      [&](H h, W) { return evo_envs_perturb(h, 0, -1.0, 0); },
+      [&](H h, W) { return evo_envs_translate(h, 0, 99, 0, 0); },
+      [&](H h, W w) { return evo_envs_object_count(h, 0, w(count)); },
+      [&](H h, W w) { return evo_envs_object(h, 0, 0, w(object), sizeof object); },
+      [&](H h, W w) { return evo_envs_orientation(h, 0, 0, nullptr, w(number), 1); },
+      [&](H h, W w) { return evo_envs_observed(h, 0, w(text)); },
+      [&](H h, W w) { return evo_envs_voxels(h, 0, w(voxels), sizeof voxels); },
+      [&](H h, W) { return evo_envs_look(h, nullptr, 4, nullptr, 1); },
+      [&](H h, W) { return evo_envs_act(h, nullptr, nullptr, 4); },
+      [&](H h, W) { return evo_envs_render(h, 0, nullptr, nullptr, 0, nullptr, 600 * 300 * 3); },
+      [&](H h, W) { return evo_world_add(h, "a", nullptr, 1, 1, nullptr, 0, 0, 0); },
+      [&](H h, W) { return evo_world_move(h, nullptr, 0, 0); },
+      [&](H h, W) { return evo_world_remove(h, nullptr); },
+      [&](H h, W w) { return evo_world_json(h, w(text)); },
+      [&](H h, W w) { return evo_sims_open(h, nullptr, 1, 1, w(sims)); },
+      [&](H h, W w) { return evo_sims_arrays(h, w(sim_at), sizeof sim_at); },
+      [&](H h, W) { return evo_sims_reset(h, 99); },
+      [&](H h, W) { return evo_sims_step(h, nullptr, 8, nullptr, 0); },
+      [&](H h, W w) { return evo_sims_save(h, 0, w(state), &count); },
+      [&](H h, W) { return evo_sims_restore(h, 0, nullptr, 9); },
+      [&](H h, W) { return evo_sims_translate(h, 0, 99, 0, 0); },
+      [&](H h, W w) { return evo_sims_object_count(h, w(count)); },
+      [&](H h, W w) { return evo_sims_object(h, 0, w(sim_object), sizeof sim_object); },
+      [&](H h, W w) { return evo_sims_orientation(h, 0, nullptr, w(number), 1); },
+      [&](H h, W) { return evo_sims_render(h, 0, nullptr, nullptr, 0, nullptr, 600 * 300 * 3); },
+      [&](H h, W) { return evo_policy_write(h, nullptr); },
+      [&](H h, W w) { return evo_policy_copy(h, w(policy)); },
+      [&](H h, W w) { return evo_policy_describe(h, w(policy_facts), sizeof policy_facts); },
+      [&](H h, W w) { return evo_policy_robot(h, w(robots)); },
+      [&](H h, W w) { return evo_policy_task(h, w(task)); },
+      [&](H h, W) { return evo_policy_act(h, nullptr, nullptr, 1, nullptr, 4); },
+      [&](H h, W w) { return evo_train(h, s.robots, 0, nullptr, 0, w(policy)); },
+      [&](H h, W w) { return evo_train(s.task, h, 0, nullptr, 0, w(policy)); },
+      [&](H h, W w) { return evo_learner_describe(h, w(learner_facts), sizeof learner_facts); },
+      [&](H h, W) { return evo_learner_observe(h, nullptr, 1, &step, 1); },
+      [&](H h, W) { return evo_learner_act(h, nullptr, 1); },
+      [&](H h, W) { return evo_learner_reward(h, &number, &no, &no, nullptr, 1, &step, 1); },
+      [&](H h, W) { return evo_learner_learn(h); },
+      [&](H h, W w) { return evo_learner_policy(h, s.robots, 0, nullptr, 0, w(policy)); },
   };
-  int misuses = 0;
-  for (std::size_t k = 0; k < calls.size(); ++k) {
-    // None, one that was freed, bytes that never were one, and one of another kind: a world is
-    // none of a task, and the other way round.
-    for (void* handle : {static_cast<void*>(nullptr), static_cast<void*>(freed),
-                         static_cast<void*>(bytes.data())}) {
+  evo_world* freed = nullptr;
+  REQUIRE(evo_world_new(&freed) == EVO_OK);
+  evo_world_free(freed);
+  std::vector<std::uint8_t> bytes(64);
+  for (std::size_t k = 0; k < calls.size(); ++k)
+    for (void* handle : std::initializer_list<void*>{nullptr, freed, bytes.data()}) {
       CAPTURE(k, handle);
-      CHECK(calls[k](handle, true) == EVO_USAGE);
+      CHECK(calls[k]({handle}, {true}) == EVO_USAGE);
       CHECK(std::strlen(evo_error()) > 10);
-      ++misuses;
     }
-  }
   evo_learner* learner = nullptr;
   const evo_training training{"default", nullptr, 0, 1 << 20, 0, nullptr, nullptr};
   REQUIRE(evo_learner_open(&training, sizeof training, 3, 2, 0.6, 1.6, "x", &learner) == EVO_OK);
   evo_world* world = world_of_two();
-  REQUIRE(evo_sims_open(world, nullptr, 1, 1, &opened) == EVO_OK);
+  REQUIRE(evo_sims_open(world, nullptr, 1, 1, &sims) == EVO_OK);
   for (std::size_t k = 0; k < calls.size(); ++k)
     for (void* handle :
-         {static_cast<void*>(s.task), static_cast<void*>(s.robots), static_cast<void*>(s.envs),
-          static_cast<void*>(world), static_cast<void*>(opened), static_cast<void*>(learner)}) {
+         std::initializer_list<void*>{s.task, s.robots, s.envs, world, sims, learner}) {
       CAPTURE(k);
-      CHECK(calls[k](handle, false) != EVO_OK);  // of another kind, or with nowhere to write to
-      ++misuses;
+      // Of another kind, or with nowhere to write to.
+      CHECK(calls[k]({handle}, {false}) != EVO_OK);
     }
-  CHECK(misuses > 400);
   evo_learner_free(learner);
-  evo_sims_free(opened);
+  evo_sims_free(sims);
   evo_world_free(world);
 }

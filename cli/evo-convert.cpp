@@ -138,21 +138,30 @@ void write_yaml(const Robots& robots, const std::string& output) {
   write_text(output, text);
 }
 
+// A robot for a format that has bodies and no more.
+const Robot& plain(const Robot& robot, const char* format) {
+  if (!robot.body.stiffness.empty())
+    throw error(Failure::data, "robot {} has factors of stiffness, which {} cannot hold", robot.id,
+                format);
+  return robot;
+}
+
 void write_letters(const Robots& robots, const std::string& output) {
   std::string text;
   for (const Robot& robot : robots) {
     if (!text.empty()) text += "\n";
-    text += letters(robot.body);
+    text += letters(plain(robot, "text").body);
   }
   write_text(output, text);
 }
 
 void write_npz(const Robots& robots, const std::string& output) {
-  write_text(output, body_to_npz(single(robots, "npz").body));
+  write_text(output, body_to_npz(plain(single(robots, "npz"), "npz").body));
 }
 
 void write_design(const Robots& robots, const std::string& output) {
-  write_text(output, evogym_world_to_json(evogym_world_of_robot(single(robots, "evogym"))));
+  write_text(output, evogym_world_to_json(
+                         evogym_world_of_robot(plain(single(robots, "evogym"), "evogym"))));
 }
 
 struct Target {

@@ -20,9 +20,9 @@ namespace evo {
 namespace {
 
 // In the order they are written; others follow in the order they were read.
-constexpr std::array canonical_fields{"format", "version", "id",     "body",    "connections",
-                                      "genome", "parents", "origin", "fitness", "failure",
-                                      "task",   "steps",   "policy"};
+constexpr std::array canonical_fields{"format",    "version", "id",      "body",   "connections",
+                                      "stiffness", "genome",  "parents", "origin", "fitness",
+                                      "failure",   "task",    "steps",   "policy"};
 
 bool is_canonical(const std::string& name) {
   return std::find(canonical_fields.begin(), canonical_fields.end(), name) !=
@@ -148,6 +148,35 @@ Json links_to_json(const std::vector<Link>& links) {
   return pairs;
 }
 
+// ---- stiffness ----------------------------------------------------------------
+
+// Rows of factors, of the body's shape.
+std::vector<double> read_stiffness(const Node& value, const Body& body) {
+  std::vector<double> factors;
+  const std::vector<Node> rows = value.items();
+  if (rows.size() != static_cast<std::size_t>(body.rows))
+    throw value.error(
+        fmt::format("{} rows are expected, as the body has, found {}", body.rows, rows.size()));
+  for (const Node& row : rows) {
+    const std::vector<Node> numbers = row.items();
+    if (numbers.size() != static_cast<std::size_t>(body.cols))
+      throw row.error(fmt::format("{} factors are expected, as the body has columns, found {}",
+                                  body.cols, numbers.size()));
+    for (const Node& number : numbers) factors.push_back(number.number());
+  }
+  return factors;
+}
+
+Json stiffness_to_json(const Body& body) {
+  Json rows = Json::array();
+  for (int row = 0; row < body.rows; ++row) {
+    Json& factors = rows.emplace_back(Json::array());
+    for (int col = 0; col < body.cols; ++col)
+      factors.push_back(body.stiffness_of(static_cast<std::size_t>(body.index(row, col))));
+  }
+  return rows;
+}
+
 // ---- the other fields ---------------------------------------------------------
 
 using TypeTest = bool (*)(const Json&);
@@ -204,6 +233,10 @@ void set_identity(Robot& robot) {
     robot.document.erase("connections");
   else
     robot.document["connections"] = links_to_json(robot.body.links);
+  if (robot.body.stiffness.empty())
+    robot.document.erase("stiffness");
+  else
+    robot.document["stiffness"] = stiffness_to_json(robot.body);
 }
 
 // The document with its fields in canonical order and complete.
@@ -548,6 +581,14 @@ Robot read_robot(const Node& node, BodyCheck check) {
   if (links && !links->is_null()) {
     robot.body.links = read_links(*links, robot.body);
     if (const auto wrong = link_defect(robot.body)) throw links->error(*wrong);
+  }
+  if (const auto stiffness = node.find("stiffness"); stiffness && !stiffness->is_null()) {
+    std::vector<double> factors = read_stiffness(*stiffness, robot.body);
+    try {
+      robot.body = with_stiffness(std::move(robot.body), std::move(factors));
+    } catch (const Error& failure) {
+      throw stiffness->error(failure.what());
+    }
   }
   if (check == BodyCheck::robot)
     if (const auto wrong = defect(robot.body, true)) throw body->error(*wrong);

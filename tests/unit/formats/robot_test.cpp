@@ -145,6 +145,22 @@ TEST_CASE("Robot: connections are part of the robot, but only where they say som
   CHECK(full.id == one(R"({"body":["HH","VV"]})").id);
 }
 
+TEST_CASE("Robot: stiffness is part of the robot, but only where it says something") {
+  const Robot plain = one(R"({"body":["HS",".V"],"stiffness":[[1,1],[7,1]]})");
+  CHECK(plain.id == one(R"({"body":["HS",".V"]})").id);
+  CHECK_FALSE(plain.document.contains("stiffness"));
+  const Robot stiff = one(R"({"body":["HS",".V"],"stiffness":[[2,1],[0,0.1]]})");
+  CHECK(stiff.body.stiffness == std::vector<double>{2, 1, 1, 0.1});
+  CHECK(stiff.document["stiffness"] == Json{{2.0, 1.0}, {1.0, 0.1}});
+  CHECK(one(robot_to_line(stiff)).body == stiff.body);
+  CHECK(one(robot_to_yaml(stiff)).body == stiff.body);
+  CHECK_THROWS_WITH(one(R"({"body":["HS"],"stiffness":[[2]]})"),
+                    Catch::EndsWith("2 factors are expected, as the body has columns, found 1"));
+  CHECK_THROWS_WITH(one(R"({"body":["HS"],"stiffness":[[2,11]]})"),
+                    Catch::EndsWith("stiffness 11 at row 1, column 2: a factor from 0.1 to 10 is "
+                                    "expected"));
+}
+
 TEST_CASE("Robot: bad documents are refused with place, path and reason") {
   const std::vector<std::pair<std::string, const char*>> all{
       {R"({"body":["HHH","V.X"]})",

@@ -22,6 +22,8 @@ int main(int argc, char** argv) {
                  "tries to reach a valid body, each going on from the one before");
   command.option("--crossover", breeding.crossover, "P",
                  "chance of a child to mix two parents before it is mutated");
+  command.option("--stiffness-sigma", breeding.mutation.stiffness_sigma, "S",
+                 "every voxel becomes exp(S N(0, 1)) times as stiff, within 0.1 and 10");
   command.option("--avoid", avoid, "FILE", "robots or ids that must not come again (repeatable)");
   command.seed_option();
   command.output_option("where the children go, one JSON document per line");

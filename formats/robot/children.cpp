@@ -13,6 +13,9 @@ void check(const Breeding& breeding) {
        {std::pair{"--rate", mutation.rate}, std::pair{"--crossover", breeding.crossover}})
     if (!(p >= 0.0 && p <= 1.0))
       throw error(Failure::usage, "{} must be between 0 and 1, got {}", name, p);
+  if (!(mutation.stiffness_sigma >= 0.0 && mutation.stiffness_sigma <= 10.0))
+    throw error(Failure::usage, "--stiffness-sigma must be between 0 and 10, got {}",
+                mutation.stiffness_sigma);
   if (mutation.attempts < 1)
     throw error(Failure::usage, "--attempts must be at least 1, got {}", mutation.attempts);
 }

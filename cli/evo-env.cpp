@@ -247,8 +247,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> files;
   command.arguments(files, "ROBOT...",
                     {{"ROBOT...",
-                      "files of robots; standard input carries the requests, which evo-formats(5) "
-                      "describes"}});
+                      "files of robots; standard input carries the requests (docs/evo-env.md)"}});
   task.add_to(command);
   command.option("--envs", envs, "N", "environments of each robot, stepped together");
   command.seed_option();

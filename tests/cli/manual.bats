@@ -7,7 +7,7 @@ pages="$EVO_BIN/../docs/man"
 @test "every tool has a manual page, without warnings of the formatter" {
   command -v man > /dev/null || skip "man is not installed"
   [ -e "$pages/evo.7" ] || skip "built without help2man or scdoc"
-  for page in $(cd "$EVO_BIN" && printf '%s.1\n' evo-*) evo.7 evo-formats.5; do
+  for page in $(cd "$EVO_BIN" && printf '%s.1\n' evo-*) evo.7; do
     LC_ALL=C.UTF-8 MANWIDTH=80 man -l --warnings=w "$pages/$page" 2> warnings | col -b > text
     [ ! -s warnings ] || { echo "$page: $(cat warnings)" >&2; return 1; }
     grep -q '^NAME' text

@@ -15,9 +15,9 @@ mkdir "$EVO_FILES"
 cp "$here/../../records/Walker-v0/policy.h5" "$EVO_FILES/policy.h5"
 evo-convert "$EVO_FILES/policy.h5" --to json -o "$EVO_FILES/policy.json"
 jq -c 'del(.actor)' "$EVO_FILES/policy.json" > "$EVO_FILES/cut.json"
-export EVO_CASES=$work/cases
-"$here/cases" "$EVO_CASES"
-evo-convert "$EVO_CASES/modular.h5" --to json -o "$EVO_FILES/modular.json"
-EVO_OTHER_BODY=$(printf 'HVH\nV.V\n' | evo-eval -q --policy "$EVO_CASES/modular.h5" | jq .fitness)
+printf 'HHH\nVSV\nV.V\n' |
+  evo-train -q --task Walker-v0 --seed 1 --train modular --steps 8192 --shared "$work/modular.h5" > "$work/scored"
+evo-convert "$work/modular.h5" --to json -o "$EVO_FILES/modular.json"
+EVO_OTHER_BODY=$(printf 'HVH\nV.V\n' | evo-eval -q --policy "$work/modular.h5" | jq .fitness)
 export EVO_OTHER_BODY
 node "$here/browser.mjs" "$browser" "$work/site" "$work/profile" ${EVO_PICTURES:+"$EVO_PICTURES"}

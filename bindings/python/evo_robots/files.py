@@ -13,8 +13,8 @@ import numpy as np
 
 from .simulator import Simulator
 
-__all__ = ["Episode", "Policy", "read_history", "read_policy", "read_robots", "read_rollout", "read_run",
-           "write_actions", "write_policy"]
+__all__ = ["Episode", "read_history", "read_robots", "read_rollout", "read_run", "write_actions",
+           "write_policy"]
 
 
 # ---- robots and runs ----------------------------------------------------------
@@ -84,56 +84,6 @@ def write_actions(path: str | os.PathLike, actions: Any) -> None:
 
 
 # ---- policies -----------------------------------------------------------------
-
-
-@dataclass
-class Policy:
-    """A network with tanh after every layer but the last; single precision, as
-    the tools run it."""
-
-    layers: list[tuple[np.ndarray, np.ndarray]]  # weight [out, in] and bias [out]
-    mean: np.ndarray
-    variance: np.ndarray
-    count: float = 0.0  # 0: observations pass unchanged but for the clip
-    clip: float = 10.0
-    epsilon: float = 1e-8
-    squash: bool = False
-    offset: float = 0.0
-    low: float = 0.6
-    high: float = 1.6
-    attributes: dict[str, Any] = field(default_factory=dict)
-
-    def predict(self, observations: Any) -> np.ndarray:
-        """Deterministic targets [.., A] of observations [.., D]."""
-        x = np.asarray(observations, np.float64)
-        if self.count > 0:
-            x = (x - self.mean) / np.sqrt(self.variance + self.epsilon)
-        x = np.clip(x, -self.clip, self.clip).astype(np.float32)
-        for number, (weight, bias) in enumerate(self.layers):
-            x = x @ weight.T + bias
-            if number + 1 < len(self.layers):
-                x = np.tanh(x)
-        output = x.astype(np.float64)
-        if self.squash:
-            return (self.low + self.high) / 2 + (self.high - self.low) / 2 * np.tanh(output)
-        return np.clip(output + self.offset, self.low, self.high)
-
-
-def read_policy(path: str | os.PathLike) -> Policy:
-    with h5py.File(path) as file:
-        if file.attrs["kind"] not in ("network", b"network"):
-            raise ValueError(f"{path}: holds no network, but '{file.attrs['kind']}'")
-        layers = []
-        while f"actor/layer_{len(layers)}" in file:
-            layer = file[f"actor/layer_{len(layers)}"]
-            layers.append((layer["weight"][:], layer["bias"][:]))
-        normalizer = file["normalizer"]
-        low, high = file.attrs["action_bounds"]
-        return Policy(
-            layers, normalizer["mean"][:], normalizer["var"][:],
-            float(normalizer.attrs["count"]), float(normalizer.attrs["clip"]),
-            float(normalizer.attrs["epsilon"]), _text(file.attrs["action_map"]) == "squash",
-            float(file.attrs["action_offset"]), float(low), float(high), dict(file.attrs))
 
 
 def write_policy(
@@ -207,7 +157,3 @@ def _check_shapes(layers: Sequence[tuple[Any, Any]], observations: int, actions:
         width = shape[0]
     if width != actions or not layers:
         raise ValueError(f"the last layer has {width} outputs for {actions} actuators")
-
-
-def _text(value: Any) -> str:
-    return value.decode() if isinstance(value, bytes) else str(value)

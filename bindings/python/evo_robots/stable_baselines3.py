@@ -12,7 +12,8 @@ from stable_baselines3.common.torch_layers import FlattenExtractor
 from stable_baselines3.common.vec_env import VecCheckNan, VecMonitor, VecNormalize, VecVideoRecorder
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvWrapper
 
-from .files import read_policy, write_policy  # needs h5py, which is missed before a training
+from .files import write_policy  # needs h5py, which is missed before a training
+from .own import Trained
 from .vector import VectorEnvironment
 
 __all__ = ["Sb3Environments", "write_sb3_policy"]
@@ -147,7 +148,7 @@ def _compare(path: str | os.PathLike, model: Any, normalizer: VecNormalize | Non
     some = np.random.default_rng(0).normal(0.0, 2.0, (64, *model.observation_space.shape))
     seen = some if normalizer is None else normalizer.normalize_obs(some)
     wanted = model.predict(seen, deterministic=True)[0]
-    found = read_policy(path).predict(some)
+    found = Trained.read(path).act(some)
     if not np.allclose(wanted, found, atol=1e-3):
         os.unlink(path)
         raise ValueError("the policy cannot be written: its actions would differ from the model's "

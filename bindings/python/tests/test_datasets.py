@@ -18,7 +18,6 @@ from torch import nn
 
 import evo_robots
 from evo_robots.datasets import read_evogym
-from evo_robots.files import read_policy
 
 BODY = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
                  [4, 0, 0, 0, 4]])
@@ -77,7 +76,7 @@ class Table(unittest.TestCase):
                                   capture_output=True, text=True, check=True).stdout
             self.assertEqual(json.loads(best)["id"], evo_robots.Robot(BODY).id)
             seen = np.random.default_rng(1).normal(0, 2, (20, blob and simulator.info["robots"][0]["observation_length"]))
-            np.testing.assert_allclose(read_policy(robots[0]["policy"]).predict(seen), act(seen), atol=1e-5)
+            np.testing.assert_allclose(evo_robots.Trained.read(robots[0]["policy"]).act(seen), act(seen), atol=1e-5)
             subprocess.run([evo_robots.find_tool("evo-eval"), robots[0]["policy"]], check=True,
                            capture_output=True)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from evo_robots import Simulator, files, find_tool, robot_document
+from evo_robots import Simulator, Trained, files, find_tool, robot_document
 
 SMALL = np.array([[3, 4], [4, 3]])
 
@@ -44,10 +44,10 @@ class Files(unittest.TestCase):
         tool("evo-train", self.robot, "--task", "Walker-v0", "--steps", 4096, "--out-dir",
              self.folder, "-o", self.folder / "trained.json", "-q")
         [trained] = files.read_robots(self.folder / "trained.json")
-        policy = files.read_policy(self.folder / trained["policy"])
+        policy = Trained.read(self.folder / trained["policy"])
         tool("evo-eval", self.folder / "trained.json", "--rollout", self.folder / "walk.h5")
         [episode] = files.read_rollout(self.folder / "walk.h5")
-        np.testing.assert_allclose(policy.predict(episode.observations[:-1]), episode.actions,
+        np.testing.assert_allclose(policy.act(episode.observations[:-1]), episode.actions,
                                    atol=1e-5)
 
     def test_a_network_of_ones_own_goes_back_to_the_tools(self):
@@ -58,11 +58,11 @@ class Files(unittest.TestCase):
                       (rng.normal(size=(4, 8)), rng.normal(size=4))]
             files.write_policy(self.folder / "own.policy.h5", simulator, robot_document(SMALL),
                                layers, offset=1.1)
-            policy = files.read_policy(self.folder / "own.policy.h5")
+            policy = Trained.read(self.folder / "own.policy.h5")
             state = simulator.reset(seed=0, episode=0)
             total = 0.0
             for _ in range(100):
-                state = simulator.step(policy.predict(state.observations[0]))
+                state = simulator.step(policy.act(state.observations))
                 total += state.rewards[0]
         said = json.loads(tool("evo-eval", self.robot, "--policy", self.folder / "own.policy.h5",
                                "--max-steps", 100))

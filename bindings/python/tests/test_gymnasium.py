@@ -64,8 +64,6 @@ class One(unittest.TestCase):
             steps(gymnasium.make("evo/Walker-v0", body=SMALL, max_episode_steps=-1)), 999)
         self.assertEqual(steps(Environment("Walker-v0", SMALL)), 500)
         self.assertEqual(steps(Environment("Walker-v0", SMALL, max_episode_steps=8)), 8)
-        with self.assertRaisesRegex(ValueError, "max_episode_steps"):
-            Environment("Walker-v0", SMALL, max_episode_steps=0)
         for limit, expected in ((5, 5), (600, 600), (None, 500)):
             arguments = {} if limit is None else {"max_episode_steps": limit}
             envs = gymnasium.make_vec("evo/Walker-v0", num_envs=2, body=SMALL, **arguments)
@@ -74,20 +72,20 @@ class One(unittest.TestCase):
             self.assertEqual(ends, [expected, 2 * expected + 1])  # a step begins the next episode
             envs.close()
 
-    def test_one_robot_is_expected(self):
+    def test_what_makes_no_sense_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             two = Path(folder, "two.txt")
             two.write_text("HV\n\nVH\n")
-            for make in (gymnasium.make, gymnasium.make_vec):
-                with self.assertRaisesRegex(ValueError, "one robot is expected, not 2"):
-                    make("evo/Walker-v0", robot=two)
-
-    def test_an_object_that_is_not_there_is_named(self):
-        env = gymnasium.make("evo/Carrier-v0", body=SMALL)
-        env.reset(seed=0)
+            for arguments, message in (({}, "give a body"), ({"robot": two}, "one robot is expected, not 2"),
+                                       ({"body": SMALL, "render_mode": "ansi"}, "'ansi' is not 'rgb_array'")):
+                for make in (gymnasium.make, gymnasium.make_vec):
+                    with self.assertRaisesRegex(ValueError, message):
+                        make("evo/Walker-v0", **arguments)
+        env = Environment("Carrier-v0", SMALL)
         with self.assertRaisesRegex(ValueError, "'box'.*robot.*package|'box'.*package.*robot"):
-            env.unwrapped.object_pos_at_time("box")
-        env.close()
+            env.object_pos_at_time("box")
+        with self.assertRaisesRegex(ValueError, "max_episode_steps"):
+            Environment("Walker-v0", SMALL, max_episode_steps=0)
 
     def test_a_copy_plans_ahead(self):
         env = gymnasium.make("evo/Walker-v0", body=WALKER)
@@ -149,8 +147,6 @@ class One(unittest.TestCase):
         plain = after()
         for changed in ({"settings": {"gravity": 50}}, {"jitter": 1e-3}):
             self.assertFalse(np.array_equal(plain, after(**changed)), changed)
-        with self.assertRaises(ValueError):
-            gymnasium.make("evo/Walker-v0")
 
 
 class Many(unittest.TestCase):
@@ -184,11 +180,6 @@ class Many(unittest.TestCase):
                 self.assertEqual((rewards.tolist(), truncated.tolist()), ([0, 0], [False, False]))
             np.testing.assert_array_equal(observations, start)
             envs.close()
-
-    def test_what_cannot_be_drawn_is_refused(self):
-        for make in (gymnasium.make, gymnasium.make_vec):
-            with self.assertRaisesRegex(ValueError, "'ansi' is not 'rgb_array'"):
-                make("evo/Walker-v0", body=SMALL, render_mode="ansi")
 
     def test_a_seed_for_each(self):
         made = gymnasium.make_vec("evo/Catcher-v0", num_envs=3, body=SMALL)

@@ -15,7 +15,6 @@ from stable_baselines3.common.env_checker import check_env
 from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack, VecNormalize
 
 import evo_robots
-from evo_robots.files import read_policy
 from evo_robots.stable_baselines3 import Sb3Environments, write_sb3_policy
 
 torch.set_num_threads(1)
@@ -66,7 +65,7 @@ class Training(unittest.TestCase):
 
             def written(model, **arguments):
                 write_sb3_policy(path, model, simulator, document, **arguments)
-                return read_policy(path)
+                return evo_robots.Trained.read(path)
 
             # A normaliser with statistics of its own: 0.0313 would become -0.0255 without.
             envs = VecNormalize(inner, clip_obs=3.0, epsilon=1e-4)
@@ -74,22 +73,22 @@ class Training(unittest.TestCase):
             model.learn(256)
             seen = rng.normal(0, 2, (20, simulator.observation_lengths[0]))
             wanted = model.predict(envs.normalize_obs(seen), deterministic=True)[0]
-            np.testing.assert_allclose(written(model).predict(seen), wanted, atol=1e-5)
+            np.testing.assert_allclose(written(model).act(seen), wanted, atol=1e-5)
             model.save(Path(folder, "model"))
             alone = PPO.load(Path(folder, "model"), device="cpu")
             with self.assertRaisesRegex(ValueError, "vec_normalize"):
                 written(alone)
-            np.testing.assert_allclose(written(alone, vec_normalize=envs).predict(seen), wanted,
+            np.testing.assert_allclose(written(alone, vec_normalize=envs).act(seen), wanted,
                                        atol=1e-5)
             wanted = alone.predict(seen, deterministic=True)[0]
-            np.testing.assert_allclose(written(alone, vec_normalize=False).predict(seen), wanted,
+            np.testing.assert_allclose(written(alone, vec_normalize=False).act(seen), wanted,
                                        atol=1e-5)
             # Squashed, with noise that depends on the state.
             for squash in (True, False):
                 model = PPO("MlpPolicy", inner, n_steps=64, batch_size=64, seed=1, device="cpu",
                             use_sde=True, policy_kwargs={"squash_output": squash})
                 wanted = model.predict(seen, deterministic=True)[0]
-                np.testing.assert_allclose(written(model).predict(seen), wanted, atol=1e-5)
+                np.testing.assert_allclose(written(model).act(seen), wanted, atol=1e-5)
             path.unlink()
             one = lambda wrap: DummyVecEnv([lambda: wrap(
                 gymnasium.make("evo/Walker-v0", body=BODY))])

@@ -61,10 +61,6 @@ int evo_policy_write(const evo_policy* policy, const char* file) {
   return guarded([&] { evo::write_policy(text_of(file, "file"), object_of(policy).file); });
 }
 
-int evo_policy_copy(const evo_policy* policy, evo_policy** copy) {
-  return open(copy, [&] { return std::make_unique<evo_policy>(object_of(policy)); });
-}
-
 void evo_policy_free(evo_policy* policy) { close(policy); }
 
 int evo_policy_describe(const evo_policy* policy, evo_policy_facts* facts, size_t size) {

@@ -55,10 +55,6 @@ int evo_task_parse(const char* yaml, const char* origin, evo_task** task) {
   });
 }
 
-int evo_task_copy(const evo_task* task, evo_task** copy) {
-  return open(copy, [&] { return task_of(object_of(task).spec); });
-}
-
 void evo_task_free(evo_task* task) { close(task); }
 
 int evo_task_set_physics(evo_task* task, const char* profile_or_file) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A world of one's own: two robots push a box between them. Draws its end into push.png."""
+"""A world of one's own: two robots push a box between them. Draws its end into push.gif."""
 import numpy as np
 
 from evo_robots import Simulations, World
@@ -18,4 +18,4 @@ for t in range(200):
 box = sims.positions[:, sims.objects["box"].points].mean(axis=1) / 0.1
 best = int(np.abs(box[:, 0] - 15.5).argmax())
 print(f"attempt {best} moved the box by {box[best, 0] - 15.5:.3f} voxels")
-Video([sims.picture(best, 800, 300, window=(16, 4, 40, 15))], fps=1).save("push.png")
+Video([sims.picture(best, 800, 300, window=(16, 4, 40, 15))], fps=1).save("push.gif")

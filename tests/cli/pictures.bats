@@ -138,23 +138,6 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:
   fails_with 2 "--race" "--show contacts" -- evo-render --race r.h5 r.h5 --show contacts -o x.mp4
 }
 
-@test "goals are counted, and the way to the next is measured from the robot" {
-  evo-sample -n 1 --seed 4 |
-    evo-eval --task BidirectionalWalker-v0 --draws '{"goals":[25,40]}' --actions sine:0.5,20,0.7 --max-steps 5 --rollout g.h5 > /dev/null
-  evo-render g.h5 --at 0 -o goal.svg
-  grep -Eq '>0 goals reached, next 1[01]\.[0-9] voxels to the left<' goal.svg
-}
-
-@test "a video says why its episode ended, and stays there for half a second" {
-  evo-sample -n 1 --seed 4 | evo-eval --task Lifter-v0 --actions sine:0.5,20,0.7 --rollout r.h5 > /dev/null
-  evo-render r.h5 --at 300 -o end.svg
-  grep -q '>time is up<' end.svg
-  evo-render r.h5 --at 299 -o before.svg
-  run ! grep -q 'time is up' before.svg
-  evo-render r.h5 -o r.mp4 --size 160x90 --steps 290-
-  ffprobe -v error -show_entries stream=nb_frames -of csv=p=0 r.mp4 | grep -qx $((11 + 25))
-}
-
 # Mean difference of two pictures of one size, of 255.
 difference() {
   for file in "$1" "$2"; do ffmpeg -v error -i "$file" -f rawvideo -pix_fmt rgb24 "$file.rgb"; done
@@ -182,13 +165,6 @@ print(np.abs(a - b).mean())" "$1" "$2"
     --window-size="$width,$((height + 200))" --screenshot="$PWD/window.png" "file://$PWD/page.html" 2> /dev/null
   ffmpeg -v error -i window.png -vf "crop=$width:$height:0:0" browser.png
   difference ours.png browser.png | awk '{ exit !($1 < 2.5) }'
-}
-
-@test "the same rollout is the same picture, whatever -j" {
-  episode r.h5
-  evo-render r.h5 -o a.gif --size 160x90 -j1
-  evo-render r.h5 -o b.gif --size 160x90 -j3
-  cmp a.gif b.gif
 }
 
 @test "what cannot be drawn is refused in one line, and leaves no file" {
@@ -276,30 +252,6 @@ as_user() {
   [ "$(find ../out -size +1k | wc -l)" -ge 5 ]
   fails_with 73 "here.png" -- as_user evo-render r.h5 --strip 3 -o here.png
   chmod -R u+w .
-}
-
-@test "damaged and foreign HDF5: status 65 and one line" {
-  episode r.h5
-  head -c 20000 r.h5 > cut.h5
-  head -c 100 r.h5 > stump.h5
-  /usr/bin/python3 -c "
-import h5py
-h5py.File('foreign.h5', 'w')['x'] = [1.0]
-h5py.File('similar.h5', 'w')['episode_0/rewards'] = [1.0, 2.0]"
-  for file in cut stump foreign similar; do
-    fails_with 65 "$([ $file = similar ] || echo $file.h5)" -- evo-render $file.h5 -o x.mp4
-    [ ! -e x.mp4 ]
-  done
-  "$EVO_SOURCE/tests/report/make-run.sh" run ga 1 2 4 trained
-  for file in best.rollout.h5 "policies/$(jq -r .id run/best.json).policy.h5"; do
-    cp "run/$file" whole.h5
-    for damaged in cut stump foreign; do
-      cp "$damaged.h5" "run/$file"
-      fails_with 65 "run/$file" -- evo-report run -o page.html
-      [ ! -e page.html ]
-    done
-    cp whole.h5 "run/$file"
-  done
 }
 
 @test "progress on a terminal is wiped, and there is none in a file" {

@@ -70,7 +70,6 @@ typedef struct evo_task evo_task;
 EVO_API int evo_task_open(const char* name_or_file, evo_task** task);
 /* A task as YAML text; `origin` begins its errors, and files named in it are beside it. */
 EVO_API int evo_task_parse(const char* yaml, const char* origin, evo_task** task);
-EVO_API int evo_task_copy(const evo_task* task, evo_task** copy);
 EVO_API void evo_task_free(evo_task* task);
 
 /* As --physics of the tools: "paper", a file; "gravity=50". */
@@ -352,7 +351,6 @@ typedef struct evo_policy evo_policy;
 EVO_API int evo_policy_read(const char* file, evo_policy** policy);
 /* A file for evo-eval, evo-render, evo-convert; appears whole or not at all. */
 EVO_API int evo_policy_write(const evo_policy* policy, const char* file);
-EVO_API int evo_policy_copy(const evo_policy* policy, evo_policy** copy);
 EVO_API void evo_policy_free(evo_policy* policy);
 
 /* An evaluation in the course of a training, and the best until then. */

@@ -35,6 +35,7 @@ using Given = std::map<std::string, std::string>;  // settings by name
 struct Options {
   std::string run;
   std::map<std::string, std::optional<std::string>> settings;
+  std::map<std::string, bool> without;
   bool plan = false;
   std::optional<std::string> launch;
   std::string tasks = "Walker-v0";  // of compare
@@ -147,6 +148,8 @@ Given given_settings(const Options& options) {
     const auto value = options.settings.find(info.name);
     if (value != options.settings.end() && value->second)
       given[info.name] = settled(info, *value->second);
+    const auto without = options.without.find(info.name);
+    if (without != options.without.end() && without->second) given[info.name] = info.without;
   }
   return given;
 }
@@ -325,6 +328,7 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
       throw error(Failure::usage, "{} is a setting of {}, not of {}",
                   find_run_setting(name)->option(),
                   fmt::join(find_run_setting(name)->methods, ", "), fmt::join(methods, ", "));
+  const std::string initial_video = initial_value(*find_run_setting("video"), "", {});
   std::vector<std::string> runs;
   for (const std::string& task : tasks)
     for (const std::string& method : methods)
@@ -341,6 +345,7 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
           throw error(Failure::usage,
                       "--tasks: the name of '{}' has to be of letters, digits, - and _", task);
         runs.push_back(fmt::format("{}/{}-{}", name, method, run["seed"]));
+        if (!fs::exists(folder / runs.back())) run.try_emplace("video", initial_video);
         plan_or_compare(folder / runs.back(), method, run, around);
       }
   if (runs.empty())
@@ -401,6 +406,9 @@ void add_settings(cli::Command& command, Options& options, const std::string& me
     cli::Option option =
         command.option(info.option(), options.settings[info.name], info.value, help);
     if (info.kind == SettingKind::words) option.one_of(info.words());
+    if (!info.without.empty())
+      command.flag(info.option_without(), options.without[info.name], "make none")
+          .excludes({option});
   }
   command.suggestions("--task", [] { return task_names(cli::data_folders()); });
   command.suggestions("--train", [] { return data_names(cli::data_folders(), "training"); });

@@ -113,7 +113,7 @@ std::vector<RunSettingInfo> make_table() {
        "PROGRAM",
        "",
        "what makes the children, given the options of evo-mutate"},
-      {"video", all, words, "mp4|webm|gif|none", "mp4", "of the best robot's video"},
+      {"video", all, words, "mp4|webm|gif", "mp4", "of the best robot's video", 1, 1, "none"},
       {"video_options", all, text, "OPTIONS", "", "options of evo-render for it"},
       {"chunk", own, whole, "N", "1", "robots that one launch trains", 1, most_robots},
       {"tries", all, whole, "N", "3",
@@ -133,6 +133,8 @@ Json schema_of(const RunSettingInfo& info) {
     schema = {{"type", "string"}, {"pattern", "^[1-9][0-9]*x[1-9][0-9]*$"}};
   else if (info.kind == SettingKind::words)
     schema = {{"enum", info.words()}};
+  if (!info.without.empty())
+    schema["enum"].push_back(info.without);
   else
     schema = {{"type", {"string", "number", "boolean"}}};
   // YAML 1.1 takes yes and no for truth values.
@@ -149,6 +151,8 @@ std::string RunSettingInfo::option() const {
   return text;
 }
 
+std::string RunSettingInfo::option_without() const { return "--no-" + option().substr(2); }
+
 std::vector<std::string> RunSettingInfo::words() const {
   return kind == SettingKind::words ? split_list(value, '|') : std::vector<std::string>{};
 }
@@ -158,6 +162,7 @@ bool RunSettingInfo::belongs_to(std::string_view method) const {
 }
 
 std::optional<std::string> RunSettingInfo::defect(const std::string& text) const {
+  if (!without.empty() && text == without) return std::nullopt;
   constexpr std::size_t longest = 16384;
   if (text.size() > longest) return fmt::format("is longer than {} bytes", longest);
   if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }))
@@ -218,6 +223,7 @@ std::string initial_value(const RunSettingInfo& info, const std::string& method,
     if (info.name == "steps") return "262144";
     if (info.name == "train") return "modular";
   }
+  if (info.name == "video" && method.empty()) return info.without;
   if (info.name == "shape" && setting("task") == "Lifter-v0") return "5x7";
   if (info.name == "parents") return fmt::format("{}", (std::stoll("0" + setting("pop")) + 7) / 8);
   return info.initial;
@@ -246,7 +252,9 @@ std::string evolve_command(const std::string& folder,
     const std::string value = value_of(info.name);
     const bool holds_anyway = value == initial_value(info, setting("method"), value_of) &&
                               !contains({"task", "pop", "evals", "steps", "seed"}, info.name);
-    if (!value.empty() && !holds_anyway)
+    if (!value.empty() && value == info.without)
+      line += " " + info.option_without();
+    else if (!value.empty() && !holds_anyway)
       line += fmt::format(" {} {}", info.option(), shell_word(value));
   }
   return line + " -j8";

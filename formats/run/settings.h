@@ -26,8 +26,10 @@ struct RunSettingInfo {
   std::string meaning;
   std::int64_t least = 1;  // of whole numbers
   std::int64_t most = 1'000'000'000;
+  std::string without = {};  // its value after --no-NAME, "none"; "": there is no such option
 
-  std::string option() const;  // "--founder-steps"
+  std::string option() const;          // "--founder-steps"
+  std::string option_without() const;  // "--no-video"
   std::vector<std::string> words() const;
   bool belongs_to(std::string_view method) const;
   // What is wrong with a value, such as "is a whole number from 1 to 1000000, not 'x'".
@@ -46,7 +48,7 @@ const std::vector<RunMethod>& run_methods();
 // Throws Error(usage) for another name.
 void check_run_method(const std::string& name);
 
-// What a setting is by the other ones, where it is not given.
+// What a setting is by the other ones, where it is not given. No method: of runs side by side.
 std::string initial_value(const RunSettingInfo& info, const std::string& method,
                           const std::function<std::string(const std::string&)>& setting);
 

@@ -238,6 +238,11 @@ END
   parent=$(jq -r '.parents[0]' <<< "$child")
   hash=$(h5dump -a settings_hash "run/policies/$parent.policy.h5" | grep -o '[0-9a-f]\{64\}')
   [[ $(h5dump -a identity "run/policies/$(jq -r .id <<< "$child").policy.h5") == *"inherited=$hash"* ]]
+  fails_with 2 "--video excludes --no-video" -- evo-evolve ga --run no --video gif --no-video
+  fails_with 2 "--video: none not in {mp4,webm,gif}" -- evo-evolve ga --run no --video none
+  evo-evolve ga --run quiet --no-video --plan -q
+  grep -q '^video: none$' quiet/run.yaml
+  evo-inspect quiet | grep -q -- ' --no-video'
   fails_with 2 "--inherit: maybe not in {no,yes,all}" -- evo-evolve ga --run no --inherit maybe
   fails_with 2 "--inherit all is for --founders" -- evo-evolve ga --run no --inherit all
 }
@@ -458,10 +463,13 @@ END
 }
 
 @test "compare: methods and seeds side by side end as a table and a page" {
-  compare() { evo-evolve compare --run all --methods "ga bo" --pop 4 --evals 6 --steps 2048 --train-options "$quick" --video none -q -j2 "$@"; }
+  compare() { evo-evolve compare --run all --methods "ga bo" --pop 4 --evals 6 --steps 2048 --train-options "$quick" -q -j2 "$@"; }
   compare --tasks "Walker-v0,Jumper-v0" --seeds "1 2" > table 2> said
   [ "$(wc -l < table)" -eq 5 ]
   grep -q 'all/compare.html' said
+  # Nobody asked for videos.
+  [ "$(grep -l '^video: none$' all/*/*/run.yaml | wc -l)" -eq 8 ]
+  [ -z "$(find all -name 'best.mp4')" ]
   [ -s all/compare.html ]
   local mean
   mean=$(cat all/Jumper-v0/bo-{1,2}/best.json | jq -s 'map(.fitness) | add / length')

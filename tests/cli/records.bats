@@ -9,7 +9,7 @@ setup() {
 }
 evolve() {
   evo-evolve ga -q --run "$1" --task Walker-v0 --pop 4 --evals 8 --train gait --steps 4000 --seed "$2" \
-    --train-options "--train population=4" --video none
+    --train-options "--train population=4" --no-video
 }
 
 @test "a run's best robot becomes the record, is replayed, and is beaten only by a better one" {
@@ -85,7 +85,7 @@ evolve() {
 @test "a sequence of actions is no record, but what a body can do beside one" {
   evolve waves 1
   evo-evolve ga -q --run actions --task Walker-v0 --pop 4 --evals 8 --train sequence --steps 9000 --seed 1 \
-    --inherit yes --video none
+    --inherit yes --no-video
   fails_with 66 "add a controller first" -- "$EVO_SOURCE/scripts/add-record" actions
   "$EVO_SOURCE/scripts/add-record" waves
   record=records/Walker-v0/record.json
@@ -110,7 +110,7 @@ evolve() {
 
 @test "a record that was judged from perturbed starts is what it earns from the start itself" {
   evo-evolve ga -q --run calm --task Walker-v0 --pop 4 --evals 4 --steps 2048 --seed 1 \
-    --train-options '--train evaluation_jitter=1e-2 --train evaluation_episodes=4' --video none
+    --train-options '--train evaluation_jitter=1e-2 --train evaluation_episodes=4' --no-video
   evo-inspect --check --replay calm
   "$EVO_SOURCE/scripts/add-record" calm
   best=$(evo-select --keep 1 calm/history.jsonl | jq .fitness)
@@ -121,7 +121,7 @@ evolve() {
 @test "a record whose founders came from another run says so, and counts what that took" {
   evolve scout 1
   evo-evolve ga -q --run next --task Walker-v0 --pop 4 --evals 6 --train gait --steps 4000 --seed 2 \
-    --train-options "--train population=4" --founders scout --video none
+    --train-options "--train population=4" --founders scout --no-video
   "$EVO_SOURCE/scripts/add-record" next
   record=records/Walker-v0/record.json
   [[ $(jq -r .command $record) == "evo evolve ga --run runs/scout "*" && evo evolve ga --run runs/record "*" --founders runs/scout "* ]]
@@ -130,7 +130,7 @@ evolve() {
   [ "$(jq .steps $record)" -eq "$(cat scout/history.jsonl next/history.jsonl | jq -s 'map(.steps) | add')" ]
   # As far back as it goes.
   evo-evolve ga -q --run last --task Walker-v0 --pop 4 --evals 5 --train gait --steps 4000 --seed 3 \
-    --train-options "--train population=4" --founders next --video none
+    --train-options "--train population=4" --founders next --no-video
   rm -r records/Walker-v0
   "$EVO_SOURCE/scripts/add-record" last
   [ "$(jq -r .command $record | grep -oE -- '--(run|founders) [^ ]*' | xargs)" = \
@@ -143,13 +143,13 @@ evolve() {
 @test "a record keeps the bodies of a file that its run began with, and its command finds them" {
   evo-sample -n 2 --seed 5 > bodies.jsonl
   evo-evolve ga -q --run drawn --task Walker-v0 --pop 2 --evals 2 --train gait --steps 4000 --seed 1 \
-    --train-options "--train population=4" --founders bodies.jsonl --video none
+    --train-options "--train population=4" --founders bodies.jsonl --no-video
   "$EVO_SOURCE/scripts/add-record" drawn
   diff <(jq -c .body bodies.jsonl) <(jq -c .body records/Walker-v0/founders.jsonl)
   command=$(jq -r .command records/Walker-v0/record.json)
   [[ $command == *" --founders records/Walker-v0/founders.jsonl "* ]]
   rm bodies.jsonl
-  eval "${command/runs\/record/again} -q --video none"
+  eval "${command/runs\/record/again} -q --no-video"
   diff drawn/history.jsonl again/history.jsonl
   # Of one whose founders nobody drew there is no such file.
   evolve other 2
@@ -165,7 +165,7 @@ evolve() {
   first=$(jq -r .command $record) tools=$(jq -r .tools $record)
   further() {
     evo-evolve ga -q --run "$1" --task Walker-v0 --pop 1 --evals 1 --train moments --steps 16384 --seed 1 --inherit all \
-      --founders "$2" --train-options "--train evaluation_interval=2 --train final_episodes=0" "${@:3}" --video none
+      --founders "$2" --train-options "--train evaluation_interval=2 --train final_episodes=0" "${@:3}" --no-video
   }
   cp -r records/Walker-v0 first  # what takes its place below is another one
   further network first

@@ -278,7 +278,7 @@ PY
 
 @test "a run with one controller for all: how it learnt, and every robot moves with it" {
   evo-evolve modular -q --run run --task Walker-v0 --pop 4 --children 1 --evals 5 --steps 1024 --champions 1 \
-    --train-options '--train environments=2' --video none
+    --train-options '--train environments=2' --no-video
   evo-report run -o page.html
   grep -q 'id="run-1-controller">The controller of all robots' page.html
   data_of page.html > data.json

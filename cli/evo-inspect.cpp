@@ -331,7 +331,7 @@ void print_tasks() {
   const DataFolders folders = cli::data_folders();
   std::vector<TaskSpec> tasks;
   for (const std::string& name : task_names(folders)) tasks.push_back(load_task(name, folders));
-  cli::print_wrapped(task_table(tasks, TableStyle::plain));
+  cli::print_wrapped(task_table(tasks));
 }
 
 // Keys, values, what is allowed, and what it means, a line each.

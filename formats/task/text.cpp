@@ -30,24 +30,6 @@ std::string length_formula(const TaskSpec& task) {
   return fmt::format("{}n+{}", factor, constant);
 }
 
-std::string observation_summary(const TaskSpec& task) {
-  std::vector<std::string> names;
-  for (const ObservationPart& part : task.observation) names.push_back(part_name(part));
-  return joined(names, ", ");
-}
-
-std::string rule_text(const Rule& rule, const Physics& physics) {
-  std::string text = conditions_to_words(rule.when, physics);
-  if (rule.reward != 0.0) text += ": " + signed_number(rule.reward);
-  return text + (rule.terminate ? "" : ", goes on");
-}
-
-std::string rules_summary(const TaskSpec& task) {
-  std::vector<std::string> rules;
-  for (const Rule& rule : task.rules) rules.push_back(rule_text(rule, task.physics));
-  return rules.empty() ? "-" : joined(rules, "; ");
-}
-
 // ---- the whole --------------------------------------------------------------------
 
 std::string goals_text(const DrawnGoals& goals, const Physics& physics) {
@@ -162,15 +144,7 @@ namespace {
 
 using Row = std::vector<std::string>;
 
-// What both tables begin with.
-Row table_head(const TaskSpec& task) {
-  const Arena arena(task, full_body(5, 5));
-  return {task.name, task.difficulty.empty() ? "-" : task.difficulty,
-          fmt::format("{}", task.episode_steps), length_formula(task),
-          fmt::format("{}", arena.observation_length())};
-}
-
-std::string plain_table(const std::vector<Row>& rows) {
+std::string aligned(const std::vector<Row>& rows) {
   std::vector<std::size_t> widths(rows.front().size());
   for (const Row& row : rows)
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
@@ -183,36 +157,17 @@ std::string plain_table(const std::vector<Row>& rows) {
   return text;
 }
 
-std::string markdown_table(const std::vector<Row>& rows) {
-  std::string text;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    text += fmt::format("| {} |\n", joined(rows[r], " | "));
-    if (r != 0) continue;
-    for (std::size_t i = 0; i < rows[r].size(); ++i) text += "|---";
-    text += "|\n";
-  }
-  return text;
-}
-
 }  // namespace
 
-std::string task_table(const std::vector<TaskSpec>& tasks, TableStyle style) {
-  const bool plain = style == TableStyle::plain;
-  std::vector<Row> rows;
-  rows.push_back({"task", "difficulty", "steps", "observation", "5x5"});
-  if (plain)
-    rows.back().push_back("description");
-  else
-    rows.back().insert(rows.back().end(), {"parts", "ends, besides self-folding"});
+std::string task_table(const std::vector<TaskSpec>& tasks) {
+  std::vector<Row> rows{{"task", "difficulty", "steps", "observation", "5x5", "description"}};
   for (const TaskSpec& task : tasks) {
-    Row row = table_head(task);
-    if (plain)
-      row.push_back(task.description);
-    else
-      row.insert(row.end(), {observation_summary(task), rules_summary(task)});
-    rows.push_back(std::move(row));
+    const Arena arena(task, full_body(5, 5));
+    rows.push_back({task.name, task.difficulty.empty() ? "-" : task.difficulty,
+                    fmt::format("{}", task.episode_steps), length_formula(task),
+                    fmt::format("{}", arena.observation_length()), task.description});
   }
-  return plain ? plain_table(rows) : markdown_table(rows);
+  return aligned(rows);
 }
 
 }  // namespace evo

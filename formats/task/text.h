@@ -1,4 +1,4 @@
-// Tasks in words, for evo-inspect and docs/tasks.md.
+// Tasks in words, for evo-inspect.
 #pragma once
 
 #include <string>
@@ -14,12 +14,9 @@ namespace evo {
 // notes. Throws as Arena does for a robot that does not fit the task.
 std::string describe_task(const TaskSpec& task, const Body& robot);
 
-enum class TableStyle { plain, markdown };
-
 // One line per task: name, difficulty, steps, length of the observation (in n, the
-// robot's points, and for a full 5x5 body); then its description (plain), or the
-// observation's parts and what ends an episode (markdown).
-std::string task_table(const std::vector<TaskSpec>& tasks, TableStyle style);
+// robot's points, and for a full 5x5 body), description.
+std::string task_table(const std::vector<TaskSpec>& tasks);
 
 // A body of `rows` x `cols` horizontal actuators, for lengths and layouts.
 Body full_body(int rows, int cols);

@@ -203,7 +203,7 @@ TEST_CASE("the 32 tasks are as registered") {
       CHECK(arena.model().objects().front().name == "robot");
       CHECK(arena.observation_length() == 2 * n + row.fixed_length);
     }
-    const std::string table = task_table({task}, TableStyle::plain);
+    const std::string table = task_table({task});
     const std::string formula =
         row.fixed_length == 0 ? "2n " : "2n+" + std::to_string(row.fixed_length) + " ";
     CHECK_THAT(table, Catch::Contains(formula) && Catch::Contains(std::to_string(row.steps)) &&
@@ -660,10 +660,6 @@ std::string page(const fs::path& path) {
 }  // namespace
 
 TEST_CASE("the pages in docs show the tasks as they are") {
-  std::vector<TaskSpec> tasks;
-  for (const std::string& name : task_names(data)) tasks.push_back(load_task(name, data));
-  CHECK_THAT(page("docs/tasks.md"), Catch::Contains(task_table(tasks, TableStyle::markdown)));
-  for (const char* example : {"tasks/examples/ramp.yaml", "tasks/examples/kick.yaml",
-                              "tasks/easier/ObstacleTraverser-v1-2.yaml"})
+  for (const char* example : {"tasks/examples/ramp.yaml", "tasks/examples/kick.yaml"})
     CHECK_THAT(page("docs/make-a-task.md"), Catch::Contains(page(example)));
 }

@@ -55,20 +55,11 @@ std::string next_card(const Run& run, const std::string& anchor) {
   return html + "</section>\n";
 }
 
-namespace {
-
 // ---- about a run -----------------------------------------------------------------------
 
-bool finished(const Run& run) {
-  const auto wanted = run.evaluations();
-  return wanted && run.robots.size() >= *wanted;
-}
-
-}  // namespace
-
 std::string badge(const Run& run) {
-  return finished(run) ? "<span class=\"badge\">finished</span>"
-                       : "<span class=\"badge open\">unfinished</span>";
+  return is_over(run) ? "<span class=\"badge\">finished</span>"
+                      : "<span class=\"badge open\">unfinished</span>";
 }
 
 std::string trained(const Run& run) {

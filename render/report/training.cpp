@@ -43,7 +43,6 @@ void add_log(const std::filesystem::path& file, Training& training) {
       {"losses/explained_variance", "explained variance"}};
   std::map<std::string, std::vector<std::pair<double, double>>> series;
   std::istringstream lines(read_file(file));
-  double before = 0;
   for (std::string line; std::getline(lines, line);) {
     std::istringstream fields(line);
     std::map<std::string, double> values;
@@ -56,12 +55,6 @@ void add_log(const std::filesystem::path& file, Training& training) {
     for (const auto& [key, name] : wanted)
       if (const auto value = values.find(key); value != values.end())
         series[name].emplace_back(step->second, value->second);
-    // Steps a second of the training so far.
-    if (const auto speed = values.find("charts/SPS"); speed != values.end() && speed->second > 0) {
-      if (step->second < before) training.seconds = 0;  // begun anew
-      training.seconds = step->second / speed->second;
-    }
-    before = step->second;
   }
   for (const auto& [key, name] : wanted)
     if (!series[name].empty()) training.log.push_back({name, thinned(series[name])});

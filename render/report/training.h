@@ -23,13 +23,12 @@ struct Training {
   std::int64_t steps = 0;
   std::string created_by;  // tool, version, commit
   std::vector<LogSeries> log;
-  double seconds = 0.0;  // of training, by the speed it logged; 0: unknown
 };
 
 // From a policy that was read.
 Training training_of(const PolicyFile& policy);
 
-// Adds entropy, KL, explained variance and speed from a log of evo-train, thinned to
+// Adds entropy, KL and explained variance from a log of evo-train, thinned to
 // what can be told apart in a small chart. A log that is not there adds nothing.
 void add_log(const std::filesystem::path& file, Training& training);
 

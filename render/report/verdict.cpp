@@ -41,10 +41,6 @@ std::string times(long factor, const std::string& number) {  // 2, "512000": "10
   return value > 0 ? fmt::format("{}", factor * value) : number;
 }
 
-bool is_over(const Run& run) {
-  return run.evaluations() && run.robots.size() >= *run.evaluations();
-}
-
 // Of the best fitness, from the first generation on.
 std::string progress(const Run& run, double best) {
   const auto start = best_of(run.generations.front());
@@ -129,6 +125,10 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
 }
 
 }  // namespace
+
+bool is_over(const Run& run) {
+  return run.evaluations() && run.robots.size() >= *run.evaluations();
+}
 
 std::string run_command(const Run& run, const std::string& folder,
                         const std::vector<std::pair<std::string, std::string>>& changed) {

@@ -28,6 +28,9 @@ struct Verdict {
 // hardest to earn in, Balancer-v0, ends at 0.16 in the paper's runs.
 inline constexpr double least_gain = 0.1;
 
+// As many robots are trained as were asked for.
+bool is_over(const Run& run);
+
 Verdict judge(const Run& run);
 
 // The command line of the run in a folder, perhaps with settings changed: "evo evolve ga ..".

@@ -1,7 +1,7 @@
 #include "render/scene/clip.h"
 
 #include <catch2/catch.hpp>
-#include <limits>
+#include <cmath>
 
 #include "libevo/base/error.h"
 #include "tests/unit/render/example.h"
@@ -95,31 +95,19 @@ TEST_CASE("what cannot be drawn is refused with the reason") {
   expect_error(Failure::usage, Contains("no episode 1") && Contains("0 to 0"), [&] { open(1); });
   expect_error(Failure::usage, Contains("no episode -1"), [&] { open(-1); });
 
-  SECTION("no cells, as in files of other makers") {
-    rollout.world.cells.clear();
-    expect_error(Failure::data, Contains("cell_points") && Contains("evo-eval --rollout"),
-                 [&] { open(0); });
-  }
-  SECTION("no episodes") {
-    rollout.episodes.clear();
-    expect_error(Failure::data, Contains("no episodes"), [&] { open(0); });
-  }
-  SECTION("positions that are no numbers") {
-    rollout.episodes[0].positions[5].y = std::numeric_limits<double>::quiet_NaN();
-    expect_error(Failure::data, Contains("point 5") && Contains("step 0"), [&] { open(0); });
-  }
-  SECTION("too few positions") {
-    rollout.episodes[0].positions.pop_back();
-    expect_error(Failure::data, Contains("positions"), [&] { open(0); });
-  }
-  SECTION("a cell of points that do not exist") {
-    rollout.world.cells[2].points[1] = rollout.points;
-    expect_error(Failure::data, Contains("cell 2"), [&] { open(0); });
-  }
-  SECTION("objects that do not add up") {
-    rollout.world.objects[1].points += 1;
-    expect_error(Failure::data, Contains("points"), [&] { open(0); });
-  }
+  struct Damage {
+    const char* words;
+    void (*of)(Rollout& rollout);
+  };
+  const Damage damage = GENERATE(values<Damage>(
+      {{"evo-eval --rollout", [](Rollout& it) { it.world.cells.clear(); }},  // of other makers
+       {"no episodes", [](Rollout& it) { it.episodes.clear(); }},
+       {"point 5 is at", [](Rollout& it) { it.episodes[0].positions[5].y = std::nan(""); }},
+       {"positions", [](Rollout& it) { it.episodes[0].positions.pop_back(); }},
+       {"cell 2", [](Rollout& it) { it.world.cells[2].points[1] = it.points; }},
+       {"points", [](Rollout& it) { it.world.objects[1].points += 1; }}}));
+  damage.of(rollout);
+  expect_error(Failure::data, Contains(damage.words), [&] { open(0); });
 }
 
 TEST_CASE("borders of cells that touch without a link are surfaces") {

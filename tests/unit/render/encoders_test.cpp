@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
@@ -8,6 +6,7 @@
 #include "libevo/base/random.h"
 #include "render/film/video.h"
 #include "render/painters/png.h"
+#include "tests/unit/formats/scratch.h"
 #include "tests/unit/render/expect_error.h"
 #include "tests/unit/render/read_png.h"
 
@@ -16,17 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
-
-// A folder that is gone afterwards.
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("evo-render-" + std::to_string(::getpid()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-  std::size_t files() const {
-    return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(path), fs::directory_iterator()));
-  }
-};
 
 // A gradient with a square that moves with `k`.
 Image test_frame(Size size, int k) {
@@ -46,17 +34,17 @@ Image test_frame(Size size, int k) {
 // ---- PNG ------------------------------------------------------------------------
 
 TEST_CASE("a PNG comes back as it was written") {
-  const Folder folder;
+  const test::ScratchFolder folder;
   Image image(Size{37, 11});
   Stream stream(1, "test/png");
   for (std::size_t k = 0; k < image.rgba.size(); ++k)
     image.rgba[k] = k % 4 == 3 ? 255 : static_cast<std::uint8_t>(stream.below(256));
   const Effort effort = GENERATE(Effort::small, Effort::quick);
-  write_png(folder.path / "a.png", view(image), effort);
-  const Image back = read_png(folder.path / "a.png");
+  write_png(folder / "a.png", view(image), effort);
+  const Image back = read_png(folder / "a.png");
   CHECK(back.size == image.size);
   CHECK(back.rgba == image.rgba);
-  CHECK(folder.files() == 1);
+  CHECK(folder.entries() == 1);
   CHECK(encode_png(view(image), effort) == encode_png(view(image), effort));
 }
 
@@ -77,24 +65,23 @@ void encode(const fs::path& path, int frames) {
 }
 
 TEST_CASE("a missing ffmpeg is named with its package") {
-  const Folder folder;
-  const OnlyPath path(folder.path);
-  expect_error(Failure::work, Contains("package ffmpeg"),
-               [&] { encode(folder.path / "a.mp4", 1); });
-  CHECK(folder.files() == 0);
+  const test::ScratchFolder folder;
+  const OnlyPath path(folder.path());
+  expect_error(Failure::work, Contains("package ffmpeg"), [&] { encode(folder / "a.mp4", 1); });
+  CHECK(folder.entries() == 0);
 }
 
 TEST_CASE("a failing ffmpeg is quoted, and leaves no file") {
-  const Folder folder;
-  const fs::path program = folder.path / "bin" / "ffmpeg";
+  const test::ScratchFolder folder;
+  const fs::path program = folder / "bin" / "ffmpeg";
   fs::create_directories(program.parent_path());
   std::ofstream(program) << "#!/bin/sh\necho 'one thing' >&2\necho 'Unknown encoder' >&2\nexit 1\n";
   fs::permissions(program, fs::perms::owner_all);
   const OnlyPath path(program.parent_path());
   const int frames = GENERATE(0, 2000);  // failing at the end, and in between
   expect_error(Failure::work, Contains("a.mp4: ffmpeg failed: Unknown encoder"),
-               [&] { encode(folder.path / "a.mp4", frames); });
-  CHECK(folder.files() == 1);
+               [&] { encode(folder / "a.mp4", frames); });
+  CHECK(folder.entries() == 1);
 }
 
 TEST_CASE("MP4, WebM and GIF are written whole") {
@@ -102,18 +89,18 @@ TEST_CASE("MP4, WebM and GIF are written whole") {
     WARN("skipped: no ffmpeg");
     return;
   }
-  const Folder folder;
+  const test::ScratchFolder folder;
   const std::string name = GENERATE("a.mp4", "a.webm", "a.gif");
-  encode(folder.path / name, 12);
-  CHECK(folder.files() == 1);
+  encode(folder / name, 12);
+  CHECK(folder.entries() == 1);
   std::string head(12, '\0');
-  std::ifstream(folder.path / name, std::ios::binary).read(head.data(), 12);
+  std::ifstream(folder / name, std::ios::binary).read(head.data(), 12);
   CHECK((head.substr(4, 4) == "ftyp" || head.substr(0, 4) == "\x1A\x45\xDF\xA3" ||
          head.substr(0, 6) == "GIF89a"));
   expect_error(Failure::usage, Contains(".mp4, .webm or .gif"),
-               [&] { encode(folder.path / "a.avi", 1); });
+               [&] { encode(folder / "a.avi", 1); });
   expect_error(Failure::cannot_create, Contains("nowhere"),
-               [&] { encode(folder.path / "nowhere" / "a.mp4", 1); });
+               [&] { encode(folder / "nowhere" / "a.mp4", 1); });
 }
 
 }  // namespace

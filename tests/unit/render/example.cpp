@@ -67,18 +67,24 @@ Rollout simulate(const std::string& name, const std::vector<std::string>& body, 
   return rollout;
 }
 
-Rollout carried(Rollout rollout, Vec2 a_step) {
+Rollout moved(Rollout rollout, const Place& place) {
   const ModelObject& robot = rollout.world.objects.front();
   auto& positions = rollout.episodes[0].positions;
   const auto points = static_cast<std::size_t>(rollout.points);
+  const std::vector<Vec2> start(positions.begin(),
+                                positions.begin() + static_cast<std::ptrdiff_t>(points));
   for (std::size_t k = 0; k < positions.size(); ++k) {
     const auto point = static_cast<int>(k % points);
     if (point < robot.first_point || point >= robot.first_point + robot.points) continue;
-    const auto t = static_cast<double>(k / points);
-    positions[k].x += a_step.x * t;
-    positions[k].y += a_step.y * t;
+    positions[k] = place(start[k % points], positions[k], static_cast<int>(k / points));
   }
   return rollout;
+}
+
+Rollout carried(Rollout rollout, Vec2 a_step) {
+  return moved(std::move(rollout), [&](Vec2 /*start*/, Vec2 now, int step) {
+    return Vec2{now.x + a_step.x * step, now.y + a_step.y * step};
+  });
 }
 
 }  // namespace evo::example

@@ -10,6 +10,7 @@
 #include "render/render.h"
 #include "render/scene/force.h"
 #include "render/scene/quantity.h"
+#include "tests/unit/formats/scratch.h"
 #include "tests/unit/render/example.h"
 #include "tests/unit/render/expect_error.h"
 
@@ -207,22 +208,18 @@ TEST_CASE("why an episode ended stands in its last moment, and videos stay there
   CHECK(clip.caption(4.9).ending.empty());
   CHECK(clip.caption(5).ending == "time is up");
 
-  const auto folder = std::filesystem::temp_directory_path();
+  const test::ScratchFolder folder;
   const auto frames = [&](RenderOptions options, const std::string& name) {
     options.size = {96, 54};
     options.fps = 20;
     options.speed = 0.4;
-    const std::string file = (folder / name).string();
-    const std::size_t count = render_video({{&rollout, 0, ""}}, options, file).frames;
-    return count;
+    return render_video({{&rollout, 0, ""}}, options, folder / name).frames;
   };
   RenderOptions cut;
   cut.to = 3;
-  CHECK(frames({}, "evo-held.gif") == 6 + 10);
-  CHECK(frames(cut, "evo-held.gif") == 4);
-  CHECK(frames({}, "evo-held-%d.png") == 6);
-  for (int k = 0; k < 6; ++k) std::filesystem::remove(folder / fmt::format("evo-held-{}.png", k));
-  std::filesystem::remove(folder / "evo-held.gif");
+  CHECK(frames({}, "held.gif") == 6 + 10);
+  CHECK(frames(cut, "held.gif") == 4);
+  CHECK(frames({}, "held-%d.png") == 6);
 }
 
 TEST_CASE("heights have a ruler where the task rewards them") {

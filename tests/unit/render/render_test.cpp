@@ -1,11 +1,10 @@
 #include "render/render.h"
 
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <filesystem>
 
 #include "formats/io/files.h"
+#include "tests/unit/formats/scratch.h"
 #include "tests/unit/render/example.h"
 #include "tests/unit/render/expect_error.h"
 #include "tests/unit/render/read_png.h"
@@ -16,13 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
 
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("evo-video-" + std::to_string(::getpid()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-  std::string operator/(const std::string& name) const { return (path / name).string(); }
-};
-
 RenderOptions tiny() {
   RenderOptions options;
   options.size = {96, 54};
@@ -30,7 +22,7 @@ RenderOptions tiny() {
 }
 
 TEST_CASE("the number of workers changes no byte") {
-  const Folder folder;
+  const test::ScratchFolder folder;
   const Rollout rollout = example::simulate("Walker-v0", example::walker, 9);
   const std::string name = GENERATE("a.gif", "a.mp4");
   std::string first;
@@ -47,7 +39,7 @@ TEST_CASE("the number of workers changes no byte") {
 }
 
 TEST_CASE("a sequence has a file per frame, equal to the picture of that moment") {
-  const Folder folder;
+  const test::ScratchFolder folder;
   const Rollout rollout = example::simulate("Walker-v0", example::walker, 6);
   RenderOptions options = tiny();
   options.speed = 2;
@@ -61,7 +53,7 @@ TEST_CASE("a sequence has a file per frame, equal to the picture of that moment"
 }
 
 TEST_CASE("names of sequences are padded as asked for") {
-  const Folder folder;
+  const test::ScratchFolder folder;
   const Rollout rollout = example::simulate("Walker-v0", example::walker, 1);
   render_video({{&rollout, 0, ""}}, tiny(), folder / "a-%d.png");
   CHECK(fs::exists(folder / "a-1.png"));
@@ -74,7 +66,7 @@ TEST_CASE("names of sequences are padded as asked for") {
 }
 
 TEST_CASE("one frame is an ordinary PNG") {
-  const Folder folder;
+  const test::ScratchFolder folder;
   const Rollout rollout = example::simulate("Walker-v0", example::walker, 6);
   RenderOptions options = tiny();
   options.from = 3;
@@ -91,7 +83,7 @@ TEST_CASE("one frame is an ordinary PNG") {
 TEST_CASE("several episodes share a picture, the shorter one waits at its end") {
   const Rollout one = example::simulate("Walker-v0", example::walker, 4);
   const Rollout two = example::simulate("Carrier-v0", example::small_box, 8);
-  const Folder folder;
+  const test::ScratchFolder folder;
   CHECK(render_video({{&one, 0, "one"}, {&two, 0, "two"}, {&one, 0, "three"}}, tiny(),
                      folder / "a.gif")
             .frames == 9);

@@ -18,17 +18,10 @@ using Catch::Matchers::Contains;
 // The robot of a rollout standing where it began, its upper parts swinging with this
 // period.
 Rollout swinging(Rollout rollout, double period) {
-  const ModelObject& robot = rollout.world.objects.front();
-  auto& positions = rollout.episodes[0].positions;
-  const auto points = static_cast<std::size_t>(rollout.points);
-  for (std::size_t k = points; k < positions.size(); ++k) {
-    const auto point = static_cast<int>(k % points);
-    if (point < robot.first_point || point >= robot.first_point + robot.points) continue;
-    const Vec2 start = positions[k % points];
-    const double swing = std::sin(6.283185307179586 * static_cast<double>(k / points) / period);
-    positions[k] = {start.x + 0.3 * start.y * swing, start.y};
-  }
-  return rollout;
+  return example::moved(std::move(rollout), [&](Vec2 start, Vec2 /*now*/, int step) {
+    const double swing = std::sin(6.283185307179586 * step / period);
+    return Vec2{start.x + 0.3 * start.y * swing, start.y};
+  });
 }
 
 const Theme& light() { return theme_by_name("light"); }
@@ -64,17 +57,10 @@ TEST_CASE("moments are spread over the episode, and over the cycle if it is aske
 
 TEST_CASE("moments are where something happens") {
   // A robot that rests for 180 steps and then leaves.
-  Rollout rollout = example::simulate("Walker-v0", example::small_box, 200);
-  auto& positions = rollout.episodes[0].positions;
-  const ModelObject& robot = rollout.world.objects.front();
-  const auto points = static_cast<std::size_t>(rollout.points);
-  for (std::size_t k = 0; k < positions.size(); ++k) {
-    const auto point = static_cast<int>(k % points);
-    const double gone = std::max(0.0, static_cast<double>(k / points) - 180.0);
-    if (point < robot.first_point || point >= robot.first_point + robot.points) continue;
-    positions[k] = positions[k % points];
-    positions[k].x += 0.05 * gone;
-  }
+  Rollout rollout = example::moved(example::simulate("Walker-v0", example::small_box, 200),
+                                   [](Vec2 start, Vec2 /*now*/, int step) {
+                                     return Vec2{start.x + 0.05 * std::max(0, step - 180), start.y};
+                                   });
   std::ranges::fill(rollout.episodes[0].rewards, 0.0);
   const Clip clip({&rollout, 0, ""}, {}, 1.5);
   const std::vector<int> steps = choose_moments(clip, 0, 200, 5, Choice::event);
@@ -87,19 +73,14 @@ TEST_CASE("moments are where something happens") {
 }
 
 TEST_CASE("a robot that turns around is counted") {
-  Rollout rollout = example::simulate("Flipper-v0", example::small_box, 100);
-  auto& positions = rollout.episodes[0].positions;
-  const ModelObject& robot = rollout.world.objects.front();
-  const auto points = static_cast<std::size_t>(rollout.points);
-  for (std::size_t k = 0; k < positions.size(); ++k) {
-    const auto point = static_cast<int>(k % points);
-    if (point < robot.first_point || point >= robot.first_point + robot.points) continue;
-    const double angle = 2 * 3.141592653589793 * 2.5 * static_cast<double>(k / points) / 100;
-    const Vec2 start = positions[k % points];
-    const Vec2 arm{start.x - 6.1, start.y - 0.2};  // about a place inside
-    positions[k] = {6.1 + std::cos(angle) * arm.x - std::sin(angle) * arm.y,
-                    0.2 + std::sin(angle) * arm.x + std::cos(angle) * arm.y};
-  }
+  const Rollout rollout =
+      example::moved(example::simulate("Flipper-v0", example::small_box, 100),
+                     [](Vec2 start, Vec2 /*now*/, int step) {
+                       const double angle = 2 * 3.141592653589793 * 2.5 * step / 100;
+                       const Vec2 arm{start.x - 6.1, start.y - 0.2};  // about a place inside
+                       return Vec2{6.1 + std::cos(angle) * arm.x - std::sin(angle) * arm.y,
+                                   0.2 + std::sin(angle) * arm.x + std::cos(angle) * arm.y};
+                     });
   const Clip clip({&rollout, 0, ""}, {}, 1.5);
   CHECK(clip.turns(0) == "0.0 turns");
   CHECK(clip.turns(100) == "2.5 turns");

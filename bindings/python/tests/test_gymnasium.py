@@ -30,6 +30,9 @@ class One(unittest.TestCase):
     def test_gymnasium_finds_nothing_wrong(self):
         for task in ("Walker-v0", "Catcher-v0", "BidirectionalWalker-v0"):
             env = gymnasium.make("evo/" + task, body=SMALL, render_mode="rgb_array")
+            # The benchmark's bounds.
+            self.assertEqual((env.action_space.low.min(), env.action_space.high.max()), (0.6, 1.6))
+            self.assertEqual((env.observation_space.low.min(), env.observation_space.dtype), (-100, np.float64))
             with warnings.catch_warnings(record=True) as said:
                 warnings.simplefilter("always")
                 check_env(env.unwrapped)
@@ -38,16 +41,8 @@ class One(unittest.TestCase):
             self.assertEqual([c for c in complaints if "normalized" not in c and
                               "symmetric" not in c], [])
             env.close()
-
-    def test_every_task_is_there_with_the_benchmarks_bounds(self):
         for task in evo_robots.TASKS:
-            env = gymnasium.make("evo/" + task, body=SMALL)
-            self.assertEqual((env.action_space.low.min(), env.action_space.high.max()), (0.6, 1.6))
-            self.assertEqual(env.observation_space.low.min(), -100)
-            self.assertEqual(env.observation_space.dtype, np.float64)
-            observation, _ = env.reset(seed=0)
-            self.assertTrue(env.observation_space.contains(observation))
-            env.close()
+            self.assertIn("evo/" + task, gymnasium.registry)
 
     def test_a_time_limit_of_ones_own(self):
         def steps(env):

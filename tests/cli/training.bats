@@ -191,6 +191,28 @@ evaluated() { until grep -qs global_step $1; do kill -0 "$training" || return; s
   done
 }
 
+@test "file systems without locks: the same bytes as on others" {
+  cc -D_GNU_SOURCE -shared -fPIC -o nolock.so "$EVO_SOURCE/tests/cli/nolock.c"
+  robots | head -1 > robot
+  tiny_profile > tiny.yaml
+  work() {
+    mkdir "$1"
+    (
+      cd "$1"
+      for steps in 2 4; do
+        evo-train ../robot --task Walker-v0 --train ../tiny.yaml --steps $steps --out-dir . --keep-checkpoint --resume \
+          > trained
+      done
+      evo-eval trained --max-steps 20 --rollout walk.h5 > scored
+      evo-inspect ./*.policy.h5 walk.h5 ./*.checkpoint.h5 > said
+      evo-render walk.h5 --at 9 -o step.png
+    )
+  }
+  work with
+  LD_PRELOAD=$PWD/nolock.so work without
+  diff -r -x '*.log' with without  # those hold durations
+}
+
 @test "training: episodes begin at moments of rollouts, from perturbed starts, too" {
   robots | head -1 > robot
   id=$(jq -r .id robot)

@@ -245,9 +245,9 @@ int main(int argc, char** argv) {
   cli::TaskOptions task;
   int envs = 1;
   std::vector<std::string> files;
-  command.arguments(files, "ROBOT...",
-                    {{"ROBOT...",
-                      "files of robots; standard input carries the requests (docs/evo-env.md)"}});
+  command.arguments(
+      files, "ROBOT...",
+      {{"ROBOT...", "files of robots; standard input carries the requests (docs/evo-env.md)"}});
   task.add_to(command);
   command.option("--envs", envs, "N", "environments of each robot, stepped together");
   command.seed_option();

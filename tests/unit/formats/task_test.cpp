@@ -659,7 +659,6 @@ std::string page(const fs::path& path) {
 
 }  // namespace
 
-TEST_CASE("the pages in docs show the tasks as they are") {
-  for (const char* example : {"tasks/examples/ramp.yaml", "tasks/examples/kick.yaml"})
-    CHECK_THAT(page("docs/make-a-task.md"), Catch::Contains(page(example)));
+TEST_CASE("the page on tasks shows its example as it is") {
+  CHECK_THAT(page("docs/make-a-task.md"), Catch::Contains(page("tasks/examples/ramp.yaml")));
 }

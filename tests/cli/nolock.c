@@ -21,8 +21,11 @@ int fcntl(int file, int command, ...) {
     case F_SETLK:
     case F_SETLKW:
     case F_OFD_SETLK:
-    case F_OFD_SETLKW: errno = ENOLCK; return -1;
-    default: return (int)syscall(SYS_fcntl, file, command, argument);
+    case F_OFD_SETLKW:
+      errno = ENOLCK;
+      return -1;
+    default:
+      return (int)syscall(SYS_fcntl, file, command, argument);
   }
 }
 

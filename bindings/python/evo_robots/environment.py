@@ -10,6 +10,7 @@ import numpy as np
 from gymnasium.spaces import Box, Dict
 
 from .library import EvoError
+from .robots import document_of
 from .simulator import STATUS, Simulator
 from .video import MOST_STEPS, STEPS_PER_SECOND, Video
 
@@ -33,7 +34,7 @@ def the_robot(body: Any, connections: Any, robot: Any) -> Any:
     """What Simulator takes, of the two ways to name a robot."""
     if (body is None) == (robot is None):
         raise ValueError("give a body (with or without connections), or a robot")
-    return robot if body is None else (np.asarray(body), connections)
+    return robot if body is None else document_of(body, connections)
 
 
 def known_render_mode(mode: str | None) -> str | None:

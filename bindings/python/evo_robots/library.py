@@ -365,6 +365,8 @@ def robots_of(robots: Any) -> Handle:
     found = Handle("robots", "evo_robots_new")
     for robot in listed(robots):
         if isinstance(robot, (str, os.PathLike)):
+            if "\n" in os.fspath(robot):
+                raise ValueError("a text is the name of a robot's file; this one has several lines")
             part = Handle("robots", "evo_robots_read", text_of(robot))
         else:
             part = Handle("robots", "evo_robots_parse", json.dumps(robot_document(robot)).encode())

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Iterator, Mapping, Sequence
+from typing import Any, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -105,15 +105,29 @@ def cell_pairs(connections: Any, cells: np.ndarray) -> list[list[int]]:
 
 
 def robot_document(robot: Any) -> dict[str, Any]:
-    """A robot as the tools read it, from a body, a tuple ``(body, connections)``, or a
-    document."""
+    """A robot as the tools read it, from a body, a tuple ``(body, connections)``, a
+    document, or a file of one robot."""
+    if isinstance(robot, (str, os.PathLike)):
+        robot = Robot(robot)
     if isinstance(robot, Robot):
         robot = robot.document
     if isinstance(robot, Mapping):
-        return dict(robot)
+        return json.loads(json.dumps(dict(robot), default=without_numpy))
     is_pair = isinstance(robot, tuple) and len(robot) == 2 and not is_matrix(robot)
-    body, connections = robot if is_pair else (robot, None)
-    cells = np.asarray(body)
+    return document_of(*robot) if is_pair else document_of(robot)
+
+
+def without_numpy(value: Any) -> Any:
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    raise ValueError(f"a robot's document holds numbers, texts, and lists of them, not {type(value).__name__}")
+
+
+def document_of(body: Any, connections: Any = None) -> dict[str, Any]:
+    try:
+        cells = np.asarray(body, float)
+    except (TypeError, ValueError):  # rows of different lengths, words
+        cells = np.empty(0)
     if cells.ndim != 2 or not np.isin(cells, range(5)).all():
         raise ValueError("a body is a matrix of the numbers 0 to 4")
     document: dict[str, Any] = {
@@ -137,7 +151,8 @@ def robot_arrays(document: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
 
 def listed(robots: Any) -> list:
     """One robot or a list of them."""
-    if isinstance(robots, (str, os.PathLike, Mapping, np.ndarray, Robot)):
+    if (isinstance(robots, (str, os.PathLike, Mapping, np.ndarray, Robot))
+            or not isinstance(robots, Iterable)):
         return [robots]
     robots = robots if isinstance(robots, tuple) else list(robots)
     if is_matrix(robots):
@@ -154,8 +169,7 @@ class Robot:
     def __init__(self, robot: Any, connections: Any = None) -> None:
         from .library import RobotFacts, count_of, facts, robots_of
 
-        given = robot if connections is None else (np.asarray(robot), connections)
-        self._handle = robots_of(given)
+        self._handle = robots_of(robot if connections is None else document_of(robot, connections))
         count = count_of("evo_robots_count", self._handle)
         if count != 1:
             raise ValueError(f"one robot is expected, not {count}; files.read_robots reads several")

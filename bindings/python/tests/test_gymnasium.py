@@ -72,6 +72,8 @@ class One(unittest.TestCase):
             two = Path(folder, "two.txt")
             two.write_text("HV\n\nVH\n")
             for arguments, message in (({}, "give a body"), ({"robot": two}, "one robot is expected, not 2"),
+                                       ({"body": str(two)}, "^a body is a matrix"), ({"body": [[3, 4], [3]]}, "^a body is a matrix"),
+                                       ({"body": [3, 4], "connections": [0, 1]}, "^a body is a matrix"),
                                        ({"body": SMALL, "render_mode": "ansi"}, "'ansi' is not 'rgb_array'")):
                 for make in (gymnasium.make, gymnasium.make_vec):
                     with self.assertRaisesRegex(ValueError, message):

@@ -1,5 +1,6 @@
-"""Environments without Gymnasium; needs numpy alone."""
+"""Environments without Gymnasium."""
 import copy
+import hashlib
 import json
 import os
 import pickle
@@ -8,7 +9,9 @@ import subprocess
 import tempfile
 import threading
 import unittest
+from pathlib import Path
 
+import h5py
 import numpy as np
 
 import evo_robots
@@ -87,6 +90,39 @@ class Stepping(unittest.TestCase):
                  "--actions", f"{folder}/actions.csv", f"{folder}/robot.json"],
                 capture_output=True, text=True, check=True).stdout
         self.assertEqual(json.loads(said)["fitness"], total)
+
+    def test_actions_of_single_precision_are_those_of_the_benchmark_in_files_as_well(self):
+        """The positions of float32.tsv, by evo-eval and by the simulator."""
+        table = Path(__file__).with_name("float32.tsv").read_text().splitlines()
+        steps, wanted = next(line.split("\t")[1:3] for line in table if line.startswith("Walker-v0\t"))
+        actions = np.random.default_rng(1).uniform(0, 2.2, (int(steps), 13)).astype(np.float32)
+
+        def digest(positions):
+            xy = np.transpose(positions, (0, 2, 1)) / 0.1 * 0.1  # [steps, 2, points], kept in voxels there
+            return hashlib.sha256(np.ascontiguousarray(xy).tobytes()).hexdigest()[:16]
+
+        with Simulator("Walker-v0", WALKER) as simulator:
+            robot = simulator.objects()["robot"]
+            simulator.reset()
+            seen = []
+            for action in actions:
+                simulator.step(action)
+                seen.append(simulator.positions[0, robot].copy())
+        self.assertEqual(digest(seen), wanted)
+        with tempfile.TemporaryDirectory() as folder:
+            np.save(f"{folder}/actions.npy", actions)
+            np.savez(f"{folder}/actions.npz", actions=actions)
+            with h5py.File(f"{folder}/actions.h5", "w") as file:
+                file["actions"] = actions
+            Path(folder, "robot.json").write_text(json.dumps(evo_robots.robot_document(WALKER)))
+            for kind in ("npy", "npz"):
+                subprocess.run(
+                    [evo_robots.find_tool("evo-eval"), "--task", "Walker-v0", "--actions", f"{folder}/actions.{kind}",
+                     "--rollout", f"{folder}/rollout.h5", f"{folder}/robot.json"],
+                    capture_output=True, check=True)
+                with h5py.File(f"{folder}/rollout.h5") as file:
+                    positions = file["episode_0/infos/positions"][1:, robot]
+                self.assertEqual(digest(positions), wanted, kind)
 
     def test_many_are_each_as_alone_and_masked_ones_stay(self):
         rng = np.random.default_rng(2)
@@ -359,6 +395,36 @@ class Robots(unittest.TestCase):
             self.assertEqual(simulator.info["robots"][0]["id"], robot.id)
         with self.assertRaisesRegex(ValueError, "not 2"):
             evo_robots.Robot([WALKER, SMALL])
+
+    def test_robots_as_people_keep_them(self):
+        """Read, or refused in one line that says what is expected."""
+        body = np.array([[3, 3, 3], [4, 0, 4]])
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        (folder / "printed.txt").write_text(str(body.astype(float)))
+        (folder / "solution.json").write_text(json.dumps({"task": "x", "robot": body.tolist(), "genes": [0.1]}))
+        (folder / "neat.cfg").write_text("[ELITES]\npop_size = 6\n")
+        np.savez(folder / "none.npz", body, None)
+        for given in (folder / "printed.txt", str(folder / "solution.json"), folder / "none.npz", body.tolist(),
+                      body.astype(float), body.astype(object), body.astype(str), (body, None),
+                      {"robot": body, "fitness": np.float32(1.5)}, {"structure": body.tolist()}):
+            with self.subTest(given=given):
+                document = evo_robots.robot_document(given)
+                self.assertEqual(evo_robots.Robot(document).document["body"], ["HHH", "V.V"])
+                with Simulator("Walker-v0", given) as simulator:
+                    self.assertEqual(simulator.num_envs, 1)
+        matrix = "^a body is a matrix of the numbers 0 to 4$"
+        for given, message in (
+                (folder / "neat.cfg", "neat.cfg:1:2: "), (folder / "absent.json", "absent.json: cannot be opened"),
+                ("333/404", "333/404: cannot be opened"), (str(body), "the name of a robot's file"), (None, matrix), (5, matrix),
+                (body + 0.5, matrix), (body[None], matrix), (np.array([None, 3], object), matrix),
+                (([[3, 4], [3]], None), matrix), ({"body": {1}}, "not set"),
+                ({"foo": [[3]]}, "'body' is missing")):
+            for take in (lambda robot: evo_robots.Robot(evo_robots.robot_document(robot)),
+                         lambda robot: Simulator("Walker-v0", robot)):
+                with self.subTest(given=given):
+                    with self.assertRaisesRegex((ValueError, EvoError), message) as refused:
+                        take(given)
+                    self.assertNotIn("\n", str(refused.exception))
 
 
 class Views(unittest.TestCase):

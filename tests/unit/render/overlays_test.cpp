@@ -50,15 +50,11 @@ TEST_CASE("colours of values grow darker from the middle, and stay beyond the en
 }
 
 TEST_CASE("strain is the change of a cell's area; terrain has none") {
-  Rollout rollout = simulated("Walker-v0", 1);
-  std::vector<Vec2>& positions = rollout.episodes[0].positions;
-  const auto points = static_cast<std::size_t>(rollout.points);
   // In the second moment, everything that moves is twice as wide.
-  const ModelObject& robot = rollout.world.objects.front();
-  for (int k = 0; k < robot.points; ++k) {
-    const auto p = static_cast<std::size_t>(robot.first_point + k);
-    positions[points + p] = {2 * positions[p].x, positions[p].y};
-  }
+  const Rollout rollout =
+      example::moved(simulated("Walker-v0", 1), [](Vec2 start, Vec2 /*now*/, int step) {
+        return Vec2{(1 + step) * start.x, start.y};
+      });
   const Clip clip({&rollout, 0, ""}, with(Tint::strain), 1.5);
   const std::vector<float> rest = clip.values(0);
   const std::vector<float> wide = clip.values(1);

@@ -82,19 +82,13 @@ void compare(const std::string& name, const Drawing& drawing) {
   CHECK(text == read_file(golden));
 }
 
-TEST_CASE("golden: vector pictures") {
+TEST_CASE("golden: a strip as a vector picture") {
   const Rollout rollout = example::simulate("Carrier-v0", example::walker, 60);
   RenderOptions options;
   options.size = {480, 270};
   options.theme = "paper";
   const Rollout far = example::carried(rollout, {0.03, 0});
   compare("strip-paper", draw_moments({&far, 0, ""}, {3}, options));
-  options.theme = "dark";
-  compare("moment-dark", draw_moment({&rollout, 0, ""}, 30, options));
-  options.theme = "light";
-  compare("robots-light", draw_robots({Robot(Body::from_rows(example::walker)),
-                                       Robot(Body::from_rows(example::small_box))},
-                                      options));
 }
 
 TEST_CASE("golden: a moment of a race, the end of a film, a sheet with colours") {

@@ -90,7 +90,7 @@ struct Film {
     std::vector<Clip*> all;
     for (Clip& clip : clips) all.push_back(&clip);
     share_value_scale(all);
-    steps = timeline(chosen, longest);
+    steps = timeline(chosen, longest, clips.front().steps_per_second());
   }
 
   Drawing frame(double step, Typesetter& typesetter) const {
@@ -199,7 +199,7 @@ Drawing draw_moments(const Episode& episode, const Moments& moments, const Rende
   RenderOptions closer = options;
   closer.camera.zoom *= panel_zoom;
   const Clip clip(episode, closer, moment_aspect(n));
-  const std::vector<double> range = timeline(options, clip.steps());
+  const std::vector<double> range = timeline(options, clip.steps(), clip.steps_per_second());
   const auto from = static_cast<int>(range.front());
   const auto to = static_cast<int>(range.back());
   const std::vector<int> steps = choose_moments(clip, from, to, moments.count, moments.choice);
@@ -214,7 +214,7 @@ Drawing draw_moments(const Episode& episode, const Moments& moments, const Rende
 std::string draw_gait(const Episode& episode, const RenderOptions& options) {
   check_options(options);
   const Clip clip(episode, options, 1.0);
-  const std::vector<double> range = timeline(options, clip.steps());
+  const std::vector<double> range = timeline(options, clip.steps(), clip.steps_per_second());
   const Caption who = clip.caption(0);
   return gait_loop(clip, static_cast<int>(range.front()), static_cast<int>(range.back()),
                    options.size.width, who.title + ", robot " + who.detail);
@@ -296,7 +296,7 @@ VideoReport render_race(const std::vector<Episode>& episodes, const RenderOption
   check_options(options);
   check_movie(options.size, output);
   const Race race(episodes, options);
-  const std::vector<double> steps = timeline(options, race.steps());
+  const std::vector<double> steps = timeline(options, race.steps(), race.steps_per_second());
   return write_movie(
       {options.size, options.fps, options.workers, steps.size(),
        [&](std::size_t k, Typesetter& typesetter) { return race.frame(steps[k], typesetter); },

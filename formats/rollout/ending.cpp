@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace evo {
 namespace {
@@ -106,6 +107,13 @@ std::optional<Node> task_value(const Rollout& rollout, const char* key) {
   if (rollout.task_yaml.empty()) return std::nullopt;
   return Node::yaml(rollout.task_yaml, "task of the rollout").find(key);
 }
+
+int hold_of(const Rollout& rollout) {
+  const auto hold = task_value(rollout, "hold");
+  return hold ? hold->integer(1, std::numeric_limits<int>::max()) : 1;
+}
+
+double steps_per_second(const Rollout& rollout) { return 50.0 / hold_of(rollout); }
 
 bool rewards_height(const Rollout& rollout) { return rewards_any(rollout, is_height); }
 

@@ -13,6 +13,11 @@ namespace evo {
 // Throws Error(data) for a task that is not YAML.
 std::optional<Node> task_value(const Rollout& rollout, const char* key);
 
+// Control steps that the task holds an action for: those of a step of the rollout.
+int hold_of(const Rollout& rollout);
+// Steps in a second of video at speed 1: the benchmark's viewer shows 50 control steps.
+double steps_per_second(const Rollout& rollout);
+
 // Whether the task rewards height at all times: a displacement or an extent along y.
 bool rewards_height(const Rollout& rollout);
 // Whether the robot's turning counts.

@@ -264,9 +264,9 @@ void draw_labels_beside(const std::vector<Label>& labels, const Rect& area, floa
 constexpr double beside = 2.0;  // voxels left and right of what is shown
 constexpr double above = 1.2;
 
-std::string duration(const std::vector<int>& moments) {
+std::string duration(const Clip& clip, const std::vector<int>& moments) {
   const int steps = moments.back() - moments.front();
-  return fmt::format("{} steps, {:.3g} s", steps, steps / steps_per_second);
+  return fmt::format("{} steps, {:.3g} s", steps, clip.seconds(steps));
 }
 
 Drawing lying(const Clip& clip, const std::vector<int>& moments, Scene scene, const Bounds& extent,
@@ -306,7 +306,8 @@ Drawing lying(const Clip& clip, const std::vector<int>& moments, Scene scene, co
   drawing.text({margin, baseline}, 1.1F * size, who.title, theme.text, Align::left, true);
   drawing.text({margin + typesetter.width(who.title, 1.1F * size, true) + 0.8F * size, baseline},
                size, who.detail, theme.text_muted);
-  drawing.text({width - margin, baseline}, size, duration(moments), theme.text_muted, Align::right);
+  drawing.text({width - margin, baseline}, size, duration(clip, moments), theme.text_muted,
+               Align::right);
   const Projection to_pixels(scene.view, panel);
   const Rect under{0, panel.y + panel.height, width, below};
   draw_labels_below(labels(clip, moments, false, to_pixels), under, size, theme, typesetter,
@@ -361,7 +362,7 @@ Drawing standing(const Clip& clip, const std::vector<int>& moments, const Scene&
             static_cast<double>(panel_width) / scale, voxels};
   };
   float column = std::max({typesetter.width(who.title, 1.1F * size, true),
-                           typesetter.width(duration(moments), 0.9F * size),
+                           typesetter.width(duration(clip, moments), 0.9F * size),
                            typesetter.width(who.detail, 0.9F * size)}) +
                  2.2F * size;
   for (const Storey& storey : parts) {
@@ -392,7 +393,7 @@ Drawing standing(const Clip& clip, const std::vector<int>& moments, const Scene&
   x += 1.2F * size;
   drawing.text({x, 1.6F * size}, 1.1F * size, who.title, theme.text, Align::left, true);
   drawing.text({x, 2.9F * size}, 0.9F * size, who.detail, theme.text_muted);
-  drawing.text({x, 4.1F * size}, 0.9F * size, duration(moments), theme.text_muted);
+  drawing.text({x, 4.1F * size}, 0.9F * size, duration(clip, moments), theme.text_muted);
   draw_legend(clip.mesh(), 0, theme,
               {0.6F * size, height, static_cast<float>(drawing.size().width), legend}, 0.8F * size,
               typesetter, drawing);

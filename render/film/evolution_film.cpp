@@ -62,7 +62,7 @@ EvolutionFilm::EvolutionFilm(const std::vector<Champion>& champions, const Rende
     if (robot && before) part.changed = changed_voxels(before->body, robot->body, part.clip);
     part.standing = frames(standing_time);
     part.running = std::max<std::size_t>(
-        1, frames(std::min(longest_run, part.clip.steps() / steps_per_second)));
+        1, frames(std::min(longest_run, part.clip.seconds(part.clip.steps()))));
     part.ended = frames(ended_time);
     frames_ += part.standing + part.running + part.ended;
     parts_.push_back(std::move(part));

@@ -140,7 +140,7 @@ std::string gait_loop(const Clip& clip, int from, int to, int width, const std::
   const double height = (high - ground + earth) * scale;
   const auto x_of = [&](double x) { return (x - left) * scale; };
   const auto y_of = [&](double y) { return (high - y) * scale; };
-  const std::string duration = fmt::format("{:.2f}s", cycle.period / steps_per_second);
+  const std::string duration = fmt::format("{:.2f}s", clip.seconds(cycle.period));
 
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {:.0f}\" width=\"{}\" "

@@ -217,7 +217,7 @@ void Race::draw_lane(std::size_t k, double step, const Rect& lane, Typesetter& t
   const bool arrived = runner.arrived && over;
   const bool decided = step >= clip_->steps();
   std::string result = signed_score(runner.so_far(step));
-  if (arrived) result = fmt::format("{:.2f} s", *runner.arrived / steps_per_second);
+  if (arrived) result = fmt::format("{:.2f} s", lanes_[k].seconds(*runner.arrived));
   if (arrived || decided) result = place_name(runner.place) + "   " + result;
   const float y = lane.y + 1.75F * size;
   const auto plate = [&](float x, float width) {

@@ -20,6 +20,7 @@ class Race {
   Race(const std::vector<Episode>& episodes, const RenderOptions& options);
 
   int steps() const { return clip_->steps(); }
+  double steps_per_second() const { return lanes_.front().steps_per_second(); }
   Drawing frame(double step, Typesetter& typesetter) const;
 
  private:

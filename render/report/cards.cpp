@@ -153,9 +153,8 @@ std::string champion_facts(const Run& run) {
 
 // "In 9.9 s it moves 98 voxels to the right; goal reached: robot beyond x = 99. "
 std::string what_happened(const Json& replay) {
-  constexpr double steps_a_second = 50.0;  // as the page plays them
-  constexpr int far = 5;                   // voxels; less is no travel
-  const double seconds = replay["steps"].get<double>() / steps_a_second;
+  constexpr int far = 5;  // voxels; less is no travel
+  const double seconds = replay["steps"].get<double>() / replay["rate"].get<double>();
   const auto moved = std::lround(replay["moved"].get<double>());
   const std::string way = std::abs(moved) < far
                               ? fmt::format("Its episode lasts {:.3g} s", seconds)

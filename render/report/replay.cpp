@@ -127,6 +127,7 @@ Json replay_of(const Rollout& rollout, int stride) {
           {"frames", frames.size()},
           {"stride", stride},
           {"steps", clip.steps()},
+          {"rate", clip.steps_per_second()},
           {"scale", scale},
           {"body", std::move(body)},
           {"objects", std::move(objects)},

@@ -3,7 +3,6 @@
 'use strict';
 const Replays = (() => {
   const { element, number } = Charts;
-  const stepsPerSecond = 50;  // control steps at speed 1
 
   // Numbers as replay.cpp packs them: second differences, zigzag, 7 bits a byte.
   const unpack = (bytes, series, frames) => {
@@ -143,7 +142,7 @@ const Replays = (() => {
       const passed = Math.min(0.1, (now - last) / 1000);
       last = now;
       if (at < steps) {
-        at = Math.min(steps, at + passed * stepsPerSecond * Number(speed.value));
+        at = Math.min(steps, at + passed * cast[0].data.rate * Number(speed.value));
         rested = 0;
       } else {
         rested += passed;

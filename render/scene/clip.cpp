@@ -146,7 +146,9 @@ std::string short_id(const std::string& id) { return id.substr(0, 12); }
 }  // namespace
 
 Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
-    : episode_(episode), overlays_(options.overlays) {
+    : episode_(episode),
+      overlays_(options.overlays),
+      steps_per_second_(evo::steps_per_second(*episode.rollout)) {
   const Rollout& rollout = *episode.rollout;
   const RolloutEpisode& data = checked_episode(episode);
   check_world(rollout);
@@ -250,7 +252,7 @@ Vec2 Clip::velocity(int step, int point) const {
   const int after = std::min(steps_, before + 1);
   const Vec2 a = at(before)[point];
   const Vec2 b = at(after)[point];
-  return {(b.x - a.x) * steps_per_second, (b.y - a.y) * steps_per_second};
+  return {(b.x - a.x) * steps_per_second_, (b.y - a.y) * steps_per_second_};
 }
 
 std::vector<float> Clip::values(double step) const {
@@ -363,8 +365,8 @@ Caption Clip::caption(double step) const {
                                              : std::string();
   caption.brief = episode_.label.empty() ? caption.title : episode_.label;
   if (steps_ == 0) return caption;  // a world at rest
-  caption.moment = fmt::format("step {} / {}   {:.2f} s", padded(shown, steps_), steps_,
-                               shown / steps_per_second);
+  caption.moment =
+      fmt::format("step {} / {}   {:.2f} s", padded(shown, steps_), steps_, seconds(shown));
   caption.score = "return " + signed_score(score(step));
   if (shown == steps_) caption.ending = ending_;
   caption.goal = turns(step);
@@ -386,13 +388,13 @@ void share_value_scale(std::span<Clip* const> clips) {
   for (Clip* clip : clips) clip->value_scale(shared);
 }
 
-std::vector<double> timeline(const RenderOptions& options, int steps) {
+std::vector<double> timeline(const RenderOptions& options, int steps, double rate) {
   const int last = std::min(options.to.value_or(steps), steps);
   if (options.from > last)
     throw error(Failure::usage,
                 "--steps: there are none from {} to {}: the episode has steps 0 to {}",
                 options.from, last, steps);
-  const double stride = options.speed * steps_per_second / options.fps;
+  const double stride = options.speed * rate / options.fps;
   constexpr double close = 1e-9;
   std::vector<double> shown;
   for (std::size_t k = 0;; ++k) {

@@ -42,6 +42,8 @@ class Clip {
   Clip(const Episode& episode, const RenderOptions& options, double aspect);
 
   int steps() const { return steps_; }
+  double seconds(double steps) const { return steps / steps_per_second_; }
+  double steps_per_second() const { return steps_per_second_; }
   // Between two steps, shapes are in between, too. Steps outside of the episode
   // show its nearest end.
   Scene scene(double step) const;
@@ -80,6 +82,7 @@ class Clip {
   Overlays overlays_;
   Mesh mesh_;
   int steps_ = 0;
+  double steps_per_second_;    // at speed 1
   std::vector<Vec2> points_;   // [(steps+1) x points], voxels
   std::vector<Vec2> centres_;  // of the first object
   std::vector<double> returns_;
@@ -97,8 +100,9 @@ class Clip {
 // One colour is the same value in all of them.
 void share_value_scale(std::span<Clip* const> clips);
 
-// The steps shown by the frames of a video of an episode of `steps` steps; the
-// last step shown is always among them. Throws Error(usage) for an empty range.
-std::vector<double> timeline(const RenderOptions& options, int steps);
+// The steps shown by the frames of a video of an episode of `steps` steps, of which
+// `rate` are a second at speed 1; the last step shown is always among them. Throws
+// Error(usage) for an empty range.
+std::vector<double> timeline(const RenderOptions& options, int steps, double rate);
 
 }  // namespace evo::render

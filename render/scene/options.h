@@ -9,10 +9,6 @@
 
 namespace evo::render {
 
-// Control steps in a second of video at speed 1: the benchmark's viewer shows 50
-// steps per second.
-inline constexpr double steps_per_second = 50.0;
-
 // A window of the world, in voxels; y counts upwards.
 struct ViewRect {
   double centre_x = 0;

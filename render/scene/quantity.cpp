@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "formats/rollout/ending.h"
 #include "formats/task/physics_profile.h"
 #include "libevo/base/error.h"
 #include "render/scene/round_numbers.h"
@@ -170,7 +171,10 @@ Physics physics_of(const Rollout& rollout) {
     throw Error(Failure::data,
                 "the rollout does not carry its physics (attribute physics_yaml), "
                 "so forces are not known; record it with evo-eval --rollout");
-  return physics_from_yaml(Node::yaml(rollout.physics_yaml, "physics of the rollout"), {}, {});
+  Physics physics =
+      physics_from_yaml(Node::yaml(rollout.physics_yaml, "physics of the rollout"), {}, {});
+  physics.substeps *= hold_of(rollout);
+  return physics;
 }
 
 std::vector<int> actuators_of(const Mesh& mesh) {

@@ -43,7 +43,8 @@ class Quantity {
 // Of commanded lengths, whatever the episode.
 ValueScale command_scale();
 
-// Of the rollout's `physics_yaml`. Throws Error(data) where there is none.
+// Of the steps of a rollout (a held action is one), from its `physics_yaml`. Throws Error(data)
+// where there is none.
 Physics physics_of(const Rollout& rollout);
 
 // Targets of the first robot's actuators: the cell of each, in the order of actions.

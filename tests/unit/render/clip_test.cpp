@@ -14,21 +14,21 @@ using Catch::Matchers::Contains;
 
 TEST_CASE("50 frames per second show every step, other rates and speeds their share") {
   RenderOptions options;
-  CHECK(timeline(options, 4) == std::vector<double>{0, 1, 2, 3, 4});
+  CHECK(timeline(options, 4, 50) == std::vector<double>{0, 1, 2, 3, 4});
   options.fps = 25;
-  CHECK(timeline(options, 5) == std::vector<double>{0, 2, 4, 5});  // the end is always shown
+  CHECK(timeline(options, 5, 50) == std::vector<double>{0, 2, 4, 5});  // the end is always shown
   options.speed = 0.25;
-  CHECK(timeline(options, 1) == std::vector<double>{0, 0.5, 1});
+  CHECK(timeline(options, 1, 50) == std::vector<double>{0, 0.5, 1});
   options.speed = 1.5;
-  CHECK(timeline(options, 6) == std::vector<double>{0, 3, 6});
+  CHECK(timeline(options, 6, 50) == std::vector<double>{0, 3, 6});
   options.from = 2;
   options.to = 4;
-  CHECK(timeline(options, 6) == std::vector<double>{2, 4});
+  CHECK(timeline(options, 6, 50) == std::vector<double>{2, 4});
   options.to = 100;
-  CHECK(timeline(options, 6).back() == 6);
-  CHECK(timeline(RenderOptions{}, 0) == std::vector<double>{0});
+  CHECK(timeline(options, 6, 50).back() == 6);
+  CHECK(timeline(RenderOptions{}, 0, 50) == std::vector<double>{0});
   options.from = 7;
-  expect_error(Failure::usage, Contains("7"), [&] { timeline(options, 6); });
+  expect_error(Failure::usage, Contains("7"), [&] { timeline(options, 6, 50); });
 }
 
 TEST_CASE("shapes lie between those of two steps") {

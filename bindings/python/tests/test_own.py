@@ -152,25 +152,36 @@ class Training(unittest.TestCase):
                 evo_robots.train(task, WALKER, steps=100_000, settings=FEW, progress=interrupt)
 
     def test_ctrl_c_from_another_process(self):
-        """Wherever the training is, in the library or on its way into Python."""
+        """Wherever the training is, in the library or on its way into Python; in every Python."""
         program = ("import evo_robots, numpy\n"
                    f"body = numpy.array({WALKER.tolist()})\n"
                    "print('begun', flush=True)\n"
                    "evo_robots.train('Walker-v0', body, steps=10**9, settings={'rollout': 8})")
-        for pause in (0.3, 0.5, 0.7):
-            with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE,
-                                  stderr=subprocess.PIPE, text=True) as running:
-                running.stdout.readline()
-                time.sleep(pause)
-                running.send_signal(signal.SIGINT)
-                try:
-                    said = running.communicate(timeout=20)[1]
-                except subprocess.TimeoutExpired:
-                    running.kill()
-                    raise
-                self.assertEqual(running.returncode, -signal.SIGINT, said)
-                self.assertTrue(said.rstrip().endswith("KeyboardInterrupt"), said)
-                self.assertNotIn("ignored", said)
+        folders = [*map(Path, os.get_exec_path()), *Path.home().glob(".pyenv/versions/*/bin")]
+        others = {str(python) for folder in folders for python in folder.glob("python3.[0-9]*")
+                  if python.name.removeprefix("python3.").isdigit() and not python.samefile(sys.executable)}
+        for python, pause in [*((sys.executable, pause) for pause in (0.3, 0.5, 0.7)),
+                              *((python, 0.4) for python in sorted(others))]:
+            with self.subTest(python):
+                if subprocess.run([python, "-c", "import numpy, sys; sys.exit(sys.version_info < (3, 9))"],
+                                  stderr=subprocess.DEVNULL).returncode:
+                    self.skipTest(f"{python} has no numpy, or is older than 3.9")
+                self.interrupt(python, program, pause)
+
+    def interrupt(self, python, program, pause):
+        with subprocess.Popen([python, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              text=True) as running:
+            running.stdout.readline()
+            time.sleep(pause)
+            running.send_signal(signal.SIGINT)
+            try:
+                said = running.communicate(timeout=20)[1]
+            except subprocess.TimeoutExpired:
+                running.kill()
+                raise
+            self.assertEqual(running.returncode, -signal.SIGINT, said)
+            self.assertTrue(said.rstrip().endswith("KeyboardInterrupt"), said)
+            self.assertNotIn("ignored", said)
 
     def test_what_makes_no_sense_is_refused(self):
         class Wild(Walk):

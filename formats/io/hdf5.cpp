@@ -598,6 +598,12 @@ Shape Reader::shape(const std::string& path) const {
   return file_->shape_of(Handle(H5Dget_space(dataset.get()), H5Sclose), path);
 }
 
+bool Reader::is_single(const std::string& path) const {
+  const Handle dataset = file_->open_dataset(path);
+  const Handle type(H5Dget_type(dataset.get()), H5Tclose);
+  return H5Tget_class(type.get()) == H5T_FLOAT && H5Tget_size(type.get()) == sizeof(float);
+}
+
 template <Number T>
 Array<T> Reader::array(const std::string& path) const {
   const Handle dataset = file_->open_dataset(path);

@@ -98,6 +98,7 @@ class Reader {
   bool exists(const std::string& path) const;
   std::vector<std::string> children(const std::string& group) const;  // by name
   Shape shape(const std::string& path) const;
+  bool is_single(const std::string& path) const;  // whether a dataset is of float32
 
   template <Number T>
   Array<T> array(const std::string& path) const;

@@ -325,7 +325,7 @@ ActionSequence actions_from_hdf5(const fs::path& path) {
                     fmt::format("step {} holds {}, expected a number", i / array.shape[1],
                                 array.values[i]));
     return {static_cast<int>(array.shape[0]), static_cast<int>(array.shape[1]),
-            std::move(array.values), false};
+            std::move(array.values), file.is_single(dataset)};
   }
   throw wrong(file, "/actions", "is missing, and so is /episode_0/actions");
 }

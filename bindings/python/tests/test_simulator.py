@@ -115,7 +115,7 @@ class Stepping(unittest.TestCase):
             with h5py.File(f"{folder}/actions.h5", "w") as file:
                 file["actions"] = actions
             Path(folder, "robot.json").write_text(json.dumps(evo_robots.robot_document(WALKER)))
-            for kind in ("npy", "npz"):
+            for kind in ("npy", "npz", "h5"):
                 subprocess.run(
                     [evo_robots.find_tool("evo-eval"), "--task", "Walker-v0", "--actions", f"{folder}/actions.{kind}",
                      "--rollout", f"{folder}/rollout.h5", f"{folder}/robot.json"],

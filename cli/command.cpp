@@ -492,6 +492,7 @@ int Command::run(int argc, char** argv, const std::function<int()>& work) {
 int run_as(const std::string& executable, const std::function<int()>& work,
            const std::function<std::string()>& memory_advice) {
   occupy_standard_streams();
+  std::signal(SIGPIPE, SIG_DFL);  // who reads no more ends a pipe, whatever the caller ignored
   log::begin(executable);
   try {
     const int status = work();

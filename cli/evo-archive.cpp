@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include "cli/command.h"
+#include "cli/outputs.h"
 #include "cli/robots.h"
 #include "formats/robot/archive.h"
 #include "formats/robot/writer.h"
@@ -53,6 +54,7 @@ int main(int argc, char** argv) {
                   "the same by how far they came");
 
   return command.run(argc, argv, [&] {
+    cli::keep_inputs(command.output, files);
     GridArchive archive = parse_archive(features, "--features");
     const std::vector<Robot> robots = cli::read_robots(files);
     fill(archive, robots);

@@ -6,6 +6,7 @@
 
 #include "cli/command.h"
 #include "cli/data.h"
+#include "cli/outputs.h"
 #include "cli/robots.h"
 #include "cli/task_options.h"
 #include "formats/foreign/minari.h"
@@ -313,6 +314,7 @@ int main(int argc, char** argv) {
     const WorldWarning warn = cli::log::warn;
     const Target& target = target_of(format, command.output);
     const std::string& to = target.name;
+    if (to != "ids") cli::keep_inputs(command.output, files);  // to which ids may be added
     if (to == "minari") {
       write_dataset(files, command.output);
       return 0;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "cli/command.h"
+#include "cli/outputs.h"
 #include "cli/robots.h"
 #include "formats/robot/children.h"
 #include "formats/robot/writer.h"
@@ -32,6 +33,7 @@ int main(int argc, char** argv) {
                   "three bodies near the best that were never tried");
 
   return command.run(argc, argv, [&] {
+    cli::keep_inputs(command.output, files);
     check(breeding);
     const std::vector<Robot> robots = cli::read_robots(files);
     const int children = count.value_or(static_cast<int>(robots.size()));

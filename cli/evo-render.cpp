@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/outputs.h"
 #include "cli/progress.h"
 #include "cli/robots.h"
 #include "formats/io/files.h"
@@ -440,6 +441,7 @@ int main(int argc, char** argv) {
   return command.run(argc, argv, [&] {
     if (command.output.empty())
       throw error(Failure::usage, "-o is required: what to write, such as -o walk.mp4");
+    cli::keep_inputs(command.output, files);
     parse_steps(settings.steps, options);
     options.camera = parse_camera(settings.camera);
     options.workers = command.jobs;

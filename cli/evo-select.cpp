@@ -5,6 +5,7 @@
 #include <map>
 
 #include "cli/command.h"
+#include "cli/outputs.h"
 #include "cli/robots.h"
 #include "formats/io/values.h"
 #include "formats/robot/writer.h"
@@ -130,6 +131,7 @@ int main(int argc, char** argv) {
   command.example("evo-select --by=-actuators scores.jsonl", "robots with few actuators first");
 
   return command.run(argc, argv, [&] {
+    cli::keep_inputs(command.output, files);
     std::vector<Robot> robots;
     Indices chosen;
     const auto places = [&] {

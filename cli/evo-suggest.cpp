@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "cli/command.h"
+#include "cli/outputs.h"
 #include "cli/robots.h"
 #include "formats/io/values.h"
 #include "formats/robot/children.h"
@@ -63,6 +64,7 @@ int main(int argc, char** argv) {
                   "the most promising body, drawn");
 
   return command.run(argc, argv, [&] {
+    cli::keep_inputs(command.output, files);
     History history;
     if (!files.empty()) history = read_history(files, known);
     const Shape shape = history.shape.rows == 0 ? parse_shape(shape_text) : history.shape;

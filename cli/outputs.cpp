@@ -41,4 +41,10 @@ void check_outputs(const std::vector<FileName>& outputs, const std::vector<FileN
   }
 }
 
+void keep_inputs(const std::string& output, const std::vector<std::string>& files) {
+  std::vector<FileName> inputs;
+  for (const std::string& file : files) inputs.push_back({"an input", file});
+  check_outputs({{"--output", output}}, inputs);
+}
+
 }  // namespace evo::cli

@@ -16,4 +16,7 @@ struct FileName {
 // often.
 void check_outputs(const std::vector<FileName>& outputs, const std::vector<FileName>& inputs = {});
 
+// Throws Error(usage) when --output names one of the files that it is made of.
+void keep_inputs(const std::string& output, const std::vector<std::string>& files);
+
 }  // namespace evo::cli

@@ -36,6 +36,28 @@ setup_file() {
   jq -e '.lengths == [1]' scored.jsonl
 }
 
+@test "-o of an input destroys nothing; a pipe whose reader has gone ends quietly" {
+  evo-sample -n 3 --seed 1 | jq -c '.fitness = 1' > robots.jsonl
+  cp robots.jsonl before
+  ln -s robots.jsonl link
+  local command
+  for command in "evo-select --keep 1" "evo-mutate -n 1" evo-archive "evo-suggest -n 1" "evo-convert --unique" evo-render; do
+    fails_with 2 "--output would replace an input, 'robots.jsonl'" -- $command robots.jsonl -o ./link
+  done
+  cmp robots.jsonl before
+  evo-convert --to ids robots.jsonl > ids
+  evo-convert --to ids ids robots.jsonl -o ids
+  [ "$(wc -l < ids)" -eq 3 ]
+  # Whatever the caller ignores.
+  trap '' PIPE
+  for command in "evo-sample -n 100000" "evo-inspect tasks" "evo-convert --to text robots.jsonl"; do
+    run bash -c "$command 2> said | true; sleep 0.1; echo \${PIPESTATUS[0]}; cat said"
+    [[ $output == 141 || $output == 0 ]]
+  done
+  run bash -c 'evo-sample -n 100000 2>&1 > >(head -n 1 > /dev/null); echo $?'
+  [ "$output" = 141 ]
+}
+
 @test "inputs that would not be read are refused" {
   cp "$made"/* .
   fails_with 2 "small.txt" -- evo-convert small.txt --task Walker-v0

@@ -8,6 +8,7 @@
 #include "cli/data.h"
 #include "cli/documents.h"
 #include "cli/robots.h"
+#include "cli/run_source.h"
 #include "cli/terminal.h"
 #include "formats/io/files.h"
 #include "formats/io/format.h"
@@ -31,6 +32,7 @@ namespace fs = std::filesystem;
 class Policies {
  public:
   explicit Policies(bool replay) : replay_(replay) {}
+  bool replays() const { return replay_; }
 
   // Throws Error for a policy that is not what it says.
   const PolicyFile& at(const fs::path& path) {
@@ -111,7 +113,8 @@ std::string check_file(const fs::path& path, Policies& policies) {
     return "structure";
   }
   if (path.filename() == "run.yaml") {
-    (void)RunSettings::read(path);
+    const RunSettings settings = RunSettings::read(path);
+    if (policies.replays()) check_source(settings, path.string());
     return "settings of a run";
   }
   const std::string text = read_robot_text(path.string());
@@ -152,7 +155,7 @@ void check_paths(const std::vector<std::string>& paths, bool replay) {
       try {
         fmt::print("{}: ok, {}\n", printable(path.string()), printable(check_file(path, policies)));
       } catch (const Error& e) {
-        if (e.kind() != Failure::data && e.kind() != Failure::no_input) throw;
+        if (e.kind() == Failure::io) throw;
         ++refused;
         const std::string what = printable(e.what());
         const std::string where = printable(path.string());

@@ -17,6 +17,7 @@
 #include "cli/process.h"
 #include "cli/recipes.h"
 #include "cli/run_makefile.h"
+#include "cli/run_source.h"
 #include "formats/io/files.h"
 #include "formats/io/values.h"
 #include "formats/robot/robot.h"
@@ -160,8 +161,14 @@ RunSettings complete(const std::string& method, Given given) {
     return found == given.end() ? std::string() : found->second;
   };
   std::vector<RunSetting> list;
+  const bool evaluated = given.contains("evaluate");
   for (const RunSettingInfo& info : run_settings()) {
     if (!info.belongs_to(method)) continue;
+    if (evaluated && info.is_of_training()) {
+      if (!given.contains(info.name)) continue;
+      throw error(Failure::usage, "{} is of robots that are trained, and --evaluate scores them",
+                  info.option());
+    }
     if (!given.contains(info.name)) given[info.name] = initial_value(info, method, setting);
     if (!given[info.name].empty()) list.push_back({info.name, given[info.name]});
   }
@@ -209,6 +216,7 @@ void plan(const fs::path& folder, RunSettings settings, cli::Surroundings around
   }
   make_folders(folder);
   write_file(folder / "Makefile", makefile);
+  cli::set_source(settings);
   settings.set_makefile(sha256_hex(makefile));
   write_file(folder / "run.yaml", settings.to_yaml());  // last: with it the run is begun
 }
@@ -233,6 +241,7 @@ void compare(const fs::path& folder, const std::string& method, const Given& giv
                 fs::exists(folder / "policies") || fs::exists(folder / "gen-000")
                     ? ""
                     : "; nothing has been made in it yet: removing it loses nothing");
+  cli::check_source(there, folder.string());
   if (!fs::exists(folder / "Makefile"))
     throw error(Failure::data, "{}: its Makefile is gone; begin the run in another folder",
                 folder.string());
@@ -311,7 +320,9 @@ std::vector<std::string> items(std::string list) {
 // Every method on every task with every seed, each a run, TASK/METHOD-SEED.
 void plan_comparison(const fs::path& folder, const Options& options, const Given& given,
                      const cli::Surroundings& around) {
-  const std::vector<std::string> tasks = items(options.tasks);
+  // A fitness of one's own has no task; its runs have a folder beside those of tasks.
+  const bool evaluated = given.contains("evaluate");
+  const std::vector<std::string> tasks = items(evaluated ? "evaluate" : options.tasks);
   std::vector<std::string> names;
   for (const std::string& task : tasks) names.push_back(fs::path(task).stem().string());
   std::set<std::string> different(names.begin(), names.end());
@@ -336,7 +347,7 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
         Given run;
         for (const auto& [name, value] : given)
           if (find_run_setting(name)->belongs_to(method)) run[name] = value;
-        run["task"] = settled(*find_run_setting("task"), task);
+        if (!evaluated) run["task"] = settled(*find_run_setting("task"), task);
         run["seed"] = settled(*find_run_setting("seed"), seed);
         const std::string name = fs::path(task).stem().string();
         if (name.find_first_not_of(
@@ -345,7 +356,8 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
           throw error(Failure::usage,
                       "--tasks: the name of '{}' has to be of letters, digits, - and _", task);
         runs.push_back(fmt::format("{}/{}-{}", name, method, run["seed"]));
-        if (!fs::exists(folder / runs.back())) run.try_emplace("video", initial_video);
+        if (!evaluated && !fs::exists(folder / runs.back()))
+          run.try_emplace("video", initial_video);
         plan_or_compare(folder / runs.back(), method, run, around);
       }
   if (runs.empty())
@@ -463,10 +475,13 @@ int main(int argc, char** argv) {
     if (recipe.given()) {
       plan_recipe(folder, recipe_name, given, around);
     } else if (side_by_side.given()) {
+      side_by_side.only(!given.contains("evaluate"), {"--tasks"}, "robots that are trained");
       plan_comparison(folder, options, given, around);
     } else if (!method.empty()) {
       plan_or_compare(folder, method, given, around);
-    } else if (!fs::exists(folder / "run.yaml") && !fs::exists(folder / "Makefile")) {
+    } else if (fs::exists(folder / "run.yaml")) {
+      compare(folder, "", given);
+    } else if (!fs::exists(folder / "Makefile")) {
       throw error(Failure::no_input, "{}: there is no such run; name a method to begin it",
                   folder.string());
     }

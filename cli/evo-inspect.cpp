@@ -274,9 +274,9 @@ std::string detail(const SlotStatus& slot, const RunHistory& history) {
   if (slot.state == SlotState::failed) return printable(slot.why);
   if (slot.state == SlotState::waiting) return "";
   const fs::path log = history.folder().log(slot.address.generation, slot.robot);
+  if (!fs::exists(log)) return "0.00";
   const double steps = history.folder().settings().steps(slot.address.generation);
-  return fmt::format("{:.2f}",
-                     fs::exists(log) ? read_training_log(log).step / std::max(1.0, steps) : 0.0);
+  return fmt::format("{:.2f}", read_training_log(log).step / std::max(1.0, steps));
 }
 
 void print_slots(const fs::path& folder) {
@@ -292,27 +292,31 @@ void print_run(const fs::path& folder) {
   const cli::RunStatus run(folder);
   const RunHistory& history = run.history();
   const RunSettings& settings = run.folder().settings();
-  fmt::print("{}: {} on {}, seed {}\n", printable(folder.string()),
-             printable(settings.text("method")), printable(settings.text("task")),
-             printable(settings.text("seed")));
+  fmt::print("{}: {} {} {}, seed {}\n", printable(folder.string()),
+             printable(settings.text("method")), settings.is_evaluated() ? "scored by" : "on",
+             printable(settings.scored_by()), printable(settings.text("seed")));
+  if (settings.is_evaluated() && !settings.source_hash().empty())
+    fmt::print("program      {} ({})\n", printable(settings.source()),
+               printable(settings.source_hash().substr(0, 12)));
   const auto setting = [&](const std::string& name) {
     const std::string* value = settings.find(name);
     return value == nullptr ? std::string() : *value;
   };
   fmt::print("command      {}\n", printable(evolve_command(folder.string(), setting)));
   if (run.folder().is_edited()) fmt::print("Makefile     edited by hand\n");
-  fmt::print("robots       {} of {} trained, {} left\n", run.trained(), run.evaluations(),
-             run.left());
+  fmt::print("robots       {} of {} {}, {} left\n", run.trained(), run.evaluations(),
+             settings.is_evaluated() ? "scored" : "trained", run.left());
   fmt::print("generations  {} finished, {} begun\n",
              std::count_if(history.generations().begin(), history.generations().end(),
                            [](const auto& generation) { return generation.finished; }),
              history.generations().size());
   print_work(run.work());
   if (const auto each = history.seconds_each()) {
-    fmt::print("training     {} per robot on average, {:.2f} core hours so far\n",
-               cli::duration(*each), history.seconds() / 3600.0);
+    fmt::print("{:<12} {} per robot on average, {:.2f} core hours so far\n",
+               settings.is_evaluated() ? "scoring" : "training", cli::duration(*each),
+               history.seconds() / 3600.0);
     if (const Utilisation cores = history.utilisation(); cores.cores > 0)
-      fmt::print("cores        at most {} at once, {:.1f} % of their time between trainings\n",
+      fmt::print("cores        at most {} at once, {:.1f} % of their time between robots\n",
                  cores.cores, 100.0 * cores.idle);
     if (run.left() > 0)
       fmt::print("expected     {:.2f} more core hours: {} on one core\n",

@@ -43,8 +43,11 @@ std::vector<Group> read_groups(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders) {
     const RunHistory history{RunFolder(folder)};
     const RunSettings& settings = history.folder().settings();
-    Group group{
-        std::filesystem::path(settings.text("task")).stem().string(), settings.text("method"), {}};
+    Group group{settings.is_evaluated()
+                    ? settings.scored_by()
+                    : std::filesystem::path(settings.scored_by()).stem().string(),
+                settings.text("method"),
+                {}};
     const auto same = [&](const Group& other) {
       return other.task == group.task && other.method == group.method;
     };

@@ -130,7 +130,7 @@ class RunMakefile {
   }
 
  private:
-  bool is_evaluated() const { return settings_.find("evaluate") != nullptr; }
+  bool is_evaluated() const { return settings_.is_evaluated(); }
   bool is_python() const { return !is_evaluated() && is_python_task(settings_.text("task")); }
 
   // One seed per purpose and generation.
@@ -385,7 +385,7 @@ class RunMakefile {
 
   std::string head() const {
     std::string text = fmt::format(
-        "# {} on {}: a run of evo evolve, whose settings are in run.yaml.\n"
+        "# {} {} {}: a run of evo evolve, whose settings are in run.yaml.\n"
         "#\n"
         "#   make -j8                    goes on where it was, killed or not\n"
         "#   make -j8 LAUNCH='srun ..'   with something in front of every training\n"
@@ -397,11 +397,19 @@ class RunMakefile {
         ".SHELLFLAGS := -eu -o pipefail -c\n"
         ".SUFFIXES:\n"
         "MAKEFLAGS += --no-builtin-rules --no-print-directory\n",
-        method_, comment(setting(settings_, "task")));
+        method_, is_evaluated() ? "scored by" : "on", comment(settings_.scored_by()));
     if (!around_.tools.empty())
       text += fmt::format("export PATH := {}:$(PATH)\n", make_text(around_.tools));
-    text +=
+    const std::string path =
+        around_.tools.empty() ? "" : "PATH=" + make_word(around_.tools) + ":\"$$PATH\" ";
+    text += fmt::format(
         "hash := \\#\n\n"
+        "# Another task or program than the run began with is refused.\n"
+        "ifneq ($(shell {}evo-evolve -q --run . --plan && echo same),same)\n"
+        "$(error the run does not go on)\n"
+        "endif\n\n",
+        path);
+    text +=
         "LAUNCH ?=\n"
         "CORES ?= 1\n";
     text += fmt::format("TRIES ?= {}\n\n", settings_.number("tries"));
@@ -595,7 +603,7 @@ class RunMakefile {
   std::string results() const {
     std::string files = "best.json";
     if (method_ == "map") files += " archive.jsonl archive.tsv";
-    if (is_evaluated()) return files;
+    if (is_evaluated()) return files + " report.html";
     files += " best.policy.h5";
     if (has_video()) files += " " + video();
     return is_python() ? files : files + " report.html";
@@ -612,7 +620,10 @@ class RunMakefile {
       rule("archive.jsonl", "history.jsonl", "$(ARCHIVE) history.jsonl -o $@");
       rule("archive.tsv", "history.jsonl", "$(ARCHIVE) --table history.jsonl -o $@");
     }
-    if (is_evaluated()) return;
+    if (is_evaluated()) {
+      rule("report.html", "best.json", "evo-report -q . -o $@");
+      return;
+    }
     rule("best.policy.h5", "best.json", "evo-convert --to policy best.json -o $@");
     if (is_python()) {
       if (has_video())
@@ -676,7 +687,7 @@ void check_python_task(const RunSettings& settings) {
 void check(const RunSettings& settings, const Surroundings& around) {
   const std::string method = settings.text("method");
   const int pop = settings.number("pop");
-  if (is_python_task(settings.text("task")) && settings.find("evaluate") == nullptr)
+  if (!settings.is_evaluated() && is_python_task(settings.text("task")))
     check_python_task(settings);
   if (settings.find("window") != nullptr && settings.find("chunk") != nullptr &&
       settings.number("chunk") > settings.number("window"))
@@ -756,7 +767,7 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
   }
   if (method == "map")
     add({"evo-archive", "-q", "--features", settings.text("features"), "-o", "/dev/null"});
-  if (settings.find("evaluate") != nullptr) return list;
+  if (settings.is_evaluated()) return list;
 
   if (is_python_task(settings.text("task"))) {
     std::string line =

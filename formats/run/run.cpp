@@ -101,6 +101,8 @@ RunSettings RunSettings::parse(std::string_view text, const std::string& where) 
   if (!document.is_mapping()) throw document.error("a run's settings are a mapping");
   check_format(document, format::run, Head::required);
   std::string method;
+  std::string source;
+  std::string source_hash;
   std::string makefile;
   std::vector<RunSetting> list;
   for (const auto& [key, value] : document.entries()) {
@@ -108,6 +110,10 @@ RunSettings RunSettings::parse(std::string_view text, const std::string& where) 
     if (name == "format" || name == "version") continue;
     if (name == "method")
       method = value.string();
+    else if (name == "source")
+      source = value.string();
+    else if (name == "source_hash")
+      source_hash = value.string();
     else if (name == "makefile")
       makefile = value.string();
     else
@@ -116,6 +122,7 @@ RunSettings RunSettings::parse(std::string_view text, const std::string& where) 
   try {
     RunSettings settings(method, std::move(list));
     settings.file_ = where;
+    settings.set_source(std::move(source), std::move(source_hash));
     settings.makefile_ = std::move(makefile);
     return settings;
   } catch (const Error& e) {
@@ -139,6 +146,10 @@ int RunSettings::number(const std::string& name) const {
   const auto value = whole_number(text(name));
   if (!value) throw error(Failure::data, "{}: '{}' is not a number of {}", file_, text(name), name);
   return *value;
+}
+
+const std::string& RunSettings::scored_by() const {
+  return text(is_evaluated() ? "evaluate" : "task");
 }
 
 int RunSettings::rungs_left(int generation) const {
@@ -169,6 +180,9 @@ std::string RunSettings::to_yaml() const {
   out << YAML::Key << "format" << YAML::Value << format::run.name;
   out << YAML::Key << "version" << YAML::Value << format::run.version;
   for (const auto& [name, value] : list_) out << YAML::Key << name << YAML::Value << value;
+  if (!source_hash_.empty())
+    out << YAML::Key << "source" << YAML::Value << source_ << YAML::Key << "source_hash"
+        << YAML::Value << source_hash_;
   if (!makefile_.empty()) out << YAML::Key << "makefile" << YAML::Value << makefile_;
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";

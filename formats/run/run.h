@@ -71,6 +71,17 @@ class RunSettings {
   // Whether one controller learns on all robots of a generation together (method modular):
   // in all generations but the last, in which the best robots train alone.
   bool shares(int generation) const;
+  // What robots are scored by: the task, or the program of --evaluate.
+  const std::string& scored_by() const;
+  bool is_evaluated() const { return find("evaluate") != nullptr; }
+  // What decided their fitness when the run began: a task by name or file, FILE.py, or the
+  // file that a program is; and its digest. Empty where no file is named.
+  const std::string& source() const { return source_; }
+  const std::string& source_hash() const { return source_hash_; }
+  void set_source(std::string source, std::string digest) {
+    source_ = std::move(source);
+    source_hash_ = std::move(digest);
+  }
   // The digest of the Makefile as it was written, "" where none is told.
   const std::string& makefile() const { return makefile_; }
   void set_makefile(std::string digest) { makefile_ = std::move(digest); }
@@ -81,6 +92,8 @@ class RunSettings {
   int rungs_left(int generation) const;  // of its race, after this one; 0 without races
 
   std::vector<RunSetting> list_;  // the method first
+  std::string source_;
+  std::string source_hash_;
   std::string makefile_;
   std::string file_ = "run.yaml";  // for messages
 };

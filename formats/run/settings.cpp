@@ -161,6 +161,12 @@ bool RunSettingInfo::belongs_to(std::string_view method) const {
   return methods.empty() || contains(methods, method);
 }
 
+bool RunSettingInfo::is_of_training() const {
+  return contains({"task", "steps", "founder_steps", "train", "physics", "train_options", "inherit",
+                   "video", "video_options"},
+                  name);
+}
+
 std::optional<std::string> RunSettingInfo::defect(const std::string& text) const {
   if (!without.empty() && text == without) return std::nullopt;
   constexpr std::size_t longest = 16384;
@@ -266,6 +272,8 @@ Json run_schema() {
   Json properties = {{"format", {{"const", format::run.name}}},
                      {"version", {{"const", format::run.version}}},
                      {"method", {{"enum", methods}}},
+                     {"source", {{"type", "string"}}},
+                     {"source_hash", {{"type", "string"}, {"pattern", "^[0-9a-f]{64}$"}}},
                      {"makefile", {{"type", "string"}, {"pattern", "^[0-9a-f]{64}$"}}}};
   for (const RunSettingInfo& info : run_settings()) properties[info.name] = schema_of(info);
   return {{"$schema", "https://json-schema.org/draft/2020-12/schema"},

@@ -32,6 +32,7 @@ struct RunSettingInfo {
   std::string option_without() const;  // "--no-video"
   std::vector<std::string> words() const;
   bool belongs_to(std::string_view method) const;
+  bool is_of_training() const;  // means nothing where a program of one's own scores
   // What is wrong with a value, such as "is a whole number from 1 to 1000000, not 'x'".
   std::optional<std::string> defect(const std::string& value) const;
 };

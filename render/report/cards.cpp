@@ -94,13 +94,13 @@ std::string tiles(const Run& run) {
   std::string html = "<dl class=\"tiles\">\n";
   html +=
       tile("best fitness", run.champion ? shown(run.robots[*run.champion].fitness) : "none yet");
-  html += tile("robots trained", trained(run));
+  html += tile(fmt::format("robots {}", run.done()), trained(run));
   html += tile("generations", fmt::to_string(run.generations.size()));
-  html += tile("failed trainings", fmt::to_string(run.failures()));
-  html += tile("training steps", grouped(training_steps(run)));
+  html += tile(run.is_evaluated() ? "failed" : "failed trainings", fmt::to_string(run.failures()));
+  if (!run.is_evaluated()) html += tile("training steps", grouped(training_steps(run)));
   if (run.seconds > 0) {
     const auto elapsed = static_cast<double>(run.ended - run.began);
-    html += tile("training time of one core",
+    html += tile(run.is_evaluated() ? "scoring time of one core" : "training time of one core",
                  duration(run.seconds) +
                      (elapsed > 0 ? " <small>within " + duration(elapsed) + "</small>" : ""));
   }
@@ -143,8 +143,9 @@ std::string champion_facts(const Run& run) {
                   fmt::format("{} (mean of {}, standard error)",
                               with_error(score->mean, score->standard_error),
                               count_of(static_cast<std::size_t>(score->episodes), "episode")));
-  facts += fact("trained as", fmt::format("robot {} of the run, in generation {}",
-                                          *run.champion + 1, entry.generation));
+  facts += fact(
+      fmt::format("{} as", run.done()),
+      fmt::format("robot {} of the run, in generation {}", *run.champion + 1, entry.generation));
   facts += fact("body", fmt::format("{}&times;{}, {}: {}", body.rows, body.cols,
                                     count_of(static_cast<std::size_t>(count_voxels(body)), "voxel"),
                                     kinds_of(body)));
@@ -166,16 +167,22 @@ std::string what_happened(const Json& replay) {
 // For whoever sees such a page for the first time.
 std::string introduction(const Run& run) {
   const std::string purpose = purpose_in_words(run);
-  const std::string task = run.setting("task");
+  const Entry& champion = run.robots[*run.champion];
+  const bool evaluated = run.is_evaluated();
+  const std::string task = evaluated ? champion.robot.task().value_or("") : run.setting("task");
   const std::size_t tried = run.robots.size();
-  std::string text = fmt::format(
-      "This robot was evolved {}: {}. ", purpose.empty() ? "for " + task : "to " + purpose,
-      tried == 1
-          ? "the only one tried"
-          : fmt::format("the best of {} that were tried", grouped(static_cast<long long>(tried))));
+  std::string text = fmt::format("This robot was evolved{}: {}. ",
+                                 !purpose.empty() ? " to " + purpose
+                                 : !task.empty()  ? " for " + task
+                                                  : "",
+                                 tried == 1 ? "the only one tried"
+                                            : fmt::format("the best of {} that were tried",
+                                                          grouped(static_cast<long long>(tried))));
   if (const auto replay = run.replays.find(*run.champion); replay != run.replays.end())
     text += what_happened(replay->second);
-  const Entry& champion = run.robots[*run.champion];
+  if (evaluated)
+    return text + fmt::format("Its fitness, {}, is what a program gave it: {}.",
+                              shown(champion.fitness), run.setting("evaluate"));
   return text + fmt::format("Its fitness, {}, is what {} paid it {}.", shown(champion.fitness),
                             purpose.empty() ? "the task" : "the task " + task,
                             champion.sharing ? "with the controller of all robots"
@@ -428,7 +435,7 @@ std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
           anchor + "-robots", run.shown.size() < run.robots.size() ? "Robots" : "All robots",
           fmt::format("{}. A click on a heading sorts by it, one on a robot opens its card. "
                       "&ldquo;Perturbed starts&rdquo; is the mean return from slightly "
-                      "moved starts, with its standard error. Numbers are the order of training, "
+                      "moved starts, with its standard error. Numbers are the order in the run, "
                       "generations where a robot was new; &ldquo;changed&rdquo; counts the "
                       "voxels that differ from its parent{}.",
                       which_robots(run),

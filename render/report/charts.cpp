@@ -44,7 +44,7 @@ Json to_json(const Point& point) {
 struct Chart {
   Json json;
 
-  Chart(const char* x, const char* y, bool whole)
+  Chart(const std::string& x, const char* y, bool whole)
       : json({{"x", x},
               {"y", y},
               {"whole", whole},
@@ -168,7 +168,7 @@ Json feature_chart(const Run& run, const Feature& feature) {
 }  // namespace
 
 Json progress_chart(const Run& run) {
-  Chart chart("robots trained", "fitness", true);
+  Chart chart(fmt::format("robots {}", run.done()), "fitness", true);
   chart.series("best so far", "step");
   chart.series("each robot", "points");
   Json ids = Json::array();
@@ -206,7 +206,7 @@ Json generation_chart(const Run& run) {
 }
 
 Json comparison_chart(const std::vector<const Run*>& runs) {
-  Chart chart("robots trained", "best fitness so far", true);
+  Chart chart(fmt::format("robots {}", runs[0]->done()), "best fitness so far", true);
   std::map<const Run*, std::vector<double>> curves;
   std::size_t longest = 0;
   for (const Run* run : runs) longest = std::max(longest, (curves[run] = best_so_far(*run)).size());

@@ -38,7 +38,7 @@ std::string points_of(const Run& run, const std::string& anchor, const std::stri
 
 std::string curves(const Run& run, const std::string& anchor, Page& page) {
   std::string html = "<div class=\"two\">\n";
-  html += chart_card(anchor + "-curves", "Fitness by robots trained",
+  html += chart_card(anchor + "-curves", fmt::format("Fitness by robots {}", run.done()),
                      points_of(run, anchor, "The best fitness so far, and that of each robot."),
                      page.chart(progress_chart(run), anchor, "fitness-by-robots"));
   html += chart_card(
@@ -184,13 +184,15 @@ void add_run(const Run& run, const std::string& anchor, bool alone, Page& page) 
     html += tree_card(run, anchor, page);
     html += features_card(run, anchor, page);
     html += maps_card(run, anchor, page);
-    const std::string learning = learning_card(run, anchor, page);
+    const std::string learning = run.is_evaluated() ? "" : learning_card(run, anchor, page);
     html +=
         alone ? "<div class=\"two\">\n" + learning + settings_card({&run}) + "</div>\n" : learning;
   } else {
-    html += run.robots.empty()
-                ? "<p class=\"card note\">No robot has been trained yet.</p>\n"
-                : "<p class=\"card note\">No robot has a fitness: every training failed.</p>\n";
+    html +=
+        run.robots.empty()
+            ? fmt::format("<p class=\"card note\">No robot has been {} yet.</p>\n", run.done())
+            : fmt::format("<p class=\"card note\">No robot has a fitness: every {} failed.</p>\n",
+                          run.is_evaluated() ? "one" : "training");
     if (alone) html += settings_card({&run});
   }
   if (!run.robots.empty()) html += robots_card(run, anchor, page);
@@ -207,7 +209,8 @@ std::string comparison_row(const Run& run, std::size_t number, Page& page) {
   row += fmt::format("<td>{}</td>",
                      run.champion ? page.link(run.robots[*run.champion].robot, anchor) : "");
   row += cell(run.label, fmt::format("<a href=\"#{}\">{}</a>", anchor, escaped(run.label)), "");
-  for (const char* name : {"task", "method", "seed"})
+  row += cell(run.subject(), escaped(run.subject()), "");
+  for (const char* name : {"method", "seed"})
     row += cell(run.setting(name), escaped(run.setting(name)), "");
   row += run.champion ? fitness_cell(run.robots[*run.champion].fitness) : cell("", "none yet");
   const auto score = run.champion ? run.robots[*run.champion].training.final_score : std::nullopt;
@@ -297,7 +300,7 @@ std::string curve_of_task(const std::string& task, const std::vector<const Run*>
                           Page& page) {
   return chart_card(
       "", "Best fitness so far on " + escaped(task),
-      "By robots trained. Runs that differ in nothing but their seed are one curve, their "
+      "By robots. Runs that differ in nothing but their seed are one curve, their "
       "median with its range (quartiles of eight runs or more), as far as all of them have "
       "come; each can be added.",
       page.chart(comparison_chart(group), "", "best-so-far-" + task));
@@ -310,7 +313,7 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
   for (std::size_t k = 0; k < runs.size(); ++k) {
     rows += comparison_row(runs[k], k, page);
     all.push_back(&runs[k]);
-    const std::string task = runs[k].setting("task");
+    const std::string task = runs[k].subject();
     auto known = std::find_if(tasks.begin(), tasks.end(),
                               [&](const auto& group) { return group.first == task; });
     if (known == tasks.end()) known = tasks.insert(tasks.end(), {task, {}});
@@ -333,7 +336,7 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
                   {"best fitness"},
                   {"perturbed starts"},
                   {"robot", "n", "ascending"},
-                  {"trained"},
+                  {"robots"},
                   {"generations"},
                   {"failed"}}),
       rows);
@@ -344,12 +347,12 @@ void add_comparison(const std::vector<Run>& runs, Page& page) {
 
 std::string title_of(const std::vector<Run>& runs) {
   if (runs.size() > 1) {
-    const std::string task = runs[0].setting("task");
+    const std::string task = runs[0].subject();
     const bool same = std::all_of(runs.begin(), runs.end(),
-                                  [&](const Run& run) { return run.setting("task") == task; });
+                                  [&](const Run& run) { return run.subject() == task; });
     return fmt::format("{}{} runs compared", same ? task + ": " : "", runs.size());
   }
-  return fmt::format("{}: {}", runs[0].setting("task"), runs[0].label);
+  return fmt::format("{}: {}", runs[0].subject(), runs[0].label);
 }
 
 // "; trained on 2026-11-22 on host with evo-train 1.2", as far as it is known.
@@ -366,7 +369,7 @@ std::string when_and_where(const Run& run) {
   if (run.champion)
     if (const std::string& tool = run.robots[*run.champion].training.created_by; !tool.empty())
       text += " with " + escaped(tool);
-  return text.empty() ? "" : "; trained" + text;
+  return text.empty() ? "" : fmt::format("; {}{}", run.done(), text);
 }
 
 std::string lead(const std::vector<Run>& runs) {

@@ -28,7 +28,7 @@ Json facts_of(const Run& run, std::size_t k) {
   add("fitness", entry.fitness ? shown(entry.fitness) : "failed: " + entry.failure);
   if (const auto& score = entry.training.final_score)
     add("from perturbed starts", with_error(score->mean, score->standard_error));
-  add("trained as",
+  add(run.is_evaluated() ? "scored as" : "trained as",
       fmt::format("robot {} of {}, in generation {}", k + 1, run.robots.size(), entry.generation));
   if (entry.sharing)
     add("controller", fmt::format("that of all robots of generation {}", *entry.sharing));

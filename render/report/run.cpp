@@ -44,6 +44,10 @@ std::vector<Setting> masked(const RunFolder& folder) {
   std::vector<Setting> list;
   for (const auto& [name, value] : folder.settings().list())
     list.push_back({name, without_folders(value)});
+  if (folder.settings().is_evaluated() && !folder.settings().source_hash().empty())
+    list.push_back(
+        {"program", fmt::format("{}, SHA-256 {}", without_folders(folder.settings().source()),
+                                folder.settings().source_hash().substr(0, 12))});
   if (folder.is_edited()) list.push_back({"Makefile", "edited by hand"});
   return list;
 }
@@ -131,6 +135,10 @@ std::string Run::setting(const std::string& name) const {
   for (const Setting& setting : settings)
     if (setting.name == name) return setting.value;
   return "";
+}
+
+std::string Run::subject() const {
+  return is_evaluated() ? "own fitness: " + setting("evaluate") : setting("task");
 }
 
 std::optional<std::size_t> Run::evaluations() const {

@@ -80,6 +80,11 @@ struct Run {
 
   // A setting's value; empty where run.yaml has none.
   std::string setting(const std::string& name) const;
+  // What robots are scored by: the task, or "own fitness: ./score" where --evaluate named a
+  // program.
+  std::string subject() const;
+  bool is_evaluated() const { return !setting("evaluate").empty(); }
+  const char* done() const { return is_evaluated() ? "scored" : "trained"; }  // with its robots
   // The number of robots this run is to train, if run.yaml says so.
   std::optional<std::size_t> evaluations() const;
   // Robots whose training failed.

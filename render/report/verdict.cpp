@@ -49,16 +49,21 @@ std::string progress(const Run& run, double best) {
              : fmt::format("{} from the first generation on: evolution added nothing", shown(best));
 }
 
+// What a program of one's own gives may be small.
+bool is_success(const Run& run, double gained) {
+  return run.is_evaluated() ? gained > 0 : gained >= least_gain;
+}
+
 void say_progress(const Run& run, double best, double gained, Verdict& verdict) {
   const std::size_t number = *run.champion + 1;
-  if (gained < least_gain)
-    verdict.sentences.push_back(
-        fmt::format("The best fitness after {} robots is {}, {:.2g} more than it began with; less "
-                    "than {} is no success.",
-                    run.robots.size(), shown(best), gained, least_gain));
+  if (!is_success(run, gained))
+    verdict.sentences.push_back(fmt::format(
+        "The best fitness after {} robots is {}, {:.2g} more than it began with{}.",
+        run.robots.size(), shown(best), gained,
+        run.is_evaluated() ? "" : fmt::format("; less than {} is no success", least_gain)));
   verdict.sentences.push_back(
       number == run.robots.size()
-          ? fmt::format("The last improvement is the last robot trained, number {}.", number)
+          ? fmt::format("The last improvement is the last robot {}, number {}.", run.done(), number)
           : fmt::format("The last improvement was robot {} of {}.", number, run.robots.size()));
   if (const auto replay = run.replays.find(*run.champion); replay != run.replays.end())
     verdict.sentences.push_back(fmt::format("Its episode ends after {} steps: {}.",
@@ -104,7 +109,7 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
     return run_command(run, run.folder + "-longer", changed);
   };
   if (!over) add("go on where it is", run_command(run, run.folder));
-  if (over && bad)
+  if (over && bad && !run.is_evaluated())
     add("train each robot ten times as long", longer(10));
   else if (over && rising)
     add("train longer: the champion was still learning", longer(2));
@@ -116,6 +121,7 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
         run_command(run, run.folder + "-again",
                     {{"seed", fmt::format("{}", 1 + std::strtol(run.setting("seed").c_str(),
                                                                 nullptr, 10))}}));
+  if (run.is_evaluated()) return;
   if (!robust || !run.robots[*run.champion].training.final_score)
     add("measure the champion from other starts",
         fmt::format("evo-eval {} --episodes 20 --jitter 1e-3 -o -",
@@ -140,15 +146,16 @@ Verdict judge(const Run& run) {
   Verdict verdict;
   if (!run.champion) {
     verdict.level = run.robots.empty() ? Verdict::Level::doubt : Verdict::Level::bad;
-    verdict.headline =
-        run.robots.empty() ? "Nothing has been trained yet" : "Every training failed";
+    verdict.headline = run.robots.empty() ? fmt::format("Nothing has been {} yet", run.done())
+                                          : fmt::format("Every {} failed",
+                                                        run.is_evaluated() ? "robot" : "training");
     if (!run.robots.empty())
       verdict.sentences.push_back("The first failure: " + run.robots.front().failure + ".");
     return verdict;
   }
   const double best = *run.robots[*run.champion].fitness;
   const double gained = gain(run, best);
-  const bool learnt = gained >= least_gain;
+  const bool learnt = is_success(run, gained);
   const bool over = is_over(run);
   verdict.level = !learnt ? Verdict::Level::bad
                   : over  ? Verdict::Level::good
@@ -157,11 +164,11 @@ Verdict judge(const Run& run) {
   const bool robust = say_robustness(run, best, verdict);
   if (learnt && !robust) verdict.level = Verdict::Level::doubt;
   if (const std::size_t failures = run.failures(); failures > 0) {
-    verdict.sentences.push_back(
-        fmt::format("{} of {} trainings failed.", failures, run.robots.size()));
+    verdict.sentences.push_back(fmt::format("{} of {} {} failed.", failures, run.robots.size(),
+                                            run.is_evaluated() ? "robots" : "trainings"));
     if (5 * failures > run.robots.size() && learnt) verdict.level = Verdict::Level::doubt;
   }
-  verdict.headline = !learnt  ? "Nothing was learnt"
+  verdict.headline = !learnt  ? run.is_evaluated() ? "Nothing got better" : "Nothing was learnt"
                      : !over  ? progress(run, best) + ", and it is not over"
                      : robust ? progress(run, best)
                               : progress(run, best) + ", in part by luck";

@@ -166,6 +166,62 @@ END
   evo-score --by 'jq -c ".fitness = 1"' two | evo-score --by false | jq -es 'all(.fitness == 1)'
 }
 
+@test "own fitness: what is known is said, and no task, steps or training" {
+  stand_in
+  evolve ga run -q -j2
+  lacks '^(task|steps|train|inherit|video|physics):' run/run.yaml
+  evo-inspect run > said
+  grep -qF "run: ga scored by $PWD/score, seed 1" said
+  grep -qF "program      $PWD/score ($(sha256sum score | cut -c1-12))" said
+  lacks 'Walker|train' said
+  grep -qF 'own fitness: score: run' run/report.html
+  grep -q 'is what a program gave it: score' run/report.html
+  sed 's/<script.*//; /<style/,/<\/style/d' run/report.html > page
+  lacks 'Walker-v0|task|trained|training' <(grep -o '<[hpdt][^>]*>[^<]*' page)
+  evo-report --table run | grep -qF "$PWD/score$(printf '\t')ga"
+  fails_with 2 "--steps is of robots that are trained" -- evolve ga no --steps 100
+  evo-evolve compare --run all --methods "ga map" --seeds "1 2" --pop 4 --evals 6 --evaluate ./score -q > table
+  [ "$(ls -d all/evaluate/* | wc -l)" -eq 4 ]
+  fails_with 2 "--tasks goes with robots that are trained" -- evo-evolve compare --run no --tasks Walker-v0 --evaluate ./score
+  # Another program, a pipe, with nothing to name.
+  evo-evolve ga --run pipe --pop 3 --evals 3 --evaluate 'jq -c ".fitness = 1"' --plan -q
+  lacks 'source' pipe/run.yaml
+}
+
+@test "what decides fitness is the same from a run's first command to its last" {
+  changed() { fails_with 73 "is another one than when the run began" -- "$@"; }
+  cp "$EVO_SOURCE/tasks/Walker-v0.yaml" mine.yaml
+  evo-evolve ga --run yaml --task mine.yaml --pop 3 --evals 3 --plan -q
+  sed -i 's/^name: .*/&\n# a comment, and the same world/' mine.yaml
+  sed -i 's/^steps: .*/steps: 99/' mine.yaml
+  changed evo-evolve --run yaml --plan
+  changed evo-evolve ga --run yaml --task mine.yaml --plan
+  run -2 make -s -C yaml
+  [[ $output == *"is another one than when the run began"* ]]
+  run -65 evo-inspect --check --replay yaml
+  [[ $output == *"mine.yaml is another one"* ]]
+  stand_in
+  evolve ga program --plan -q
+  echo '# more' >> score
+  changed evo-evolve --run program --plan
+  own_task
+  mkdir parts
+  : > parts/__init__.py
+  echo 'scale = 1' > parts/more.py
+  printf 'from parts import more\nimport os, helper as h\n' | cat - hop.py > new && mv new hop.py
+  : > helper.py
+  evolve ga python --plan -q
+  evo-evolve --run python --plan -q
+  local file
+  for file in hop.py helper.py parts/more.py; do
+    cp $file kept
+    echo '# changed' >> $file
+    changed evo-evolve --run python --plan
+    mv kept $file
+    evo-evolve --run python --plan -q
+  done
+}
+
 @test "own mutation: as many new bodies as it was asked for" {
   stand_in
   printf '#!/bin/bash\nexec evo-mutate "$@" -n 1\n' > lazy && chmod +x lazy

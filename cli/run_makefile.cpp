@@ -165,7 +165,7 @@ class RunMakefile {
         all ? fmt::format("$({}:%={}/%.json)", slots, here)
             : fmt::format("$(patsubst %,{}/%.json,$(wordlist 1,{},$({})))", here, launches, slots);
     rules_ += "\n";
-    rule(here + "/population.jsonl", needed.empty() ? "same" : needed + " same", population);
+    rule(here + "/population.jsonl", needed.empty() ? "same" : needed, population);
     rule(fmt::format("{}: {}/%.json", files, here), here + "/population.jsonl", train);
     rule(here + "/scores.jsonl", files,
          generations_ == 0 ? "$(gather) --need-fitness" : "$(gather)");

@@ -133,10 +133,9 @@ Json schema_of(const RunSettingInfo& info) {
     schema = {{"type", "string"}, {"pattern", "^[1-9][0-9]*x[1-9][0-9]*$"}};
   else if (info.kind == SettingKind::words)
     schema = {{"enum", info.words()}};
-  if (!info.without.empty())
-    schema["enum"].push_back(info.without);
   else
     schema = {{"type", {"string", "number", "boolean"}}};
+  if (!info.without.empty()) schema["enum"].push_back(info.without);
   // YAML 1.1 takes yes and no for truth values.
   if (info.name == "inherit") schema["enum"].insert(schema["enum"].end(), {true, false});
   schema["description"] = info.meaning;

@@ -56,7 +56,7 @@ kill_and_repeat() {
   [ "$(grep -c '^gen-.* robots  best' said)" -ge 3 ]
   evo-inspect --watch run | grep -q '^gen-003 .* 9/9 robots  best'
   # The Makefile is what runs: by itself it finds everything done, and makes again what is removed.
-  make -q -C run
+  make -s -n -C run --no-print-directory | diff - <(echo 'evo-evolve -q --run . --plan')
   cp run/report.html run/best.rollout.h5 .
   rm run/best.* run/report.html run/history.jsonl
   make -s -C run
@@ -238,7 +238,7 @@ END
   echo '{"robot":"x","seconds":null,"started":"now"}' > run/journal/there.jsonl
   mkfifo run/journal/{more.jsonl,ba9876543210.running} run/gen-000/99.json
   look > said
-  grep -q '14 of 14 trained' said
+  grep -q '14 of 14 scored' said
   rm run/gen-001/scores.jsonl && mkfifo run/gen-001/scores.jsonl
   look > said
   mkfifo fifo

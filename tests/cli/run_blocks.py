@@ -29,7 +29,7 @@ SMALLER = [  # what costs hours of a core
     (r'(?<!sequence )(?<!sequence\)" )(?<!moments )--steps \d+\b(?!-| --train sequence)', "--steps 2048"),
     (r"--evals (?!1\b)\d+", "--evals 4"), (r"--pop (?!1\b)\d+", "--pop 3"),
     (r'--seeds "[^"]*"', '--seeds "1 2"'), (r"-j8", "-j2"),
-    (r"(evo evolve (?!.*--no-video)[\w. ]+) --run", r"\1 --video gif --video-options '--size 160x90 --speed 25' --run"),
+    (r"(evo evolve (?!(?:.|\\\n)*(?:--no-video|--evaluate))[\w. ]+) --run", r"\1 --video gif --video-options '--size 160x90 --speed 25' --run"),
     (r"--episodes \d+", "--episodes 2"), (r"-o walk\.mp4", "-o walk.gif --size 160x90"),
     (r"evo evolve recipe easier", ROUNDS % (1, 1, 1, 1) + "evo evolve recipe ./small.yaml"),
     (r"evo evolve recipe (?:moments|network)", ROUNDS % (3, 4, 3, 4) + "evo evolve recipe ./small.yaml"),

@@ -103,8 +103,9 @@ def fault_of(code, seconds, kilobytes, hanging, words, statuses):
         return "bytes that are not UTF-8 on standard error"
     if any(ord(c) < 32 and c != "\n" or 127 <= ord(c) < 160 for c in text):
         return "control characters on standard error"
-    if code != 0 and text.count("\n") != 1:
-        return f"{text.count(chr(10))} lines on standard error"
+    said = [line for line in text.splitlines() if ": warning: " not in line]
+    if code != 0 and len(said) != 1:
+        return f"{len(said)} lines on standard error"
     if "unexpected failure" in text:
         return "an unexpected failure"
     return None

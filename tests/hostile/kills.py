@@ -144,7 +144,7 @@ def no_memory(words, megabytes, folder):
 
 def kill_run(name, kills, folder):
     make = ["evo-evolve", name, "-q", "--pop", "4", "--evals", "8", "--steps", "64", "--shape", "3x3", "--seed", "1",
-            "--video", "gif", "--video-options=--size 64x64 --to 2", "-j2",
+            "--video", "gif", "--video-options=--size 64x64 --steps 0-2", "-j2",
             "--train-options=--train environments=2 --train rollout=16 --train hidden=4"]
     start = time.monotonic()
     done = run([*make, "--run", "whole"], folder)

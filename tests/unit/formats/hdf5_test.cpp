@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -161,4 +162,19 @@ TEST_CASE("HDF5: nothing is left of a file that is not committed") {
   error_of(Failure::cannot_create, [&] { const hdf5::Writer file(folder / "no" / "f.h5"); });
   hdf5::Writer file(folder / "g.h5");
   error_of(Failure::io, [&] { file.array("/v", {2, 2}, std::vector<double>{1, 2}); });
+}
+
+TEST_CASE("HDF5: a heap of texts that the library would read for ever is refused") {
+  const ScratchFolder folder;
+  write_example(folder / "f.h5");
+  std::string bytes = read_file(folder / "f.h5");
+  bytes.resize(bytes.rfind("evo sha256 "));  // as of a program that seals nothing
+  write_file(folder / "plain.h5", bytes);
+  CHECK(hdf5::Reader(folder / "plain.h5").text("/", "text") == "grüße");
+  // The first object becomes free space of no size.
+  const std::size_t heap = bytes.find("GCOL");
+  REQUIRE(heap != std::string::npos);
+  std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(heap + 16), 16, '\0');
+  write_file(folder / "f.h5", bytes);
+  CHECK_THROWS_WITH(hdf5::Reader(folder / "f.h5"), Catch::EndsWith("f.h5: damaged HDF5 file"));
 }

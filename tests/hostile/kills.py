@@ -142,10 +142,20 @@ def no_memory(words, megabytes, folder):
         fault(words, f"in {megabytes} MB:", done.returncode, done.stderr[-300:])
 
 
+METHODS = {
+    "ga": ["--evals", "8", "--steps", "64"],
+    "neat": ["--evals", "8", "--steps", "64"],
+    "bo": ["--evals", "8", "--steps", "64"],
+    "map": ["--evals", "8", "--steps", "64"],
+    "race": ["--evals", "8", "--steps", "256", "--parents", "2"],
+    "modular": ["--evals", "7", "--steps", "512", "--children", "1", "--champions", "1"],
+}
+
+
 def kill_run(name, kills, folder):
-    make = ["evo-evolve", name, "-q", "--pop", "4", "--evals", "8", "--steps", "64", "--shape", "3x3", "--seed", "1",
+    make = ["evo-evolve", name, "-q", "--pop", "4", *METHODS[name], "--shape", "3x3", "--seed", "1",
             "--video", "gif", "--video-options=--size 64x64 --steps 0-2", "-j2",
-            "--train-options=--train environments=2 --train rollout=16 --train hidden=4"]
+            "--train-options=--train environments=2 --train rollout=16 --train hidden=4,4 --train minibatches=2"]
     start = time.monotonic()
     done = run([*make, "--run", "whole"], folder)
     took = time.monotonic() - start
@@ -200,9 +210,9 @@ def main():
             # The drawing library ends the process itself when it gets no memory.
             for megabytes in (20, 60, 150, 400) if words[0] != "evo-render" else ():
                 no_memory(words, megabytes, folder)
-        for name in ("ga", "neat", "bo"):
+        for name in METHODS:
             kill_run(name, asked.run_kills, tempfile.mkdtemp(dir=folder))
-    print(f"{asked.kills * len(TOOLS)} kills of tools, {3 * asked.run_kills} of pipelines, "
+    print(f"{asked.kills * len(TOOLS)} kills of tools, {len(METHODS) * asked.run_kills} of pipelines, "
           f"{len(TOOLS) if mounts else 'no'} full disks, {len(faults)} faults")
     return 1 if faults else 0
 

@@ -13,10 +13,10 @@
 
 namespace evo {
 namespace fs = std::filesystem;
-namespace {
 
-// strerror, without its static buffer.
 std::string reason(int code) { return std::generic_category().message(code); }
+
+namespace {
 
 std::string read_descriptor(int descriptor, const std::string& label, std::size_t most,
                             const Glance& glance) {

@@ -33,6 +33,9 @@ std::string read_file(const std::filesystem::path& path, std::size_t most = larg
 std::string read_input(const std::string& name, std::size_t most = largest_input,
                        const Glance& glance = {});
 
+// strerror, without its static buffer.
+std::string reason(int code);
+
 // How messages call an input: the name itself, "standard input" for "-".
 std::string input_label(const std::string& name);
 

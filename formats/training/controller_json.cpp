@@ -11,9 +11,9 @@ namespace evo {
 namespace {
 
 // Reads the fields of a JSON object (controller_fields.h).
-class JsonFields {
+class JsonReader {
  public:
-  explicit JsonFields(Node at) : at_(std::move(at)) {}
+  explicit JsonReader(Node at) : at_(std::move(at)) {}
 
   void number(const char* name, double& value) { value = at_.at(name).number(); }
   void numbers(const char* name, std::vector<double>& values) { values = at_.at(name).numbers(); }
@@ -57,13 +57,13 @@ class JsonFields {
   template <typename T>
   void parts(const char* name, std::vector<T>& list) {
     for (const Node& item : at_.at(name).items()) {
-      JsonFields part(item);
+      JsonReader part(item);
       describe(part, list.emplace_back());
     }
   }
   template <typename Fields>
   void part(const char* name, const Fields& fields) {
-    JsonFields deeper(at_.at(name));
+    JsonReader deeper(at_.at(name));
     fields(deeper);
   }
   template <typename Fields>
@@ -112,7 +112,7 @@ TrainedController read_controller(const Node& document) {
   TrainedController controller;
   for_each_alternative<TrainedController>([&]<typename T>(std::type_identity<T>) {
     if (kind == kind_of<T>) {
-      JsonFields fields(document);
+      JsonReader fields(document);
       describe_controller(fields, controller.emplace<T>());
       fill_in(std::get<T>(controller));
     }

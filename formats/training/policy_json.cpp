@@ -26,9 +26,9 @@ Json list_of(const Values& values) {
 }
 
 // Writes fields into a JSON object (controller_fields.h).
-class JsonFields {
+class JsonWriter {
  public:
-  explicit JsonFields(Json& at) : at_(at) {}
+  explicit JsonWriter(Json& at) : at_(at) {}
 
   void number(const char* name, double value) { at_[name] = as_json(value); }
   void numbers(const char* name, const std::vector<double>& values) { at_[name] = list_of(values); }
@@ -55,13 +55,13 @@ class JsonFields {
   void parts(const char* name, std::vector<T>& list) {
     Json& parts = at_[name] = Json::array();
     for (T& item : list) {
-      JsonFields part(parts.emplace_back(Json::object()));
+      JsonWriter part(parts.emplace_back(Json::object()));
       describe(part, item);
     }
   }
   template <typename Fields>
   void part(const char* name, const Fields& fields) {
-    JsonFields deeper(at_[name] = Json::object());
+    JsonWriter deeper(at_[name] = Json::object());
     fields(deeper);
   }
   template <typename Fields>
@@ -96,7 +96,7 @@ std::string policy_to_json(const PolicyFile& policy) {
   std::visit(
       [&]<typename T>(T controller) {
         document["kind"] = kind_of<T>;
-        JsonFields fields(document);
+        JsonWriter fields(document);
         describe_controller(fields, controller);
       },
       policy.controller);

@@ -87,11 +87,7 @@ double floor_of(const Clip& clip, const Bounds& way) {
   return top;
 }
 
-std::string hex(Color color) {
-  return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
-}
-
-std::string number(double value) { return fmt::format("{:.1f}", value == 0 ? 0.0 : value); }
+std::string tenths(double value) { return fmt::format("{:.1f}", value == 0 ? 0.0 : value); }
 
 // The classes of fills, by the kind of voxel.
 std::string fill_class(Voxel voxel, bool robot) {
@@ -148,17 +144,17 @@ std::string gait_loop(const Clip& clip, int from, int to, int width, const std::
       "{{{}}}</style><rect class=\"s\" width=\"100%\" height=\"100%\"/>"
       "<rect class=\"e\" y=\"{}\" width=\"100%\" height=\"100%\"/>",
       width, height, width, height, escaped(title), rules(theme_by_name("light")),
-      rules(theme_by_name("dark")), number(y_of(ground)));
+      rules(theme_by_name("dark")), tenths(y_of(ground)));
   // Marks on the floor, as far apart as the robot goes in a cycle, so that they meet.
   if (const double mark = std::abs(advance) * scale; mark > 4.0) {
     std::string path;
     for (double x = -mark; x < width + 2 * mark; x += mark)
-      path += fmt::format("M{} {}v{}", number(x), number(y_of(ground)), number(0.4 * scale));
+      path += fmt::format("M{} {}v{}", tenths(x), tenths(y_of(ground)), tenths(0.4 * scale));
     svg += fmt::format(
         "<path class=\"m\" d=\"{}\"><animateTransform attributeName=\"transform\" "
         "type=\"translate\" from=\"0 0\" to=\"{} 0\" dur=\"{}\" "
         "repeatCount=\"indefinite\"/></path>",
-        path, number(advance > 0 ? -mark : mark), duration);
+        path, tenths(advance > 0 ? -mark : mark), duration);
   }
   for (const ModelObject* object : objects)
     for (int c = object->first_cell; c < object->first_cell + object->cells; ++c) {
@@ -172,8 +168,8 @@ std::string gait_loop(const Clip& clip, int from, int to, int width, const std::
           // The last picture is the first, so that nothing jumps.
           const int at = t == last ? cycle.first : t;
           const Vec2 p = clip.points(at)[static_cast<std::size_t>(cell.points[corner])];
-          shape += fmt::format("{}{},{}", shape.empty() ? "" : " ", number(x_of(p.x - camera(at))),
-                               number(y_of(p.y)));
+          shape += fmt::format("{}{},{}", shape.empty() ? "" : " ", tenths(x_of(p.x - camera(at))),
+                               tenths(y_of(p.y)));
         }
         if (first.empty()) first = shape;
         shapes += (shapes.empty() ? "" : ";") + shape;

@@ -14,12 +14,11 @@
 #include <system_error>
 #include <vector>
 
+#include "formats/io/files.h"
 #include "libevo/base/error.h"
 
 namespace evo::render {
 namespace {
-
-std::string reason(int code) { return std::generic_category().message(code); }
 
 // ---- ffmpeg --------------------------------------------------------------------
 

@@ -17,6 +17,7 @@
 #include <system_error>
 #include <utility>
 
+#include "formats/io/files.h"
 #include "libevo/base/error.h"
 
 namespace evo::render {
@@ -24,8 +25,6 @@ namespace {
 
 constexpr std::size_t buffers_per_worker = 2;  // one being drawn, one being read
 constexpr std::size_t message_bytes = 1024;    // room for an error even in a tiny frame
-
-std::string reason(int code) { return std::generic_category().message(code); }
 
 // What a worker says about a finished frame.
 struct Report {

@@ -9,12 +9,16 @@
 
 namespace evo::render {
 
+std::string hex(Color color) {
+  return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
+}
+
 namespace {
 
 // ---- pieces of text ---------------------------------------------------------------------
 
 // Hundredths of a pixel, nothing that says nothing: "12.5", "-.25".
-std::string number(double value) {
+std::string hundredths(double value) {
   const double rounded = std::round(value * 100) / 100;
   std::string text = fmt::format("{}", rounded == 0 ? 0.0 : rounded);
   if (const auto zero = text.find("0."); zero != std::string::npos && text.size() > 2)
@@ -24,7 +28,7 @@ std::string number(double value) {
 
 // With a space before it unless its sign parts it from what is there.
 void append(std::string& path, double value) {
-  const std::string text = number(value);
+  const std::string text = hundredths(value);
   const bool parted = path.empty() || path.back() < '.' || path.back() > '9' || text[0] == '-';
   if (!parted) path += ' ';
   path += text;
@@ -34,13 +38,9 @@ void append(std::string& path, Point p) {
   append(path, p.y);
 }
 
-std::string hex(Color color) {
-  return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
-}
-
 std::string paint(const char* what, Color color) {
   std::string text = fmt::format("{}=\"{}\"", what, hex(color));
-  if (color.a != 255) text += fmt::format(" {}-opacity=\"{}\"", what, number(color.a / 255.0));
+  if (color.a != 255) text += fmt::format(" {}-opacity=\"{}\"", what, hundredths(color.a / 255.0));
   return text;
 }
 
@@ -99,12 +99,12 @@ class Document {
     const auto& [from, to, width, color] = shape;
     if (from == to) {
       flush();
-      body_ += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" {}/>\n", number(from.x),
-                           number(from.y), number(width / 2), paint("fill", color));
+      body_ += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" {}/>\n", hundredths(from.x),
+                           hundredths(from.y), hundredths(width / 2), paint("fill", color));
       return;
     }
     start(fmt::format("fill=\"none\" {} stroke-width=\"{}\" stroke-linecap=\"round\"",
-                      paint("stroke", color), number(width)));
+                      paint("stroke", color), hundredths(width)));
     path_ += 'M';
     append(path_, from);
     path_ += 'L';
@@ -113,7 +113,7 @@ class Document {
 
   void operator()(const Stroke& shape) {
     start(fmt::format("fill=\"none\" {} stroke-width=\"{}\"", paint("stroke", shape.color),
-                      number(shape.width)));
+                      hundredths(shape.width)));
     for (std::size_t k = 0; k < shape.points.size(); ++k) {
       path_ += k == 0 ? 'M' : 'L';
       append(path_, shape.points[k]);
@@ -124,9 +124,10 @@ class Document {
   void operator()(const RoundedRectangle& shape) {
     flush();
     const Rect& area = shape.area;
-    body_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"{}\" {}/>\n",
-                         number(area.x), number(area.y), number(area.width), number(area.height),
-                         number(shape.radius), paint("fill", shape.color));
+    body_ +=
+        fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"{}\" {}/>\n",
+                    hundredths(area.x), hundredths(area.y), hundredths(area.width),
+                    hundredths(area.height), hundredths(shape.radius), paint("fill", shape.color));
   }
 
   void text(const Text& text, Typesetter& typesetter) {
@@ -136,9 +137,9 @@ class Document {
                                                        : " text-anchor=\"end\"";
     texts_ +=
         fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"{}\"{}{} textLength=\"{}\" {}>{}</text>\n",
-                    number(text.at.x), number(text.at.y), number(text.size), anchor,
+                    hundredths(text.at.x), hundredths(text.at.y), hundredths(text.size), anchor,
                     text.bold ? " font-weight=\"bold\"" : "",
-                    number(typesetter.width(text.text, text.size, text.bold)),
+                    hundredths(typesetter.width(text.text, text.size, text.bold)),
                     paint("fill", text.color), escaped(text.text));
   }
 
@@ -179,8 +180,8 @@ class Document {
 
   std::string clip_name(const Rect& area) {
     const std::string shape =
-        fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>", number(area.x),
-                    number(area.y), number(area.width), number(area.height));
+        fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>", hundredths(area.x),
+                    hundredths(area.y), hundredths(area.width), hundredths(area.height));
     return define("c", "<clipPath id=\"{}\">" + shape + "</clipPath>\n");
   }
   std::string gradient_name(Color top, Color bottom) {

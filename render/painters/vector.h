@@ -8,6 +8,9 @@
 
 namespace evo::render {
 
+// "#1f77b4", without its opacity.
+std::string hex(Color color);
+
 // A document that needs nothing else. Text is set in DejaVu Sans, or in what a
 // viewer has instead, stretched to the same width. The same drawing gives the same
 // bytes. `title` is for those who cannot see the picture.

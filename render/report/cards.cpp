@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "formats/io/values.h"
@@ -16,7 +15,6 @@ namespace evo::report {
 namespace {
 
 constexpr std::size_t changes_listed = 4;  // of one mutation, in words
-constexpr std::array kinds{Voxel::rigid, Voxel::soft, Voxel::horizontal, Voxel::vertical};
 
 }  // namespace
 
@@ -111,7 +109,7 @@ namespace {
 
 std::string kinds_of(const Body& body) {
   std::vector<std::string> parts;
-  for (const Voxel kind : kinds)
+  for (const Voxel kind : voxel_kinds)
     if (const auto count = std::count(body.cells.begin(), body.cells.end(), kind); count > 0)
       parts.push_back(
           fmt::format("<span class=\"part\"><span class=\"swatch {0}\"></span>{1} {0}</span>",
@@ -384,7 +382,7 @@ std::string robot_row(const Run& run, std::size_t number, bool has_genomes,
   row += cell(static_cast<std::size_t>(entry.generation));
   row += cell(static_cast<std::size_t>(count_voxels(body)));
   row += cell(static_cast<std::size_t>(count_actuators(body)));
-  for (const Voxel kind : kinds)
+  for (const Voxel kind : voxel_kinds)
     row += cell(static_cast<std::size_t>(std::count(body.cells.begin(), body.cells.end(), kind)));
   row += optional_cell(voxels_changed(run, number));
   if (has_genomes)

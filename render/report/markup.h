@@ -1,6 +1,7 @@
 // Pieces of HTML and SVG. Everything that comes from a file goes through escaped().
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,6 +13,10 @@
 #include "render/report/lineage.h"
 
 namespace evo::report {
+
+// In the order of every list of them.
+inline constexpr std::array voxel_kinds{Voxel::rigid, Voxel::soft, Voxel::horizontal,
+                                        Voxel::vertical};
 
 // "data:<media type>;base64,<bytes>"
 std::string data_uri(const std::string& media_type, std::string_view bytes);

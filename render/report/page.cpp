@@ -19,8 +19,6 @@
 namespace evo::report {
 namespace {
 
-constexpr std::array kinds{Voxel::rigid, Voxel::soft, Voxel::horizontal, Voxel::vertical};
-
 // ---- sections ---------------------------------------------------------------------
 
 std::string chart_card(const std::string& id, const std::string& title, const std::string& about,
@@ -383,7 +381,7 @@ std::string lead(const std::vector<Run>& runs) {
 
 std::string legend() {
   std::string html;
-  for (const Voxel kind : kinds)
+  for (const Voxel kind : voxel_kinds)
     html += fmt::format("<span><span class=\"swatch {0}\"></span>{0}{1}</span> ", kind_name(kind),
                         is_actuator(kind) ? " actuator" : " voxel");
   return html;

@@ -1,12 +1,15 @@
 // The shapes of a world: cells, the borders between them, and outlines.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include "formats/rollout/rollout.h"
 
 namespace evo::render {
+
+inline double distance(Vec2 a, Vec2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 // Cells and their borders; made once for all frames.
 struct Mesh {

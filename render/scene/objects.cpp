@@ -17,8 +17,6 @@ constexpr double seam_width = 0.045;
 constexpr double sign_width = 0.075;
 constexpr double least_sign_voxel = 7.0;  // pixels; smaller signs are dirt
 
-double distance(Vec2 a, Vec2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
 // An actuator's colour by how long it is now: darker when contracted, lighter
 // when expanded. Lightness is seen with any colour vision.
 Color tinted(Color color, Voxel type, const std::array<Vec2, 4>& p) {

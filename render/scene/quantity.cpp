@@ -16,8 +16,6 @@ namespace {
 
 constexpr float none = std::numeric_limits<float>::quiet_NaN();
 
-double distance(Vec2 a, Vec2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
 double area(const ModelCell& cell, std::span<const Vec2> points) {
   const auto [tl, tr, bl, br] = cell.points;
   const auto at = [&](int k) { return points[static_cast<std::size_t>(k)]; };

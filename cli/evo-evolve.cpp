@@ -177,7 +177,7 @@ RunSettings complete(const std::string& method, Given given) {
 
 // ---- planning -----------------------------------------------------------------------------
 
-// Until it is renamed, a file has a hidden name of its own, ".NAME.PID-N.tmp".
+// Until it is renamed, a file has a hidden name of its own, ".NAME.tmp".
 bool is_half_written(const fs::path& path) {
   return path.filename().string().starts_with('.') && path.extension() == ".tmp";
 }

@@ -1,6 +1,7 @@
 #include "formats/io/files.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -81,15 +82,36 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-// The process and a number make a temporary name; where a killed process with the
-// same number has left one, the next number is tried.
-constexpr int most_leftovers = 1000;
+constexpr int most_writers = 1000;  // of one file at the same time
 
 fs::path temporary_name(const fs::path& destination, int k) {
   fs::path name = destination;
-  name.replace_filename(
-      fmt::format(".{}.{}-{}.tmp", destination.filename().string().substr(0, 200), ::getpid(), k));
+  name.replace_filename(fmt::format(".{}{}.tmp", destination.filename().string().substr(0, 200),
+                                    k == 0 ? "" : fmt::format(".{}", k)));
   return name;
+}
+
+// A file of that name for this process alone: a new one, or what a killed process left,
+// which holds no lock any more. Else -1, and errno; EEXIST where somebody writes it.
+int open_alone(const fs::path& path) {
+  int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  const bool made = file >= 0;
+  if (!made && errno == EEXIST) {
+    file = ::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
+    if (file < 0) errno = EEXIST;  // another user's, or a link
+  }
+  if (file < 0) return -1;
+  // Where there are no locks, what is there already is left alone.
+  const bool locked = ::flock(file, LOCK_EX | LOCK_NB) == 0;
+  const bool no_locks = !locked && errno != EWOULDBLOCK;
+  struct stat opened {};
+  struct stat named {};
+  const bool still_named = ::fstat(file, &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
+                           opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+  if ((locked || (made && no_locks)) && still_named && ::ftruncate(file, 0) == 0) return file;
+  ::close(file);
+  errno = EEXIST;
+  return -1;
 }
 
 // A rename survives a power cut only once the folder is on disk, too. Not every
@@ -149,9 +171,9 @@ AtomicFile::AtomicFile(const fs::path& path) : label_(path), destination_(follow
   if (!destination_.has_filename()) throw cannot_create(label_, "no file is named");
   if (destination_.filename().string().size() > NAME_MAX)
     throw cannot_create(label_, reason(ENAMETOOLONG));
-  for (int k = 0; k < most_leftovers; ++k) {
+  for (int k = 0; k < most_writers; ++k) {
     temporary_ = temporary_name(destination_, k);
-    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    descriptor_ = open_alone(temporary_);
     if (descriptor_ >= 0) return;
     if (errno != EEXIST) break;
   }
@@ -171,9 +193,9 @@ int AtomicFile::name_file(Existing existing) const {
 
 void AtomicFile::discard() {
   if (descriptor_ < 0) return;
+  if (!in_place_) ::unlink(temporary_.c_str());  // while it is locked
   ::close(descriptor_);
   descriptor_ = -1;
-  if (!in_place_) ::unlink(temporary_.c_str());
 }
 
 void AtomicFile::write(std::string_view bytes) {

@@ -44,8 +44,8 @@ enum class Existing { replaced, refused };
 
 // A file under a hidden name in the folder of `path`, which commit() renames, with the
 // permissions of the file it replaces. Until then nothing is to be seen under the final
-// name; a process that is killed leaves the hidden file. A symbolic link stays a link; a
-// pipe or device is written directly, having no "whole".
+// name; what a killed process leaves there the next writer of the file takes over. A symbolic
+// link stays a link; a pipe or device is written directly, having no "whole".
 class AtomicFile {
  public:
   // Throws Error(cannot_create).

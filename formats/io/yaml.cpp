@@ -18,15 +18,22 @@ NodeBuilder::Place place_of(const YAML::Mark& mark) { return {mark.line + 1, mar
 // often it is used.
 class Events : public YAML::EventHandler {
  public:
-  explicit Events(const std::string& name) : file(name), builder(name, false) {}
+  Events(std::string_view whole, const std::string& name)
+      : text(whole), file(name), builder(name, false) {}
 
+  std::string_view text;
   const std::string& file;
   NodeBuilder builder;
   YAML::Mark start;
+  std::vector<bool> in_sequence;  // whether what is open is one
 
   void OnDocumentStart(const YAML::Mark& mark) override { start = mark; }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    // yaml-cpp takes "[1,,2]", which YAML has not, for a list of three.
+    const auto at = static_cast<std::size_t>(mark.pos);
+    if (!in_sequence.empty() && in_sequence.back() && at < text.size() && text[at] == ',')
+      throw YAML::ParserException(mark, "nothing before the comma");
     builder.null(place_of(mark), anchor);
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -41,14 +48,22 @@ class Events : public YAML::EventHandler {
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
+    in_sequence.push_back(true);
     builder.open(Node::Kind::sequence, place_of(mark), anchor);
   }
   void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value) override {
+    in_sequence.push_back(false);
     builder.open(Node::Kind::mapping, place_of(mark), anchor);
   }
-  void OnSequenceEnd() override { builder.close(); }
-  void OnMapEnd() override { builder.close(); }
+  void OnSequenceEnd() override { close(); }
+  void OnMapEnd() override { close(); }
+
+ private:
+  void close() {
+    in_sequence.pop_back();
+    builder.close();
+  }
 };
 
 }  // namespace
@@ -63,7 +78,7 @@ std::vector<Node> Node::yaml_documents(std::string_view text, const std::string&
   try {
     YAML::Parser parser(stream);
     for (int last = -1;;) {
-      Events events(file);
+      Events events(text, file);
       if (!parser.HandleNextDocument(events)) return documents;
       // Before a sign that cannot begin a document the parser finds empty
       // documents without end.

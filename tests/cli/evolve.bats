@@ -474,7 +474,7 @@ refused() {
   evo-evolve --run run -q
   [ -s run/best.json ]
   # What a killed plan left half written is in nobody's way.
-  mkdir half && : > half/.Makefile.1-0.tmp
+  mkdir half && : > half/.Makefile.tmp
   evo-evolve ga --run half --plan -q
   [ -s half/Makefile ]
   mkdir full && : > full/file

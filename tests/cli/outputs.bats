@@ -140,7 +140,8 @@ P
     [ "$status" -ne 0 ]
   done
   [ "$(ls)" = small.txt ]
-  run ! grep -Evx '\.scored\.jsonl\.[0-9]+-[0-9]+\.tmp' <(find . -name '.?*' -printf '%f\n')
+  [ "$(find . -name '.?*' -printf '%f\n')" = .scored.jsonl.tmp ]
   evo-eval small.txt --task Walker-v0 --actions random --max-steps 2 -o scored.jsonl
   jq -e .fitness scored.jsonl
+  [ -z "$(find . -name '.?*')" ]
 }

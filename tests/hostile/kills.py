@@ -74,7 +74,7 @@ def resolve(words, folder, identity):
 
 def is_spare(name):
     """Until it is renamed, a file or a folder has a hidden name of its own."""
-    return name.startswith(".set.") or re.fullmatch(r"\..+\.\d+-\d+\.tmp", name)
+    return name.startswith(".set.") or name.endswith(".tmp")
 
 
 def kill_tool(words, outputs, kills, folder):

@@ -74,6 +74,28 @@ TEST_CASE("Two writers of one file do not meet") {
   CHECK(read_file(folder / "f") == "second");
   first.commit();
   CHECK(read_file(folder / "f") == "first");
+  CHECK(folder.entries() == 1);
+}
+
+TEST_CASE("What a killed writer left is taken over, a file in use or of another kind is not") {
+  const ScratchFolder folder;
+  write_file(folder / ".f.tmp", "half of a longer text");
+  {
+    AtomicFile file(folder / "f");
+    CHECK(file.temporary() == folder / ".f.tmp");
+    const AtomicFile other(folder / "f");
+    CHECK(other.temporary() == folder / ".f.1.tmp");
+    file.write("whole");
+    file.commit();
+  }
+  CHECK(read_file(folder / "f") == "whole");
+  CHECK(folder.entries() == 1);
+
+  write_file(folder / "elsewhere", "kept");
+  fs::create_symlink(folder / "elsewhere", folder / ".f.tmp");
+  write_file(folder / "f", "new");
+  CHECK(read_file(folder / "f") == "new");
+  CHECK(read_file(folder / "elsewhere") == "kept");
 }
 
 TEST_CASE("Outputs that cannot be created are refused in one line") {

@@ -221,6 +221,8 @@ TEST_CASE("Robot: bad documents are refused with place, path and reason") {
       {R"({"body":["H"],"body":["V"]})", "in:1:15: /body: key 'body' is given twice"},
       {"{\"body\":[\"H\"],\"x\":1e999}", "number overflow"},
       {"[1,,2]", "in:1:4: not valid JSON"},
+      {"body:\n  - [1,,2]\n", "in:2:8: not valid YAML: nothing before the comma"},
+      {"body:\n  - [3]\nmine: [1, , 2]\n", "in:3:11: not valid YAML"},
       {"{\"x\":\"\xFF\"}", "UTF-8"},
       {"body: [H\n", "in:2:1: not valid YAML: "},
       {"body: [H]\nbody: [V]\n", "in:2:1: key 'body' is given twice"},

@@ -165,7 +165,7 @@ class RunMakefile {
         all ? fmt::format("$({}:%={}/%.json)", slots, here)
             : fmt::format("$(patsubst %,{}/%.json,$(wordlist 1,{},$({})))", here, launches, slots);
     rules_ += "\n";
-    rule(here + "/population.jsonl", needed.empty() ? "same" : needed, population);
+    rule(here + "/population.jsonl", needed.empty() ? "same" : needed, "$(alone)\n\t" + population);
     rule(fmt::format("{}: {}/%.json", files, here), here + "/population.jsonl", train);
     rule(here + "/scores.jsonl", files,
          generations_ == 0 ? "$(gather) --need-fitness" : "$(gather)");
@@ -395,6 +395,7 @@ class RunMakefile {
         "\n"
         "SHELL := /bin/bash\n"
         ".SHELLFLAGS := -eu -o pipefail -c\n"
+        ".ONESHELL:\n"
         ".SUFFIXES:\n"
         "MAKEFLAGS += --no-builtin-rules --no-print-directory\n",
         method_, is_evaluated() ? "scored by" : "on", comment(settings_.scored_by()));
@@ -424,6 +425,9 @@ class RunMakefile {
         results() +
         "\n\n# Another task or program than the run began with is refused.\n"
         "same:\n\tevo-evolve -q --run . --plan\n\n" +
+        "# Several makes may work on one run. Who comes second finds that it is done, and does\n"
+        "# not propose robots once more from what the first has scored since.\n"
+        "alone = exec 9>> Makefile; flock 9 || :; [ ! -e $@ ] || exit 0\n\n" +
         train() +
         "\n# All slots of a generation, in order.\n"
         "gather = evo-convert $(@D)/[0-9]*.json -o $@\n\n" +

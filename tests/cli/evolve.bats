@@ -261,6 +261,24 @@ END
   [ "$(wc -l < run/history.jsonl)" -eq 60 ]
 }
 
+@test "several makes on one run give what one gives" {
+  local method make
+  stand_in
+  for method in ga neat bo "map --window 8"; do
+    read -ra words <<< "$method"
+    evolve "${words[0]}" one "${words[@]:1}" -q -j2
+    evolve "${words[0]}" many "${words[@]:1}" --plan
+    makes=()
+    for make in 1 2 3; do
+      make -s -C many -j2 > /dev/null 2>&1 3>&- &
+      makes+=($!)
+    done
+    for make in "${makes[@]}"; do wait "$make"; done
+    diff one/history.jsonl many/history.jsonl
+    rm -r one many
+  done
+}
+
 @test "a training that is killed is begun again, and counts as failed in the end" {
   # evo-train that dies for one robot.
   mkdir bin

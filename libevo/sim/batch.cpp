@@ -10,6 +10,7 @@
 #include "libevo/sim/contact.h"
 #include "libevo/sim/group.h"
 #include "libevo/sim/kernels.h"
+#include "libevo/sim/step_record.h"
 
 namespace evo {
 namespace {
@@ -360,15 +361,19 @@ void Batch::read_moving(std::size_t lane, std::span<Vec2> positions,
   }
 }
 
-void Batch::step(std::span<const std::uint8_t> active, ThreadPool* pool, const Stepped& stepped) {
+void Batch::step(std::span<const std::uint8_t> active, ThreadPool* pool, const Stepped& stepped,
+                 Tape* tape) {
   Impl& impl = *impl_;
   const int threads = pool == nullptr ? 1 : pool->threads();
   impl.group_for(active, threads);
   if (impl.workspaces.size() < static_cast<std::size_t>(threads))
     impl.workspaces.resize(static_cast<std::size_t>(threads));
+  if (tape != nullptr) tape->impl().begin(impl.running.size(), lanes());
   const auto run = [&](std::size_t i, int worker) {
     Group& group = *impl.running[i];
-    step_group(group, impl.workspaces[static_cast<std::size_t>(worker)]);
+    StepRecord* record = tape == nullptr ? nullptr : &tape->impl().records[i];
+    if (record != nullptr) record->begin(group, impl.lanes.data(), tape->impl().onset);
+    step_group(group, impl.workspaces[static_cast<std::size_t>(worker)], record);
     if (!stepped) return;
     for (const Lane* lane : group.lanes) stepped(impl.index_of(lane));
   };

@@ -24,6 +24,8 @@
 
 namespace evo {
 
+class Tape;
+
 // How a lane came out of its last step.
 enum class LaneStatus : std::uint8_t {
   done,
@@ -70,9 +72,10 @@ class Batch {
   // by the calling thread, or by the threads of `pool`, a group at a time. A group has
   // as many lanes of equal objects as a register (2 to 8, by instruction set and
   // arithmetic), or one where fewer are left or there are at most two lanes per
-  // thread; with fewer groups than threads, some threads have nothing to do.
+  // thread; with fewer groups than threads, some threads have nothing to do. Gradients can
+  // be pulled back through the step with `tape` (adjoint.h), whose last step is forgotten.
   void step(std::span<const std::uint8_t> active = {}, ThreadPool* pool = nullptr,
-            const Stepped& stepped = {});
+            const Stepped& stepped = {}, Tape* tape = nullptr);
 
   // Of the last step, which later ones of other lanes do not change; `done` after
   // place() and set_state(). An unstable lane can be stepped on, or placed anew.

@@ -284,6 +284,30 @@ bool is_on_surface(const Built::Cell& c) {
   return !(c.linked[top] && c.linked[right] && c.linked[bottom] && c.linked[left]);
 }
 
+// Which springs are a voxel's, and by how much each grows with the voxel's factor: what a
+// spring's voxels have in common is divided by the sum of their factors.
+std::vector<VoxelSpring> voxel_springs(const Body& body, const Built& built) {
+  std::vector<VoxelSpring> all;
+  std::vector<double> factors(built.springs.size(), 0.0);
+  auto diagonal = static_cast<int>(built.springs.size() - 2 * built.cells.size());
+  for (std::size_t i = 0; i < built.cells.size(); ++i) {
+    const Built::Cell& c = built.cells[i];
+    std::vector<int> springs(c.edges.begin(), c.edges.end());
+    springs.insert(springs.end(), {diagonal, diagonal + 1});
+    diagonal += 2;
+    for (const int spring : springs) {
+      all.push_back({static_cast<int>(i), spring, 0.0});
+      factors[static_cast<std::size_t>(spring)] +=
+          body.stiffness_of(static_cast<std::size_t>(body.index(c.row, c.col)));
+    }
+  }
+  for (VoxelSpring& part : all) {
+    const auto spring = static_cast<std::size_t>(part.spring);
+    part.stiffness = built.springs[spring].stiffness / factors[spring];
+  }
+  return all;
+}
+
 // Adds the finished object's points, springs and cells to the world.
 void append(Model::Compiled& world, const Object& object, const Built& built) {
   ModelObject info;
@@ -341,6 +365,9 @@ void append(Model::Compiled& world, const Object& object, const Built& built) {
   d.fixed.insert(d.fixed.end(), built.fixed.begin(), built.fixed.end());
   for (const Spring& spring : built.springs)
     d.springs.push_back({base + spring.a, base + spring.b, spring.rest, spring.stiffness});
+  for (const VoxelSpring& part : voxel_springs(object.body, built))
+    world.voxel_springs.push_back(
+        {info.first_cell + part.cell, first_spring + part.spring, part.stiffness});
   std::map<int, std::pair<int, int>> driven;  // spring -> its first and last actuator
   for (const Built::Cell& c : built.cells) {
     if (c.type == Voxel::rigid)

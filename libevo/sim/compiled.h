@@ -39,6 +39,13 @@ struct Drive {
   bool operator==(const Drive&) const = default;
 };
 
+// A spring's stiffness is the sum of its voxels' factors, each times what stands here.
+struct VoxelSpring {
+  int cell = 0;  // of Model::cells()
+  int spring = 0;
+  double stiffness = 0.0;
+};
+
 // A cell with at least one side that has no linked neighbour.
 struct SurfaceCell {
   int object = 0;  // world order
@@ -103,6 +110,7 @@ struct Model::Compiled {
   int moving_points = 0;
   std::vector<Vec2> static_points;  // by index - moving_points
   Dynamics dynamics;
+  std::vector<VoxelSpring> voxel_springs;
 
   std::vector<SurfaceCell> surface;          // world order
   std::vector<SurfaceRange> surface_ranges;  // [objects]

@@ -42,6 +42,7 @@ class Pusher {
         of_cells_(memory.of_cells),
         meetings_(memory.meetings),
         forces_(memory.forces),
+        touches_(memory.touches),
         parallel_determinant_(parallel_determinant * world.length_scale * world.length_scale) {}
 
   void push(Candidates inside) const {
@@ -86,6 +87,8 @@ class Pusher {
       add_cells(between, i, j);
       inside = inside.subspan(between.size());
     }
+    if (touches_ != nullptr)
+      for (const Push& push : pushes_) touches_->push_back({0, push.point, push.edge, i == j});
     if (meetings_.size() > 1) SearchOrder(world_, points_, lists_, i, j).sort(meetings_);
     for (const Meeting& meeting : meetings_) {
       const auto& [first, middle, last] = of_cells_[meeting.pushes / 2];
@@ -235,6 +238,7 @@ class Pusher {
   std::vector<ContactPushes::OfCells>& of_cells_;
   std::vector<Meeting>& meetings_;
   std::vector<double*>& forces_;
+  std::vector<Touch>* touches_;
   double parallel_determinant_;
 };
 

@@ -10,6 +10,16 @@
 
 namespace evo {
 
+// A corner of one cell at an edge of another one, by sites: what a gradient has to know of a
+// contact (adjoint.h).
+struct Touch {
+  std::uint32_t lane = 0;
+  std::int32_t point = 0;
+  std::array<std::int32_t, 2> edge{};
+  bool is_within = false;  // of one object, which pushes twice
+  bool is_missed = false;  // the corner is still outside, but near
+};
+
 // What pushes are worked out in, one per thread, so that pushing does not allocate.
 struct ContactPushes {
   // Forces of a contact: on a point, and, the other way, on the ends of the edge it crossed.
@@ -32,6 +42,7 @@ struct ContactPushes {
   std::vector<contact::Meeting> meetings;
   // Of all points pushed since it was emptied: x of their forces, y being a stride further on.
   std::vector<double*> forces;
+  std::vector<Touch>* touches = nullptr;  // all pushes are added to, if anybody wants them
 
   std::size_t bytes() const {
     return all.capacity() * sizeof(Push) + of_cells.capacity() * sizeof(OfCells) +

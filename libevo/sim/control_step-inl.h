@@ -24,6 +24,7 @@
 #include "libevo/sim/contact_look-inl.h"
 #include "libevo/sim/group.h"
 #include "libevo/sim/kernel-inl.h"
+#include "libevo/sim/step_record.h"
 #include "libevo/sim/workspace.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -39,18 +40,20 @@ class ControlStep {
   static constexpr std::size_t spacing = Kernel::record_points * width;
   static constexpr std::size_t springs_of_part = 360;
 
-  ControlStep(Group& group, Workspace& workspace)
+  ControlStep(Group& group, Workspace& workspace, StepRecord* record = nullptr)
       : lanes_(group.lanes),
         plan_(group.kind->plan()),
         physics_(group.kind->physics()),
         rows_(group.rows),
         workspace_(workspace),
+        record_(record),
         w_(workspace.prepare(plan_, *group.tables, rows_)) {}
 
   void run() {
     begin();
     std::fill_n(w_.contact, pair_offset(plan_.sites, width), 0.0);
     workspace_.pushes.forces.clear();
+    workspace_.pushes.touches = record_ == nullptr ? nullptr : &record_->touches;
     kernel().template last_springs<true>(w_.position, static_cast<std::size_t>(plan_.first_frozen),
                                          static_cast<std::size_t>(plan_.springs));
     std::size_t running = lanes_.size();
@@ -64,11 +67,27 @@ class ControlStep {
 
  private:
   void substep() {
+    if (record_ != nullptr) record_start();
     contacts();
     stages();
+    if (record_ != nullptr) record_stages();
     kernel().limit_strain(w_.previous);
     kernel().limit_rigid_strain(w_.previous);
     std::swap(w_.position, w_.previous);
+  }
+
+  void record_start() {
+    record_->begin_substep(w_.previous);
+    record_->keep(StepRecord::position, w_.position);
+    double* velocities = record_->row(record_->substeps() - 1, StepRecord::velocity);
+    for (std::size_t i = 0; i < plan_.points.size(); ++i)
+      std::copy_n(velocity(i), 2 * width, velocities + w_.point_offsets[i]);
+  }
+
+  void record_stages() {
+    record_->keep(StepRecord::third_stage, w_.stage_position[1]);
+    record_->keep(StepRecord::fourth_stage, w_.stage_position[0]);
+    record_->keep(StepRecord::after_stages, w_.previous);
   }
 
   // How far a stage has come.
@@ -212,10 +231,11 @@ class ControlStep {
     const std::array<std::size_t, width>& counts = look.finish();
     const ContactCandidate* const* inside = workspace_.inside.data();
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      ContactLists& lists = lanes_[i]->contacts;
       if (counts[i] > 0)
-        push_contacts(world(i), {inside, counts[i]}, view(i), lanes_[i]->contacts,
-                      workspace_.pushes);
+        push_contacts(world(i), {inside, counts[i]}, view(i), lists, workspace_.pushes);
       inside += counts[i];
+      if (record_ != nullptr && runs(i)) record_->end_touches(world(i), lists, view(i), i);
     }
   }
 
@@ -244,7 +264,8 @@ class ControlStep {
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       ContactLists& lists = lanes_[i]->contacts;
       if (!runs(i)) continue;
-      const double limit = pair_move_limit * world(i).length_scale;
+      const double onset = record_ == nullptr ? 0.0 : record_->onset;  // missed, and yet listed
+      const double limit = pair_move_limit * world(i).length_scale - onset;
       if (!lists.pairs_valid || !(moved[i] <= limit * limit)) {
         workspace_.search.find_pairs(world(i), view(i), w_.pair_listing + i, lists);
         moved[i] = 0.0;
@@ -367,6 +388,7 @@ class ControlStep {
         nothing[k] += 0.0 * rows_.velocity[o + k] + 0.0 * w_.position[o + k];
     for (std::size_t i = 0; i < lanes_.size(); ++i)
       if (!(nothing[i] + nothing[i + width] == 0.0)) lanes_[i]->status = LaneStatus::unstable;
+    if (record_ != nullptr) record_->end(w_.position, lanes_);
   }
 
   const std::vector<Lane*>& lanes_;
@@ -374,6 +396,7 @@ class ControlStep {
   const Physics& physics_;
   Rows& rows_;
   Workspace& workspace_;
+  StepRecord* record_;  // none: nothing is kept
   Arrays w_;
   std::array<bool, width> folding_{};
   std::array<bool, width> set_aside_{};

@@ -70,18 +70,18 @@ Layout LayoutFor(std::size_t lanes) {
 }
 
 template <class Single, class Together>
-void StepWith(Group& group, Workspace& workspace) {
+void StepWith(Group& group, Workspace& workspace, StepRecord* record) {
   if (group.lanes.size() == 1)
-    ControlStep<Single>(group, workspace).run();
+    ControlStep<Single>(group, workspace, record).run();
   else
-    ControlStep<Together>(group, workspace).run();
+    ControlStep<Together>(group, workspace, record).run();
 }
 
-void StepGroup(Group& group, Workspace& workspace) {
+void StepGroup(Group& group, Workspace& workspace, StepRecord* record) {
   if (has_quick_divider())
-    StepWith<One, Several>(group, workspace);
+    StepWith<One, Several>(group, workspace, record);
   else
-    StepWith<OneNarrow, SeveralHelped>(group, workspace);
+    StepWith<OneNarrow, SeveralHelped>(group, workspace, record);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -100,8 +100,8 @@ HWY_EXPORT(StepGroup);
 
 Layout layout_of(std::size_t lanes) { return HWY_DYNAMIC_DISPATCH(LayoutFor)(lanes); }
 std::size_t most_lanes() { return HWY_DYNAMIC_DISPATCH(MostLanes)(); }
-void step_group(Group& group, Workspace& workspace) {
-  HWY_DYNAMIC_DISPATCH(StepGroup)(group, workspace);
+void step_group(Group& group, Workspace& workspace, StepRecord* record) {
+  HWY_DYNAMIC_DISPATCH(StepGroup)(group, workspace, record);
 }
 
 }  // namespace evo

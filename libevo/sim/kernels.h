@@ -7,6 +7,8 @@
 
 namespace evo {
 
+class StepRecord;
+
 // With fewer in a register, stepping them one by one is faster.
 inline constexpr std::size_t fewest_side_by_side = 3;
 
@@ -17,7 +19,8 @@ Layout layout_of(std::size_t lanes);
 // What one register of the stages holds.
 std::size_t most_lanes();
 
-// One control step of a group laid out as layout_of() says.
-void step_group(Group& group, Workspace& workspace);
+// One control step of a group laid out as layout_of() says. What it did is kept in `record`, if
+// there is one.
+void step_group(Group& group, Workspace& workspace, StepRecord* record);
 
 }  // namespace evo

@@ -1,0 +1,63 @@
+// Gradients: reverse mode through control steps. A Tape keeps what a batch did in one step and
+// turns derivatives by the states after it into derivatives by the states before it, by the
+// targets and by the stiffness of voxels. See docs/gradients.md.
+//
+// What is differentiated is the step as it was computed: the four stages of Runge-Kutta,
+// springs and their rest lengths, drag, the world's floor, contact with damping and friction,
+// and both strain limits, with the contacts of this step. Contact begins with a jump, of which
+// that derivative knows nothing: a foot that is lifted a little more would lose its grip. So
+// the jump is smoothed, in the derivative alone: forces that begin at a depth of 0 count as if
+// they began anywhere within `onset` of it.
+//
+// Nothing is pulled back through a step in which a robot folds onto itself or the simulation
+// becomes unstable: all derivatives of such a lane are 0.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "libevo/base/parallel.h"
+#include "libevo/sim/state.h"
+
+namespace evo {
+
+// Derivatives of one number, as a sum of rewards, in the units of that number per those of the
+// entry.
+struct Gradient {
+  State state;                    // by positions, velocities, previous positions and targets
+  std::vector<double> stiffness;  // [model.cells()] by voxels' factors; empty: not wanted
+};
+
+// All 0, in the sizes of the model.
+Gradient zero_gradient(const Model& model, bool with_stiffness = false);
+
+// Voxels. Of the values tried, 0.02 to 0.04 make the best gradients (docs/gradients.md).
+inline constexpr double usual_onset = 0.04;
+
+class Tape {
+ public:
+  // `onset`: half the width that the onset of contact is spread over, voxels; 0: the derivative
+  // of the step as it is. Throws Error(usage) beyond [0, 0.1].
+  explicit Tape(double onset = usual_onset);
+  ~Tape();
+  Tape(Tape&&) noexcept;
+  Tape& operator=(Tape&&) noexcept;
+
+  // Of every lane that the step moved: from derivatives by the state after it to those by the
+  // state before, whose targets are those of the step. They are in the state after it, too: who
+  // sets other targets before the next step takes their derivatives, and leaves 0. Those by
+  // stiffness are added to. [lanes of the batch], the others are left alone. Throws Error(data)
+  // where one does not have the sizes of its model.
+  void pull_back(std::span<Gradient> gradients, ThreadPool* pool = nullptr) const;
+
+  std::size_t bytes() const;  // held at present
+
+  struct Impl;  // private to libevo/sim
+  Impl& impl() { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace evo

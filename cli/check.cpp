@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <numeric>
 #include <optional>
+#include <span>
 
 #include "cli/data.h"
 #include "cli/documents.h"
@@ -15,6 +17,7 @@
 #include "formats/io/hdf5.h"
 #include "formats/io/npz.h"
 #include "formats/io/text.h"
+#include "formats/rollout/episodes.h"
 #include "formats/rollout/rollout.h"
 #include "formats/run/run.h"
 #include "formats/task/task.h"
@@ -46,9 +49,30 @@ class Policies {
   }
 
  private:
+  // Of a task that no tool knows: of the episode recorded beside it, in which the policy has
+  // to act as it does at what was observed.
+  static double recorded_return(const fs::path& path, const PolicyFile& policy) {
+    const Rollout rollout = play(policy, path, "");
+    const RolloutEpisode& episode = rollout.episodes.front();
+    const auto* network = std::get_if<Policy>(&policy.controller);
+    std::vector<double> actions(episode.actions.size());
+    std::vector<std::int32_t> steps(episode.rewards.size());
+    std::iota(steps.begin(), steps.end(), 0);
+    const bool fits = network != nullptr && !actions.empty() &&
+                      rollout.observation_length == network->observation_length() &&
+                      rollout.action_length == network->action_length();
+    if (fits)
+      act(*network,
+          std::span(episode.observations)
+              .first(steps.size() * static_cast<std::size_t>(rollout.observation_length)),
+          steps, actions);
+    if (!fits || actions != episode.actions)
+      throw error(Failure::data, "{}: acts otherwise than in the episode recorded beside it",
+                  path.string());
+    return std::accumulate(episode.rewards.begin(), episode.rewards.end(), 0.0);
+  }
   static void replay(const fs::path& path, const PolicyFile& policy) {
     const std::string name = path.string();
-    const TaskSpec task = policy_task(policy, name);
     const Node training = Node::yaml(policy.training_yaml, name + ": training");
     EvaluationSettings evaluation;
     evaluation.seed = policy.seed;
@@ -56,8 +80,14 @@ class Policies {
       if (key.text() == "evaluation_episodes") evaluation.episodes = value.integer(1);
       if (key.text() == "evaluation_jitter") evaluation.jitter = value.number(0.0);
     }
-    const Arena arena(task, policy.robot.body);
-    const double again = evaluate(arena, to_controller(policy.controller), evaluation).mean();
+    double again = 0.0;
+    if (policy.task_yaml.empty()) {
+      again = recorded_return(path, policy);
+      if (evaluation.episodes > 1 || evaluation.jitter != 0.0) return;
+    } else {
+      const Arena arena(policy_task(policy, name), policy.robot.body);
+      again = evaluate(arena, to_controller(policy.controller), evaluation).mean();
+    }
     if (again != policy.fitness)
       throw error(Failure::data, "{}: earns {}, not its fitness of {}", name, again,
                   policy.fitness);

@@ -324,7 +324,7 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
   const bool evaluated = given.contains("evaluate");
   const std::vector<std::string> tasks = items(evaluated ? "evaluate" : options.tasks);
   std::vector<std::string> names;
-  for (const std::string& task : tasks) names.push_back(fs::path(task).stem().string());
+  for (const std::string& task : tasks) names.push_back(task_label(task));
   std::set<std::string> different(names.begin(), names.end());
   if (different.size() < names.size())
     throw Error(Failure::usage,
@@ -349,7 +349,7 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
           if (find_run_setting(name)->belongs_to(method)) run[name] = value;
         if (!evaluated) run["task"] = settled(*find_run_setting("task"), task);
         run["seed"] = settled(*find_run_setting("seed"), seed);
-        const std::string name = fs::path(task).stem().string();
+        const std::string name = task_label(task);
         if (name.find_first_not_of(
                 "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.") !=
             std::string::npos)

@@ -284,7 +284,7 @@ void render_evolution(const std::string& folder, const RenderOptions& options,
       throw error(Failure::no_input, "{}: is not there, so generation {} cannot be shown",
                   history.folder().policy(robot.robot.id).string(), generation.number);
     rollouts.push_back(
-        std::make_unique<Rollout>(play(found->policy, cli::created_by("evo-render"))));
+        std::make_unique<Rollout>(play(found->policy, found->file, cli::created_by("evo-render"))));
     champions.push_back(
         {{rollouts.back().get(), 0, ""}, generation.number, generation.number, *robot.fitness});
     shown = best;
@@ -305,7 +305,7 @@ void render_poster(const std::string& folder, const RenderOptions& options,
   if (!found)
     throw error(Failure::no_input, "{}: is not there, so the best robot cannot be shown",
                 history.folder().policy(champion.robot.id).string());
-  const Rollout rollout = play(found->policy, cli::created_by("evo-render"));
+  const Rollout rollout = play(found->policy, found->file, cli::created_by("evo-render"));
   render::PosterContent content{rollout.task, "", {}, {}};
   for (const std::size_t k : lineage(history.robots(), history.by_id(), *best))
     content.line.push_back({history.robots()[k].robot, history.robots()[k].generation});

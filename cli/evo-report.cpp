@@ -43,9 +43,7 @@ std::vector<Group> read_groups(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders) {
     const RunHistory history{RunFolder(folder)};
     const RunSettings& settings = history.folder().settings();
-    Group group{settings.is_evaluated()
-                    ? settings.scored_by()
-                    : std::filesystem::path(settings.scored_by()).stem().string(),
+    Group group{settings.is_evaluated() ? settings.scored_by() : task_label(settings.scored_by()),
                 settings.text("method"),
                 {}};
     const auto same = [&](const Group& other) {

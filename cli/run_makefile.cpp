@@ -605,7 +605,7 @@ class RunMakefile {
     if (is_evaluated()) return files + " report.html";
     files += " best.policy.h5";
     if (has_video()) files += " " + video();
-    return is_python() ? files : files + " report.html";
+    return files + " report.html";
   }
 
   void add_results() {
@@ -624,17 +624,12 @@ class RunMakefile {
       return;
     }
     rule("best.policy.h5", "best.json", "evo-convert --to policy best.json -o $@");
-    if (is_python()) {
-      if (has_video())
-        rule(video(), "best.policy.h5",
-             fmt::format("{} {} --video best.policy.h5 $@", for_make(around_.python),
-                         make_word(in_full_task(settings_.text("task")))));
-      return;
-    }
     rule("best.rollout.h5", "best.policy.h5",
-         fmt::format(
-             "evo-eval -q --policy best.policy.h5 --seed {} --rollout $@ best.json > /dev/null",
-             seed_));
+         is_python() ? fmt::format("{} {} --rollout best.policy.h5 $@", for_make(around_.python),
+                                   make_word(in_full_task(settings_.text("task"))))
+                     : fmt::format("evo-eval -q --policy best.policy.h5 --seed {} --rollout $@ "
+                                   "best.json > /dev/null",
+                                   seed_));
     if (has_video())
       rule(video(), "best.rollout.h5",
            fmt::format("evo-render -q best.rollout.h5 {} -o $@", joined(film(settings_))));
@@ -679,8 +674,6 @@ void check_python_task(const RunSettings& settings) {
                 "--inherit is for tasks of the suite: {} is a class in Python, trained from the "
                 "beginning",
                 settings.text("task"));
-  if (settings.find("video_options") != nullptr)
-    throw Error(Failure::usage, "--video-options are of evo-render, which knows no task in Python");
 }
 
 void check(const RunSettings& settings, const Surroundings& around) {
@@ -768,7 +761,25 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
     add({"evo-archive", "-q", "--features", settings.text("features"), "-o", "/dev/null"});
   if (settings.is_evaluated()) return list;
 
-  if (is_python_task(settings.text("task"))) {
+  const auto [rows, cols] = parse_shape(shape);
+  const std::string body = robot_to_line(Robot(full_body(rows, cols))) + "\n";
+  const bool is_python = is_python_task(settings.text("task"));
+  // A film of a moment, where such a body can stand in the task.
+  if (settings.find("video_options") != nullptr && setting(settings, "video") != "none") {
+    std::vector<std::string> words{
+        "bash",
+        "-c",
+        "task=$1 kind=$2 d=$(mktemp -d); trap 'rm -r \"$d\"' EXIT; "
+        "evo-eval -q --task \"$task\" --actions random --max-steps 2 --rollout \"$d/r.h5\" "
+        "> \"$d/said\" 2>&1 || exit 0; evo-render -q \"$d/r.h5\" \"${@:3}\" -o \"$d/best.$kind\"",
+        "bash",
+        is_python ? "Walker-v0" : in_full(settings.text("task")),
+        settings.text("video")};
+    const std::vector<std::string> more = film(settings);
+    words.insert(words.end(), more.begin(), more.end());
+    list.push_back({std::move(words), body});
+  }
+  if (is_python) {
     std::string line =
         fmt::format("{} {} --steps {} --train {}", around.python, shell_word(settings.text("task")),
                     settings.text("steps"), shell_word(settings.text("train")));
@@ -777,8 +788,6 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
     add({"bash", "-c", line});
     return list;
   }
-  const auto [rows, cols] = parse_shape(shape);
-  const std::string body = robot_to_line(Robot(full_body(rows, cols))) + "\n";
   const std::string inherit = setting(settings, "inherit");
   std::vector<std::string> train{"evo-train", "--check",
                                  "--task",    in_full(settings.text("task")),
@@ -793,21 +802,6 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
     list.push_back({std::move(words), ""});
     for (int k = 0; k < robots; ++k) list.back().input += body;
   };
-  // A film of a moment, where such a body can stand in the task.
-  if (settings.find("video_options") != nullptr && setting(settings, "video") != "none") {
-    std::vector<std::string> words{
-        "bash",
-        "-c",
-        "task=$1 kind=$2 d=$(mktemp -d); trap 'rm -r \"$d\"' EXIT; "
-        "evo-eval -q --task \"$task\" --actions random --max-steps 2 --rollout \"$d/r.h5\" "
-        "> \"$d/said\" 2>&1 || exit 0; evo-render -q \"$d/r.h5\" \"${@:3}\" -o \"$d/best.$kind\"",
-        "bash",
-        in_full(settings.text("task")),
-        settings.text("video")};
-    const std::vector<std::string> more = film(settings);
-    words.insert(words.end(), more.begin(), more.end());
-    list.push_back({std::move(words), body});
-  }
   if (method == "modular") {
     constexpr int enough = 64;  // robots, to see whether the first steps are too few
     add_training({"--steps", settings.text("steps"), "--shared", "none.policy.h5"},

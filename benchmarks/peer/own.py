@@ -84,7 +84,7 @@ class Walk(evo_robots.Task):
         return np.concatenate([now.shape("robot"), now.velocity("robot").reshape(len(now.steps), -1)],
                               axis=1)
 
-    def reward(self, before, now):
+    def reward(self, before, now, actions):
         return now.centre("robot")[:, 0] - before.centre("robot")[:, 0]
 
 

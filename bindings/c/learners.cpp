@@ -124,7 +124,8 @@ int evo_learner_describe(const evo_learner* learner, evo_learner_facts* facts, s
   return guarded([&] {
     const evo_learner& own = object_of(learner);
     hand_over({own.settings.environments, own.settings.rollout, own.settings.updates(),
-               own.settings.evaluation_interval, 0},
+               own.settings.evaluation_interval, own.settings.evaluation_episodes,
+               own.settings.evaluation_jitter, own.settings.start_jitter},
               facts, size);
   });
 }
@@ -186,13 +187,14 @@ int evo_learner_learn(evo_learner* learner) {
 }
 
 int evo_learner_policy(const evo_learner* learner, const evo_robots* robots, size_t index,
-                       const evo_curve_point* curve, size_t points, evo_policy** policy) {
+                       const char* task, const evo_curve_point* curve, size_t points,
+                       evo_policy** policy) {
   return open(policy, [&] {
     const evo_learner& own = object_of(learner);
     if (curve == nullptr && points > 0) throw evo::Error(Failure::usage, "`curve` is NULL");
     evo::PolicyFile file;
     file.robot = robot_at(object_of(robots), index);
-    file.task = "own";  // without task_yaml: see policy_task
+    file.task = text_of(task, "task");  // without task_yaml: see policy_task
     file.physics_yaml = evo::physics_to_yaml(evo::Physics());
     file.training_yaml = evo::training_to_yaml(own.settings);
     file.layout = {{"own", 0, static_cast<int>(own.observations)}};

@@ -67,7 +67,8 @@ int evo_policy_describe(const evo_policy* policy, evo_policy_facts* facts, size_
   return guarded([&] {
     const evo_policy& described = object_of(policy);
     hand_over({observation_length(described.file), action_length(described.file.controller),
-               described.file.fitness, described.curve.size(), described.curve.data()},
+               described.file.fitness, described.curve.size(), described.curve.data(),
+               described.file.seed},
               facts, size);
   });
 }

@@ -16,11 +16,6 @@ constexpr std::size_t most_environments = 65536;
 constexpr std::size_t seal_length = 64;  // of a saved state, hexadecimal digits
 constexpr int state_version = 1;         // of what VecEnv saves
 
-void check_jitter(double jitter) {
-  if (!(jitter >= 0.0 && jitter < 0.5))
-    throw error(Failure::usage, "jitter must be between 0 and 0.5 voxels, not {}", jitter);
-}
-
 void check_ranges(const TaskSpec& task, const Draws& draws) {
   for (const DrawnInteger& drawn : task.draws) {
     const auto found = draws.integers.find(drawn.name);
@@ -32,6 +27,11 @@ void check_ranges(const TaskSpec& task, const Draws& draws) {
 }
 
 }  // namespace
+
+void check_jitter(double jitter) {
+  if (!(jitter >= 0.0 && jitter < 0.5))
+    throw error(Failure::usage, "jitter must be between 0 and 0.5 voxels, not {}", jitter);
+}
 
 const char* to_string(EnvironmentStatus status) {
   switch (status) {

@@ -22,6 +22,9 @@ enum class EnvironmentStatus : std::uint8_t {
 };
 const char* to_string(EnvironmentStatus status);
 
+// Throws Error(usage) unless it is from 0 to less than half a voxel.
+void check_jitter(double jitter);
+
 // How episodes are to start. What is not given: the seed stays, episodes are
 // counted on, draws follow from seed and episode.
 struct ResetRequest {

@@ -2,10 +2,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bindings/c/created_by.h"
 #include "bindings/c/handles.h"
 #include "bindings/c/pictures.h"
+#include "bindings/c/session.h"
 #include "formats/io/json.h"
 #include "formats/robot/evogym.h"
+#include "formats/rollout/episodes.h"
 #include "formats/task/physics_profile.h"
 #include "libevo/base/digest.h"
 #include "libevo/base/parallel.h"
@@ -104,7 +107,8 @@ struct evo_sims {
                         [](const evo::ModelCell& cell) { return evo::is_actuator(cell.type); }));
     }
     for (std::size_t sim = 0; sim < count; ++sim) place(sim);
-    seal = evo::sha256_hex(evo::evogym_world_to_json(world) + evo::physics_to_yaml(physics));
+    physics_yaml = evo::physics_to_yaml(physics);
+    seal = evo::sha256_hex(evo::evogym_world_to_json(world) + physics_yaml);
   }
 
   std::size_t count() const { return status.size(); }
@@ -145,7 +149,8 @@ struct evo_sims {
   std::vector<evo::Vec2> velocities;
   std::vector<ActuatorRange> actuators;  // of each object
   std::vector<std::uint8_t> moving;      // in the step being taken
-  std::string seal;                      // of world and physics
+  std::string physics_yaml;
+  std::string seal;  // of world and physics
   std::atomic_flag busy;
 };
 
@@ -159,7 +164,71 @@ std::string sealed(const evo_sims& sims, const std::string& state) {
   return evo::sha256_hex(sims.seal + state) + state;
 }
 
+// Changes the state of a simulation from outside.
+template <typename Change>
+int move(evo_sims* sims, std::int32_t sim, const Change& change_state) {
+  return change(sims, [&](evo_sims& all) {
+    const std::size_t i = all.checked(sim);
+    if (all.status[i] == EVO_SIM_UNSTABLE)
+      throw evo::error(Failure::usage, "simulation {} is unstable: all that is left is a reset",
+                       sim);
+    evo::State state = all.batch.state(i);
+    change_state(all.model, state);
+    all.batch.set_state(i, state);
+    all.show(i);
+  });
+}
+
+// A caller's own episode.
+evo::Rollout rollout_of(const evo::PolicyFile& policy, const evo_sims& sims,
+                        const evo_episode& given) {
+  const auto points = static_cast<std::size_t>(sims.model.points());
+  const std::size_t steps = given.steps;
+  if (steps == 0 || given.observation_values % (steps + 1) != 0 || given.action_values % steps != 0)
+    throw evo::error(Failure::usage,
+                     "{} observations and {} actions do not part into {} steps and a start",
+                     given.observation_values, given.action_values, steps);
+  const auto values = [](const double* array, std::size_t count, const char* name) {
+    target(array, name);
+    return std::vector<double>(array, array + count);
+  };
+  evo::Rollout rollout;
+  rollout.task = policy.task;
+  rollout.task_yaml = text_of(given.task_yaml, "task_yaml");
+  rollout.physics_yaml = sims.physics_yaml;
+  rollout.robot = policy.robot;
+  rollout.seed = policy.seed;
+  rollout.created_by = evo::created_by();
+  rollout.observation_length = static_cast<int>(given.observation_values / (steps + 1));
+  rollout.action_length = static_cast<int>(given.action_values / steps);
+  rollout.points = sims.model.points();
+  rollout.world = {sims.model.objects(), sims.model.cells()};
+  evo::RolloutEpisode& episode = rollout.episodes.emplace_back();
+  episode.seed = policy.seed;
+  episode.observations = values(given.observations, given.observation_values, "observations");
+  episode.actions = values(given.actions, given.action_values, "actions");
+  episode.rewards = values(given.rewards, steps, "rewards");
+  episode.terminations.resize(steps);
+  episode.truncations.resize(steps);
+  episode.terminations.back() = given.terminated;
+  episode.truncations.back() = given.truncated;
+  episode.positions = points_of(&target(given.positions, "positions"), (steps + 1) * points);
+  return rollout;
+}
+
 }  // namespace
+
+int evo_policy_record(const evo_policy* policy, const evo_sims* sims, const evo_episode* episode,
+                      size_t size, const char* file) {
+  return guarded([&] {
+    const evo::PolicyFile& played = object_of(policy).file;
+    if ((sims == nullptr) != (episode == nullptr))
+      throw evo::Error(Failure::usage, "of `sims` and `episode` one is NULL");
+    evo::write_rollout(text_of(file, "file"),
+                       sims == nullptr ? evo::play(played, "", evo::created_by())
+                                       : rollout_of(played, object_of(sims), taken(episode, size)));
+  });
+}
 
 int evo_sims_open(const evo_world* world, const char* physics, int32_t sims, int32_t threads,
                   evo_sims** opened) {
@@ -259,16 +328,16 @@ int evo_sims_restore(evo_sims* sims, int32_t sim, const void* bytes, size_t coun
 }
 
 int evo_sims_translate(evo_sims* sims, int32_t sim, size_t object, double x, double y) {
-  return change(sims, [&](evo_sims& all) {
-    const std::size_t i = all.checked(sim);
-    check_translation(object_at(all.model, object), x, y);
-    if (all.status[i] == EVO_SIM_UNSTABLE)
-      throw evo::error(Failure::usage, "simulation {} is unstable: all that is left is a reset",
-                       sim);
-    evo::State state = all.batch.state(i);
-    evo::translate(all.model, object, {x, y}, state);
-    all.batch.set_state(i, state);
-    all.show(i);
+  return move(sims, sim, [&](const evo::Model& model, evo::State& state) {
+    check_translation(object_at(model, object), x, y);
+    evo::translate(model, object, {x, y}, state);
+  });
+}
+
+int evo_sims_perturb(evo_sims* sims, int32_t sim, double jitter, uint64_t seed) {
+  return move(sims, sim, [&](const evo::Model& model, evo::State& state) {
+    evo::check_jitter(jitter);
+    evo::perturb(state, jitter * model.physics().voxel_length, seed);
   });
 }
 
@@ -341,6 +410,14 @@ int evo_world_add(evo_world* world, const char* name, const uint8_t* voxels, int
     if (const auto fault = evo::defect(object.body, false))
       throw evo::error(Failure::usage, "object '{}': {}", called, *fault);
     built.objects.push_back(std::move(object));
+  });
+}
+
+int evo_world_stiffen(evo_world* world, const char* name, const double* factors, size_t count) {
+  return guarded([&] {
+    const auto found = find_object(object_of(world).world, text_of(name, "name"));
+    if (count > 0) target(factors, "factors");
+    found->body = evo::with_stiffness(found->body, std::vector(factors, factors + count));
   });
 }
 

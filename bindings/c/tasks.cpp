@@ -75,8 +75,8 @@ int evo_task_set(evo_task* task, const char* assignment) {
 int evo_task_describe(const evo_task* task, evo_task_facts* facts, size_t size) {
   return guarded([&] {
     const auto& [spec, yaml, physics] = object_of(task);
-    hand_over({spec.name.c_str(), yaml.c_str(), spec.episode_steps, 0, spec.physics.min_target,
-               spec.physics.max_target, physics.c_str()},
+    hand_over({spec.name.c_str(), yaml.c_str(), spec.episode_steps, spec.hold,
+               spec.physics.min_target, spec.physics.max_target, physics.c_str()},
               facts, size);
   });
 }

@@ -13,7 +13,7 @@ class Tall(evo_robots.Task):
     def observe(self, now):
         return np.concatenate([now.mean_velocity("robot"), now.shape("robot")], axis=1)
 
-    def reward(self, before, now):
+    def reward(self, before, now, actions):
         height = np.ptp(now.points("robot")[:, :, 1], axis=1)  # [E], raw units
         return 10 * (height - 0.5)
 

@@ -200,6 +200,17 @@ Object read_object(const std::string& name, const Node& record, const Grid& grid
   std::sort(body.links.begin(), body.links.end());
   body.links.erase(std::unique(body.links.begin(), body.links.end()), body.links.end());
   if (const auto wrong = defect(body, false)) throw record.error("inside its box, " + *wrong);
+  if (const auto given = record.find("stiffness")) {  // ours; the benchmark passes it over
+    const std::vector<Node> indices = record.at("indices").items();
+    const std::vector<Node> factors = given->items();
+    if (factors.size() != indices.size())
+      throw given->error(fmt::format("{} factors for {} cells", factors.size(), indices.size()));
+    std::vector<double> stiffness(body.cells.size(), 1.0);
+    for (std::size_t i = 0; i < factors.size(); ++i)
+      stiffness[static_cast<std::size_t>(in_box(cell_index(indices[i], grid)))] =
+          factors[i].number();
+    body = with_stiffness(std::move(body), std::move(stiffness));
+  }
   return {name, std::move(body), box.left, box.bottom};
 }
 
@@ -265,18 +276,23 @@ std::string object_to_json(const Object& object, int grid_width) {
   const bool keep_border = has_empty_border(body);
   std::vector<std::int64_t> indices;
   std::vector<int> types;
+  std::vector<double> stiffness;
   std::string neighbor_lists;
   for (int cell = 0; std::cmp_less(cell, body.cells.size()); ++cell) {
     const Voxel type = body.cells[static_cast<std::size_t>(cell)];
     if (type == Voxel::empty && !(keep_border && at_border(body, cell))) continue;
     indices.push_back(world_index(cell));
     types.push_back(static_cast<int>(type));
+    stiffness.push_back(body.stiffness_of(static_cast<std::size_t>(cell)));
     neighbor_lists += fmt::format("{}\"{}\": [{}]", neighbor_lists.empty() ? "" : ", ",
                                   world_index(cell), fmt::join(neighbors[cell], ", "));
   }
   return fmt::format(
-      "{{\n      \"indices\": [{}],\n      \"types\": [{}],\n      \"neighbors\": {{{}}}\n    }}",
-      fmt::join(indices, ", "), fmt::join(types, ", "), neighbor_lists);
+      "{{\n      \"indices\": [{}],\n      \"types\": [{}],\n      \"neighbors\": {{{}}}{}\n    }}",
+      fmt::join(indices, ", "), fmt::join(types, ", "), neighbor_lists,
+      body.stiffness.empty()
+          ? ""
+          : fmt::format(",\n      \"stiffness\": [{}]", fmt::join(stiffness, ", ")));
 }
 
 // ---- experiments --------------------------------------------------------------------

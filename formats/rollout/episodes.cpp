@@ -4,6 +4,7 @@
 
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
+#include "libevo/base/error.h"
 #include "libevo/base/join.h"
 
 namespace evo {
@@ -70,7 +71,18 @@ Json BehaviourGauge::mean() const {
   return json;
 }
 
-Rollout play(const PolicyFile& policy, const std::string& created_by) {
+Rollout play(const PolicyFile& policy, const std::filesystem::path& file,
+             const std::string& created_by) {
+  constexpr std::string_view ending = ".policy.h5";
+  const std::string name = file.string();
+  if (policy.task_yaml.empty() && name.ends_with(ending)) {
+    const std::string beside = name.substr(0, name.size() - ending.size()) + ".rollout.h5";
+    Rollout recorded = read_rollout(beside);
+    if (!recorded.robot || recorded.robot->id != policy.robot.id)
+      throw error(Failure::data, "{}: is not of robot {}, whose policy is {}", beside,
+                  policy.robot.id, name);
+    return recorded;
+  }
   const Arena arena(policy_task(policy, "robot " + policy.robot.id), policy.robot.body);
   EvaluationSettings settings;
   settings.seed = policy.seed;

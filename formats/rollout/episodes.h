@@ -39,8 +39,11 @@ class BehaviourGauge {
   std::vector<BehaviourMeter> episodes_;
 };
 
-// A policy at its task once more: the episode that was its evaluation.
-Rollout play(const PolicyFile& policy, const std::string& created_by);
+// A policy at its task once more: the episode from the official start. Of a task that no tool
+// knows, the one that was recorded as FILE.rollout.h5 beside `file`, its FILE.policy.h5 (or "",
+// where there is none). Throws what reading it throws, Error(data) for that of another robot.
+Rollout play(const PolicyFile& policy, const std::filesystem::path& file,
+             const std::string& created_by);
 
 // {"ox":0,"oy":3} or {"goals":[47,32]}; {} for a task without random parts.
 Json draws_to_json(const Draws& draws);

@@ -152,6 +152,12 @@ const std::string& RunSettings::scored_by() const {
   return text(is_evaluated() ? "evaluate" : "task");
 }
 
+std::string task_label(const std::string& task) {
+  const std::size_t python = task.find(".py:");
+  return python == std::string::npos ? fs::path(task).stem().string()
+                                     : task.substr(task.rfind(':') + 1);
+}
+
 int RunSettings::rungs_left(int generation) const {
   if (find("rungs") == nullptr) return 0;
   const int rungs = std::max(1, number("rungs"));

@@ -98,6 +98,9 @@ class RunSettings {
   std::string file_ = "run.yaml";  // for messages
 };
 
+// What a run on this task is called after: a name, the stem of a file, CLASS of FILE.py:CLASS.
+std::string task_label(const std::string& task);
+
 // ---- slots and times --------------------------------------------------------------
 
 // A place in a population, from 0.

@@ -348,9 +348,9 @@ PolicyFile read_policy(const std::filesystem::path& path) {
 TaskSpec policy_task(const PolicyFile& policy, const std::string& where) {
   if (policy.task_yaml.empty())
     throw error(Failure::data,
-                "{}: the policy is of a program's own task, which no tool knows; that program "
-                "can evaluate it",
-                where);
+                "{}: the policy is of {}, a task in Python or of another program, which no tool "
+                "knows; `python3 -m evo_robots FILE.py:CLASS --rollout POLICY FILE` plays it",
+                where, policy.task);
   return parse_task(policy.task_yaml, where + ": task");
 }
 

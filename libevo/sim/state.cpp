@@ -1,5 +1,6 @@
 #include "libevo/sim/state.h"
 
+#include "libevo/base/random.h"
 #include "libevo/sim/compiled.h"
 
 namespace evo {
@@ -22,6 +23,18 @@ State initial_state(const Model& model) {
   state.vy.assign(n, 0.0);
   state.targets.assign(static_cast<std::size_t>(world.dynamics.actuators), 1.0);
   return state;
+}
+
+void perturb(State& state, double amount, std::uint64_t seed) {
+  Stream stream(seed, "perturb");
+  for (std::size_t i = 0; i < state.x.size(); ++i) {
+    const double dx = amount * (2.0 * stream.uniform() - 1.0);
+    const double dy = amount * (2.0 * stream.uniform() - 1.0);
+    state.x[i] += dx;
+    state.y[i] += dy;
+    state.previous_x[i] += dx;
+    state.previous_y[i] += dy;
+  }
 }
 
 void read_positions(const Model& model, const State& state, std::span<Vec2> positions) {

@@ -2,6 +2,7 @@
 // back. What advances simulations is a Batch (batch.h).
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,8 @@ State initial_state(const Model& model);
 
 // Moves all points of an object that can move, as they are; velocities stay.
 void translate(const Model& model, std::size_t object, Vec2 by, State& state);
+// Moves every point by up to `amount`, raw length, in each coordinate; velocities stay.
+void perturb(State& state, double amount, std::uint64_t seed);
 
 // Position and velocity of every point of the world, static ones included, in
 // world order: `positions` and `velocities` hold model.points() entries.

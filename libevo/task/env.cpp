@@ -559,15 +559,7 @@ void VecEnv::perturb(int environment, double jitter, std::uint64_t seed) {
   const auto index = static_cast<std::size_t>(environment);
   const double amount = jitter * impl.environments[index].arena->compiled().voxel_length;
   State state = impl.batch.state(index);
-  Stream stream(seed, "perturb");
-  for (std::size_t i = 0; i < state.x.size(); ++i) {
-    const double dx = amount * (2.0 * stream.uniform() - 1.0);
-    const double dy = amount * (2.0 * stream.uniform() - 1.0);
-    state.x[i] += dx;
-    state.y[i] += dy;
-    state.previous_x[i] += dx;
-    state.previous_y[i] += dy;
-  }
+  evo::perturb(state, amount, seed);
   impl.move(index, state);
 }
 

@@ -576,7 +576,7 @@ class Hop(evo_robots.Task):
     def observe(self, now):
         return np.concatenate([now.mean_velocity("robot"), now.shape("robot")], axis=1)
 
-    def reward(self, before, now):
+    def reward(self, before, now, actions):
         return now.mean_velocity("robot")[:, 1]
 END
 }
@@ -585,13 +585,27 @@ END
   own_task
   evolve ga calm -q -j2
   [ "$(jq -s 'map(.fitness) | unique | length' calm/history.jsonl)" -gt 3 ]
-  for file in best.json best.policy.h5 best.gif; do [ -s "calm/$file" ]; done
+  for file in best.json best.policy.h5 best.gif report.html; do [ -s "calm/$file" ]; done
   [ "$(jq -r .policy calm/best.json)" = "policies/$(jq -r .id calm/best.json).policy.h5" ]
   kill_and_repeat ga stormy 3
   diff <(essence calm) <(essence stormy)
   fails_with 2 "--inherit is for tasks of the suite" -- evolve ga no --inherit yes
   fails_with 2 "--physics is for tasks of the suite" -- evolve ga no --physics evogym
-  fails_with 2 "--video-options are of evo-render" -- evolve ga no --video-options --grid
+  fails_with 2 "--tint" -- evolve ga no --video-options "--tint nothing"
+  # All that is done with runs of tasks in YAML.
+  evo-inspect --check --replay calm
+  grep -q '"replay":{"points":' calm/report.html
+  evo-render --poster calm --size 400x300 -o poster.svg
+  evo-render --evolution calm --size 160x90 -o film.gif
+  evo-render calm/best.rollout.h5 --strip 3 -o strip.svg
+  evo-evolve compare --run both --tasks "$PWD/hop.py:Hop Walker-v0" --methods ga --seeds 1 --pop 2 --evals 2 \
+    --steps 512 --shape 3x3 -q -j2 "${settings[@]:14}" > table
+  cut -f1 table | grep -qx Hop
+  [ -s both/Hop/ga-1/best.json ]
+  # The class is another one now, though its file is not.
+  sed -i 's/mean_velocity("robot")\[:, 1\]/mean_velocity("robot")[:, 0]/' hop.py
+  run -65 --separate-stderr evo-inspect --check --replay calm
+  [[ ${output} == *"another one than when the run began"* ]]
   run -2 --separate-stderr evolve ga no --task none.py:Hop
   [ ! -e no ]
 }

@@ -79,8 +79,8 @@ EVO_API int evo_task_set(evo_task* task, const char* assignment);
 typedef struct evo_task_facts {
   const char* name; /* these two as long as the task is not changed or freed */
   const char* yaml;
-  int32_t episode_steps; /* time limit, control steps */
-  int32_t reserved;
+  int32_t episode_steps; /* time limit, steps */
+  int32_t hold;          /* control steps of a step */
   /* The range of actions: an actuator's target length as a share of its rest length. */
   double action_low;
   double action_high;
@@ -278,6 +278,9 @@ EVO_API void evo_world_free(evo_world* world);
 EVO_API int evo_world_add(evo_world* world, const char* name, const uint8_t* voxels, int32_t rows,
                           int32_t columns, const int32_t* links, size_t link_count, int32_t x,
                           int32_t y);
+/* How stiff each voxel of an object is: [rows][columns] factors of its material, 0.1 to 10. */
+EVO_API int evo_world_stiffen(evo_world* world, const char* name, const double* factors,
+                              size_t count);
 /* Moves an object, or takes it out. */
 EVO_API int evo_world_move(evo_world* world, const char* name, int32_t x, int32_t y);
 EVO_API int evo_world_remove(evo_world* world, const char* name);
@@ -321,6 +324,8 @@ EVO_API int evo_sims_restore(evo_sims* sims, int32_t sim, const void* bytes, siz
 
 /* As evo_envs_translate. */
 EVO_API int evo_sims_translate(evo_sims* sims, int32_t sim, size_t object, double x, double y);
+/* Moves every point by up to `jitter` voxels in each coordinate; velocities stay. */
+EVO_API int evo_sims_perturb(evo_sims* sims, int32_t sim, double jitter, uint64_t seed);
 
 /* Objects in the order of points: those with actuators first, then by name. */
 typedef struct evo_sim_object {
@@ -366,10 +371,30 @@ typedef struct evo_policy_facts {
   double fitness;            /* the best evaluation */
   size_t curve_points;
   const evo_curve_point* curve; /* as long as the policy */
+  uint64_t seed;                /* of its training and evaluations */
 } evo_policy_facts;
 EVO_API int evo_policy_describe(const evo_policy* policy, evo_policy_facts* facts, size_t size);
 EVO_API int evo_policy_robot(const evo_policy* policy, evo_robots** robot); /* a list of one */
 EVO_API int evo_policy_task(const evo_policy* policy, evo_task** task);     /* with its physics */
+
+/* An episode of a task of one's own: T steps, P points, D observations, A actions. */
+typedef struct evo_episode {
+  const char* task_yaml;      /* what is known of the task: `hold: 5` and the like; may be "" */
+  size_t steps;               /* T */
+  size_t observation_values;  /* (T + 1) D */
+  size_t action_values;       /* T A */
+  const double* observations; /* [T + 1][D] */
+  const double* actions;      /* [T][A] */
+  const double* rewards;      /* [T] */
+  const double* positions;    /* [T + 1][P][2] */
+  uint8_t terminated;         /* how it ended */
+  uint8_t truncated;
+} evo_episode;
+/* Writes an episode of a policy as a rollout, for evo-render, evo-report and others: the one from
+ * the official start of its task, or, of a task of one's own, this one in the world of `sims`. Both
+ * are NULL, or neither. */
+EVO_API int evo_policy_record(const evo_policy* policy, const evo_sims* sims,
+                              const evo_episode* episode, size_t size, const char* file);
 
 /* The deterministic controller: observations [count][D] at steps [count] of their episodes in,
  * actions [count][A] out. */
@@ -416,8 +441,10 @@ typedef struct evo_learner_facts {
   int32_t environments; /* E, that it learns from side by side */
   int32_t rollout;
   int64_t updates;             /* of the whole training */
-  int32_t evaluation_interval; /* updates, after which the suite would evaluate the policy */
-  int32_t reserved;
+  int32_t evaluation_interval; /* updates, after which the suite would evaluate the policy, */
+  int32_t evaluation_episodes; /* by the mean of so many episodes, */
+  double evaluation_jitter;    /* whose start coordinates are moved by up to this, voxels */
+  double start_jitter;         /* the same of episodes that it learns from */
 } evo_learner_facts;
 
 /* `training` as for evo_train; D observations and A actions, from `low` to `high`, of an
@@ -437,10 +464,11 @@ EVO_API int evo_learner_reward(evo_learner* learner, const double* rewards,
                                const double* reached, size_t values, const int32_t* steps,
                                size_t environments);
 EVO_API int evo_learner_learn(evo_learner* learner);
-/* The present policy, with a robot and a curve [points] to be kept with it. The tools evaluate it
- * where they know the task; evo_policy_act does anywhere. */
+/* The present policy, with a robot and a curve [points] to be kept with it, and what the task is
+ * called. Tools that evaluate policies do not know the task; evo_policy_act acts anywhere. */
 EVO_API int evo_learner_policy(const evo_learner* learner, const evo_robots* robots, size_t index,
-                               const evo_curve_point* curve, size_t points, evo_policy** policy);
+                               const char* task, const evo_curve_point* curve, size_t points,
+                               evo_policy** policy);
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,5 @@
-"""python -m evo_robots FILE.py:CLASS [OPTION]... < robots: trains each robot of standard input in a
+"""python -m evo_robots tensorboard RUN FOLDER: see files.to_tensorboard.
+python -m evo_robots FILE.py:CLASS [OPTION]... < robots: trains each robot of standard input in a
 task in Python, and writes it with its fitness to standard output, as evo-train does. Runs with
 --task FILE.py:CLASS do this (evo evolve)."""
 
@@ -40,7 +41,8 @@ def task_class(named: str) -> type:
 
 def options() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="evo_robots", usage="python3 -m evo_robots FILE.py:CLASS [OPTION]... < robots",
+        prog="evo_robots", usage="python3 -m evo_robots FILE.py:CLASS [OPTION]... < robots\n"
+        "       python3 -m evo_robots tensorboard RUN FOLDER",
         description="Trains each robot of standard input (documents, one a line) in a task in Python; "
         "writes it with its fitness to standard output. Runs do this where --task is FILE.py:CLASS.")
     parser.add_argument("task", metavar="FILE.py:CLASS", help="a class derived from evo_robots.Task")
@@ -48,15 +50,21 @@ def options() -> argparse.ArgumentParser:
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="[0]")
     parser.add_argument("--train", action="append", default=[], metavar="PROFILE|KEY=VALUE",
                         help="a training profile by name or file, or one setting (repeatable) [default]")
-    parser.add_argument("--out-dir", metavar="DIR", help="where <id>.policy.h5 goes [nowhere]")
-    parser.add_argument("--video", nargs=2, metavar=("POLICY", "FILE"), help="instead: a policy's episode as a "
-                        "video, by its ending (.mp4, .webm, .gif)")
+    parser.add_argument("--out-dir", metavar="DIR", help="where <id>.policy.h5 and its episode, "
+                        "<id>.rollout.h5, go [nowhere]")
+    parser.add_argument("--rollout", nargs=2, metavar=("POLICY", "FILE"),
+                        help="instead: a policy's episode as a rollout, for evo-render and others")
     parser.add_argument("--failures", choices=("stop", "skip"), default="stop",
                         help="a training that diverges: stop, or skip (fitness null, go on) [stop]")
     return parser
 
 
 def main() -> int:
+    if sys.argv[1:2] == ["tensorboard"] and len(sys.argv) == 4:
+        from .files import to_tensorboard
+
+        to_tensorboard(*sys.argv[2:])
+        return 0
     given = options().parse_args()
     folder = given.out_dir
     try:
@@ -65,8 +73,8 @@ def main() -> int:
                     "settings": dict(text.split("=", 1) for text in given.train if text not in profiles)}
         check_training(**training)
         task = task_class(given.task)()
-        if given.video is not None:
-            Trained.read(given.video[0]).video(task).save(given.video[1])
+        if given.rollout is not None:
+            Trained.read(given.rollout[0]).rollout(given.rollout[1], task)
             return 0
         for line in filter(str.strip, sys.stdin):
             document = json.loads(line)
@@ -81,8 +89,9 @@ def main() -> int:
                 document.update(fitness=trained.fitness, steps=int(trained.curve[-1, 0]))
                 if folder is not None:
                     os.makedirs(folder, exist_ok=True)
+                    trained.rollout(os.path.join(folder, f"{robot.id}.rollout.h5"))
                     document["policy"] = os.path.join(folder, f"{robot.id}.policy.h5")
-                    trained.save(os.path.join(folder, f"{robot.id}.policy.h5"))
+                    trained.save(document["policy"])
             print(json.dumps(document), flush=True)
     except KeyboardInterrupt:
         return INTERRUPTED

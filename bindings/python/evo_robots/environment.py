@@ -65,10 +65,11 @@ class Filmed(gymnasium.Env):
 
     metadata = RENDERING
 
-    def _begin_film(self, shown: Any, render_mode: str | None, width: int, height: int) -> None:
-        """shown: has ``positions`` and ``picture``."""
+    def _begin_film(self, shown: Any, hold: int, render_mode: str | None, width: int,
+                    height: int) -> None:
+        """shown: has ``positions`` and ``picture``. hold: control steps of a step."""
         self.render_mode = known_render_mode(render_mode)
-        self._shown, self._size = shown, (width, height)
+        self._shown, self._hold, self._size = shown, hold, (width, height)
         self._film: deque[np.ndarray] = deque(maxlen=MOST_STEPS + 1)  # positions
 
     def _note(self, first: bool = False) -> None:
@@ -86,14 +87,14 @@ class Filmed(gymnasium.Env):
               speed: float = 1.0) -> Video:
         """The episode so far (its last 2000 steps): plays in a notebook, ``save(path)`` writes it."""
         return Video.of(list(self._film), lambda positions: self._shown.picture(
-            0, width, height, positions=positions), fps=fps, speed=speed, says=repr(self))
+            0, width, height, positions=positions), fps=fps, speed=speed / self._hold, says=repr(self))
 
 
 class Environment(Filmed):
     """A robot in a task.
 
     task: a benchmark task by name, or a task file of your own. body,
-    connections: see ``evo_robots.robots``; ``robot`` takes a file or a document
+    connections, stiffness: see ``evo_robots.Robot``; ``robot`` takes a file or a document
     instead. physics, settings: as --physics of the tools. jitter: every start coordinate is moved by up to this, voxels.
     max_episode_steps: steps after which an episode is truncated [the task's];
     -1 for none.
@@ -112,6 +113,7 @@ class Environment(Filmed):
         body: Any = None,
         connections: Any = None,
         *,
+        stiffness: Any = None,
         robot: Any = None,
         render_mode: str | None = None,
         width: int = 600,
@@ -125,8 +127,8 @@ class Environment(Filmed):
         known_render_mode(render_mode)
         self.simulator = only_robot(
             Simulator(task, the_robot(body, connections, robot), seed=seed,
-                      physics=physics, settings=settings), 1)
-        self._begin_film(self.simulator, render_mode, width, height)
+                      stiffness=stiffness, physics=physics, settings=settings), 1)
+        self._begin_film(self.simulator, self.simulator.info["hold"], render_mode, width, height)
         self._limit = time_limit(max_episode_steps, self.simulator)
         self._steps, self._return = 0, 0.0
         self.observation_space = observation_box(int(self.simulator.observation_lengths[0]))

@@ -5,13 +5,14 @@ from __future__ import annotations
 import ctypes
 import ctypes.util
 import functools
+import importlib
 import json
 import operator
 import os
 import shutil
 import sys
 from ctypes import (POINTER, Structure, byref, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t,
-                    c_uint64, c_void_p)
+                    c_uint64, c_uint8, c_void_p)
 from pathlib import Path
 from typing import Any, Sequence
 
@@ -24,6 +25,14 @@ class EvoError(RuntimeError):
     def __init__(self, text: str, diverged: bool = False) -> None:
         super().__init__(text)
         self.diverged = diverged
+
+
+def needs(module: str, extra: str) -> Any:
+    """A package that only some functions need."""
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError:
+        raise EvoError(f"this needs {module}: pip install {module}, or evo-robots[{extra}]") from None
 
 
 def whole(name: str, value: Any, low: int, high: int) -> int:
@@ -68,7 +77,7 @@ class Whole32:
 
 class TaskFacts(Structure):
     _fields_ = [("name", c_char_p), ("yaml", c_char_p), ("episode_steps", c_int32),
-                ("reserved", c_int32), ("action_low", c_double), ("action_high", c_double),
+                ("hold", c_int32), ("action_low", c_double), ("action_high", c_double),
                 ("physics_yaml", c_char_p)]
 
 
@@ -119,7 +128,8 @@ class SimObject(Structure):
 
 class PolicyFacts(Structure):
     _fields_ = [("observation_length", c_size_t), ("action_length", c_size_t),
-                ("fitness", c_double), ("curve_points", c_size_t), ("curve", c_void_p)]
+                ("fitness", c_double), ("curve_points", c_size_t), ("curve", c_void_p),
+                ("seed", c_uint64)]
 
 
 class CurvePoint(Structure):
@@ -134,7 +144,15 @@ class Training(Structure):
 
 class LearnerFacts(Structure):
     _fields_ = [("environments", c_int32), ("rollout", c_int32), ("updates", c_int64),
-                ("evaluation_interval", c_int32), ("reserved", c_int32)]
+                ("evaluation_interval", c_int32), ("evaluation_episodes", c_int32),
+                ("evaluation_jitter", c_double), ("start_jitter", c_double)]
+
+
+class OwnEpisode(Structure):
+    _fields_ = [("task_yaml", c_char_p), ("steps", c_size_t), ("observation_values", c_size_t),
+                ("action_values", c_size_t), ("observations", c_void_p), ("actions", c_void_p),
+                ("rewards", c_void_p), ("positions", c_void_p), ("terminated", c_uint8),
+                ("truncated", c_uint8)]
 
 
 EVO_WORK = 1
@@ -175,6 +193,7 @@ SIGNATURES = {
     "evo_world_parse": [c_char_p, _OPENED],
     "evo_world_add": [_HANDLE, c_char_p, c_void_p, Whole32, Whole32, c_void_p, c_size_t, Whole32,
                       Whole32],
+    "evo_world_stiffen": [_HANDLE, c_char_p, c_void_p, c_size_t],
     "evo_world_move": [_HANDLE, c_char_p, Whole32, Whole32],
     "evo_world_remove": [_HANDLE, c_char_p],
     "evo_world_json": [_HANDLE, POINTER(c_void_p)],
@@ -185,6 +204,7 @@ SIGNATURES = {
     "evo_sims_save": _STATE,
     "evo_sims_restore": [_HANDLE, Whole32, c_char_p, c_size_t],
     "evo_sims_translate": [_HANDLE, Whole32, c_size_t, c_double, c_double],
+    "evo_sims_perturb": [_HANDLE, Whole32, c_double, c_uint64],
     "evo_sims_object_count": [_HANDLE, POINTER(c_size_t)],
     "evo_sims_object": [_HANDLE, c_size_t, POINTER(SimObject), c_size_t],
     "evo_sims_orientation": [_HANDLE, c_size_t, c_void_p, c_void_p, c_size_t],
@@ -193,6 +213,8 @@ SIGNATURES = {
     "evo_policy_describe": [_HANDLE, POINTER(PolicyFacts), c_size_t],
     "evo_policy_act": [_HANDLE, c_void_p, c_void_p, c_size_t, c_void_p, c_size_t],
     "evo_policy_write": [_HANDLE, c_char_p],
+    "evo_policy_task": [_HANDLE, _OPENED],
+    "evo_policy_record": [_HANDLE, _HANDLE, POINTER(OwnEpisode), c_size_t, c_char_p],
     "evo_train": [_HANDLE, _HANDLE, c_size_t, POINTER(Training), c_size_t, _OPENED],
     "evo_learner_open": [POINTER(Training), c_size_t, Whole32, Whole32, c_double, c_double, c_char_p,
                          _OPENED],
@@ -202,7 +224,8 @@ SIGNATURES = {
     "evo_learner_reward": [_HANDLE, c_void_p, c_void_p, c_void_p, c_void_p, c_size_t, c_void_p,
                            c_size_t],
     "evo_learner_learn": [_HANDLE],
-    "evo_learner_policy": [_HANDLE, _HANDLE, c_size_t, POINTER(CurvePoint), c_size_t, _OPENED],
+    "evo_learner_policy": [_HANDLE, _HANDLE, c_size_t, c_char_p, POINTER(CurvePoint), c_size_t,
+                           _OPENED],
 }
 FREES = ("evo_task_free", "evo_robots_free", "evo_envs_free", "evo_world_free", "evo_sims_free",
          "evo_policy_free", "evo_learner_free", "evo_free")
@@ -382,8 +405,8 @@ def count_of(name: str, *arguments: Any) -> int:
 
 
 def task_of(task: Any, physics: Any, settings: Any) -> Handle:
-    """A task by name or file, with its physics changed as --physics does."""
-    opened = Handle("task", "evo_task_open", text_of(task))
+    """A task by name or file, with its physics changed as --physics does; or one opened before."""
+    opened = task if isinstance(task, Handle) else Handle("task", "evo_task_open", text_of(task))
     if physics is not None:
         call("evo_task_set_physics", opened, text_of(physics))
     for key, value in (settings or {}).items():

@@ -3,7 +3,7 @@
     class Walk(Task):
         def observe(self, now):
             return np.concatenate([now.shape("robot"), now.mean_velocity("robot")], axis=1)
-        def reward(self, before, now):
+        def reward(self, before, now, actions):
             return now.centre("robot")[:, 0] - before.centre("robot")[:, 0]
 
     trained = evo_robots.train(Walk(), body, steps=100_000, seed=1)
@@ -23,10 +23,11 @@ from typing import Any, Callable, Iterator, Mapping
 
 import numpy as np
 
-from .library import (CurvePoint, EvoError, Handle, LearnerFacts, PolicyFacts, Training,
-                      address, call, facts, failure, library, numbers, robots_of, task_of, text_of,
-                      whole, whole64)
+from .library import (CurvePoint, EvoError, Handle, LearnerFacts, OwnEpisode, PolicyFacts, Training,
+                      address, call, facts, failure, library, needs, numbers, targets, task_of, text_of, whole,
+                      whole64)
 from .robots import Robot
+from .simulator import Simulator
 from .video import Video
 from .worlds import SIM_STATUS, Simulations, World
 
@@ -41,6 +42,8 @@ class Moment:
         self.positions = sims.positions  # [E, P, 2]; now: the simulator's own, before: kept
         self.velocities = sims.velocities  # [E, P, 2]
         self.steps = steps  # [E] taken in the episodes
+        self.actions = np.ones((sims.num_sims, sims.num_actuators))  # [E, A] of the step that led here
+        self.draws: dict[str, np.ndarray] = {}  # [E] each: what the episodes drew
         self._centres: dict[str, np.ndarray] = {}  # those asked for since the last step
 
     def points(self, name: str) -> np.ndarray:
@@ -76,12 +79,13 @@ class Moment:
         """A copy, which the next step does not change."""
         if into is None:
             into = copy.copy(self)
-            into.positions, into.velocities, into.steps = (
-                self.positions.copy(), self.velocities.copy(), self.steps.copy())
+            into.positions, into.velocities, into.steps, into.actions = (
+                self.positions.copy(), self.velocities.copy(), self.steps.copy(), self.actions.copy())
         else:
             np.copyto(into.positions, self.positions)
             np.copyto(into.velocities, self.velocities)
             np.copyto(into.steps, self.steps)
+            np.copyto(into.actions, self.actions)
         into._centres, self._centres = self._centres, {}
         return into
 
@@ -90,6 +94,8 @@ class Task:
     """A task of one's own: derive from it, and define observe and reward."""
 
     steps = 500  # time limit of an episode
+    hold = 1  # control steps of a step, all with the same action
+    step_cost = 0.0  # subtracted from the reward of every step
     folded = -3.0  # added to the reward where a robot folds onto itself, which ends its episode
     physics: Any = None  # a profile by name or file [the benchmark's]
 
@@ -100,20 +106,26 @@ class Task:
         world.add("robot", body, 1, 1, connections)
         return world
 
+    def draw(self, random: np.random.Generator) -> Mapping[str, Any]:
+        """What an episode draws by its seed and number: numbers by name, which ``now.draws`` has,
+        [E]; an object's name with (x, y) lets it begin moved by so many voxels."""
+        return {}
+
     def observe(self, now: Moment) -> np.ndarray:
         """[E, D]"""
         raise NotImplementedError(f"{type(self).__name__} has no observe()")
 
-    def reward(self, before: Moment, now: Moment) -> np.ndarray:
-        """[E], of the step from before to now."""
+    def reward(self, before: Moment, now: Moment, actions: np.ndarray) -> np.ndarray:
+        """[E], of the step from before to now by these actions [E, A], targets of the actuators;
+        ``before.actions`` are those of the step before, 1 at an episode's start."""
         raise NotImplementedError(f"{type(self).__name__} has no reward()")
 
     def done(self, now: Moment) -> np.ndarray:
         """[E] bool, whose episode is over."""
         return np.zeros(len(now.steps), bool)
 
-    def envs(self, robot: Any, count: int, jobs: int = 1) -> "TaskEnvironments":
-        return TaskEnvironments(self, robot, count, jobs=jobs)
+    def envs(self, robot: Any, count: int, **arguments: Any) -> "TaskEnvironments":
+        return TaskEnvironments(self, robot, count, **arguments)
 
     def env(self, robot: Any, **arguments: Any) -> Any:
         """For Gymnasium: one environment."""
@@ -121,51 +133,85 @@ class Task:
 
         return OneEnvironment(self, robot, **arguments)
 
-    def vector_env(self, robot: Any, num_envs: int, jobs: int = 1) -> Any:
+    def vector_env(self, robot: Any, num_envs: int, **arguments: Any) -> Any:
         """For Gymnasium: many, stepped together."""
         from .own_gymnasium import ManyEnvironments
 
-        return ManyEnvironments(self, robot, num_envs, jobs)
+        return ManyEnvironments(self, robot, num_envs, **arguments)
 
 
 class TaskEnvironments:
     """``count`` environments of a robot in a task of one's own, stepped side by side. What has ended
-    shows it until it is reset."""
+    shows it until it is reset. seed: of what episodes draw; environment i plays the episodes i,
+    i + count, .. of it. jitter: every start coordinate is moved by up to this, voxels."""
 
-    def __init__(self, task: Task, robot: Any, count: int = 1, *, jobs: int = 1) -> None:
+    def __init__(self, task: Task, robot: Any, count: int = 1, *, jobs: int = 1, seed: int = 0,
+                 jitter: float = 0.0, purpose: int = 0) -> None:
         self.task = task
         self.robot = robot if isinstance(robot, Robot) else Robot(robot)
-        self.sims = Simulations(task.world(self.robot.body, self.robot.connections), count,
-                                physics=task.physics, jobs=jobs)
+        world = task.world(self.robot.body, self.robot.connections)
+        if self.robot.stiffness is not None:
+            world.stiffen("robot", self.robot.stiffness)
+        self.sims = Simulations(world, count, physics=task.physics, jobs=jobs)
         self.num_envs = count
         self.num_actuators = self.sims.num_actuators
         self.action_low, self.action_high = self.sims.action_low, self.sims.action_high
         if self.num_actuators == 0:
             raise ValueError(f"the world of {type(task).__name__} has no robot in it")
-        self._all = np.ones(count, bool)
+        self._hold = whole("hold", task.hold, 1, 1000)
+        self._seed, self._purpose, self._jitter = whole64("seed", seed), purpose, jitter
+        self._drawn = jitter != 0 or type(task).draw is not Task.draw
+        self._episodes = np.arange(count)  # the next of each
         self._steps = np.zeros(count, np.int32)
         self._now = Moment(self.sims, self._steps)
         self._before: Moment | None = None
+        self.reset()
+        self._episodes[:] = np.arange(count)
         self.num_observations = self.observe().shape[1]
 
-    def reset(self, mask: Any = None) -> np.ndarray:
-        """Begins episodes, all or those of mask [E]; the observations of all, [E, D]."""
+    def reset(self, mask: Any = None, seed: int | None = None) -> np.ndarray:
+        """Begins episodes, all or those of mask [E]; the observations of all, [E, D]. A seed stays in
+        force, and begins the count of its episodes anew."""
+        if seed is not None:
+            self._seed = whole64("seed", seed)
+            self._episodes[:] = np.arange(self.num_envs)
+        chosen = np.arange(self.num_envs) if mask is None else np.flatnonzero(mask)
+        for index in chosen:
+            self.sims.reset(index)
+            if self._drawn:
+                self._draw(index)
+        self._episodes[chosen] += self.num_envs
+        self._steps[chosen] = 0
+        self._now.actions[chosen] = 1.0
         self._now._centres = {}
-        if mask is None:
-            self.sims.reset()
-            self._steps[:] = 0
-        else:
-            for index in np.flatnonzero(mask):
-                self.sims.reset(index)
-                self._steps[index] = 0
         return self.observe()
+
+    def _draw(self, index: int) -> None:
+        random = np.random.default_rng(np.random.SeedSequence(
+            self._seed, spawn_key=(self._purpose, int(self._episodes[index]))))
+        jitter_seed = int(random.integers(1 << 63))  # first, so that draws are the same with and without
+        for name, value in self.task.draw(random).items():
+            if np.ndim(value) == 0:
+                self._now.draws.setdefault(name, np.zeros(self.num_envs))[index] = value
+            else:
+                self.sims.translate(name, (0.1 * value[0], 0.1 * value[1]), index)
+        if self._jitter != 0:
+            self.sims.perturb(self._jitter, jitter_seed, index)
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Observations [E, D], rewards [E], terminated [E], truncated [E]."""
         self._before = self._now._keep(self._before)
         self.sims.step(actions)
+        for _ in range(1, self._hold):
+            self.sims.step(actions, self.sims.status == SIM_STATUS.index("ok"))
         self._steps += 1
-        rewards = self._values("reward", self.task.reward(self._before, self._now), np.float64)
+        taken = targets(actions, self.action_low, self.action_high)
+        if getattr(actions, "dtype", None) == np.float32:  # clipped already, in its own precision
+            self._now.actions[:] = taken
+        else:
+            np.clip(taken, self.action_low, self.action_high, out=self._now.actions)
+        rewards = self._values("reward", self.task.reward(self._before, self._now, self._now.actions),
+                               np.float64) - self.task.step_cost
         terminated = self._values("done", self.task.done(self._now), np.bool_)
         if np.count_nonzero(self.sims.status):  # a tenth of the time of any()
             folded = self.sims.status != SIM_STATUS.index("ok")
@@ -206,6 +252,7 @@ class Trained:
     fitness: float  # the best evaluation
     curve: np.ndarray  # [n, 3]: environment steps, evaluation, the best until then
     _policy: Handle = field(repr=False)
+    _task: Task | None = field(default=None, repr=False)  # of one's own
 
     @classmethod
     def read(cls, path: str | os.PathLike) -> "Trained":
@@ -226,17 +273,51 @@ class Trained:
         return actions
 
     def save(self, path: str | os.PathLike) -> None:
-        """A policy file. evo-eval and evo-render take those of the suite's tasks."""
+        """A policy file. evo-eval takes those of the suite's tasks."""
         call("evo_policy_write", self._policy, text_of(path))
 
-    def video(self, task: Task | type[Task], width: int = 480, height: int = 240, fps: float = 25.0,
+    def rollout(self, path: str | os.PathLike, task: Task | type[Task] | None = None) -> None:
+        """Writes its episode from the official start as a file for evo-render, evo-inspect and
+        read_rollout. task: for a policy that was read from a file and is of a Task."""
+        own = _task(self._task if task is None else task)
+        if own is None:
+            call("evo_policy_record", self._policy, None, None, 0, text_of(path))
+            return
+        envs = TaskEnvironments(own, self.robot, seed=self._seed())
+        played = _play(envs, self)
+        about = f"name: {type(own).__name__}\nsteps: {own.steps}\nhold: {own.hold}\n"
+        kept = {name: np.ascontiguousarray(values, np.float64) for name, values in (
+            ("observations", played.observations), ("actions", played.actions),
+            ("rewards", played.rewards), ("positions", played.positions))}
+        episode = OwnEpisode(
+            about.encode(), len(played.rewards), kept["observations"].size, kept["actions"].size,
+            *(address(values) for values in kept.values()), played.terminated, played.truncated)
+        call("evo_policy_record", self._policy, envs.sims._handle, ctypes.byref(episode),
+             ctypes.sizeof(episode), text_of(path))
+
+    def video(self, task: Any = None, width: int = 480, height: int = 240, fps: float = 25.0,
               speed: float = 1.0) -> Video:
-        """Its episode in a Task of one's own: plays in a notebook, ``save(path)`` writes it."""
-        envs = TaskEnvironments(_task(task), self.robot)
-        film: list[np.ndarray] = []
-        _evaluate(envs, self, film)
-        return Video.of(film, lambda positions: envs.sims.picture(0, width, height, positions=positions),
-                        fps=fps, speed=speed)
+        """Its episode in a Task, or in a task of the suite by name or file [what it was trained on]:
+        plays in a notebook, ``save(path)`` writes it."""
+        task = _task(self._task if task is None else task)
+        if isinstance(task, Task):
+            envs = TaskEnvironments(task, self.robot, seed=self._seed())
+            shown, hold, film = envs.sims, task.hold, _play(envs, self).positions
+        else:
+            if task is None:
+                task = Handle("task", "evo_policy_task", self._policy)
+            shown = Simulator(task, self.robot, seed=self._seed())
+            hold, film = shown.info["hold"], []
+            shown.reset()
+            while not film or not (shown.terminated[0] or shown.truncated[0]):
+                film.append(shown.positions[0].copy())
+                shown.advance(shown.act(self))
+            film.append(shown.positions[0].copy())
+        return Video.of(film, lambda positions: shown.picture(0, width, height, positions=positions),
+                        fps=fps, speed=speed / hold)
+
+    def _seed(self) -> int:
+        return facts("evo_policy_describe", PolicyFacts, self._policy).seed
 
 
 def _task(task: Any) -> Any:
@@ -291,9 +372,7 @@ def _reporter(progress: Any) -> tuple[Callable[[int], Any], Callable[[], Any]]:
         return progress, lambda: None
     if not progress:
         return lambda step: None, lambda: None
-    from tqdm.auto import tqdm
-
-    bar = tqdm(unit=" steps")
+    bar = needs("tqdm.auto", "data").tqdm(unit=" steps")
     return lambda step: bar.update(step - bar.n), bar.close
 
 
@@ -346,11 +425,12 @@ def _signals_into(raised: list[BaseException]) -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def _trained(robot: Robot, policy: Handle) -> Trained:
+def _trained(robot: Robot, policy: Handle, task: Task | None = None) -> Trained:
     known = facts("evo_policy_describe", PolicyFacts, policy)
     points = (CurvePoint * known.curve_points).from_address(known.curve) if known.curve_points else []
     return Trained(robot, known.fitness,
-                   np.array([(p.step, p.evaluation, p.best) for p in points]).reshape(-1, 3), policy)
+                   np.array([(p.step, p.evaluation, p.best) for p in points]).reshape(-1, 3), policy,
+                   task)
 
 
 def check_training(*, steps: int | None = None, seed: int = 0,
@@ -363,13 +443,15 @@ def check_training(*, steps: int | None = None, seed: int = 0,
 
 
 def _train_own(task: Task, robot: Robot, wanted: _Wanted, report: Callable) -> Trained:
-    one = TaskEnvironments(task, robot)  # for evaluations
+    one = TaskEnvironments(task, robot)
     learner = Handle("learner", "evo_learner_open", ctypes.byref(wanted.struct),
                      ctypes.sizeof(wanted.struct), one.num_observations, one.num_actuators,
                      one.action_low, one.action_high, robot.id.encode())
     plan = facts("evo_learner_describe", LearnerFacts, learner)
-    count = plan.environments
-    envs = TaskEnvironments(task, robot, count)
+    count, seed = plan.environments, wanted.struct.seed
+    envs = TaskEnvironments(task, robot, count, seed=seed, jitter=plan.start_jitter, purpose=1)
+    judged = TaskEnvironments(task, robot, plan.evaluation_episodes, seed=seed,
+                              jitter=plan.evaluation_jitter)
     actions = np.empty((count, envs.num_actuators))
     observe, act, reward = (getattr(library(), f"evo_learner_{name}")
                             for name in ("observe", "act", "reward"))
@@ -397,30 +479,56 @@ def _train_own(task: Task, robot: Robot, wanted: _Wanted, report: Callable) -> T
         call("evo_learner_learn", learner)
         step = update * plan.rollout * count
         if update % plan.evaluation_interval == 0 or update == plan.updates:
-            now = _snapshot(learner, robot, [])
-            score = _evaluate(one, Trained(robot, 0.0, np.empty((0, 3)), now))
+            now = _snapshot(learner, robot, task, [])
+            score = _evaluate(judged, Trained(robot, 0.0, np.empty((0, 3)), now))
             highest = max([score, *(point[2] for point in curve[-1:])])
             curve.append((step, score, highest))
             if len(curve) == 1 or score > curve[-2][2]:
-                best = _snapshot(learner, robot, curve)
+                best = _snapshot(learner, robot, task, curve)
         report(step)
     found = _trained(robot, best)
-    return Trained(robot, found.fitness, np.array(curve), best)
+    return Trained(robot, found.fitness, np.array(curve), best, task)
 
 
-def _snapshot(learner: Handle, robot: Robot, curve: list[tuple[int, float, float]]) -> Handle:
+def _snapshot(learner: Handle, robot: Robot, task: Task,
+              curve: list[tuple[int, float, float]]) -> Handle:
     points = (CurvePoint * max(1, len(curve)))(*curve)
-    return Handle("policy", "evo_learner_policy", learner, robot._handle, 0, points, len(curve))
+    return Handle("policy", "evo_learner_policy", learner, robot._handle, 0,
+                  type(task).__name__.encode(), points, len(curve))
 
 
-def _evaluate(one: TaskEnvironments, policy: Trained, film: list[np.ndarray] | None = None) -> float:
-    """The return of one deterministic episode, whose positions go to ``film``."""
-    observations, total = one.reset(), 0.0
-    while True:
-        if film is not None:
-            film.append(one.sims.positions[0].copy())
-        observations, rewards, terminated, truncated = one.step(
-            policy.act(observations, one.steps))
-        total += float(rewards[0])
-        if terminated[0] or truncated[0]:
-            return total
+def _evaluate(envs: TaskEnvironments, policy: Trained) -> float:
+    """The mean return of the first deterministic episode of each environment."""
+    envs._episodes[:] = np.arange(envs.num_envs)
+    observations, total, running = envs.reset(), np.zeros(envs.num_envs), np.ones(envs.num_envs, bool)
+    while running.any():
+        observations, rewards, terminated, truncated = envs.step(policy.act(observations, envs.steps))
+        total[running] += rewards[running]
+        running &= ~(terminated | truncated)
+    return float(total.mean())
+
+
+@dataclass
+class _Played:
+    """An episode of T steps."""
+
+    observations: list  # [T + 1, D], and so on
+    actions: list
+    rewards: list
+    positions: list
+    terminated: bool = False
+    truncated: bool = False
+
+
+def _play(one: TaskEnvironments, policy: Trained) -> _Played:
+    """A deterministic episode of the one environment."""
+    played = _Played([one.reset()[0]], [], [], [one.sims.positions[0].copy()])
+    while not (played.terminated or played.truncated):
+        actions = policy.act(played.observations[-1][None], one.steps)
+        observations, rewards, terminated, truncated = one.step(actions)
+        played.observations.append(observations[0])
+        played.actions.append(actions[0])
+        played.rewards.append(rewards[0])
+        played.positions.append(one.sims.positions[0].copy())
+        played.terminated, played.truncated = bool(terminated[0]), bool(truncated[0])
+    return played

@@ -21,15 +21,17 @@ def _spaces(envs: TaskEnvironments) -> tuple[Box, Box]:
 
 
 class OneEnvironment(Filmed):
+    """arguments: of TaskEnvironments, such as seed and jitter."""
+
     def __init__(self, task: Task, robot: Any, *, render_mode: str | None = None, width: int = 600,
-                 height: int = 300) -> None:
-        self._envs = TaskEnvironments(task, robot)
-        self._begin_film(self._envs.sims, render_mode, width, height)
+                 height: int = 300, **arguments: Any) -> None:
+        self._envs = TaskEnvironments(task, robot, **arguments)
+        self._begin_film(self._envs.sims, task.hold, render_mode, width, height)
         self.observation_space, self.action_space = _spaces(self._envs)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None):
         super().reset(seed=seed)
-        observations = self._envs.reset()
+        observations = self._envs.reset(seed=seed)
         self._note(first=True)
         return observations[0], {}
 
@@ -42,8 +44,8 @@ class OneEnvironment(Filmed):
 class ManyEnvironments(VectorEnv):
     """Those that ended are reset in their next step."""
 
-    def __init__(self, task: Task, robot: Any, num_envs: int, jobs: int = 1) -> None:
-        self._envs = TaskEnvironments(task, robot, num_envs, jobs=jobs)
+    def __init__(self, task: Task, robot: Any, num_envs: int, **arguments: Any) -> None:
+        self._envs = TaskEnvironments(task, robot, num_envs, **arguments)
         self.num_envs = num_envs
         self.metadata = {**RENDERING, "autoreset_mode": AutoresetMode.NEXT_STEP}
         self.single_observation_space, self.single_action_space = _spaces(self._envs)
@@ -54,7 +56,7 @@ class ManyEnvironments(VectorEnv):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None):
         super().reset(seed=seed)
         self._ended[:] = False
-        return self._envs.reset(), {}
+        return self._envs.reset(seed=seed), {}
 
     def step(self, actions: Any):
         begun = self._ended

@@ -138,6 +138,13 @@ def document_of(body: Any, connections: Any = None) -> dict[str, Any]:
     return document
 
 
+def stiffened(robot: Any, factors: Any) -> dict[str, Any]:
+    """A robot's document with factors of its voxels' stiffness, a matrix as the body, of 0.1 to 10."""
+    document = robot_document(robot)
+    document.pop("id", None)  # another robot
+    return {**document, "stiffness": np.asarray(factors, float).tolist()}
+
+
 def robot_arrays(document: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """Body and connections of a robot document."""
     body = np.array([[LETTERS.index(v) if isinstance(v, str) else v for v in row]
@@ -164,12 +171,14 @@ def listed(robots: Any) -> list:
 
 class Robot:
     """A robot that shows itself in notebooks. From a body, a tuple ``(body, connections)``, a
-    document, or a file of one robot; ``body, connections = robot`` gives them back."""
+    document, or a file of one robot; ``body, connections = robot`` gives them back. stiffness: a
+    matrix as the body, factors of each voxel's stiffness, 0.1 to 10 [all 1: None]."""
 
-    def __init__(self, robot: Any, connections: Any = None) -> None:
+    def __init__(self, robot: Any, connections: Any = None, stiffness: Any = None) -> None:
         from .library import RobotFacts, count_of, facts, robots_of
 
-        self._handle = robots_of(robot if connections is None else document_of(robot, connections))
+        known = robot if connections is None else document_of(robot, connections)
+        self._handle = robots_of(known if stiffness is None else stiffened(known, stiffness))
         count = count_of("evo_robots_count", self._handle)
         if count != 1:
             raise ValueError(f"one robot is expected, not {count}; files.read_robots reads several")
@@ -177,6 +186,8 @@ class Robot:
         self.id: str = found.id.decode()
         self.document: dict[str, Any] = json.loads(found.json)
         self.body, self.connections = robot_arrays(self.document)
+        factors = self.document.get("stiffness")
+        self.stiffness = None if factors is None else np.array(factors, float)
 
     def svg(self, width: int = 240) -> str:
         """A picture, with the robot's id below."""

@@ -13,6 +13,7 @@ import numpy as np
 from .library import (EnvArrays, EnvObject, EvoError, Handle, RobotFacts, Start, TaskFacts, VoxelFacts,
                       address, array_at, bytes_given, call, count_of, facts, failure, library, picture,
                       robots_of, targets, task_of, text_given, whole, whole64)
+from .robots import stiffened
 
 __all__ = ["STATUS", "Simulator", "State", "Voxels", "env_mask"]
 
@@ -65,7 +66,7 @@ class Simulator:
     robot ``e // envs``. ``jobs``: threads that share a step.
 
     robots: a body as a matrix, a tuple ``(body, connections)``, a Robot, the path of a file, a
-    robot document as a dict, or a list of any of these.
+    robot document as a dict, or a list of any of these. stiffness: of one robot, see Robot.
 
     The arrays are the library's own: they show what is after every reset and step, and are copied
     by whoever wants to keep them. Raw units: a voxel is 0.1 wide.
@@ -89,11 +90,12 @@ class Simulator:
         *,
         seed: int = 0,
         jobs: int = 1,
+        stiffness: Any = None,
         physics: Any = None,
         settings: Mapping[str, Any] | None = None,
     ) -> None:
         self._task = task_of(task, physics, settings)
-        known = robots_of(robots)
+        known = robots_of(robots if stiffness is None else stiffened(robots, stiffness))
         self._open(known, envs, jobs)
         self._seed = whole64("seed", seed)
         described = [facts("evo_robots_describe", RobotFacts, known, index)
@@ -101,6 +103,7 @@ class Simulator:
         task_facts = self._task_facts()
         self.info = {
             "task": task_facts.name.decode(), "episode_steps": task_facts.episode_steps,
+            "hold": task_facts.hold,
             "action_low": task_facts.action_low, "action_high": task_facts.action_high,
             "environments_per_robot": envs,
             "robots": [{

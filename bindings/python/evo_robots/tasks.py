@@ -25,3 +25,6 @@ def register(prefix: str) -> None:
             vector_entry_point="evo_robots.vector:VectorEnvironment",
             max_episode_steps=limit,
             kwargs={"task": task})
+    if prefix:  # make(PREFIX + "file", task="my.yaml", body=..), with the limit of the file
+        gymnasium.register(prefix + "file", entry_point="evo_robots.environment:Environment",
+                           vector_entry_point="evo_robots.vector:VectorEnvironment")

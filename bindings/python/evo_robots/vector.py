@@ -33,6 +33,7 @@ class VectorEnvironment(VectorEnv):
         connections: Any = None,
         *,
         num_envs: int = 1,
+        stiffness: Any = None,
         robot: Any = None,
         render_mode: str | None = None,
         width: int = 600,
@@ -48,7 +49,7 @@ class VectorEnvironment(VectorEnv):
         self.render_mode = known_render_mode(render_mode)
         self.simulator = only_robot(
             Simulator(task, the_robot(body, connections, robot), num_envs, seed=seed, jobs=jobs,
-                      physics=physics, settings=settings), num_envs)
+                      stiffness=stiffness, physics=physics, settings=settings), num_envs)
         self._limit = time_limit(max_episode_steps, self.simulator)
         self._steps = np.zeros(num_envs, int)
         self.num_envs = num_envs

@@ -35,8 +35,7 @@ class Video:
         if not (fps > 0 and speed > 0):
             raise ValueError(f"fps and speed are above 0, not {fps} and {speed}")
         every = STEPS_PER_SECOND * speed / fps
-        steps = np.unique(np.append(np.arange(0, len(moments) - 1, every).astype(int),
-                                    len(moments) - 1)) if moments else []
+        steps = [*np.arange(0, len(moments) - 1, every).astype(int), len(moments) - 1] if moments else []
         return cls(_Drawn([moments[step] for step in steps], draw), fps, says)
 
     def __len__(self) -> int:

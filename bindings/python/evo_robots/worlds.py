@@ -22,7 +22,7 @@ import numpy as np
 
 from .library import (Handle, SimArrays, SimObject, address, array_at, bytes_given, call, count_of,
                       facts, failure, library, numbers, picture, targets as as_targets,
-                      text_given, text_of, whole)
+                      text_given, text_of, whole, whole64)
 from .robots import cell_pairs
 from .simulator import env_mask
 
@@ -46,11 +46,12 @@ class World:
     def from_json(cls, text: str) -> "World":
         return cls(Handle("world", "evo_world_parse", text.encode()))
 
-    def add(self, name: str, body: Any, x: int, y: int, connections: Any = None) -> None:
+    def add(self, name: str, body: Any, x: int, y: int, connections: Any = None,
+            stiffness: Any = None) -> None:
         """Puts an object with its lower left corner into cell (x, y). body: a matrix of 0
         (empty), 1 (rigid), 2 (soft), 3 and 4 (horizontal and vertical actuators), 5
         (fixed), [rows, columns]. connections: [2, n] pairs of neighbouring cells that are
-        joined, as row-major indices [all neighbours]."""
+        joined, as row-major indices [all neighbours]. stiffness: see stiffen."""
         given = numbers(f"body of {name!r}", body)
         if given.ndim != 2 or given.size == 0 or not np.isin(given, range(6)).all():
             raise ValueError(f"body of {name!r}: a matrix of the numbers 0 to 5 is expected")
@@ -61,6 +62,18 @@ class World:
         call("evo_world_add", self._handle, text_of(name), address(voxels), *voxels.shape,
              None if links is None else address(links), 0 if links is None else len(links),
              x, y)
+        if stiffness is not None:
+            try:
+                self.stiffen(name, stiffness)
+            except BaseException:
+                self.remove(name)
+                raise
+
+    def stiffen(self, name: str, factors: Any) -> None:
+        """How stiff each voxel of an object is, as a factor of its material's: a matrix as the body,
+        of 0.1 to 10."""
+        values = numbers(f"stiffness of {name!r}", factors)
+        call("evo_world_stiffen", self._handle, text_of(name), address(values), values.size)
 
     def move(self, name: str, x: int, y: int) -> None:
         call("evo_world_move", self._handle, text_of(name), x, y)
@@ -165,6 +178,10 @@ class Simulations:
     def translate(self, name: str, by: tuple[float, float], sim: int = 0) -> None:
         """Moves an object, as it is, by (x, y), raw units; velocities stay."""
         call("evo_sims_translate", self._handle, self._number(sim), self._known(name).index, *by)
+
+    def perturb(self, jitter: float, seed: int, sim: int = 0) -> None:
+        """Moves every point by up to ``jitter`` voxels in each coordinate; velocities stay."""
+        call("evo_sims_perturb", self._handle, self._number(sim), jitter, whole64("seed", seed))
 
     def picture(self, sim: int = 0, width: int = 600, height: int = 300, **view: Any) -> np.ndarray:
         """[height, width, 3] uint8. ``positions``: kept before, [P, 2] [now]; ``window``: centre x

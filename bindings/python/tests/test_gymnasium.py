@@ -1,6 +1,7 @@
 """Gymnasium's interface; needs gymnasium."""
 import copy
 import functools
+import json
 import os
 import random
 import re
@@ -20,6 +21,7 @@ from gymnasium.vector import AutoresetMode
 import evo_robots
 from evo_robots import EvoError
 from evo_robots.environment import Environment
+from test_own import careful
 
 WALKER = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
                    [4, 0, 0, 0, 4]])
@@ -162,6 +164,37 @@ class Many(unittest.TestCase):
             env.close()
         envs.close()
 
+    def test_a_task_file_everywhere_to_the_bit(self):
+        """With held actions, a cost of steps, and rewards of actions; in evo-eval, too."""
+        with tempfile.TemporaryDirectory() as folder:
+            task = careful(folder)
+            arguments = {"task": task, "body": WALKER, "stiffness": np.linspace(0.5, 2, 25).reshape(5, 5)}
+            sims = evo_robots.Simulator(task, WALKER, stiffness=arguments["stiffness"])
+            env = gymnasium.make("evo/file", **arguments)
+            envs = gymnasium.make_vec("evo/file", num_envs=2, max_episode_steps=40, **arguments)
+            sims.reset(seed=3), env.reset(seed=3), envs.reset(seed=3)
+            actions = np.random.default_rng(0).uniform(0.6, 1.6, (40, 13))
+            total = 0.0
+            for action in actions:
+                wanted = sims.step(action[None]).rewards[0]
+                total += wanted
+                self.assertEqual(env.step(action)[1], wanted)
+                _, rewards, _, truncated, _ = envs.step(np.stack([action, action]))
+                self.assertEqual(rewards.tolist(), [wanted] * 2)
+            self.assertEqual(truncated.tolist(), [True, True])
+            robot = Path(folder, "robot.json")
+            robot.write_text(json.dumps(sims._made["robots"][0]))
+            np.save(Path(folder, "actions.npy"), actions)
+            said = json.loads(subprocess.run(
+                [evo_robots.find_tool("evo-eval"), robot, "--task", task, "--actions", f"{folder}/actions.npy",
+                 "--max-steps", "40", "--seed", "3"], capture_output=True, text=True, check=True).stdout)
+            self.assertEqual(said["returns"], [total])
+            self.assertEqual(copy.deepcopy(env.unwrapped).step(actions[0])[1], env.step(actions[0])[1])
+            plain = gymnasium.make("evo/Walker-v0", body=WALKER)
+            self.assertNotEqual(plain.unwrapped.simulator.info["robots"], sims.info["robots"])
+            with self.assertRaisesRegex(EvoError, "5 rows|5 factors"):
+                gymnasium.make("evo/Walker-v0", body=WALKER, stiffness=[[1.0]])
+
     def test_autoreset_in_the_next_step_or_in_the_same(self):
         for mode in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
             envs = gymnasium.make_vec("evo/Walker-v0", num_envs=2, body=SMALL, max_episode_steps=5,
@@ -273,7 +306,7 @@ class OwnBatch(unittest.TestCase):
         def observe(self, now):
             return np.concatenate([now.mean_velocity("robot"), now.shape("robot")], axis=1)
 
-        def reward(self, before, now):
+        def reward(self, before, now, actions):
             return now.centre("robot")[:, 0] - before.centre("robot")[:, 0]
 
     def test_one(self):

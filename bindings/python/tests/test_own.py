@@ -12,12 +12,24 @@ from pathlib import Path
 import numpy as np
 
 import evo_robots
-from evo_robots import EvoError, Simulator, Task, World
+from evo_robots import EvoError, Simulator, Task, Trained, World
 from evo_robots.own import TaskEnvironments
 
 WALKER = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
                    [4, 0, 0, 0, 4]])
 FEW = {"environments": 4, "rollout": 32, "minibatches": 4, "evaluation_interval": 4}
+
+
+def careful(folder):
+    """A task file with all that the class Careful below has."""
+    known = Simulator("Walker-v0", WALKER).task()["task_yaml"]
+    text = known.replace("steps: 500", "steps: 500\nhold: 5\nstep_cost: 0.01").replace(
+        "folding_reward", "  - effort:\n    weight: -0.1\n  - action_change:\n    weight: -0.2\nfolding_reward")
+    assert text.count("hold") == text.count("effort") == 1, text
+    Path(folder, "careful.yaml").write_text(text)
+    return Path(folder, "careful.yaml")
+
+
 WALK = '''
 import numpy as np
 from evo_robots import Task
@@ -29,7 +41,7 @@ class Walk(Task):
         shape = now.shape("robot").reshape(len(now.steps), -1, 2)
         return np.concatenate([now.mean_velocity("robot"), shape[:, :, 0], shape[:, :, 1]], axis=1)
 
-    def reward(self, before, now):
+    def reward(self, before, now, actions):
         return now.centre("robot")[:, 0] - before.centre("robot")[:, 0]
 
     def done(self, now):
@@ -37,6 +49,10 @@ class Walk(Task):
 '''
 exec(WALK)  # the same text is a file below
 Walk = globals()["Walk"]
+
+
+class Fast(Walk):
+    hold = 2
 
 
 class Environments(unittest.TestCase):
@@ -51,6 +67,63 @@ class Environments(unittest.TestCase):
             np.testing.assert_allclose(observations, state.observations, atol=1e-8)
             np.testing.assert_allclose(rewards, state.rewards, atol=1e-10)
             np.testing.assert_array_equal(terminated, state.terminated)
+
+    def test_rewards_see_actions(self):
+        """The terms of YAML tasks, held actions and a cost of steps, with an action beyond the bound."""
+        class Careful(Walk):
+            hold, step_cost = 5, 0.01
+
+            def reward(self, before, now, actions):
+                effort = ((actions - 1) ** 2).sum(axis=1)
+                change = ((actions - before.actions) ** 2).sum(axis=1)
+                return super().reward(before, now, actions) - 0.1 * effort - 0.2 * change
+
+        with tempfile.TemporaryDirectory() as folder:
+            task = careful(folder)
+            own, known = TaskEnvironments(Careful(), WALKER, 2), Simulator(task, WALKER, 2)
+        own.reset(), known.reset()
+        rng = np.random.default_rng(0)
+        for t in range(40):
+            actions = rng.uniform(0.5, 1.8, (2, 13)).astype(np.float32)
+            observations, rewards, *_ = own.step(actions)
+            state = known.step(actions)
+            np.testing.assert_array_equal(own.sims.positions, known.positions)
+            np.testing.assert_allclose(rewards, state.rewards, rtol=0, atol=1e-12)
+            if t == 20:
+                own.reset([True, False]), known.reset([0])
+        with self.assertRaisesRegex(ValueError, "hold: 0 is not from 1"):
+            Careful.hold = 0
+            TaskEnvironments(Careful(), WALKER)
+
+    def test_draws_and_perturbed_starts(self):
+        class Fetch(Walk):
+            def world(self, body, connections):
+                world = super().world(body, connections)
+                world.add("package", np.full((2, 2), 2), 20, 1)
+                return world
+
+            def draw(self, random):
+                return {"goal": random.integers(1000), "package": (random.integers(8), 0)}
+
+        def begun(envs, **arguments):
+            envs.reset(**arguments)
+            return envs._now.draws["goal"].tolist(), envs._now.centre("package")[:, 0].round(6).tolist()
+
+        envs = TaskEnvironments(Fetch(), WALKER, 3, seed=7)
+        goals, places = begun(envs)
+        self.assertEqual(len({*goals}), 3)
+        self.assertGreater(len({*places}), 1)
+        more = begun(envs)
+        self.assertEqual(begun(envs, seed=7), (goals, places))
+        for number, (goal, place) in enumerate(zip(goals + more[0], places + more[1])):  # one by one, perturbed
+            if number == 0:
+                one = TaskEnvironments(Fetch(), WALKER, seed=7, jitter=1e-3)
+            self.assertEqual(begun(one)[0], [goal])
+            moved = one.sims.positions[0] - envs.sims.positions[0]
+            self.assertAlmostEqual(one._now.centre("package")[0, 0], place, delta=1e-4)
+        self.assertTrue(1e-6 < np.abs(moved[:, 1]).max() <= 1e-4)
+        env = Fetch().envs(WALKER, 1, jitter=1e-3)
+        np.testing.assert_array_equal(env.reset(seed=3), Fetch().envs(WALKER, 1, seed=3, jitter=1e-3).reset())
 
     def test_limits_and_resets_of_some(self):
         class Short(Walk):
@@ -89,7 +162,7 @@ class Environments(unittest.TestCase):
                 return now.positions.mean()
 
         class Single(Walk):
-            def reward(self, before, now):
+            def reward(self, before, now, actions):
                 return 0.0
 
         class Nobody(Walk):
@@ -119,16 +192,33 @@ class Training(unittest.TestCase):
         for _ in range(500):
             observations, rewards, terminated, _ = envs.step(trained.act(observations, envs.steps))
             total += rewards[0]
-        self.assertEqual(total, trained.fitness)
+        # The mean of eight, as the profile says, from starts perturbed a little.
+        self.assertAlmostEqual(total, trained.fitness, delta=0.3 * total)
+        self.assertNotEqual(total, trained.fitness)
+        official = evo_robots.train(Walk, WALKER, steps=2048, seed=2,
+                                    settings={**FEW, "evaluation_episodes": 1, "evaluation_jitter": 0})
+        self.assertNotEqual(official.fitness, once.fitness)
         with tempfile.TemporaryDirectory() as folder:
-            trained.save(Path(folder, "walk.policy.h5"))
-            self.assertEqual(os.listdir(folder), ["walk.policy.h5"])
-            policy = Path(folder, "walk.policy.h5")
-            subprocess.run([evo_robots.find_tool("evo-inspect"), policy], check=True, stdout=subprocess.DEVNULL)
-            refused = subprocess.run([evo_robots.find_tool("evo-eval"), "--policy", policy, policy],
-                                     capture_output=True, text=True)
+            policy, rollout = Path(folder, "walk.policy.h5"), Path(folder, "walk.rollout.h5")
+            official.save(policy)
+            official.rollout(rollout)
+            self.assertEqual(sorted(os.listdir(folder)), ["walk.policy.h5", "walk.rollout.h5"])
+
+            def tool(name, *words):
+                return subprocess.run([evo_robots.find_tool(name), *words], capture_output=True, text=True)
+
+            self.assertIn("Walk", tool("evo-inspect", policy).stdout)
+            self.assertEqual(tool("evo-inspect", "--check", "--replay", folder).returncode, 0)
+            for picture in (["--strip", "4", "-o", f"{folder}/strip.svg"], ["-o", f"{folder}/film.gif"]):
+                self.assertEqual(tool("evo-render", rollout, "--size", "160x90", *picture).stderr, "")
+            refused = tool("evo-eval", "--policy", policy, policy)
             self.assertEqual(refused.returncode, 65)
-            self.assertRegex(refused.stderr, "^evo-eval: .*of a program's own task, which no tool knows.*\n$")
+            self.assertRegex(refused.stderr, "^evo-eval: .* is of Walk, a task in Python .*--rollout.*\n$")
+            # Another policy's episode, and that of another robot.
+            Trained.read(policy).rollout(rollout, Fast)
+            self.assertEqual(tool("evo-inspect", "--check", "--replay", folder).returncode, 65)
+            self.assertEqual(len(Trained.read(policy).video(Walk)), 251)
+            self.assertEqual(len(Trained.read(policy).video(careful(folder))), 1 + 500 * 5 // 2)
 
     def test_a_task_of_the_suite_is_trained_as_evo_train_does(self):
         seen = []
@@ -185,7 +275,7 @@ class Training(unittest.TestCase):
 
     def test_what_makes_no_sense_is_refused(self):
         class Wild(Walk):
-            def reward(self, before, now):
+            def reward(self, before, now, actions):
                 return np.full(len(now.steps), np.nan)
 
         for wrong, message in (

@@ -52,6 +52,32 @@ class Worlds(unittest.TestCase):
         self.assertGreater(np.ptp(right[1, :, 0]), np.ptp(right[0, :, 0]) + 0.03)
         np.testing.assert_allclose(sims.orientation("ground"), 0, atol=1e-3)
 
+    def test_stiffness(self):
+        """As a robot's, and kept with the world."""
+        factors = [[0.3, 1], [2, 10]]
+        known = evo_robots.Simulator("Walker-v0", BODY, stiffness=factors)
+        known.reset()
+        world = World()
+        world.add("ground", np.full((1, 100), 5), 0, 0)
+        world.add("robot", BODY, 1, 1, stiffness=factors)
+        sims = [Simulations(built) for built in (world, pickle.loads(pickle.dumps(world)))]
+        world.stiffen("robot", np.ones((2, 2)))
+        plain = Simulations(world)
+        for t in range(30):
+            known.step(wave(plain, t))
+            for each in (plain, *sims):
+                each.step(wave(plain, t))
+        for each in sims:
+            np.testing.assert_array_equal(each.positions, known.positions)
+        self.assertFalse(np.array_equal(plain.positions, known.positions))
+        self.assertEqual(evo_robots.Robot(BODY, stiffness=np.ones((2, 2))), evo_robots.Robot(BODY))
+        robot = evo_robots.Robot(BODY, stiffness=factors)
+        np.testing.assert_array_equal(robot.stiffness, factors)
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(robot)).stiffness, factors)
+        with self.assertRaisesRegex(EvoError, "3 factors"):
+            world.add("more", BODY, 50, 1, stiffness=[1, 1, 1])
+        self.assertNotIn("more", world.json())
+
     def test_arrays_outlive_what_they_are_of(self):
         sims = Simulations(two_robots())
         positions = sims.positions

@@ -11,10 +11,12 @@ from typing import Any, Sequence
 import h5py
 import numpy as np
 
+from .library import needs
+from .robots import robot_arrays
 from .simulator import Simulator
 
-__all__ = ["Episode", "read_history", "read_robots", "read_rollout", "read_run", "write_actions",
-           "write_policy"]
+__all__ = ["Episode", "read_log", "read_robots", "read_rollout", "read_run", "to_tensorboard",
+           "write_actions", "write_policy"]
 
 
 # ---- robots and runs ----------------------------------------------------------
@@ -26,22 +28,98 @@ def read_robots(path: str | os.PathLike) -> list[dict[str, Any]]:
         return [json.loads(line) for line in file if line.strip()]
 
 
-def read_run(folder: str | os.PathLike) -> list[dict[str, Any]]:
-    """All robots that a run has evaluated, in order."""
-    return read_robots(Path(folder) / "history.jsonl")
+MATERIALS = ("empty", "rigid", "soft", "horizontal", "vertical")
 
 
-def read_history(folder: str | os.PathLike) -> Any:
-    """The robots that a run has evaluated as a pandas frame, a row each in order: id, fitness, best (so
-    far), and whatever else of numbers and texts their documents say."""
-    import pandas
+def read_run(*folders: str | os.PathLike) -> Any:
+    """The robots of any number of runs, finished or not, as one pandas frame; a row for each robot of
+    a run, in the order in which they came.
 
-    frame = pandas.DataFrame([
-        {key: value for key, value in robot.items()
-         if key not in ("format", "version") and isinstance(value, (str, int, float))}
-        for robot in read_run(folder)])
-    frame.insert(min(2, frame.shape[1]), "best", frame["fitness"].cummax())
-    return frame
+    run, method, task, seed: of the run (task: of runs with an own fitness its program)
+    generation, index: where the robot first was
+    id, parents, body, voxels, empty, rigid, soft, horizontal, vertical: what it is, and its cells
+    steps, fitness, best, perturbed: environment steps of its training, its fitness [none: failed],
+        the best so far, the mean from perturbed starts
+    seconds, policy: what its training took on all machines, and its policy file
+    """
+    pandas = needs("pandas", "data")
+    rows = [row for folder in folders for row in _rows(Path(folder))]
+    return pandas.DataFrame(rows, columns=None if rows else ["run", "id", "fitness"])
+
+
+def _rows(folder: Path) -> list[dict[str, Any]]:
+    settings = _settings(folder / "run.yaml")
+    seconds: dict[str, float] = {}
+    for journal in folder.glob("journal/*.jsonl"):
+        for line in read_robots(journal):
+            seconds[line["robot"]] = seconds.get(line["robot"], 0.0) + line["seconds"]
+    rows: dict[str, dict[str, Any]] = {}
+    for generation in sorted(folder.glob("gen-*"), key=lambda path: int(path.name[4:])):
+        whole = generation / "scores.jsonl"
+        slots = [whole] if whole.exists() else sorted(generation.glob("[0-9]*.json"))
+        robots = [robot for slot in slots for robot in read_robots(slot)]
+        for index, robot in enumerate(robots):
+            first = rows.get(robot["id"], {"generation": int(generation.name[4:]), "index": index})
+            rows[robot["id"]] = {**settings, **first, **_row(generation, robot, seconds)}
+    best = float("nan")
+    for row in rows.values():
+        best = np.fmax(best, row["fitness"])
+        row["best"] = best
+    return list(rows.values())
+
+
+def _row(folder: Path, robot: dict[str, Any], seconds: dict[str, float]) -> dict[str, Any]:
+    cells = robot_arrays(robot)[0].astype(int)
+    policy = robot.get("policy")
+    return {
+        "id": robot["id"], "parents": robot.get("parents", []), "body": "/".join(robot["body"]),
+        "voxels": int(np.count_nonzero(cells)),
+        **{name: int(np.count_nonzero(cells == kind)) for kind, name in enumerate(MATERIALS)},
+        "steps": robot.get("steps"),
+        "fitness": float("nan") if robot.get("fitness") is None else robot["fitness"],
+        "best": None, "perturbed": robot.get("final", {}).get("mean", float("nan")),
+        "seconds": seconds.get(robot["id"], float("nan")),
+        "policy": None if policy is None else os.path.normpath(folder / policy)}
+
+
+def _settings(file: Path) -> dict[str, Any]:
+    """run.yaml is a mapping of names to scalars, a line each."""
+    with open(file) as lines:
+        known = dict(line.rstrip("\n").split(": ", 1) for line in lines if ": " in line)
+    unquoted = {name: json.loads(text) if text.startswith('"') else text for name, text in known.items()}
+    return {"run": str(file.parent), "method": unquoted["method"],
+            "task": unquoted.get("task", unquoted.get("evaluate")), "seed": int(unquoted["seed"])}
+
+
+# ---- trainings ---------------------------------------------------------------
+
+
+def read_log(path: str | os.PathLike) -> list[dict[str, float]]:
+    """What a training said at every evaluation, numbers by name: of the last training in its log."""
+    lines: list[dict[str, float]] = []
+    with open(path) as file:
+        for line in filter(lambda text: text.endswith("\n"), file):  # the last may be half written
+            if not line.startswith("#"):
+                lines.append({name: float(value) for name, value in (
+                    pair.split(" ") for pair in line.rstrip("\n").split("\t"))})
+            elif not line.startswith("# trained") and not line.endswith("resumed\n"):
+                lines = []
+    return lines
+
+
+def to_tensorboard(run: str | os.PathLike, folder: str | os.PathLike) -> None:
+    """Writes a run's fitness, robot by robot, and the logs of its trainings as event files."""
+    open_writer = needs("tensorboard.summary", "tensorboard").Writer
+    series = {"": [{"charts/global_step": number, **{name: row[name] for name in ("fitness", "best")}}
+                   for number, row in enumerate(_rows(Path(run)))]}
+    series.update({log.stem: read_log(log) for log in sorted(Path(run).glob("policies/*.log"))})
+    for name, lines in series.items():
+        writer = open_writer(str(Path(folder, name)))
+        for line in lines:
+            step = int(line.pop("charts/global_step"))
+            for tag, value in line.items():
+                writer.add_scalar(tag, value, step)
+        writer.close()
 
 
 # ---- rollouts -----------------------------------------------------------------

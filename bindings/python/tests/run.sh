@@ -1,5 +1,5 @@
 #!/bin/bash
-# Tests of the Python package: run.sh client|gymnasium|stable-baselines3 BUILD_FOLDER
+# Tests of the Python package: run.sh client|gymnasium|examples|stable-baselines3 BUILD_FOLDER
 # All but the client need packages that Debian does not have: they are installed
 # from PyPI into a virtual environment in the build folder. Where that cannot be
 # done, a message says so and the exit status is 77 (skipped).
@@ -20,7 +20,10 @@ fi
 skip() { echo "skipped: $1"; exit 77; }
 venv="$build/python-$kind"
 packages=(gymnasium)
-[ "$kind" = gymnasium ] || packages+=(stable-baselines3 'pyarrow<20') # the last for Debian's numpy
+case $kind in
+  stable-baselines3) packages+=(stable-baselines3 'pyarrow<20') ;; # the last for Debian's numpy
+  examples) packages+=(pandas tqdm) ;;
+esac
 if [ ! -e "$venv/complete" ]; then
   rm -rf "$venv"
   /usr/bin/python3 -m venv --system-site-packages "$venv" 2> /dev/null || skip "python3-venv is not installed"
@@ -35,14 +38,21 @@ cp -r "$source" "$copy/python"
 "$venv/bin/pip" install -q --disable-pip-version-check --force-reinstall --no-deps "$copy/python" ||
   skip "setuptools cannot be had from PyPI"
 cd "$copy"
-patterns=("test_${kind//-/_}.py")
-[ "$kind" = gymnasium ] || patterns+=(test_datasets.py)
+case $kind in
+  gymnasium) patterns=(test_gymnasium.py) ;;
+  examples) patterns=(test_files.py) ;;
+  stable-baselines3) patterns=(test_stable_baselines3.py test_datasets.py) ;;
+esac
+for package in tensorboard cma deap nevergrad optuna pettingzoo ribs; do
+  [ "$kind" = examples ] || break
+  "$venv/bin/python" -c "import $package" 2> said || "$venv/bin/pip" install -q --disable-pip-version-check $package ||
+    echo "$package cannot be installed from PyPI"
+done
 for pattern in "${patterns[@]}"; do run "$venv/bin/python"; done
-[ "$kind" = gymnasium ] || exit 0
+[ "$kind" = examples ] || exit 0
 
 # The gallery.
-mkdir run
-"$EVO_BIN/evo-sample" -n 3 --seed 1 | "$EVO_BIN/evo-eval" --task Walker-v0 --actions sine:0.5,20,0.7 > run/history.jsonl
+"$EVO_BIN/evo-evolve" ga --run run --pop 3 --evals 6 --evaluate "jq -c '.fitness = (.body | length)'" -q
 for script in "$source"/../../examples/python/*.py; do
   case $script in
     *own_reward.py) arguments=(4096) ;;
@@ -50,6 +60,9 @@ for script in "$source"/../../examples/python/*.py; do
     *reading_a_run.py) arguments=(run) ;;
     *) arguments=() ;;
   esac
+  package=$(sed -n 's/.*with_\(.*\)\.py$/\1/p' <<< "$script")
+  [ "$package" != pyribs ] || package=ribs
+  "$venv/bin/python" -c "import ${package:-numpy}" 2> said || { echo "skipped: $script"; continue; }
   "$venv/bin/python" "$script" "${arguments[@]}" > said || { echo "$script failed" >&2; exit 1; }
   [ -s said ] || { echo "$script says nothing" >&2; exit 1; }
 done

@@ -1,14 +1,17 @@
 """Files of the tools as arrays; needs h5py."""
 import json
 import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 
+import evo_robots
 from evo_robots import Simulator, Trained, files, find_tool, robot_document
 
+FEW = {"environments": 4, "rollout": 32, "minibatches": 4, "evaluation_interval": 4}
 SMALL = np.array([[3, 4], [4, 3]])
 
 
@@ -68,6 +71,65 @@ class Files(unittest.TestCase):
                                "--max-steps", 100))
         self.assertAlmostEqual(said["fitness"], total, delta=1e-2 * max(1, abs(total)))
         tool("evo-inspect", self.folder / "own.policy.h5")
+
+    def run_of(self, name, *options):
+        tool("evo-evolve", "ga", "--run", self.folder / name, "--pop", 3, "--evals", 4, "--shape", "3x3", "-q",
+             "-j1", *options)
+        return self.folder / name
+
+    def test_runs_as_one_frame(self):
+        try:
+            import pandas
+        except ModuleNotFoundError:
+            with self.assertRaisesRegex(evo_robots.EvoError, "pip install pandas"):
+                files.read_run()
+            self.skipTest("pandas is not installed")
+        trained = self.run_of("walk", "--task", "Walker-v0", "--seed", 1, "--steps", 512, "--no-video",
+                              "--train-options", " ".join(f"--train {k}={v}" for k, v in FEW.items()))
+        scored = self.run_of("own", "--evaluate", "jq -c '.fitness = (.body | length)'", "--seed", 2)
+        (scored / "gen-000" / "scores.jsonl").unlink()  # as of a run that is not finished
+        frame = files.read_run(trained, scored)
+        self.assertEqual(frame.groupby("run").size().tolist(), [4, 4])
+        walk = frame[frame.run == str(trained)]
+        history = files.read_robots(trained / "history.jsonl")
+        self.assertEqual(walk.id.tolist(), [robot["id"] for robot in history])
+        self.assertEqual(walk.fitness.tolist(), [robot["fitness"] for robot in history])
+        self.assertEqual(walk.perturbed.tolist(), [robot["final"]["mean"] for robot in history])
+        self.assertEqual(walk.parents.tolist(), [robot.get("parents", []) for robot in history])
+        self.assertEqual(walk.best.iloc[-1], walk.fitness.max())
+        self.assertTrue((walk.seconds > 0).all() and (walk.steps == 512).all() and walk.policy.map(Path).map(
+            Path.is_file).all())
+        first = walk.iloc[0]
+        self.assertEqual((first.method, first.task, first.seed, first.generation, first["index"]),
+                         ("ga", "Walker-v0", 1, 0, 0))
+        self.assertEqual(first[["empty", "rigid", "soft", "horizontal", "vertical"]].tolist(),
+                         [first.body.count(letter) for letter in ".RSHV"])
+        own = frame[frame.run == str(scored)]
+        self.assertEqual(set(own.fitness), {3})
+        self.assertIn("jq", own.task.iloc[0])
+        self.assertIsInstance(frame, pandas.DataFrame)
+
+    def test_logs_and_tensorboard(self):
+        run = self.run_of("walk", "--task", "Walker-v0", "--seed", 1, "--steps", 512, "--no-video",
+                          "--train-options", " ".join(f"--train {k}={v}" for k, v in FEW.items()))
+        log = next(run.glob("policies/*.log"))
+        [line] = files.read_log(log)
+        self.assertEqual(line["charts/global_step"], 512)
+        with open(log, "a") as file:
+            file.write("# evo-train, resumed\ncharts/global_step 9\teval/return 1\ncharts/glob")
+        self.assertEqual(files.read_log(log)[1:], [{"charts/global_step": 9, "eval/return": 1}])
+        try:
+            from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+        except ModuleNotFoundError:
+            with self.assertRaisesRegex(evo_robots.EvoError, "pip install tensorboard"):
+                files.to_tensorboard(run, self.folder / "events")
+            self.skipTest("tensorboard is not installed")
+        subprocess.run([sys.executable, "-m", "evo_robots", "tensorboard", run, self.folder / "events"], check=True)
+        for name, tag, count in (("", "best", 4), (log.stem, "eval/return", 2)):
+            events = EventAccumulator(str(self.folder / "events" / name)).Reload()
+            found = [event.tensor_proto.float_val[0] for event in events.Tensors(tag)]
+            self.assertEqual(len(found), count)
+        self.assertEqual(found, [np.float32(line["eval/return"]), 1])
 
 
 if __name__ == "__main__":

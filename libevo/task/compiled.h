@@ -79,9 +79,32 @@ class PartWriter {
   std::span<double> rest_;
 };
 
-using Part = std::function<void(const View&, PartWriter&)>;
+// Derivatives of one number by what a part of the observation sees, to be added to.
+struct ViewSlopes {
+  std::span<Vec2> positions;
+  std::span<Vec2> velocities;
+  std::span<double> quantities;
+};
+
+// The same by what reward terms see; `targets_before`: of the step before.
+struct StepSlopes {
+  std::span<double> pre;
+  std::span<double> post;
+  std::span<double> targets;
+  std::span<double> targets_before;
+};
+
+struct Part {
+  std::function<void(const View&, PartWriter&)> write;
+  // From derivatives by its numbers; none: it does not change with the simulation.
+  std::function<void(const View&, std::span<const double> by_part, ViewSlopes&)> pull_back;
+};
 using Test = std::function<bool(const Step&)>;
-using Term = std::function<double(const Step&)>;  // without its weight
+struct Term {
+  std::function<double(const Step&)> value;  // without its weight
+  // Adds `share` times its derivatives, one-sided ones where it has an edge.
+  std::function<void(const Step&, double share, StepSlopes&)> pull_back;
+};
 
 struct WeightedTerm {
   double weight = 1.0;
@@ -145,6 +168,15 @@ std::vector<InitialShape> make_initial_shapes(const Arena::Compiled& arena,
 void measure(const Arena::Compiled& arena, const std::vector<InitialShape>& initial_shapes,
              std::span<const Vec2> positions, std::vector<Vec2>& work,
              std::span<double> quantities);
+
+// From derivatives by quantities to those by positions, which are added to.
+void pull_back_measures(const Arena::Compiled& arena,
+                        const std::vector<InitialShape>& initial_shapes,
+                        std::span<const Vec2> positions, std::span<const double> by_quantities,
+                        std::span<Vec2> by_positions);
+
+// Whether all conditions of a rule or a reward term hold.
+bool all_hold(const std::vector<compiled::Test>& tests, const compiled::Step& step);
 
 // Throws std::logic_error where the part does not write what it declared.
 void write_part(const compiled::Part& part, const ObservationSlice& slice,

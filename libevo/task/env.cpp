@@ -9,6 +9,7 @@
 #include "libevo/base/error.h"
 #include "libevo/base/random.h"
 #include "libevo/task/compiled.h"
+#include "libevo/task/step_tape_impl.h"
 
 namespace evo {
 
@@ -195,7 +196,9 @@ struct VecEnv::Impl {
                  e.quantities, observation(index));
   }
 
+  void begin(std::size_t index, StepTape::Impl::Step& step) const;
   void finish(std::size_t index);
+  void finish(std::size_t index, StepTape::Impl::Step& step) const;
 
   std::vector<Environment> environments;
   Batch batch;  // environment i is lane i
@@ -294,10 +297,34 @@ void VecEnv::Impl::finish(std::size_t index) {
   if (!std::isfinite(sum)) e.status = LaneStatus::unstable;
 }
 
+void VecEnv::Impl::begin(std::size_t index, StepTape::Impl::Step& step) const {
+  const Environment& e = environments[index];
+  step.is_active = true;
+  step.arena = e.arena;
+  step.world = e.world;
+  step.observation_offset = e.observation_offset;
+  step.action_offset = e.action_offset;
+  step.initial_shapes = e.initial_shapes;
+  step.episode = e.episode;
+  step.before.assign(e.positions.begin(), e.positions.end());
+  step.quantities_before = e.quantities;
+}
+
+void VecEnv::Impl::finish(std::size_t index, StepTape::Impl::Step& step) const {
+  const Environment& e = environments[index];
+  step.is_done = e.status == LaneStatus::done;
+  step.goal = e.episode.goal;
+  step.after.assign(e.positions.begin(), e.positions.end());
+  step.quantities_after = e.quantities;
+}
+
 void VecEnv::step(std::span<const double> actions, std::span<const std::uint8_t> active,
-                  ThreadPool* pool) {
+                  ThreadPool* pool, StepTape* tape) {
   Impl& impl = *impl_;
+  std::vector<StepTape::Impl::Step>* steps = tape == nullptr ? nullptr : &tape->impl().steps;
+  if (steps != nullptr) steps->resize(impl.environments.size());
   for (std::size_t i = 0; i < impl.environments.size(); ++i) {
+    if (steps != nullptr) (*steps)[i].is_active = false;
     if (!active.empty() && active[i] == 0) continue;
     const Environment& e = impl.environments[i];
     // Of the robot; other objects have no actuators (Arena).
@@ -308,8 +335,15 @@ void VecEnv::step(std::span<const double> actions, std::span<const std::uint8_t>
         throw error(Failure::work, "target {} of environment {} is not a finite number", k, i);
       targets[k] = target;
     }
+    if (steps == nullptr) continue;
+    impl.begin(i, (*steps)[i]);
+    (*steps)[i].targets.assign(targets.begin(), targets.end());
   }
-  impl.batch.step(active, pool, [&impl](std::size_t i) { impl.finish(i); });
+  const auto finish = [&](std::size_t i) {
+    impl.finish(i);
+    if (steps != nullptr) impl.finish(i, (*steps)[i]);
+  };
+  impl.batch.step(active, pool, finish, tape == nullptr ? nullptr : &tape->impl().simulation);
 }
 
 LaneStatus VecEnv::status(int environment) const {

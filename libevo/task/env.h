@@ -57,6 +57,8 @@ struct EpisodeStart {
   std::uint64_t jitter_seed = 0;
 };
 
+class StepTape;
+
 class VecEnv {
  public:
   // `environments` episodes of one arena, which must outlive this. All arrays
@@ -87,9 +89,10 @@ class VecEnv {
   // the calling thread, or by the threads of `pool`, with the same bits. Threads share
   // it by groups of environments of one body: as many as a vector register has lanes,
   // or single ones where there are at most two per thread (Batch::step). Throws
-  // Error(work), before anything is stepped, for a target that is not a number.
+  // Error(work), before anything is stepped, for a target that is not a number. Gradients can
+  // be pulled back through the step with `tape` (step_tape.h), whose last step is forgotten.
   void step(std::span<const double> actions, std::span<const std::uint8_t> active = {},
-            ThreadPool* pool = nullptr);
+            ThreadPool* pool = nullptr, StepTape* tape = nullptr);
 
   // How an environment came out of its last step; `done` after reset. Of an unstable
   // one, a position, a velocity, the observation or the reward is not a finite

@@ -12,12 +12,12 @@ double current_goal(const Episode& episode, double voxel_length) {
   return goals[index] * voxel_length;
 }
 
-namespace {
-
 bool all_hold(const std::vector<compiled::Test>& tests, const compiled::Step& step) {
   return std::all_of(tests.begin(), tests.end(),
                      [&](const compiled::Test& test) { return test(step); });
 }
+
+namespace {
 
 // Goes on to the first goal that is not reached.
 void count_goals(const Arena::Compiled& arena, Episode& episode, std::span<const double> post) {
@@ -72,11 +72,42 @@ void measure(const Arena::Compiled& arena, const std::vector<InitialShape>& init
   }
 }
 
+void pull_back_measures(const Arena::Compiled& arena,
+                        const std::vector<InitialShape>& initial_shapes,
+                        std::span<const Vec2> positions, std::span<const double> by_quantities,
+                        std::span<Vec2> by_positions) {
+  for (const Measure& measure : arena.measures) {
+    const auto points = measure.points.of(positions);
+    const auto by_points = measure.points.of(by_positions);
+    const double* by = &by_quantities[measure.first];
+    switch (measure.kind) {
+      case Measure::Kind::centre:
+        pull_back_mean({by[raw_x] + by[voxel_x] / arena.voxel_length,
+                        by[raw_y] + by[voxel_y] / arena.voxel_length},
+                       by_points);
+        break;
+      case Measure::Kind::orientation:
+        pull_back_orientation(initial_shapes[static_cast<std::size_t>(measure.initial_shape)],
+                              points, *by, by_points);
+        break;
+      case Measure::Kind::hull_area:
+        pull_back_hull_area(points, *by, by_points);
+        break;
+      case Measure::Kind::width:
+        pull_back_extent(points, &Vec2::x, *by, by_points);
+        break;
+      case Measure::Kind::height:
+        pull_back_extent(points, &Vec2::y, *by, by_points);
+        break;
+    }
+  }
+}
+
 void write_part(const compiled::Part& part, const ObservationSlice& slice,
                 const compiled::View& view, std::span<double> observation) {
   compiled::PartWriter out(observation.subspan(static_cast<std::size_t>(slice.offset),
                                                static_cast<std::size_t>(slice.length)));
-  part(view, out);
+  part.write(view, out);
   if (!out.full())
     throw std::logic_error("observation part '" + slice.name + "' writes less than it declares");
 }
@@ -96,7 +127,7 @@ StepOutcome judge(const Arena::Compiled& arena, Episode& episode, std::span<cons
   if (arena.has_goals) count_goals(arena, episode, post);
   const compiled::Step step{episode, pre, post, targets};
   for (const compiled::WeightedTerm& term : arena.terms)
-    if (all_hold(term.when, step)) outcome.reward += term.weight * term.term(step);
+    if (all_hold(term.when, step)) outcome.reward += term.weight * term.term.value(step);
   if (folded) {
     outcome.reward += arena.task.folding_reward;
     outcome.terminated = true;

@@ -102,13 +102,9 @@ double cross(const Vec2& o, const Vec2& a, const Vec2& b) {
   return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
 }
 
-}  // namespace
-
-// Andrew's monotone chain; as each hull point is settled, so is its triangle
-// with the leftmost point.
-double hull_area(std::span<const Vec2> points, std::vector<Vec2>& work) {
+// Andrew's monotone chain: counter-clockwise from the leftmost point. `work` holds the hull.
+std::span<const Vec2> convex_hull(std::span<const Vec2> points, std::vector<Vec2>& work) {
   const std::size_t n = points.size();
-  if (n < 3) return 0.0;
   work.assign(points.begin(), points.end());
   std::sort(work.begin(), work.end(),
             [](const Vec2& a, const Vec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
@@ -122,9 +118,17 @@ double hull_area(std::span<const Vec2> points, std::vector<Vec2>& work) {
   for (std::size_t i = 0; i < n; ++i) add(work[i], 0);
   const std::size_t upper = size - 1;  // the upper chain starts at the rightmost point
   for (std::size_t i = n - 1; i-- > 0;) add(work[i], upper);
+  return {hull, size};  // the first point is its last, too
+}
 
+}  // namespace
+
+// The sum of the triangles that hull points make with the leftmost one.
+double hull_area(std::span<const Vec2> points, std::vector<Vec2>& work) {
+  if (points.size() < 3) return 0.0;
+  const std::span<const Vec2> hull = convex_hull(points, work);
   double twice = 0.0;
-  for (std::size_t i = 1; i + 1 < size; ++i) twice += cross(hull[0], hull[i], hull[i + 1]);
+  for (std::size_t i = 1; i + 1 < hull.size(); ++i) twice += cross(hull[0], hull[i], hull[i + 1]);
   return 0.5 * twice;
 }
 
@@ -146,6 +150,72 @@ double height(std::span<const Vec2> points) {
     high = std::max(high, p.y);
   }
   return high - low;
+}
+
+// ---- derivatives --------------------------------------------------------------------
+
+void pull_back_mean(Vec2 by, std::span<Vec2> by_points) {
+  const auto n = static_cast<double>(by_points.size());
+  for (Vec2& p : by_points) {
+    p.x += by.x / n;
+    p.y += by.y / n;
+  }
+}
+
+// The angle of a point grows as it moves away from its first direction, square to its own.
+void pull_back_orientation(const InitialShape& initial, std::span<const Vec2> points, double by,
+                           std::span<Vec2> by_points) {
+  if (by == 0.0) return;
+  const Vec2 c = blocked_mean(points);
+  std::vector<Vec2> by_offset(points.size());
+  Vec2 by_centre;
+  double turning = 0.0;  // as in orientation()
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec2 u{points[i].x - c.x, points[i].y - c.y};
+    const Vec2 w = initial.direction[i];
+    const double a = math::sqrt(u.x * u.x + u.y * u.y);
+    const double across = w.x * u.y - w.y * u.x;
+    turning -= across / a;
+    const double cosine = (u.x * w.x + u.y * w.y) / a;
+    if (a * initial.radius[i] < tiny_lengths || !(std::abs(cosine) <= 1.0)) continue;
+    const double share =
+        (across < 0.0 ? -by : by) * initial.radius[i] / (initial.radius_sum * a * a);
+    by_offset[i] = {-u.y * share, u.x * share};
+    by_centre.x -= by_offset[i].x;
+    by_centre.y -= by_offset[i].y;
+  }
+  const double sign = turning > 0.0 ? -1.0 : 1.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    by_points[i].x += sign * by_offset[i].x;
+    by_points[i].y += sign * by_offset[i].y;
+  }
+  pull_back_mean({sign * by_centre.x, sign * by_centre.y}, by_points);
+}
+
+void pull_back_hull_area(std::span<const Vec2> points, double by, std::span<Vec2> by_points) {
+  if (points.size() < 3 || by == 0.0) return;
+  std::vector<Vec2> work;
+  const std::span<const Vec2> hull = convex_hull(points, work);
+  const std::size_t corners = hull.size() - 1;
+  for (std::size_t i = 0; i < corners; ++i) {
+    const Vec2 before = hull[(i + corners - 1) % corners];
+    const Vec2 after = hull[i + 1];
+    const auto at = std::find_if(points.begin(), points.end(), [&](const Vec2& p) {
+      return p.x == hull[i].x && p.y == hull[i].y;
+    });
+    Vec2& by_point = by_points[static_cast<std::size_t>(at - points.begin())];
+    by_point.x += 0.5 * by * (after.y - before.y);
+    by_point.y += 0.5 * by * (before.x - after.x);
+  }
+}
+
+void pull_back_extent(std::span<const Vec2> points, double Vec2::*axis, double by,
+                      std::span<Vec2> by_points) {
+  const auto [low, high] =
+      std::minmax_element(points.begin(), points.end(),
+                          [&](const Vec2& a, const Vec2& b) { return a.*axis < b.*axis; });
+  by_points[static_cast<std::size_t>(high - points.begin())].*axis += by;
+  by_points[static_cast<std::size_t>(low - points.begin())].*axis -= by;
 }
 
 }  // namespace evo

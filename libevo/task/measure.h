@@ -16,9 +16,11 @@ struct PointRange {
   int first = 0;
   int count = 0;
 
-  std::span<const Vec2> of(std::span<const Vec2> points) const {
+  template <typename Point>
+  std::span<Point> of(std::span<Point> points) const {
     return points.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count));
   }
+  std::span<const Vec2> of(const std::vector<Vec2>& points) const { return of(std::span(points)); }
 };
 
 // The mean of the points, twice: with each coordinate in voxels (divided by the
@@ -52,5 +54,18 @@ double hull_area(std::span<const Vec2> points, std::vector<Vec2>& work);
 
 double width(std::span<const Vec2> points);   // max x - min x
 double height(std::span<const Vec2> points);  // max y - min y
+
+// ---- derivatives --------------------------------------------------------------------
+//
+// Add `by`, a derivative by the measure, times the measure's own by every point. Where it has
+// an edge, as where another point becomes the outermost, that of one side.
+
+void pull_back_mean(Vec2 by, std::span<Vec2> by_points);
+// 0 for points where the released clamps hold.
+void pull_back_orientation(const InitialShape& initial, std::span<const Vec2> points, double by,
+                           std::span<Vec2> by_points);
+void pull_back_hull_area(std::span<const Vec2> points, double by, std::span<Vec2> by_points);
+void pull_back_extent(std::span<const Vec2> points, double Vec2::*axis, double by,
+                      std::span<Vec2> by_points);
 
 }  // namespace evo

@@ -10,38 +10,56 @@ namespace {
 using compiled::Part;
 using compiled::PartWriter;
 using compiled::View;
+using compiled::ViewSlopes;
 
 // ---- motion and shape -------------------------------------------------------------
 
 int length(const observation::Velocity&, int /*points*/) { return 2; }
 std::string arguments(const observation::Velocity& part) { return part.of; }
 Part bind_one(const observation::Velocity& part, Binder& bind) {
-  return [points = bind.points(part.of)](const View& view, PartWriter& out) {
-    const Vec2 v = mean(points.of(view.now.velocities));
-    out.add(v.x);
-    out.add(v.y);
-  };
+  const PointRange points = bind.points(part.of);
+  return {[points](const View& view, PartWriter& out) {
+            const Vec2 v = mean(points.of(view.now.velocities));
+            out.add(v.x);
+            out.add(v.y);
+          },
+          [points](const View&, std::span<const double> by, ViewSlopes& slopes) {
+            pull_back_mean({by[0], by[1]}, points.of(slopes.velocities));
+          }};
 }
 
 int length(const observation::Orientation&, int) { return 1; }
 std::string arguments(const observation::Orientation& part) { return part.of; }
 Part bind_one(const observation::Orientation& part, Binder& bind) {
-  return [angle = bind.orientation(part.of)](const View& view, PartWriter& out) {
-    out.add(view.quantities[angle]);
-  };
+  const std::size_t angle = bind.orientation(part.of);
+  return {[angle](const View& view, PartWriter& out) { out.add(view.quantities[angle]); },
+          [angle](const View&, std::span<const double> by, ViewSlopes& slopes) {
+            slopes.quantities[angle] += by[0];
+          }};
 }
 
 int length(const observation::RelativePositions&, int points) { return 2 * points; }
 std::string arguments(const observation::RelativePositions& part) { return part.of; }
 Part bind_one(const observation::RelativePositions& part, Binder& bind) {
-  return [range = bind.points(part.of), centre = bind.centre(part.of), voxel = bind.voxel_length()](
-             const View& view, PartWriter& out) {
-    const auto points = range.of(view.now.positions);
-    const double x = view.quantities[centre + raw_x];
-    const double y = view.quantities[centre + raw_y];
-    for (const Vec2& p : points) out.add(p.x / voxel * voxel - x);
-    for (const Vec2& p : points) out.add(p.y / voxel * voxel - y);
-  };
+  const PointRange range = bind.points(part.of);
+  const std::size_t centre = bind.centre(part.of);
+  return {[range, centre, voxel = bind.voxel_length()](const View& view, PartWriter& out) {
+            const auto points = range.of(view.now.positions);
+            const double x = view.quantities[centre + raw_x];
+            const double y = view.quantities[centre + raw_y];
+            for (const Vec2& p : points) out.add(p.x / voxel * voxel - x);
+            for (const Vec2& p : points) out.add(p.y / voxel * voxel - y);
+          },
+          [range, centre](const View&, std::span<const double> by, ViewSlopes& slopes) {
+            const auto by_points = range.of(slopes.positions);
+            const std::size_t n = by_points.size();
+            for (std::size_t i = 0; i < n; ++i) {
+              by_points[i].x += by[i];
+              by_points[i].y += by[n + i];
+              slopes.quantities[centre + raw_x] -= by[i];
+              slopes.quantities[centre + raw_y] -= by[n + i];
+            }
+          }};
 }
 
 int length(const observation::Offset&, int) { return 2; }
@@ -51,10 +69,16 @@ std::string arguments(const observation::Offset& part) {
 Part bind_one(const observation::Offset& part, Binder& bind) {
   const std::size_t of = bind.centre(part.of);
   const std::size_t from = bind.centre(part.from);
-  return [of, from](const View& view, PartWriter& out) {
-    out.add(view.quantities[of + raw_x] - view.quantities[from + raw_x]);
-    out.add(view.quantities[of + raw_y] - view.quantities[from + raw_y]);
-  };
+  return {[of, from](const View& view, PartWriter& out) {
+            out.add(view.quantities[of + raw_x] - view.quantities[from + raw_x]);
+            out.add(view.quantities[of + raw_y] - view.quantities[from + raw_y]);
+          },
+          [of, from](const View&, std::span<const double> by, ViewSlopes& slopes) {
+            for (const std::size_t axis : {raw_x, raw_y}) {
+              slopes.quantities[of + axis] += by[axis];
+              slopes.quantities[from + axis] -= by[axis];
+            }
+          }};
 }
 
 // ---- clearance from terrain ---------------------------------------------------------
@@ -64,10 +88,18 @@ Part bind_clearance(const Clearance& part, Terrain::Side side, Binder& bind) {
   const std::size_t terrain = bind.terrain(part.over);
   const std::size_t robot = bind.centre(robot_name);
   const auto columns = static_cast<std::size_t>(2 * part.width + 1);
-  return [=, range = part.range](const View& view, PartWriter& out) {
-    const Vec2 centre{view.quantities[robot + voxel_x], view.quantities[robot + voxel_y]};
-    view.terrains[terrain].clearance(side, centre, range, view.now.positions, out.take(columns));
+  const auto centre = [robot](const View& view) {
+    return Vec2{view.quantities[robot + voxel_x], view.quantities[robot + voxel_y]};
   };
+  return {
+      [=, range = part.range](const View& view, PartWriter& out) {
+        view.terrains[terrain].clearance(side, centre(view), range, view.now.positions,
+                                         out.take(columns));
+      },
+      [=, range = part.range](const View& view, std::span<const double> by, ViewSlopes& slopes) {
+        slopes.quantities[robot + voxel_y] += view.terrains[terrain].pull_back(
+            side, centre(view), range, view.now.positions, by, slopes.positions);
+      }};
 }
 
 int length(const observation::Floor& part, int) { return 2 * part.width + 1; }
@@ -88,26 +120,30 @@ int length(const observation::GoalIndex&, int) { return 1; }
 std::string arguments(const observation::GoalIndex&) { return ""; }
 Part bind_one(const observation::GoalIndex& part, Binder& bind) {
   bind.need_goals(part.name);
-  return [](const View& view, PartWriter& out) { out.add(view.episode.goal); };
+  return {[](const View& view, PartWriter& out) { out.add(view.episode.goal); }, {}};
 }
 
 int length(const observation::GoalPosition&, int) { return 1; }
 std::string arguments(const observation::GoalPosition&) { return ""; }
 Part bind_one(const observation::GoalPosition& part, Binder& bind) {
   bind.need_goals(part.name);
-  return [voxel = bind.voxel_length()](const View& view, PartWriter& out) {
-    out.add(current_goal(view.episode, voxel));
-  };
+  return {[voxel = bind.voxel_length()](const View& view, PartWriter& out) {
+            out.add(current_goal(view.episode, voxel));
+          },
+          {}};
 }
 
 int length(const observation::GoalOffset&, int) { return 1; }
 std::string arguments(const observation::GoalOffset&) { return ""; }
 Part bind_one(const observation::GoalOffset& part, Binder& bind) {
   bind.need_goals(part.name);
-  return [robot = bind.centre(robot_name, Axis::x), voxel = bind.voxel_length()](const View& view,
-                                                                                 PartWriter& out) {
-    out.add(current_goal(view.episode, voxel) - view.quantities[robot]);
-  };
+  const std::size_t robot = bind.centre(robot_name, Axis::x);
+  return {[robot, voxel = bind.voxel_length()](const View& view, PartWriter& out) {
+            out.add(current_goal(view.episode, voxel) - view.quantities[robot]);
+          },
+          [robot](const View&, std::span<const double> by, ViewSlopes& slopes) {
+            slopes.quantities[robot] -= by[0];
+          }};
 }
 
 }  // namespace

@@ -111,4 +111,36 @@ void Terrain::clearance(Side side, const Vec2& centre, double range,
   }
 }
 
+double Terrain::pull_back(Side side, const Vec2& centre, double range,
+                          std::span<const Vec2> positions, std::span<const double> by_bins,
+                          std::span<Vec2> by_positions) const {
+  std::vector<double> distances(by_bins.size());
+  clearance(side, centre, range, positions, distances);
+  const double up = side == Side::below ? 1.0 : -1.0;  // does it grow as the robot rises?
+  const auto ends_within = [&](double distance) {
+    return distance > 0.0 && distance < range * voxel_length_;
+  };
+  double by_height = 0.0;
+  for (std::size_t i = 0; i < distances.size(); ++i)
+    if (ends_within(distances[i])) by_height += up * voxel_length_ * by_bins[i];
+
+  // The point that a bin ends at, if it moves.
+  std::vector<double> unused(distances.size());
+  const Bins bins(side, centre, unused);
+  constexpr double rounding = 1e-12;
+  for (const PointRange& object : moving_)
+    for (int p = object.first; p < object.first + object.count; ++p) {
+      const auto at = static_cast<std::size_t>(p);
+      const double x = positions[at].x / voxel_length_;
+      if (!(x > bins.left() && x < bins.right())) continue;
+      const int bin = bins.bin(x);
+      if (bin < 0) continue;
+      const auto i = static_cast<std::size_t>(bin);
+      const double distance = up * (centre.y - positions[at].y / voxel_length_) * voxel_length_;
+      if (ends_within(distances[i]) && std::abs(distance - distances[i]) < rounding)
+        by_positions[at].y -= up * by_bins[i];
+    }
+  return by_height;
+}
+
 }  // namespace evo

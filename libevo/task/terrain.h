@@ -27,6 +27,10 @@ class Terrain {
   // `positions`: all points of the world, raw units.
   void clearance(Side side, const Vec2& centre, double range, std::span<const Vec2> positions,
                  std::span<double> bins) const;
+  // From derivatives by the bins to that by centre.y, which it returns, and to those by
+  // positions, which are added to. A bin that is at 0 or at its range has none.
+  double pull_back(Side side, const Vec2& centre, double range, std::span<const Vec2> positions,
+                   std::span<const double> by_bins, std::span<Vec2> by_positions) const;
 
  private:
   struct Column {

@@ -7,12 +7,13 @@ using namespace evo;
 
 namespace {
 
-// What lies in [before | part of two numbers | after] once `part` has written.
-std::vector<double> written(const compiled::Part& part) {
+// What lies in [before | part of two numbers | after] once a part has written.
+std::vector<double> written(
+    const std::function<void(const compiled::View&, compiled::PartWriter&)>& write) {
   std::vector<double> observation{-1.0, -1.0, -1.0, -1.0};
   const Episode episode;
   try {
-    write_part(part, {"part", 1, 2}, {episode, {}, {}, {}}, observation);
+    write_part({write, {}}, {"part", 1, 2}, {episode, {}, {}, {}}, observation);
   } catch (const std::logic_error&) {
     observation.push_back(99.0);  // refused
   }

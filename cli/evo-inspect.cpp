@@ -179,16 +179,21 @@ void print_policy(const std::string& path) {
   const PolicyFile file = read_policy(path);
   fmt::print("{}: policy\n", printable(path));
   print_robot(file.robot);
-  fmt::print("trained   on {}, {} steps, seed {}, best evaluation {:.6g} at step {}\n",
-             printable(file.task), file.steps, file.seed, file.fitness, file.best_step);
+  fmt::print("trained   on {}, {} steps", printable(file.task), file.steps);
+  if (!std::isnan(file.fitness))  // unknown of what other programs trained, as what is below
+    fmt::print(", seed {}, best evaluation {:.6g} at step {}", file.seed, file.fitness,
+               file.best_step);
+  fmt::print("\n");
   if (file.final_score)
     print_perturbed(file.final_score->mean, file.final_score->standard_error,
                     file.final_score->episodes);
   std::vector<double> evaluations;
   for (const CurvePoint& point : file.curve) evaluations.push_back(point.evaluation);
-  fmt::print("curve     {}\n", cli::sparkline(evaluations, 60));
-  fmt::print("made by   {}, settings {}\n", printable(file.created_by),
-             printable(file.settings_hash.substr(0, 12)));
+  if (!evaluations.empty()) fmt::print("curve     {}\n", cli::sparkline(evaluations, 60));
+  fmt::print("made by   {}", printable(file.created_by));
+  if (!file.settings_hash.empty())
+    fmt::print(", settings {}", printable(file.settings_hash.substr(0, 12)));
+  fmt::print("\n");
   constexpr std::string_view key = "\ninherited=";
   if (const std::size_t at = file.identity.find(key); at != std::string::npos)
     fmt::print("began     with the policy of settings {}\n",

@@ -182,9 +182,10 @@ typedef struct evo_start {
 /* Begins episodes in these environments, or in all (NULL). `start` may be NULL. */
 EVO_API int evo_envs_reset(evo_envs* envs, const int32_t* environments, size_t count,
                            const evo_start* start);
-/* One control step. `actions`: [action_values], clipped to the task's range. `active`: [E], not
- * 0 for those that take part, or NULL for all; the others stay as they are. Refused, with
- * nothing stepped: wrong lengths, actions that are not finite, environments never reset. */
+/* One step: a control step, or as many of the same action as the task's `hold` says. `actions`:
+ * [action_values], clipped to the task's range. `active`: [E], not 0 for those that take part, or
+ * NULL for all; the others stay as they are. Refused, with nothing stepped: wrong lengths, actions
+ * that are not finite, environments never reset. */
 EVO_API int evo_envs_step(evo_envs* envs, const double* actions, size_t values,
                           const uint8_t* active, size_t active_values);
 

@@ -26,4 +26,6 @@ try:
 except ModuleNotFoundError:  # Simulator does without
     pass
 else:
+    from . import environment, vector
+
     register("evo/")

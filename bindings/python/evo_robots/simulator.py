@@ -200,7 +200,7 @@ class Simulator:
         self._begun[chosen] = True
 
     def step(self, actions: Any, mask: Any = None) -> State:
-        """One control step: actions of all environments, [E, A], or one after the
+        """One step (info["hold"] control steps): actions of all environments, [E, A], or one after the
         other in one row. Those of environments outside of ``mask``, [E], are ignored."""
         self.advance(actions, mask)
         return self.state()

@@ -70,7 +70,8 @@ class Files(unittest.TestCase):
         said = json.loads(tool("evo-eval", self.robot, "--policy", self.folder / "own.policy.h5",
                                "--max-steps", 100))
         self.assertAlmostEqual(said["fitness"], total, delta=1e-2 * max(1, abs(total)))
-        tool("evo-inspect", self.folder / "own.policy.h5")
+        said = tool("evo-inspect", self.folder / "own.policy.h5")
+        self.assertRegex(said, "trained   on Walker-v0, 0 steps\nmade by   evo_robots\ncontrol ")
 
     def run_of(self, name, *options):
         tool("evo-evolve", "ga", "--run", self.folder / name, "--pop", 3, "--evals", 4, "--shape", "3x3", "-q",

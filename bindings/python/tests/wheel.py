@@ -23,7 +23,7 @@ env.reset(seed=1)
 for _ in range(20):
     env.step(env.action_space.sample())
 assert env.render().shape == (300, 600, 3)
-env.unwrapped.video(120, 60).save("walk.png")
+env.unwrapped.video(120, 60).save("walk.gif")
 
 
 def said(command):
@@ -36,5 +36,6 @@ assert trained["id"] == json.loads(robot)["id"] and "fitness" in trained
 said("evo-sample -n 1 --seed 1 | evo eval --task Walker-v0 --actions sine:0.5,20,0.7 --rollout walk.h5")
 said("evo-render walk.h5 --strip 2 -o sheet.png")
 assert open("sheet.png", "rb").read(4) == b"\x89PNG"
+assert os.path.join("venv", "share", "man") in said("man -w evo-train evo || ls venv/share/man/man1/evo-train.1")
 assert os.path.exists(said("evo-data tasks/recipes/moments.yaml").strip())
 print(f"  {sys.version.split()[0]}: tools, environments, pictures")

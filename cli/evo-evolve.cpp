@@ -172,6 +172,8 @@ RunSettings complete(const std::string& method, Given given) {
     if (!given.contains(info.name)) given[info.name] = initial_value(info, method, setting);
     if (!given[info.name].empty()) list.push_back({info.name, given[info.name]});
   }
+  if (method == "program" && given["propose"].empty())
+    throw Error(Failure::usage, "--propose names the program that proposes robots");
   return {method, std::move(list)};
 }
 
@@ -223,7 +225,7 @@ void plan(const fs::path& folder, RunSettings settings, cli::Surroundings around
 
 // Refuses another value for a setting of a run that is there.
 void compare(const fs::path& folder, const std::string& method, const Given& given) {
-  const RunSettings there = RunSettings::read(folder / "run.yaml");
+  const RunSettings there = RunFolder(folder).settings();
   std::vector<std::string> differences;
   const auto compare = [&](const std::string& name, const std::string& asked) {
     const std::string* known = there.find(name);
@@ -312,9 +314,39 @@ void plan_recipe(const fs::path& folder, const std::string& name, const Given& g
   write_file(folder / "Makefile", makefile);
 }
 
+bool is_plain_name(const std::string& name) {
+  return !name.empty() &&
+         name.find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.") ==
+             std::string::npos;
+}
+
 std::vector<std::string> items(std::string list) {
   std::replace(list.begin(), list.end(), ',', ' ');
   return split_list(list, ' ');
+}
+
+// What is compared: a method, or NAME=PROGRAM, what a program of one's own proposes.
+struct Column {
+  std::string name;
+  std::string method;
+  std::string program;
+};
+
+Column column_of(const std::string& item) {
+  const std::size_t equals = item.find('=');
+  Column column{item.substr(0, equals), "program", ""};
+  if (equals == std::string::npos)
+    column.method = column.name;
+  else
+    column.program = item.substr(equals + 1);
+  check_run_method(column.method);
+  if (!is_plain_name(column.name) || (equals != std::string::npos && column.program.empty()))
+    throw error(Failure::usage,
+                "--methods {}: expected a method, or NAME=PROGRAM with a name of letters, digits, "
+                "- and _",
+                item);
+  return column;
 }
 
 // Every method on every task with every seed, each a run, TASK/METHOD-SEED.
@@ -330,8 +362,12 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
     throw Error(Failure::usage,
                 "--tasks: two of them have the same name, after which their runs are called");
   check_collection(folder, names);
-  const std::vector<std::string> methods = items(options.methods);
-  for (const std::string& method : methods) check_run_method(method);
+  std::vector<Column> columns;
+  std::vector<std::string> methods;
+  for (const std::string& item : items(options.methods)) {
+    columns.push_back(column_of(item));
+    methods.push_back(columns.back().method);
+  }
   for (const auto& [name, value] : given)
     if (std::none_of(methods.begin(), methods.end(), [&, &name = name](const std::string& method) {
           return find_run_setting(name)->belongs_to(method);
@@ -342,30 +378,32 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
   const std::string initial_video = initial_value(*find_run_setting("video"), "", {});
   std::vector<std::string> runs;
   for (const std::string& task : tasks)
-    for (const std::string& method : methods)
+    for (const Column& column : columns)
       for (const std::string& seed : items(options.seeds)) {
         Given run;
         for (const auto& [name, value] : given)
-          if (find_run_setting(name)->belongs_to(method)) run[name] = value;
+          if (find_run_setting(name)->belongs_to(column.method)) run[name] = value;
+        if (!column.program.empty()) {
+          run["propose"] = column.program;
+          run["name"] = column.name;
+        }
         if (!evaluated) run["task"] = settled(*find_run_setting("task"), task);
         run["seed"] = settled(*find_run_setting("seed"), seed);
         const std::string name = task_label(task);
-        if (name.find_first_not_of(
-                "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.") !=
-            std::string::npos)
+        if (!is_plain_name(name))
           throw error(Failure::usage,
                       "--tasks: the name of '{}' has to be of letters, digits, - and _", task);
-        runs.push_back(fmt::format("{}/{}-{}", name, method, run["seed"]));
+        runs.push_back(fmt::format("{}/{}-{}", name, column.name, run["seed"]));
         if (!evaluated && !fs::exists(folder / runs.back()))
           run.try_emplace("video", initial_video);
-        plan_or_compare(folder / runs.back(), method, run, around);
+        plan_or_compare(folder / runs.back(), column.method, run, around);
       }
   if (runs.empty())
     throw Error(Failure::usage, "compare: --tasks, --methods and --seeds name no run");
   write_file(folder / "Makefile",
              fmt::format("# Runs side by side, by evo evolve compare.\n\n{}\nRUNS = {}\n\n"
                          "all: compare.html\n"
-                         "\tevo-report --table $(RUNS)\n"
+                         "\tevo-report --table - $(RUNS)\n"
                          "\t@echo $(CURDIR)/compare.html >&2\n\n"
                          "compare.html: $(RUNS:%=%/best.json)\n"
                          "\tevo-report -q $(RUNS) -o $@\n\n"
@@ -392,7 +430,7 @@ void start_watcher(const fs::path& folder, const std::string& progress) {
                               const Options& options) {
   prefer_own_tools();
   const bool shows = !command.quiet && !command.verbose && std::getenv("MAKELEVEL") == nullptr;
-  if (shows && fs::exists(folder / "run.yaml")) start_watcher(folder, command.progress);
+  if (shows && !fs::exists(folder / "1")) start_watcher(folder, command.progress);
   for (int round = 1; shows && fs::exists(folder / fmt::format("{}/run.yaml", round)); ++round)
     start_watcher(folder / fmt::format("{}", round), "never");
   std::vector<std::string> words{"make"};
@@ -452,7 +490,9 @@ int main(int argc, char** argv) {
   cli::Command& side_by_side =
       command.subcommand("compare", "methods, tasks and seeds side by side");
   side_by_side.option("--tasks", options.tasks, "LIST", "tasks, separated by blanks or commas");
-  side_by_side.option("--methods", options.methods, "LIST", "methods, likewise");
+  side_by_side.option("--methods", options.methods, "LIST",
+                      "methods, likewise; NAME=PROGRAM is one of "
+                      "your own (evo evolve program --help)");
   side_by_side.option("--seeds", options.seeds, "LIST", "seeds, likewise");
   add_settings(side_by_side, options, "", {"task", "seed"});
   command.example("evo evolve ga --run runs/walker --task Walker-v0 --evals 100 -j8",

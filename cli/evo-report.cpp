@@ -1,14 +1,11 @@
 // evo-report: one page about a run, or several side by side.
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <limits>
-#include <numeric>
 #include <optional>
 
 #include "cli/command.h"
 #include "formats/io/files.h"
-#include "formats/run/run.h"
+#include "render/report/comparison.h"
 #include "render/report/page.h"
 #include "render/report/run.h"
 
@@ -21,73 +18,19 @@ constexpr std::size_t fewest_robots = 100;  // of each of them
 constexpr std::size_t most_replays = 1500;  // of several runs, episodes to play
 constexpr std::size_t fewest_replays = 20;
 
-// ---- a table instead of a page -----------------------------------------------------------
-
-// Runs of one method on one task, as far as the shortest of them has come.
-struct Group {
-  std::string task;
-  std::string method;
-  std::vector<std::vector<double>> best;  // so far, robot by robot, of each run
-};
-
-std::vector<double> best_so_far(const RunHistory& history) {
-  std::vector<double> curve;
-  double best = -std::numeric_limits<double>::infinity();
-  for (const TrainedRobot& trained : history.robots())
-    curve.push_back(best = std::max(best, trained.fitness.value_or(best)));
-  return curve;
+report::TableFormat table_format(const std::string& file) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (ending == ".csv") return report::TableFormat::csv;
+  if (ending == ".tex") return report::TableFormat::latex;
+  if (ending == ".tsv" || file == standard_stream) return report::TableFormat::tsv;
+  throw error(Failure::usage, "--table {}: expected a name that ends with .tsv, .csv or .tex, or -",
+              file);
 }
 
-std::vector<Group> read_groups(const std::vector<std::string>& folders) {
-  std::vector<Group> groups;
-  for (const std::string& folder : folders) {
-    const RunHistory history{RunFolder(folder)};
-    const RunSettings& settings = history.folder().settings();
-    Group group{settings.is_evaluated() ? settings.scored_by() : task_label(settings.scored_by()),
-                settings.text("method"),
-                {}};
-    const auto same = [&](const Group& other) {
-      return other.task == group.task && other.method == group.method;
-    };
-    auto found = std::find_if(groups.begin(), groups.end(), same);
-    if (found == groups.end()) found = groups.insert(groups.end(), group);
-    found->best.push_back(best_so_far(history));
-  }
-  return groups;
-}
-
-// Task by task, the method with the highest mean first.
-std::string table_of(const std::vector<std::string>& folders) {
-  struct Row {
-    std::string task;
-    double mean = 0.0;
-    std::string text;
-  };
-  std::vector<Row> rows;
-  for (const Group& group : read_groups(folders)) {
-    std::size_t robots = group.best.front().size();
-    for (const auto& curve : group.best) robots = std::min(robots, curve.size());
-    if (robots == 0) continue;
-    std::vector<double> ends;
-    for (const auto& curve : group.best) ends.push_back(curve[robots - 1]);
-    std::sort(ends.begin(), ends.end());
-    const auto count = static_cast<double>(ends.size());
-    const double mean = std::accumulate(ends.begin(), ends.end(), 0.0) / count;
-    double squares = 0.0;
-    for (const double end : ends) squares += (end - mean) * (end - mean);
-    const double deviation = ends.size() < 2 ? 0.0 : std::sqrt(squares / (count - 1.0));
-    const double median = (ends[ends.size() / 2] + ends[(ends.size() - 1) / 2]) / 2.0;
-    rows.push_back({group.task, mean,
-                    fmt::format("{}\t{}\t{}\t{}\t{:.4f}\t{:.4f}\t{:.4f}\t{:.4f}\t{:.4f}",
-                                group.task, group.method, ends.size(), robots, mean, deviation,
-                                ends.front(), median, ends.back())});
-  }
-  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
-    return a.task != b.task ? a.task < b.task : a.mean > b.mean;
-  });
-  std::string table = "task\tmethod\truns\trobots\tmean\tsd\tmin\tmedian\tmax";
-  for (const Row& row : rows) table += "\n" + row.text;
-  return table;
+void write_lines(const std::string& file, const std::string& text) {
+  LineWriter out(file);
+  out.line(text);
+  out.finish();
 }
 
 }  // namespace
@@ -96,12 +39,13 @@ int main(int argc, char** argv) {
   cli::Command command("evo-report");
   std::vector<std::string> names;
   std::optional<int> robots;
-  bool table = false;
+  std::optional<std::string> table;
   command.arguments(names, "RUN_DIR",
                     "run folders, finished or not; several are compared on one page");
-  command.flag("--table", table,
-               "instead of a page, a line for each task and method: the best fitness of runs at "
-               "equal numbers of robots, the best method first");
+  command.option(
+      "--table", table, "FILE",
+      "instead of a page what it says of tasks and methods, as .tsv (also by -), .csv or "
+      ".tex: median best fitness, its interval, tests, the best method first");
   command
       .option("--robots", robots, "N",
               "robots of a run to show one by one: all if there are no more, else the fittest, the "
@@ -115,10 +59,18 @@ int main(int argc, char** argv) {
 
   return command.run(argc, argv, [&] {
     if (names.empty()) throw error(Failure::usage, "name at least one run folder");
+    const std::vector<std::filesystem::path> folders(names.begin(), names.end());
+    std::vector<report::Run> runs;
+    runs.reserve(folders.size());
+    const auto read = [&](const report::Extent& extent) {
+      for (const auto& folder : folders)
+        runs.push_back(report::read_run(folder, extent, command.jobs));
+      report::tell_apart(runs, folders);
+    };
     if (table) {
-      LineWriter out(command.output);
-      out.line(table_of(names));
-      out.finish();
+      const report::TableFormat format = table_format(*table);
+      read({.robots = 0, .replays = 0});
+      write_lines(*table, report::comparison_table(runs, format));
       return 0;
     }
     report::Extent extent;
@@ -126,15 +78,8 @@ int main(int argc, char** argv) {
     extent.robots =
         robots ? static_cast<std::size_t>(*robots)
                : std::min(extent.robots, std::max(fewest_robots, most_robots / names.size()));
-    const std::vector<std::filesystem::path> folders(names.begin(), names.end());
-    std::vector<report::Run> runs;
-    runs.reserve(folders.size());
-    for (const auto& folder : folders)
-      runs.push_back(report::read_run(folder, extent, command.jobs));
-    report::tell_apart(runs, folders);
-    LineWriter out(command.output);
-    out.line(report::make_page(runs, cli::created_by(command.name())));
-    out.finish();
+    read(extent);
+    write_lines(command.output, report::make_page(runs, cli::created_by(command.name())));
     return 0;
   });
 }

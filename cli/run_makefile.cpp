@@ -119,6 +119,8 @@ class RunMakefile {
       add_neat();
     else if (method_ == "bo" || method_ == "map")
       add_batches();
+    else if (method_ == "random" || method_ == "program")
+      add_drawn();
     else if (method_ == "race")
       add_races();
     else
@@ -233,6 +235,26 @@ class RunMakefile {
         generation(robots, before + "/scores.jsonl seen.txt",
                    fmt::format("$(call breed,{},{}{}/scores.jsonl,{},{})", before, elites, before,
                                robots, stage_seed(number)));
+    }
+  }
+
+  // Batches that no rule of ours chooses: drawn, or proposed by a program.
+  void add_drawn() {
+    for (int number = 0; number * pop_ < evals_; ++number) {
+      const int robots = std::min(pop_, evals_ - number * pop_);
+      const std::string before = number == 0 ? "" : folder(number - 1);
+      if (method_ == "program")
+        generation(
+            robots, number == 0 ? "" : before + "/scores.jsonl",
+            fmt::format("{}$(call propose,{},{})",
+                        number == 0 ? ": > scored.jsonl\n\t"
+                                    : "evo-convert " + all("scores.jsonl") + " -o scored.jsonl\n\t",
+                        robots, stage_seed(number)));
+      else if (number == 0)
+        generation(robots, "", first_robots(robots));
+      else  // waits for no score
+        generation(robots, before + "/population.jsonl seen.txt",
+                   fmt::format("$(call sample,{},{},{})", before, robots, stage_seed(number)));
     }
   }
 
@@ -458,7 +480,9 @@ class RunMakefile {
           settings_.find("neat") == nullptr ? "" : " --neat " + file_setting("neat");
       return fmt::format("NEAT = evo-neat -n {}{}\n", pop_, own);
     }
-    if (method_ == "bo") return "";
+    if (method_ == "program")
+      return fmt::format("PROPOSE = {}\n", joined(words_of(settings_, "propose")));
+    if (method_ == "bo" || method_ == "random") return "";
     const std::string tool =
         settings_.find("mutate") == nullptr ? "evo-mutate" : joined(words_of(settings_, "mutate"));
     std::string text = fmt::format("MUTATE = {}{}\n", tool, options(settings_, "mutate_options"));
@@ -505,15 +529,25 @@ class RunMakefile {
                             const std::string& body) {
       text += fmt::format("# {}\ndefine {}\n{}endef\n\n", what, name, body);
     };
-    if (method_ != "bo" || window_ > 0)
+    if (method_ == "program")
+      define("As many different robots as asked for. $(1) robots, $(2) seed", "propose",
+             fmt::format(
+                 "mkdir -p $(@D)\n"
+                 "$(PROPOSE) -n $(1) --seed $(2) --shape {} < scored.jsonl > $(@D)/proposed.jsonl\n"
+                 "new=$$(evo-convert --to ids $(@D)/proposed.jsonl | sort -u | wc -l)\n"
+                 "[ $$new -eq $(1) ] || {{ echo \"$(@D)/proposed.jsonl: $$new different robots, "
+                 "not $(1)\" >&2; exit 65; }}\n"
+                 "evo-convert --bodies $(@D)/proposed.jsonl -o $@\n",
+                 settings_.text("shape")));
+    else if (method_ != "bo" || window_ > 0)
       text +=
           "# Bodies that there were, which must not come again.\n"
           "seen.txt: | gen-000/population.jsonl\n"
           "\tevo-convert --to ids " +
           all("population.jsonl") + " -o $@\n\n";
-    if (window_ > 0)
+    if (window_ > 0 || method_ == "random")
       define(
-          "Before there are scores. $(1) generation before, $(2) robots, $(3) seed", "sample",
+          "Robots at random. $(1) generation before, $(2) robots, $(3) seed", "sample",
           seen + fmt::format("evo-sample -n $(2) --shape {} --seed $(3){} --avoid seen.txt -o $@\n",
                              settings_.text("shape"),
                              method_ == "bo" ? " --weights 1,1,1,1,1"
@@ -748,7 +782,7 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
   };
   add({"evo-sample", "-n", "0", "--shape", shape, "-o", "/dev/null"},
       words_of(settings, "sample_options"));
-  if (method != "bo" && method != "neat" && settings.find("mutate") == nullptr)
+  if (settings.find("mutate_options") != nullptr && settings.find("mutate") == nullptr)
     add({"evo-mutate", "-n", "0", "-o", "/dev/null"}, words_of(settings, "mutate_options"));
   if (method == "neat") {
     std::vector<std::string> words{"evo-neat",  "-n", "2",        "--state-out",

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "cli/command.h"
@@ -233,14 +234,64 @@ class ChampionShown {
   std::string shown_;
 };
 
+// Seconds, ended early by a signal: long enough that looking costs little.
+void pause_after(const Clock& look) {
+  constexpr double shortest = 0.25;
+  constexpr double longest = 10.0;
+  constexpr double per_look = 10.0;
+  ::poll(nullptr, 0,
+         static_cast<int>(1000.0 * std::clamp(per_look * look.seconds(), shortest, longest)));
+}
+
+// Runs side by side, TASK/METHOD-SEED.
+std::vector<fs::path> compared_runs(const fs::path& folder) {
+  std::vector<fs::path> runs;
+  std::error_code unknown;
+  if (fs::exists(folder / "run.yaml", unknown)) return runs;
+  for (const auto& task : fs::directory_iterator(folder, unknown))
+    for (const auto& run : fs::directory_iterator(task.path(), unknown))
+      if (fs::exists(run.path() / "run.yaml", unknown)) runs.push_back(run.path());
+  return runs;
+}
+
+// One line: "4 of 9 runs over  51/225 robots  12 min 05 s left".
+void watch_comparison(const std::vector<fs::path>& folders, Progress style, pid_t caller) {
+  std::vector<RunStatus> runs(folders.begin(), folders.end());
+  const Clock begun;
+  std::optional<int> done_before;
+  LiveLine line(style);
+  for (bool last = false; !last;) {
+    const Clock look;
+    last = interrupted() != 0 || ::getppid() != caller;
+    int over = 0;
+    int done = 0;
+    int left = 0;
+    for (RunStatus& run : runs) {
+      run.update();
+      over += static_cast<int>(run.over());
+      done += run.trained();
+      left += run.over() ? 0 : run.left();
+    }
+    if (!done_before) done_before = done;
+    std::vector<std::string> parts{fmt::format("{} of {} runs over", over, runs.size()),
+                                   fmt::format("{}/{} robots", done, done + left)};
+    if (done > *done_before && left > 0)
+      parts.push_back(
+          fmt::format("{} left", duration(begun.seconds() * left / (done - *done_before))));
+    if (line.due())
+      line.draw(as_line(parts, style == Progress::drawn ? output_columns() : std::nullopt));
+    last = last || over == std::ssize(runs);
+    if (!last) pause_after(look);
+  }
+}
+
 }  // namespace
 
 void watch_run(const fs::path& folder, Progress style) {
-  constexpr double shortest_pause = 0.25;  // seconds
-  constexpr double longest_pause = 10.0;
-  constexpr double pause_per_look = 10.0;  // so that looking at a large run costs little
   catch_interrupts();
   const pid_t caller = ::getppid();
+  if (const std::vector<fs::path> runs = compared_runs(folder); !runs.empty())
+    return watch_comparison(runs, style, caller);
   if (!wait_for_begin(folder, caller, style)) return;
   RunStatus run(folder);
   ChampionShown champion;
@@ -273,8 +324,7 @@ void watch_run(const fs::path& folder, Progress style) {
                     ? screen(run, running, at_once)
                     : std::vector{as_line(all_parts(run, running, at_once), std::nullopt)});
     }
-    const double pause = std::clamp(pause_per_look * look.seconds(), shortest_pause, longest_pause);
-    ::poll(nullptr, 0, static_cast<int>(1000.0 * pause));  // ends early on a signal
+    pause_after(look);
   }
 }
 

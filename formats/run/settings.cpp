@@ -20,11 +20,12 @@ constexpr std::int64_t most_robots = 1'000'000;
 
 std::vector<RunSettingInfo> make_table() {
   const Methods all;
+  const Methods sampled{"ga", "map", "random", "race", "modular"};
   const Methods breed{"ga", "map", "race", "modular"};
   const Methods flow{"ga", "bo", "map"};
   const Methods founded{"ga", "modular"};
-  const Methods alone{"ga", "neat", "bo", "map"};
-  const Methods own{"ga", "neat", "bo", "map", "race"};
+  const Methods alone{"ga", "neat", "bo", "map", "random", "program"};
+  const Methods own{"ga", "neat", "bo", "map", "random", "program", "race"};
   constexpr SettingKind whole = SettingKind::whole;
   constexpr SettingKind text = SettingKind::text;
   constexpr SettingKind words = SettingKind::words;
@@ -104,7 +105,7 @@ std::vector<RunSettingInfo> make_table() {
        "--steps",
        0,
        most_robots},
-      {"sample_options", breed, text, "OPTIONS", "",
+      {"sample_options", sampled, text, "OPTIONS", "",
        "options of evo-sample for the first robots, such as '--encoding cppn'"},
       {"mutate_options", breed, text, "OPTIONS", "", "options of evo-mutate, such as '--rate 0.2'"},
       {"mutate",
@@ -113,6 +114,14 @@ std::vector<RunSettingInfo> make_table() {
        "PROGRAM",
        "",
        "what makes the children, given the options of evo-mutate"},
+      {"propose",
+       {"program"},
+       text,
+       "PROGRAM",
+       "",
+       "what proposes robots: given -n N --seed S --shape RxC, and on standard input all robots "
+       "scored so far, at first none; writes N robots, all different"},
+      {"name", all, text, "NAME", "", "what reports and tables call the method"},
       {"video", all, words, "mp4|webm|gif", "mp4", "of the best robot's video", 1, 1, "none"},
       {"video_options", all, text, "OPTIONS", "", "options of evo-render for it"},
       {"chunk", own, whole, "N", "1", "robots that one launch trains", 1, most_robots},
@@ -209,6 +218,8 @@ const std::vector<RunMethod>& run_methods() {
       {"neat", "CPPN-NEAT: networks that paint bodies, in species"},
       {"bo", "Bayesian optimisation: a Gaussian process proposes bodies"},
       {"map", "MAP-Elites: children of the fittest robot of every kind"},
+      {"random", "robots drawn at random, what every method has to beat"},
+      {"program", "robots that a program of one's own proposes"},
       {"race", "trainings race: the better half of the robots goes on"},
       {"modular", "one controller learns on all bodies while they evolve"}};
   return list;

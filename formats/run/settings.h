@@ -40,7 +40,7 @@ struct RunSettingInfo {
 const std::vector<RunSettingInfo>& run_settings();
 const RunSettingInfo* find_run_setting(std::string_view name);
 
-// "ga", "neat", "bo", "map", "race", "modular", and what each of them is.
+// "ga", "neat", "bo", .., and what each of them is.
 struct RunMethod {
   std::string name;
   std::string meaning;

@@ -101,6 +101,18 @@ void judge_methods(Comparison& comparison) {
 
 }  // namespace
 
+std::vector<std::pair<std::string, std::vector<const Run*>>> by_task(const std::vector<Run>& runs) {
+  std::vector<std::pair<std::string, std::vector<const Run*>>> tasks;
+  for (const Run& run : runs) {
+    const std::string task = run.subject();
+    auto known = std::find_if(tasks.begin(), tasks.end(),
+                              [&](const auto& group) { return group.first == task; });
+    if (known == tasks.end()) known = tasks.insert(tasks.end(), {task, {}});
+    known->second.push_back(&run);
+  }
+  return tasks;
+}
+
 Comparison compare(const std::vector<const Run*>& runs) {
   Comparison comparison;
   comparison.robots = std::numeric_limits<std::size_t>::max();

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/report/repetitions.h"
@@ -33,6 +34,15 @@ struct Comparison {
 
 // Of runs on one task.
 Comparison compare(const std::vector<const Run*>& runs);
+
+// Runs by what their robots are scored by, in the order in which it comes first.
+std::vector<std::pair<std::string, std::vector<const Run*>>> by_task(const std::vector<Run>& runs);
+
+// Task by task a line per method, the best first, with the numbers of Comparison:
+// task, method, runs, robots, median, low, high, leader_ahead, p, needed. In LaTeX numbers are
+// rounded, and the table is one of booktabs.
+enum class TableFormat { tsv, csv, latex };
+std::string comparison_table(const std::vector<Run>& runs, TableFormat format);
 
 inline constexpr double significant = 0.05;
 

@@ -208,8 +208,8 @@ std::string comparison_row(const Run& run, std::size_t number, Page& page) {
                      run.champion ? page.link(run.robots[*run.champion].robot, anchor) : "");
   row += cell(run.label, fmt::format("<a href=\"#{}\">{}</a>", anchor, escaped(run.label)), "");
   row += cell(run.subject(), escaped(run.subject()), "");
-  for (const char* name : {"method", "seed"})
-    row += cell(run.setting(name), escaped(run.setting(name)), "");
+  for (const std::string& text : {run.method(), run.setting("seed")})
+    row += cell(text, escaped(text), "");
   row += run.champion ? fitness_cell(run.robots[*run.champion].fitness) : cell("", "none yet");
   const auto score = run.champion ? run.robots[*run.champion].training.final_score : std::nullopt;
   row += score ? cell(fmt::to_string(score->mean), with_error(score->mean, score->standard_error))
@@ -307,18 +307,12 @@ std::string curve_of_task(const std::string& task, const std::vector<const Run*>
 void add_comparison(const std::vector<Run>& runs, Page& page) {
   std::string rows;
   std::vector<const Run*> all;
-  std::vector<std::pair<std::string, std::vector<const Run*>>> tasks;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     rows += comparison_row(runs[k], k, page);
     all.push_back(&runs[k]);
-    const std::string task = runs[k].subject();
-    auto known = std::find_if(tasks.begin(), tasks.end(),
-                              [&](const auto& group) { return group.first == task; });
-    if (known == tasks.end()) known = tasks.insert(tasks.end(), {task, {}});
-    known->second.push_back(&runs[k]);
   }
   std::string html;
-  for (const auto& [task, group] : tasks) {
+  for (const auto& [task, group] : by_task(runs)) {
     html += answer_card(task, group, runs);
     html += curve_of_task(task, group, page);
   }
@@ -375,7 +369,7 @@ std::string lead(const std::vector<Run>& runs) {
     return "Soft robots, bodies and controllers evolved together: what several runs say, and each";
   const Run& run = runs[0];
   return fmt::format("Co-design of soft robots by {}, bodies of {} voxels, seed {}{} {}",
-                     escaped(run.setting("method")), escaped(run.setting("shape")),
+                     escaped(run.method()), escaped(run.setting("shape")),
                      escaped(run.setting("seed")), when_and_where(run), badge(run));
 }
 

@@ -19,7 +19,7 @@ std::string without_seed(const Run& run) {
 
 // Names the settings that tell a group from the others of the same method.
 std::string name_of(const Run& run, const std::vector<Repetitions>& groups) {
-  const std::string method = run.setting("method");
+  const std::string method = run.method();
   std::string name = method;
   for (const Setting& setting : run.settings) {
     const bool differs = std::any_of(groups.begin(), groups.end(), [&](const Repetitions& other) {
@@ -38,7 +38,7 @@ std::vector<Repetitions> repetitions(const std::vector<const Run*>& runs) {
   std::map<std::string, std::size_t> known;
   for (const Run* run : runs) {
     const auto [group, is_new] = known.emplace(without_seed(*run), groups.size());
-    if (is_new) groups.push_back({"", run->setting("method"), {}});
+    if (is_new) groups.push_back({"", run->method(), {}});
     groups[group->second].runs.push_back(run);
   }
   for (Repetitions& group : groups) group.label = name_of(*group.runs[0], groups);

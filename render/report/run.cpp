@@ -137,6 +137,11 @@ std::string Run::setting(const std::string& name) const {
   return "";
 }
 
+std::string Run::method() const {
+  const std::string name = setting("name");
+  return name.empty() ? setting("method") : name;
+}
+
 std::string Run::subject() const {
   return is_evaluated() ? "own fitness: " + setting("evaluate") : setting("task");
 }
@@ -161,6 +166,7 @@ Run read_run(const fs::path& folder, const Extent& extent, int threads) {
   run.folder = folder_in_commands(folder);
   run.settings = masked(history.folder());
   add_history(history, run);
+  if (extent.robots == 0) return run;
   run.seconds = history.seconds();
   run.began = std::llround(history.began());
   run.ended = std::llround(history.ended());

@@ -80,6 +80,8 @@ struct Run {
 
   // A setting's value; empty where run.yaml has none.
   std::string setting(const std::string& name) const;
+  // The method, by the name that the run gives it.
+  std::string method() const;
   // What robots are scored by: the task, or "own fitness: ./score" where --evaluate named a
   // program.
   std::string subject() const;
@@ -94,7 +96,7 @@ struct Run {
 
 // How much of a run is shown.
 struct Extent {
-  std::size_t robots = 1500;  // one by one; of more a choice
+  std::size_t robots = 1500;  // one by one; of more a choice. 0: their scores alone
   // Episodes: of the fittest of those robots, beside the champion and its ancestors.
   std::size_t replays = std::numeric_limits<std::size_t>::max();
 };

@@ -178,7 +178,7 @@ END
   grep -q 'is what a program gave it: score' run/report.html
   sed 's/<script.*//; /<style/,/<\/style/d' run/report.html > page
   lacks 'Walker-v0|task|trained|training' <(grep -o '<[hpdt][^>]*>[^<]*' page)
-  evo-report --table run | grep -qF "$PWD/score$(printf '\t')ga"
+  evo-report --table - run | grep -qF "own fitness: score$(printf '\t')ga"
   fails_with 2 "--steps is of robots that are trained" -- evolve ga no --steps 100
   evo-evolve compare --run all --methods "ga map" --seeds "1 2" --pop 4 --evals 6 --evaluate ./score -q > table
   [ "$(ls -d all/evaluate/* | wc -l)" -eq 4 ]
@@ -555,9 +555,42 @@ END
   compare --tasks Walker-v0 --seeds "1 2 3" > table
   [ "$(tail -n 1 table | cut -f 3)" -eq 3 ]
   [ -z "$(find all/Walker-v0/ga-1/policies -newer mark)" ]
+  evo-report --table t.csv all/*/*
+  diff <(cut -f 1-10 table | tr '\t' ',') <(grep -v Jumper t.csv)
+  evo-report --table t.tex all/*/*
+  grep -qF 'ga & 3 & $' t.tex
+  fails_with 2 ".tsv, .csv or .tex" -- evo-report --table t.xls all/Walker-v0/ga-1
   fails_with 2 "unknown method 'gaa'" -- compare --methods gaa
   fails_with 2 "--tasks: two of them have the same name" -- compare --tasks "Walker-v0 ./elsewhere/Walker-v0.yaml"
   fails_with 2 "unknown option --seed (did you mean '--seeds'?)" -- compare --seed 3
+}
+
+@test "compare: random robots and programs of one's own are methods, too" {
+  stand_in
+  cat > mine <<'END'
+#!/bin/bash
+# The best again with a change, or at random: -n N --seed S --shape RxC.
+if evo-select --keep 1 --unscored - > best.$$ 2> /dev/null && [ -s best.$$ ]; then
+  evo-mutate "${@:1:4}" best.$$
+else
+  evo-sample "$@"
+fi
+rm best.$$
+END
+  chmod +x mine
+  evo-evolve compare --run all --methods "random mine=./mine" --seeds 1 "${settings[@]:0:4}" --evaluate "$PWD/score" -q -j2 > table
+  [ "$(cut -f 2 table | sort | paste -sd ' ')" = "method mine random" ]
+  grep -q "^name: mine" all/evaluate/mine-1/run.yaml
+  grep -q 'mine' all/compare.html
+  # Nothing that a random run draws depends on a score.
+  evo-evolve random --run other "${settings[@]:0:4}" --seed 1 --evaluate 'jq -c ".fitness = 1"' -q
+  diff <(jq .id all/evaluate/random-1/history.jsonl) <(jq .id other/history.jsonl)
+  [ "$(jq .id other/history.jsonl | sort -u | wc -l)" -eq 14 ]
+  fails_with 2 "--propose names the program" -- evo-evolve program --run no
+  fails_with 2 "NAME=PROGRAM" -- evo-evolve compare --run no --methods "ga =x"
+  # Fewer than asked for end the run.
+  run -2 evo-evolve program --run few --propose "bash -c 'evo-sample -n 1'" --pop 3 --evals 3 --evaluate "$PWD/score" -q
+  [[ $output == *"different robots, not 3"* ]]
 }
 
 # A task in Python; Debian's has numpy.

@@ -5,7 +5,7 @@ tools() { (cd "$EVO_BIN" && printf '%s\n' evo-*); }
 
 @test "every tool's help is as agreed" {
   for tool in $(tools); do "$tool" --help | golden "help/$tool.txt"; done
-  for method in ga neat bo map race modular recipe compare; do
+  for method in ga neat bo map random program race modular recipe compare; do
     evo-evolve $method --help | golden "help/evo-evolve-$method.txt"
     run ! grep -E '^.{81}' <(evo-evolve $method --help)
   done

@@ -47,7 +47,7 @@ offers() {
   offers evo-train --physics p | diff - <(echo paper)
   offers evo-train --train pap | diff - <(echo paper)
   [ -z "$(offers evo-eval walk)" ]
-  offers evo-evolve '' | diff - <(printf '%s\n' ga neat bo map race modular recipe compare)
+  offers evo-evolve '' | diff - <(printf '%s\n' ga neat bo map random program race modular recipe compare)
   offers evo-inspect ta | diff - <(printf '%s\n' tasks task)
   offers evo-inspect task Walk | diff - <(echo Walker-v0)
   offers evo re | diff - <(printf '%s\n' render report)
@@ -92,5 +92,5 @@ END
   zsh -f offers.zsh evo '' | grep -qx train
   zsh -f offers.zsh evo eval -- | grep -qx -- --rollout
   zsh -f offers.zsh evo-eval walk | diff - <(echo files)
-  zsh -f offers.zsh evo-evolve '' | diff - <(printf '%s\n' ga neat bo map race modular recipe compare files)
+  zsh -f offers.zsh evo-evolve '' | diff - <(printf '%s\n' ga neat bo map random program race modular recipe compare files)
 }

@@ -147,6 +147,7 @@ METHODS = {
     "neat": ["--evals", "8", "--steps", "64"],
     "bo": ["--evals", "8", "--steps", "64"],
     "map": ["--evals", "8", "--steps", "64"],
+    "random": ["--evals", "8", "--steps", "64"],
     "race": ["--evals", "8", "--steps", "256", "--parents", "2"],
     "modular": ["--evals", "7", "--steps", "512", "--children", "1", "--champions", "1"],
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "formats/run/run.h"
 #include "render/report/comparison.h"
 
 namespace evo::report {
@@ -86,7 +87,8 @@ std::string comparison_table(const std::vector<Run>& runs, TableFormat format) {
          "method & runs & median [95\\,\\%] & $A$ & $p$ & robots \\\\"});
   else
     lines.push_back(fmt::format("{}", fmt::join(columns, separator(format))));
-  for (const auto& [task, group] : by_task(runs)) {
+  for (const auto& [subject, group] : by_task(runs)) {
+    const std::string task = group.front()->is_evaluated() ? subject : task_label(subject);
     const Comparison comparison = compare(group);
     if (format == TableFormat::latex && !comparison.methods.empty())
       lines.insert(lines.end(),

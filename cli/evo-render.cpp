@@ -363,14 +363,16 @@ int main(int argc, char** argv) {
                  "labels,grid");
   command.suggestions("--hide", [&] { return names_of(hidden); });
   using render::Tint;
-  command.choice("--tint", options.overlays.tint, "WHAT",
-                 {{"actuation", Tint::actuation},
-                  {"strain", Tint::strain},
-                  {"stress", Tint::stress},
-                  {"commanded", Tint::commanded},
-                  {"none", Tint::none}},
-                 "actuation: actuators lighter when expanded, darker when contracted; strain, "
-                 "stress or commanded (lengths of actuators), with a bar of colours; or none");
+  command.choice(
+      "--tint", options.overlays.tint, "WHAT",
+      {{"actuation", Tint::actuation},
+       {"strain", Tint::strain},
+       {"stress", Tint::stress},
+       {"commanded", Tint::commanded},
+       {"stiffness", Tint::stiffness},
+       {"none", Tint::none}},
+      "actuation: actuators lighter when expanded, darker when contracted; strain, "
+      "stress, commanded (lengths of actuators) or stiffness, with a bar of colours; or none");
   const Switches shown{{"trail", &options.overlays.trail},
                        {"velocities", &options.overlays.velocities},
                        {"contacts", &options.overlays.contacts}};

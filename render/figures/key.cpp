@@ -50,8 +50,10 @@ void draw_arrow_key(double pixels_of_one, const char* one, const char* many, Col
   drawing.text({tip + 0.7F * size, y + cap_height * size / 2}, size, words, theme.text);
 }
 
-std::string short_number(double value) {
-  const std::string text = fmt::format("{:.3g}", std::abs(value));
+std::string end_of(const ValueScale& scale, double value) {
+  if (scale.powers) value = std::pow(10.0, value);
+  const double size = std::abs(value);
+  const std::string text = size < 1000 ? fmt::format("{:.3g}", size) : fmt::format("{:.0f}", size);
   return (value < 0 ? "\u2212" : "") + text;
 }
 
@@ -80,10 +82,10 @@ void draw_value_bar(const ValueScale& scale, const Theme& theme, Column& column,
   const auto place = [&](double value) {
     return bar.x + bar.width * static_cast<float>((value - scale.low) / (scale.high - scale.low));
   };
-  drawing.text({bar.x, y}, 0.9F * size, short_number(scale.low), theme.text);
-  drawing.text({place(scale.middle), y}, 0.9F * size, short_number(scale.middle), theme.text,
+  drawing.text({bar.x, y}, 0.9F * size, end_of(scale, scale.low), theme.text);
+  drawing.text({place(scale.middle), y}, 0.9F * size, end_of(scale, scale.middle), theme.text,
                Align::centre);
-  drawing.text({bar.x + bar.width, y}, 0.9F * size, short_number(scale.high), theme.text,
+  drawing.text({bar.x + bar.width, y}, 0.9F * size, end_of(scale, scale.high), theme.text,
                Align::right);
 }
 
@@ -92,8 +94,8 @@ void draw_value_bar(const ValueScale& scale, const Theme& theme, Column& column,
 void draw_value_line(const ValueScale& scale, const Theme& theme, Point centre, float size,
                      Typesetter& typesetter, Drawing& drawing) {
   const float length = 9 * size;
-  const std::string low = short_number(scale.low);
-  const std::string high = short_number(scale.high);
+  const std::string low = end_of(scale, scale.low);
+  const std::string high = end_of(scale, scale.high);
   const float gap = 0.5F * size;
   const float title = typesetter.width(scale.title, size);
   const float before = typesetter.width(low, size);

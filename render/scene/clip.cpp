@@ -165,7 +165,7 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
   if (const Ending end = ending(rollout, data); steps_ > 0 && end.kind != Ending::Kind::cut)
     ending_ = end.text;
   const Tint tint = overlays_.tint;
-  if (tint == Tint::strain || tint == Tint::stress || tint == Tint::commanded)
+  if (tint != Tint::none && tint != Tint::actuation)
     value_scale_ = quantity_.emplace(tint, rollout, data, mesh_, points_).scale();
   if (overlays_.contacts) {
     physics_ = physics_of(rollout);

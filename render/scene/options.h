@@ -37,6 +37,7 @@ enum class Tint {
   strain,     // how much larger or smaller than at rest (quantity.h)
   stress,     // how strongly their springs pull or push
   commanded,  // the length an actuator is told to have
+  stiffness,  // the factor that a robot gives the voxel's springs
 };
 
 // Curves below a picture, in step with it.

@@ -48,7 +48,21 @@ bool lies_along(const ModelCell& cell, int a, int b, Voxel actuator) {
   return actuator == Voxel::horizontal ? is(tl, tr) || is(bl, br) : is(tl, bl) || is(tr, br);
 }
 
-std::vector<Spring> springs_of(const Mesh& mesh, const Physics& physics) {
+// Of the springs of each cell, 1 where the robot says nothing.
+std::vector<double> factors_of(const Rollout& rollout, const Mesh& mesh) {
+  std::vector<double> factors(mesh.cells.size(), 1.0);
+  if (!rollout.robot || rollout.robot->body.stiffness.empty()) return factors;
+  const Body& body = rollout.robot->body;
+  const ModelObject& robot = mesh.objects.front();
+  auto cell = static_cast<std::size_t>(robot.first_cell);
+  const std::size_t end = cell + static_cast<std::size_t>(robot.cells);
+  for (std::size_t k = 0; k < body.cells.size() && cell < end; ++k)
+    if (body.cells[k] != Voxel::empty) factors[cell++] = body.stiffness[k];
+  return factors;
+}
+
+std::vector<Spring> springs_of(const Mesh& mesh, const Physics& physics,
+                               const std::vector<double>& factors) {
   std::vector<int> actuator(mesh.cells.size(), -1);
   const std::vector<int> actuators = actuators_of(mesh);
   for (std::size_t k = 0; k < actuators.size(); ++k)
@@ -66,12 +80,15 @@ std::vector<Spring> springs_of(const Mesh& mesh, const Physics& physics) {
       if (is_actuator(cell.type) && lies_along(cell, edge.a, edge.b, cell.type))
         spring.actuators.push_back(actuator[static_cast<std::size_t>(c)]);
     }
+    double sum = 0;
+    for (const int c : spring.cells) sum += factors[static_cast<std::size_t>(c)];
+    spring.stiffness *= sum / static_cast<double>(spring.cells.size());
     std::erase(spring.actuators, -1);
     springs.push_back(std::move(spring));
   }
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     const ModelCell& cell = mesh.cells[c];
-    const double stiffness = stiffness_of(cell.type, physics).diagonal;
+    const double stiffness = stiffness_of(cell.type, physics).diagonal * factors[c];
     const auto [tl, tr, bl, br] = cell.points;
     for (const auto& [a, b] : {std::pair{tr, bl}, std::pair{tl, br}})
       springs.push_back({a, b, stiffness, std::numbers::sqrt2, {}, {static_cast<int>(c)}});
@@ -103,7 +120,9 @@ void fill_strain(const Mesh& mesh, std::span<const Vec2> points, std::span<float
 class Stress {
  public:
   Stress(const Rollout& rollout, const Mesh& mesh)
-      : mesh_(mesh), physics_(physics_of(rollout)), springs_(springs_of(mesh, physics_)) {
+      : mesh_(mesh),
+        physics_(physics_of(rollout)),
+        springs_(springs_of(mesh, physics_, factors_of(rollout, mesh))) {
     for (const Spring& spring : springs_) rest_.push_back(spring.rest);
     weight_ = mesh.objects.front().points * physics_.gravity;
     if (weight_ <= 0)
@@ -190,6 +209,17 @@ Quantity::Quantity(Tint what, const Rollout& rollout, const RolloutEpisode& epis
   const auto per_step = static_cast<std::size_t>(rollout.points);
   const std::vector<int> actuators = actuators_of(mesh);
   values_.assign((static_cast<std::size_t>(steps) + 1) * cells_, none);
+  if (what == Tint::stiffness) {
+    const std::vector<double> factors = factors_of(rollout, mesh);
+    const ModelObject& robot = mesh.objects.front();
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+      const auto cell = static_cast<int>(k % cells_);
+      if (cell >= robot.first_cell && cell < robot.first_cell + robot.cells)
+        values_[k] = static_cast<float>(std::log10(factors[k % cells_]));
+    }
+    scale_ = {"stiffness (factor)", -1, 0, 1, true};
+    return;
+  }
   if (what != Tint::strain) check_actions(episode, actuators.size());
   std::optional<Stress> stress;
   if (what == Tint::stress) stress.emplace(rollout, mesh);

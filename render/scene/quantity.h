@@ -21,6 +21,7 @@ class Quantity {
   //   stress     mean of its two normal stresses, pull positive: of the springs of the
   //              cell, the sum of force times length by twice its area, a side shared
   //              by two cells counted half; in weights of the robot per voxel;
+  //   stiffness  log10 of the factor that the robot gives the voxel's springs;
   //   commanded  the target of an actuator in the step that ends here; at the start 1.
   // `points` are all positions of the episode in voxels. Throws Error(data) for a
   // rollout without the actions or the physics that are needed.

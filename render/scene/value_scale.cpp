@@ -24,7 +24,7 @@ Color color_of(const ValueScale& scale, double value) {
 }
 
 ValueScale widest(const ValueScale& a, const ValueScale& b) {
-  return {a.title, std::min(a.low, b.low), a.middle, std::max(a.high, b.high)};
+  return {a.title, std::min(a.low, b.low), a.middle, std::max(a.high, b.high), a.powers};
 }
 
 }  // namespace evo::render

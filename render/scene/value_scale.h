@@ -14,6 +14,7 @@ struct ValueScale {
   double low = -1;
   double middle = 0;
   double high = 1;
+  bool powers = false;  // of ten, and shown as what they are powers to
 };
 
 // Values beyond the ends have the colours of the ends.

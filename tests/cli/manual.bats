@@ -64,7 +64,7 @@ offers() {
   offers evo-train --train gam | diff - <(echo gamma=)
   offers evo-train --failures '' | diff - <(printf '%s\n' stop skip)
   offers evo-eval --physics grav | diff - <(echo gravity=)
-  offers evo-render --tint st | diff - <(printf '%s\n' strain stress)
+  offers evo-render --tint st | diff - <(printf '%s\n' strain stress stiffness)
   offers evo-convert --to json | diff - <(printf '%s\n' jsonl json)
   offers evo render --theme '' | diff - <(printf '%s\n' light dark paper)
   offers evo-inspect --progress l | diff - <(echo lines)

@@ -100,6 +100,17 @@ TEST_CASE("stress follows from springs: nothing at rest, tension of what is draw
     CHECK(values[c] == Approx(expected).epsilon(0.35));
   }
   CHECK(soft == 3);
+
+  // Springs twice as stiff, and those that say so in colour.
+  Body& body = rollout.robot->body;
+  body = with_stiffness(body, std::vector<double>(body.cells.size(), 2.0));
+  const Clip stiffer({&rollout, 0, ""}, with(Tint::stress), 1.5);
+  const Clip colours({&rollout, 0, ""}, with(Tint::stiffness), 1.5);
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    if (rollout.world.cells[c].type == Voxel::fixed) continue;
+    CHECK(stiffer.values(1)[c] == Approx(2 * values[c]));
+    CHECK(colours.values(1)[c] == Approx(std::log10(2)));
+  }
 }
 
 TEST_CASE("an actuator told to be longer presses until it is") {

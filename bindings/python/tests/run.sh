@@ -22,7 +22,7 @@ venv="$build/python-$kind"
 packages=(gymnasium)
 case $kind in
   stable-baselines3) packages+=(stable-baselines3 'pyarrow<20') ;; # the last for Debian's numpy
-  examples) packages+=(pandas tqdm) ;;
+  examples) packages+=(pandas tqdm 'h5py>=3.11') ;; # the last for PyPI's numpy
 esac
 if [ ! -e "$venv/complete" ]; then
   rm -rf "$venv"

@@ -13,7 +13,7 @@ import sys
 import traceback
 from pathlib import Path
 
-from .library import PACKAGE, EvoError
+from .library import PACKAGE, EvoError, needs
 from .own import Task, Trained, check_training, train
 from .robots import Robot
 
@@ -60,14 +60,12 @@ def options() -> argparse.ArgumentParser:
 
 
 def main() -> int:
-    if sys.argv[1:2] == ["tensorboard"] and len(sys.argv) == 4:
-        from .files import to_tensorboard
-
-        to_tensorboard(*sys.argv[2:])
-        return 0
-    given = options().parse_args()
-    folder = given.out_dir
+    tracked = sys.argv[2:] if sys.argv[1:2] == ["tensorboard"] and len(sys.argv) == 4 else None
+    given = None if tracked else options().parse_args()
     try:
+        if tracked:
+            needs("evo_robots.files", "data").to_tensorboard(*tracked)
+            return 0
         profiles = [text for text in given.train if "=" not in text.split("/")[0]]
         training = {"steps": given.steps, "seed": given.seed, "profile": (["default"] + profiles)[-1],
                     "settings": dict(text.split("=", 1) for text in given.train if text not in profiles)}
@@ -87,7 +85,7 @@ def main() -> int:
                 document.update(fitness=None, failure={"why": str(error)})
             else:
                 document.update(fitness=trained.fitness, steps=int(trained.curve[-1, 0]))
-                if folder is not None:
+                if (folder := given.out_dir) is not None:
                     os.makedirs(folder, exist_ok=True)
                     trained.rollout(os.path.join(folder, f"{robot.id}.rollout.h5"))
                     document["policy"] = os.path.join(folder, f"{robot.id}.policy.h5")
@@ -97,7 +95,7 @@ def main() -> int:
         return INTERRUPTED
     except Exception as error:
         ours = Path(traceback.extract_tb(error.__traceback__)[-1].filename).parent == PACKAGE
-        if isinstance(error, (EvoError, ValueError, NotImplementedError)) and ours:
+        if isinstance(error, (EvoError, OSError, ValueError, NotImplementedError)) and ours:
             print(f"evo_robots: {error}", file=sys.stderr)
             return WRONG
         traceback.print_exc()  # of the task: its author wants to know where

@@ -31,8 +31,9 @@ def needs(module: str, extra: str) -> Any:
     """A package that only some functions need."""
     try:
         return importlib.import_module(module)
-    except ModuleNotFoundError:
-        raise EvoError(f"this needs {module}: pip install {module}, or evo-robots[{extra}]") from None
+    except ModuleNotFoundError as missing:
+        name = missing.name.split(".")[0]
+        raise EvoError(f"this needs {name}: pip install {name}, or evo-robots[{extra}]") from None
 
 
 def whole(name: str, value: Any, low: int, high: int) -> int:

@@ -36,7 +36,7 @@ def cases(text):
     sims = evo_robots.Simulations(world, 2)
     actions = numpy.ones(sims.num_actuators * 2).reshape(2, -1)
     return [
-        ("Robot", evo_robots.Robot, {"robot": BODY, "connections": None}),
+        ("Robot", evo_robots.Robot, {"robot": BODY, "connections": None, "stiffness": [[1, 2], [3, 4]]}),
         ("Robot of the file", evo_robots.Robot, {"robot": text}),
         ("Simulator", evo_robots.Simulator, {"task": "Walker-v0", "robots": BODY, "envs": 1}),
         ("reset", simulator.reset, {"seed": 1, "episode": 0, "draws": {}, "jitter": 0.0}),
@@ -45,6 +45,8 @@ def cases(text):
         ("orientation", simulator.orientation, {"index": 0, "environment": 0}),
         ("translate", simulator.translate, {"name": "robot", "by": (0.1, 0.0), "environment": 0}),
         ("add", world.add, {"name": "box", "body": numpy.ones((1, 1)), "x": 9, "y": 4}),
+        ("stiffen", world.stiffen, {"name": "robot", "factors": [[1, 2], [3, 4]]}),
+        ("perturb", sims.perturb, {"jitter": 0.1, "seed": 1, "sim": 0}),
         ("move", world.move, {"name": "robot", "x": 2, "y": 1}),
         ("from_json", evo_robots.World.from_json, {"text": world.json()}),
         ("Simulations", evo_robots.Simulations, {"world": world, "count": 1}),

@@ -52,6 +52,12 @@ class Files(unittest.TestCase):
         [episode] = files.read_rollout(self.folder / "walk.h5")
         np.testing.assert_allclose(policy.act(episode.observations[:-1]), episode.actions,
                                    atol=1e-5)
+        policy.rollout(self.folder / "again.h5")
+        [again] = files.read_rollout(self.folder / "again.h5")
+        np.testing.assert_array_equal(again.positions, episode.positions)
+        film = policy.video(fps=50)
+        self.assertEqual(len(film), len(episode.positions))
+        np.testing.assert_array_equal(film._frames._moments[-1], episode.positions[-1])
 
     def test_a_network_of_ones_own_goes_back_to_the_tools(self):
         rng = np.random.default_rng(1)

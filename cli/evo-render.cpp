@@ -136,13 +136,17 @@ void set_switches(const std::string& option, const std::string& text, const Swit
   }
 }
 
-// "0", "2", "all" of every rollout; the first episode when nothing is asked.
+// "0", "2", "all" of every rollout; the first episode when nothing is asked. `names`: what
+// robots are called in the place of their ids, or nothing.
 std::vector<render::Episode> choose_episodes(const std::vector<Rollout>& rollouts,
+                                             const std::vector<std::string>& names,
                                              const std::vector<std::string>& asked) {
   std::vector<render::Episode> episodes;
-  for (const Rollout& rollout : rollouts) {
+  for (std::size_t k = 0; k < rollouts.size(); ++k) {
+    const Rollout& rollout = rollouts[k];
     const auto add = [&](int index) {
       std::string label = rollout.robot ? rollout.robot->id : std::string();
+      if (!names.empty()) label = names[k];
       if (asked.size() > 1 || (asked.size() == 1 && asked[0] == "all"))
         label += fmt::format(" episode {}", index);
       episodes.push_back({&rollout, index, std::move(label)});
@@ -233,7 +237,10 @@ void render_rollouts(const Settings& settings, const RenderOptions& options,
   std::vector<Rollout> rollouts;
   rollouts.reserve(files.size());
   for (const std::string& file : files) rollouts.push_back(read_rollout(file));
-  const auto episodes = choose_episodes(rollouts, settings.episodes);
+  std::vector<std::string> names;  // of racers, those of their files
+  for (const std::string& file : files)
+    if (settings.race) names.push_back(std::filesystem::path(file).stem().stem().string());
+  const auto episodes = choose_episodes(rollouts, names, settings.episodes);
   if (is_still(settings)) {
     if (episodes.size() != 1 && !settings.at)
       throw error(Failure::usage,

@@ -126,10 +126,16 @@ double Race::Runner::so_far(double step) const {
 
 Race::Race(const std::vector<Episode>& episodes, const RenderOptions& options) : options_(options) {
   check(episodes);
-  const double aspect =
-      static_cast<double>(options.size.width) / static_cast<double>(options.size.height);
+  heights_ = rewards_height(*episodes.front().rollout);
+  const bool lanes = in_lanes(episodes.size());
+  // A lane has room for a robot and a voxel below and above, not for the sky.
+  constexpr double closer = 3.0;
+  if (lanes) options_.camera.zoom *= closer;
+  const double aspect = static_cast<double>(options.size.width) *
+                        (lanes ? static_cast<double>(episodes.size()) : 1.0) /
+                        static_cast<double>(options.size.height);
   for (const Episode& episode : episodes) {
-    const Clip whole(episode, options, aspect);  // says what is wrong with a file
+    const Clip whole(episode, options_, aspect);  // says what is wrong with a file
     Runner runner{std::string(1, static_cast<char>('A' + runners_.size())),
                   runner_color(runners_.size()),
                   episode.label,
@@ -144,7 +150,6 @@ Race::Race(const std::vector<Episode>& episodes, const RenderOptions& options) :
   rank();
   for (const Part& part : parts(episodes))
     outlines_.push_back(runner_color(static_cast<std::size_t>(part.episode - episodes.data())));
-  heights_ = rewards_height(*episodes.front().rollout);
   merged_ = std::make_unique<Rollout>(merge(episodes));
   if (options_.camera.objects.empty())
     options_.camera.objects = {merged_->world.objects.front().name};
@@ -160,54 +165,44 @@ void Race::find_finish(const std::vector<Episode>& episodes) {
       runners_[k].arrived = lanes_[k].steps();
 }
 
-// Those that arrived first, the others by their returns.
+// Those that arrived first, the others by their returns; equals share a place.
 void Race::rank() {
   std::vector<Runner*> order;
   for (Runner& runner : runners_) order.push_back(&runner);
-  std::ranges::stable_sort(order, [](const Runner* a, const Runner* b) {
+  const auto better = [](const Runner* a, const Runner* b) {
     constexpr int never = std::numeric_limits<int>::max();
     const int first = a->arrived.value_or(never);
     const int second = b->arrived.value_or(never);
-    return first != second ? first < second : a->returns.back() > b->returns.back();
-  });
-  for (std::size_t k = 0; k < order.size(); ++k) order[k]->place = static_cast<int>(k) + 1;
+    if (first != second) return first < second;
+    return !a->arrived && a->returns.back() > b->returns.back();
+  };
+  std::ranges::stable_sort(order, better);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const bool tied = k > 0 && !better(order[k - 1], order[k]);
+    order[k]->place = tied ? order[k - 1]->place : static_cast<int>(k) + 1;
+  }
 }
 
 // Side by side where they run along the ground and each lane is high enough to see a robot.
-bool Race::in_lanes() const {
+bool Race::in_lanes(std::size_t runners) const {
   constexpr int lowest = 60;  // pixels
-  return !heights_ && options_.size.height / static_cast<int>(runners_.size()) >= lowest;
+  return !heights_ && options_.size.height / static_cast<int>(runners) >= lowest;
 }
 
 // The same part of the track for all: from left to right as far as the whole race is seen.
 void Race::draw_lane(std::size_t k, double step, const Rect& lane, Typesetter& typesetter,
                      Drawing& drawing) const {
-  constexpr double earth = 0.14;  // of the lane, below the floor
   const Theme& theme = theme_by_name(options_.theme);
   const Runner& runner = runners_[k];
   Scene scene = lanes_[k].scene(step);
   const ViewRect track = clip_->scene(step).view;
-  const double voxels = track.width * lane.height / lane.width;
-  const double raised = scene.view.centre_y;  // follows the robot up stairs and hills
-  scene.view = {track.centre_x, std::max(voxels * (0.5 - earth), raised), track.width, voxels};
+  // From where the lane's own camera, which follows the robot up stairs and hills, begins.
+  const double low = scene.view.centre_y - scene.view.height / 2;
+  scene.view = {track.centre_x, low + track.height / 2, track.width, track.height};
+  scene.finish = finish_;
   scene.outlines.assign(lanes_[k].mesh().objects.size(), runner.color);
   draw_scene(scene, theme, lane, drawing);
   drawing.clip(lane);
-  const Projection to_pixels(scene.view, lane);
-  if (finish_) {  // chequered, two squares wide
-    constexpr double square = 0.5;
-    const int rows = static_cast<int>(std::ceil(voxels / square)) + 1;
-    const double low = std::floor(to_pixels.low() / square) * square;
-    for (int row = 0; row < rows; ++row)
-      for (int column = 0; column < 2; ++column) {
-        const Point corner = to_pixels({*finish_ + column * square, low + (row + 1) * square});
-        const float side = to_pixels.pixels(square, 1.0);
-        drawing.rectangle(
-            {corner.x, corner.y, side, side},
-            with_alpha((row + column) % 2 == 0 ? Color{0, 0, 0, 255} : Color{255, 255, 255, 255},
-                       0.8));
-      }
-  }
   drawing.segment({lane.x, lane.y + lane.height}, {lane.x + lane.width, lane.y + lane.height}, 2,
                   theme.paper);
   drawing.clip(drawing.whole());
@@ -239,7 +234,7 @@ void Race::draw_lane(std::size_t k, double step, const Rect& lane, Typesetter& t
 Drawing Race::frame(double step, Typesetter& typesetter) const {
   const Theme& theme = theme_by_name(options_.theme);
   Drawing drawing(options_.size);
-  if (in_lanes()) {
+  if (in_lanes(runners_.size())) {
     const auto count = static_cast<float>(runners_.size());
     const Rect whole = drawing.whole();
     for (std::size_t k = 0; k < runners_.size(); ++k) {

@@ -35,7 +35,7 @@ class Race {
   };
   void find_finish(const std::vector<Episode>& episodes);
   void rank();
-  bool in_lanes() const;
+  bool in_lanes(std::size_t runners) const;
   void draw_lane(std::size_t k, double step, const Rect& lane, Typesetter& typesetter,
                  Drawing& drawing) const;
   Rect ranking_plate(Typesetter& typesetter) const;

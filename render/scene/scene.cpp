@@ -203,6 +203,20 @@ void draw_goal(const Goal& goal, const Theme& theme, const Projection& to_pixels
   }
 }
 
+// Two squares wide.
+void draw_finish(double x, const Projection& to_pixels, Drawing& drawing) {
+  constexpr double square = 0.5;
+  const auto side = to_pixels.pixels(square, 1.0);
+  const double low = std::floor(to_pixels.low() / square) * square;
+  for (int row = 0; low + row * square < to_pixels.top; ++row)
+    for (int column = 0; column < 2; ++column) {
+      const Point corner = to_pixels({x + column * square, low + (row + 1) * square});
+      const bool dark = (row + column) % 2 == 0;
+      drawing.rectangle({corner.x, corner.y, side, side},
+                        with_alpha(dark ? Color{0, 0, 0, 255} : Color{255, 255, 255, 255}, 0.8));
+    }
+}
+
 void draw_arrow(const Arrow& arrow, const Theme& theme, const Projection& to_pixels,
                 Drawing& drawing) {
   const Point a = to_pixels(arrow.from);
@@ -265,6 +279,7 @@ void draw_scene(const Scene& scene, const Theme& theme, const Rect& panel, Drawi
   if (scene.grid) draw_grid(scene, theme, to_pixels, drawing);
   draw_ruler(scene, theme, to_pixels, drawing);
   if (scene.goal) draw_goal(*scene.goal, theme, to_pixels, drawing);
+  if (scene.finish) draw_finish(*scene.finish, to_pixels, drawing);
   draw_objects(scene, theme, to_pixels, drawing);
   draw_trail(scene, theme, to_pixels, drawing);
   draw_touches(scene, theme, to_pixels, drawing);

@@ -73,6 +73,7 @@ struct Scene {
   std::vector<Note> pins;                   // at the border: where something was, the latest last
   std::vector<Vec2> touches;                // where the robot touches something
   std::optional<Goal> goal;
+  std::optional<double> finish;  // x of a chequered line across the whole height
 };
 
 // Fills `panel` with the scene, cut at its border. Line widths follow the size

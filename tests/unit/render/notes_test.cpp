@@ -111,6 +111,34 @@ TEST_CASE("who runs along the ground has a lane, and a place when it has arrived
   CHECK_THAT(words(40), Contains("1st   0.60 s") && Contains("2nd   "));
   for (std::size_t k = 0; k < 2; ++k)
     CHECK(plates_of(race.frame(40, typesetter), runner_color(k)).size() == 1);
+  const Race tie({{&slow, 0, "one"}, {&slow, 0, "the same"}}, options);
+  const Drawing end = tie.frame(40, typesetter);
+  CHECK(std::ranges::count_if(end.texts(), [](const Text& text) {
+          return text.text.starts_with("1st");
+        }) == 2);
+}
+
+TEST_CASE("a lane shows its robot from the feet to the top, from the first moment") {
+  const Rollout rollout = example::simulate("Walker-v0", example::walker, 60);
+  RenderOptions options;
+  options.size = {640, 480};
+  constexpr float lane = 160;
+  const Race race(std::vector<Episode>(3, Episode{&rollout, 0, "walker"}), options);
+  Typesetter typesetter;
+  for (const double step : {0.0, 5.0, 60.0}) {
+    const Drawing drawing = race.frame(step, typesetter);
+    std::array<int, 3> seen{};
+    for (const Drawing::Item& item : drawing.items())
+      for (std::size_t k = 0; k < 3; ++k)
+        if (const auto* stroke = std::get_if<Stroke>(&item.shape);
+            stroke && stroke->color == runner_color(k))
+          for (const Point& p : stroke->points) {
+            ++seen[k];
+            CHECK(p.y > lane * static_cast<float>(k));
+            CHECK(p.y < lane * static_cast<float>(k + 1));
+          }
+    for (const int points : seen) CHECK(points > 8);
+  }
 }
 
 // Rollouts of one robot that differ in how far it goes.

@@ -44,18 +44,18 @@ const Charts = (() => {
     : series.kind === 'best' ? palette[0] : series.kind === 'points' ? palette[1]
       : series.kind === 'edges' ? [palette[7], palette[0]][k] : palette[k % palette.length]);
 
-  // Where most robots of a chart are: a few that are far off would flatten the others. Nothing
-  // beyond three times the middle half's width from it is in sight, unless all is asked for.
-  const mostOf = (values) => {
+  // From where up most robots of a chart are: a few that are far below would flatten the others.
+  // What lies lower than three times the middle half's width below it is out of sight, unless all
+  // is asked for. The best are what an evolution is for: nothing is cut above.
+  const mostFrom = (values) => {
     const sorted = values.sort((a, b) => a - b);
     const at = (share) => sorted[Math.round(share * (sorted.length - 1))];
     const wide = at(0.75) - at(0.25);
-    if (sorted.length < 8 || !(wide > 0)) return [-Infinity, Infinity];
-    return [at(0.25) - 3 * wide, at(0.75) + 3 * wide];
+    return sorted.length < 8 || !(wide > 0) ? -Infinity : at(0.25) - 3 * wide;
   };
 
-  // What is in sight: x from a zoom or all of it, y from the rows within. Of outliers it says
-  // how many lie below and above.
+  // What is in sight: x from a zoom or all of it, y from the rows within, and how many points
+  // are below.
   const window_ = (chart) => {
     let [x0, x1] = chart.zoom ?? [Infinity, -Infinity];
     let y0 = Infinity, y1 = -Infinity;
@@ -64,21 +64,21 @@ const Charts = (() => {
     const single = (series) => ['points', 'edges'].includes(series.kind);
     const robots = inSight.flatMap((row) => chart.series.map((series, k) => single(series) && chart.visible[k] ? row[k + 1][1] : null)).filter((value) => value !== null);
     const ends = inSight.flatMap((row) => chart.series.flatMap((series, k) => series.band && chart.visible[k] ? row[k + 1] : [])).filter((value) => value !== null);
-    const [least, most] = chart.all ? [-Infinity, Infinity] : mostOf([...(robots.length ? robots : ends)]);
-    const below = robots.filter((value) => value < least).length, above = robots.filter((value) => value > most).length;
+    const least = chart.all ? -Infinity : mostFrom([...(robots.length ? robots : ends)]);
+    const below = robots.filter((value) => value < least).length;
     for (const row of inSight) {
       chart.series.forEach((series, k) => {
         const [low, value, high] = row[k + 1];
-        if (value === null || !chart.visible[k] || (single(series) && (value < least || value > most))) return;
-        y0 = Math.min(y0, value, low < least ? value : low); y1 = Math.max(y1, value, high > most ? value : high);
+        if (value === null || !chart.visible[k] || (single(series) && value < least)) return;
+        y0 = Math.min(y0, value, low < least ? value : low); y1 = Math.max(y1, value, high);
       });
     }
-    const bands = robots.length === 0 && ends.some((value) => value < y0 || value > y1);
+    const bands = robots.length === 0 && ends.some((value) => value < y0);
     if (!(x1 > x0)) { x0 -= 1; x1 += 1; }
     if (y0 > y1) { y0 = 0; y1 = 1; }
     if (y0 === y1) { y0 -= 0.5; y1 += 0.5; }
     const pad = 0.05 * (y1 - y0);
-    return { x0, x1, y0: y0 - pad, y1: y1 + pad, below, above, bands };
+    return { x0, x1, y0: y0 - pad, y1: y1 + pad, below, bands };
   };
 
   // An SVG of `chart`, and from values to its pixels.
@@ -181,9 +181,9 @@ const Charts = (() => {
     let low = Math.min(...values), high = Math.max(...values);
     if (chart.diverging) { high = (chart.widest ?? Math.max(Math.abs(low), Math.abs(high))) || 1; low = -high; }
     // A few that are far off have the colour at the end.
-    const [least, most] = chart.diverging ? [low, high] : mostOf([...values]);
-    const beyond = [low < least, high > most];
-    low = Math.max(low, least); high = Math.min(high, most);
+    const least = chart.diverging ? low : mostFrom([...values]);
+    const beyond = low < least;
+    low = Math.max(low, least);
     if (low === high) { low -= 0.5; high += 0.5; }
     const share = (value) => (value - low) / (high - low);
     const picture = svg('svg', { xmlns: NS, viewBox: `0 0 ${width} ${height}`, width, height, 'font-size': look.font,
@@ -219,7 +219,7 @@ const Charts = (() => {
     const bar = { x: left + side * columns + 10, height: tall * lines - 2 };
     for (let k = 0; k < 24; ++k)
       picture.append(svg('rect', { x: bar.x, y: top + bar.height * (1 - (k + 1) / 24), width: 9, height: bar.height / 24 + 0.6, fill: heatColor((k + 0.5) / 24, chart.diverging) }));
-    for (const [value, place, sign] of [[high, top + 9, beyond[1] ? '\u2265 ' : ''], [low, top + bar.height, beyond[0] ? '\u2264 ' : '']])
+    for (const [value, place, sign] of [[high, top + 9, ''], [low, top + bar.height, beyond ? '\u2264 ' : '']])
       picture.append(svg('text', { x: bar.x + 13, y: place, fill: look.text, 'font-size': look.font - 1 }, sign + (chart.diverging && value > 0 ? '+' : '') + Number(value.toPrecision(2))));
     return { picture, cells };
   };
@@ -319,10 +319,9 @@ const Charts = (() => {
       ? 'Hover for values, drag to zoom, double-click to see all.' : 'Tap for values.';
     // Outliers that are out of sight are spoken of, and there for the asking.
     const quiet = () => {
-      const { below, above, bands } = drawn?.seen ?? {};
-      const parts = bands ? ['bands go beyond what is shown'] : [];
-      for (const [count, where] of [[below, 'below'], [above, 'above']])
-        if (count) parts.push(`${count} point${count === 1 ? '' : 's'} ${where} what is shown`);
+      const { below, bands } = drawn?.seen ?? {};
+      const parts = bands ? ['bands go below what is shown'] : [];
+      if (below) parts.push(`${below} point${below === 1 ? '' : 's'} below what is shown`);
       const all = element('button', { type: 'button', class: 'outliers' }, chart.all ? 'Without outliers' : 'Show them');
       all.addEventListener('click', () => { chart.all = !chart.all; redraw(); quiet(); holder.querySelector('.outliers')?.focus(); });
       says.replaceChildren(...(parts.length ? [element('span', {}, parts.join(', ')), all] : chart.all ? [all] : []), ...(small ? [] : [hint]));

@@ -153,6 +153,16 @@ Verdict judge(const Run& run) {
       verdict.sentences.push_back("The first failure: " + run.robots.front().failure + ".");
     return verdict;
   }
+  const std::size_t first = run.generations.empty() ? 0 : run.generations.front().planned;
+  if (run.robots.size() < first) {
+    verdict.level = Verdict::Level::doubt;
+    verdict.headline = "Just begun";
+    verdict.sentences.push_back(
+        fmt::format("{} of the first {} robots are {}; what they are worth "
+                    "is said once all are.",
+                    run.robots.size(), first, run.done()));
+    return verdict;
+  }
   const double best = *run.robots[*run.champion].fitness;
   const double gained = gain(run, best);
   const bool learnt = is_success(run, gained);

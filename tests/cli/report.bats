@@ -125,6 +125,13 @@ PY
   grep -q 'class="card verdict doubt"' page.html  # not over: 1000 robots were asked for
   grep -q 'Improved from' page.html
   grep -q 'evo evolve ga --run run --task Walker-v0 --pop 8 --evals 1000' page.html
+  # Nothing is said of a run before its first population is done.
+  cp -r run begun && rm -r begun/gen-00[1-9]
+  split -l 1 -d --additional-suffix .json <(head -n 2 begun/gen-000/scores.jsonl) begun/gen-000/
+  rm begun/gen-000/scores.jsonl
+  evo-report begun > page.html
+  grep -q 'Just begun' page.html
+  grep -q '2 of the first 8 robots are trained' page.html
   # A run in which all robots are alike bad has learnt nothing.
   for scores in run/gen-*/scores.jsonl; do
     jq -c 'if .fitness then .fitness = 0.08 else . end' "$scores" > new && mv new "$scores"

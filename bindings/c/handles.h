@@ -208,4 +208,5 @@ struct evo_robots {
 struct evo_policy {
   evo::PolicyFile file;
   std::vector<evo_curve_point> curve;
+  std::atomic_flag busy;
 };

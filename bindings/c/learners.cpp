@@ -125,7 +125,8 @@ int evo_learner_describe(const evo_learner* learner, evo_learner_facts* facts, s
     const evo_learner& own = object_of(learner);
     hand_over({own.settings.environments, own.settings.rollout, own.settings.updates(),
                own.settings.evaluation_interval, own.settings.evaluation_episodes,
-               own.settings.evaluation_jitter, own.settings.start_jitter},
+               own.settings.evaluation_jitter, own.settings.start_jitter, own.settings.final_jitter,
+               own.settings.final_episodes, 0},
               facts, size);
   });
 }

@@ -1,4 +1,5 @@
 // Controllers of evo/evo.h.
+#include <cmath>
 #include <variant>
 
 #include "bindings/c/created_by.h"
@@ -36,7 +37,7 @@ namespace evo::c {
 std::unique_ptr<evo_policy> policy_of(evo::PolicyFile file) {
   std::vector<evo_curve_point> curve;
   for (const evo::CurvePoint& p : file.curve) curve.push_back({p.step, p.evaluation, p.best});
-  return std::make_unique<evo_policy>(evo_policy{std::move(file), std::move(curve)});
+  return std::unique_ptr<evo_policy>(new evo_policy{std::move(file), std::move(curve), {}});
 }
 
 evo::TrainingSettings settings_of(const evo_training& training) {
@@ -62,6 +63,15 @@ int evo_policy_write(const evo_policy* policy, const char* file) {
 }
 
 void evo_policy_free(evo_policy* policy) { close(policy); }
+
+int evo_policy_set_final(evo_policy* policy, int32_t episodes, double mean, double standard_error) {
+  return change(policy, [&](evo_policy& own) {
+    if (episodes < 1 || !std::isfinite(mean) || !(standard_error >= 0.0))
+      throw evo::error(Failure::usage, "{} episodes, a mean of {} +- {} are no final score",
+                       episodes, mean, standard_error);
+    own.file.final_score = evo::FinalScore{episodes, mean, standard_error};
+  });
+}
 
 int evo_policy_describe(const evo_policy* policy, evo_policy_facts* facts, size_t size) {
   return guarded([&] {

@@ -358,6 +358,9 @@ EVO_API int evo_policy_read(const char* file, evo_policy** policy);
 /* A file for evo-eval, evo-render, evo-convert; appears whole or not at all. */
 EVO_API int evo_policy_write(const evo_policy* policy, const char* file);
 EVO_API void evo_policy_free(evo_policy* policy);
+/* What it earned in episodes from perturbed starts is kept with it. */
+EVO_API int evo_policy_set_final(evo_policy* policy, int32_t episodes, double mean,
+                                 double standard_error);
 
 /* An evaluation in the course of a training, and the best until then. */
 typedef struct evo_curve_point {
@@ -445,7 +448,10 @@ typedef struct evo_learner_facts {
   int32_t evaluation_interval; /* updates, after which the suite would evaluate the policy, */
   int32_t evaluation_episodes; /* by the mean of so many episodes, */
   double evaluation_jitter;    /* whose start coordinates are moved by up to this, voxels */
-  double start_jitter;         /* the same of episodes that it learns from */
+  double start_jitter;         /* the same of episodes that it learns from, */
+  double final_jitter;         /* and of those by which it judges the best policy in the end */
+  int32_t final_episodes;      /* 0: by none */
+  int32_t reserved;
 } evo_learner_facts;
 
 /* `training` as for evo_train; D observations and A actions, from `low` to `high`, of an

@@ -85,6 +85,8 @@ def main() -> int:
                 document.update(fitness=None, failure={"why": str(error)})
             else:
                 document.update(fitness=trained.fitness, steps=int(trained.curve[-1, 0]))
+                if trained.final is not None:
+                    document["final"] = trained.final
                 if (folder := given.out_dir) is not None:
                     os.makedirs(folder, exist_ok=True)
                     trained.rollout(os.path.join(folder, f"{robot.id}.rollout.h5"))

@@ -146,7 +146,8 @@ class Training(Structure):
 class LearnerFacts(Structure):
     _fields_ = [("environments", c_int32), ("rollout", c_int32), ("updates", c_int64),
                 ("evaluation_interval", c_int32), ("evaluation_episodes", c_int32),
-                ("evaluation_jitter", c_double), ("start_jitter", c_double)]
+                ("evaluation_jitter", c_double), ("start_jitter", c_double),
+                ("final_jitter", c_double), ("final_episodes", c_int32), ("reserved", c_int32)]
 
 
 class OwnEpisode(Structure):
@@ -214,6 +215,7 @@ SIGNATURES = {
     "evo_policy_describe": [_HANDLE, POINTER(PolicyFacts), c_size_t],
     "evo_policy_act": [_HANDLE, c_void_p, c_void_p, c_size_t, c_void_p, c_size_t],
     "evo_policy_write": [_HANDLE, c_char_p],
+    "evo_policy_set_final": [_HANDLE, Whole32, c_double, c_double],
     "evo_policy_task": [_HANDLE, _OPENED],
     "evo_policy_record": [_HANDLE, _HANDLE, POINTER(OwnEpisode), c_size_t, c_char_p],
     "evo_train": [_HANDLE, _HANDLE, c_size_t, POINTER(Training), c_size_t, _OPENED],

@@ -253,6 +253,7 @@ class Trained:
     curve: np.ndarray  # [n, 3]: environment steps, evaluation, the best until then
     _policy: Handle = field(repr=False)
     _task: Task | None = field(default=None, repr=False)  # of one's own
+    final: dict[str, float] | None = None  # of a Task's: episodes, mean, standard_error from perturbed starts
 
     @classmethod
     def read(cls, path: str | os.PathLike) -> "Trained":
@@ -480,14 +481,20 @@ def _train_own(task: Task, robot: Robot, wanted: _Wanted, report: Callable) -> T
         step = update * plan.rollout * count
         if update % plan.evaluation_interval == 0 or update == plan.updates:
             now = _snapshot(learner, robot, task, [])
-            score = _evaluate(judged, Trained(robot, 0.0, np.empty((0, 3)), now))
+            score = float(_evaluate(judged, Trained(robot, 0.0, np.empty((0, 3)), now)).mean())
             highest = max([score, *(point[2] for point in curve[-1:])])
             curve.append((step, score, highest))
             if len(curve) == 1 or score > curve[-2][2]:
                 best = _snapshot(learner, robot, task, curve)
         report(step)
-    found = _trained(robot, best)
-    return Trained(robot, found.fitness, np.array(curve), best, task)
+    trained = Trained(robot, _trained(robot, best).fitness, np.array(curve), best, task)
+    if plan.final_episodes > 0:
+        last = TaskEnvironments(task, robot, plan.final_episodes, seed=seed, jitter=plan.final_jitter, purpose=2)
+        returns = _evaluate(last, trained)
+        error = returns.std(ddof=1) / np.sqrt(len(returns)) if len(returns) > 1 else 0.0
+        trained.final = {"episodes": len(returns), "mean": float(returns.mean()), "standard_error": float(error)}
+        call("evo_policy_set_final", best, *trained.final.values())
+    return trained
 
 
 def _snapshot(learner: Handle, robot: Robot, task: Task,
@@ -497,15 +504,15 @@ def _snapshot(learner: Handle, robot: Robot, task: Task,
                   type(task).__name__.encode(), points, len(curve))
 
 
-def _evaluate(envs: TaskEnvironments, policy: Trained) -> float:
-    """The mean return of the first deterministic episode of each environment."""
+def _evaluate(envs: TaskEnvironments, policy: Trained) -> np.ndarray:
+    """The return of the first deterministic episode of each environment."""
     envs._episodes[:] = np.arange(envs.num_envs)
     observations, total, running = envs.reset(), np.zeros(envs.num_envs), np.ones(envs.num_envs, bool)
     while running.any():
         observations, rewards, terminated, truncated = envs.step(policy.act(observations, envs.steps))
         total[running] += rewards[running]
         running &= ~(terminated | truncated)
-    return float(total.mean())
+    return total
 
 
 @dataclass

@@ -207,7 +207,8 @@ class Training(unittest.TestCase):
             def tool(name, *words):
                 return subprocess.run([evo_robots.find_tool(name), *words], capture_output=True, text=True)
 
-            self.assertIn("Walk", tool("evo-inspect", policy).stdout)
+            self.assertRegex(tool("evo-inspect", policy).stdout, "on Walk, 2048(?s:.*)perturbed .*8 episodes")
+            self.assertAlmostEqual(official.final["mean"], official.fitness, delta=0.3 * abs(official.fitness))
             self.assertEqual(tool("evo-inspect", "--check", "--replay", folder).returncode, 0)
             for picture in (["--strip", "4", "-o", f"{folder}/strip.svg"], ["-o", f"{folder}/film.gif"]):
                 self.assertEqual(tool("evo-render", rollout, "--size", "160x90", *picture).stderr, "")
@@ -310,6 +311,7 @@ class Training(unittest.TestCase):
                              [json.loads(line)["id"] for line in robots.splitlines()])
             for robot in found:
                 self.assertTrue(np.isfinite(robot["fitness"]) and os.path.exists(robot["policy"]))
+                self.assertEqual([*robot["final"]], ["episodes", "mean", "standard_error"])
             command[3] = f"{folder}/walk.py:Run"
             said = subprocess.run(command, input=robots, capture_output=True, text=True)
             self.assertEqual(said.returncode, 2)

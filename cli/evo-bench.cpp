@@ -39,7 +39,6 @@ struct Settings {
 
 struct Measurement {
   std::string task;
-  std::string profile;
   Body body;
   std::uint64_t seed = 0;
   int envs = 0;
@@ -138,8 +137,7 @@ Measurement measure(const Subject& subject, int envs, std::uint64_t seed, double
   const auto& [task, body] = subject;
   const Arena arena(task, body);
   Runner runner(arena, envs, seed);
-  Measurement result{
-      task.name, cli::profile_name(task.physics), body, seed, envs, count_voxels(body), {}};
+  Measurement result{task.name, body, seed, envs, count_voxels(body), {}};
   rate_of(runner, envs, 0.0);  // allocates what later steps use
   for (int repetition = 0; repetition < repetitions; ++repetition)
     result.rates.push_back(rate_of(runner, envs, seconds));
@@ -151,8 +149,8 @@ class Report {
  public:
   explicit Report(bool json) : json_(json) {
     if (!json_)
-      fmt::print("{:<24} {:>7} {:>6} {:>5} {:>10} {:>7} {:>12} {:>14}\n", "task", "shape", "voxels",
-                 "envs", "isa", "profile", "steps/s", "steps*voxels/s");
+      fmt::print("{:<22} {:>7} {:>6} {:>4} {:>10} {:>9} {:>14}\n", "task", "shape", "voxels",
+                 "envs", "isa", "steps/s", "steps*voxels/s");
   }
 
   void add(const Measurement& m, const std::string& isa) const {
@@ -164,15 +162,13 @@ class Report {
                       {"seed", m.seed},
                       {"width", m.envs},
                       {"isa", isa},
-                      {"profile", m.profile},
                       {"steps_per_second", m.median()},
                       {"steps_per_second_min", m.rates.front()},
                       {"steps_per_second_max", m.rates.back()}};
       fmt::print("{}\n", line.dump());
     } else {
-      fmt::print("{:<24} {:>7} {:>6} {:>5} {:>10} {:>7} {:>12.0f} {:>14.0f}\n", m.task,
-                 shape(m.body), m.voxels, m.envs, isa, m.profile, m.median(),
-                 m.median() * m.voxels);
+      fmt::print("{:<22} {:>7} {:>6} {:>4} {:>10} {:>9.0f} {:>14.0f}\n", m.task, shape(m.body),
+                 m.voxels, m.envs, isa, m.median(), m.median() * m.voxels);
     }
     std::fflush(stdout);
   }

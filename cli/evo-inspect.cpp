@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <string_view>
@@ -115,6 +117,35 @@ void print_histogram(const std::vector<double>& scores) {
   }
 }
 
+// As many as a line has room for, the fittest first, their ids below them.
+void print_side_by_side(std::vector<Robot> robots) {
+  std::ranges::stable_sort(robots, std::ranges::greater(), [](const Robot& robot) {
+    return robot.fitness().value_or(-std::numeric_limits<double>::infinity());
+  });
+  const std::size_t columns = cli::output_columns().value_or(80);
+  std::vector<std::string> lines(1);  // the first of them, the ids, is printed last
+  std::size_t left = 0;
+  for (const Robot& robot : robots) {
+    const auto body = static_cast<std::size_t>(2 * robot.body.cols);
+    const std::size_t width = std::max(robot.id.size(), body);
+    if (left > 0 && left + width > columns) break;
+    std::vector<std::string> column{robot.id};
+    for (const std::string& row : split_list(cli::draw_body(robot.body), '\n'))
+      column.push_back(row);
+    lines.resize(std::max(lines.size(), column.size()), std::string(left, ' '));
+    column.resize(lines.size());
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      const bool painted = column[k].find('\x1b') != std::string::npos;
+      const std::size_t shown = painted ? body : column[k].size();
+      lines[k] += column[k] + std::string(width - shown + 2, ' ');
+    }
+    left += width + 2;
+  }
+  std::rotate(lines.begin(), lines.begin() + 1, lines.end());
+  for (const std::string& line : lines)
+    fmt::print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
+}
+
 void print_robots(const std::vector<Robot>& robots, const std::string& name) {
   if (robots.size() == 1) {
     print_robot(robots.front());
@@ -128,6 +159,7 @@ void print_robots(const std::vector<Robot>& robots, const std::string& name) {
     if (const auto fitness = robot.fitness()) scores.push_back(*fitness);
     failed += robot.document.contains("failure") ? 1 : 0;
   }
+  if (!robots.empty()) print_side_by_side(robots);
   fmt::print("{}: {} robots, {} different\n", printable(name), robots.size(), ids.size());
   if (!scores.empty()) {
     const auto [low, high] = std::minmax_element(scores.begin(), scores.end());

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "cli/command.h"
+#include "cli/terminal.h"
 #include "formats/io/files.h"
 #include "render/report/comparison.h"
 #include "render/report/page.h"
@@ -22,6 +23,7 @@ report::TableFormat table_format(const std::string& file) {
   const std::string ending = std::filesystem::path(file).extension().string();
   if (ending == ".csv") return report::TableFormat::csv;
   if (ending == ".tex") return report::TableFormat::latex;
+  if (file == standard_stream && cli::output_columns()) return report::TableFormat::text;
   if (ending == ".tsv" || file == standard_stream) return report::TableFormat::tsv;
   throw error(Failure::usage, "--table {}: expected a name that ends with .tsv, .csv or .tex, or -",
               file);

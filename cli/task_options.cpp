@@ -34,11 +34,4 @@ void TaskOptions::change_physics(TaskSpec& spec) const {
   set_physics(spec, changed);
 }
 
-std::string profile_name(const Physics& physics) {
-  const DataFolders folders = data_folders();
-  for (const std::string& name : data_names(folders, "physics"))
-    if (load_physics(name, folders) == physics) return name;
-  return "own";
-}
-
 }  // namespace evo::cli

@@ -24,7 +24,4 @@ struct TaskOptions {
   void change_physics(TaskSpec& spec) const;
 };
 
-// The profile with just these constants, "own" if there is none.
-std::string profile_name(const Physics& physics);
-
 }  // namespace evo::cli

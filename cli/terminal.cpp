@@ -17,6 +17,7 @@ namespace evo::cli {
 namespace {
 
 // Background colours of the 256-colour palette, the kinds' colours in pictures.
+// A contrast of 4.5 and more.
 struct Paint {
   int background;
   int letter;
@@ -27,11 +28,11 @@ Paint paint(Voxel voxel) {
     case Voxel::rigid:
       return {241, 254};
     case Voxel::soft:
-      return {250, 240};
+      return {250, 236};
     case Voxel::horizontal:
-      return {214, 94};
+      return {214, 52};
     case Voxel::vertical:
-      return {74, 24};
+      return {74, 17};
     case Voxel::fixed:
       return {245, 232};
     case Voxel::empty:

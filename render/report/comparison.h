@@ -39,9 +39,9 @@ Comparison compare(const std::vector<const Run*>& runs);
 std::vector<std::pair<std::string, std::vector<const Run*>>> by_task(const std::vector<Run>& runs);
 
 // Task by task a line per method, the best first, with the numbers of Comparison:
-// task, method, runs, robots, median, low, high, leader_ahead, p, needed. In LaTeX numbers are
-// rounded, and the table is one of booktabs.
-enum class TableFormat { tsv, csv, latex };
+// task, method, runs, robots, median, low, high, leader_ahead, p, needed. In LaTeX, a table of
+// booktabs, and as text to be read numbers are rounded.
+enum class TableFormat { tsv, csv, latex, text };
 std::string comparison_table(const std::vector<Run>& runs, TableFormat format);
 
 inline constexpr double significant = 0.05;

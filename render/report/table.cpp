@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "formats/io/text.h"
 #include "formats/run/run.h"
 #include "render/report/comparison.h"
 
@@ -61,16 +62,26 @@ std::string data_line(const std::string& task, const Comparison& comparison,
   return fmt::format("{}", fmt::join(fields, separator(format)));
 }
 
+// "< 0.001" or three digits; nothing for the leader.
+std::string p_value(double p) { return p < 0.001 ? "< 0.001" : fmt::format("{:.3f}", p); }
+
 std::string latex_line(const Comparison& comparison, std::size_t number) {
   const MethodResult& method = comparison.methods[number];
   const std::string against =
       number == 0 ? "-- & --"
-                  : fmt::format("{:.2f} & {}", method.leader_ahead,
-                                method.p < 0.001 ? "$<$ 0.001" : fmt::format("{:.3f}", method.p));
+                  : fmt::format("{:.2f} & ${}$", method.leader_ahead, p_value(method.p));
   return fmt::format("{} & {} & ${:.2f}$ [${:.2f}$, ${:.2f}$] & {} & {} \\\\",
                      latex_text(method.group.label), method.best.size(), method.median,
                      method.interval.low, method.interval.high, against,
                      method.needed ? fmt::to_string(*method.needed) : "--");
+}
+
+std::string text_line(const Comparison& comparison, std::size_t number) {
+  const MethodResult& method = comparison.methods[number];
+  return fmt::format("  {:>2}  {:<24} {:>4} {:>9.3f}  {:<19} {:>7}", number + 1,
+                     printable(method.group.label), method.best.size(), method.median,
+                     fmt::format("{:.3f} to {:.3f}", method.interval.low, method.interval.high),
+                     number == 0 ? "" : p_value(method.p));
 }
 
 }  // namespace
@@ -85,7 +96,7 @@ std::string comparison_table(const std::vector<Run>& runs, TableFormat format) {
          "% with Holm's correction, robots until half of the runs had the lowest median.",
          "% \\usepackage{booktabs}", "\\begin{tabular}{lrrrrr}", "\\toprule",
          "method & runs & median [95\\,\\%] & $A$ & $p$ & robots \\\\"});
-  else
+  else if (format != TableFormat::text)
     lines.push_back(fmt::format("{}", fmt::join(columns, separator(format))));
   for (const auto& [subject, group] : by_task(runs)) {
     const std::string task = group.front()->is_evaluated() ? subject : task_label(subject);
@@ -94,9 +105,14 @@ std::string comparison_table(const std::vector<Run>& runs, TableFormat format) {
       lines.insert(lines.end(),
                    {"\\midrule", fmt::format("\\multicolumn{{6}}{{l}}{{{}, {} robots}} \\\\",
                                              latex_text(task), comparison.robots)});
+    if (format == TableFormat::text)
+      lines.insert(lines.end(),
+                   {fmt::format("{}, {} robots of each run", printable(task), comparison.robots),
+                    "      method                   runs    median  95 %                      p"});
     for (std::size_t k = 0; k < comparison.methods.size(); ++k)
-      lines.push_back(format == TableFormat::latex
-                          ? latex_line(comparison, k)
+      lines.push_back(format == TableFormat::latex ? latex_line(comparison, k)
+                      : format == TableFormat::text
+                          ? text_line(comparison, k)
                           : data_line(task, comparison, comparison.methods[k], format));
   }
   if (format == TableFormat::latex) lines.insert(lines.end(), {"\\bottomrule", "\\end{tabular}"});

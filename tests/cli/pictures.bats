@@ -195,8 +195,11 @@ print(np.abs(a - b).mean())" "$1" "$2"
 @test "inspect: many robots as a histogram of their fitness, and why an episode ended" {
   for fitness in 1 1.5 2 2 2 2.5 5; do evo-sample -n 1 --seed "${fitness/./}" | jq -c ".fitness = $fitness"; done > many.jsonl
   evo-inspect many.jsonl > seen
+  # As many as a line has room for, the best first; the others are counted.
+  [ "$(sed -n 6p seen | wc -w)" -eq 5 ]
+  [[ $(sed -n 6p seen) == $(jq -r 'select(.fitness == 5) | .id' many.jsonl)" "* ]]
   # Three parts of the range, six in the lowest, none between, the best on top.
-  diff <(sed -n '3,5s/ *#* *\([0-9]*\)$/ \1/p' seen | sed 's/^ *//; s/  */ /g') - << 'END'
+  diff <(sed -n '9,11s/ *#* *\([0-9]*\)$/ \1/p' seen | sed 's/^ *//; s/  */ /g') - << 'END'
 3.667 .. 5 1
 2.333 .. 3.667 1
 1 .. 2.333 5

@@ -1,7 +1,6 @@
 // A learner for environments of a caller's own, of evo/evo.h.
 #include "bindings/c/created_by.h"
 #include "bindings/c/handles.h"
-#include "formats/task/physics_profile.h"
 #include "formats/training/training.h"
 #include "libevo/control/methods.h"
 
@@ -195,8 +194,7 @@ int evo_learner_policy(const evo_learner* learner, const evo_robots* robots, siz
     if (curve == nullptr && points > 0) throw evo::Error(Failure::usage, "`curve` is NULL");
     evo::PolicyFile file;
     file.robot = robot_at(object_of(robots), index);
-    file.task = text_of(task, "task");  // without task_yaml: see policy_task
-    file.physics_yaml = evo::physics_to_yaml(evo::Physics());
+    file.task = text_of(task, "task");  // without task_yaml and physics_yaml: see policy_task
     file.training_yaml = evo::training_to_yaml(own.settings);
     file.layout = {{"own", 0, static_cast<int>(own.observations)}};
     file.seed = own.seed;

@@ -261,9 +261,8 @@ TaskSpec load(const std::string& name_or_file, const DataFolders& folders, int d
   }
   if (name_or_file.find(".py:") != std::string::npos)
     throw error(Failure::usage,
-                "{} is a task in Python, in which the package evo_robots trains: TASK={} of the "
-                "pipelines, or python3 -m evo_robots {}",
-                name_or_file, name_or_file, name_or_file);
+                "{} is a task in Python, which `evo evolve` and `python3 -m evo_robots` know",
+                name_or_file);
   throw error(Failure::usage,
               "unknown task '{}'{}; `evo-inspect tasks` lists them, a task of your own is given "
               "as a file (NAME.yaml){}",

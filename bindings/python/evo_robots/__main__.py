@@ -50,8 +50,8 @@ def options() -> argparse.ArgumentParser:
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="[0]")
     parser.add_argument("--train", action="append", default=[], metavar="PROFILE|KEY=VALUE",
                         help="a training profile by name or file, or one setting (repeatable) [default]")
-    parser.add_argument("--out-dir", metavar="DIR", help="where <id>.policy.h5 and its episode, "
-                        "<id>.rollout.h5, go [nowhere]")
+    parser.add_argument("--out-dir", metavar="DIR", help="where <id>.policy.h5, <id>.log and its "
+                        "episode, <id>.rollout.h5, go [nowhere]")
     parser.add_argument("--rollout", nargs=2, metavar=("POLICY", "FILE"),
                         help="instead: a policy's episode as a rollout, for evo-render and others")
     parser.add_argument("--failures", choices=("stop", "skip"), default="stop",
@@ -90,6 +90,9 @@ def main() -> int:
                 if (folder := given.out_dir) is not None:
                     os.makedirs(folder, exist_ok=True)
                     trained.rollout(os.path.join(folder, f"{robot.id}.rollout.h5"))
+                    Path(folder, f"{robot.id}.log").write_text("".join(
+                        f"charts/global_step {step:.0f}\teval/return {value:.6g}\teval/best {best:.6g}\n"
+                        for step, value, best in trained.curve))
                     document["policy"] = os.path.join(folder, f"{robot.id}.policy.h5")
                     trained.save(document["policy"])
             print(json.dumps(document), flush=True)

@@ -311,6 +311,7 @@ class Training(unittest.TestCase):
                              [json.loads(line)["id"] for line in robots.splitlines()])
             for robot in found:
                 self.assertTrue(np.isfinite(robot["fitness"]) and os.path.exists(robot["policy"]))
+                self.assertIn("eval/best", Path(folder, f"{robot['id']}.log").read_text())
                 self.assertEqual([*robot["final"]], ["episodes", "mean", "standard_error"])
             command[3] = f"{folder}/walk.py:Run"
             said = subprocess.run(command, input=robots, capture_output=True, text=True)

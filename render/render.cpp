@@ -158,8 +158,9 @@ Drawing draw_moment(const Episode& episode, double step, const RenderOptions& op
   const Rect& area = film.areas.front();
   const float size = 0.75F * label_size(area);
   drawing.clip(area);
-  draw_legend(
-      film.clips.front().mesh(), 0, *film.theme,
+  const Clip& clip = film.clips.front();
+  draw_legend_on_plate(
+      clip.mesh(), clip.values(step), *film.theme,
       {area.x + size, area.y + area.height - 2.4F * size, area.width - 2 * size, 2.4F * size}, size,
       typesetter, drawing);
   return drawing;

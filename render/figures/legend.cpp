@@ -13,13 +13,14 @@
 namespace evo::render {
 namespace {
 
-// Kinds of voxels of robots, or of all other objects.
-std::set<Voxel> kinds_in(const Mesh& mesh, bool robot) {
+// Kinds of voxels of robots, or of all other objects, that are seen in their colours.
+std::set<Voxel> kinds_in(const Mesh& mesh, std::span<const float> values, bool robot) {
   std::set<Voxel> kinds;
   for (const ModelObject& object : mesh.objects) {
     if ((object.name == robot_name) != robot) continue;
     for (int k = object.first_cell; k < object.first_cell + object.cells; ++k)
-      kinds.insert(mesh.cells[static_cast<std::size_t>(k)].type);
+      if (values.empty() || std::isnan(values[static_cast<std::size_t>(k)]))
+        kinds.insert(mesh.cells[static_cast<std::size_t>(k)].type);
   }
   return kinds;
 }
@@ -101,20 +102,11 @@ float fitting(const RowOf& row_of, const Rect& area, float size) {
 
 }  // namespace
 
-void draw_legend(const Mesh& mesh, double scale, const Theme& theme, const Rect& area, float size,
-                 Typesetter& typesetter, Drawing& drawing) {
-  const Mesh* const one = &mesh;
-  draw_legend(std::span(&one, 1), scale, theme, area, size, typesetter, drawing);
-}
+namespace {
 
-void draw_legend(std::span<const Mesh* const> meshes, double scale, const Theme& theme,
-                 const Rect& area, float size, Typesetter& typesetter, Drawing& drawing) {
-  std::set<Voxel> of_robots;
-  std::set<Voxel> of_objects;
-  for (const Mesh* mesh : meshes) {
-    of_robots.merge(kinds_in(*mesh, true));
-    of_objects.merge(kinds_in(*mesh, false));
-  }
+void draw_kinds(const std::set<Voxel>& of_robots, const std::set<Voxel>& of_objects, double scale,
+                bool plate, const Theme& theme, const Rect& area, float size,
+                Typesetter& typesetter, Drawing& drawing) {
   const auto row_of = [&](float text, Drawing& where) {
     Row row{theme, area, text, typesetter, where};
     row.robot(of_robots);
@@ -123,21 +115,46 @@ void draw_legend(std::span<const Mesh* const> meshes, double scale, const Theme&
   };
   size = fitting(row_of, area, size);
   if (size < least_size) return;
-  const Row row = row_of(size, drawing);
-  if (scale > 0) draw_scale_bar(scale, row.x, theme, area, size, typesetter, drawing);
+  Drawing aside({1, 1});
+  const float end = row_of(size, aside).x;
+  if (plate && end > area.x)
+    drawing.rounded_rectangle(
+        {area.x - 0.5F * size, area.y + area.height / 2 - 0.95F * size, end - area.x, 1.9F * size},
+        0.4F * size, theme.label);
+  row_of(size, drawing);
+  if (scale > 0) draw_scale_bar(scale, end, theme, area, size, typesetter, drawing);
+}
+
+}  // namespace
+
+void draw_legend(const Mesh& mesh, std::span<const float> values, double scale, const Theme& theme,
+                 const Rect& area, float size, Typesetter& typesetter, Drawing& drawing) {
+  draw_kinds(kinds_in(mesh, values, true), kinds_in(mesh, values, false), scale, false, theme, area,
+             size, typesetter, drawing);
+}
+
+void draw_legend_on_plate(const Mesh& mesh, std::span<const float> values, const Theme& theme,
+                          const Rect& area, float size, Typesetter& typesetter, Drawing& drawing) {
+  draw_kinds(kinds_in(mesh, values, true), kinds_in(mesh, values, false), 0, true, theme, area,
+             size, typesetter, drawing);
+}
+
+void draw_legend(std::span<const Mesh* const> meshes, double scale, const Theme& theme,
+                 const Rect& area, float size, Typesetter& typesetter, Drawing& drawing) {
+  std::set<Voxel> of_robots;
+  std::set<Voxel> of_objects;
+  for (const Mesh* mesh : meshes) {
+    of_robots.merge(kinds_in(*mesh, {}, true));
+    of_objects.merge(kinds_in(*mesh, {}, false));
+  }
+  draw_kinds(of_robots, of_objects, scale, false, theme, area, size, typesetter, drawing);
 }
 
 void draw_legend(std::span<const Robot> robots, const Theme& theme, const Rect& area, float size,
                  Typesetter& typesetter, Drawing& drawing) {
   std::set<Voxel> kinds;
   for (const Robot& robot : robots) kinds.insert(robot.body.cells.begin(), robot.body.cells.end());
-  const auto row_of = [&](float text, Drawing& where) {
-    Row row{theme, area, text, typesetter, where};
-    row.robot(kinds);
-    return row;
-  };
-  size = fitting(row_of, area, size);
-  if (size >= least_size) row_of(size, drawing);
+  draw_kinds(kinds, {}, 0, false, theme, area, size, typesetter, drawing);
 }
 
 }  // namespace evo::render

@@ -9,11 +9,14 @@
 
 namespace evo::render {
 
-// A row of voxels with their names, those that the mesh has, from the left of
+// A row of voxels with their names, those whose colours the mesh shows, from the left of
 // `area`, as large as fits; nothing where that cannot be read; at its right, if `scale` (pixels a
-// voxel) is given, a bar of some voxels.
-void draw_legend(const Mesh& mesh, double scale, const Theme& theme, const Rect& area, float size,
-                 Typesetter& typesetter, Drawing& drawing);
+// voxel) is given, a bar of some voxels. `values`: of cells that have another colour, as in Scene.
+void draw_legend(const Mesh& mesh, std::span<const float> values, double scale, const Theme& theme,
+                 const Rect& area, float size, Typesetter& typesetter, Drawing& drawing);
+// The same over a scene, on a plate.
+void draw_legend_on_plate(const Mesh& mesh, std::span<const float> values, const Theme& theme,
+                          const Rect& area, float size, Typesetter& typesetter, Drawing& drawing);
 // The same of what any of several has.
 void draw_legend(std::span<const Mesh* const> meshes, double scale, const Theme& theme,
                  const Rect& area, float size, Typesetter& typesetter, Drawing& drawing);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "libevo/base/error.h"
 #include "render/figures/key.h"
@@ -482,11 +483,18 @@ Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const
 Drawing robot_sheet(const std::vector<Clip>& clips, double step, const Theme& theme, int width,
                     Typesetter& typesetter) {
   std::vector<Panel> panels;
-  Frame frame{clips.front().caption(0).title, fmt::format("step {}", step), {}};
+  std::set<std::string> tasks;
+  for (const Clip& clip : clips) tasks.insert(clip.caption(0).title);
+  const bool one_task = tasks.size() == 1;
+  Frame frame{one_task ? *tasks.begin() : fmt::format("{} tasks", tasks.size()),
+              fmt::format("step {}", step),
+              {}};
   for (const Clip& clip : clips) {
+    const Caption who = clip.caption(0);
     const double shown = std::min(step, static_cast<double>(clip.steps()));
     const std::string end = shown < step ? fmt::format(" at step {}", shown) : "";
-    panels.push_back({clip.scene(shown), clip.caption(0).detail, return_of(clip, shown) + end});
+    panels.push_back({clip.scene(shown), one_task ? who.detail : who.title,
+                      (one_task ? "" : who.detail + "  ") + return_of(clip, shown) + end});
     frame.meshes.push_back(&clip.mesh());
   }
   return panel_sheet(panels, robot_columns(panels.size()), frame, theme, width, typesetter);

@@ -39,6 +39,10 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:
   # One that is over stands at its end.
   head -1 robots | evo-eval --task Walker-v0 --actions sine:0.4,20,0.7 --max-steps 40 --rollout short.h5 > /dev/null
   evo-render short.h5 "${each[1]}" --at 50 -o two.svg
+  # Of several tasks no one's name stands above all.
+  evo-sample -n 1 --seed 2 | evo-eval -q --task Jumper-v0 --actions random --max-steps 50 --rollout j.h5 > /dev/null
+  evo-render j.h5 "${each[1]}" --at 50 -o tasks.svg
+  grep -q '>2 tasks<' tasks.svg && grep -q '>Jumper-v0<' tasks.svg
   grep -q "return +[0-9.]* at step 40<" two.svg
   fails_with 2 "there is no step 70: the longest episode has steps 0 to 60" -- evo-render short.h5 "${each[1]}" --at 70 -o x.png
   fails_with 2 "--at STEP shows several" -- evo-render short.h5 "${each[1]}" --strip 3 -o x.png

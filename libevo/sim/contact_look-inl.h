@@ -136,7 +136,7 @@ class ContactLook {
 
   // Looks at all that have been put.
   void look() {
-    for (std::size_t k = count_; k % lanes != 0; ++k)  // what is left of a register
+    for (std::size_t k = count_; k < capacity && k % lanes != 0; ++k)  // rest of a register
       for (std::size_t of = 0; of <= own; ++of) x_[of][k] = y_[of][k] = 0.0;
     for (std::size_t first = 0; first < count_; first += lanes)
       for (unsigned bits = look(first); bits != 0; bits &= bits - 1) {

@@ -71,16 +71,19 @@ Json BehaviourGauge::mean() const {
   return json;
 }
 
+std::filesystem::path recorded_beside(const std::filesystem::path& policy) {
+  std::filesystem::path stem = policy.stem();  // FILE.policy
+  return policy.parent_path() / stem.replace_extension(".rollout.h5");
+}
+
 Rollout play(const PolicyFile& policy, const std::filesystem::path& file,
              const std::string& created_by) {
-  constexpr std::string_view ending = ".policy.h5";
-  const std::string name = file.string();
-  if (policy.task_yaml.empty() && name.ends_with(ending)) {
-    const std::string beside = name.substr(0, name.size() - ending.size()) + ".rollout.h5";
+  if (policy.task_yaml.empty() && !file.empty()) {
+    const std::filesystem::path beside = recorded_beside(file);
     Rollout recorded = read_rollout(beside);
     if (!recorded.robot || recorded.robot->id != policy.robot.id)
-      throw error(Failure::data, "{}: is not of robot {}, whose policy is {}", beside,
-                  policy.robot.id, name);
+      throw error(Failure::data, "{}: is not of robot {}, whose policy is {}", beside.string(),
+                  policy.robot.id, file.string());
     return recorded;
   }
   const Arena arena(policy_task(policy, "robot " + policy.robot.id), policy.robot.body);

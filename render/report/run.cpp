@@ -105,6 +105,7 @@ void read_trainings(const RunFolder& folder, std::size_t replays, int threads, R
       add_log(folder.log(entry.robot.id), entry.training);
     }
     if (!moving.contains(run.shown[k])) return;
+    if (policy.task_yaml.empty() && !fs::exists(recorded_beside(stored->file))) return;
     const Rollout rollout = play(policy, stored->file, "evo-report");
     episodes[k] = replay_of(rollout, first.contains(run.shown[k]) ? fine_stride : coarse_stride);
     worlds[k] = world_of(rollout);

@@ -12,6 +12,7 @@
 #include "formats/task/physics_profile.h"
 #include "libevo/base/digest.h"
 #include "libevo/base/parallel.h"
+#include "libevo/sim/adjoint.h"
 #include "libevo/sim/batch.h"
 
 using namespace evo::c;  // NOLINT(google-build-using-namespace)
@@ -150,7 +151,9 @@ struct evo_sims {
   std::vector<ActuatorRange> actuators;  // of each object
   std::vector<std::uint8_t> moving;      // in the step being taken
   std::string physics_yaml;
-  std::string seal;  // of world and physics
+  std::string seal;              // of world and physics
+  double onset = -1.0;           // of tapes; below 0: steps are not kept
+  std::vector<evo::Tape> tapes;  // of steps, the last one not yet gone back through last
   std::atomic_flag busy;
 };
 
@@ -249,11 +252,12 @@ void evo_sims_free(evo_sims* sims) { close(sims); }
 int evo_sims_arrays(const evo_sims* sims, evo_sim_arrays* arrays, size_t size) {
   return guarded([&] {
     const evo_sims& all = object_of(sims);
-    hand_over({all.count(), static_cast<std::size_t>(all.model.points()), all.targets(),
-               reinterpret_cast<const double*>(all.positions.data()),
-               reinterpret_cast<const double*>(all.velocities.data()), all.status.data(),
-               all.model.physics().min_target, all.model.physics().max_target},
-              arrays, size);
+    hand_over(
+        {all.count(), static_cast<std::size_t>(all.model.points()), all.targets(),
+         reinterpret_cast<const double*>(all.positions.data()),
+         reinterpret_cast<const double*>(all.velocities.data()), all.status.data(),
+         all.model.physics().min_target, all.model.physics().max_target, all.model.cells().size()},
+        arrays, size);
   });
 }
 
@@ -286,7 +290,68 @@ int evo_sims_step(evo_sims* sims, const double* targets, size_t values, const ui
     for (std::size_t i = 0; i < all.count(); ++i)
       if (moving[i] != 0)
         std::copy_n(targets + i * all.targets(), all.targets(), all.batch.targets(i).begin());
-    all.batch.step(moving, &all.pool, [&all](std::size_t i) { all.show(i); });
+    if (all.onset >= 0.0) all.tapes.emplace_back(all.onset);
+    all.batch.step(
+        moving, &all.pool, [&all](std::size_t i) { all.show(i); },
+        all.onset >= 0.0 ? &all.tapes.back() : nullptr);
+  });
+}
+
+int evo_sims_record(evo_sims* sims, double onset) {
+  return change(sims, [&](evo_sims& all) {
+    if (!(onset < 0.0)) static_cast<void>(evo::Tape(onset));  // refuses what is too wide
+    all.onset = onset;
+    all.tapes.clear();
+  });
+}
+
+int evo_sims_pull_back(evo_sims* sims, const evo_sim_gradients* gradients, size_t size) {
+  return change(sims, [&](evo_sims& all) {
+    const evo_sim_gradients by = taken(gradients, size);
+    const auto points = static_cast<std::size_t>(all.model.points());
+    const std::size_t voxels = all.model.cells().size();
+    if (by.sims != all.count() || by.points != points || by.actuators != all.targets() ||
+        by.voxels != voxels)
+      throw evo::error(Failure::usage,
+                       "gradients of {} simulations, {} points, {} actuators and {} voxels are "
+                       "expected, not {}, {}, {} and {}",
+                       all.count(), points, all.targets(), voxels, by.sims, by.points, by.actuators,
+                       by.voxels);
+    if (all.tapes.empty())
+      throw evo::Error(Failure::usage,
+                       "no step is kept to go back through: evo_sims_record comes first");
+    target(by.positions, "positions");
+    target(by.velocities, "velocities");
+    target(by.previous, "previous");
+    if (all.targets() > 0) target(by.targets, "targets");
+    std::vector<evo::Gradient> pulled(all.count(),
+                                      evo::zero_gradient(all.model, by.stiffness != nullptr));
+    const auto for_each_value = [&](std::size_t sim, auto visit) {
+      evo::State& state = pulled[sim].state;
+      std::size_t i = 0;
+      for (const evo::ModelObject& object : all.model.objects()) {
+        if (object.is_static) continue;
+        for (int p = object.first_point; p < object.first_point + object.points; ++p, ++i) {
+          const std::size_t o = 2 * (sim * points + static_cast<std::size_t>(p));
+          visit(state.x[i], by.positions[o]);
+          visit(state.y[i], by.positions[o + 1]);
+          visit(state.vx[i], by.velocities[o]);
+          visit(state.vy[i], by.velocities[o + 1]);
+          visit(state.previous_x[i], by.previous[o]);
+          visit(state.previous_y[i], by.previous[o + 1]);
+        }
+      }
+    };
+    for (std::size_t sim = 0; sim < all.count(); ++sim)
+      for_each_value(sim, [](double& inside, double outside) { inside = outside; });
+    all.tapes.back().pull_back(pulled, &all.pool);
+    all.tapes.pop_back();
+    for (std::size_t sim = 0; sim < all.count(); ++sim) {
+      for_each_value(sim, [](double inside, double& outside) { outside = inside; });
+      std::ranges::copy(pulled[sim].state.targets, by.targets + sim * all.targets());
+      for (std::size_t v = 0; v < pulled[sim].stiffness.size(); ++v)
+        by.stiffness[sim * voxels + v] += pulled[sim].stiffness[v];
+    }
   });
 }
 

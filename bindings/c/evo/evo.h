@@ -311,6 +311,7 @@ typedef struct evo_sim_arrays {
   const uint8_t* status;    /* [S] evo_sim_status */
   double action_low;        /* targets are clipped to this range */
   double action_high;
+  size_t voxels;            /* V, of one simulation: of all objects, each from its top left */
 } evo_sim_arrays;
 EVO_API int evo_sims_arrays(const evo_sims* sims, evo_sim_arrays* arrays, size_t size);
 
@@ -322,6 +323,29 @@ EVO_API int evo_sims_step(evo_sims* sims, const double* targets, size_t values,
                           const uint8_t* active, size_t active_values);
 EVO_API int evo_sims_save(const evo_sims* sims, int32_t sim, void** bytes, size_t* count);
 EVO_API int evo_sims_restore(evo_sims* sims, int32_t sim, const void* bytes, size_t count);
+
+/* From now on every step is kept, so that gradients can be pulled back through it; what was kept
+ * before is forgotten. `onset`: half the width, voxels, that the onset of contact is spread over,
+ * 0 to 0.1: docs/gradients.md. Below 0: nothing is kept any more. */
+EVO_API int evo_sims_record(evo_sims* sims, double onset);
+
+/* Derivatives of one number of each simulation's. */
+typedef struct evo_sim_gradients {
+  size_t sims;        /* S, P and A as in evo_sim_arrays */
+  size_t points;      /* P */
+  size_t actuators;   /* A */
+  size_t voxels;      /* V */
+  double* positions;  /* [S][P][2], by where points are */
+  double* velocities; /* [S][P][2], by how fast they are */
+  double* previous;   /* [S][P][2], by where they were one substep before, of which contact knows */
+  double* targets;    /* [S][A], by the step's targets */
+  double* stiffness;  /* [S][V], by the factors of voxels' stiffness, or NULL */
+} evo_sim_gradients;
+/* Back through the last step that is kept and has not been gone back through: of simulations that
+ * it moved, derivatives by the state after it become those by the state before it; those by
+ * targets are set, those by stiffness are added to. All but the last are 0 where a robot folded
+ * or the simulation became unstable. What simulations are now stays. */
+EVO_API int evo_sims_pull_back(evo_sims* sims, const evo_sim_gradients* gradients, size_t size);
 
 /* As evo_envs_translate. */
 EVO_API int evo_sims_translate(evo_sims* sims, int32_t sim, size_t object, double x, double y);

@@ -119,7 +119,13 @@ class View(Structure):
 class SimArrays(Structure):
     _fields_ = [("sims", c_size_t), ("points", c_size_t), ("actuators", c_size_t),
                 ("positions", c_void_p), ("velocities", c_void_p), ("status", c_void_p),
-                ("action_low", c_double), ("action_high", c_double)]
+                ("action_low", c_double), ("action_high", c_double), ("voxels", c_size_t)]
+
+
+class SimGradients(Structure):
+    _fields_ = [*[(name, c_size_t) for name in ("sims", "points", "actuators", "voxels")],
+                *[(name, c_void_p) for name in ("positions", "velocities", "previous", "targets",
+                                                "stiffness")]]
 
 
 class SimObject(Structure):
@@ -203,6 +209,8 @@ SIGNATURES = {
     "evo_sims_arrays": [_HANDLE, POINTER(SimArrays), c_size_t],
     "evo_sims_reset": [_HANDLE, Whole32],
     "evo_sims_step": [_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t],
+    "evo_sims_record": [_HANDLE, c_double],
+    "evo_sims_pull_back": [_HANDLE, POINTER(SimGradients), c_size_t],
     "evo_sims_save": _STATE,
     "evo_sims_restore": [_HANDLE, Whole32, c_char_p, c_size_t],
     "evo_sims_translate": [_HANDLE, Whole32, c_size_t, c_double, c_double],

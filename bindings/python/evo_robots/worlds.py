@@ -20,13 +20,13 @@ from typing import Any
 
 import numpy as np
 
-from .library import (Handle, SimArrays, SimObject, address, array_at, bytes_given, call, count_of,
+from .library import (Handle, SimArrays, SimGradients, SimObject, address, array_at, bytes_given, call, count_of,
                       facts, failure, library, numbers, picture, targets as as_targets,
                       text_given, text_of, whole, whole64)
 from .robots import cell_pairs
 from .simulator import env_mask
 
-__all__ = ["SIM_STATUS", "Object", "Simulations", "World"]
+__all__ = ["SIM_STATUS", "Gradients", "Object", "Simulations", "World"]
 
 SIM_STATUS = ("ok", "folded", "unstable")
 
@@ -101,6 +101,17 @@ class Object:
     actuators: slice
 
 
+@dataclass
+class Gradients:
+    """Derivatives of one number of each simulation's, for Simulations.pull_back()."""
+
+    positions: np.ndarray  # [count, P, 2]
+    velocities: np.ndarray  # [count, P, 2]
+    previous: np.ndarray  # [count, P, 2], by positions one substep before
+    targets: np.ndarray  # [count, A], by those of the step
+    stiffness: np.ndarray  # [count, V], by factors of voxels, of all objects
+
+
 class Simulations:
     """``count`` simulations of a world, stepped side by side by ``jobs`` threads.
     physics: a profile by name or file [the benchmark's].
@@ -115,6 +126,7 @@ class Simulations:
     status: np.ndarray  # [count] uint8, an index of SIM_STATUS
     objects: dict[str, Object]  # robots first, then by name
     num_actuators: int  # A, of one simulation
+    num_voxels: int  # V, of one simulation: of all objects, each from its top left
     action_low: float  # targets are clipped to this range
     action_high: float
 
@@ -127,7 +139,7 @@ class Simulations:
         self.positions = array_at(self._handle, at.positions, shape, ctypes.c_double)
         self.velocities = array_at(self._handle, at.velocities, shape, ctypes.c_double)
         self.status = array_at(self._handle, at.status, (at.sims,), ctypes.c_uint8)
-        self.num_sims, self.num_actuators = at.sims, at.actuators
+        self.num_sims, self.num_actuators, self.num_voxels = at.sims, at.actuators, at.voxels
         self.action_low, self.action_high = at.action_low, at.action_high
         self.objects = dict(self._object(k) for k in range(
             count_of("evo_sims_object_count", self._handle)))
@@ -152,6 +164,33 @@ class Simulations:
                                    active.size)
         if failed:
             raise failure(failed)
+
+    def record(self, onset: float | None = 0.04) -> None:
+        """Keeps every step from now on, for pull_back(), and forgets those kept before. onset:
+        half the width that the onset of contact is spread over, voxels, 0 for the exact
+        derivative; None keeps no more steps. See docs/gradients.md."""
+        call("evo_sims_record", self._handle, -1.0 if onset is None else float(onset))
+
+    def gradients(self) -> Gradients:
+        """All 0."""
+        return Gradients(*[np.zeros_like(self.positions) for _ in range(3)],
+                         np.zeros((self.num_sims, self.num_actuators)),
+                         np.zeros((self.num_sims, self.num_voxels)))
+
+    def pull_back(self, by: Gradients) -> None:
+        """Back through the last step that is kept and has not been gone back through: derivatives
+        by the state after it become those by the state before it, of simulations that it moved.
+        Those by targets are set, those by stiffness are added to."""
+        for array, like in ((by.positions, self.positions), (by.velocities, self.positions),
+                            (by.previous, self.positions)):
+            _check(array, like.shape)
+        _check(by.targets, (self.num_sims, self.num_actuators))
+        _check(by.stiffness, (self.num_sims, self.num_voxels))
+        given = SimGradients(self.num_sims, self.positions.shape[1], self.num_actuators,
+                             self.num_voxels, *[address(array) for array in (
+                                 by.positions, by.velocities, by.previous, by.targets,
+                                 by.stiffness)])
+        call("evo_sims_pull_back", self._handle, ctypes.byref(given), ctypes.sizeof(given))
 
     def save(self, sim: int = 0) -> bytes:
         """The state of a simulation: opaque, for restore() in any of the same world."""
@@ -207,6 +246,12 @@ class Simulations:
         return found.name.decode(), Object(
             index, slice(found.first_point, found.first_point + found.points),
             slice(found.first_actuator, found.first_actuator + found.actuators))
+
+
+def _check(array: np.ndarray, shape: tuple[int, ...]) -> None:
+    if array.shape != shape or array.dtype != np.float64 or not array.flags.c_contiguous:
+        raise ValueError(f"gradients {array.shape} of {array.dtype}; expected {shape} of float64, "
+                         "one row after the other")
 
 
 def _rebuilt(made: tuple, states: list) -> Simulations:

@@ -43,7 +43,7 @@ case $kind in
   examples) patterns=(test_files.py) ;;
   stable-baselines3) patterns=(test_stable_baselines3.py test_datasets.py) ;;
 esac
-for package in tensorboard cma deap nevergrad optuna pettingzoo ribs; do
+for package in jax tensorboard cma deap nevergrad optuna pettingzoo ribs; do
   [ "$kind" = examples ] || break
   "$venv/bin/python" -c "import $package" 2> said || "$venv/bin/pip" install -q --disable-pip-version-check $package ||
     echo "$package cannot be installed from PyPI"

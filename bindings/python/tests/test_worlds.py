@@ -36,6 +36,35 @@ class Worlds(unittest.TestCase):
         self.assertAlmostEqual(x, 5.999227935004826, delta=1e-14)
         self.assertAlmostEqual(y, 0.9958063894145683, delta=1e-14)
 
+    def test_gradients_are_differences(self):
+        sims = Simulations(two_robots(), 2)
+        points = sims.objects["left"].points
+
+        def walked(change=0.0):
+            sims.reset()
+            for t in range(3):
+                targets = wave(sims, t)
+                targets[1, 0] += change * (t == 0)
+                sims.step(targets)
+            return sims.positions[1, points, 0].sum()
+
+        by = sims.gradients()
+        by.positions[1, points, 0] = 1.0
+        with self.assertRaisesRegex(EvoError, "no step is kept"):
+            sims.pull_back(by)
+        sims.record(onset=0)
+        walked()
+        for _ in range(3):
+            sims.pull_back(by)
+        sims.record(None)
+        self.assertAlmostEqual(by.targets[1, 0], (walked(1e-5) - walked(-1e-5)) / 2e-5, delta=1e-6)
+        self.assertTrue((by.targets[0] == 0).all())
+        self.assertEqual(by.stiffness.shape, (2, 38))
+        self.assertTrue((by.stiffness[1] != 0).any())
+        by.targets = by.targets[:1]
+        with self.assertRaisesRegex(ValueError, "expected"):
+            sims.pull_back(by)
+
     def test_robots_and_their_points_and_actuators(self):
         sims = Simulations(two_robots(), 3, jobs=2)
         self.assertEqual(list(sims.objects), ["left", "right", "ground"])

@@ -1,9 +1,12 @@
 // Gradients of rewards and observations against central differences, in all 32 tasks.
 #include "libevo/task/step_tape.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <iostream>
 #include <string>
 #include <vector>
 
@@ -117,6 +120,21 @@ TEST_CASE("gradients of rewards and observations are central differences in ever
       const std::vector<double> errors = errors_of(task, of_rewards);
       CHECK(errors[errors.size() / 2] < 1e-6);
     }
+}
+
+// `test_task "[.table]"` prints the one of docs/gradients.md.
+TEST_CASE("relative errors of gradients, task by task", "[.table]") {
+  std::cout << "| task | rewards: median | three of four | observations: median | three of four |\n"
+               "|---|---|---|---|---|\n";
+  for (const std::string& task : task_names({std::string(EVO_SOURCE_DIR) + "/tasks"})) {
+    std::cout << "| " << task;
+    for (const bool of_rewards : {true, false}) {
+      const std::vector<double> errors = errors_of(task, of_rewards);
+      for (const std::size_t at : {errors.size() / 2, errors.size() * 3 / 4})
+        std::cout << " | " << fmt::format("{:.0e}", errors[at]);
+    }
+    std::cout << " |\n";
+  }
 }
 
 }  // namespace evo

@@ -1,5 +1,5 @@
-// One cycle of a gait as an SVG that plays for ever: a picture for a README, which needs no
-// player and is a few dozen kB.
+// A motion as an SVG that plays for ever: a picture for a README, which needs no player and is
+// a few dozen kB.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace evo::render {
 
-// The robot and what it carries, seen by a camera that moves along with its centre, over a
-// floor whose marks go by; shapes move by SMIL, so that the file also plays as an <img>. The
-// cycle is the one between `from` and `to` that ends nearest to how it began. Colours follow
-// the reader's scheme, light or dark. Throws Error(data) where the robot has no gait, or the
-// ground under the cycle is not flat.
+// The robot and what it carries. Where it has a gait over flat ground: the cycle between `from`
+// and `to` that ends nearest to how it began, seen by a camera that moves along with its centre,
+// over a floor whose marks go by. Else the two seconds in which most moves, there and back,
+// before what stands around. Shapes move by SMIL, so that the file also plays as an <img>;
+// colours follow the reader's scheme, light or dark.
 std::string gait_loop(const Clip& clip, int from, int to, int width, const std::string& title);
 
 }  // namespace evo::render

@@ -94,7 +94,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:
   fails_with 2 "gait" -- evo-render r.h5 --strip 4 --moments walk -o x.svg
 }
 
-@test "a gait plays for ever in an SVG; what has none says so" {
+@test "a gait plays for ever in an SVG" {
   evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:0.5,20,0.7 --max-steps 160 --rollout w.h5 > /dev/null
   evo-render w.h5 --loop --steps 60- --size 240x240 -o gait.svg
   grep -q 'dur="0.40s" repeatCount="indefinite"' gait.svg
@@ -102,7 +102,6 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:
   evo-render w.h5 --loop --steps 60- --size 240x240 -o again.svg
   cmp gait.svg again.svg
   fails_with 2 "gait.png" ".svg" -- evo-render w.h5 --loop -o gait.png
-  fails_with 65 "does not move in cycles" -- evo-render w.h5 --loop --steps 60-63 -o x.svg
   fails_with 2 "--loop" "--strip" -- evo-render w.h5 --loop --strip 4 -o x.svg
 }
 

@@ -30,7 +30,7 @@ TEST_CASE("the period of a gait is that of the robot's shape") {
   const Rollout rollout = swinging(example::simulate("Walker-v0", example::walker, 200), 20);
   const Clip clip({&rollout, 0, ""}, {}, 1.5);
   CHECK(gait_period(clip, 60, 200) == 20);
-  const Rollout still = example::simulate("Walker-v0", example::small_box, 200);
+  const Rollout still = example::simulate("Walker-v0", {"SS", "SS"}, 200);
   CHECK_FALSE(gait_period(Clip({&still, 0, ""}, {}, 1.5), 100, 200));
   CHECK_FALSE(gait_period(clip, 60, 63));  // too short to tell
 }

@@ -14,8 +14,12 @@ Node PieceNode::value() const {
 
 std::string PieceNode::object() const { return read_object(value(), scope); }
 
-void PieceNode::needs_goals() const {
+void PieceNode::no_value() const {
   if (given && !given->is_null()) throw given->error(fmt::format("'{}' takes no value", word()));
+}
+
+void PieceNode::needs_goals() const {
+  no_value();
   if (!scope.has_goals) throw name.error(word() + " needs the task to have `goals`");
 }
 

@@ -56,6 +56,7 @@ struct PieceNode {
   std::string word() const { return name.string(); }
   Node value() const;          // throws where there is none
   std::string object() const;  // of the value: a name in scope
+  void no_value() const;       // throws where there is one
   void needs_goals() const;    // no value, and goals to look at
 };
 

@@ -132,7 +132,10 @@ struct Form<GoalApproach> {
 
 template <typename Term>
 struct OfActionsForm {
-  static Term read(const PieceNode&) { return {}; }
+  static Term read(const PieceNode& piece) {
+    piece.no_value();
+    return {};
+  }
   static std::string write(const Term&) { return ""; }
 };
 

@@ -581,6 +581,7 @@ TEST_CASE("mistakes in a task and its world are named with their place and the n
       {"name: test", "name: my test", "a name without spaces"},
       {"- velocity: robot", "- goal_index", "goal_index needs the task to have `goals`"},
       {"- velocity: robot", "- velocity", "'velocity' needs a value"},
+      {"displacement: {of: robot, axis: x}", "effort: robot", "'effort' takes no value"},
       {"- velocity: robot", "- floor: {width: -1}",
        "a whole number from 0 to 1000 is expected, found '-1'"},
       {"robot: {at: [1, 1]}", "robot: {at: [-1, 1]}", "t.yaml:3:14: a whole number from 0"},

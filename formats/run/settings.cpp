@@ -273,7 +273,7 @@ std::string evolve_command(const std::string& folder,
     else if (!value.empty() && !holds_anyway)
       line += fmt::format(" {} {}", info.option(), shell_word(value));
   }
-  return line + " -j8";
+  return line;
 }
 
 Json run_schema() {

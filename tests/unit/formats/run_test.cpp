@@ -171,7 +171,7 @@ TEST_CASE("the command of a run has what does not hold anyway") {
   CHECK(
       evolve_command("my run", setting, {{"seed", "2"}}) ==
       "evo evolve ga --run 'my run' --task Walker-v0 --pop 25 --evals 250 --steps 512000 --seed 2 "
-      "--shape 4x4 --train-options '--failures stop -q' -j8");
+      "--shape 4x4 --train-options '--failures stop -q'");
 }
 
 TEST_CASE("a history follows a run while it grows") {

@@ -73,6 +73,13 @@ void print_robot(const Robot& robot) {
   fmt::print("id        {}\n", robot.id);
   fmt::print("size      {}x{}, {} voxels: {}\n", body.rows, body.cols, count_voxels(body),
              kinds(body));
+  std::vector<double> factors;
+  for (std::size_t k = 0; k < body.stiffness.size(); ++k)
+    if (body.cells[k] != Voxel::empty) factors.push_back(body.stiffness[k]);
+  if (!factors.empty()) {
+    const auto [least, most] = std::ranges::minmax(factors);
+    fmt::print("stiffness {:.3g} to {:.3g}\n", least, most);
+  }
   if (body.links != full_links(body.rows, body.cols, body.cells))
     fmt::print("links     {} of {} adjacent pairs\n", body.links.size(),
                full_links(body.rows, body.cols, body.cells).size());
@@ -362,7 +369,12 @@ void print_run(const fs::path& folder) {
   fmt::print("disk         {}\n", cli::file_size(size_on_disk(folder)));
   if (const TrainedRobot* best = history.champion()) {
     fmt::print("best so far  {}\n", cli::sparkline(run.best_so_far(), 60));
-    print_robot(best->robot);
+    Robot shown = best->robot;
+    if (shown.policy()) {
+      const fs::path file = fs::path(folder) / "policies" / fs::path(*shown.policy()).filename();
+      shown.document["policy"] = file.string();
+    }
+    print_robot(shown);
   }
 }
 

@@ -50,7 +50,8 @@ kill_and_repeat() {
   [ "$(ls run/policies/*.policy.h5 | wc -l)" -eq 9 ]
   [ "$(cat run/journal/*.jsonl | wc -l)" -eq 9 ]
   [ -z "$(find run -name '*.running')" ]
-  evo-inspect run | grep -q '9 of 9 trained, 0 left'
+  evo-inspect run | tee shown | grep -q '9 of 9 trained, 0 left'
+  [ -s "$(sed -n 's/^policy  *//p' shown)" ]
   evo-inspect --slots run | awk 'NR > 1 && $4 != "done"' | cmp - /dev/null
   # A line per generation, and at the end the last state again.
   [ "$(grep -c '^gen-.* robots  best' said)" -ge 3 ]

@@ -186,6 +186,7 @@ print(np.abs(a - b).mean())" "$1" "$2"
   evo-inspect task Carrier-v1 | golden task-Carrier-v1.txt
   evo-inspect task WingspanMaximizer-v0 | head -1 | grep -q WingspanMazimizer-v0
   evo-sample -n 1 --seed 1 | evo-inspect robot | golden robot.txt
+  echo '{"body": ["H."], "stiffness": [[3, 1]]}' | evo-inspect | grep -qx 'stiffness 3 to 3'
   TERM=xterm-256color script -qec "evo-sample -n 1 --seed 1 | evo-inspect robot" /dev/null | grep -q $'\x1b\[48;5;'
   episode r.h5
   evo-inspect r.h5 | grep -q 'rollout of Walker-v0'

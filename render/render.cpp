@@ -218,7 +218,7 @@ std::string draw_gait(const Episode& episode, const RenderOptions& options) {
   const std::vector<double> range = timeline(options, clip.steps(), clip.steps_per_second());
   const Caption who = clip.caption(0);
   return gait_loop(clip, static_cast<int>(range.front()), static_cast<int>(range.back()),
-                   options.size.width, who.title + ", robot " + who.detail);
+                   options.size, who.title + ", robot " + who.detail);
 }
 
 Drawing draw_robot(const Robot& robot, const RenderOptions& options) {

@@ -152,7 +152,7 @@ std::string rules(const Theme& theme) {
 
 }  // namespace
 
-std::string gait_loop(const Clip& clip, int from, int to, int width, const std::string& title) {
+std::string gait_loop(const Clip& clip, int from, int to, Size size, const std::string& title) {
   const auto cycle = best_cycle(clip, from, to);
   const Stretch stretch = cycle ? *cycle : liveliest(clip, from, to);
   const auto objects = company(clip, stretch.first);
@@ -184,14 +184,16 @@ std::string gait_loop(const Clip& clip, int from, int to, int width, const std::
   const double ground = cycle ? *floor_below(clip, stretch) : 0.0;
   const double low = cycle ? ground - earth : std::max(seen.y0 - margin, -earth);
   const double left = seen.x0 - margin;
-  const double scale = width / (seen.width() + 2 * margin);
   const double high = std::max(seen.y1, ground + 1) + margin;
+  const double columns = seen.width() + 2 * margin;
+  const double scale = std::min(size.width / columns, size.height / (high - low));
+  const double width = columns * scale;
   const double height = (high - low) * scale;
   const auto x_of = [&](double x) { return (x - left) * scale; };
   const auto y_of = [&](double y) { return (high - y) * scale; };
 
   std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {:.0f}\" width=\"{}\" "
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" "
       "height=\"{:.0f}\" role=\"img\"><title>{}</title><style>{}@media(prefers-color-scheme:dark)"
       "{{{}}}</style><rect class=\"s\" width=\"100%\" height=\"100%\"/>"
       "<rect class=\"e\" y=\"{}\" width=\"100%\" height=\"100%\"/>",

@@ -12,7 +12,7 @@ namespace evo::render {
 // and `to` that ends nearest to how it began, seen by a camera that moves along with its centre,
 // over a floor whose marks go by. Else the two seconds in which most moves, there and back,
 // before what stands around. Shapes move by SMIL, so that the file also plays as an <img>;
-// colours follow the reader's scheme, light or dark.
-std::string gait_loop(const Clip& clip, int from, int to, int width, const std::string& title);
+// colours follow the reader's scheme, light or dark. It fills `size` one way and is no larger.
+std::string gait_loop(const Clip& clip, int from, int to, Size size, const std::string& title);
 
 }  // namespace evo::render

@@ -92,7 +92,7 @@ TEST_CASE("a robot that turns around is counted") {
 TEST_CASE("a gait is repeated for ever, and what is none goes there and back") {
   const Rollout rollout = swinging(example::simulate("Walker-v0", example::walker, 200), 20);
   const Clip clip({&rollout, 0, ""}, {}, 1.0);
-  const std::string svg = gait_loop(clip, 60, 200, 320, "a <walk>");
+  const std::string svg = gait_loop(clip, 60, 200, {320, 320}, "a <walk>");
   CHECK_THAT(svg, Contains("<title>a &lt;walk&gt;") && Contains("dur=\"0.40s\""));
   std::size_t shapes = 0;
   for (std::size_t at = 0; (at = svg.find("<polygon", at)) != std::string::npos; ++at) ++shapes;
@@ -102,9 +102,10 @@ TEST_CASE("a gait is repeated for ever, and what is none goes there and back") {
   const std::string values = svg.substr(first, svg.find("\"/>", first) - first);
   CHECK(std::ranges::count(values, ';') == 20);
   // Too short for a gait: every second step, there and back, before the ground.
-  const std::string back = gait_loop(clip, 0, 15, 320, "a start");
+  const std::string back = gait_loop(clip, 0, 15, {320, 320}, "a start");
   CHECK_THAT(back, Contains("dur=\"0.56s\"") && Contains("<polygon class=\"p e\""));
-  CHECK_NOTHROW(gait_loop(clip, 7, 7, 320, "a moment"));
+  CHECK_NOTHROW(gait_loop(clip, 7, 7, {320, 320}, "a moment"));
+  CHECK_THAT(gait_loop(clip, 0, 15, {320, 60}, "a flat one"), Contains(" height=\"60\""));
 }
 
 TEST_CASE("a strip suits what goes far, and does not lie over itself") {

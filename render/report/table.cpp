@@ -70,7 +70,7 @@ std::string latex_line(const Comparison& comparison, std::size_t number) {
   const std::string against =
       number == 0 ? "-- & --"
                   : fmt::format("{:.2f} & ${}$", method.leader_ahead, p_value(method.p));
-  return fmt::format("{} & {} & ${:.2f}$ [${:.2f}$, ${:.2f}$] & {} & {} \\\\",
+  return fmt::format("{} & {} & ${:.3f}$ [${:.3f}$, ${:.3f}$] & {} & {} \\\\",
                      latex_text(method.group.label), method.best.size(), method.median,
                      method.interval.low, method.interval.high, against,
                      method.needed ? fmt::to_string(*method.needed) : "--");

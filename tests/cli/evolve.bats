@@ -559,7 +559,7 @@ END
   evo-report --table t.csv all/*/*
   diff <(cut -f 1-10 table | tr '\t' ',') <(grep -v Jumper t.csv)
   evo-report --table t.tex all/*/*
-  grep -qF 'ga & 3 & $' t.tex
+  grep -qE 'ga & 3 & [$]-?[0-9]+[.][0-9]{3}[$] ' t.tex
   fails_with 2 ".tsv, .csv or .tex" -- evo-report --table t.xls all/Walker-v0/ga-1
   fails_with 2 "unknown method 'gaa'" -- compare --methods gaa
   fails_with 2 "--tasks: two of them have the same name" -- compare --tasks "Walker-v0 ./elsewhere/Walker-v0.yaml"

@@ -35,7 +35,8 @@ def read_run(*folders: str | os.PathLike) -> Any:
     """The robots of any number of runs, finished or not, as one pandas frame; a row for each robot of
     a run, in the order in which they came.
 
-    run, method, task, seed: of the run (task: of runs with an own fitness its program)
+    run, method, task, seed: of the run (method: by its name in a comparison, if it has one; task:
+        of runs with an own fitness its program)
     generation, index: where the robot first was
     id, parents, body, voxels, empty, rigid, soft, horizontal, vertical: what it is, and its cells
     steps, fitness, best, perturbed: environment steps of its training, its fitness [none: failed],
@@ -87,7 +88,7 @@ def _settings(file: Path) -> dict[str, Any]:
     with open(file) as lines:
         known = dict(line.rstrip("\n").split(": ", 1) for line in lines if ": " in line)
     unquoted = {name: json.loads(text) if text.startswith('"') else text for name, text in known.items()}
-    return {"run": str(file.parent), "method": unquoted["method"],
+    return {"run": str(file.parent), "method": unquoted.get("name", unquoted["method"]),
             "task": unquoted.get("task", unquoted.get("evaluate")), "seed": int(unquoted["seed"])}
 
 

@@ -93,7 +93,8 @@ class Files(unittest.TestCase):
             self.skipTest("pandas is not installed")
         trained = self.run_of("walk", "--task", "Walker-v0", "--seed", 1, "--steps", 512, "--no-video",
                               "--train-options", " ".join(f"--train {k}={v}" for k, v in FEW.items()))
-        scored = self.run_of("own", "--evaluate", "jq -c '.fitness = (.body | length)'", "--seed", 2)
+        scored = self.run_of("own", "--evaluate", "jq -c '.fitness = (.body | length)'", "--seed", 2,
+                             "--name", "rows")
         (scored / "gen-000" / "scores.jsonl").unlink()  # as of a run that is not finished
         frame = files.read_run(trained, scored)
         self.assertEqual(frame.groupby("run").size().tolist(), [4, 4])
@@ -114,6 +115,7 @@ class Files(unittest.TestCase):
         own = frame[frame.run == str(scored)]
         self.assertEqual(set(own.fitness), {3})
         self.assertIn("jq", own.task.iloc[0])
+        self.assertEqual(set(own.method), {"rows"})
         self.assertIsInstance(frame, pandas.DataFrame)
 
     def test_logs_and_tensorboard(self):

@@ -311,7 +311,7 @@ typedef struct evo_sim_arrays {
   const uint8_t* status;    /* [S] evo_sim_status */
   double action_low;        /* targets are clipped to this range */
   double action_high;
-  size_t voxels;            /* V, of one simulation: of all objects, each from its top left */
+  size_t voxels; /* V, of one simulation: of all objects, each from its top left */
 } evo_sim_arrays;
 EVO_API int evo_sims_arrays(const evo_sims* sims, evo_sim_arrays* arrays, size_t size);
 

@@ -225,7 +225,8 @@ Json convert(const Node& node, std::size_t& values, bool as_text,
   Json object = Json::object();
   for (const auto& [key, value] : node.entries())
     object[key.text()] =
-        convert(value, values, std::ranges::find(text_keys, key.text()) != text_keys.end(), {});
+        convert(value, values,
+                std::find(text_keys.begin(), text_keys.end(), key.text()) != text_keys.end(), {});
   return object;
 }
 

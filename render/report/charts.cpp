@@ -101,8 +101,8 @@ std::vector<Point> median_curve(const Repetitions& group,
   return middle;
 }
 
-// Of the palette in charts.js: every method has its own on every page and in compare.svg
-// (scripts/compare.gnuplot); what is not known, or there twice, the next that is free.
+// Of the palette in charts.js: every method has its own on every page; what is not known, or
+// there twice, the next that is free.
 std::vector<int> colors_of(const std::vector<Repetitions>& groups) {
   constexpr std::array known{"ga", "bo", "neat", "map", "race", "modular", "random"};
   constexpr int palette = 8;

@@ -4,7 +4,8 @@
 const Charts = (() => {
   let clips = 0;
   const NS = 'http://www.w3.org/2000/svg';
-  const palette = ['#d9730d', '#2f86c9', '#2b9a66', '#9a63c9', '#d0456b', '#8a7a17', '#17989c', '#7f8894'];
+  // Okabe and Ito's, safe for colour-blind readers; olive and grey for its yellow and black.
+  const palette = ['#d55e00', '#0072b2', '#009e73', '#cc79a7', '#e69f00', '#56b4e9', '#8a7a17', '#7f8894'];
 
   const svg = (name, attributes = {}, ...children) => {
     const made = document.createElementNS(NS, name);

@@ -133,7 +133,8 @@ std::string settled(const RunSettingInfo& info, const std::string& value) {
   if (info.kind == SettingKind::whole)
     return fmt::format("{}", parse_whole(value, info.option(), info.least, info.most));
   const bool is_file = info.name == "founders" || info.name == "neat";
-  const bool may_be_file = info.name == "task" || info.name == "train" || info.name == "physics";
+  const bool may_be_file = info.name == "task" || info.name == "train" || info.name == "physics" ||
+                           info.name == "mutate" || info.name == "propose";
   std::error_code unknown;
   const std::size_t colon = cli::is_python_task(value) ? value.rfind(':') : value.size();
   const std::string file = value.substr(0, colon);
@@ -384,7 +385,7 @@ void plan_comparison(const fs::path& folder, const Options& options, const Given
         for (const auto& [name, value] : given)
           if (find_run_setting(name)->belongs_to(column.method)) run[name] = value;
         if (!column.program.empty()) {
-          run["propose"] = column.program;
+          run["propose"] = settled(*find_run_setting("propose"), column.program);
           run["name"] = column.name;
         }
         if (!evaluated) run["task"] = settled(*find_run_setting("task"), task);

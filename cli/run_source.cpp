@@ -72,7 +72,7 @@ std::string digest_of(const RunSettings& settings, const std::string& source) {
     if (may_be_file && !is_file(source)) return "";
     all = load_task(source, data_folders()).source;
   }
-  for (const char* name : {"physics", "train"})
+  for (const char* name : {"physics", "train", "mutate", "propose"})
     if (const std::string* value = settings.find(name); value != nullptr && is_file(*value))
       all += read_file(*value, largest_document);
   return sha256_hex(all);
@@ -87,6 +87,9 @@ std::string source_of(const RunSettings& settings) {
   std::istringstream words(settings.text("evaluate"));
   for (std::string word; words >> word;)
     if (is_file(word)) return fs::absolute(word).lexically_normal().string();
+  for (const char* name : {"mutate", "propose"})
+    if (const std::string* value = settings.find(name); value != nullptr && is_file(*value))
+      return *value;
   return "";
 }
 
@@ -103,8 +106,8 @@ void check_source(const RunSettings& settings, const std::string& where) {
   if (now.empty() || now == settings.source_hash()) return;
   throw error(
       Failure::cannot_create,
-      "{}: {} is another one than when the run began, so that its robots would have another "
-      "fitness; undo the change, or begin a run in another folder",
+      "{}: {} is another one than when the run began, or a file that run.yaml names is; undo the "
+      "change, or begin a run in another folder",
       where, settings.source());
 }
 

@@ -8,7 +8,7 @@ namespace evo::cli {
 
 // Of a task the text that it resolves to, of FILE.py:CLASS the file and what it imports from
 // beside it, of a program the first word of --evaluate that is a file; and the files of
-// --physics and --train. Throws what a damaged task throws.
+// --physics, --train, --mutate and --propose. Throws what a damaged task throws.
 void set_source(RunSettings& settings);
 
 // Throws Error(cannot_create) where it is another one than when the run began. A file that has

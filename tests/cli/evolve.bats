@@ -583,6 +583,8 @@ END
   [ "$(cut -f 2 table | sort | paste -sd ' ')" = "method mine random" ]
   grep -q "^name: mine" all/evaluate/mine-1/run.yaml
   grep -q 'mine' all/compare.html
+  echo "# changed" >> mine
+  fails_with 73 "is another one than when the run began, or a file" -- evo-evolve --run all/evaluate/mine-1 --plan
   # Nothing that a random run draws depends on a score.
   evo-evolve random --run other "${settings[@]:0:4}" --seed 1 --evaluate 'jq -c ".fitness = 1"' -q
   diff <(jq .id all/evaluate/random-1/history.jsonl) <(jq .id other/history.jsonl)

@@ -113,9 +113,8 @@ TEST_CASE("who runs along the ground has a lane, and a place when it has arrived
     CHECK(plates_of(race.frame(40, typesetter), runner_color(k)).size() == 1);
   const Race tie({{&slow, 0, "one"}, {&slow, 0, "the same"}}, options);
   const Drawing end = tie.frame(40, typesetter);
-  CHECK(std::ranges::count_if(end.texts(), [](const Text& text) {
-          return text.text.starts_with("1st");
-        }) == 2);
+  CHECK(std::ranges::count_if(end.texts(),
+                              [](const Text& text) { return text.text.starts_with("1st"); }) == 2);
 }
 
 TEST_CASE("a lane shows its robot from the feet to the top, from the first moment") {

@@ -169,7 +169,8 @@ struct evo_player {
              const std::optional<evo::Draws>& draws) {
     env.reset(0, {draws ? *draws : arena.draw(seed, episode), jitter,
                   evo::derive_seed(seed, "jitter", episode)});
-    for (Share& each : shares) each.episode = {draws ? *draws : arena.draw(seed, episode), 0, 0};
+    for (Share& each : shares)
+      each.episode = {draws ? *draws : arena.draw(seed, episode), 0, 0, {}};
     std::fill(counts.begin(), counts.end(), 0.0);
     std::fill(targets.begin(), targets.end(), 1.0);
     look(now);

@@ -176,12 +176,8 @@ const checkPolicies = async () => {
 
 const checkEvolve = async () => {
   await open('#play?task=Walker-v0&body=RHHHR-VSSSV-VHRHV-V...V-V...V&gait=0.5,20,0.7');
-  const began = Date.now();
   await click('#evolve');
-  const improved = await until(`/from −0.889 to [0-9]/.test(document.getElementById('evolve-says').textContent)`, 40);
-  const seconds = (Date.now() - began) / 1000;
-  check('it evolves a better robot within 20 s', improved && seconds < (slow ? 20 : 40), [seconds, await text('#evolve-says')]);
-  console.log(`    improved after ${seconds} s: ${await text('#evolve-says')}`);
+  check('it evolves a better robot', await until(`/From −[0-9.]+ to [0-9]/.test(document.getElementById('evolve-says').textContent)`, 40), await text('#evolve-says'));
   check('which is the one on the stage', !(await evaluate('location.hash')).includes('gait=0.5,20,0.7'), await evaluate('location.hash'));
   await click('#evolve');
   check('and stops when told', (await text('#evolve-says')).includes('Stopped'), await text('#evolve-says'));

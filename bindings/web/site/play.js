@@ -383,7 +383,7 @@ Evo.playPage = (evo) => {
   });
 
   // Whatever a file holds: a policy, a robot, a world, a task.
-  const usePolicy = (document, about, { start = {}, ...from }) => {
+  const usePolicy = (document, about, { start = {}, read, ...from }) => {
     stopEvolving();
     const before = { ...state };
     Object.assign(state, { task: document.task_yaml ?? document.task, body: document.robot.body, start });
@@ -395,7 +395,7 @@ Evo.playPage = (evo) => {
       showOther();
       drawGrid();
       build();
-      say(why);
+      say(read ? `${read}: ${why}` : why);
     }
     const named = Evo.tasks.find(({ name }) => name === document.task);
     ownOption.hidden = Boolean(named);
@@ -416,7 +416,7 @@ Evo.playPage = (evo) => {
   const useText = (name, text) => {
     let json = null;
     try { json = JSON.parse(text); } catch { /* YAML, letters or several lines of JSON */ }
-    if (json?.format === 'evo/policy') usePolicy(json, drivenBy(json.kind, `${name}.`), { file: name.replace(/\.json$/, '.h5') });
+    if (json?.format === 'evo/policy') usePolicy(json, drivenBy(json.kind, `${name}.`), { file: name.replace(/\.json$/, '.h5'), read: name });
     else if (json?.objects && json?.grid_width) { useTask(text); id('own').open = true; id('own-text').value = state.facts?.yaml ?? text; }
     else if (!json && /^(format: *evo\/task|world:|observation:)/m.test(text)) { id('own').open = true; id('own-text').value = text; useTask(text); }
     else useRobot(text);

@@ -15,7 +15,6 @@ const open = async (hash) => {
 };
 const photograph = (name, whole) => pictures && browser.picture(`${pictures}/${name}.png`, whole);
 const text = (selector) => evaluate(`document.querySelector(${JSON.stringify(selector)}).textContent`);
-const slow = Boolean(process.env.EVO_SLOW);
 
 let failed = 0;
 const check = (what, good, found = '') => {
@@ -177,7 +176,7 @@ const checkPolicies = async () => {
 const checkEvolve = async () => {
   await open('#play?task=Walker-v0&body=RHHHR-VSSSV-VHRHV-V...V-V...V&gait=0.5,20,0.7');
   await click('#evolve');
-  check('it evolves a better robot', await until(`/From −[0-9.]+ to [0-9]/.test(document.getElementById('evolve-says').textContent)`, 40), await text('#evolve-says'));
+  check('it evolves a better robot', await until(`/from −[0-9.]+ to [0-9]/.test(document.getElementById('evolve-says').textContent)`, 40), await text('#evolve-says'));
   check('which is the one on the stage', !(await evaluate('location.hash')).includes('gait=0.5,20,0.7'), await evaluate('location.hash'));
   await click('#evolve');
   check('and stops when told', (await text('#evolve-says')).includes('Stopped'), await text('#evolve-says'));

@@ -10,8 +10,6 @@
 namespace evo {
 namespace {
 
-constexpr double resolution = 1024.0;  // targets are multiples of 1/1024, as in sequence_search.cpp
-
 // Beyond the end of a window counts for so many steps more what its last step earned: else
 // plans would end in a fall.
 constexpr double goes_on = 10.0;
@@ -43,13 +41,17 @@ int Planner::longest_window(int lanes) const {
   return static_cast<int>(most_bytes / (bytes * points));
 }
 
+double Planner::target(double value) const {
+  constexpr double resolution = 1024.0;
+  const Physics& physics = arena_->task().physics;
+  const double least = std::ceil(physics.min_target * resolution);
+  const double most = std::floor(physics.max_target * resolution);
+  return std::clamp(std::round(value * resolution), least, most) / resolution;
+}
+
 void Planner::targets_of(const Plan& plan, std::size_t k, std::span<double> targets) const {
-  const double least = std::ceil((middle_ - half_) * resolution);
-  const double most = std::floor((middle_ + half_) * resolution);
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    const double target = middle_ + half_ * math::tanh(plan[k * targets.size() + i]);
-    targets[i] = std::clamp(std::round(target * resolution), least, most) / resolution;
-  }
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    targets[i] = target(middle_ + half_ * math::tanh(plan[k * targets.size() + i]));
 }
 
 Plan Planner::plan_of(std::span<const double> targets) const {

@@ -27,6 +27,8 @@ class Planner {
   // As many steps as a window may have for its tapes to stay within some memory.
   int longest_window(int lanes) const;
 
+  // The nearest multiple of 1/1024 within the range of targets, which keeps files small.
+  double target(double value) const;
   // What a plan aims for at step k.
   void targets_of(const Plan& plan, std::size_t k, std::span<double> targets) const;
   // The plan that aims for these, or nearly where they are at an end of their range.

@@ -21,8 +21,6 @@ constexpr int committed = 16;
 constexpr int rounds = 8;
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
-// Targets are multiples of 1/1024, which keeps files small.
-constexpr double resolution = 1024.0;
 
 // The archive. A level of return is a twentieth of what first episodes reach; where returns grow
 // to more than 200 levels, two become one. Times are every tenth step.
@@ -85,12 +83,6 @@ void SequenceSearch::offer(SineController gait) {
   gait.shift.resize(places_.size());
   start_ = std::move(gait);
   start_is_due_ = true;
-}
-
-double SequenceSearch::target(double value) const {
-  const double least = std::ceil(low() * resolution);
-  const double most = std::floor(high() * resolution);
-  return std::clamp(std::round(value * resolution), least, most) / resolution;
 }
 
 int SequenceSearch::steps_of(const Moment& moment) const {

@@ -106,7 +106,7 @@ class SequenceSearch {
   int episode_steps() const { return arena_->task().episode_steps; }
   double low() const { return arena_->task().physics.min_target; }
   double high() const { return arena_->task().physics.max_target; }
-  double target(double value) const;
+  double target(double value) const { return planner_.target(value); }
   int steps_of(const Moment& moment) const;
   double pace(const Moment& moment) const;
   std::int64_t level_of(double earned) const;

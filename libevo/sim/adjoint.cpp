@@ -557,16 +557,13 @@ namespace {
 constexpr double widest_onset = 0.1;
 
 void check_sizes(const Gradient& gradient, const Model& model) {
-  const Gradient expected = zero_gradient(model);
-  const bool fits =
-      gradient.state.x.size() == expected.state.x.size() &&
-      gradient.state.y.size() == expected.state.y.size() &&
-      gradient.state.vx.size() == expected.state.vx.size() &&
-      gradient.state.vy.size() == expected.state.vy.size() &&
-      gradient.state.previous_x.size() == expected.state.previous_x.size() &&
-      gradient.state.previous_y.size() == expected.state.previous_y.size() &&
-      gradient.state.targets.size() == expected.state.targets.size() &&
-      (gradient.stiffness.empty() || gradient.stiffness.size() == model.cells().size());
+  const auto points = static_cast<std::size_t>(model.compiled().moving_points);
+  const auto actuators = static_cast<std::size_t>(model.compiled().dynamics.actuators);
+  bool fits = gradient.stiffness.empty() || gradient.stiffness.size() == model.cells().size();
+  for_each_array(gradient.state, [&](const std::vector<double>& values) {
+    const bool of_targets = &values == &gradient.state.targets;
+    fits = fits && values.size() == (of_targets ? actuators : points);
+  });
   if (!fits) throw error(Failure::data, "a gradient does not have the sizes of its model");
 }
 

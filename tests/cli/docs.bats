@@ -54,15 +54,3 @@ END
   [ "$status" -eq 0 ]
   [[ $output == *"3 commands, 0 outputs compared"* ]]
 }
-
-@test "the examples run" {
-  cp -r "$EVO_SOURCE/examples" .
-  /usr/bin/python3 -c 'import numpy' 2> /dev/null || skip "/usr/bin/python3 has no numpy"
-  export PATH="$EVO_BIN:/usr/bin:$PATH" PYTHONPATH="$EVO_SOURCE/bindings/python"
-  make -s -f examples/experiments.mk POP=4 EVALS=9 -j2 > said
-  [ "$(grep -c 'actuators' said)" -eq 3 ]
-  # Both sides of the symmetric ones are the same.
-  jq -e 'select(.parents) | all(.body[]; . == (explode | reverse | implode))' \
-    runs/examples/symmetric/history.jsonl > same
-  run ! grep -v true same
-}

@@ -46,8 +46,9 @@ int main(int argc, char** argv) {
                     "run folders, finished or not; several are compared on one page");
   command.option(
       "--table", table, "FILE",
-      "instead of a page what it says of tasks and methods, as .tsv (also by -), .csv or "
-      ".tex: median best fitness, its interval, tests, the best method first");
+      "instead of a page what it says of tasks and methods, as .tsv (also by -, but on a "
+      "terminal to be read), .csv or .tex: median best fitness, its interval, tests, the best "
+      "method first");
   command
       .option("--robots", robots, "N",
               "robots of a run to show one by one: all if there are no more, else the fittest, the "

@@ -715,6 +715,12 @@ void check(const RunSettings& settings, const Surroundings& around) {
   const int pop = settings.number("pop");
   if (!settings.is_evaluated() && is_python_task(settings.text("task")))
     check_python_task(settings);
+  for (const char* name : {"mutate", "propose"}) {
+    const std::vector<std::string> words = words_of(settings, name);
+    if (!words.empty() && words[0].find('/') != std::string::npos && !fs::exists(words[0]))
+      throw error(Failure::no_input, "{} {}: there is no such program",
+                  find_run_setting(name)->option(), words[0]);
+  }
   if (settings.find("window") != nullptr && settings.find("chunk") != nullptr &&
       settings.number("chunk") > settings.number("window"))
     throw error(Failure::usage, "--chunk {} is larger than --window {}", settings.number("chunk"),

@@ -591,6 +591,8 @@ END
   [ "$(jq .id other/history.jsonl | sort -u | wc -l)" -eq 14 ]
   fails_with 2 "--propose names the program" -- evo-evolve program --run no
   fails_with 2 "NAME=PROGRAM" -- evo-evolve compare --run no --methods "ga =x"
+  fails_with 66 "--propose ./gone: there is no such program" -- evo-evolve compare --run no --methods "mine=./gone" --evaluate "$PWD/score"
+  fails_with 66 "--mutate ./gone: there is no such program" -- evo-evolve ga --run no --mutate ./gone
   # Fewer than asked for end the run.
   run -2 evo-evolve program --run few --propose "bash -c 'evo-sample -n 1'" --pop 3 --evals 3 --evaluate "$PWD/score" -q
   [[ $output == *"different robots, not 3"* ]]

@@ -80,6 +80,7 @@ TaskSpec with_reward(TaskSpec task, std::vector<RewardTerm> terms, std::vector<R
   task.reward = std::move(terms);
   task.rules = std::move(rules);
   task.folding_reward = 0.0;
+  task.step_cost = 0.0;
   return task;
 }
 
@@ -103,7 +104,9 @@ struct evo_player {
   evo_player(evo::TaskSpec task, evo::Robot robot_)
       : robot(std::move(robot_)), arena(std::move(task), robot.body), env(arena, 1) {
     const evo::TaskSpec& spec = arena.task();
-    shares.push_back(share(with_reward(spec, {}, spec.rules)));
+    evo::TaskSpec rules = with_reward(spec, {}, spec.rules);
+    rules.step_cost = spec.step_cost;  // a step's cost is shown among what the rules give
+    shares.push_back(share(std::move(rules)));
     for (const evo::RewardTerm& term : spec.reward)
       shares.push_back(share(with_reward(spec, {term}, {})));
     counts.resize(Count::terms + spec.reward.size());

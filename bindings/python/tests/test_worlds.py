@@ -1,7 +1,9 @@
 """Worlds built in Python, in this process; needs numpy alone."""
 import copy
 import gc
+import pathlib
 import pickle
+import runpy
 import unittest
 
 import numpy as np
@@ -64,6 +66,14 @@ class Worlds(unittest.TestCase):
         by.targets = by.targets[:1]
         with self.assertRaisesRegex(ValueError, "expected"):
             sims.pull_back(by)
+
+    def test_a_walker_is_designed_by_the_gradient_of_stiffness(self):
+        example = pathlib.Path(__file__).parents[3] / "examples/python/stiffness.py"
+        if not example.exists():
+            self.skipTest("the package is tested without its examples")
+        before, after, factors = runpy.run_path(str(example))["main"]()
+        self.assertGreater(after, 1.5 * before)
+        self.assertTrue(((factors >= 0.1) & (factors <= 10)).all())
 
     def test_robots_and_their_points_and_actuators(self):
         sims = Simulations(two_robots(), 3, jobs=2)

@@ -31,6 +31,7 @@ struct Settings {
   cli::TaskOptions task;
   std::optional<std::string> policy;
   std::optional<std::string> actions;
+  std::optional<std::string> planner;
   int episodes = 1;
   std::optional<int> max_steps;
   std::optional<std::string> draws;
@@ -41,6 +42,8 @@ struct Settings {
 
 constexpr std::string_view random_actions = "random";
 constexpr std::string_view sine_actions = "sine:";
+constexpr std::string_view free_planner = "free";
+constexpr std::string_view holding_planner = "hold";
 
 using Warn = std::function<void(const std::string&)>;
 
@@ -50,6 +53,43 @@ struct Trial {
   // Made for the arena at hand, since open-loop controllers ask its size.
   std::function<Controller(const Arena&)> controller;
 };
+
+PlannerController parse_planner(const std::string& text) {
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const std::string kind = text.substr(0, colon);
+  PlannerController planner;
+  if (kind == holding_planner) {
+    planner.window = 12;
+    planner.committed = 4;
+    planner.rounds = 4;
+    planner.sequence.emplace();
+  } else if (kind != free_planner) {
+    throw error(Failure::usage, "--planner: '{}' is neither {} nor {}", kind, free_planner,
+                holding_planner);
+  }
+  if (colon == text.size()) return planner;
+  const std::vector<int> numbers = parse_wholes(text.substr(colon + 1), "--planner", 1, 1000);
+  if (numbers.size() != 4)
+    throw error(Failure::usage, "--planner: '{}' is not {}:WINDOW,COMMITTED,ROUNDS,LANES", text,
+                kind);
+  planner.window = numbers[0];
+  planner.committed = numbers[1];
+  planner.rounds = numbers[2];
+  planner.lanes = numbers[3];
+  return planner;
+}
+
+// What the controller does in the first episode, unperturbed.
+ReplayController unperturbed(const Arena& arena, const Controller& controller,
+                             EvaluationSettings evaluation) {
+  evaluation.episodes = 1;
+  evaluation.jitter = 0.0;
+  ReplayController sequence{{}, arena.action_length()};
+  evaluate(arena, controller, evaluation, [&](const EpisodeMoment& moment) {
+    sequence.actions.insert(sequence.actions.end(), moment.targets.begin(), moment.targets.end());
+  });
+  return sequence;
+}
 
 // `task`: what --task names, if it was given; else the policy's own is used.
 Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task,
@@ -78,6 +118,8 @@ Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, 
   if (settings.policy) return policy_trial(settings, task, robot, *settings.policy, warn);
   if (!settings.actions) {
     const auto policy = robot.policy();
+    if (settings.planner && !parse_planner(*settings.planner).sequence && (task || !policy))
+      return {task ? *task : settings.task.load(), [](const Arena&) { return Controller(); }};
     if (!policy) throw error(Failure::usage, "it has no policy; give --policy or --actions");
     return policy_trial(settings, task, robot, *policy, warn);
   }
@@ -168,11 +210,18 @@ Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, con
   evaluation.max_steps = settings.max_steps.value_or(0);
   if (settings.draws) evaluation.draws = parse_draws(*settings.draws, arena.task());
 
+  Controller controller = trial.controller(arena);
+  if (settings.planner) {
+    PlannerController planner = parse_planner(*settings.planner);
+    if (planner.sequence) planner.sequence = unperturbed(arena, controller, evaluation);
+    controller = std::move(planner);
+  }
+
   std::optional<Recorder> recorder;
   if (rollout_path) recorder.emplace(arena, robot, seed, "evo-eval");
   BehaviourGauge gauge;
   const Evaluation result =
-      evaluate(arena, trial.controller(arena), evaluation, [&](const EpisodeMoment& moment) {
+      evaluate(arena, controller, evaluation, [&](const EpisodeMoment& moment) {
         if (recorder) recorder->record(moment);
         gauge.record(moment);
       });
@@ -205,13 +254,22 @@ int main(int argc, char** argv) {
   command.section("Controller (default: the policy named by each robot)");
   const cli::Option policy = command.option("--policy", settings.policy, "FILE.h5",
                                             "a trained policy, for every robot read");
+  const cli::Option actions =
+      command
+          .option(
+              "--actions", settings.actions, "WHAT",
+              "random: uniform targets; sine:A,PERIOD,PHASE: 1.1 + A sin(2 pi t / PERIOD + PHASE "
+              "i) "
+              "of actuator i, in control steps and radian; or a file of actions [T, A]: a rollout, "
+              "another HDF5 file, NumPy's, or a CSV")
+          .excludes({policy});
   command
       .option(
-          "--actions", settings.actions, "WHAT",
-          "random: uniform targets; sine:A,PERIOD,PHASE: 1.1 + A sin(2 pi t / PERIOD + PHASE i) "
-          "of actuator i, in control steps and radian; or a file of actions [T, A]: a rollout, "
-          "another HDF5 file, NumPy's, or a CSV")
-      .excludes({policy});
+          "--planner", settings.planner, "WHAT",
+          "plan in the simulation: free, to earn the most; hold, to come back to the way of the "
+          "policy's unperturbed episode; either with :WINDOW,COMMITTED,ROUNDS,LANES "
+          "[free:96,16,8,8 hold:12,4,4,8]")
+      .excludes({actions});
   command.section("Episodes");
   command.option("--episodes", settings.episodes, "N", "episodes of each robot").at_least(1);
   command

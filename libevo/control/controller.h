@@ -6,6 +6,7 @@
 
 #include "libevo/control/modular_policy.h"
 #include "libevo/control/policy.h"
+#include "libevo/control/replanner.h"
 #include "libevo/control/replay.h"
 #include "libevo/control/sine.h"
 
@@ -19,8 +20,8 @@ struct RandomController {
   bool operator==(const RandomController&) const = default;
 };
 
-using Controller =
-    std::variant<Policy, SineController, RandomController, ReplayController, ModularPolicy>;
+using Controller = std::variant<Policy, SineController, RandomController, ReplayController,
+                                ModularPolicy, PlannerController>;
 
 // Those that a training can find, and a policy file can hold.
 using TrainedController = std::variant<Policy, SineController, ReplayController, ModularPolicy>;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 
 #include "libevo/base/error.h"
@@ -169,6 +170,20 @@ struct Prepare {
         lane_by_lane(actions(), [&replay](const Running& lane, std::span<double> targets) {
           act(replay, lane.steps, targets);
         });
+  }
+
+  void operator()(const PlannerController& planner) const {
+    if (planner.sequence) {
+      require_sequence(*planner.sequence, actions());
+      work.limit = planner.sequence->steps();
+    }
+    work.choose = [replanner = std::make_shared<Replanner>(arena, planner), a = actions()](
+                      const VecEnv& env, std::span<Running> lanes, std::span<double> targets) {
+      for (std::size_t l = 0; l < lanes.size(); ++l)
+        if (Running& lane = lanes[l]; lane.job >= 0)
+          replanner->act(env, static_cast<int>(l), lane.steps, lane.start, lane.random,
+                         targets.subspan(l * a, a));
+    };
   }
 };
 

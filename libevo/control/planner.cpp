@@ -62,14 +62,52 @@ Plan Planner::plan_of(std::span<const double> targets) const {
   return plan;
 }
 
-void Planner::begin(std::vector<Plan> plans) {
+Plan Planner::continued(const Plan& plan, std::size_t done, std::size_t steps) const {
+  const std::size_t a = actuators();
+  const std::size_t left = plan.size() / a - done;
+  const std::size_t half = std::max<std::size_t>(1, std::min(left, steps / 2));
+  Plan next;
+  for (std::size_t k = 0; k < steps; ++k) {
+    const std::size_t from = done + (k < left ? k : left - half + (k - left) % half);
+    next.insert(next.end(), plan.begin() + static_cast<std::ptrdiff_t>(from * a),
+                plan.begin() + static_cast<std::ptrdiff_t>((from + 1) * a));
+  }
+  return next;
+}
+
+Plan Planner::noisy(Plan plan, double size, Stream& random) const {
+  constexpr double kept = 0.85;  // of noise, from step to step
+  std::vector<double> noise(actuators());
+  for (double& value : noise) value = random.gaussian();
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    double& value = noise[i % noise.size()];
+    value = kept * value + std::sqrt(1.0 - kept * kept) * random.gaussian();
+    plan[i] += size * value;
+  }
+  return plan;
+}
+
+void Planner::begin(std::vector<Plan> plans, std::span<const Vec2> way) {
   window_ = plans.front().size() / actuators();
+  way_.assign(way.begin(), way.end());
   lanes_.resize(plans.size());
   for (std::size_t i = 0; i < plans.size(); ++i) {
     const std::size_t size = plans[i].size();
-    lanes_[i] = {std::move(plans[i]), std::vector<double>(size), std::vector<double>(size)};
+    lanes_[i] = {std::move(plans[i]), std::vector<double>(size), std::vector<double>(size), 0, {}};
   }
   tapes_.resize(std::max(tapes_.size(), window_));
+}
+
+// What a step off the way costs: the squares of all points' distances.
+double Planner::stray(Lane& lane, std::size_t step, std::span<const Vec2> points) const {
+  double value = 0.0;
+  const auto aims = std::span(way_).subspan(step * points.size(), points.size());
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Vec2 off{points[p].x - aims[p].x, points[p].y - aims[p].y};
+    lane.off.push_back(off);
+    value -= off.x * off.x + off.y * off.y;
+  }
+  return value;
 }
 
 const std::vector<Planner::Outcome>& Planner::simulate(VecEnv& env,
@@ -83,6 +121,7 @@ const std::vector<Planner::Outcome>& Planner::simulate(VecEnv& env,
     env.load(static_cast<int>(i), from);
     active[i] = 1;
     lanes_[i].steps = 0;
+    lanes_[i].off.clear();
   }
   std::vector<double> targets(active.size() * actuators(), 1.0);
   for (std::size_t k = 0; k < window_; ++k) {
@@ -100,11 +139,15 @@ const std::vector<Planner::Outcome>& Planner::simulate(VecEnv& env,
       Outcome& outcome = outcomes_[i];
       lanes_[i].steps = k + 1;
       const bool is_unstable = env.status(static_cast<int>(i)) == LaneStatus::unstable;
-      outcome.value += env.rewards()[i];
       outcome.is_over = env.terminated()[i] != 0 || env.truncated()[i] != 0;
+      outcome.value +=
+          way_.empty() ? env.rewards()[i] : stray(lanes_[i], k, env.positions(static_cast<int>(i)));
       if (is_unstable) outcome = {-std::numeric_limits<double>::infinity(), true};
       if (outcome.is_over) active[i] = 0;
-      if (k + 1 == window_ && !outcome.is_over) outcome.value += goes_on * env.rewards()[i];
+      if (way_.empty() && k + 1 == window_ && !outcome.is_over)
+        outcome.value += goes_on * env.rewards()[i];
+      if (!way_.empty() && k + 1 < window_ && outcome.is_over)  // and the way leads on
+        outcome.value = -std::numeric_limits<double>::infinity();
       if (!is_unstable) stepped(i, row(i));
     }
   }
@@ -114,14 +157,22 @@ const std::vector<Planner::Outcome>& Planner::simulate(VecEnv& env,
 void Planner::climb() {
   const std::size_t a = actuators();
   std::vector<Gradient> gradients(environments_, zero_gradient(arena_->model()));
-  std::vector<double> by_rewards(environments_, 1.0 + goes_on);
+  const bool pays = way_.empty();
+  std::vector<double> by_rewards(environments_, pays ? 1.0 + goes_on : 0.0);
   std::vector<double> by_actions(environments_ * a);
   std::size_t longest = 0;
   for (const Lane& lane : lanes_) longest = std::max(longest, lane.steps);
   for (std::size_t k = longest; k-- > 0;) {
-    if (k + 1 < window_) std::fill(by_rewards.begin(), by_rewards.end(), 1.0);
-    for (std::size_t i = 0; i < lanes_.size(); ++i)
-      if (outcomes_[i].is_over) by_rewards[i] = 1.0;
+    if (pays && k + 1 < window_) std::fill(by_rewards.begin(), by_rewards.end(), 1.0);
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      if (pays && outcomes_[i].is_over) by_rewards[i] = 1.0;
+      const std::size_t points = gradients[i].state.x.size();
+      for (std::size_t p = 0; !pays && lanes_[i].steps > k && p < points; ++p) {
+        const Vec2 off = lanes_[i].off[k * points + p];
+        gradients[i].state.x[p] -= 2.0 * off.x;
+        gradients[i].state.y[p] -= 2.0 * off.y;
+      }
+    }
     tapes_[k].pull_back(by_rewards, {}, gradients, by_actions);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       Lane& lane = lanes_[i];

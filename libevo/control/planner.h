@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "libevo/base/random.h"
 #include "libevo/task/env.h"
 #include "libevo/task/step_tape.h"
 
@@ -34,8 +35,15 @@ class Planner {
   // The plan that aims for these, or nearly where they are at an end of their range.
   Plan plan_of(std::span<const double> targets) const;
 
-  // One plan for each lane, of one length.
-  void begin(std::vector<Plan> plans);
+  // The plan after its first steps have been done, as long as `steps`: what is missing at its end
+  // is what came half a window before.
+  Plan continued(const Plan& plan, std::size_t done, std::size_t steps) const;
+  // The plan with noise that changes slowly, of this deviation.
+  Plan noisy(Plan plan, double size, Stream& random) const;
+
+  // One plan for each lane, of one length K. Plans earn what the task pays; or, given the points
+  // to be at after each step, [K x points], they earn the less, the farther off they are.
+  void begin(std::vector<Plan> plans, std::span<const Vec2> way = {});
 
   struct Outcome {
     double value = 0.0;    // what the window earned, and would go on to earn for a while
@@ -58,8 +66,10 @@ class Planner {
     std::vector<double> mean;    // of gradients
     std::vector<double> square;  // of their squares
     std::size_t steps = 0;       // done in the window
+    std::vector<Vec2> off;       // its points from the way, after each of them
   };
 
+  double stray(Lane& lane, std::size_t step, std::span<const Vec2> points) const;
   std::size_t actuators() const { return static_cast<std::size_t>(arena_->action_length()); }
 
   const Arena* arena_;
@@ -68,6 +78,7 @@ class Planner {
   std::size_t window_ = 0;        // steps
   std::size_t environments_ = 0;  // of the last simulation
   std::vector<Lane> lanes_;
+  std::vector<Vec2> way_;
   std::vector<Outcome> outcomes_;
   std::vector<StepTape> tapes_;  // of each step
 };

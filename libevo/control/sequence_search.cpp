@@ -439,38 +439,16 @@ std::vector<Plan> SequenceSearch::first_plans(int window) {
     return planner_.plan_of(targets);
   };
   Plan first;
-  if (!plan_.empty()) {
-    // What is missing at its end is what came half a window before.
-    const std::size_t done = plan_.size() / a;
-    const std::size_t half = std::max<std::size_t>(1, std::min(done, steps / 2));
-    for (std::size_t k = 0; k < steps; ++k) {
-      const std::size_t from = k < done ? k : done - half + (k - done) % half;
-      first.insert(first.end(), plan_.begin() + static_cast<std::ptrdiff_t>(from * a),
-                   plan_.begin() + static_cast<std::ptrdiff_t>((from + 1) * a));
-    }
-  } else if (!ahead_->gait.phase.empty()) {
+  if (!plan_.empty())
+    first = planner_.continued(plan_, 0, steps);
+  else if (!ahead_->gait.phase.empty())
     first = plan_of(ahead_->gait);
-  } else {
+  else
     for (std::size_t i = 0; i < steps * a; ++i) first.push_back(0.3 * random_.gaussian() - 0.2);
-  }
   std::vector<Plan> plans{first};
-  for (int lane = 1; lane < settings_.environments; ++lane) {
-    if (lane % 4 == 3) {
-      plans.push_back(plan_of(new_gait()));
-      continue;
-    }
-    constexpr double kept = 0.85;  // of noise, from step to step
-    const double size = 0.23 * (lane % 4 + 1);
-    Plan noisy = first;
-    std::vector<double> noise(a);
-    for (double& value : noise) value = random_.gaussian();
-    for (std::size_t i = 0; i < noisy.size(); ++i) {
-      double& value = noise[i % a];
-      value = kept * value + std::sqrt(1.0 - kept * kept) * random_.gaussian();
-      noisy[i] += size * value;
-    }
-    plans.push_back(std::move(noisy));
-  }
+  for (int lane = 1; lane < settings_.environments; ++lane)
+    plans.push_back(lane % 4 == 3 ? plan_of(new_gait())
+                                  : planner_.noisy(first, 0.23 * (lane % 4 + 1), random_));
   return plans;
 }
 

@@ -92,6 +92,19 @@ load helpers
   [[ $stderr == *"1024 of 2000 steps are trained"* ]]
 }
 
+@test "a planner plans freely, or holds to what a policy does" {
+  echo HV > r.txt
+  tiny_profile > tiny.yaml
+  evo-train r.txt --task Walker-v0 --train tiny.yaml --steps 1k --out-dir k > trained.json
+  evo-eval trained.json --planner hold:4,2,2,2 --max-steps 20 | jq -e '.lengths == [20]'
+  evo-eval r.txt --task Walker-v0 --planner free:20,10,3,2 --max-steps 20 --seed 1 --rollout r.h5 > planned.json
+  evo-eval r.txt --task Walker-v0 --actions r.h5 | jq -e --slurpfile planned planned.json '.fitness == $planned[0].fitness'
+  fails_with 2 "--planner: 'fly' is neither free nor hold" -- evo-eval r.txt --task Walker-v0 --planner fly
+  fails_with 2 "'free:1,2' is not free:WINDOW,COMMITTED,ROUNDS,LANES" -- evo-eval r.txt --task Walker-v0 --planner free:1,2
+  fails_with 2 "--planner" "'0'" -- evo-eval r.txt --task Walker-v0 --planner free:0,2,2,2
+  fails_with 2 "it has no policy" -- evo-eval r.txt --task Walker-v0 --planner hold
+}
+
 @test "robots in the field's own notation, told by their bytes, in every tool" {
   printf '3 3 3\n4 0 4\n' > r.txt
   printf '[[3,3,3],[4,0,4]]' > r.json

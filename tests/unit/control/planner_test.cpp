@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
 
 #include "libevo/base/random.h"
@@ -85,4 +86,57 @@ TEST_CASE("a plan ends with its episode, and climbs by what it earned until then
   };
   CHECK(changed(0, 10));
   CHECK_FALSE(changed(10, 20));
+}
+
+TEST_CASE("a free planner earns more than rest, whatever episodes run beside it") {
+  const Arena arena(test::walker(80), test::body_a());
+  EvaluationSettings evaluation;
+  evaluation.episodes = 2;
+  evaluation.jitter = 1e-3;
+  const PlannerController planner{.window = 32, .committed = 16, .rounds = 5, .lanes = 3};
+  const Evaluation planned = evaluate(arena, planner, evaluation);
+  const SineController rest = travelling_wave(arena.action_length(), 0.0, 1.0, 0.0);
+  CHECK(planned.mean() > evaluate(arena, rest, evaluation).mean() + 0.1);
+  CHECK(planned.returns[0] != planned.returns[1]);
+  evaluation.lanes = 1;
+  CHECK(evaluate(arena, planner, evaluation).returns == planned.returns);
+}
+
+TEST_CASE("a planner comes back to the way of a sequence") {
+  const Arena arena(test::walker(40), test::body_a());
+  ReplayController sequence{{}, arena.action_length()};
+  Stream random(5, "sequence");
+  for (int t = 0; t < 40; ++t)
+    for (int i = 0; i < arena.action_length(); ++i)
+      sequence.actions.push_back(random.integer(0, 1) == 0 ? 0.7 : 1.4);
+  const auto ends = [&](const Controller& controller, double jitter) {
+    std::vector<Vec2> points;
+    EvaluationSettings evaluation;
+    evaluation.jitter = jitter;
+    evaluate(arena, controller, evaluation, [&](const EpisodeMoment& moment) {
+      const auto now = moment.env.positions(moment.lane);
+      points.assign(now.begin(), now.end());
+    });
+    return points;
+  };
+  const auto aim = ends(sequence, 0.0);
+  const auto off = [&](const std::vector<Vec2>& points) {
+    double sum = 0.0;
+    for (std::size_t p = 0; p < points.size(); ++p)
+      sum += std::hypot(points[p].x - aim[p].x, points[p].y - aim[p].y);
+    return sum;
+  };
+  const PlannerController holding{
+      .window = 12, .committed = 4, .rounds = 6, .lanes = 4, .sequence = sequence};
+  const double alone = off(ends(sequence, 0.05));
+  CHECK(off(ends(holding, 0.05)) < 0.7 * alone);
+
+  ReplayController other = sequence;
+  other.actuators += 1;
+  PlannerController wrong = holding;
+  wrong.sequence = other;
+  CHECK_THROWS(evaluate(arena, wrong, EvaluationSettings{}));
+  wrong = holding;
+  wrong.rounds = 0;
+  CHECK_THROWS(evaluate(arena, wrong, EvaluationSettings{}));
 }

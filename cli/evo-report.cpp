@@ -7,6 +7,7 @@
 #include "cli/terminal.h"
 #include "formats/io/files.h"
 #include "render/report/comparison.h"
+#include "render/report/figures.h"
 #include "render/report/page.h"
 #include "render/report/run.h"
 
@@ -29,6 +30,32 @@ report::TableFormat table_format(const std::string& file) {
               file);
 }
 
+// Every figure of the runs as PDF, its numbers as CSV, and what to write below them.
+void write_figures(const std::filesystem::path& folder, const std::vector<report::Run>& runs) {
+  std::filesystem::create_directories(folder);
+  render::Typesetter typesetter;
+  std::string captions;
+  const auto write = [&](const std::string& prefix, const report::FigureGroup& group,
+                         const render::Figure& figure, const report::Run* run) {
+    std::string name = prefix + figure.name;
+    std::ranges::replace_if(
+        name, [](char c) { return c == ' ' || c == '/'; }, '-');
+    write_file(folder / (name + ".pdf"), report::figure_pdf(figure, typesetter));
+    write_file(folder / (name + ".csv"), report::figure_csv(figure, run));
+    captions += fmt::format("{}.pdf\n{}\n\n", name, report::caption(group, figure));
+  };
+  if (runs.size() > 1)
+    for (const auto& [task, group] : report::by_task(runs))
+      write("", {}, report::comparison_figure(task, group), nullptr);
+  for (const report::Run& run : runs) {
+    if (!run.champion) continue;
+    for (const report::FigureGroup& group : report::figures(run))
+      for (const render::Figure& figure : group.figures)
+        write(runs.size() > 1 ? run.label + "-" : "", group, figure, &run);
+  }
+  write_file(folder / "captions.txt", captions);
+}
+
 void write_lines(const std::string& file, const std::string& text) {
   LineWriter out(file);
   out.line(text);
@@ -42,6 +69,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> names;
   std::optional<int> robots;
   std::optional<std::string> table;
+  std::optional<std::string> figures;
   command.arguments(names, "RUN_DIR",
                     "run folders, finished or not; several are compared on one page");
   command.option(
@@ -49,6 +77,9 @@ int main(int argc, char** argv) {
       "instead of a page what it says of tasks and methods, as .tsv (also by -, but on a "
       "terminal to be read), .csv or .tex: median best fitness, its interval, tests, the best "
       "method first");
+  command.option("--figures", figures, "DIR",
+                 "instead of a page its charts, each as .pdf for a column of a paper (85 mm) and "
+                 ".csv, with captions.txt");
   command
       .option("--robots", robots, "N",
               "robots of a run to show one by one: all if there are no more, else the fittest, the "
@@ -59,6 +90,8 @@ int main(int argc, char** argv) {
   command.example("evo-report runs/walker -o report.html", "one run, at any time");
   command.example("evo-report runs/ga-* runs/bo-* -o methods.html",
                   "methods compared; runs that differ in the seed only are averaged");
+
+  command.example("evo-report runs/walker --figures figures", "its charts for a paper");
 
   return command.run(argc, argv, [&] {
     if (names.empty()) throw error(Failure::usage, "name at least one run folder");
@@ -81,7 +114,12 @@ int main(int argc, char** argv) {
     extent.robots =
         robots ? static_cast<std::size_t>(*robots)
                : std::min(extent.robots, std::max(fewest_robots, most_robots / names.size()));
+    if (figures) extent.replays = 0;
     read(extent);
+    if (figures) {
+      write_figures(*figures, runs);
+      return 0;
+    }
     write_lines(command.output, report::make_page(runs, cli::created_by(command.name())));
     return 0;
   });

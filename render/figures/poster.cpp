@@ -1,62 +1,33 @@
 #include "render/figures/poster.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "render/figures/legend.h"
+#include "render/figures/chart.h"
 #include "render/figures/sheet.h"
 #include "render/painters/drawing.h"
-#include "render/scene/round_numbers.h"
 
 namespace evo::render {
 namespace {
 
-constexpr int width = 794;  // of A4
+constexpr Size a4{794, 1123};
 constexpr float margin = 48;
-constexpr float inside = static_cast<float>(width) - 2 * margin;
+constexpr float inside = static_cast<float>(a4.width) - 2 * margin;
 constexpr float text = 12;
 
 void heading(const char* words, Point at, const Theme& theme, Drawing& drawing) {
   drawing.text(at, 1.15F * text, words, theme.text, Align::left, true);
 }
 
-// A step for each robot; the axes have few, round numbers.
-void draw_curve(const std::vector<double>& best, const Rect& area, const Theme& theme,
-                Drawing& drawing) {
-  const Rect plot{area.x + 3.5F * text, area.y, area.width - 3.5F * text, area.height - 3 * text};
-  const double low = std::min(0.0, *std::ranges::min_element(best));
-  const double high = std::max(low + 1e-6, *std::ranges::max_element(best));
-  const auto robots = static_cast<double>(best.size());
-  const auto x_of = [&](double k) { return plot.x + plot.width * static_cast<float>(k / robots); };
-  const auto y_of = [&](double value) {
-    return plot.y + plot.height * static_cast<float>((high - value) / (high - low));
-  };
-  const double tick = round_number_from((high - low) / 6);
-  for (double y = std::ceil(low / tick - 1e-9) * tick; y <= high + 1e-9; y += tick) {
-    drawing.segment({plot.x, y_of(y)}, {plot.x + plot.width, y_of(y)}, 1, theme.grid_major);
-    drawing.text({plot.x - 0.6F * text, y_of(y) + 0.36F * text}, text, axis_number(y, tick),
-                 theme.text_muted, Align::right);
-  }
-  const double every = std::max(1.0, round_number_from(robots / 6));
-  for (double k = 0; k <= robots + 1e-9; k += every)
-    drawing.text({x_of(k), plot.y + plot.height + 1.4F * text}, text, axis_number(k, 1),
-                 theme.text_muted, Align::centre);
-  drawing.text({plot.x + plot.width / 2, plot.y + plot.height + 2.8F * text}, text, "robots tried",
-               theme.text_muted, Align::centre);
-  std::vector<Point> line;
-  for (std::size_t k = 0; k < best.size(); ++k)
-    if (k == 0 || best[k] != best[k - 1]) {
-      const float x = x_of(static_cast<double>(k));
-      if (k > 0) line.push_back({x, y_of(best[k - 1])});
-      line.push_back({x, y_of(best[k])});
-    }
-  line.push_back({x_of(robots), y_of(best.back())});
-  drawing.stroke(line, false, 2, theme.trail);
+// A step for each robot.
+Chart curve(const std::vector<double>& best) {
+  Series series{"", Series::Look::step};
+  for (const double value : best)
+    series.points.push_back({static_cast<double>(series.points.size() + 1), value, value, value});
+  return {"robots tried", "fitness", true, {series}};
 }
 
-// Returns how high it is.
-float draw_line(const PosterContent& content, const Rect& area, const Theme& theme,
-                Typesetter& typesetter, Drawing& drawing) {
+void draw_line(const PosterContent& content, const Rect& area, const Theme& theme,
+               Typesetter& typesetter, Drawing& drawing) {
   constexpr std::size_t most = 8;
   const auto shown = chosen_generations(content.line.size(), most);
   Span span;
@@ -82,7 +53,6 @@ float draw_line(const PosterContent& content, const Rect& area, const Theme& the
         typesetter.shortened(fmt::format("generation {}", generation), 0.85F * text, false, card),
         theme.text_muted, Align::centre);
   }
-  return card + 2.9F * text;
 }
 
 }  // namespace
@@ -91,7 +61,8 @@ int poster_width() { return static_cast<int>(inside); }
 
 Drawing poster(const PosterContent& content, const Drawing& moments, const Theme& theme,
                Typesetter& typesetter) {
-  Drawing drawing({width, largest_side});
+  Drawing drawing(a4);
+  drawing.rectangle(drawing.whole(), theme.paper);
   float y = margin + 1.2F * text;
   drawing.text({margin, y}, 2.2F * text, content.title, theme.text, Align::left, true);
   y += 2.0F * text;
@@ -117,15 +88,16 @@ Drawing poster(const PosterContent& content, const Drawing& moments, const Theme
                best.id + (best.fitness() ? ", fitness " + signed_score(*best.fitness()) : ""),
                theme.text_muted);
   if (!content.best.empty())
-    draw_curve(content.best, {margin + 270, y, inside - 270, tall + 2.2F * text}, theme, drawing);
+    drawing.place(draw_chart(curve(content.best),
+                             {static_cast<int>(inside) - 270, static_cast<int>(tall + 2.5F * text)},
+                             theme, typesetter)
+                      .drawing,
+                  {margin + 270, y - 0.5F * text}, 1);
   y += tall + 5.0F * text;
   heading("Where it comes from", {margin, y}, theme, drawing);
   y += text;
-  y += draw_line(content, {margin, y, inside, 0}, theme, typesetter, drawing);
-  Drawing page({width, static_cast<int>(y + margin)});
-  page.rectangle(page.whole(), theme.paper);
-  page.place(drawing, {0, 0}, 1);
-  return page;
+  draw_line(content, {margin, y, inside, 0}, theme, typesetter, drawing);
+  return drawing;
 }
 
 }  // namespace evo::render

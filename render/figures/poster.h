@@ -21,7 +21,7 @@ struct PosterContent {
   std::vector<double> best;    // fitness of the best robot so far, after each robot
 };
 
-// As wide as A4 at 96 pixels an inch, and as high as it takes: a strip (or sheet) of moments of the
+// A4 at 96 pixels an inch: a strip (or sheet) of moments of the
 // best robot's episode, its body, the best fitness against robots tried, and the bodies it goes
 // back to, as many as find room, voxels framed that differ from the one before.
 Drawing poster(const PosterContent& content, const Drawing& moments, const Theme& theme,

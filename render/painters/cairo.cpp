@@ -131,6 +131,13 @@ class Page {
     fill(color, color.a / 255.0);
   }
 
+  void operator()(const Band& shape) {
+    for (const Point& p : shape.upper) cairo_line_to(cairo_, p.x, p.y);
+    for (auto p = shape.lower.rbegin(); p != shape.lower.rend(); ++p)
+      cairo_line_to(cairo_, p->x, p->y);
+    fill(shape.color, shape.color.a / 255.0);
+  }
+
   void text(const Text& text, Typesetter& typesetter) {
     cairo_reset_clip(cairo_);
     cairo_set_font_face(cairo_, Fonts::get(text.bold));

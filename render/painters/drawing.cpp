@@ -31,6 +31,10 @@ void Drawing::rounded_rectangle(const Rect& area, float radius, Color color) {
   add(RoundedRectangle{area, radius, color});
 }
 
+void Drawing::band(std::vector<Point> upper, std::vector<Point> lower, Color color) {
+  add(Band{std::move(upper), std::move(lower), color});
+}
+
 void Drawing::add(Shape shape) { items_.push_back({clip_, std::move(shape)}); }
 
 void Drawing::segment(Point from, Point to, float width, Color color) {
@@ -69,6 +73,11 @@ void Drawing::place(const Drawing& other, Point at, float scale) {
     }
     Shape operator()(RoundedRectangle shape) const {
       return RoundedRectangle{rect_of(shape.area), scale * shape.radius, shape.color};
+    }
+    Shape operator()(Band shape) const {
+      for (auto* side : {&shape.upper, &shape.lower})
+        for (Point& p : *side) p = point_of(p);
+      return shape;
     }
   };
   const Placed placed{point, rect, scale};

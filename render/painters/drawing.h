@@ -74,7 +74,12 @@ struct RoundedRectangle {  // `radius` at most half the smaller side
   float radius = 0;
   Color color;
 };
-using Shape = std::variant<Polygon, Gradient, Line, Stroke, RoundedRectangle>;
+struct Band {  // between two lines of as many points, translucent as its colour is
+  std::vector<Point> upper;
+  std::vector<Point> lower;
+  Color color;
+};
+using Shape = std::variant<Polygon, Gradient, Line, Stroke, RoundedRectangle, Band>;
 
 class Drawing {
  public:
@@ -95,6 +100,7 @@ class Drawing {
   void stroke(std::span<const Point> points, bool closed, float width, Color color);
   void disc(Point centre, float radius, Color color) { line(centre, centre, 2 * radius, color); }
   void rounded_rectangle(const Rect& area, float radius, Color color);
+  void band(std::vector<Point> upper, std::vector<Point> lower, Color color);
   void text(Point at, float size, std::string text, Color color, Align align = Align::left,
             bool bold = false) {
     texts_.push_back({at, size, std::move(text), color, align, bold});

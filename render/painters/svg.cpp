@@ -38,12 +38,6 @@ void append(std::string& path, Point p) {
   append(path, p.y);
 }
 
-std::string paint(const char* what, Color color) {
-  std::string text = fmt::format("{}=\"{}\"", what, hex(color));
-  if (color.a != 255) text += fmt::format(" {}-opacity=\"{}\"", what, hundredths(color.a / 255.0));
-  return text;
-}
-
 double signed_area(const Polygon& shape) {
   double sum = 0;
   for (int k = 0; k < shape.count; ++k) {
@@ -60,6 +54,9 @@ double signed_area(const Polygon& shape) {
 // that share a border leave no hairline between them, and the file stays small.
 class Document {
  public:
+  // With a style, a part of a page.
+  explicit Document(const PageStyle* style) : page_(style) {}
+
   void clip(const Rect& area, const Rect& whole) {
     if (open_ && area == clip_) return;
     flush();
@@ -97,16 +94,14 @@ class Document {
 
   void operator()(const Line& shape) {
     const auto& [from, to, width, color] = shape;
-    if (from == to) {
-      flush();
-      body_ += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" {}/>\n", hundredths(from.x),
-                           hundredths(from.y), hundredths(width / 2), paint("fill", color));
-      return;
-    }
     start(fmt::format("fill=\"none\" {} stroke-width=\"{}\" stroke-linecap=\"round\"",
                       paint("stroke", color), hundredths(width)));
     path_ += 'M';
     append(path_, from);
+    if (from == to) {  // a dot
+      path_ += "h0";
+      return;
+    }
     path_ += 'L';
     append(path_, to);
   }
@@ -130,22 +125,36 @@ class Document {
                     hundredths(area.height), hundredths(shape.radius), paint("fill", shape.color));
   }
 
+  void operator()(const Band& shape) {
+    start(paint("fill", shape.color));
+    path_ += 'M';
+    for (const Point p : shape.upper) append(path_, p);
+    for (auto p = shape.lower.rbegin(); p != shape.lower.rend(); ++p) append(path_, *p);
+    path_ += 'z';
+  }
+
   void text(const Text& text, Typesetter& typesetter) {
     if (text.text.empty()) return;
     const char* anchor = text.align == Align::left     ? ""
                          : text.align == Align::centre ? " text-anchor=\"middle\""
                                                        : " text-anchor=\"end\"";
-    texts_ +=
-        fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"{}\"{}{} textLength=\"{}\" {}>{}</text>\n",
-                    hundredths(text.at.x), hundredths(text.at.y), hundredths(text.size), anchor,
-                    text.bold ? " font-weight=\"bold\"" : "",
-                    hundredths(typesetter.width(text.text, text.size, text.bold)),
-                    paint("fill", text.color), escaped(text.text));
+    const std::string length =
+        page_ != nullptr
+            ? ""
+            : fmt::format(" textLength=\"{}\"",
+                          hundredths(typesetter.width(text.text, text.size, text.bold)));
+    texts_ += fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"{}\"{}{}{} {}>{}</text>\n",
+                          hundredths(text.at.x), hundredths(text.at.y), hundredths(text.size),
+                          anchor, text.bold ? " font-weight=\"bold\"" : "", length,
+                          paint("fill", text.color), escaped(text.text));
   }
 
   std::string finish(Size size, const std::string& title) {
     flush();
     if (open_ && grouped_) body_ += "</g>\n";
+    if (page_ != nullptr)
+      return fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n{}{}</svg>\n",
+                         size.width, size.height, escaped(title), body_, texts_);
     return fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "
         "viewBox=\"0 0 {0} {1}\" role=\"img\">\n<title>{2}</title>\n<defs>\n{3}</defs>\n"
@@ -156,6 +165,15 @@ class Document {
   }
 
  private:
+  std::string paint(const char* what, Color color) const {
+    std::string name = hex(color);
+    if (page_ != nullptr)
+      if (const auto known = page_->find(name); known != page_->end()) name = known->second;
+    std::string text = fmt::format("{}=\"{}\"", what, name);
+    if (color.a != 255)
+      text += fmt::format(" {}-opacity=\"{}\"", what, hundredths(color.a / 255.0));
+    return text;
+  }
   void start(const std::string& style) {
     if (style == style_) return;
     flush();
@@ -200,6 +218,7 @@ class Document {
     return known->second;
   }
 
+  const PageStyle* page_;
   std::string definitions_, body_, texts_;
   std::map<std::string, std::string> names_;  // of definitions
   std::string style_, path_;                  // of the path under way
@@ -208,16 +227,26 @@ class Document {
   bool grouped_ = false;
 };
 
-}  // namespace
-
-std::string encode_svg(const Drawing& drawing, const std::string& title, Typesetter& typesetter) {
-  Document document;
+std::string encode(const Drawing& drawing, const std::string& title, Typesetter& typesetter,
+                   const PageStyle* style) {
+  Document document(style);
   for (const Drawing::Item& item : drawing.items()) {
     document.clip(item.clip, drawing.whole());
     std::visit(document, item.shape);
   }
   for (const Text& text : drawing.texts()) document.text(text, typesetter);
   return document.finish(drawing.size(), title);
+}
+
+}  // namespace
+
+std::string encode_svg(const Drawing& drawing, const std::string& title, Typesetter& typesetter) {
+  return encode(drawing, title, typesetter, nullptr);
+}
+
+std::string inline_svg(const Drawing& drawing, const std::string& title, Typesetter& typesetter,
+                       const PageStyle& style) {
+  return encode(drawing, title, typesetter, &style);
 }
 
 }  // namespace evo::render

@@ -52,6 +52,7 @@ class Builder {
   void operator()(const Line& shape);
   void operator()(const Stroke& shape);
   void operator()(const RoundedRectangle& shape);
+  void operator()(const Band& shape);
 
  private:
   void triangle(Point a, Point b, Point c, Color color);
@@ -149,6 +150,13 @@ void Builder::operator()(const RoundedRectangle& shape) {
   const Rect& area = shape.area;
   box({area.x + area.width / 2, area.y + area.height / 2}, {1, 0}, area.width / 2, area.height / 2,
       shape.radius, shape.color);
+}
+
+void Builder::operator()(const Band& shape) {
+  for (std::size_t k = 0; k + 1 < shape.upper.size(); ++k) {
+    triangle(shape.upper[k], shape.upper[k + 1], shape.lower[k], shape.color);
+    triangle(shape.upper[k + 1], shape.lower[k + 1], shape.lower[k], shape.color);
+  }
 }
 
 void Builder::box(Point centre, Point along, float half_length, float half_width, float radius,

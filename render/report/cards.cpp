@@ -91,7 +91,7 @@ std::string duration(double seconds) {
 std::string tiles(const Run& run) {
   std::string html = "<dl class=\"tiles\">\n";
   html +=
-      tile("best fitness", run.champion ? shown(run.robots[*run.champion].fitness) : "none yet");
+      tile("best fitness", run.champion ? run.text(run.robots[*run.champion].fitness) : "none yet");
   html += tile(fmt::format("robots {}", run.done()), trained(run));
   html += tile("generations", fmt::to_string(run.generations.size()));
   html += tile(run.is_evaluated() ? "failed" : "failed trainings", fmt::to_string(run.failures()));
@@ -134,19 +134,16 @@ std::string champion_facts(const Run& run) {
   const Entry& entry = run.robots[*run.champion];
   const Body& body = entry.robot.body;
   std::string facts = "<dl class=\"facts\">\n";
-  facts += fact("id", fmt::format("<span class=\"id\">{}</span>", entry.robot.id));
-  facts += fact("fitness", shown(entry.fitness));
-  if (const auto& score = entry.training.final_score)
-    facts += fact("from perturbed starts",
-                  fmt::format("{} (mean of {}, standard error)",
-                              with_error(score->mean, score->standard_error),
-                              count_of(static_cast<std::size_t>(score->episodes), "episode")));
-  facts += fact(
-      fmt::format("{} as", run.done()),
-      fmt::format("robot {} of the run, in generation {}", *run.champion + 1, entry.generation));
+  facts += fact("robot", fmt::format("<span class=\"id\">{}</span>, number {}, generation {}",
+                                     entry.robot.id, *run.champion + 1, entry.generation));
   facts += fact("body", fmt::format("{}&times;{}, {}: {}", body.rows, body.cols,
                                     count_of(static_cast<std::size_t>(count_voxels(body)), "voxel"),
                                     kinds_of(body)));
+  if (const auto& score = entry.training.final_score)
+    facts += fact("perturbed starts",
+                  fmt::format("{} (mean of {} \u00b1 its standard error)",
+                              with_error(run, score->mean, score->standard_error),
+                              count_of(static_cast<std::size_t>(score->episodes), "episode")));
   return facts + "</dl>\n";
 }
 
@@ -180,8 +177,8 @@ std::string introduction(const Run& run) {
     text += what_happened(replay->second);
   if (evaluated)
     return text + fmt::format("Its fitness, {}, is what a program gave it: {}.",
-                              shown(champion.fitness), run.setting("evaluate"));
-  return text + fmt::format("Its fitness, {}, is what {} paid it {}.", shown(champion.fitness),
+                              run.text(champion.fitness), run.setting("evaluate"));
+  return text + fmt::format("Its fitness, {}, is what {} paid it {}.", run.text(champion.fitness),
                             purpose.empty() ? "the task" : "the task " + task,
                             champion.sharing ? "with the controller of all robots"
                                              : "in its best episode during training");
@@ -191,61 +188,60 @@ std::string introduction(const Run& run) {
 
 std::string champion_card(const Run& run, const std::string& anchor, Page& page) {
   const Robot& robot = run.robots[*run.champion].robot;
-  const bool moving = run.replays.contains(*run.champion);
-  std::string html =
-      "<section class=\"card\">\n" +
-      fmt::format(
-          "<h3 id=\"{}-champion\">Champion</h3>\n<p class=\"introduction\">{}</p>\n"
-          "<p class=\"about on-screen\">Every picture of a robot opens its card, where it "
-          "moves, if wanted beside its parent. Commands to go on with are at the end.</p>\n",
-          anchor, escaped(introduction(run)));
-  html += fmt::format("<div class=\"champion{}\">\n", moving ? "" : " still");
-  if (moving)
-    html += stage({{anchor, robot.id, "The champion"}}) + "<div>" + page.link(robot, anchor);
-  else
-    html += fmt::format("<div>{}</div>\n<div>", page.link(robot, anchor));
-  html += champion_facts(run) + "</div>\n</div>\n";
-  if (run.film) html += "<div class=\"scroll\">\n" + still_pictures(*run.film) + "</div>\n";
-  return html + "</section>\n";
+  const std::string body = page.link(robot, anchor);
+  const bool moves = run.replays.contains(*run.champion);
+  return fmt::format(
+      "<section class=\"card\" id=\"{}-champion\">\n{}<p class=\"introduction\">{}</p>\n"
+      "<div class=\"portrait\">{}{}</div>\n</section>\n",
+      anchor,
+      moves ? stage({{anchor, robot.id, "The champion"}})
+            : "<div class=\"still\">" + body + "</div>",
+      escaped(introduction(run)), moves ? body : "", champion_facts(run));
 }
+
+std::string film_card(const Run& run) {
+  if (!run.film) return "";
+  return "<section class=\"card long\">\n<h3>Its way</h3>\n<div class=\"scroll\">\n" +
+         still_pictures(*run.film) + "</div>\n</section>\n";
+}
+
+bool has_lineage(const Run& run) { return lineage(run, *run.champion).size() > 1; }
 
 namespace {
 
 // ---- the evolution sheet -------------------------------------------------------------------
 
 std::string sheet_cell(const Run& run, const Generation& generation, std::size_t place,
-                       const std::string& anchor, Page& page) {
+                       const std::string& anchor) {
   const std::size_t robot = generation.members[place];
   const Entry& entry = run.robots[robot];
   const bool champion = robot == run.champion;
   return fmt::format("<a class=\"{}{}\" href=\"#{}-{}\">{}{}</a>",
                      entry.generation == generation.number ? "new" : "kept",
-                     champion ? " best" : "", anchor, entry.robot.id, page.body(entry.robot),
-                     shown(generation.scores[place]));
+                     champion ? " best" : "", anchor, entry.robot.id,
+                     picture(entry.robot.id, entry.robot.body), run.text(generation.scores[place]));
 }
 
-std::string sheet_column(const Run& run, const SheetColumn& chosen, const std::string& anchor,
-                         Page& page) {
+std::string sheet_column(const Run& run, const SheetColumn& chosen, const std::string& anchor) {
   const Generation& generation = *chosen.generation;
   const bool partial = generation.members.size() < generation.planned;
   std::string column = fmt::format(
       "<li class=\"generation\"><b>{}{}</b>", generation.number,
       partial ? fmt::format(" ({}/{})", generation.members.size(), generation.planned) : "");
-  for (const std::size_t place : chosen.best)
-    column += sheet_cell(run, generation, place, anchor, page);
+  for (const std::size_t place : chosen.best) column += sheet_cell(run, generation, place, anchor);
   return column + "</li>\n";
 }
 
 }  // namespace
 
-std::string evolution_card(const Run& run, const std::string& anchor, Page& page) {
+std::string evolution_card(const Run& run, const std::string& anchor) {
   const std::vector<SheetColumn> generations = sheet(run);
   std::string columns = "<li class=\"ranks\"><b>generation</b><span>best</span>";
   for (std::size_t rank = 2; rank <= sheet_rows; ++rank)
     columns += fmt::format("<span>{}.</span>", rank);
   columns += "</li>\n";
   for (const SheetColumn& generation : generations)
-    columns += sheet_column(run, generation, anchor, page);
+    columns += sheet_column(run, generation, anchor);
   const std::string some =
       generations.size() < run.generations.size() ? " Not every generation is shown." : "";
   return fmt::format(
@@ -275,16 +271,16 @@ std::string change_list(const std::vector<Change>& changed) {
   return items;
 }
 
-std::string gain(double difference) {
-  return fmt::format("<span class=\"{}\">{:+.3g}</span>", difference < 0 ? "down" : "up",
-                     difference);
+std::string gain(const Run& run, double difference) {
+  return fmt::format("<span class=\"{}\">{}{}</span>", difference < 0 ? "down" : "up",
+                     difference > 0 ? "+" : "", run.text(difference));
 }
 
 // What the robot has from its parent and what it has not.
 std::string descent(const Run& run, const Entry& child, const Entry& from,
                     const std::optional<std::vector<Change>>& changed) {
   std::string html;
-  if (child.fitness && from.fitness) html += " " + gain(*child.fitness - *from.fitness);
+  if (child.fitness && from.fitness) html += " " + gain(run, *child.fitness - *from.fitness);
   html += "<ul>";
   if (!changed) {
     html += "<li>another size</li>";
@@ -301,7 +297,7 @@ std::string descent(const Run& run, const Entry& child, const Entry& from,
 }
 
 std::string lineage_step(const Run& run, const Entry& entry, const Entry* from,
-                         const std::string& anchor, Page& page) {
+                         const std::string& anchor) {
   std::optional<std::vector<Change>> changed;
   if (from != nullptr) changed = changes(from->robot.body, entry.robot.body);
   const std::string moving = run.replays.contains(run.by_id.at(entry.robot.id))
@@ -314,85 +310,31 @@ std::string lineage_step(const Run& run, const Entry& entry, const Entry* from,
       "<li><div class=\"step\"><a href=\"#{}-{}\">{}{}</a><div><span class=\"score\">{}</span>{}"
       "<div class=\"note\">generation {}</div></div></div></li>\n",
       anchor, entry.robot.id, moving,
-      page.body(entry.robot, changed.value_or(std::vector<Change>{})), shown(entry.fitness),
-      from != nullptr ? descent(run, entry, *from, changed) : "", entry.generation);
+      picture(entry.robot.id, entry.robot.body, changed.value_or(std::vector<Change>{})),
+      run.text(entry.fitness), from != nullptr ? descent(run, entry, *from, changed) : "",
+      entry.generation);
 }
 
 }  // namespace
 
-std::string lineage_card(const Run& run, const std::string& anchor, Page& page) {
+std::string lineage_card(const Run& run, const std::string& anchor) {
   const std::vector<std::size_t> line = lineage(run, *run.champion);
-  std::string html = "<section class=\"card long\">\n";
-  if (line.size() == 1) {
-    html += heading(anchor + "-lineage", "Lineage of the champion",
-                    run.robots[line[0]].robot.parents().empty()
-                        ? "It has no parents: it was drawn anew, not made from another robot."
-                        : "Its parents are not in this run.");
-  } else {
-    html += heading(anchor + "-lineage", "Lineage of the champion",
-                    fmt::format("{} from the first ancestor. Voxels that differ from the robot "
-                                "before are outlined, and flash while it moves; the gain in "
-                                "fitness stands below.",
-                                count_of(line.size() - 1, "step")));
-  }
+  if (line.size() == 1) return "";
+  std::string html =
+      "<section class=\"card long\">\n" +
+      heading(
+          anchor + "-lineage", "Lineage of the champion",
+          fmt::format("{} from the first ancestor. Voxels that differ from the robot before are "
+                      "outlined, and flash while it moves; the gain in fitness stands below.",
+                      count_of(line.size() - 1, "step")));
   html += fmt::format("<ol class=\"line\" data-run=\"{}\">\n", anchor);
   for (std::size_t k = 0; k < line.size(); ++k)
-    html += lineage_step(run, run.robots[line[k]], k > 0 ? &run.robots[line[k - 1]] : nullptr,
-                         anchor, page);
+    html +=
+        lineage_step(run, run.robots[line[k]], k > 0 ? &run.robots[line[k - 1]] : nullptr, anchor);
   return html + "</ol>\n<div class=\"replay\"></div>\n</section>\n";
 }
 
-namespace {
-
 // ---- all robots -----------------------------------------------------------------------
-
-// The number of a genome's genes; nothing for robots without genome.
-std::optional<std::size_t> genes(const Robot& robot, const char* which) {
-  const auto genome = robot.document.find("genome");
-  if (genome == robot.document.end() || !genome->is_object()) return std::nullopt;
-  const auto list = genome->find(which);
-  if (list == genome->end() || !list->is_array()) return std::nullopt;
-  return list->size();
-}
-
-std::string optional_cell(const std::optional<std::size_t>& value) {
-  return value ? cell(*value) : cell("", "");
-}
-
-std::optional<std::size_t> voxels_changed(const Run& run, std::size_t robot) {
-  const auto from = parent(run, robot);
-  if (!from) return std::nullopt;
-  const auto changed = changes(run.robots[*from].robot.body, run.robots[robot].robot.body);
-  return changed ? std::optional(changed->size()) : std::nullopt;
-}
-
-std::string robot_row(const Run& run, std::size_t number, bool has_genomes,
-                      const std::string& anchor, Page& page) {
-  const Entry& entry = run.robots[number];
-  const Body& body = entry.robot.body;
-  std::string row = fmt::format("<tr id=\"{}-{}\"{}>", anchor, entry.robot.id,
-                                number == run.champion ? " class=\"champion-row\"" : "");
-  row += fmt::format("<td>{}</td>", page.link(entry.robot, anchor));
-  row += entry.fitness ? fitness_cell(entry.fitness)
-                       : cell("", "failed: " + escaped(entry.failure), "n failed");
-  const auto& score = entry.training.final_score;
-  row += score ? cell(fmt::to_string(score->mean), with_error(score->mean, score->standard_error))
-               : cell("", "");
-  row += cell(number + 1);
-  row += cell(static_cast<std::size_t>(entry.generation));
-  row += cell(static_cast<std::size_t>(count_voxels(body)));
-  row += cell(static_cast<std::size_t>(count_actuators(body)));
-  for (const Voxel kind : voxel_kinds)
-    row += cell(static_cast<std::size_t>(std::count(body.cells.begin(), body.cells.end(), kind)));
-  row += optional_cell(voxels_changed(run, number));
-  if (has_genomes)
-    row += optional_cell(genes(entry.robot, "nodes")) +
-           optional_cell(genes(entry.robot, "connections"));
-  row += cell(entry.robot.id, "<span class=\"id\">" + entry.robot.id + "</span>", "");
-  return row + "</tr>\n";
-}
-
-}  // namespace
 
 std::string which_robots(const Run& run) {
   const std::size_t count = run.robots.size();
@@ -405,40 +347,16 @@ std::string which_robots(const Run& run) {
       count);
 }
 
-std::string robots_card(const Run& run, const std::string& anchor, Page& page) {
-  const bool has_genomes =
-      std::any_of(run.robots.begin(), run.robots.end(),
-                  [](const Entry& entry) { return genes(entry.robot, "nodes").has_value(); });
-  std::vector<Column> columns{{"robot", "", nullptr},
-                              {"fitness", "n", "descending", true},
-                              {"perturbed starts"},
-                              {"number", "n", "ascending"},
-                              {"generation", "n", "ascending"},
-                              {"voxels"},
-                              {"actuators"},
-                              {"rigid"},
-                              {"soft"},
-                              {"horizontal"},
-                              {"vertical"},
-                              {"changed"}};
-  if (has_genomes) columns.insert(columns.end(), {{"nodes"}, {"links"}});
-  columns.push_back({"id", "", "ascending"});
-  std::string rows;
-  for (const std::size_t k : ranked(run))
-    if (run.shows(k)) rows += robot_row(run, k, has_genomes, anchor, page);
+std::string robots_card(const Run& run, const std::string& anchor) {
   return fmt::format(
-      "<section class=\"card long\">\n{}<div class=\"scroll\">"
-      "<table class=\"data robots sortable\">\n{}<tbody>\n{}</tbody></table></div>\n</section>\n",
+      "<section class=\"card long\">\n{}<div class=\"robots\" data-run=\"{}\"></div>\n</section>\n",
       heading(
           anchor + "-robots", run.shown.size() < run.robots.size() ? "Robots" : "All robots",
-          fmt::format("{}. A click on a heading sorts by it, one on a robot opens its card. "
-                      "&ldquo;Perturbed starts&rdquo; is the mean return from slightly "
-                      "moved starts, with its standard error. Numbers are the order in the run, "
-                      "generations where a robot was new; &ldquo;changed&rdquo; counts the "
-                      "voxels that differ from its parent{}.",
-                      which_robots(run),
-                      has_genomes ? ", nodes and links the genes of its network" : "")),
-      table_head(columns), rows);
+          fmt::format("{}. &ldquo;Perturbed starts&rdquo; is the mean return from slightly "
+                      "moved starts \u00b1 its standard error; &ldquo;changed&rdquo; counts the "
+                      "voxels that differ from its parent.",
+                      which_robots(run))),
+      anchor);
 }
 
 // ---- settings -------------------------------------------------------------------------

@@ -20,11 +20,16 @@ std::string tiles(const Run& run);
 std::string badge(const Run& run);    // finished or not
 std::string trained(const Run& run);  // "24 of 250"
 
+// It moves, in words, and what it is made of.
 std::string champion_card(const Run& run, const std::string& anchor, Page& page);
+// Six moments of its way; nothing without a recording.
+std::string film_card(const Run& run);
+// Whether it goes back to another robot of the run.
+bool has_lineage(const Run& run);
 // The best robots of every generation.
-std::string evolution_card(const Run& run, const std::string& anchor, Page& page);
-std::string lineage_card(const Run& run, const std::string& anchor, Page& page);
-std::string robots_card(const Run& run, const std::string& anchor, Page& page);
+std::string evolution_card(const Run& run, const std::string& anchor);
+std::string lineage_card(const Run& run, const std::string& anchor);
+std::string robots_card(const Run& run, const std::string& anchor);
 // A row a setting, a column a run; rows in which runs differ stand out.
 std::string settings_card(const std::vector<const Run*>& runs);
 

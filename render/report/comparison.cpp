@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "render/report/markup.h"
 #include "render/report/parts.h"
 
 namespace evo::report {
@@ -72,7 +71,8 @@ void judge_methods(Comparison& comparison) {
 
   std::vector<std::string> medians;
   for (const MethodResult& method : comparison.methods)
-    medians.push_back(fmt::format("{} with {}", shown(method.median), method.group.label));
+    medians.push_back(
+        fmt::format("{} with {}", number(method.median, comparison.decimals), method.group.label));
   comparison.sentences.push_back(
       fmt::format("After {} the best robot of the median run has a fitness of {}.",
                   count_of(comparison.robots, "robot"), listed(medians)));
@@ -90,7 +90,7 @@ void judge_methods(Comparison& comparison) {
                       : fmt::format("{} more than {}", method.group.label, comparison.robots));
   comparison.sentences.push_back(
       fmt::format("To reach a fitness of {}, half of the runs of each took: {}.",
-                  shown(comparison.target), listed(needs)));
+                  number(comparison.target, comparison.decimals), listed(needs)));
   if (!possible)
     comparison.sentences.push_back(fmt::format(
         "Chance alone can order so few runs in any way: compare {} seeds or more of each.",
@@ -141,6 +141,7 @@ Comparison compare(const std::vector<const Run*>& runs) {
 
   const std::vector<double>& leader = results.front().first.best;
   comparison.target = results.back().first.median;
+  comparison.decimals = decimals_of(results.front().first.median);
   std::vector<double> p;
   for (auto& [result, curves] : results) {
     result.leader_ahead = superiority(leader, result.best);
@@ -159,7 +160,7 @@ Comparison compare(const std::vector<const Run*>& runs) {
   } else {
     const MethodResult& only = comparison.methods.front();
     comparison.headline = fmt::format("{} of {}: {}", count_of(only.best.size(), "run"),
-                                      only.group.label, shown(only.median));
+                                      only.group.label, number(only.median, comparison.decimals));
     comparison.sentences.push_back(
         fmt::format("That is the fitness of the best robot of the median run after {}; there is no "
                     "other method to compare with.",

@@ -27,6 +27,7 @@ struct MethodResult {
 struct Comparison {
   std::size_t robots = 0;             // of each run that count
   double target = 0.0;                // the lowest of the medians
+  int decimals = 2;                   // of every fitness
   std::vector<MethodResult> methods;  // the highest median first; those with a fitness
   std::string headline;
   std::vector<std::string> sentences;

@@ -25,18 +25,10 @@ std::string data_uri(const std::string& media_type, std::string_view bytes);
 // Throws std::logic_error for a name without value.
 std::string fill(std::string_view page, const std::map<std::string, std::string>& values);
 
-// Four significant digits, for people; "failed" for nothing.
-std::string shown(const std::optional<double>& fitness);
-// "9.99 ± 0.22": both to the second digit of the error.
-std::string with_error(double value, double error);
-
 // "rigid"; "empty".
 const char* kind_name(Voxel voxel);
 
-// The body once for the whole page, to be drawn by picture(). Voxels of a kind
-// are one path, so that a body is a few hundred bytes.
-std::string symbol(const std::string& id, const Body& body);
-// A drawing of it, `changed` cells outlined.
+// The body, as report.js draws each once, `changed` cells outlined.
 std::string picture(const std::string& id, const Body& body,
                     const std::vector<Change>& changed = {});
 

@@ -10,8 +10,8 @@
 #include "libevo/base/join.h"
 #include "render/report/assets.h"
 #include "render/report/cards.h"
-#include "render/report/charts.h"
 #include "render/report/comparison.h"
+#include "render/report/figures.h"
 #include "render/report/markup.h"
 #include "render/report/robot_data.h"
 #include "render/report/verdict.h"
@@ -21,137 +21,63 @@ namespace {
 
 // ---- sections ---------------------------------------------------------------------
 
-std::string chart_card(const std::string& id, const std::string& title, const std::string& about,
-                       const std::string& chart) {
-  return "<section class=\"card\">\n" + heading(id, title, about) + chart + "</section>\n";
+constexpr render::Size half_page{440, 270};  // a chart's, in pixels of a wide screen
+constexpr render::Size third_page{340, 220};
+constexpr render::Size fifth_page{210, 200};
+
+// What charts of one scale share.
+std::string scale_of(const FigureGroup& group, const Run& run) {
+  const auto* table = std::get_if<render::ColorTable>(&group.figures.front().content);
+  if (table == nullptr || table->widest == 0) return "";
+  const std::string end = number(table->widest, run.decimals());
+  return fmt::format("<p class=\"scale\">\u2212{0} <span class=\"gradient\"></span> +{0}</p>\n",
+                     end);
 }
 
-// What a chart shows of the robots, `all` of them or some.
-std::string points_of(const Run& run, const std::string& anchor, const std::string& all) {
-  if (run.shown.size() == run.robots.size()) return all;
-  return fmt::format("{} <a href=\"#{}-robots\">{} of {} robots</a> are shown.", all, anchor,
-                     grouped(static_cast<long long>(run.shown.size())),
-                     grouped(static_cast<long long>(run.robots.size())));
-}
-
-std::string curves(const Run& run, const std::string& anchor, Page& page) {
-  std::string html = "<div class=\"two\">\n";
-  html += chart_card(anchor + "-curves", fmt::format("Fitness by robots {}", run.done()),
-                     points_of(run, anchor, "The best fitness so far, and that of each robot."),
-                     page.chart(progress_chart(run), anchor, "fitness-by-robots"));
-  html += chart_card(
-      "", "Fitness by generation",
-      "Best over all robots of the generation; the median over those that were new in it, so "
-      "that it does not jump as survivors thin out, with its quartiles.",
-      page.chart(generation_chart(run), anchor, "fitness-by-generation"));
-  return html + "</div>\n";
-}
-
-std::string features_card(const Run& run, const std::string& anchor, Page& page) {
-  std::string charts;
-  for (FeatureChart& feature : feature_charts(run))
-    charts += page.chart(std::move(feature.chart), anchor, "fitness-by-" + feature.name, "small");
-  return "<section class=\"card long\">\n" +
-         heading(anchor + "-body", "Fitness and the body",
-                 points_of(run, anchor,
-                           "Every robot a point, the champion in orange. Point at one to "
-                           "see its robot; a click or tap opens its card.")) +
-         "<div class=\"three\">\n" + charts + "</div>\n</section>\n";
-}
-
-std::string tree_card(const Run& run, const std::string& anchor, Page& page) {
-  return chart_card(
-      anchor + "-tree", "Family tree",
-      points_of(run, anchor,
-                "Every robot where it was new, with lines from its parents; the champion's line "
-                "of descent is drawn thick."),
-      page.chart(tree_chart(run), anchor, "family-tree"));
-}
-
-// Where bodies were looked for, and which voxels go with fitness.
-std::string maps_card(const Run& run, const std::string& anchor, Page& page) {
-  std::string positions;
-  std::string widest;
-  for (FeatureChart& map : position_charts(run)) {
-    widest = map.chart["widest"].dump();
-    positions += "<div><h4>" + map.name + "</h4>" +
-                 page.chart(std::move(map.chart), anchor, "positions-" + map.name, "small") +
-                 "</div>\n";
+// A card for each group; several figures fill one as wide as the page.
+std::string figure_card(const FigureGroup& group, const Run& run, const std::string& anchor,
+                        Page& page) {
+  const std::string id = anchor + "-" + group.id;
+  const render::Figure& first = group.figures.front();
+  if (group.figures.size() == 1)
+    return "<section class=\"card\">\n" + heading(id, first.title, first.about) +
+           page.chart(first, half_page, &run, anchor) + "</section>\n";
+  const bool many = group.figures.size() == 5;
+  std::string html = "<section class=\"card long\">\n" + heading(id, group.title, group.about) +
+                     scale_of(group, run) +
+                     fmt::format("<div class=\"{}\">\n", many ? "five" : "three");
+  for (const render::Figure& figure : group.figures) {
+    const render::Size size = figure.name == "archive" ? half_page : many ? fifth_page : third_page;
+    html += fmt::format("<div><h4>{}</h4>\n{}</div>\n", figure.title,
+                        page.chart(figure, size, &run, anchor));
   }
-  std::string archive;
-  if (Json chart = archive_chart(run); !chart.is_null())
-    archive = heading(anchor + "-archive", "The archive",
-                      "The fittest robot of every kind: the best fitness by the archive's first "
-                      "axes; what lies beyond an end counts to the cell there. A click opens the "
-                      "robot.") +
-              page.chart(std::move(chart), anchor, "archive", "small");
-  return "<section class=\"card long\">\n" + archive +
-         heading(anchor + "-maps", "Where evolution looked",
-                 "The best fitness of all robots with so many voxels and actuators. A click opens "
-                 "the robot.") +
-         page.chart(coverage_chart(run), anchor, "coverage", "small") +
-         (positions.empty()
-              ? ""
-              : heading("", "Which voxels matter",
-                        "For every place of the body: the median fitness of robots "
-                        "with such a voxel there, less the median of all; the number "
-                        "is how many robots that are. Of one or two nothing is said.") +
-                    "<p class=\"scale\" data-scale=\"" + widest +
-                    "\"></p>\n<div class=\"five\">\n" + positions + "</div>\n") +
-         "</section>\n";
+  return html + "</div>\n</section>\n";
 }
 
-std::string learning_card(const Run& run, const std::string& anchor, Page& page) {
-  Json chart = learning_chart(run);
-  if (chart.is_null())
-    return "<section class=\"card\">\n" +
-           heading(anchor + "-learning", "Learning curves",
-                   run.shared.empty()
-                       ? "No policy files are in the run folder, so there are no curves."
-                       : "No robot has had a training of its own, so there are no curves.") +
-           "</section>\n";
-  return chart_card(
-      anchor + "-learning", "Learning curves",
-      points_of(run, anchor,
-                std::string(run.shared.empty()
-                                ? "Returns of every robot's evaluations during its training"
-                                : "Returns of robots that had trainings of their own") +
-                    "; entropy, KL divergence and explained variance are on its card."),
-      page.chart(std::move(chart), anchor, "learning-curves"));
+// What everyone looks at first: the robot, what came of it, the figures and the curve.
+std::string first_screen(const Run& run, const FigureGroup& curve, const std::string& anchor,
+                         Page& page) {
+  return "<div class=\"first\">\n" + champion_card(run, anchor, page) + "<div>\n" +
+         verdict_card(run) + tiles(run) + "<section class=\"card\">\n" +
+         heading(anchor + "-curve", curve.figures[0].title, "") +
+         page.chart(curve.figures[0], half_page, &run, anchor) + "</section>\n</div>\n</div>\n";
 }
 
-// How the controller of all robots learnt, generation by generation.
-std::string shared_card(const Run& run, const std::string& anchor, Page& page) {
-  std::vector<FeatureChart> charts = shared_charts(run);
-  if (charts.empty()) return "";
-  std::string html =
-      "<section class=\"card long\">\n" +
-      heading(anchor + "-controller", "The controller of all robots",
-              "The mean return over all robots of a generation while one controller learnt on "
-              "them, and that of the best robot at its end. Where a generation begins the mean "
-              "changes with the robots; training goes on from the controller of the one before.") +
-      page.chart(std::move(charts[0].chart), anchor, "controller");
-  std::string logged;
-  for (std::size_t k = 1; k < charts.size(); ++k)
-    logged +=
-        page.chart(std::move(charts[k].chart), anchor, "controller-" + charts[k].name, "small");
-  if (!logged.empty()) html += "<div class=\"three\">\n" + logged + "</div>\n";
-  return html + "</section>\n";
-}
-
-void link_parts(const Run& run, const std::string& anchor, Page& page) {
-  if (run.champion) {
-    page.navigate(anchor + "-champion", "Champion");
-    page.navigate(anchor + "-curves", "Curves");
-    if (!run.shared.empty()) page.navigate(anchor + "-controller", "Controller");
-    page.navigate(anchor + "-evolution", "Evolution");
-    page.navigate(anchor + "-lineage", "Lineage");
-    page.navigate(anchor + "-tree", "Family tree");
-    page.navigate(anchor + "-body", "Bodies");
-    page.navigate(anchor + "-learning", "Learning");
-  }
-  page.navigate("settings", "Settings");
+void link_parts(const Run& run, const std::vector<FigureGroup>& groups, const std::string& anchor,
+                Page& page) {
+  const auto link = [&](const char* id, const char* title) {
+    if (std::ranges::find(groups, id, &FigureGroup::id) != groups.end())
+      page.navigate(anchor + "-" + id, title);
+  };
+  link("archive", "Archive");
+  if (run.champion) page.navigate(anchor + "-evolution", "Evolution");
+  if (run.champion && has_lineage(run)) page.navigate(anchor + "-lineage", "Lineage");
+  link("controller", "Controller");
+  link("tree", "Family tree");
+  link("learning", "Learning");
+  link("body", "Bodies");
   if (!run.robots.empty()) page.navigate(anchor + "-robots", "Robots");
+  page.navigate("settings", "Settings");
   if (!judge(run).commands.empty()) page.navigate(anchor + "-next", "What next");
 }
 
@@ -165,36 +91,28 @@ std::string one_level_up(std::string html) {
 }
 
 void add_run(const Run& run, const std::string& anchor, bool alone, Page& page) {
+  std::vector<FigureGroup> groups;
+  if (run.champion) groups = figures(run);
   std::string html;
-  if (alone) link_parts(run, anchor, page);
+  if (alone) link_parts(run, groups, anchor, page);
   if (!alone)
     html += fmt::format("<details id=\"{}\">\n<summary><h2>{} {}</h2></summary>\n", anchor,
                         escaped(run.label), badge(run));
   page.runs[anchor] = robots_data(run);
-  if (run.champion) html += champion_card(run, anchor, page);
-  html += verdict_card(run);
-  html += tiles(run);
   if (run.champion) {
-    html += curves(run, anchor, page);
-    html += shared_card(run, anchor, page);
-    html += evolution_card(run, anchor, page);
-    html += lineage_card(run, anchor, page);
-    html += tree_card(run, anchor, page);
-    html += features_card(run, anchor, page);
-    html += maps_card(run, anchor, page);
-    const std::string learning = run.is_evaluated() ? "" : learning_card(run, anchor, page);
-    html +=
-        alone ? "<div class=\"two\">\n" + learning + settings_card({&run}) + "</div>\n" : learning;
+    html += first_screen(run, groups.front(), anchor, page) + "<div class=\"cards\">\n";
+    const bool archive = groups[1].id == "archive";
+    if (archive) html += figure_card(groups[1], run, anchor, page);
+    html += film_card(run) + evolution_card(run, anchor) + lineage_card(run, anchor);
+    for (const FigureGroup& group : groups)
+      if (group.id != "curve" && group.id != "archive")
+        html += figure_card(group, run, anchor, page);
   } else {
-    html +=
-        run.robots.empty()
-            ? fmt::format("<p class=\"card note\">No robot has been {} yet.</p>\n", run.done())
-            : fmt::format("<p class=\"card note\">No robot has a fitness: every {} failed.</p>\n",
-                          run.is_evaluated() ? "one" : "training");
-    if (alone) html += settings_card({&run});
+    html += verdict_card(run) + tiles(run) + "<div class=\"cards\">\n";
   }
-  if (!run.robots.empty()) html += robots_card(run, anchor, page);
-  html += next_card(run, anchor);
+  if (!run.robots.empty()) html += robots_card(run, anchor);
+  if (alone) html += settings_card({&run});
+  html += next_card(run, anchor) + "</div>\n";
   if (!alone) html += "</details>\n";
   page.sections += alone ? one_level_up(std::move(html)) : html;
 }
@@ -210,10 +128,12 @@ std::string comparison_row(const Run& run, std::size_t number, Page& page) {
   row += cell(run.subject(), escaped(run.subject()), "");
   for (const std::string& text : {run.method(), run.setting("seed")})
     row += cell(text, escaped(text), "");
-  row += run.champion ? fitness_cell(run.robots[*run.champion].fitness) : cell("", "none yet");
+  const auto fitness = run.champion ? run.robots[*run.champion].fitness : std::nullopt;
+  row += fitness ? cell(fmt::to_string(*fitness), run.text(fitness)) : cell("", "none yet");
   const auto score = run.champion ? run.robots[*run.champion].training.final_score : std::nullopt;
-  row += score ? cell(fmt::to_string(score->mean), with_error(score->mean, score->standard_error))
-               : cell("", "");
+  row +=
+      score ? cell(fmt::to_string(score->mean), with_error(run, score->mean, score->standard_error))
+            : cell("", "");
   row += run.champion ? cell(*run.champion + 1) : cell("", "");
   row += cell(fmt::to_string(run.robots.size()), trained(run));
   row += cell(run.generations.size());
@@ -241,11 +161,12 @@ std::string champions_of(const Comparison& comparison, const std::vector<Run>& r
 
 std::string method_row(const Comparison& comparison, std::size_t k) {
   const MethodResult& method = comparison.methods[k];
+  const auto text = [&](double value) { return number(value, comparison.decimals); };
   std::string row = "<tr>" + cell(method.group.label, escaped(method.group.label), "");
   row += cell(method.best.size());
   row += cell(fmt::to_string(method.median),
-              fmt::format("<b>{}</b> <small>({} to {})</small>", shown(method.median),
-                          shown(method.interval.low), shown(method.interval.high)));
+              fmt::format("<b>{}</b> <small>({} to {})</small>", text(method.median),
+                          text(method.interval.low), text(method.interval.high)));
   row += method.needed ? cell(*method.needed)
                        : cell("", fmt::format("more than {}", comparison.robots));
   if (comparison.methods.size() > 1) {
@@ -268,7 +189,7 @@ std::string answer_card(const std::string& task, const std::vector<const Run*>& 
   for (const Run* run : group)
     if (purpose.empty()) purpose = purpose_in_words(*run);
   const std::string best = "median best fitness (95 %)";
-  const std::string needed = "robots for " + shown(comparison.target);
+  const std::string needed = "robots for " + number(comparison.target, comparison.decimals);
   const std::string ahead = escaped(comparison.methods.front().group.label) + " ahead in";
   std::vector<Column> columns{
       {"method", "", "ascending"}, {"runs"}, {best.c_str()}, {needed.c_str(), "n", "ascending"}};
@@ -296,12 +217,9 @@ std::string answer_card(const std::string& task, const std::vector<const Run*>& 
 
 std::string curve_of_task(const std::string& task, const std::vector<const Run*>& group,
                           Page& page) {
-  return chart_card(
-      "", "Best fitness so far on " + escaped(task),
-      "By robots. Runs that differ in nothing but their seed are one curve, their "
-      "median with its range (quartiles of eight runs or more), as far as all of them have "
-      "come; each can be added.",
-      page.chart(comparison_chart(group), "", "best-so-far-" + task));
+  const render::Figure figure = comparison_figure(task, group);
+  return "<section class=\"card wide\">\n" + heading("", escaped(figure.title), figure.about) +
+         page.chart(figure, {720, 320}, nullptr, "") + "</section>\n";
 }
 
 void add_comparison(const std::vector<Run>& runs, Page& page) {
@@ -344,7 +262,7 @@ std::string title_of(const std::vector<Run>& runs) {
                                   [&](const Run& run) { return run.subject() == task; });
     return fmt::format("{}{} runs compared", same ? task + ": " : "", runs.size());
   }
-  return fmt::format("{}: {}", runs[0].subject(), runs[0].label);
+  return judge(runs[0]).result;
 }
 
 // "; trained on 2026-11-22 on host with evo-train 1.2", as far as it is known.
@@ -368,7 +286,7 @@ std::string lead(const std::vector<Run>& runs) {
   if (runs.size() > 1)
     return "Soft robots, bodies and controllers evolved together: what several runs say, and each";
   const Run& run = runs[0];
-  return fmt::format("Co-design of soft robots by {}, bodies of {} voxels, seed {}{} {}",
+  return fmt::format("{}: soft robots by {}, bodies of {} voxels, seed {}{} {}", escaped(run.label),
                      escaped(run.method()), escaped(run.setting("shape")),
                      escaped(run.setting("seed")), when_and_where(run), badge(run));
 }
@@ -408,7 +326,6 @@ std::string make_page(const std::vector<Run>& runs, const std::string& generator
                {"stage_script", std::string(stage_script())},
                {"replay_script", std::string(replay_script())},
                {"script", std::string(script())},
-               {"symbols", page.symbols},
                {"navigation", page.navigation},
                {"sections", page.sections},
                {"kinds", legend()},

@@ -2,28 +2,32 @@
 
 #include <fmt/format.h>
 
+#include "render/painters/vector.h"
+#include "render/report/figures.h"
 #include "render/report/markup.h"
 
 namespace evo::report {
 
-std::string Page::body(const Robot& robot, const std::vector<Change>& changed) {
-  if (drawn.insert(robot.id).second) symbols += symbol(robot.id, robot.body);
-  return picture(robot.id, robot.body, changed);
-}
-
 std::string Page::link(const Robot& robot, const std::string& anchor,
                        const std::vector<Change>& changed) {
   return fmt::format("<a class=\"to-robot\" href=\"#{}-{}\">{}</a>", anchor, robot.id,
-                     body(robot, changed));
+                     picture(robot.id, robot.body, changed));
 }
 
-std::string Page::chart(Json data, const std::string& run, const std::string& name,
-                        const std::string& look) {
+std::string Page::chart(const render::Figure& figure, render::Size size, const Run* run,
+                        const std::string& anchor) {
+  const render::Theme& theme = render::theme_by_name("light");
+  const render::PageStyle style{{render::hex(theme.text), "var(--text)"},
+                                {render::hex(theme.text_muted), "var(--muted)"},
+                                {render::hex(theme.card), "var(--card)"}};
+  const auto [drawing, frame] =
+      std::visit([&](const auto& content) { return draw_chart(content, size, theme, typesetter); },
+                 figure.content);
   const std::string key = fmt::format("chart-{}", charts.size() + 1);
-  charts[key] = std::move(data);
+  charts[key] = figure_data(figure, frame, run);
   return fmt::format(
-      "<div class=\"chart {}\" data-chart=\"{}\" data-run=\"{}\" data-name=\"{}\"></div>\n", look,
-      key, run, escaped(name));
+      "<div class=\"chart\" data-chart=\"{}\" data-run=\"{}\" data-name=\"{}\">\n{}</div>\n", key,
+      anchor, escaped(figure.name), inline_svg(drawing, figure.title, typesetter, style));
 }
 
 void Page::navigate(const std::string& anchor, const std::string& text) {
@@ -53,10 +57,6 @@ std::string cell(const std::string& sort_value, const std::string& html, const s
   return fmt::format("<td class=\"{}\" data-v=\"{}\">{}</td>", look, escaped(sort_value), html);
 }
 std::string cell(std::size_t value) { return cell(fmt::to_string(value), fmt::to_string(value)); }
-std::string fitness_cell(const std::optional<double>& fitness) {
-  return cell(fitness ? fmt::to_string(*fitness) : "", shown(fitness), "n fitness");
-}
-
 std::string table_head(const std::vector<Column>& columns) {
   std::string head = "<thead><tr>";
   for (const Column& column : columns) {

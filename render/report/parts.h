@@ -1,31 +1,28 @@
 // The page under construction, and the pieces its sections are made of.
 #pragma once
 
-#include <set>
 #include <string>
 #include <vector>
 
+#include "render/figures/chart.h"
 #include "render/report/lineage.h"
 #include "render/report/run.h"
 
 namespace evo::report {
 
 struct Page {
-  std::string symbols;
-  std::set<std::string> drawn;  // ids that have a symbol
   std::string sections;
   std::string navigation;
   Json charts = Json::object();
   Json runs = Json::object();  // what report.js knows of robots, by the anchors of runs
+  render::Typesetter typesetter;
 
-  // A picture, whose symbol is there after the first use.
-  std::string body(const Robot& robot, const std::vector<Change>& changed = {});
-  // The same, leading to the robot's card.
+  // A picture that leads to the robot's card.
   std::string link(const Robot& robot, const std::string& anchor,
                    const std::vector<Change>& changed = {});
-  // The place where report.js draws the chart; saved files are called `name`.
-  std::string chart(Json data, const std::string& run, const std::string& name,
-                    const std::string& look = "");
+  // A chart with what report.js says of its points; `run`: whose robots they are.
+  std::string chart(const render::Figure& figure, render::Size size, const Run* run,
+                    const std::string& anchor);
   void navigate(const std::string& anchor, const std::string& text);
 };
 
@@ -47,7 +44,6 @@ std::string fact(const std::string& name, const std::string& html);
 std::string cell(const std::string& sort_value, const std::string& html,
                  const std::string& look = "n");
 std::string cell(std::size_t value);
-std::string fitness_cell(const std::optional<double>& fitness);
 
 struct Column {
   const char* name;

@@ -124,7 +124,7 @@ const Replays = (() => {
     const told = ({ data, episode }) => {
       const step = Math.min(at, data.steps), frame = Math.min(Math.round(step / data.stride), data.frames - 1);
       const ended = at >= data.steps ? ` \u00b7 ${data.ending}` : '';
-      return `return ${number(Math.round(episode.score[at >= data.steps ? data.frames - 1 : frame] * 1000) / 1000)}${ended}`;
+      return `return ${number(episode.score[at >= data.steps ? data.frames - 1 : frame], 3)}${ended}`;
     };
     const draw = () => {
       if (!ready || gone) return;

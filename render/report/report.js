@@ -1,9 +1,19 @@
-// What moves on the page: charts, the cards of robots, replays, tables that can be
-// sorted.
+// What moves on the page: the cards of robots, replays, tables that can be sorted.
 'use strict';
 (() => {
-  const { draw, redrawAll, scale, element, number, thumbnail } = Charts;
+  const { attach, bodies, symbol, spark, element, number, thumbnail } = Charts;
   const page = JSON.parse(document.getElementById('data').textContent);
+
+  // What can be told from the others of a run.
+  for (const run of Object.values(page.runs)) {
+    for (const robot of Object.values(run.robots)) robot.children = [];
+    for (const [id, robot] of Object.entries(run.robots)) for (const parent of robot.parents) run.robots[parent]?.children.push(id);
+    for (const [id, robot] of Object.entries(run.robots)) bodies.set(id, robot);
+  }
+  new Set([...document.querySelectorAll('use')].map((use) => use.getAttribute('href').slice(3))).forEach(symbol);
+  const count = (robot, kinds) => [...robot.body].filter((letter) => kinds.includes(letter)).length;
+  const fitness = (run, value) => value === null ? 'failed' : number(value, page.runs[run].decimals);
+  const withError = (run, [mean, error]) => `${fitness(run, mean)} \u00b1 ${fitness(run, error)}`;
 
   // ---- a card a robot ---------------------------------------------------------------
 
@@ -27,8 +37,7 @@
 
   const link = (run, id) => {
     const made = element('a', { href: `#${run}-${id}`, class: 'relative', 'aria-label': 'robot ' + id }, thumbnail(id));
-    const score = page.runs[run].robots[id].fitness;
-    made.append(element('span', {}, score === null ? 'failed' : number(score)));
+    made.append(element('span', {}, fitness(run, page.runs[run].robots[id].fitness)));
     return made;
   };
   const relatives = (run, title, ids) => {
@@ -53,16 +62,15 @@
     setTimeout(() => { button.textContent = 'Copy'; }, 1500);
   };
 
-  // Evaluations during training, and what the algorithm logged beside them.
-  const learning = (robot) => {
-    const charts = [];
-    if (robot.curve?.length)
-      charts.push(['evaluation', { x: 'training steps', y: 'return', whole: true, labels: ['training steps', 'best so far', 'evaluation'],
-        series: [{ kind: 'step' }, { kind: 'line' }], rows: robot.curve.map(([step, value, best]) => [step, [best, best, best], [value, value, value]]) }]);
-    for (const [name, points] of Object.entries(robot.log ?? {}))
-      charts.push([name, { x: 'training steps', y: name, whole: true, labels: ['training steps', name], series: [{ kind: 'line' }],
-        rows: points.map(([step, value]) => [step, [value, value, value]]) }]);
-    return charts;
+  const factsOf = (run, robot) => {
+    const { done, robots } = page.runs[run], rows = robot.body.split('/');
+    return [['fitness', robot.failure === undefined ? fitness(run, robot.fitness) : `failed: ${robot.failure}`],
+      robot.score && ['from perturbed starts', withError(run, robot.score)],
+      [`${done} as`, `robot ${robot.number}, in generation ${robot.generation}`],
+      robot.sharing !== undefined && ['controller', `that of all robots of generation ${robot.sharing}`],
+      robot.best && ['best evaluation', `after ${number(robot.best[0], 0)} of ${number(robot.best[1], 0)} steps`],
+      ['body', `${rows.length}\u00d7${rows[0].length}, ${count(robot, 'RSHV')} voxels, ${count(robot, 'HV')} actuators`],
+      robot.tool && ['made by', robot.tool]].filter(Boolean);
   };
 
   const actor = (run, id, name, more = {}) => ({ data: page.runs[run].robots[id].replay, world: page.runs[run].world, name, ...more });
@@ -95,27 +103,20 @@
     const close = element('button', { type: 'button', class: 'close', 'aria-label': 'Close' }, '\u00d7');
     close.addEventListener('click', () => dialog.close());
     const shown = element('div', { class: 'portrait' });
-    const picture = thumbnail(id);
-    picture.setAttribute('viewBox', document.getElementById('b-' + id).getAttribute('viewBox'));
-    shown.append(picture);
+    shown.append(thumbnail(id));
     const facts = element('dl', { class: 'facts' });
-    for (const [name, value] of robot.facts) facts.append(element('dt', {}, name), element('dd', {}, value));
+    for (const [name, value] of factsOf(run, robot)) facts.append(element('dt', {}, name), element('dd', {}, value));
     const moving = robot.replay && stageOf(run, id);
-    const charts = element('div', { class: 'three' });
+    const charts = Object.entries(robot.charts ?? {}).map(([name, points]) => spark(name, points, page.runs[run].decimals));
     dialog.append(close, element('h3', {}, 'Robot ', element('span', { class: 'id' }, id)),
       element('div', { class: 'top' }, shown, facts), ...(moving ? [moving.stage] : []),
-      relatives(run, 'Parents', robot.parents), relatives(run, 'Children', robot.children), charts,
-      element('div', { class: 'commands' }, ...robot.commands.map(copyable)));
+      relatives(run, 'Parents', robot.parents), relatives(run, 'Children', robot.children),
+      element('div', { class: 'three' }, ...charts), element('div', { class: 'commands' }, ...(robot.commands ?? []).map(copyable)));
     addressBefore ??= robotOf(location.hash) ? '' : location.hash;
     name(`#${run}-${id}`);
     if (!dialog.open) dialog.showModal();
     dialog.scrollTop = 0;
     moving?.show(false);
-    for (const [name, chart] of learning(robot)) {
-      const holder = element('div', { class: 'chart small' });
-      charts.append(holder);
-      draw(holder, chart, () => {}, `${id} ${name}`);
-    }
     reach();
   };
 
@@ -135,24 +136,9 @@
 
   // ---- what stands on the page from the start ------------------------------------------
 
-  // A row an evaluation, and lines between those of one robot; the champion's last.
-  const addCurves = (chart, robots) => {
-    Object.assign(chart, { rows: [], robots: [], edges: [] });
-    const missing = [null, null, null];
-    for (const [id, { curve }] of Object.entries(robots).sort(([a], [b]) => (a === chart.champion) - (b === chart.champion)))
-      curve.forEach(([step, value], n) => {
-        const best = id === chart.champion;
-        if (value === null) return;
-        if (n > 0 && chart.robots.at(-1) === id) chart.edges.push([chart.rows.length - 1, chart.rows.length, best]);
-        chart.rows.push([step, best ? missing : [value, value, value], best ? [value, value, value] : missing]);
-        chart.robots.push(id);
-      });
-  };
-  const drawCharts = () => document.querySelectorAll('[data-chart]').forEach((holder) => {
-    if (holder.offsetWidth === 0 || holder.hasChildNodes()) return;
-    const chart = page.charts[holder.dataset.chart];
-    if (chart?.champion) addCurves(chart, page.runs[holder.dataset.run].robots);
-    if (chart && (chart.cells || chart.rows).length > 0) draw(holder, chart, (id) => openRobot(holder.dataset.run, id), holder.dataset.name);
+  document.querySelectorAll('[data-chart]').forEach((holder) => {
+    const run = holder.dataset.run, robots = run ? Object.entries(page.runs[run].robots) : [];
+    attach(holder, page.charts[holder.dataset.chart], robots, (id) => link(run, id));
   });
   // Who comes into view moves, unless the user wants less of it or has stopped it.
   const stages = new Set();
@@ -185,41 +171,79 @@
       perform(holder, cast);
     });
   };
-  const drawVisible = () => { drawCharts(); drawReplays(); reach(); };
+  const drawVisible = () => { drawReplays(); reach(); };
 
-  document.querySelectorAll('[data-scale]').forEach((place) => place.append(...scale(Number(place.dataset.scale))));
   document.querySelectorAll('[data-copy]').forEach((button) => button.addEventListener('click', () => copy(button, button.dataset.copy)));
 
   // ---- tables -----------------------------------------------------------------------
 
-  // Cells say their value in data-v; those without one come last either way.
-  const sort = (table, column, descending) => {
-    const rows = [...table.tBodies[0].rows].map((row) => ({ row, value: row.cells[column].dataset.v ?? '' }));
-    const numeric = rows.every(({ value }) => value === '' || Number.isFinite(Number(value)));
-    const order = numeric ? (a, b) => Number(a) - Number(b) : (a, b) => (a < b ? -1 : a > b ? 1 : 0);
-    rows.sort((a, b) => {
-      if (a.value === '' || b.value === '') return (a.value === '') - (b.value === '');
-      return descending ? order(b.value, a.value) : order(a.value, b.value);
-    });
-    table.tBodies[0].append(...rows.map(({ row }) => row));
-    [...table.tHead.rows[0].cells].forEach((cell, k) => {
-      if (k === column) cell.setAttribute('aria-sort', descending ? 'descending' : 'ascending');
-      else cell.removeAttribute('aria-sort');
-    });
+  // The least first, or the greatest; what has no value comes last either way.
+  const sorted = (list, valueOf, descending) => {
+    const values = list.map((it) => [it, valueOf(it) ?? '']);
+    const missing = (value) => value === '';
+    return values.sort(([, a], [, b]) => missing(a) || missing(b) ? missing(a) - missing(b)
+      : (a < b ? -1 : a > b ? 1 : 0) * (descending ? -1 : 1)).map(([it]) => it);
   };
-
-  const sortable = (table) => {
-    [...table.tHead.rows[0].cells].forEach((cell, column) => {
+  // Headings that sort: `show(column, descending)` does it.
+  const headings = (table, show) => {
+    const cells = [...table.tHead.rows[0].cells];
+    cells.forEach((cell, column) => {
       if (cell.dataset.sort === undefined) return;
       const button = element('button', { type: 'button' }, cell.textContent);
-      cell.dataset.name = cell.textContent;  // paper repeats headings, but no buttons
       cell.replaceChildren(button);
       button.addEventListener('click', () => {
         const now = cell.getAttribute('aria-sort');
         const descending = now ? now === 'ascending' : cell.dataset.sort === 'descending';
-        sort(table, column, descending);
+        cells.forEach((other) => other.removeAttribute('aria-sort'));
+        cell.setAttribute('aria-sort', descending ? 'descending' : 'ascending');
+        show(column, descending);
       });
     });
+  };
+  // Cells say their value in data-v.
+  const sortable = (table) => headings(table, (column, descending) => table.tBodies[0].append(...sorted([...table.tBodies[0].rows], (row) => {
+    const value = row.cells[column].dataset.v;
+    return value === '' || isNaN(value) ? value : Number(value);
+  }, descending)));
+
+  // All robots, so many at a time.
+  const listRobots = (holder) => {
+    const run = holder.dataset.run, { robots } = page.runs[run], all = Object.keys(robots), rows = 50;
+    const changed = ({ body, parents }) => {
+      const before = robots[parents.find((id) => robots[id])]?.body;
+      return before?.length === body.length ? [...body].filter((letter, k) => letter !== before[k]).length : undefined;
+    };
+    const some = (which) => all.some((id) => which(robots[id]) !== undefined);
+    const columns = [['fitness', (it) => it.fitness], ['perturbed starts', (it) => it.score?.[0]], ['number', (it) => it.number], ['generation', (it) => it.generation],
+      ['voxels', (it) => count(it, 'RSHV')], ['actuators', (it) => count(it, 'HV')], ['rigid', (it) => count(it, 'R')], ['soft', (it) => count(it, 'S')],
+      ['horizontal', (it) => count(it, 'H')], ['vertical', (it) => count(it, 'V')], ['changed', changed],
+      ['nodes', (it) => it.genes?.[0]], ['links', (it) => it.genes?.[1]]].filter(([, value]) => some(value));
+    columns.push(['id', (it, id) => id]);
+    const text = (name, robot, value) => value === undefined ? '' : name === 'fitness' ? robot.failure === undefined ? fitness(run, value) : 'failed: ' + robot.failure
+      : name === 'perturbed starts' ? withError(run, robot.score) : String(value);
+    const table = element('table', { class: 'data robots' });
+    const look = (name) => name === 'id' ? 'id' : ['rigid', 'soft', 'horizontal', 'vertical'].includes(name) ? 'n kind' : 'n';
+    table.createTHead().insertRow().append(element('th', {}, 'robot'), ...columns.map(([name]) =>
+      element('th', { class: look(name), 'data-sort': ['number', 'generation', 'id'].includes(name) ? 'ascending' : 'descending' }, name)));
+    const body = table.createTBody(), says = element('span'), back = element('button', { type: 'button' }, '\u2190 Back'), on = element('button', { type: 'button' }, 'On \u2192');
+    let order = sorted(all, (id) => robots[id].fitness, true), from = 0;
+    table.tHead.rows[0].cells[1].setAttribute('aria-sort', 'descending');
+    const show = (first) => {
+      from = first;
+      body.replaceChildren(...order.slice(from, from + rows).map((id) => element('tr', { id: `${run}-${id}` }, element('td', {}, element('a', { class: 'to-robot', href: `#${run}-${id}`, 'aria-label': 'robot ' + id }, thumbnail(id))),
+        ...columns.map(([name, value]) => element('td', { class: look(name) + (name === 'fitness' && robots[id].failure !== undefined ? ' failed' : '') }, text(name, robots[id], value(robots[id], id)))))));
+      says.textContent = `${from + 1} to ${Math.min(order.length, from + rows)} of ${number(order.length, 0)}`;
+      back.disabled = from === 0;
+      on.disabled = from + rows >= order.length;
+    };
+    headings(table, (column, descending) => {
+      order = sorted(all, (id) => columns[column - 1][1](robots[id], id), descending);
+      show(0);
+    });
+    back.addEventListener('click', () => show(from - rows));
+    on.addEventListener('click', () => show(from + rows));
+    holder.append(element('div', { class: 'scroll' }, table), ...(order.length > rows ? [element('div', { class: 'pages' }, back, says, on)] : []));
+    show(0);
   };
 
   // Runs of a comparison are folded; what is in them is drawn when it has a size.
@@ -233,10 +257,6 @@
     target.scrollIntoView();
   };
 
-  // Paper is narrower than a screen: charts are drawn anew for it.
-  addEventListener('beforeprint', () => { document.body.classList.add('printing'); redrawAll(); });
-  addEventListener('afterprint', () => { document.body.classList.remove('printing'); redrawAll(); });
-
   // What can be scrolled can be reached with the keyboard.
   const reach = () => document.querySelectorAll('.scroll, .command code').forEach((box) => {
     if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;
@@ -249,4 +269,5 @@
   addEventListener('hashchange', unfold);
   unfold();
   document.querySelectorAll('table.sortable').forEach(sortable);
+  document.querySelectorAll('.robots[data-run]').forEach(listRobots);
 })();

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "formats/run/settings.h"
+#include "libevo/base/join.h"
 #include "render/report/lineage.h"
-#include "render/report/markup.h"
-#include "render/report/parts.h"
 
 namespace evo::report {
 namespace {
@@ -18,63 +18,75 @@ Json rounded(double value) {
   return Json::parse(fmt::format("{:.7g}", value), nullptr, false);
 }
 
-Json facts_of(const Run& run, std::size_t k) {
-  const Entry& entry = run.robots[k];
-  const Body& body = entry.robot.body;
-  Json facts = Json::array();
-  const auto add = [&](const char* name, const std::string& value) {
-    facts.push_back({name, value});
-  };
-  add("fitness", entry.fitness ? shown(entry.fitness) : "failed: " + entry.failure);
-  if (const auto& score = entry.training.final_score)
-    add("from perturbed starts", with_error(score->mean, score->standard_error));
-  add(run.is_evaluated() ? "scored as" : "trained as",
-      fmt::format("robot {} of {}, in generation {}", k + 1, run.robots.size(), entry.generation));
-  if (entry.sharing)
-    add("controller", fmt::format("that of all robots of generation {}", *entry.sharing));
-  if (entry.training.steps > 0)
-    add("best evaluation",
-        fmt::format("after {} of {} steps", entry.training.best_step, entry.training.steps));
-  add("body", fmt::format("{}x{}, {}, {}", body.rows, body.cols,
-                          count_of(static_cast<std::size_t>(count_voxels(body)), "voxel"),
-                          count_of(static_cast<std::size_t>(count_actuators(body)), "actuator")));
-  if (!entry.training.created_by.empty()) add("made by", entry.training.created_by);
-  return facts;
+// Sides between neighbours that are not linked, as a path.
+std::string open_sides(const Body& body) {
+  std::string path;
+  for (const Link& side : full_links(body.rows, body.cols, body.cells)) {
+    if (std::binary_search(body.links.begin(), body.links.end(), side)) continue;
+    path += fmt::format("M{} {}{}", side.b % body.cols, side.b / body.cols,
+                        side.b == side.a + 1 ? "v1" : "h1");
+  }
+  return path;
 }
 
-Json robot_data(const Run& run, std::size_t k, const std::vector<std::string>& children) {
-  const Entry& entry = run.robots[k];
-  const std::string policy = shell_word(run.folder + "/" + entry.policy);
-  Json robot{{"fitness", entry.fitness ? rounded(*entry.fitness) : Json()},
-             {"facts", facts_of(run, k)},
-             {"parents", entry.robot.parents()},
-             {"children", children}};
-  Json curve = Json::array();
-  for (const CurvePoint& point : entry.training.curve)
-    curve.push_back({point.step, rounded(point.evaluation), rounded(point.best)});
-  robot["curve"] = std::move(curve);
-  Json log = Json::object();
-  for (const LogSeries& series : entry.training.log) {
-    Json points = Json::array();
-    for (const auto& [step, value] : series.points) points.push_back({step, rounded(value)});
-    log[series.name] = std::move(points);
+// The number of a genome's nodes and connections; nothing for robots without genome.
+Json genes(const Robot& robot) {
+  const auto genome = robot.document.find("genome");
+  if (genome == robot.document.end() || !genome->is_object()) return nullptr;
+  Json counts = Json::array();
+  for (const char* which : {"nodes", "connections"}) {
+    const auto list = genome->find(which);
+    if (list == genome->end() || !list->is_array()) return nullptr;
+    counts.push_back(list->size());
   }
-  robot["log"] = std::move(log);
-  robot["commands"] =
-      entry.policy.empty()
-          ? Json::array()
-          : Json::array(
-                {fmt::format("evo-inspect {}", policy),
-                 entry.sharing
-                     ? fmt::format("jq -c 'select(.id == \"{0}\")' {1} | evo-eval --policy {2} "
-                                   "--rollout {0}.h5",
-                                   entry.robot.id,
-                                   shell_word(fmt::format("{}/gen-{:03}/scores.jsonl", run.folder,
-                                                          *entry.sharing)),
-                                   policy)
-                     : fmt::format("evo-eval {0} --policy {0} --rollout {1}.h5", policy,
-                                   entry.robot.id),
-                 fmt::format("evo-render {0}.h5 -o {0}.mp4", entry.robot.id)});
+  return counts;
+}
+
+// Its curve, and what the algorithm logged beside it, against steps.
+Json trainings(const Training& training) {
+  Json charts = Json::object();
+  for (const CurvePoint& point : training.curve)
+    charts["return"].push_back({point.step, rounded(point.evaluation)});
+  for (const LogSeries& series : training.log)
+    for (const auto& [step, value] : series.points)
+      charts[series.name].push_back({step, rounded(value)});
+  return charts;
+}
+
+Json commands(const Run& run, const Entry& entry) {
+  const std::string policy = shell_word(run.folder + "/" + entry.policy);
+  const std::string& id = entry.robot.id;
+  const std::string play =
+      entry.sharing
+          ? fmt::format(
+                "jq -c 'select(.id == \"{0}\")' {1} | evo-eval --policy {2} --rollout {0}.h5", id,
+                shell_word(fmt::format("{}/gen-{:03}/scores.jsonl", run.folder, *entry.sharing)),
+                policy)
+          : fmt::format("evo-eval {0} --policy {0} --rollout {1}.h5", policy, id);
+  return {fmt::format("evo-inspect {}", policy), play,
+          fmt::format("evo-render {0}.h5 -o {0}.mp4", id)};
+}
+
+// What is not there is left out.
+Json robot_data(const Run& run, std::size_t k) {
+  const Entry& entry = run.robots[k];
+  const Training& training = entry.training;
+  Json robot{{"fitness", entry.fitness ? rounded(*entry.fitness) : Json()},
+             {"number", k + 1},
+             {"generation", entry.generation},
+             {"body", joined(entry.robot.body.to_rows(), "/")},
+             {"parents", entry.robot.parents()}};
+  if (!entry.fitness) robot["failure"] = entry.failure;
+  if (const std::string open = open_sides(entry.robot.body); !open.empty()) robot["open"] = open;
+  if (Json counts = genes(entry.robot); !counts.is_null()) robot["genes"] = std::move(counts);
+  if (training.final_score)
+    robot["score"] = {rounded(training.final_score->mean),
+                      rounded(training.final_score->standard_error)};
+  if (entry.sharing) robot["sharing"] = *entry.sharing;
+  if (training.steps > 0) robot["best"] = {training.best_step, training.steps};
+  if (!training.created_by.empty()) robot["tool"] = training.created_by;
+  if (Json charts = trainings(training); !charts.empty()) robot["charts"] = std::move(charts);
+  if (!entry.policy.empty()) robot["commands"] = commands(run, entry);
   if (const auto replay = run.replays.find(k); replay != run.replays.end())
     robot["replay"] = replay->second;
   return robot;
@@ -83,15 +95,12 @@ Json robot_data(const Run& run, std::size_t k, const std::vector<std::string>& c
 }  // namespace
 
 Json robots_data(const Run& run) {
-  std::vector<std::vector<std::string>> children(run.robots.size());
-  for (const std::size_t robot : run.shown)
-    for (const std::string& id : run.robots[robot].robot.parents())
-      if (const auto known = run.by_id.find(id); known != run.by_id.end())
-        children[known->second].push_back(run.robots[robot].robot.id);
   Json robots = Json::object();
-  for (const std::size_t k : run.shown)
-    robots[run.robots[k].robot.id] = robot_data(run, k, children[k]);
-  return {{"world", run.world}, {"robots", std::move(robots)}};
+  for (const std::size_t k : run.shown) robots[run.robots[k].robot.id] = robot_data(run, k);
+  return {{"world", run.world},
+          {"done", run.done()},
+          {"decimals", run.decimals()},
+          {"robots", std::move(robots)}};
 }
 
 }  // namespace evo::report

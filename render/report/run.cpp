@@ -15,6 +15,7 @@
 #include "libevo/base/parallel.h"
 #include "render/report/choice.h"
 #include "render/report/replay.h"
+#include "render/scene/round_numbers.h"
 
 namespace evo::report {
 namespace {
@@ -158,6 +159,24 @@ std::size_t Run::failures() const {
 
 bool Run::shows(std::size_t robot) const {
   return std::binary_search(shown.begin(), shown.end(), robot);
+}
+
+int Run::decimals() const { return champion ? decimals_of(*robots[*champion].fitness) : 2; }
+
+std::string Run::text(const std::optional<double>& fitness) const {
+  return fitness ? number(*fitness, decimals()) : "failed";
+}
+
+int decimals_of(double largest) {
+  constexpr int most = 6;
+  const double size = std::abs(largest);
+  if (!(size > 0)) return 2;
+  const int digits = static_cast<int>(std::floor(std::log10(size)));
+  return std::clamp((digits > 0 ? 3 : 2) - digits, 0, most);
+}
+
+std::string number(double value, int decimals) {
+  return render::axis_number(value, std::pow(10, -decimals));
 }
 
 Run read_run(const fs::path& folder, const Extent& extent, int threads) {

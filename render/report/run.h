@@ -92,7 +92,13 @@ struct Run {
   // Robots whose training failed.
   std::size_t failures() const;
   bool shows(std::size_t robot) const;
+  // Decimals of every fitness of the run, so that columns line up: two of 3.42, three of 0.342.
+  int decimals() const;
+  std::string text(const std::optional<double>& fitness) const;  // "failed" for nothing
 };
+// The same of several runs, and of a number, with a true minus.
+int decimals_of(double largest);
+std::string number(double value, int decimals);
 
 // How much of a run is shown.
 struct Extent {

@@ -7,7 +7,6 @@
 #include <cstdlib>
 
 #include "formats/run/settings.h"
-#include "render/report/markup.h"
 
 namespace evo::report {
 namespace {
@@ -18,6 +17,10 @@ std::optional<double> best_of(const Generation& generation) {
   for (const auto& score : generation.scores)
     if (score && (!best || *score > *best)) best = score;
   return best;
+}
+
+std::string where(const Run& run) {
+  return run.is_evaluated() ? "by a fitness of its own" : "on " + run.setting("task");
 }
 
 // What the champion's training, or evolution from the first generation, has added.
@@ -41,12 +44,15 @@ std::string times(long factor, const std::string& number) {  // 2, "512000": "10
   return value > 0 ? fmt::format("{}", factor * value) : number;
 }
 
-// Of the best fitness, from the first generation on.
+// "from 2.07", the best of the first generation.
 std::string progress(const Run& run, double best) {
   const auto start = best_of(run.generations.front());
-  return start && best > *start
-             ? fmt::format("Improved from {} to {}", shown(start), shown(best))
-             : fmt::format("{} from the first generation on: evolution added nothing", shown(best));
+  return start && best > *start ? "from " + run.text(start) : "no better than the first generation";
+}
+
+// Whether there was nothing better for a quarter of the run.
+bool settled(const Run& run) {
+  return 4 * (run.robots.size() - (*run.champion + 1)) >= run.robots.size();
 }
 
 // What a program of one's own gives may be small.
@@ -58,17 +64,13 @@ void say_progress(const Run& run, double best, double gained, Verdict& verdict) 
   const std::size_t number = *run.champion + 1;
   if (!is_success(run, gained))
     verdict.sentences.push_back(fmt::format(
-        "The best fitness after {} robots is {}, {:.2g} more than it began with{}.",
-        run.robots.size(), shown(best), gained,
+        "The best fitness after {} robots is {}, {} more than it began with{}.", run.robots.size(),
+        run.text(best), run.text(gained),
         run.is_evaluated() ? "" : fmt::format("; less than {} is no success", least_gain)));
   verdict.sentences.push_back(
       number == run.robots.size()
           ? fmt::format("The last improvement is the last robot {}, number {}.", run.done(), number)
           : fmt::format("The last improvement was robot {} of {}.", number, run.robots.size()));
-  if (const auto replay = run.replays.find(*run.champion); replay != run.replays.end())
-    verdict.sentences.push_back(fmt::format("Its episode ends after {} steps: {}.",
-                                            replay->second["steps"].get<int>(),
-                                            replay->second["ending"].get<std::string>()));
 }
 
 // Luck in the evaluation that made it champion shows from perturbed starts.
@@ -79,12 +81,12 @@ bool say_robustness(const Run& run, double best, Verdict& verdict) {
   const bool robust = score->mean >= best - (1 - fair) * std::abs(best);
   verdict.sentences.push_back(
       fmt::format("From perturbed starts the champion earns {}{}.",
-                  with_error(score->mean, score->standard_error),
+                  with_error(run, score->mean, score->standard_error),
                   robust ? "" : ", much less: part of its fitness is luck"));
   return robust;
 }
 
-bool still_rising(const Run& run) {
+bool still_learning(const Run& run) {
   const Training& training = run.robots[*run.champion].training;
   constexpr double late = 0.9;  // of the training
   return training.steps > 0 &&
@@ -97,9 +99,7 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
   };
   const bool over = is_over(run);
   const bool bad = verdict.level == Verdict::Level::bad;
-  const bool rising = still_rising(run);
-  const std::size_t since = run.robots.size() - (*run.champion + 1);
-  const bool settled = 4 * since >= run.robots.size();  // nothing better for a quarter of the run
+  const bool learning = still_learning(run);
   const auto longer = [&](long factor) {
     std::vector<std::pair<std::string, std::string>> changed{
         {"steps", times(factor, run.setting("steps"))}};
@@ -111,12 +111,12 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
   if (!over) add("go on where it is", run_command(run, run.folder));
   if (over && bad && !run.is_evaluated())
     add("train each robot ten times as long", longer(10));
-  else if (over && rising)
+  else if (over && learning)
     add("train longer: the champion was still learning", longer(2));
-  if (over && !bad && !settled)
+  if (over && !bad && !settled(run))
     add("evolve on: it was still improving",
         run_command(run, run.folder + "-more", {{"evals", times(2, run.setting("evals"))}}));
-  if (over && !bad && settled && !rising)
+  if (over && !bad && settled(run) && !learning)
     add("enough: see whether another seed agrees",
         run_command(run, run.folder + "-again",
                     {{"seed", fmt::format("{}", 1 + std::strtol(run.setting("seed").c_str(),
@@ -142,6 +142,10 @@ std::string run_command(const Run& run, const std::string& folder,
       folder, [&](const std::string& name) { return run.setting(name); }, changed);
 }
 
+std::string with_error(const Run& run, double value, double error) {
+  return number(value, run.decimals()) + " ± " + number(error, run.decimals());
+}
+
 Verdict judge(const Run& run) {
   Verdict verdict;
   if (!run.champion) {
@@ -151,6 +155,7 @@ Verdict judge(const Run& run) {
                                                         run.is_evaluated() ? "robot" : "training");
     if (!run.robots.empty())
       verdict.sentences.push_back("The first failure: " + run.robots.front().failure + ".");
+    verdict.result = fmt::format("{} {}", verdict.headline, where(run));
     return verdict;
   }
   const std::size_t first = run.generations.empty() ? 0 : run.generations.front().planned;
@@ -161,6 +166,8 @@ Verdict judge(const Run& run) {
         fmt::format("{} of the first {} robots are {}; what they are worth "
                     "is said once all are.",
                     run.robots.size(), first, run.done()));
+    verdict.result =
+        fmt::format("{} {}, just begun", run.text(run.robots[*run.champion].fitness), where(run));
     return verdict;
   }
   const double best = *run.robots[*run.champion].fitness;
@@ -178,10 +185,12 @@ Verdict judge(const Run& run) {
                                             run.is_evaluated() ? "robots" : "trainings"));
     if (5 * failures > run.robots.size() && learnt) verdict.level = Verdict::Level::doubt;
   }
-  verdict.headline = !learnt  ? run.is_evaluated() ? "Nothing got better" : "Nothing was learnt"
-                     : !over  ? progress(run, best) + ", and it is not over"
-                     : robust ? progress(run, best)
-                              : progress(run, best) + ", in part by luck";
+  verdict.headline = !learnt   ? run.is_evaluated() ? "Nothing got better" : "Nothing was learnt"
+                     : !over   ? "Better, and it is not over"
+                     : !robust ? "Better, in part by luck"
+                               : "Better robots were found";
+  verdict.result = fmt::format("{} {}, {}{}", run.text(best), where(run), progress(run, best),
+                               learnt && !settled(run) ? ", still rising" : "");
   advise(run, robust, verdict);
   return verdict;
 }

@@ -15,6 +15,7 @@ struct Verdict {
     bad,    // nothing was learnt
   };
   Level level = Level::good;
+  std::string result;  // "3.42 on Walker-v0, from 2.07, still rising"
   std::string headline;
   std::vector<std::string> sentences;
   struct Command {
@@ -32,6 +33,9 @@ inline constexpr double least_gain = 0.1;
 bool is_over(const Run& run);
 
 Verdict judge(const Run& run);
+
+// "9.99 ± 0.22", as every fitness of the run.
+std::string with_error(const Run& run, double value, double error);
 
 // The command line of the run in a folder, perhaps with settings changed: "evo evolve ga ..".
 std::string run_command(const Run& run, const std::string& folder,

@@ -104,6 +104,13 @@ Color runner_color(std::size_t k) {
   return colors[k % colors.size()];
 }
 
+Color chart_color(std::size_t k) {
+  static constexpr std::array colors{rgba(0xd55e00ff), rgba(0x0072b2ff), rgba(0x009e73ff),
+                                     rgba(0xcc79a7ff), rgba(0xe69f00ff), rgba(0x56b4e9ff),
+                                     rgba(0x8a7a17ff), rgba(0x7f8894ff)};
+  return colors[k % colors.size()];
+}
+
 double luminance(Color color) {
   const auto linear = [](std::uint8_t value) {
     const double share = value / 255.0;
@@ -113,8 +120,8 @@ double luminance(Color color) {
 }
 
 Color ink_on(Color background) {
-  constexpr double even = 0.18;  // where black and white contrast alike
-  return luminance(background) > even + 0.1 ? Color{17, 17, 17, 255} : Color{255, 255, 255, 255};
+  constexpr double even = 0.179;  // where black and white contrast alike, 4.6 to 1
+  return luminance(background) > even ? Color{0, 0, 0, 255} : Color{255, 255, 255, 255};
 }
 
 Color mix(Color a, Color b, double share) {

@@ -117,10 +117,13 @@ export const accessFaults = (evaluate) => evaluate(`(() => {
   const luminance = ([r, g, b]) => [r, g, b].map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
     .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
   const behind = (node) => {
-    const box = node.closest('svg') && node.previousElementSibling;  // a number on its cell
-    const [inner, outer] = [node.getBoundingClientRect(), box?.getBoundingClientRect()];
-    if (box?.tagName === 'rect' && box.getAttribute('fill-opacity') === '1' && outer.left <= inner.left && inner.right <= outer.right
-      && outer.top <= inner.top + 2 && inner.bottom <= outer.bottom + 2) return read(getComputedStyle(box).fill);
+    const picture = node.closest('svg');
+    if (picture) {  // a number on its cell
+      const { x, y, width, height } = node.getBBox(), middle = new DOMPoint(x + width / 2, y + height / 2);
+      const cell = [...picture.querySelectorAll('path, rect')].filter((it) => !['none', null].includes(it.getAttribute('fill'))
+        && !it.hasAttribute('fill-opacity') && it.isPointInFill(middle)).pop();
+      if (cell) return read(getComputedStyle(cell).fill);
+    }
     for (let at = node; at; at = at.parentElement) {
       const text = getComputedStyle(at).backgroundColor, color = read(text);
       if (text.startsWith('color(srgb')) return color.slice(0, 3).map((v) => v * 255);

@@ -5,12 +5,17 @@ make_run() { "$EVO_SOURCE/tests/report/make-run.sh" "$@"; }
 # The file has no line like this. (A bare `! grep` would not fail a test.)
 count() { grep -o -- "$1" "$2" | wc -l; }
 
+data_of() { sed -n 's|.*id="data">\(.*\)</script>|\1|p' "$1"; }
+# Those with a card and a row in the table.
+robots_of() { data_of "$1" | jq -r '.runs["run-1"].robots | keys[]'; }
+# The chart of that name, as report.js has it.
+chart_of() { data_of "$1" | jq -c --arg key "$(grep -o 'data-chart="[^"]*" data-run="[^"]*" data-name="'"$2"'"' "$1" | cut -d'"' -f2)" '.charts[$key]'; }
+
 @test "a run: every robot in the table, every generation on the sheet, the champion's line" {
   make_run run ga 1 4 8 trained
   evo-report run -o page.html
   robots=$(wc -l < run/history.jsonl)
-  [ "$(count '<tr id="run-1-' page.html)" -eq "$robots" ]
-  [ "$(count '<symbol id="b-' page.html)" -eq "$robots" ]
+  [ "$(robots_of page.html | wc -l)" -eq "$robots" ]
   [ "$(count '<li class="generation">' page.html)" -eq 4 ]
   # The lineage, followed here by hand.
   line=0
@@ -20,7 +25,7 @@ count() { grep -o -- "$1" "$2" | wc -l; }
     id=$(jq -r --arg id "$id" 'select(.id == $id) | .parents[0] // empty' run/history.jsonl)
   done
   [ "$(count '<div class="step">' page.html)" -eq "$line" ]
-  grep -q "<dd>$(jq -r '.fitness * 1000 | round / 1000' run/best.json)</dd>" page.html
+  grep -q "<dd>$(printf %.2f "$(jq .fitness run/best.json)")</dd>" page.html
   for part in 'data:image/svg' 'training steps' 'share of soft voxels' 'data-cast='; do
     grep -q "$part" page.html
   done
@@ -50,8 +55,8 @@ count() { grep -o -- "$1" "$2" | wc -l; }
 @test "what comes from files stays text" {
   make_run '<i>run' ga 1 2 6
   evo-report '<i>run' -o page.html
-  grep -q '<h1>Walker-v0: &lt;i&gt;run</h1>' page.html
-  grep -q 'failed: numbers left the finite ones at &lt;b&gt;step&lt;/b&gt;' page.html
+  grep -q '<p class="lead">&lt;i&gt;run: soft robots by ga' page.html
+  grep -q 'numbers left the finite ones at \\u003cb>step' page.html
   lacks '<img src=x|<i>run|at <b>step' page.html
 }
 
@@ -60,7 +65,7 @@ count() { grep -o -- "$1" "$2" | wc -l; }
   mkdir bare half
   cp run/run.yaml bare
   evo-report bare > page.html
-  grep -q 'No robot has been trained yet' page.html
+  grep -q '<h1>Nothing has been trained yet on Walker-v0</h1>' page.html
   cp -r run/run.yaml run/gen-000 half
   mkdir half/gen-001
   cp run/gen-001/population.jsonl half/gen-001
@@ -76,11 +81,9 @@ count() { grep -o -- "$1" "$2" | wc -l; }
   make_run run bo 1 1 4
   jq -c '.fitness = null' run/gen-000/scores.jsonl > failed && mv failed run/gen-000/scores.jsonl
   evo-report run > page.html
-  grep -q 'every training failed' page.html
-  [ "$(count '<tr id="run-1-' page.html)" -eq 4 ]
+  grep -q '<h1>Every training failed on Walker-v0</h1>' page.html
+  [ "$(robots_of page.html | wc -l)" -eq 4 ]
 }
-
-data_of() { sed -n 's|.*id="data">\(.*\)</script>|\1|p' "$1"; }
 
 @test "a replay is the episode, to a hundredth of a voxel, in a few kilobytes" {
   make_run run ga 1 2 6 trained
@@ -123,7 +126,8 @@ PY
   make_run run ga 1 4 8
   evo-report run > page.html
   grep -q 'class="card verdict doubt"' page.html  # not over: 1000 robots were asked for
-  grep -q 'Improved from' page.html
+  grep -q '<h1>[0-9.]* on Walker-v0, from [0-9.]*' page.html
+  grep -q 'Better, and it is not over' page.html
   grep -q 'evo evolve ga --run run --task Walker-v0 --pop 8 --evals 1000' page.html
   # Nothing is said of a run before its first population is done.
   cp -r run begun && rm -r begun/gen-00[1-9]
@@ -152,25 +156,29 @@ PY
     grep -q "evo-render 'some runs/walker/best.rollout.h5' --strip 6" page.html
 }
 
-@test "cards and charts round the same number as the page's text" {
+@test "every fitness of a run has the decimals of the best" {
   make_run run ga 1 1 4
   for scores in run/gen-*/scores.jsonl; do
     jq -c 'if .fitness then .fitness = 6.82649 else . end' "$scores" > new && mv new "$scores"
   done
   evo-report run -o page.html
-  grep -q '<dd>6.826</dd>' page.html
-  # Five digits, 6.8265, would be shown as 6.827.
-  data_of page.html | jq -e '[.runs["run-1"].robots[].fitness | select(. != null)] | all(. == 6.82649) and length > 0'
+  grep -q '<h1>6.83 on Walker-v0' page.html
+  grep -q '<dd>6.83</dd>' page.html
+  # Six digits for the page's scripts to round.
+  data_of page.html | jq -e '.runs["run-1"] | .decimals == 2 and ([.robots[].fitness | select(. != null)] | all(. == 6.82649) and length > 0)'
+  sed -i 's/6.82649/-0.0682649/' run/gen-*/scores.jsonl
+  evo-report run -o page.html
+  grep -q '<h1>\xe2\x88\x920.0683 on Walker-v0' page.html || grep -q '<h1>−0.0683 on Walker-v0' page.html
 }
 
 @test "the first screen says what this is, in words for anyone" {
   make_run run ga 1 3 6 trained
   evo-report run -o page.html
   grep -q 'This robot was evolved to walk to the right over flat ground: the best of [0-9]* that were tried' page.html
-  champion=$(grep -n 'This robot was evolved' page.html | cut -d: -f1)
-  commands=$(grep -n 'What to do next</h2>' page.html | cut -d: -f1)
-  [ "$champion" -lt "$(grep -n 'class="card verdict' page.html | cut -d: -f1)" ]
-  [ "$commands" -gt "$(grep -n 'id="run-1-robots"' page.html | cut -d: -f1)" ]
+  line() { grep -n "$1" page.html | head -1 | cut -d: -f1; }
+  [ "$(line 'This robot was evolved')" -lt "$(line 'class="card verdict')" ]
+  [ "$(line 'class="card verdict')" -lt "$(line 'data-name="fitness-by-robots"')" ]
+  [ "$(line 'What to do next</h2>')" -gt "$(line 'id="run-1-robots"')" ]
   lacks '<h4' page.html  # from h1 over h2 to h3
 }
 
@@ -179,15 +187,15 @@ PY
   make_run neat neat 1 3 6
   make_run bo bo 1 2 6
   evo-report ga-1 ga-2 neat bo -o page.html
-  data_of page.html | jq .charts > charts.json
-  jq -e '.["chart-1"].labels == ["robots trained", "ga, median of 2", "ga-1", "ga-2", "neat", "bo"]' charts.json
+  chart_of page.html best-so-far-Walker-v0 > chart.json
+  jq -e '[.series[].name] == ["ga, median of 2", "ga-1", "ga-2", "neat", "bo"]' chart.json
   # The median of two after the third robot is their mean, the band their range.
   mean=$(for seed in 1 2; do head -3 "ga-$seed/history.jsonl" | jq -s 'map(.fitness // empty) | max'; done | jq -s 'add / 2')
-  jq -e --argjson mean "$mean" '.["chart-1"].rows[2] | (.[1][1] - $mean | fabs < 1e-12)
-    and .[1][0] == ([.[2][1], .[3][1]] | min) and .[1][2] == ([.[2][1], .[3][1]] | max)' charts.json
+  jq -e --argjson mean "$mean" '.series | map(.y[.x | index(3)]) as $at
+    | ($at[0] - $mean | fabs < 1e-3) and .[0].low[.[0].x | index(3)] == ([$at[1], $at[2]] | min)
+    and .[0].high[.[0].x | index(3)] == ([$at[1], $at[2]] | max)' chart.json
   [ "$(count '<details id=' page.html)" -eq 4 ]
-  grep -q 'It has no parents' page.html
-  grep -q '>nodes</th>' page.html
+  data_of page.html | jq -e '[.runs["run-3"].robots[].genes[0]] | all(. > 1)'
 }
 
 @test "the answer: medians, effect size, rank test, robots for the same fitness" {
@@ -207,7 +215,7 @@ PY
   grep -q 'a fitness of 5.25 with bo and 0.25 with ga\.' page.html
   grep -q 'A run of bo beats one of ga in 100 % of all pairs; by chance alone a difference as large comes up with p = 0.029 (rank test)\.' page.html
   grep -q 'To reach a fitness of 0.25, half of the runs of each took: bo 1 robot and ga 1 robot\.' page.html
-  grep -q '<b>5.25</b> <small>(5.1 to 5.4)</small>' page.html
+  grep -q '<b>5.25</b> <small>(5.10 to 5.40)</small>' page.html
   # Three seeds cannot show a difference, however large it is.
   evo-report ga-[123] bo-[123] -o page.html
   grep -q 'Too few runs to tell bo and ga apart' page.html
@@ -216,7 +224,6 @@ PY
   for seed in 1 2 3 4; do sed 's/^train_options:.*/train_options: "--note <b>x"/' bo-$seed/run.yaml > new && mv new bo-$seed/run.yaml; sed 's/^method: bo/method: ga/' bo-$seed/run.yaml > new && mv new bo-$seed/run.yaml; done
   evo-report ga-? bo-? -o page.html
   lacks '<b>x' page.html
-  [ "$(data_of page.html | jq '[.charts["chart-1"].series[].color] | unique | length')" -eq 2 ]
 }
 
 @test "every robot of a run can be played" {
@@ -229,13 +236,47 @@ PY
 @test "curves: best so far and the quartiles of a generation" {
   make_run run ga 1 3 9
   evo-report run > page.html
-  data_of page.html | jq .charts > charts.json
-  jq -e --argjson best "$(jq .fitness run/best.json)" '.["chart-1"].rows[-1][1][1] == $best' charts.json
+  chart_of page.html fitness-by-robots | jq -e --argjson best "$(jq .fitness run/best.json)" '.series[1].y[-1] - $best | fabs < 1e-3'
   # Of the robots that are new in the generation, here five.
   wanted=$(jq -sc --slurpfile before run/gen-001/scores.jsonl '
     ($before | map(.id)) as $old | map(select(.id | IN($old[]) | not) | .fitness) | sort
     | [.[1], .[2], .[3]]' run/gen-002/scores.jsonl)
-  jq -e --argjson wanted "$wanted" '.["chart-2"].rows[2][3] == $wanted' charts.json
+  chart_of page.html fitness-by-generation | jq -e --argjson wanted "$wanted" '.series[2]
+    | [.low[2], .y[2], .high[2]] | [., $wanted] | transpose | all(.[0] - .[1] | fabs < 1e-3)'
+}
+
+@test "the figures: every chart as PDF and CSV, with its caption" {
+  make_run run ga 1 3 9
+  evo-report run --figures figures
+  for name in fitness-by-robots fitness-by-generation family-tree coverage voxels-soft; do
+    head -c 4 figures/$name.pdf | grep -qx '%PDF'
+    grep -aq /FontFile figures/$name.pdf  # letters, not outlines
+    grep -q "^$name.pdf" figures/captions.txt
+  done
+  grep -aq '/MediaBox \[ 0 0 240.75 ' figures/family-tree.pdf  # points, 85 mm
+  [ "$(grep -c '"each robot"' figures/fitness-by-robots.csv)" -eq "$(jq -s 'map(select(.fitness)) | length' run/history.jsonl)" ]
+  grep -q '^Fitness by generation. Best over all robots' figures/captions.txt
+  make_run bo bo 1 2 6
+  evo-report run bo --figures both
+  [ -s both/best-so-far-Walker-v0.pdf ] && [ -s both/bo-coverage.pdf ]
+}
+
+@test "an archive: its elites with their bodies, coverage and QD score" {
+  make_run run ga 1 3 9
+  sed -i 's/^method: ga/method: map/' run/run.yaml
+  echo 'features: actuated:4,rigid:3' >> run/run.yaml
+  evo-report run -o page.html
+  cells=$(evo-archive --features actuated:4,rigid:3 run/history.jsonl | wc -l)
+  score=$(evo-archive --features actuated:4,rigid:3 run/history.jsonl | jq -s 'map(.fitness) | add')
+  grep -q "$cells of 12 cells have a robot" page.html
+  grep -q "The QD score, the sum of their fitness, is $(printf %.2f "$score")" page.html
+  chart_of page.html archive | jq -e --argjson cells "$cells" '.series[0].robots | length == $cells'
+}
+
+@test "two thousand robots: a page that loads" {
+  make_run run bo 1 1 2000
+  evo-report run --robots 2000 -o page.html
+  [ "$(stat -c %s page.html)" -lt 1500000 ]
 }
 
 @test "of many robots a choice: figures of all, cards of what the page points to" {
@@ -243,23 +284,21 @@ PY
   robots=$(wc -l < run/history.jsonl)
   evo-report run -o all.html
   evo-report run --robots 10 -o page.html
-  shown=$(count '<tr id="run-1-' page.html)
+  shown=$(robots_of page.html | wc -l)
   [ "$shown" -gt 10 ]
   [ "$shown" -lt "$robots" ]
   grep -q "$shown of $robots robots: the fittest" page.html
   # Every link to a robot has its card, and a picture.
-  data_of page.html | jq -r '.runs["run-1"].robots | keys[]' | sort > cards
-  [ "$(wc -l < cards)" -eq "$shown" ]
+  robots_of page.html | sort > cards
   grep -o 'href="#run-1-[0-9a-f]\{12\}"' page.html | sed 's/.*run-1-\(.*\)"/\1/' | sort -u > links
   [ -z "$(comm -23 links cards)" ]
-  data_of page.html | jq -r '.charts[].robots // [] | flatten[] // empty' | sort -u > points
-  [ -z "$(comm -23 points cards)" ]
+  data_of page.html | jq -e --argjson shown "$shown" '[.charts[].series[].robots // [] | .[] | select(. != null)] | max == $shown - 1'
   grep -q "$(jq -r .id run/best.json)" cards
   # The curve of the best so far steps where it did, generations and tiles are of all.
   for page in all page; do
-    data_of $page.html | jq -c '.charts["chart-1"].rows | map([.[0], .[1][1]]) | [.[0]] + [range(1; length) as $k |
-      select(.[$k][1] != .[$k - 1][1]) | .[$k]]' > $page.steps
-    data_of $page.html | jq -c '[.charts["chart-2"].rows, (.charts[] | select(.value == "best fitness").cells)]' > $page.figures
+    chart_of $page.html fitness-by-robots | jq -c '.series[1] | [.x, .y] | transpose as $rows | [$rows[0]] + [range(1; $rows | length)
+      | select($rows[.][1] != $rows[. - 1][1]) | $rows[.]]' > $page.steps
+    for name in fitness-by-generation coverage; do chart_of $page.html $name | jq -c '[.series[] | .x, .y]'; done > $page.figures
     grep -o '<dl class="tiles">.*' $page.html > $page.tiles
   done
   cmp all.steps page.steps
@@ -290,16 +329,15 @@ PY
   grep -q 'id="run-1-controller">The controller of all robots' page.html
   data_of page.html > data.json
   # Two generations, each from an evaluation; the best robot where each ends.
-  jq -e '[.charts[] | select(.labels == ["environment steps of all robots", "mean over all robots", "best robot"])][0].rows
-    | (map(select(.[2][1] != null)[0]) == [1024, 2048]) and (map(select(.[1][1] != null)) | length >= 3)' data.json
+  chart_of page.html controller | jq -e '.series | .[1].x == [1024, 2048] and (.[0].x | length >= 3)'
   # All robots have an episode; those without a training of their own no curve.
   jq -e '.runs["run-1"].robots | (length == 5) and all(.[]; .replay != null)' data.json
   champion=$(jq -r .id run/gen-002/scores.jsonl)
   jq -e --arg champion "$champion" '.runs["run-1"].robots | to_entries
-    | all(.[]; (.value.curve == []) == (.key != $champion))' data.json
+    | all(.[]; (.value.charts.return == null) == (.key != $champion))' data.json
   # A card's commands play the robot it is of.
   other=$(jq -r --arg champion "$champion" 'select(.id != $champion) | .id' run/history.jsonl | tail -n 1)
-  jq -e --arg id "$other" '.runs["run-1"].robots[$id].facts | any(.[]; .[0] == "controller" and .[1] == "that of all robots of generation 1")' data.json
+  jq -e --arg id "$other" '.runs["run-1"].robots[$id].sharing == 1' data.json
   eval "$(jq -r --arg id "$other" '.runs["run-1"].robots[$id].commands[1]' data.json)" |
     jq -e --argjson known "$(jq -c "select(.id == \"$other\")" run/history.jsonl)" '.fitness == $known.fitness'
   [ -s "$other.h5" ]

@@ -35,56 +35,39 @@ const check = (what, good, found = '') => {
 
 // ---- the checks --------------------------------------------------------------------------
 
+// Drawn by evo-report; where a chart says a point is, its picture has a mark.
 const checkCharts = async () => {
-  const blank = await evaluate(`[...document.querySelectorAll('[data-chart]')].filter((holder) => holder.offsetWidth > 0 &&
-    !holder.querySelector('svg :is(path, circle, rect)')).map((holder) => holder.dataset.chart)`);
-  const all = await evaluate(`document.querySelectorAll('[data-chart]').length`);
-  check(`all ${all} charts are drawn`, all >= 8 && blank.length === 0, blank);
-  // Ticks stand under their grid lines.
-  const off = await evaluate(`[...document.querySelectorAll('.plot svg')].flatMap((svg) => {
-    const lines = [...svg.querySelectorAll('line')].map((line) => Number(line.getAttribute('x1')));
-    return [...svg.querySelectorAll('.tick-x')].map((tick) => Math.min(...lines.map((x) => Math.abs(x - Number(tick.getAttribute('x'))))));
-  }).filter((distance) => distance > 0.5)`);
-  check('every tick stands where its value is', off.length === 0, off);
-};
-
-// A robot that is far off does not flatten the others, and is there for the asking.
-const checkOutliers = async () => {
-  await open(1280, 1000, 'light');
-  const found = await evaluate(`(() => {
-    const rows = [...Array(24).keys()].map((k) => [k, k === 7 ? [-40, -40, -40] : [k % 5, k % 5, k % 5]]);
-    const chart = { x: 'robots trained', y: 'fitness', whole: true, labels: ['robots trained', 'each robot'], series: [{ kind: 'points' }], rows };
-    const holder = document.createElement('div');
-    holder.className = 'chart';
-    document.querySelector('main').prepend(holder);
-    Charts.draw(holder, chart, () => {}, 'test');
-    const lowest = () => Math.min(...[...holder.querySelectorAll('.tick-y')].map((it) => Number(it.textContent)));
-    const before = lowest(), said = holder.querySelector('.readout').textContent;
-    holder.querySelector('.outliers').click();
-    const after = lowest();
-    holder.remove();
-    return { before, said, after };
+  const off = await evaluate(`(() => {
+    const { charts } = JSON.parse(document.getElementById('data').textContent);
+    return [...document.querySelectorAll('[data-chart]')].filter((holder) => {
+      const { frame: [left, top, width, height], range: [x0, x1, y0, y1], series } = charts[holder.dataset.chart];
+      const box = holder.querySelector('svg').viewBox.baseVal;
+      return !holder.querySelector('svg :is(path, rect)') || left + width > box.width || top + height > box.height ||
+        series.some(({ x }) => x.some((value) => value < x0 || value > x1));
+    }).map((holder) => holder.dataset.name);
   })()`);
-  check('an outlier does not flatten a chart', found.before >= 0 && found.said.startsWith('1 point below what is shown'), found);
-  check('and is shown when asked for', found.after <= -40, found);
+  const all = await evaluate(`document.querySelectorAll('[data-chart]').length`);
+  check(`all ${all} charts are drawn`, all >= 8 && off.length === 0, off);
 };
 
 // Which voxels matter: five maps, one scale, and how many robots.
 const checkMaps = async () => {
-  const maps = await evaluate(`(() => {
-    const page = JSON.parse(document.getElementById('data').textContent);
-    const maps = Object.values(page.charts).filter((chart) => chart.counts);
-    return { widest: maps.map((chart) => chart.widest), scales: document.querySelectorAll('.scale .gradient').length,
-      robots: maps.reduce((sum, chart) => sum + chart.counts[0][0], 0), numbers: document.querySelectorAll('.five svg text[font-size="9"]').length,
-      all: page.charts['chart-1'].rows.filter((row) => row[2][1] !== null).length };
-  })()`);
-  check('the maps of voxels have one scale', maps.widest.length === 5 && new Set(maps.widest).size === 1 && maps.scales === 1, maps);
-  check('and say of how many robots', maps.robots === maps.all && maps.numbers > 10, maps);
+  const maps = await evaluate(`({ maps: document.querySelectorAll('[data-name^=voxels-]').length, scales: document.querySelectorAll('.scale .gradient').length,
+    numbers: document.querySelectorAll('[data-name^=voxels-] text[text-anchor=middle]').length })`);
+  check('the maps of voxels have one scale, and say of how many robots', maps.maps === 5 && maps.scales === 1 && maps.numbers > 50, maps);
+};
+
+// The result, the robot, the verdict and the curve are on the first screen, of a phone on two.
+const checkFirstScreen = async (screens) => {
+  const low = await evaluate(`Math.max(...[...document.querySelectorAll('.first .card, .first .tiles')].map((it) => it.getBoundingClientRect().bottom + scrollY))`);
+  check(`what matters is on the first ${screens} screen(s)`, low <= screens * (screens === 1 ? 900 : 844), low);
+  const result = await text('h1');
+  check('the heading says the result', /^[\d.]+ on Walker-v0, /.test(result), result);
 };
 
 // The evolution sheet, the champion's ancestors, and its film.
 const checkParts = async () => {
-  const missing = await evaluate(`['.verdict', '.generation', '.step', '.film', '[data-cast] canvas'].filter((s) => !document.querySelector(s))`);
+  const missing = await evaluate(`['.verdict', '.generation', '.step', '.film', '.first canvas', '.first [data-chart]'].filter((s) => !document.querySelector(s))`);
   check('verdict, generations, lineage and champion are there', missing.length === 0, missing);
 };
 
@@ -158,7 +141,7 @@ const checkCard = async () => {
   await click('.sheet a.best');
   await evaluate(settled);
   check('a click on a robot opens its card', await evaluate(`document.querySelector('dialog').open`));
-  const parts = await evaluate(`['.portrait use', '.facts dd', '.replay canvas', '.chart svg', '.command code'].filter((s) => !document.querySelector('dialog ' + s))`);
+  const parts = await evaluate(`['.portrait use', '.facts dd', '.replay canvas', '.spark', '.command code'].filter((s) => !document.querySelector('dialog ' + s))`);
   check('with body, facts, replay, curves and commands', parts.length === 0, parts);
   await checkReplay('dialog');
   await photograph('card.png');
@@ -199,7 +182,7 @@ const checkAccess = async (theme) => {
 };
 
 const checkKeyboard = async () => {
-  await evaluate(`document.querySelector('.chart .plot').focus()`);
+  await evaluate(`document.querySelector('.chart svg').focus()`);
   await press('ArrowRight');
   const said = await text('.chart .readout');
   check('arrow keys read a chart', /robots trained \d/.test(said), said);
@@ -209,57 +192,31 @@ const checkKeyboard = async () => {
   check('the tab key goes on', next === 'Moment', next);
 };
 
+const hover = async (selector) => {
+  await evaluate(`document.querySelector('${selector}').scrollIntoView({ block: 'center' })`);
+  const box = await place(selector);
+  await mouse('mouseMoved', box.left + box.width * 0.5, box.top + box.height * 0.4);
+  return text(`${selector.split(' ')[0]} .readout`);
+};
 const checkHovering = async () => {
-  const curve = await place('.chart .plot');
-  await mouse('mouseMoved', curve.left + curve.width / 2, curve.top + curve.height / 2);
-  const said = await text('.chart .readout');
-  check('hovering over a curve says its values', /robots trained \d+.*best so far \d/.test(said), said);
-  const scatter = await place('.chart.small .plot');
-  await mouse('mouseMoved', scatter.left + scatter.width / 2, scatter.top + scatter.height / 2);
-  const robot = await evaluate(`document.querySelector('.chart.small .readout use')?.getAttribute('href')`);
+  const said = await hover('[data-name=fitness-by-robots] svg');
+  check('hovering over a curve says its values', /robots trained \d+.*best so far [\d.]+/.test(said), said);
+  await hover('[data-name=fitness-by-voxels] svg');
+  const robot = await evaluate(`document.querySelector('[data-name=fitness-by-voxels] .readout use')?.getAttribute('href')`);
   check('hovering over a point shows its robot', /^#b-[0-9a-f]{12}$/.test(robot ?? ''), robot);
+  const cell = await hover('[data-name=coverage] svg');
+  check('and over a table what is there', /^[0-9a-f. failed\u2212]*voxels \d+, actuators \d+: /.test(cell), cell);
 };
 
-// What the buttons would save.
-const checkSaving = async () => {
-  const saved = await evaluate(`(async () => {
-    const kept = [];
-    const real = URL.createObjectURL;
-    URL.createObjectURL = (blob) => { kept.push(blob); return '#'; };
-    HTMLAnchorElement.prototype.click = function () { kept.push(this.download); };
-    for (const button of document.querySelectorAll('.chart .tools button')) if (['SVG', 'CSV'].includes(button.textContent)) button.click();
-    URL.createObjectURL = real;
-    return Promise.all(kept.slice(0, 4).map((it) => typeof it === 'string' ? it : it.text()));
-  })()`);
-  check('a chart can be saved as SVG and as CSV', saved[0]?.startsWith('<svg') && saved[1]?.endsWith('.svg') &&
-    saved[2]?.startsWith('"robots trained"') && saved[3]?.endsWith('.csv'), saved.map((it) => it?.slice(0, 60)));
-};
-
-const checkZooming = async () => {
-  const axis = `[...document.querySelector('.chart').querySelectorAll('.tick-x')].map((l) => l.textContent).join()`;
-  const before = await evaluate(axis);
-  const { left, top, width, height } = await place('.chart .plot');
-  await mouse('mouseMoved', left + width * 0.4, top + height / 2);
-  await mouse('mousePressed', left + width * 0.4, top + height / 2, 1);
-  for (const share of [0.5, 0.6, 0.7]) await mouse('mouseMoved', left + width * share, top + height / 2, 1);
-  await mouse('mouseReleased', left + width * 0.7, top + height / 2);
-  const zoomed = await evaluate(axis);
-  check('dragging over a chart zooms in', zoomed !== before, zoomed);
-  await click('.chart .tools button');
-  check('the button shows all again', (await evaluate(axis)) === before, await evaluate(axis));
-};
-
-const checkSeries = async () => {
-  await click('.chart .series input');
-  const off = await evaluate(`document.querySelector('.chart .series label').classList.contains('off')`);
-  const curve = await place('.chart .plot');
-  await mouse('mouseMoved', curve.left + curve.width / 2 + 40, curve.top + curve.height / 2);
-  const said = await text('.chart .readout');
-  check('a series can be left out', off && !said.includes('best so far'), said);
+// What can be pressed can be hit with a finger (WCAG 2.5.8; links in sentences may be smaller).
+const checkTargets = async () => {
+  const small = await evaluate(`[...document.querySelectorAll('button, select, input, nav a, .sheet a, summary')].filter((it) => it.offsetWidth > 0)
+    .filter((it) => { const { width, height } = it.getBoundingClientRect(); return width < 24 || height < 24; }).map((it) => it.textContent || it.className).slice(0, 5)`);
+  check('what can be pressed is 24 pixels or larger', small.length === 0, small);
 };
 
 const checkSorting = async () => {
-  const column = (k) => `[...document.querySelector('table.robots').tBodies[0].rows].map((row) => row.cells[${k}].dataset.v)`;
+  const column = (k) => `[...document.querySelector('table.robots').tBodies[0].rows].map((row) => row.cells[${k}].textContent)`;
   const names = await evaluate(`[...document.querySelector('table.robots').tHead.rows[0].cells].map((c) => c.textContent)`);
   for (const name of ['fitness', 'voxels', 'generation', 'id']) {
     const k = names.indexOf(name);
@@ -267,7 +224,7 @@ const checkSorting = async () => {
     for (let clicks = 1; clicks <= 2; ++clicks) {
       await click(`table.robots th:nth-child(${k + 1}) button`);
       const order = await evaluate(`document.querySelector('table.robots').tHead.rows[0].cells[${k}].getAttribute('aria-sort')`);
-      const values = (await evaluate(column(k))).filter((value) => value !== '');
+      const values = (await evaluate(column(k))).filter((value) => !value.startsWith('failed'));
       const ranks = name === 'id' ? values : values.map(Number);
       const up = order === 'ascending' ? 1 : -1;
       const sorted = ranks.every((value, n) => n === 0 || value === ranks[n - 1] || value > ranks[n - 1] === (up > 0));
@@ -278,8 +235,7 @@ const checkSorting = async () => {
   }
   await click(`table.robots th:nth-child(${names.indexOf('fitness') + 1}) button`);
   const scores = await evaluate(column(names.indexOf('fitness')));
-  const failures = scores.filter((value) => value === '').length;
-  check('failed robots come last', scores.slice(scores.length - failures).every((value) => value === ''), scores);
+  check('failed robots come last', scores.at(-1).startsWith('failed') && !scores[0].startsWith('failed'), scores);
 };
 
 // Several runs: their curves side by side, each run folded until it is asked for.
@@ -292,9 +248,7 @@ const checkComparison = async () => {
   const levels = await evaluate(`[...document.querySelectorAll('main :is(h1, h2, h3, h4)')].map((it) => Number(it.tagName[1]))`);
   check('headings go down by one', levels[0] === 2 && levels.every((level, k) => k === 0 || level <= levels[k - 1] + 1), levels);
   await checkAccess('light');
-  const curve = await place('.chart .plot');
-  await mouse('mouseMoved', curve.left + curve.width / 2, curve.top + curve.height / 2);
-  const said = await text('.chart .readout');
+  const said = await hover('[data-name=best-so-far-Walker-v0] svg');
   check('hovering over the curves says the value of each run', (said.match(/\d\.\d+/g) ?? []).length >= 2, said);
   await click('details > summary');
   await evaluate(painted);
@@ -312,47 +266,35 @@ const checkPhone = async () => {
   check('nothing sticks out on a phone', width <= 390, width);
   const paper = await evaluate('getComputedStyle(document.body).backgroundColor');
   check('dark where the user wants it', paper === 'rgb(18, 22, 28)', paper);
-  await checkCharts();
+  await checkFirstScreen(2);
+  await checkTargets();
   await checkReplay('[data-cast]');
   await checkAccess('dark');
   await photograph('phone.png');
 };
 
 const checkPaper = async () => {
-  const map = await evaluate(`(() => {
-    dispatchEvent(new Event('beforeprint'));
-    const width = document.querySelector('.five > div')?.offsetWidth ?? Infinity;
-    dispatchEvent(new Event('afterprint'));
-    return width;
-  })()`);
-  check('on paper, too, the maps of voxels can be read', map === null || map >= 180, map);
-  // The first page has the champion, the verdict and the figures: A4 without its margins.
+  // A4 without its margins: nothing is cut at its right.
   await emulate({ width: 680, height: 1000, media: 'print' });
-  const used = await evaluate(`(() => {
-    document.body.classList.add('printing');
-    const tiles = document.querySelector('.tiles');
-    const bottom = tiles && !tiles.closest('details') ? tiles.getBoundingClientRect().bottom + scrollY : null;
-    document.body.classList.remove('printing');
-    return bottom;
-  })()`);
-  check('the first page on paper is well used', used === null || (used > 600 && used <= 1016), used);
+  const cut = await evaluate(`[...document.querySelectorAll('main :is(code, table, svg, .sheet)')].filter((it) => it.offsetWidth !== 0 && it.getBoundingClientRect().width > 0 &&
+    !it.closest('details:not([open])') && it.getBoundingClientRect().right > 681).map((it) => it.className.baseVal ?? it.className ?? it.tagName)`);
+  check('nothing is cut on paper', cut.length === 0, cut);
   await emulate({ calm: true });
   const { data } = await call('Page.printToPDF', { printBackground: true });
   keep('paper.pdf', data);
   const pages = Buffer.from(data, 'base64').toString('latin1').match(/\/Type\s*\/Page\b/g)?.length ?? 0;
-  const clean = await evaluate(`!document.querySelector('body.printing')`);
-  check('it prints, and is as before afterwards', pages >= 1 && clean, { pages, clean });
+  check('it prints', pages >= 1, pages);
 };
 
 try {
-  await open(1280, 1000, 'light');
+  await open(1280, 900, 'light');
   await photograph('desk.png');
   if (await evaluate(`document.querySelector('details') !== null`)) {
     await checkComparison();
   } else {
     await checkCharts();
     await checkMaps();
-    await checkOutliers();
+    await checkFirstScreen(1);
     await checkParts();
     await checkMotion();
     await checkReplay('[data-cast]');
@@ -360,10 +302,7 @@ try {
     await checkAccess('light');
     await checkKeyboard();
     await checkHovering();
-    await checkZooming();
-    await checkSeries();
     await checkCard();
-    await checkSaving();
     await checkSorting();
     await checkPhone();
   }

@@ -112,7 +112,9 @@ bool SequenceTraining::gait_is_next(const TrainingJob& job, const TrainResult& r
   return (turn % exception == 0) != ahead;
 }
 
-bool SequenceTraining::plans_are_next() const {
+// Plans improve on what attempts found: they wait until half of the steps are done.
+bool SequenceTraining::plans_are_next(const TrainingJob& job, const TrainResult& result) const {
+  if (2 * result.steps < job.settings.steps) return false;
   const std::int64_t turns = plans_pace_.turns + attempts_pace_.turns;
   if (turns < 2 * known || plans_pace_.per_step == attempts_pace_.per_step) return turns % 2 == 1;
   return (plans_pace_.per_step > attempts_pace_.per_step) == (turns % other_kind != 0);
@@ -146,7 +148,7 @@ void SequenceTraining::explore(const TrainingJob& job, TrainResult& result, Metr
   const std::int64_t left = job.settings.steps - evaluation_cost(job) - result.steps;
   const std::int64_t stretch = job.settings.evaluation_interval * job.settings.batch();
   const std::int64_t first = search_->levels() == 0 ? first_cost(job) : 0;
-  const bool plans = plans_are_next();
+  const bool plans = plans_are_next(job, result);
   result.steps += search_->explore(std::min(left, first + stretch), plans);
 
   // The episode from its beginning, whatever the archive says of it.

@@ -1,5 +1,5 @@
 // A motion as an SVG that plays for ever: a picture for a README, which needs no player and is
-// a few dozen kB.
+// 20 to 300 kB.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@ namespace evo::render {
 
 // The robot and what it carries. Where it has a gait over flat ground: the cycle between `from`
 // and `to` that ends nearest to how it began, seen by a camera that moves along with its centre,
-// over a floor whose marks go by. Else the two seconds in which most moves, there and back,
-// before what stands around. Shapes move by SMIL, so that the file also plays as an <img>;
-// colours follow the reader's scheme, light or dark. It fills `size` one way and is no larger.
+// over a floor whose cells go by. Else the two seconds in which most moves, or fewer within which
+// the robot goes eight voxels, there and back, before what stands around. Shapes move by SMIL, so
+// that the file also plays as an <img>; colours follow the reader's scheme, light or dark.
 std::string gait_loop(const Clip& clip, int from, int to, Size size, const std::string& title);
 
 }  // namespace evo::render

@@ -9,27 +9,8 @@
 namespace evo::render {
 namespace {
 
-// ---- widths, in voxels ----------------------------------------------------------------
-
-constexpr double outline_width = 0.12;  // surfaces of what moves
-constexpr double terrain_outline_width = 0.09;
-constexpr double seam_width = 0.045;
-constexpr double sign_width = 0.075;
+constexpr double sign_width = 0.075;      // voxels
 constexpr double least_sign_voxel = 7.0;  // pixels; smaller signs are dirt
-
-// An actuator's colour by how long it is now: darker when contracted, lighter
-// when expanded. Lightness is seen with any colour vision.
-Color tinted(Color color, Voxel type, const std::array<Vec2, 4>& p) {
-  constexpr double shortest = 0.6;  // of the rest length; the range of targets
-  constexpr double longest = 1.6;
-  constexpr double strength = 0.55;
-  const bool across = type == Voxel::horizontal;
-  const double length = across ? (distance(p[0], p[1]) + distance(p[2], p[3])) / 2
-                               : (distance(p[0], p[2]) + distance(p[1], p[3])) / 2;
-  if (length < 1)
-    return mix(color, {40, 24, 30}, strength * std::min(1.0, (1 - length) / (1 - shortest)));
-  return mix(color, {255, 255, 255}, strength * std::min(1.0, (length - 1) / (longest - 1)));
-}
 
 bool visible(const Projection& to_pixels, std::span<const Point> corners) {
   const Rect& panel = to_pixels.panel;
@@ -46,6 +27,18 @@ bool visible(const Projection& to_pixels, std::span<const Point> corners) {
 }
 
 }  // namespace
+
+Color tinted(Color color, Voxel type, const std::array<Vec2, 4>& p) {
+  constexpr double shortest = 0.6;  // of the rest length; the range of targets
+  constexpr double longest = 1.6;
+  constexpr double strength = 0.55;
+  const bool across = type == Voxel::horizontal;
+  const double length = across ? (distance(p[0], p[1]) + distance(p[2], p[3])) / 2
+                               : (distance(p[0], p[2]) + distance(p[1], p[3])) / 2;
+  if (length < 1)
+    return mix(color, {40, 24, 30}, strength * std::min(1.0, (1 - length) / (1 - shortest)));
+  return mix(color, {255, 255, 255}, strength * std::min(1.0, (length - 1) / (longest - 1)));
+}
 
 ObjectPainter::ObjectPainter(const Mesh& mesh, std::span<const Vec2> points,
                              const ObjectStyle& style, const Theme& theme,

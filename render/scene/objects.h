@@ -1,6 +1,7 @@
 // Bodies, packages and terrain: cells filled, the seams between them, outlines.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "render/scene/mesh.h"
@@ -9,6 +10,15 @@
 #include "render/scene/value_scale.h"
 
 namespace evo::render {
+
+// ---- widths, in voxels ----
+inline constexpr double outline_width = 0.12;  // surfaces of what moves
+inline constexpr double terrain_outline_width = 0.09;
+inline constexpr double seam_width = 0.045;
+
+// An actuator's colour by how long it is now: darker when contracted, lighter when expanded.
+// Lightness is seen with any colour vision. `p`: as ModelCell's points.
+Color tinted(Color color, Voxel type, const std::array<Vec2, 4>& p);
 
 struct ObjectStyle {
   bool tint = true;                 // actuators lighter when expanded, darker when contracted

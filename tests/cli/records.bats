@@ -211,6 +211,6 @@ evolve() {
 @test "README's picture is what evo-render draws of the record" {
   policy=$EVO_SOURCE/records/Walker-v0/policy.h5
   evo-eval -q --policy "$policy" --rollout r.h5 "$policy" > /dev/null
-  evo-render r.h5 --loop --size 480x480 -o walker.svg
+  evo-render r.h5 --loop --size 480x300 -o walker.svg
   cmp walker.svg "$EVO_SOURCE/docs/walker.svg"
 }

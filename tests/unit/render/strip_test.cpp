@@ -95,7 +95,7 @@ TEST_CASE("a gait is repeated for ever, and what is none goes there and back") {
   const std::string svg = gait_loop(clip, 60, 200, {320, 320}, "a <walk>");
   CHECK_THAT(svg, Contains("<title>a &lt;walk&gt;") && Contains("dur=\"0.40s\""));
   std::size_t shapes = 0;
-  for (std::size_t at = 0; (at = svg.find("<polygon", at)) != std::string::npos; ++at) ++shapes;
+  for (std::size_t at = 0; (at = svg.find("class=\"c r", at)) != std::string::npos; ++at) ++shapes;
   CHECK(static_cast<int>(shapes) == rollout.world.objects.front().cells);
   // As many pictures as steps, and the first again.
   const std::size_t first = svg.find("values=\"");
@@ -103,8 +103,12 @@ TEST_CASE("a gait is repeated for ever, and what is none goes there and back") {
   CHECK(std::ranges::count(values, ';') == 20);
   // Too short for a gait: every second step, there and back, before the ground.
   const std::string back = gait_loop(clip, 0, 15, {320, 320}, "a start");
-  CHECK_THAT(back, Contains("dur=\"0.56s\"") && Contains("<polygon class=\"p e\""));
+  CHECK_THAT(back, Contains("dur=\"0.56s\"") && Contains("<polygon class=\"c w\""));
   CHECK_NOTHROW(gait_loop(clip, 7, 7, {320, 320}, "a moment"));
+  // A bridge is no ground, and is drawn.
+  const Rollout bridge = swinging(example::simulate("BridgeWalker-v0", example::walker, 200), 20);
+  CHECK_THAT(gait_loop(Clip({&bridge, 0, ""}, {}, 1.0), 60, 200, {320, 320}, "a bridge"),
+             Contains("class=\"c oS\""));
   CHECK_THAT(gait_loop(clip, 0, 15, {320, 60}, "a flat one"), Contains(" height=\"60\""));
 }
 

@@ -62,6 +62,8 @@ Json facts(const TaskSpec& task) {
     rules.push_back({{"when", conditions_to_words(rule.when, task.physics)},
                      {"reward", rule.reward},
                      {"ends", rule.terminate}});
+  if (task.step_cost != 0.0)
+    rules.push_back({{"when", "every step"}, {"reward", -task.step_cost}, {"ends", false}});
   return {{"name", task.name},
           {"description", task.description},
           {"difficulty", task.difficulty},
@@ -71,8 +73,7 @@ Json facts(const TaskSpec& task) {
           {"observation", observation},
           {"reward", reward},
           {"rules", rules},
-          {"folding", task.folding_reward},
-          {"random", !task.draws.empty() || task.goals.has_value()}};
+          {"folding", task.folding_reward}};
 }
 
 // The same task with a part of its reward only.
@@ -90,7 +91,7 @@ struct Share {
   Episode episode;
 };
 
-enum class Ended { no, by_rule, by_time, with_sequence, folded };
+enum class Ended { no, by_rule, by_time, with_sequence, folded, at_goal };
 
 // Of evo_counts().
 enum Count : std::size_t { total, reward, steps, ended, folding, rules, terms };
@@ -126,10 +127,6 @@ struct evo_player {
       controller =
           evo::travelling_wave(actuators, document.at("amplitude").number(),
                                document.at("period").number(), document.at("phase").number());
-    } else if (kind == "rest") {
-      evo::SineController rest = evo::travelling_wave(actuators, 0.0, 1.0, 0.0);
-      rest.middle = 1.0;
-      controller = rest;
     } else {
       evo::TrainedController read = evo::read_controller(document);
       check_lengths(read);
@@ -168,12 +165,10 @@ struct evo_player {
                read);
   }
 
-  void reset(std::uint64_t seed, std::uint64_t episode, double jitter,
-             const std::optional<evo::Draws>& draws) {
-    env.reset(0, {draws ? *draws : arena.draw(seed, episode), jitter,
-                  evo::derive_seed(seed, "jitter", episode)});
-    for (Share& each : shares)
-      each.episode = {draws ? *draws : arena.draw(seed, episode), 0, 0, {}};
+  void reset(std::uint64_t seed, const std::optional<evo::Draws>& given) {
+    const evo::Draws draws = given ? *given : arena.draw(seed, 0);
+    env.reset(0, {draws, 0.0, 0});
+    for (Share& each : shares) each.episode = {draws, 0, 0, {}};
     std::fill(counts.begin(), counts.end(), 0.0);
     std::fill(targets.begin(), targets.end(), 1.0);
     look(now);
@@ -211,16 +206,17 @@ struct evo_player {
     counts[Count::total] += env.rewards()[0];
     counts[Count::steps] = env.steps(0);
     if (folded) counts[Count::folding] += arena.task().folding_reward;
+    const double ruled = counts[Count::rules] - arena.task().step_cost;
     for (std::size_t i = 0; i < shares.size(); ++i)
       counts[Count::rules + i] += evo::judge(*shares[i].arena, env.model(0), shares[i].episode,
                                              before, now, targets, folded)
                                       .reward;
-    counts[Count::ended] = static_cast<double>(how_it_ended(folded));
+    counts[Count::ended] = static_cast<double>(how_it_ended(folded, counts[Count::rules] > ruled));
   }
 
-  Ended how_it_ended(bool folded) const {
+  Ended how_it_ended(bool folded, bool paid) const {
     if (folded) return Ended::folded;
-    if (env.terminated()[0] != 0) return Ended::by_rule;
+    if (env.terminated()[0] != 0) return paid ? Ended::at_goal : Ended::by_rule;
     if (env.truncated()[0] != 0) return Ended::by_time;
     const auto* sequence = std::get_if<evo::ReplayController>(&controller);
     if (sequence != nullptr && env.steps(0) >= sequence->steps()) return Ended::with_sequence;
@@ -296,8 +292,6 @@ int evo_describe(const evo_player* player) {
     answer() = evo::compact({{"task", arena.task().name},
                              {"robot", evo::robot_to_document(player->robot)},
                              {"steps", arena.task().episode_steps},
-                             {"actuators", arena.action_length()},
-                             {"observation", arena.observation_length()},
                              {"points", model.points()},
                              {"voxel", arena.task().physics.voxel_length},
                              {"objects", objects},
@@ -311,13 +305,12 @@ int evo_control(evo_player* player, const char* controller) {
   return guarded([&] { player->control(evo::Node::json(controller, "controller")); });
 }
 
-int evo_reset(evo_player* player, std::uint32_t seed, std::uint32_t episode, double jitter,
-              const char* draws) {
+int evo_reset(evo_player* player, std::uint32_t seed, const char* draws) {
   return guarded([&] {
     std::optional<evo::Draws> given;
     if (draws != nullptr)
       given = evo::read_draws(evo::Node::json(draws, "draws"), player->arena.task());
-    player->reset(seed, episode, jitter, given);
+    player->reset(seed, given);
   });
 }
 
@@ -329,9 +322,5 @@ int evo_step(evo_player* player, int most) {
 
 const double* evo_positions(const evo_player* player) {
   return reinterpret_cast<const double*>(player->env.positions(0).data());
-}
-const double* evo_targets(const evo_player* player) { return player->targets.data(); }
-const double* evo_observation(const evo_player* player) {
-  return player->env.observations().data();
 }
 const double* evo_counts(const evo_player* player) { return player->counts.data(); }

@@ -18,35 +18,31 @@ EVO_EXPORTED int evo_mutate(const char* robot, double rate, std::uint32_t seed);
 // A task by name, as YAML, or as a world of the benchmark's design tool (JSON), which becomes
 // the task that `evo-convert` would draft. Answers {"name", "description", "difficulty",
 // "notes", "steps", "yaml", "observation": [words], "reward": [{"formula", "words", "weight",
-// "when"}], "rules": [..], "folding", "random": whether episodes differ by seed}.
+// "when"}], "rules": [..], "folding"}.
 EVO_EXPORTED int evo_task(const char* task);
 
 // A robot placed in a task, before its first reset; nothing where that failed.
 EVO_EXPORTED evo_player* evo_open(const char* task, const char* robot);
 EVO_EXPORTED void evo_close(evo_player* player);
-// Answers {"task", "robot": document, "steps", "actuators", "observation": length,
-// "points", "objects": [{"name", "first", "points", "static"}], "cells": [[object, letter,
-// top left, top right, bottom left, bottom right]..], "follow": [objects], "terms": [name..]}.
+// Answers {"task", "robot": document, "steps", "points", "objects": [{"name", "first", "points",
+// "static"}], "cells": [[object, letter, top left, top right, bottom left, bottom right]..],
+// "follow": [objects], "terms": [name..], "voxel": its length}.
 EVO_EXPORTED int evo_describe(const evo_player* player);
 
 // What drives the robot, JSON: {"kind": "wave", "amplitude", "period", "phase"} is `--actions
-// sine:..`;
-// {"kind": "rest"} holds every target at 1; else a policy as `evo-convert --to json` writes it.
+// sine:..`; else a policy as `evo-convert --to json` writes it.
 EVO_EXPORTED int evo_control(evo_player* player, const char* controller);
-// Begins episode `episode` of a seed, as evo-eval does. `draws`, or null: JSON of what the
-// task would draw.
-EVO_EXPORTED int evo_reset(evo_player* player, std::uint32_t seed, std::uint32_t episode,
-                           double jitter, const char* draws);
+// Begins the first episode of a seed, as evo-eval does. `draws`, or null: JSON of what the task
+// would draw.
+EVO_EXPORTED int evo_reset(evo_player* player, std::uint32_t seed, const char* draws);
 // Control steps until `most` were taken or the episode is over.
 EVO_EXPORTED int evo_step(evo_player* player, int most);
 
 // Where the numbers are, until the player is closed.
 EVO_EXPORTED const double* evo_positions(const evo_player* player);  // [points][2], raw units
-EVO_EXPORTED const double* evo_targets(const evo_player* player);  // [actuators], of the last step
-EVO_EXPORTED const double* evo_observation(const evo_player* player);
 // {return, last reward, steps, ended, folding, rules, terms..}: `ended` is 0 while the episode
-// goes on, 1 by a rule, 2 by the time limit, 3 with the sequence, 4 by self-folding; the others
-// are what each part of the reward has added to the return so far.
+// goes on, 1 by a rule, 2 by the time limit, 3 with the sequence, 4 by self-folding, 5 by a rule
+// that pays; the others are what each part of the reward has added to the return so far.
 EVO_EXPORTED const double* evo_counts(const evo_player* player);
 
 }  // extern "C"

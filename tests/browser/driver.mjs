@@ -91,13 +91,13 @@ export const launch = async (program, profile, { offline = false } = {}) => {
     await call('Input.dispatchKeyEvent', { type: 'keyDown', key, windowsVirtualKeyCode: code, ...(text ? { text } : {}) });
     await call('Input.dispatchKeyEvent', { type: 'keyUp', key, windowsVirtualKeyCode: code });
   };
-  // A finger along the middles of elements.
-  const swipe = async (selectors) => {
-    const { x, y } = await place(selectors[0]);
+  // A finger from the middle of what a selector finds, so many pixels up; a tap, where none.
+  const swipe = async (selector, up = 0) => {
+    const { x, y } = await place(selector);
     await call('Input.dispatchTouchEvent', { type: 'touchStart', touchPoints: [{ x, y }] });
-    for (const selector of selectors.slice(1)) {
-      const at = await evaluate(`(({ left, top, width, height }) => ({ x: left + width / 2, y: top + height / 2 }))(document.querySelector(${JSON.stringify(selector)}).getBoundingClientRect())`);
-      await call('Input.dispatchTouchEvent', { type: 'touchMove', touchPoints: [at] });
+    for (let moved = 0; moved < up; moved += 15) {
+      await call('Input.dispatchTouchEvent', { type: 'touchMove', touchPoints: [{ x, y: y - moved - 15 }] });
+      await new Promise((done) => setTimeout(done, 20));
     }
     await call('Input.dispatchTouchEvent', { type: 'touchEnd', touchPoints: [] });
   };

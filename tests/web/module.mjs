@@ -1,7 +1,7 @@
 // module.mjs ROOT BUILD CASES: the WebAssembly build against the tools, bit for bit (CASES is
 // what tests/web/cases wrote). Says what differs; status 1 then.
 import { readFileSync } from 'node:fs';
-import { dataFiles, loadScripts, read } from './native.mjs';
+import { dataFiles, loadScripts, read } from '../../bindings/web/native.mjs';
 
 const [root, build, cases] = process.argv.slice(2);
 loadScripts(root);

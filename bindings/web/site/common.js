@@ -1,4 +1,4 @@
-// What the pages share.
+// Small helpers of the page.
 'use strict';
 Evo.element = (name, attributes = {}, ...children) => {
   const made = document.createElement(name);
@@ -7,11 +7,7 @@ Evo.element = (name, attributes = {}, ...children) => {
   return made;
 };
 Evo.id = (name) => document.getElementById(name);
-Evo.number = (value) => {
-  if (!Number.isFinite(value)) return '–';
-  const rounded = Math.round(value * 1000) / 1000;
-  return (Object.is(rounded, -0) ? 0 : rounded).toString().replace('-', '−');
-};
+Evo.number = (value) => Number.isFinite(value) ? value.toFixed(3).replace(/^-(?=.*[1-9])/, '−').replace('-', '') : '–';
 Evo.calm = matchMedia('(prefers-reduced-motion: reduce)');
 // The module unpacked, for this page and for Workers.
 Evo.moduleBytes = () => Evo.unpacked ??= (async () => {
@@ -20,16 +16,13 @@ Evo.moduleBytes = () => Evo.unpacked ??= (async () => {
 })();
 // A script of this site; records come this way, as pages from disk may not read files.
 Evo.loaded = {};
+Evo.controllers = {};  // of records, by name
 Evo.loadScript = (path) => Evo.loaded[path] ??= new Promise((done, failed) => {
   const script = Evo.element('script', { src: path });
   script.onload = done;
   script.onerror = () => failed(new Error(`${path}: cannot be loaded; the folder of this site is not complete`));
   document.head.append(script);
 });
-// Calls once with an element when it comes near the view, and with `away` when it leaves.
-Evo.whenSeen = (node, seen, away) => new IntersectionObserver((entries) => {
-  for (const entry of entries) if (entry.isIntersecting) seen(); else away?.();
-}, { rootMargin: '120px' }).observe(node);
 Evo.copy = async (button, text) => {
   const label = button.textContent;
   try {
@@ -45,4 +38,3 @@ Evo.copy = async (button, text) => {
   button.textContent = 'Copied';
   setTimeout(() => { button.textContent = label; }, 1400);
 };
-Evo.fullBody = ['RHHHR', 'VSSSV', 'VHRHV', 'V...V', 'V...V'];

@@ -73,13 +73,10 @@ globalThis.Evo.load = async (bytes, files) => {
     return {
       ...facts,
       control: (controller) => ask('evo_control', player, typeof controller === 'string' ? controller : JSON.stringify(controller)),
-      reset: ({ seed = 0, episode = 0, jitter = 0, draws = null } = {}) =>
-        ask('evo_reset', player, seed, episode, jitter, draws && JSON.stringify(draws)),
+      reset: ({ seed = 0, draws = null } = {}) => ask('evo_reset', player, seed, draws && JSON.stringify(draws)),
       step: (most = 1) => ask('evo_step', player, most),
       // Views into the module's memory: valid until the next call of anything.
       positions: () => view(exports.evo_positions(player), 2 * facts.points),
-      targets: () => view(exports.evo_targets(player), facts.actuators),
-      observed: () => view(exports.evo_observation(player), facts.observation),
       counts: () => {
         const all = view(exports.evo_counts(player), 6 + facts.terms.length);
         return { total: all[0], reward: all[1], steps: all[2], ended: all[3], folding: all[4], rules: all[5], terms: [...all.subarray(6)] };
@@ -96,4 +93,4 @@ globalThis.Evo.load = async (bytes, files) => {
   };
 };
 // How an episode ended, by counts().ended.
-globalThis.Evo.endings = ['', 'a rule of the task', 'time is up', 'the sequence is over', 'the robot folded onto itself'];
+globalThis.Evo.endings = ['', 'over: a rule of the task', 'over: time is up', 'over: the sequence is', 'over: the robot folded onto itself', 'goal reached'];

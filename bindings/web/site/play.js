@@ -7,7 +7,8 @@ Evo.playPage = (evo) => {
   const nameOf = Object.fromEntries(materials.map(([letter, name]) => [letter, name.toLowerCase()]));
   const begin = { task: 'Walker-v0', body: Evo.firstRobot.body, gait: Evo.firstRobot.gait };
   // `other`: a policy instead of the rhythm, from a record or a `file` of that name.
-  const state = { ...begin, other: null, about: '', record: null, file: null, start: {}, material: 'H' };
+  const state = { ...begin, other: null, about: '', record: null, file: null, start: {} };
+  let material = 'H';
   const message = id('message');
   let worker = null;
 
@@ -16,16 +17,27 @@ Evo.playPage = (evo) => {
   const told = (theatre) => {
     const { total, steps, ended, terms, rules, folding } = theatre.player.counts();
     id('return').textContent = number(total);
-    id('moment').textContent = `step ${steps} of ${theatre.player.steps}` + (ended ? ` · over: ${Evo.endings[ended]}` : '');
+    id('moment').textContent = `step ${steps} of ${theatre.player.steps}` + (ended ? ` · ${Evo.endings[ended]}` : '');
+    if (ended) earned = total;
+    showGoal();
     id('play').textContent = theatre.playing ? 'Pause' : 'Play';
     [...terms, rules, folding].forEach((value, k) => { if (cells[k]) cells[k].textContent = number(value); });
   };
+  let cells = [], earned = null;  // by the last whole episode of this robot
   const theatre = new Evo.Player(id('stage'), told);
-  let cells = [];
+  // What is to be beaten: what was published on the task, then the record.
+  const showGoal = () => {
+    const known = Evo.tasks.find(({ name }) => name === (state.other?.task ?? state.task));
+    const goals = known ? [['the paper', known.paper], ['the record', known.fitness]].sort((a, b) => a[1] - b[1]) : [];
+    const [beaten, next] = [goals.filter(([, value]) => earned > value), goals.find(([, value]) => !(earned > value))];
+    id('goal').textContent = earned !== null && earned === known?.fitness ? 'the record, to the last bit'
+      : [...beaten.slice(-1).map(([name]) => `beats ${name}`), ...(next ? [`to beat: ${number(next[1])} (${next[0]})`] : [])].join('; ');
+    id('goal').classList.toggle('beaten', beaten.length > 0);
+  };
   const showTerms = (facts) => {
     cells = [];
     const row = (what, more) => {
-      const value = element('td', { class: 'number' }, '0');
+      const value = element('td', { class: 'number' }, number(0));
       cells.push(value);
       return element('tr', {}, element('td', {}, what, ...(more ? [element('br'), element('small', {}, more)] : [])), value);
     };
@@ -52,6 +64,7 @@ Evo.playPage = (evo) => {
       player = evo.open(state.task, { body: state.body });
       player.control(controller());
       const was = theatre.playing;
+      earned = null;
       theatre.show(player, state.start);
       state.facts = facts;
       id('stage').setAttribute('aria-label', `The robot at ${facts.name}`);
@@ -67,13 +80,53 @@ Evo.playPage = (evo) => {
       return false;
     }
     remember();
+    keep(worker);
     return true;
   };
-  const rhythm = () => {  // a change of the rhythm alone: from the start, without a new world
+  const rhythm = (slider) => {  // a change of the rhythm alone: from the start, without a new world
+    earned = null;
     theatre.player?.control(controller());
     theatre.restart();
     remember();
+    keep(slider);
   };
+
+  // ---- undo -------------------------------------------------------------------------------
+
+  const undoable = ['task', 'body', 'gait', 'other', 'about', 'record', 'file', 'start'];
+  const past = [], future = [];
+  let shown = null, keptBy = null;
+  // Changes `by` one slider, or one evolution, are undone as one.
+  const keep = (by) => {
+    if (shown && undoable.every((name) => shown[name] === state[name])) return;
+    if (shown && !(by && by === keptBy)) past.push(shown);
+    future.length = 0;
+    keptBy = by;
+    shown = { ...state };
+    showUndo();
+  };
+  const showUndo = () => { id('undo').disabled = !past.length; id('redo').disabled = !future.length; };
+  const travel = (from, to) => {
+    if (!from.length) return;
+    stopEvolving();
+    to.push(shown);
+    keptBy = null;
+    Object.assign(state, shown = from.pop());
+    drawGrid();
+    showGait();
+    showOther();
+    showTask();
+    build();
+    showUndo();
+  };
+  id('undo').addEventListener('click', () => travel(past, future));
+  id('redo').addEventListener('click', () => travel(future, past));
+  addEventListener('keydown', (event) => {
+    const key = event.key.toLowerCase();
+    if (!(event.ctrlKey || event.metaKey) || event.altKey || !['z', 'y'].includes(key) || event.target.matches('textarea')) return;
+    event.preventDefault();
+    if (key === 'y' || event.shiftKey) travel(future, past); else travel(past, future);
+  });
 
   id('play').addEventListener('click', () => theatre.playing ? theatre.pause() : theatre.play());
   id('stage').addEventListener('click', () => theatre.playing ? theatre.pause() : theatre.play());
@@ -101,7 +154,7 @@ Evo.playPage = (evo) => {
   });
   id('materials').append(...picks);
   const choose = (letter) => {
-    state.material = letter;
+    material = letter;
     picks.forEach((pick, k) => {
       pick.setAttribute('aria-checked', String(materials[k][0] === letter));
       pick.tabIndex = materials[k][0] === letter ? 0 : -1;
@@ -132,23 +185,23 @@ Evo.playPage = (evo) => {
     if (!fitsAny()) dropOther();
     stopEvolving();
     build();
+    keep();  // also a body that cannot be used, yet
   };
-  let drawing = false;
-  const under = (event) => document.elementFromPoint(event.clientX, event.clientY)?.closest?.('#grid button');
+  // A mouse draws along its way; a finger that moves scrolls, its tap is a click.
+  let drawn = false;
   const drawAt = (event) => {
-    const hit = under(event);
-    if (hit && put(Number(hit.dataset.r), Number(hit.dataset.c), state.material)) drawing = 'changed';
+    const hit = document.elementFromPoint(event.clientX, event.clientY)?.closest('#grid button');
+    if (hit) drawn = put(Number(hit.dataset.r), Number(hit.dataset.c), material) || drawn;
   };
+  const endDrawing = () => { if (drawn) changed(); drawn = false; };
   grid.addEventListener('pointerdown', (event) => {
-    if (!under(event)) return;
+    if (event.pointerType !== 'mouse') return;
     grid.setPointerCapture(event.pointerId);
-    drawing = drawing || 'begun';
     drawAt(event);
   });
-  grid.addEventListener('pointermove', (event) => { if (drawing) drawAt(event); });
-  const endDrawing = () => { if (drawing === 'changed') changed(); drawing = false; };
+  grid.addEventListener('pointermove', (event) => { if (event.pointerType === 'mouse' && event.buttons) drawAt(event); });
   grid.addEventListener('pointerup', endDrawing);
-  grid.addEventListener('pointercancel', endDrawing);
+  grid.addEventListener('click', (event) => { drawAt(event); endDrawing(); });
   grid.addEventListener('keydown', (event) => {
     const [r, c] = focused;
     const move = { ArrowRight: [0, 1], ArrowLeft: [0, -1], ArrowDown: [1, 0], ArrowUp: [-1, 0], Home: [0, -99], End: [0, 99] }[event.key];
@@ -161,7 +214,7 @@ Evo.playPage = (evo) => {
     } else {
       const key = event.key.toUpperCase();
       const letter = event.ctrlKey || event.metaKey || event.altKey ? null
-        : 'RSHV.'.includes(key) && key.length === 1 ? key : ['Delete', 'Backspace', '0'].includes(event.key) ? '.' : [' ', 'Enter'].includes(event.key) ? state.material : null;
+        : 'RSHV.'.includes(key) && key.length === 1 ? key : ['Delete', 'Backspace', '0'].includes(event.key) ? '.' : [' ', 'Enter'].includes(event.key) ? material : null;
       if (letter === null) return;
       if (put(r, c, letter)) changed();
     }
@@ -196,7 +249,7 @@ Evo.playPage = (evo) => {
   // ---- the rhythm -------------------------------------------------------------------------
 
   const sliders = ['amplitude', 'period', 'phase'];
-  const units = [(v) => `±${Math.round(100 * v)} %`, (v) => `${v} steps`, (v) => `${Math.round(v * 180 / Math.PI)}°`];
+  const units = [(v) => `±${Math.round(100 * v)} %`, (v) => `${Math.round(10 * v) / 10} steps`, (v) => `${Math.round(v * 180 / Math.PI)}°`];
   const showGait = () => sliders.forEach((name, k) => {
     id(name).value = state.gait[k];
     id(`${name}-value`).textContent = units[k](state.gait[k]);
@@ -205,7 +258,7 @@ Evo.playPage = (evo) => {
     state.gait = state.gait.map((value, n) => n === k ? Number(id(name).value) : value);
     id(`${name}-value`).textContent = units[k](state.gait[k]);
     stopEvolving();
-    rhythm();
+    rhythm(name);
   }));
   const showOther = () => {
     id('gait-wave').hidden = Boolean(state.other);
@@ -336,26 +389,26 @@ Evo.playPage = (evo) => {
 
   const isNamed = () => Evo.tasks.some(({ name }) => name === state.task);
   const address = () => {
-    if (state.record) return `#play?record=${state.record}` + (isItsOwn() ? '' : `&body=${state.body.join('-')}`);
-    if (state.other) return '#play';  // a file is more than an address holds
+    if (state.record) return `#record=${state.record}` + (isItsOwn() ? '' : `&body=${state.body.join('-')}`);
+    if (state.other) return '#';  // a file is more than an address holds
     const task = isNamed() ? `task=${state.task}` : `own=${encodeURIComponent(state.task)}`;
-    return `#play?${task}&body=${state.body.join('-')}&gait=${state.gait.join(',')}`;
+    return `#${task}&body=${state.body.join('-')}&gait=${state.gait.join(',')}`;
   };
-  const drawn = () => `printf '${state.body.join('\\n')}\\n' |\n  `;
+  const bodyPrinted = () => `printf '${state.body.join('\\n')}\\n' |\n  `;
   const command = () => {
     const policy = state.record ? `records/${state.record}/policy.h5` : state.file;
-    if (fitsAny() && !isItsOwn()) return `${drawn()}evo-eval --policy ${policy}`;
+    if (fitsAny() && !isItsOwn()) return `${bodyPrinted()}evo-eval --policy ${policy}`;
     if (state.record) return `evo-eval --policy ${policy} ${policy}`;
     if (state.other) return `evo-eval --policy ${policy} ${policy}`;
     const task = isNamed() ? state.task : './task.yaml';
-    return `${drawn()}evo-eval --task ${task} --actions sine:${state.gait.join(',')}`;
+    return `${bodyPrinted()}evo-eval --task ${task} --actions sine:${state.gait.join(',')}`;
   };
   const remember = () => {
     id('command').textContent = command();
     id('copy-link').disabled = Boolean(state.other && !state.record);
     id('copy-link').title = id('copy-link').disabled ? 'A link cannot carry a file; pass the file on.' : '';
     id('command-about').textContent = isNamed() || state.other ? 'The same robot with the tools:' : 'The same robot with the tools, once the task is saved as task.yaml:';
-    if (location.hash !== address() && Evo.page === 'play') history.replaceState(null, '', address());
+    if (location.hash !== address()) history.replaceState(null, '', address());
   };
   // The robot as evo-eval would write it, with the return of a whole episode.
   const robotDocument = () => {
@@ -445,7 +498,7 @@ Evo.playPage = (evo) => {
     const given = new URLSearchParams(query);
     const record = given.get('record'), body = given.get('body')?.split('-');
     if (record) {
-      const known = Evo.records.find(({ name }) => name === record);
+      const known = Evo.tasks.find(({ name }) => name === record);
       if (!known) { say(`There is no record '${record}'.`); return; }
       await Evo.loadScript(`records/${record}.js`);
       const policy = Evo.controllers[record];
@@ -472,7 +525,8 @@ Evo.playPage = (evo) => {
         say(why);
       }
     }
-    if (!Evo.calm.matches) theatre.play();
+    if (given.has('evolve')) evolve();
+    else if (!Evo.calm.matches) theatre.play();
   };
-  return { show: restore, hide: () => { theatre.pause(); stopEvolving(); }, open: useFile };
+  return { show: restore, open: useFile };
 };

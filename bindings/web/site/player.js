@@ -55,13 +55,13 @@ Evo.Player = class {
       try {
         if (steps > 1) this.player.step(steps - 1);
         if (steps > 0) { this.before = this.player.positions().slice(); this.player.step(1); }
-        this.draw(this.over ? 1 : this.due);
+        this.draw(this.over ? 1 : this.due, passed);
       } catch (refusal) { this.failed = refusal; this.pause(); throw refusal; }
     }
     requestAnimationFrame(this.tick);
   }
-  // `share`: of the way from the step before to the last one.
-  draw(share = 1) {
+  // `share`: of the way from the step before to the last one. `passed`: seconds since the last frame.
+  draw(share = 1, passed = Infinity) {
     const { player, canvas, before } = this;
     if (!player || !canvas.clientWidth) return;
     const raw = player.positions(), voxel = player.voxel;
@@ -74,8 +74,7 @@ Evo.Player = class {
       return [cx / points, cy / points];
     };
     const centres = (this.followed.length ? this.followed : player.objects.slice(0, 1)).map(centre);
-    const glide = this.playing ? 0.12 : 1;
-    Evo.Stage.paint(canvas, this.scene, x, y, this.view.at(canvas, centres, this.zoom, glide), this.colors);
+    Evo.Stage.paint(canvas, this.scene, x, y, this.view.at(canvas, centres, this.zoom, passed), this.colors);
     this.told(this);
   }
   close() { this.playing = false; this.player?.close(); this.player = null; }

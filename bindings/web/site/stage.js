@@ -55,10 +55,8 @@
     g.font = colors.font;
     g.fillStyle = colors.text;
     g.textAlign = 'center';
-    if (low * scale < -18) {
-      const every = scale >= 14 ? 5 : scale >= 6 ? 10 : 20;
-      for (let k = Math.ceil(left / every) * every; k < right; k += every) if (k >= 0) g.fillText(k, X(k), Y(0) + 15);
-    }
+    const every = scale >= 14 ? 5 : scale >= 6 ? 10 : 20;
+    for (let k = Math.ceil(left / every) * every; low * scale < -18 && k < right; k += every) if (k >= 0) g.fillText(k, X(k), Y(0) + 15);
     for (const { at, label } of marks) {
       if (at < left || at > right) continue;
       g.strokeStyle = g.fillStyle = colors.mark;
@@ -98,6 +96,15 @@
     g.beginPath();
     for (const [a, b] of scene.outline) { g.moveTo(X(x[a]), Y(y[a])); g.lineTo(X(x[b]), Y(y[b])); }
     g.stroke();
+    // Heights, over whatever stands there.
+    g.textAlign = 'right';
+    for (let k = Math.max(every, Math.ceil(low / every) * every); Y(k) > 30; k += every) {
+      g.fillStyle = colors.sky;
+      g.fillRect(width - 32, Y(k) - 8, 32, 16);
+      g.fillStyle = colors.text;
+      g.fillText(k, width - 10, Y(k) + 4);
+      g.fillRect(width - 7, Y(k), 7, 1);
+    }
     if (outlined.length) {
       g.strokeStyle = colors.mark;
       g.lineWidth = Math.max(2, 0.16 * scale);
@@ -137,21 +144,23 @@
     return { fixed, objects, body, outline: [...edges.values()].filter(Boolean) };
   };
 
-  // Keeps what the task follows in view, without haste.
+  // Follows what the task follows without haste, by `passed` seconds, and never loses it: it stays
+  // in the middle half of the picture.
   const camera = () => {
     let x, y, span;
     return {
       reset() { x = undefined; },
-      at(canvas, centres, zoom, glide = 0.12) {
-        const width = canvas.clientWidth, height = canvas.clientHeight;
+      at(canvas, centres, zoom, passed) {
+        const width = canvas.clientWidth, height = canvas.clientHeight, aspect = height / width;
         const xs = centres.map((c) => c[0]), ys = centres.map((c) => c[1]);
-        const wide = Math.max(...xs) - Math.min(...xs), high = Math.max(...ys) - Math.min(...ys);
-        const wantX = (Math.max(...xs) + Math.min(...xs)) / 2, wantY = (Math.max(...ys) + Math.min(...ys)) / 2;
-        const aspect = height / width;
-        const wantSpan = Math.max(Math.min(26, 15 / aspect), wide + 10, (high + 8) / aspect);
-        if (x === undefined) { x = wantX; y = wantY; span = wantSpan; }
-        x += (wantX - x) * glide; y += (wantY - y) * glide; span += (wantSpan - span) * glide;
+        const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+        const wanted = Math.max(Math.min(26, 15 / aspect), right - left + 10, (high - low + 8) / aspect);
+        const glide = x === undefined ? 1 : 1 - Math.exp(-8 * passed);
+        const follow = (at, to, room) => Math.min(to + room, Math.max(to - room, at + (to - at) * glide));
+        span = follow(span ?? wanted, wanted, wanted / 4);
         const scale = width / span * zoom;
+        x = follow(x ?? 0, (left + right) / 2, width / scale / 4);
+        y = follow(y ?? 0, (low + high) / 2, height / scale / 4);
         return { left: x - width / scale / 2, low: Math.max(-1.6, y - height / scale * 0.45), scale };
       },
     };

@@ -1,12 +1,11 @@
-// What Node and a browser need to run the modules, and the cases that both have to play as the
-// tools do.
+// What Node needs to run the modules: for the site's pages and for tests.
 import { readFileSync, readdirSync } from 'node:fs';
 import vm from 'node:vm';
 
 export const read = (root, path) => readFileSync(`${root}/${path}`, 'utf8');
 export const scripts = ['/usr/share/nodejs/js-yaml/dist/js-yaml.min.js'];
 
-// The files that tasks are found in, as the site embeds them.
+// The files that tasks are found in.
 export const dataFiles = (root) => Object.fromEntries(['tasks', 'tasks/physics'].flatMap((folder) =>
   readdirSync(`${root}/${folder}`).filter((name) => name.endsWith('.yaml')).map((name) => [`${folder}/${name}`, read(root, `${folder}/${name}`)])));
 

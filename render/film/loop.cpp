@@ -146,7 +146,7 @@ std::string rules(const Theme& theme, double scale) {
   std::string text = line_rule("c", theme.seam, seam_width * scale) +
                      line_rule("l", theme.outline, outline_width * scale) +
                      line_rule("f", theme.fixed_outline, terrain_outline_width * scale) +
-                     line_rule("g", theme.grid_major, 1.0);
+                     line_rule("g", theme.grid_minor, 1.0);
   const auto add = [&](const std::string& name, const char* property, Color color) {
     text += fmt::format(".{}{{{}:{}}}", name, property, hex(color));
   };

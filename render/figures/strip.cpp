@@ -118,17 +118,42 @@ std::vector<Vec2> composed(const Clip& clip, const std::vector<int>& moments,
   return points;
 }
 
+// Of those that travel, the ones to be drawn at each moment but the last: a heap of what hardly
+// moved shows nothing, so that only the first stands where others would lie on it.
+std::vector<std::vector<bool>> apart(const Clip& clip, const std::vector<int>& moments,
+                                     const std::vector<bool>& travels) {
+  constexpr double least = 0.5;  // of its size
+  std::vector<std::vector<bool>> drawn(moments.size() - 1, travels);
+  for (std::size_t k = 0; k < travels.size(); ++k) {
+    const ModelObject& object = clip.mesh().objects[k];
+    const Bounds size = extent_of(clip, moments.front(), object);
+    const auto near = [&](Vec2 a, Vec2 b) {
+      return std::hypot(a.x - b.x, a.y - b.y) < least * std::max(size.width(), size.height());
+    };
+    Vec2 before = middle_of(clip, moments.front(), object);
+    for (std::size_t m = 1; m < drawn.size(); ++m) {
+      const Vec2 here = middle_of(clip, moments[m], object);
+      drawn[m][k] =
+          travels[k] && !near(here, before) && !near(here, middle_of(clip, moments.back(), object));
+      if (drawn[m][k]) before = here;
+    }
+  }
+  return drawn;
+}
+
 Scene panorama(const Clip& clip, const std::vector<int>& moments) {
   constexpr double palest = 0.62;
   Scene scene = clip.scene(moments.back());
   scene.travels = travelling(clip, moments);
   scene.points = composed(clip, moments, scene.travels);
+  const auto drawn = apart(clip, moments, scene.travels);
   const auto intervals = static_cast<double>(std::max<std::size_t>(1, moments.size() - 1));
   for (std::size_t k = 0; k + 1 < moments.size(); ++k) {
     const auto then = clip.points(moments[k]);
     scene.ghosts.push_back({{then.begin(), then.end()},
                             clip.values(moments[k]),
-                            palest * (1 - static_cast<double>(k) / intervals)});
+                            palest * (1 - static_cast<double>(k) / intervals),
+                            drawn[k]});
   }
   scene.trail.clear();
   for (int t = moments.front(); t <= moments.back(); ++t) scene.trail.push_back(clip.centre(t));

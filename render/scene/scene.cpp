@@ -117,8 +117,9 @@ void draw_heights(const Scene& scene, const Theme& theme, const Projection& to_p
     if (at < top || at > bottom) return;
     const std::string digits = std::to_string(y);
     const float width = (0.64F * static_cast<float>(digits.size()) + 0.5F) * size;
-    const float x = panel.x + 0.9F * size;
-    drawing.segment({panel.x, at}, {x - 0.2F * size, at}, to_pixels.pixels(0.05, 1.0),
+    const float x = panel.x + 0.3F * size;
+    // At the right: at the left it would be a minus.
+    drawing.segment({x + width, at}, {x + width + 0.7F * size, at}, to_pixels.pixels(0.05, 1.0),
                     theme.text_muted);
     drawing.rounded_rectangle({x, at - 0.65F * size, width, 1.3F * size}, 0.35F * size,
                               theme.label);
@@ -261,7 +262,7 @@ void draw_objects(const Scene& scene, const Theme& theme, const Projection& to_p
                          {scene.tint, ghost.pale, ghost.values, &scene.value_scale, scene.outlines},
                          theme, to_pixels, drawing);
     for (std::size_t k = count; k-- > 0;)
-      if (is_ghost(k)) before.draw(k);
+      if (ghost.objects[k]) before.draw(k);
   }
   for (std::size_t k = count; k-- > 0;)
     if (is_ghost(k)) now.draw(k);

@@ -26,6 +26,7 @@ struct Ghost {
   std::vector<Vec2> points;
   std::vector<float> values;  // as of Scene
   double pale = 0.5;          // share of the background in every colour
+  std::vector<bool> objects;  // those that it has
 };
 
 // A word in the world, on a plate of the trail's colour or its own.

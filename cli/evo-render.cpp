@@ -1,6 +1,7 @@
 // evo-render: pictures and videos of rollouts and robots, off-screen.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -27,6 +28,7 @@ using render::RenderOptions;
 
 struct Settings {
   std::optional<std::string> size;
+  std::optional<std::string> width;
   std::optional<double> fps;
   std::vector<std::string> episodes;
   std::string camera;
@@ -82,6 +84,10 @@ void refuse_film_as_picture(const Settings& settings, const RenderOptions& optio
 // frame. It is smaller and slower, unless asked, and has fewer lines.
 void choose_format(const Settings& settings, bool gif, RenderOptions& options) {
   options.size = parse_size(settings.size.value_or(gif ? "640x360" : "1280x720"));
+  if (settings.width) {
+    const auto wide = static_cast<int>(std::lround(render::pixels_of(*settings.width)));
+    options.size = {wide, (wide * 9 + 8) / 16};
+  }
   options.fps = settings.fps.value_or(gif ? 25.0 : 50.0);
   options.overlays.fine_grid = !gif;
 }
@@ -346,9 +352,14 @@ int main(int argc, char** argv) {
   command.output_option(
       "film: walk.mp4, .webm, .gif or frames/%05d.png; still picture: .svg, .pdf, .png, or - for "
       "PNG; required");
-  command.option("--size", settings.size, "WIDTHxHEIGHT",
-                 "of the picture in pixels; strips and panels take the width, and the height they "
-                 "need [1280x720; GIF 640x360]");
+  const cli::Option size =
+      command.option("--size", settings.size, "WIDTHxHEIGHT",
+                     "of the picture in pixels; strips and panels take the width, and the height "
+                     "they need [1280x720; GIF 640x360]");
+  command
+      .option("--width", settings.width, "LENGTH",
+              "of a still picture on paper, in its place: 85mm, 17cm, 3.4in or 240pt")
+      .excludes({size});
   command.option("--fps", settings.fps, "N", "frames per second [50; GIF 25]");
   command.option("--speed", options.speed, "X", "playing speed; 0.5 is slow motion");
   command.option("--steps", settings.steps, "A-B",
@@ -440,7 +451,8 @@ int main(int argc, char** argv) {
   command.example("evo-render walk.h5 -o walk.mp4", "an episode as a video");
   command.example("evo-render walk.h5 --strip 6 -o walk.svg", "its whole way on one picture");
   command.example("evo-render walk.h5 --loop --size 320x320 -o gait.svg", "its gait, for ever");
-  command.example("evo-render walk.h5 --at 120 --theme paper -o step.pdf", "one moment, for print");
+  command.example("evo-render walk.h5 --strip 4 --width 85mm --theme paper -o way.pdf",
+                  "for a column of a paper");
   command.example("evo-render walk.h5 --show contacts --plot actuation -o walk.mp4",
                   "what pushes it, and what its actuators are told");
   command.example("evo-render --evolution runs/walker -o film.mp4", "an evolution");
@@ -491,6 +503,7 @@ int main(int argc, char** argv) {
     command.only(film, {"--episode", "--steps", "--camera", "--show", "--plot"}, "rollouts");
     command.only(film && !still, {"--fps", "--speed"}, "films of rollouts");
     command.only(settings.panels || settings.strip, {"--moments"}, "--strip and --panels");
+    command.only(!film || still, {"--width"}, "still pictures");
     command.only(!still || settings.loop, {"--steps"}, "films and --loop");
     choose_format(settings, film && command.output.ends_with(".gif"), options);
     render::check_options(options);

@@ -2,11 +2,24 @@
 
 #include <cmath>
 
+#include "formats/io/number.h"
 #include "libevo/base/error.h"
 #include "render/painters/drawing.h"
 #include "render/scene/theme.h"
 
 namespace evo::render {
+
+double pixels_of(const std::string& length) {
+  constexpr double inch = 96;
+  for (const auto& [unit, pixels] :
+       {std::pair{"mm", inch / 25.4}, {"cm", inch / 2.54}, {"in", inch}, {"pt", inch / 72}}) {
+    if (!length.ends_with(unit)) continue;
+    const auto number = number_in<double>(std::string_view(length).substr(0, length.size() - 2));
+    if (number && *number * pixels >= 1 && *number * pixels <= largest_side)
+      return *number * pixels;
+  }
+  throw error(Failure::usage, "'{}' is no width, such as 85mm, 17cm, 3.4in or 240pt", length);
+}
 
 void check_options(const RenderOptions& o) {
   check_size(o.size);

@@ -73,6 +73,9 @@ struct RenderOptions {
   int workers = 1;  // processes
 };
 
+// "85mm", "17cm", "3.4in" or "240pt" as pixels of 1/96 inch. Throws Error(usage).
+double pixels_of(const std::string& length);
+
 // Throws Error(usage) naming the option and what it may be.
 void check_options(const RenderOptions& options);
 

@@ -10,6 +10,7 @@
 #include "render/report/figures.h"
 #include "render/report/page.h"
 #include "render/report/run.h"
+#include "render/scene/options.h"
 
 namespace {
 
@@ -31,7 +32,8 @@ report::TableFormat table_format(const std::string& file) {
 }
 
 // Every figure of the runs as PDF, its numbers as CSV, and what to write below them.
-void write_figures(const std::filesystem::path& folder, const std::vector<report::Run>& runs) {
+void write_figures(const std::filesystem::path& folder, const std::vector<report::Run>& runs,
+                   double width) {
   std::filesystem::create_directories(folder);
   render::Typesetter typesetter;
   std::string captions;
@@ -40,7 +42,7 @@ void write_figures(const std::filesystem::path& folder, const std::vector<report
     std::string name = prefix + figure.name;
     std::ranges::replace_if(
         name, [](char c) { return c == ' ' || c == '/'; }, '-');
-    write_file(folder / (name + ".pdf"), report::figure_pdf(figure, typesetter));
+    write_file(folder / (name + ".pdf"), report::figure_file(figure, width, "x.pdf", typesetter));
     write_file(folder / (name + ".csv"), report::figure_csv(figure, run));
     captions += fmt::format("{}.pdf\n{}\n\n", name, report::caption(group, figure));
   };
@@ -54,6 +56,17 @@ void write_figures(const std::filesystem::path& folder, const std::vector<report
         write(runs.size() > 1 ? run.label + "-" : "", group, figure, &run);
   }
   write_file(folder / "captions.txt", captions);
+}
+
+void write_chart(const std::string& file, const std::string& log, const std::string& band,
+                 double width, const std::string& output) {
+  render::Chart chart = report::chart_from_csv(read_file(file), band, file);
+  chart.log_x = log.find('x') != std::string::npos;
+  chart.log_y = log.find('y') != std::string::npos;
+  render::Typesetter typesetter;
+  const std::string title = fmt::format("{} against {}", chart.y, chart.x);
+  write_file(output,
+             report::figure_file({"", title, "", std::move(chart)}, width, output, typesetter));
 }
 
 void write_lines(const std::string& file, const std::string& text) {
@@ -70,6 +83,10 @@ int main(int argc, char** argv) {
   std::optional<int> robots;
   std::optional<std::string> table;
   std::optional<std::string> figures;
+  std::optional<std::string> chart;
+  std::string width = "85mm";
+  std::string log;
+  std::string band = "range";
   command.arguments(names, "RUN_DIR",
                     "run folders, finished or not; several are compared on one page");
   command.option(
@@ -78,8 +95,13 @@ int main(int argc, char** argv) {
       "terminal to be read), .csv or .tex: median best fitness, its interval, tests, the best "
       "method first");
   command.option("--figures", figures, "DIR",
-                 "instead of a page its charts, each as .pdf for a column of a paper (85 mm) and "
-                 ".csv, with captions.txt");
+                 "instead of a page its charts, each as .pdf and .csv, with captions.txt");
+  command.option("--chart", chart, "FILE",
+                 "instead of runs such a .csv: the chart of its lines, as .svg or .pdf");
+  command.option("--width", width, "LENGTH", "of charts in files: 85mm, 17cm, 3.4in or 240pt");
+  command.choice("--log", log, "AXES", {{"x", "x"}, {"y", "y"}, {"xy", "xy"}, {"none", ""}},
+                 "of --chart, in powers of ten");
+  command.option("--band", band, "NAME", "of --chart, what low and high are");
   command
       .option("--robots", robots, "N",
               "robots of a run to show one by one: all if there are no more, else the fittest, the "
@@ -94,6 +116,13 @@ int main(int argc, char** argv) {
   command.example("evo-report runs/walker --figures figures", "its charts for a paper");
 
   return command.run(argc, argv, [&] {
+    command.only(chart.has_value(), {"--log", "--band"}, "--chart");
+    command.only(chart || figures, {"--width"}, "--chart and --figures");
+    const double pixels = render::pixels_of(width);
+    if (chart) {
+      write_chart(*chart, log, band, pixels, command.output);
+      return 0;
+    }
     if (names.empty()) throw error(Failure::usage, "name at least one run folder");
     const std::vector<std::filesystem::path> folders(names.begin(), names.end());
     std::vector<report::Run> runs;
@@ -117,7 +146,7 @@ int main(int argc, char** argv) {
     if (figures) extent.replays = 0;
     read(extent);
     if (figures) {
-      write_figures(*figures, runs);
+      write_figures(*figures, runs, pixels);
       return 0;
     }
     write_lines(command.output, report::make_page(runs, cli::created_by(command.name())));

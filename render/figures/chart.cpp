@@ -39,9 +39,18 @@ double most_from(std::vector<double> values) {
   return wide > 0 ? at(0.25) - widths * wide : lowest;
 }
 
+double share_of(double value, double from, double to, bool log) {
+  return log ? std::log(value / from) / std::log(to / from) : (value - from) / (to - from);
+}
+
+// Some way past an end of an axis.
+double beyond(double end, double other, double share, bool log) {
+  return log ? end * std::pow(end / other, share) : end + share * (end - other);
+}
+
 ChartFrame in_sight(const Chart& chart) {
   constexpr double none = std::numeric_limits<double>::infinity();
-  ChartFrame frame{{}, none, -none, none, -none};
+  ChartFrame frame{{}, none, -none, none, -none, chart.log_x, chart.log_y};
   std::vector<double> robots;
   std::vector<double> ends;
   for (const Series& series : chart.series)
@@ -58,27 +67,59 @@ ChartFrame in_sight(const Chart& chart) {
       frame.y0 = std::min({frame.y0, point.value, point.low < least ? point.value : point.low});
       frame.y1 = std::max({frame.y1, point.value, point.high});
     }
-  if (!(frame.x1 >= frame.x0)) frame = {{}, 0, 1, 0, 1};
+  if (!(frame.x1 >= frame.x0)) frame = {};
   if (frame.x0 == frame.x1) frame.x0 -= 1, frame.x1 += 1;
   if (frame.y0 == frame.y1) frame.y0 -= 0.5, frame.y1 += 0.5;
-  const double pad = 0.05 * (frame.y1 - frame.y0);
-  frame.y0 -= pad;
-  frame.y1 += pad;
+  constexpr double pad = 0.05;
+  const double top = beyond(frame.y1, frame.y0, pad, frame.log_y);
+  frame.y0 = beyond(frame.y0, frame.y1, pad, frame.log_y);
+  frame.y1 = top;
   return frame;
 }
 
 // ---- axes -------------------------------------------------------------------------------
 
+// "200", "10k", or "10\u207b\u2078".
+std::string power_of_ten(double value) {
+  constexpr double thousands = 1e4;
+  if (value >= 1 && value < 1e6)
+    return value >= thousands ? fmt::format("{:.0f}k", value / 1000) : fmt::format("{:.0f}", value);
+  constexpr std::array digits{"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
+                              "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
+  const long power = std::lround(std::log10(value));
+  std::string text = power < 0 ? "10\u207b" : "10";
+  for (const char digit : fmt::to_string(std::abs(power)))
+    text += digits.at(static_cast<std::size_t>(digit - '0'));
+  return text;
+}
+
 struct Ticks {
   std::vector<double> at;
   double step = 1;
+  bool log = false;
   std::string name(double value) const {
+    if (log) return power_of_ten(value);
     constexpr double thousands = 1e4;
     const bool short_ = std::max(std::abs(at.front()), std::abs(at.back())) >= thousands;
     return short_ && value != 0 ? axis_number(value / 1000, step / 1000) + "k"
                                 : axis_number(value, step);
   }
 };
+
+// Of an axis of powers, those and their halves where there are few.
+Ticks log_ticks(double low, double high, double most) {
+  Ticks made{{}, 1, true};
+  const int first = static_cast<int>(std::floor(std::log10(low)));
+  const int last = static_cast<int>(std::ceil(std::log10(high)));
+  const int every = std::max(1, static_cast<int>(std::ceil((last - first) / most)));
+  const bool few = high / low < 1000;
+  for (int power = first; power <= last; power += every)
+    for (const double digit : {1.0, 2.0, 5.0})
+      if (const double value = digit * std::pow(10.0, power);
+          (digit == 1 || few) && value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9))
+        made.at.push_back(value);
+  return made;
+}
 
 Ticks ticks(double low, double high, double most, bool whole) {
   Ticks made;
@@ -123,7 +164,8 @@ void draw_axes(const Chart& chart, const ChartFrame& frame, const Ticks& up, con
                  Align::right);
   }
   constexpr double apart = 62;  // pixels
-  const Ticks across = ticks(frame.x0, frame.x1, inside.width / apart, chart.whole);
+  const Ticks across = chart.log_x ? log_ticks(frame.x0, frame.x1, inside.width / apart)
+                                   : ticks(frame.x0, frame.x1, inside.width / apart, chart.whole);
   for (const double value : across.at) {
     const float x = frame.x(value);
     drawing.segment({x, low}, {x, low + 4}, 1, theme.text_muted);
@@ -310,11 +352,11 @@ Scale scale_of(const ColorTable& table) {
 }  // namespace
 
 float ChartFrame::x(double value) const {
-  return inside.x + inside.width * static_cast<float>((value - x0) / (x1 - x0));
+  return inside.x + inside.width * static_cast<float>(share_of(value, x0, x1, log_x));
 }
 float ChartFrame::y(double value) const {
-  return inside.y +
-         inside.height * static_cast<float>(std::clamp((y1 - value) / (y1 - y0), 0.0, 1.0));
+  const double share = std::clamp(share_of(value, y0, y1, log_y), 0.0, 1.0);
+  return inside.y + inside.height * static_cast<float>(1 - share);
 }
 
 DrawnChart draw_chart(const Chart& chart, Size size, const Theme& theme, Typesetter& typesetter) {
@@ -333,15 +375,17 @@ DrawnChart draw_chart(const Chart& chart, Size size, const Theme& theme, Typeset
   const float below = 4 + 2.7F * letters;
   const float height = static_cast<float>(size.height) - top - below;
   constexpr double apart = 36;  // pixels
-  const Ticks up = ticks(frame.y0, frame.y1, height / apart, false);
+  const Ticks up = chart.log_y ? log_ticks(frame.y0, frame.y1, height / apart)
+                               : ticks(frame.y0, frame.y1, height / apart, false);
   float left = 0;
   for (const double value : up.at) left = std::max(left, typesetter.width(up.name(value), letters));
   left += 10;
   // Half of the last number of the other axis.
   frame.inside = {left, top, width - left - std::max(names, 1.5F * letters), height};
-  const double pad = (frame.x1 - frame.x0) * (names > 0 ? 0.0 : 0.03);
-  frame.x0 -= pad;
-  frame.x1 += pad;
+  const double pad = names > 0 ? 0.0 : 0.03;
+  const double right = beyond(frame.x1, frame.x0, pad, frame.log_x);
+  frame.x0 = beyond(frame.x0, frame.x1, pad, frame.log_x);
+  frame.x1 = right;
 
   Drawing drawing(size);
   draw_axes(chart, frame, up, theme, drawing);

@@ -51,6 +51,8 @@ struct Chart {
     bool strong = false;
   };
   std::vector<Link> links = {};
+  bool log_x = false;
+  bool log_y = false;
 };
 
 // A table of colours.
@@ -87,6 +89,8 @@ struct ChartFrame {
   double x1 = 1;
   double y0 = 0;
   double y1 = 1;
+  bool log_x = false;
+  bool log_y = false;
   float x(double value) const;
   float y(double value) const;  // no lower than the bottom
 };

@@ -3,9 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <sstream>
 
+#include "formats/io/number.h"
+#include "libevo/base/error.h"
 #include "render/painters/vector.h"
+#include "render/report/markup.h"
 
 namespace evo::report {
 namespace {
@@ -82,48 +87,105 @@ Json table_data(const ColorTable& table, const Run* run) {
   return data;
 }
 
-std::string quoted(const std::string& text) {
-  std::string made = "\"";
-  for (const char c : text) made += c == '"' ? "\"\"" : std::string(1, c);
-  return made + "\"";
+constexpr std::array looks{"line",   "thick",  "step",
+                           "curves", "points", "champion"};  // Series::Look
+
+// What turns for readers who prefer dark: roles, not the colours of series.
+std::string dark_rules() {
+  const render::Theme& light = render::theme_by_name("paper");
+  const render::Theme& dark = render::theme_by_name("dark");
+  std::string rules = "<style>@media (prefers-color-scheme: dark) {";
+  for (const auto role : {&render::Theme::paper, &render::Theme::text, &render::Theme::text_muted,
+                          &render::Theme::grid_major})
+    rules += fmt::format(" [fill=\"{0}\"] {{ fill: {1} }} [stroke=\"{0}\"] {{ stroke: {1} }}",
+                         render::hex(light.*role), render::hex(dark.*role));
+  return rules + " }</style>\n";
 }
 
 }  // namespace
 
-std::string figure_pdf(const Figure& figure, render::Typesetter& typesetter) {
-  constexpr double wide = 85 / 25.4 * 96;  // a column, in pixels of a drawing
-  constexpr render::Size size{420, 260};
-  const auto drawn = std::visit(
-      [&](const auto& content) {
-        return draw_chart(content, size, render::theme_by_name("paper"), typesetter);
-      },
-      figure.content);
-  constexpr double scale = wide / size.width;
-  render::Drawing page({static_cast<int>(std::lround(wide)),
+std::string figure_file(const Figure& figure, double width, const std::string& name,
+                        render::Typesetter& typesetter) {
+  constexpr double least = 420;  // that a chart is drawn with, and made smaller
+  constexpr double tall = 0.62;
+  const double drawn_width = std::max(least, width);
+  const render::Size size{static_cast<int>(std::lround(drawn_width)),
+                          static_cast<int>(std::lround(tall * std::min(drawn_width, 600.0)))};
+  const render::Theme& theme = render::theme_by_name("paper");
+  const auto drawn =
+      std::visit([&](const auto& content) { return draw_chart(content, size, theme, typesetter); },
+                 figure.content);
+  const double scale = width / size.width;
+  render::Drawing page({static_cast<int>(std::lround(width)),
                         static_cast<int>(std::lround(drawn.drawing.size().height * scale))});
+  page.rectangle(page.whole(), theme.paper);
   page.place(drawn.drawing, {0, 0}, static_cast<float>(scale));
-  return encode_pdf(page, figure.title, typesetter);
+  if (name.ends_with(".pdf")) return encode_pdf(page, figure.title, typesetter);
+  if (!name.ends_with(".svg"))
+    throw error(Failure::usage, "{}: a chart ends in .svg or .pdf", name);
+  std::string svg = encode_svg(page, figure.title, typesetter);
+  return svg.insert(svg.find("<defs>"), dark_rules());
 }
 
 std::string figure_csv(const Figure& figure, const Run* run) {
-  std::string text = "series,x,value,low,high,robot\n";
   const auto id = [&](std::size_t robot) {
     return run == nullptr || robot == render::no_robot ? "" : run->robots[robot].robot.id;
   };
   if (const auto* chart = std::get_if<Chart>(&figure.content)) {
+    std::string text =
+        fmt::format("look,series,{},{},low,high,robot\n", csv_field(chart->x), csv_field(chart->y));
     for (const Series& series : chart->series)
       for (const auto& [x, value, low, high, robot] : series.points)
         text +=
-            fmt::format("{},{},{},{},{},{}\n", quoted(series.name), x, value, low, high, id(robot));
+            fmt::format("{},{},{},{},{},{},{}\n", looks.at(static_cast<std::size_t>(series.look)),
+                        csv_field(series.name), x, value, low, high, id(robot));
     return text;
   }
   const auto& table = std::get<ColorTable>(figure.content);
+  std::string text = fmt::format("where,{},robot\n", csv_field(table.value));
   for (std::size_t line = 0; line < table.cells.size(); ++line)
     for (std::size_t column = 0; column < table.cells[line].size(); ++column)
       if (const ColorTable::Cell& cell = table.cells[line][column]; !std::isnan(cell.value))
-        text += fmt::format("{},{},{},,,{}\n", quoted(place_in(table, line, column)), column + 1,
-                            cell.value, id(cell.robot));
+        text += fmt::format("{},{},{}\n", csv_field(place_in(table, line, column)), cell.value,
+                            id(cell.robot));
   return text;
+}
+
+Chart chart_from_csv(const std::string& text, const std::string& band, const std::string& file) {
+  constexpr std::size_t least = 4;  // fields
+  Chart chart;
+  int number = 0;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::vector<std::string> fields = csv_fields(line);
+    const auto check = [&](bool good, const char* what) {
+      if (!good) throw error(Failure::data, "{}:{}: {}", file, number, what);
+    };
+    ++number;
+    check(fields.size() >= least, "expected look, series, x and value");
+    if (number == 1) {
+      chart.x = fields[2];
+      chart.y = fields[3];
+      continue;
+    }
+    const auto look = std::ranges::find(looks, fields[0]);
+    check(look != looks.end(), "expected line, thick, step, curves, points or champion");
+    if (chart.series.empty() || chart.series.back().name != fields[1])
+      chart.series.push_back(
+          {fields[1], static_cast<Series::Look>(look - looks.begin()), chart.series.size()});
+    const auto x = number_in<double>(fields[2]);
+    const auto value = number_in<double>(fields[3]);
+    check(x && value, "expected numbers for x and value");
+    Series::Point point{*x, *value, *value, *value};
+    if (fields.size() > least + 1) {
+      point.low = number_in<double>(fields[4]).value_or(*value);
+      point.high = number_in<double>(fields[5]).value_or(*value);
+      if (point.low < point.high) chart.series.back().band = band;
+    }
+    chart.series.back().points.push_back(point);
+  }
+  if (chart.series.empty()) throw error(Failure::data, "{}: no values", file);
+  return chart;
 }
 
 std::string caption(const FigureGroup& group, const Figure& figure) {

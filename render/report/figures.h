@@ -7,11 +7,17 @@
 
 namespace evo::report {
 
-// For a column of a paper: 85 mm wide, on white, letters as letters.
-std::string figure_pdf(const render::Figure& figure, render::Typesetter& typesetter);
+// The bytes of a file `name`, .pdf or .svg: so many pixels of 1/96 inch wide, on white (an SVG on
+// black for readers who prefer dark), letters as letters. Throws Error(usage) for another ending.
+std::string figure_file(const render::Figure& figure, double width, const std::string& name,
+                        render::Typesetter& typesetter);
 
-// Its numbers, a line each: series, x, value, low, high, robot.
+// Its numbers, a line each, below titles: look (as in Series), series, x, value, low, high, robot.
 std::string figure_csv(const render::Figure& figure, const Run* run);
+// A chart from such lines; the last three columns may be absent. `band`: what low and high are.
+// Throws Error(data) with the line.
+render::Chart chart_from_csv(const std::string& text, const std::string& band,
+                             const std::string& file);
 
 // "Fitness and the body: voxels. Every robot a point.", without markup.
 std::string caption(const FigureGroup& group, const render::Figure& figure);

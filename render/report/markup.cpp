@@ -26,6 +26,30 @@ std::string fill(std::string_view page, const std::map<std::string, std::string>
   }
 }
 
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::vector<std::string> csv_fields(std::string_view line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const char c = line[k];
+    if (quoted && c == '"' && line.substr(k + 1).starts_with('"'))
+      fields.back() += line[++k];
+    else if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      fields.emplace_back();
+    else
+      fields.back() += c;
+  }
+  return fields;
+}
+
 const char* kind_name(Voxel voxel) {
   constexpr std::array names{"empty", "rigid", "soft", "horizontal", "vertical", "fixed"};
   return names.at(static_cast<std::size_t>(voxel));

@@ -25,6 +25,10 @@ std::string data_uri(const std::string& media_type, std::string_view bytes);
 // Throws std::logic_error for a name without value.
 std::string fill(std::string_view page, const std::map<std::string, std::string>& values);
 
+// A field of comma-separated values (RFC 4180), quoted where it has to be; and those of a line.
+std::string csv_field(const std::string& text);
+std::vector<std::string> csv_fields(std::string_view line);
+
 // "rigid"; "empty".
 const char* kind_name(Voxel voxel);
 

@@ -5,6 +5,7 @@
 #include "formats/io/text.h"
 #include "formats/run/run.h"
 #include "render/report/comparison.h"
+#include "render/report/markup.h"
 
 namespace evo::report {
 namespace {
@@ -13,14 +14,6 @@ const std::vector<std::string> columns{"task", "method", "runs",         "robots
                                        "low",  "high",   "leader_ahead", "p",      "needed"};
 
 const char* separator(TableFormat format) { return format == TableFormat::csv ? "," : "\t"; }
-
-// RFC 4180.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
 
 std::string tsv_field(std::string text) {
   for (char& c : text)

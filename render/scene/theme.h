@@ -48,7 +48,7 @@ Color color_of_object(const Theme& theme, Voxel voxel);  // of everything else
 Color runner_color(std::size_t k);
 
 // Of series k of a chart, the same in every theme: Okabe and Ito's, safe for colour-blind readers,
-// with olive and grey for their yellow and black; they come again. The site and gnuplot have them,
+// with olive and grey for their yellow and black; they come again. The site has them,
 // too.
 Color chart_color(std::size_t k);
 

@@ -254,11 +254,24 @@ PY
     grep -q "^$name.pdf" figures/captions.txt
   done
   grep -aq '/MediaBox \[ 0 0 240.75 ' figures/family-tree.pdf  # points, 85 mm
-  [ "$(grep -c '"each robot"' figures/fitness-by-robots.csv)" -eq "$(jq -s 'map(select(.fitness)) | length' run/history.jsonl)" ]
+  [ "$(grep -c '^points,each robot,' figures/fitness-by-robots.csv)" -eq "$(jq -s 'map(select(.fitness)) | length' run/history.jsonl)" ]
   grep -q '^Fitness by generation. Best over all robots' figures/captions.txt
   make_run bo bo 1 2 6
   evo-report run bo --figures both
   [ -s both/best-so-far-Walker-v0.pdf ] && [ -s both/bo-coverage.pdf ]
+}
+
+@test "a chart from a table, on axes of powers, as wide as asked for" {
+  printf 'look,series,"side, voxels",speed,low,high\nline,"a, b",5,100,90,110\nline,"a, b",20,10,9,12\nstep,c,5,1000\nstep,c,20,10\n' > t.csv
+  evo-report --chart t.csv --log xy --width 6in -o chart.svg
+  grep -q 'width="576"' chart.svg
+  grep -q '>side, voxels</text>' chart.svg && grep -q '>a, b (range)</text>' chart.svg && grep -q '>1000</text>' chart.svg
+  grep -q 'prefers-color-scheme: dark' chart.svg
+  fails_with 2 "parrot" -- evo-report --chart t.csv --width parrot -o chart.svg
+  fails_with 2 ".svg or .pdf" -- evo-report --chart t.csv -o chart.png
+  fails_with 2 "--log" -- evo-report run --log x
+  echo 'step,c,many,10' >> t.csv
+  fails_with 65 "t.csv:6: expected numbers" -- evo-report --chart t.csv -o chart.svg
 }
 
 @test "an archive: its elites with their bodies, coverage and QD score" {

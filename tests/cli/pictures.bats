@@ -279,3 +279,9 @@ as_user() {
   grep -q $'\e\[' coloured
   if grep -q $'\e\[' plain; then false; fi
 }
+
+@test "the figures of README and the documents are what is drawn today" {
+  "$EVO_SOURCE/scripts/figures" drawn
+  for figure in $(cd drawn && find . -name '*.svg'); do cmp "drawn/$figure" "$EVO_SOURCE/$figure"; done
+  [ "$(find drawn -name '*.svg' | wc -l)" -gt 15 ]
+}

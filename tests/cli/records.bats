@@ -206,10 +206,3 @@ evolve() {
   # So is the champion of a run.
   jq -en "$(evo-inspect run/best.rollout.h5 | tail -n 1 | awk '{ print $3 }') == $(jq .fitness run/best.json)"
 }
-
-@test "README's picture is what evo-render draws of the record" {
-  policy=$EVO_SOURCE/records/Walker-v0/policy.h5
-  evo-eval -q --policy "$policy" --rollout r.h5 "$policy" > /dev/null
-  evo-render r.h5 --loop --size 480x300 -o walker.svg
-  cmp walker.svg "$EVO_SOURCE/docs/walker.svg"
-}

@@ -86,6 +86,11 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:
   evo-sample -n 3 | evo-render --grid -o grid.svg
   head -c 4 strip.svg | grep -qx '<svg'
   head -c 4 strip.pdf | grep -qx '%PDF'
+  evo-render r.h5 --strip 4 --width 85mm -o column.svg
+  grep -q '<svg[^>]* width="321"' column.svg && grep -q '<text' column.svg
+  fails_with 2 "parrot" -- evo-render r.h5 --at 5 --width parrot -o x.png
+  fails_with 2 "--size" -- evo-render r.h5 --at 5 --width 85mm --size 320x180 -o x.png
+  fails_with 2 "--width" -- evo-render r.h5 --width 85mm -o x.mp4
   [ "$(grep -c '>step ' strip.svg)" -eq 4 ]
   evo-render r.h5 --strip 4 -o again.svg
   cmp strip.svg again.svg

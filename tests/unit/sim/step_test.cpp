@@ -1,5 +1,5 @@
-// The same bits whatever the way: plain oracle, one by one, side by side, any
-// instruction set, any state of the contact lists.
+// The same bits whatever the way: one by one, side by side, any instruction set, any
+// state of the contact lists.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <limits>
@@ -11,7 +11,6 @@
 #include "libevo/body/operators.h"
 #include "libevo/sim/compiled.h"
 #include "tests/unit/sim/fixtures.h"
-#include "tests/unit/sim/plain_simulator.h"
 #include "tests/unit/sim/reference_case.h"
 
 namespace evo {
@@ -37,83 +36,11 @@ std::uint64_t hash_after(const Model& model, int steps, std::size_t width) {
   return hash_of(batch.state(width - 1));
 }
 
-// Runs both simulators side by side; the number of steps after which they differ.
-int steps_until_different(const World& world, int steps, std::uint64_t seed) {
-  const Model model(world, Physics{});
-  State plain = initial_state(model);
-  Batch batch(1);
-  batch.place(0, model);
-  Stream random(seed, "targets");
-  for (int t = 0; t < steps; ++t) {
-    draw_targets(plain.targets, random);
-    std::copy(plain.targets.begin(), plain.targets.end(), batch.targets(0).begin());
-    const LaneStatus expected = plain_step(model, plain);
-    batch.step();
-    if (batch.status(0) != expected || hash_of(plain) != hash_of(batch.state(0))) return t;
-  }
-  return steps;
-}
-
 Object block(const std::string& name, const std::vector<std::string>& rows, int x, int y) {
   return {name, Body::from_rows(rows), x, y};
 }
 
 }  // namespace
-
-TEST_CASE("stepping agrees with the plain simulator to the last bit") {
-  SECTION("a robot on flat ground") {
-    CHECK(steps_until_different(flat_world(Body::from_rows(body_a)), 60, 1) == 60);
-  }
-  SECTION("random robots, double points and thin limbs among them") {
-    for (std::uint64_t i = 0; i < 12; ++i) {
-      Stream random(7, "bodies", i);
-      INFO("body " << i);
-      CHECK(steps_until_different(flat_world(sample_body(5, 5, default_weights, random)), 25, i) ==
-            25);
-    }
-  }
-  SECTION("random robots with something to carry, and something loose to walk over") {
-    for (std::uint64_t i = 0; i < 12; ++i) {
-      Stream random(8, "bodies", i);
-      World world = flat_world(sample_body(5, 5, default_weights, random));
-      world.objects.push_back(block("box", {"SR", "RS"}, 4, 7));
-      world.objects.push_back(block("stone", {"R"}, 9, 1));
-      INFO("body " << i);
-      CHECK(steps_until_different(world, 40, i) == 40);
-    }
-  }
-  SECTION("a long fall onto the ground, a package beside it") {
-    World world{{fixed_ground(40), block("robot", {"HVH", "S.S"}, 3, 30),
-                 block("package", {"SS", "SS"}, 9, 22)}};
-    CHECK(steps_until_different(world, 60, 2) == 60);
-  }
-  SECTION("the world floor, without ground") {
-    World world{{block("robot", {"HVH", "S.S"}, 3, 1)}};
-    CHECK(steps_until_different(world, 40, 3) == 40);
-  }
-  SECTION("two robots in a heap of blocks") {
-    World world{{fixed_ground(20), block("robot", {"HHH", "V.V"}, 3, 5),
-                 block("second", {"VV", "HS"}, 4, 3), block("a", {"RR", "RR"}, 3, 1),
-                 block("b", {"R"}, 5, 1), block("c", {"SS"}, 6, 1), block("peg", {"##"}, 8, 2)}};
-    CHECK(steps_until_different(world, 60, 4) == 60);
-  }
-  SECTION("an object of fixed, soft and rigid cells") {
-    World world{
-        {block("bridge", {"#SSSR#", "#....#", "######"}, 0, 0), block("robot", {"HVH"}, 1, 4)}};
-    CHECK(steps_until_different(world, 60, 5) == 60);
-  }
-  SECTION("limbs that touch the body they belong to") {
-    World world = flat_world(Body::from_rows({"HVHVH", "V...V", "VHHVV", "V....", "VHHHV"}));
-    CHECK(steps_until_different(world, 60, 6) == 60);
-  }
-  SECTION("benchmark worlds") {
-    for (const char* name :
-         {"Traverser-v0_A", "BridgeWalker-v0_A", "Climber-v1_B", "Catcher-v0_B"}) {
-      INFO(name);
-      CHECK(steps_until_different(read_reference(name).world, 4, 8) == 4);
-    }
-  }
-}
 
 // The centre was measured with the benchmark's own package.
 TEST_CASE("a body that lies on the world's floor stays with the reference") {
@@ -131,13 +58,6 @@ TEST_CASE("a body that lies on the world's floor stays with the reference") {
     };
     CHECK(centre(state.x) == Approx(5.999227935004826).epsilon(1e-12));
     CHECK(centre(state.y) == Approx(0.9958063894145683).epsilon(1e-12));
-  }
-}
-
-TEST_CASE("stepping agrees with the plain simulator over whole episodes", "[.slow]") {
-  for (const std::string& name : reference_names()) {
-    INFO(name);
-    CHECK(steps_until_different(read_reference(name).world, 200, 9) == 200);
   }
 }
 
@@ -236,18 +156,18 @@ TEST_CASE("a copied state goes on with the same bits, with or without its contac
 TEST_CASE("a lane that folds stops alone, with the state of its folding substep") {
   const ReferenceCase reference = read_reference("extra/Walker-v0_fold0");
   const Model model(reference.world, Physics{});
-  State plain = initial_state(model);
+  State alone = initial_state(model);
   Batch batch(4);
   for (std::size_t i = 0; i < 4; ++i) batch.place(i, model);
   for (int t = 0; t < reference.steps; ++t) {
     const auto action = reference.action(t);
-    std::copy(action.begin(), action.end(), plain.targets.begin());
+    std::copy(action.begin(), action.end(), alone.targets.begin());
     std::copy(action.begin(), action.end(), batch.targets(2).begin());  // the others keep still
     batch.step();
-    const LaneStatus expected = plain_step(model, plain);
+    const LaneStatus expected = step_alone(model, alone);
     CHECK(batch.status(2) == expected);
     CHECK(batch.status(0) == LaneStatus::done);
-    CHECK(hash_of(batch.state(2)) == hash_of(plain));
+    CHECK(hash_of(batch.state(2)) == hash_of(alone));
   }
   CHECK(batch.status(2) == LaneStatus::self_folding);
   CHECK(hash_of(batch.state(0)) == hash_of(batch.state(3)));

@@ -175,7 +175,7 @@ END
   grep -qF "run: ga scored by $PWD/score, seed 1" said
   grep -qF "program      $PWD/score ($(sha256sum score | cut -c1-12))" said
   lacks 'Walker|train' said
-  grep -qF 'own fitness: score: run' run/report.html
+  grep -qF 'by a fitness of its own' run/report.html
   grep -q 'is what a program gave it: score' run/report.html
   sed 's/<script.*//; /<style/,/<\/style/d' run/report.html > page
   lacks 'Walker-v0|task|trained|training' <(grep -o '<[hpdt][^>]*>[^<]*' page)

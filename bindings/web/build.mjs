@@ -84,7 +84,7 @@ ${bar(fitness, Number(paper))}<table>${row('return', `<b>${number(fitness, 3)}</
 ${shifted ? row('from perturbed starts', `${number(shifted.mean, 3)} ± ${number(shifted.standard_error, 3)}`, 'every start coordinate moved by up to 0.0001 blocks') : ''}
 ${sequence ? row('a body can', number(sequence.fitness, 3), 'a sequence of actions, once') : ''}
 ${row('the paper', number(paper, 3), `${paper_method}, ${paper_robots} robots, mean over seeds`)}
-${few ? row('later, few robots', number(few, 3), `${few_method}, ${few_robots} robots`) : ''}</table></div>
+${few ? row('later, few robots', number(few, 3), few_robots === 'shown' ? `${few_method}, its single robot` : `${few_method}, ${few_robots} robots`) : ''}</table></div>
 <div><h2>Paid for</h2>${list(paid)}<h2>Ends</h2>${list(ends)}<h2>Senses</h2>${list(facts.observation)}${facts.notes.length ? `<h2>Unlike the paper</h2>${list(facts.notes)}` : ''}</div></div>
 ${commands(record, 'Commands that made the record')}${sequence ? commands(sequence, `What a body can: ${sequence.body.join(' ')}`) : ''}
 <details><summary>The task as a file</summary><pre tabindex="0"><code>${plain(facts.yaml)}</code></pre></details>

@@ -79,18 +79,6 @@ PlannerController parse_planner(const std::string& text) {
   return planner;
 }
 
-// What the controller does in the first episode, unperturbed.
-ReplayController unperturbed(const Arena& arena, const Controller& controller,
-                             EvaluationSettings evaluation) {
-  evaluation.episodes = 1;
-  evaluation.jitter = 0.0;
-  ReplayController sequence{{}, arena.action_length()};
-  evaluate(arena, controller, evaluation, [&](const EpisodeMoment& moment) {
-    sequence.actions.insert(sequence.actions.end(), moment.targets.begin(), moment.targets.end());
-  });
-  return sequence;
-}
-
 // `task`: what --task names, if it was given; else the policy's own is used.
 Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task,
                    const Robot& robot, const std::string& path, const Warn& warn) {
@@ -213,7 +201,9 @@ Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, con
   Controller controller = trial.controller(arena);
   if (settings.planner) {
     PlannerController planner = parse_planner(*settings.planner);
-    if (planner.sequence) planner.sequence = unperturbed(arena, controller, evaluation);
+    EvaluationSettings unperturbed = evaluation;
+    unperturbed.jitter = 0.0;
+    if (planner.sequence) planner.sequence = recorded(arena, controller, unperturbed);
     controller = std::move(planner);
   }
 

@@ -222,6 +222,16 @@ Evaluation evaluate(const Arena& arena, const Controller& controller,
   return run(arena, settings, work, observer);
 }
 
+ReplayController recorded(const Arena& arena, const Controller& controller,
+                          EvaluationSettings settings) {
+  settings.episodes = 1;
+  ReplayController sequence{{}, arena.action_length()};
+  evaluate(arena, controller, settings, [&](const EpisodeMoment& moment) {
+    sequence.actions.insert(sequence.actions.end(), moment.targets.begin(), moment.targets.end());
+  });
+  return sequence;
+}
+
 namespace {
 
 // `act` gives the targets of one of `controllers` controllers at a step.

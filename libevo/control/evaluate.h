@@ -55,6 +55,10 @@ using EpisodeObserver = std::function<void(const EpisodeMoment&)>;
 Evaluation evaluate(const Arena& arena, const Controller& controller,
                     const EvaluationSettings& settings, const EpisodeObserver& observer = {});
 
+// What the controller does in the first of these episodes, [T x A]. Throws as evaluate().
+ReplayController recorded(const Arena& arena, const Controller& controller,
+                          EvaluationSettings settings);
+
 // Many open-loop controllers over the same episodes.
 struct OpenLoopEvaluation {
   std::vector<double> means;  // [controllers] of the returns

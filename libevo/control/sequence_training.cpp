@@ -32,17 +32,6 @@ ReplayController fitted(ReplayController sequence, const TrainingJob& job) {
   return sequence;
 }
 
-// What a controller of the job's robot does in the episode that counts.
-ReplayController recorded(const Controller& controller, const TrainingJob& job) {
-  ReplayController sequence{{}, job.arena().action_length()};
-  EvaluationSettings first = job.evaluation();
-  first.episodes = 1;
-  evaluate(job.arena(), controller, first, [&](const EpisodeMoment& moment) {
-    sequence.actions.insert(sequence.actions.end(), moment.targets.begin(), moment.targets.end());
-  });
-  return sequence;
-}
-
 std::optional<SequenceSearch::Start> inherited_start(const TrainingJob& job) {
   if (!job.inheritance) return std::nullopt;
   const Inheritance& old = *job.inheritance;
@@ -51,7 +40,8 @@ std::optional<SequenceSearch::Start> inherited_start(const TrainingJob& job) {
     return fitted(transferred(*sequence, old.anatomy, to), job);
   if (const auto* policy = std::get_if<Policy>(&old.controller)) {
     const Policy fresh = initial_policy(job, inherited_base(job));
-    return fitted(recorded(transferred(*policy, old.anatomy, fresh, to), job), job);
+    const Policy carried = transferred(*policy, old.anatomy, fresh, to);
+    return fitted(recorded(job.arena(), carried, job.evaluation()), job);
   }
   return inherited_gait(job).value();
 }

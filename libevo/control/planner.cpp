@@ -62,6 +62,13 @@ Plan Planner::plan_of(std::span<const double> targets) const {
   return plan;
 }
 
+Plan Planner::faint(std::size_t steps, Stream& random) const {
+  Plan plan;
+  for (std::size_t i = 0; i < steps * actuators(); ++i)
+    plan.push_back(0.3 * random.gaussian() - 0.2);
+  return plan;
+}
+
 Plan Planner::continued(const Plan& plan, std::size_t done, std::size_t steps) const {
   const std::size_t a = actuators();
   const std::size_t left = plan.size() / a - done;

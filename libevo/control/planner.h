@@ -35,6 +35,8 @@ class Planner {
   // The plan that aims for these, or nearly where they are at an end of their range.
   Plan plan_of(std::span<const double> targets) const;
 
+  // Next to nothing, at random.
+  Plan faint(std::size_t steps, Stream& random) const;
   // The plan after its first steps have been done, as long as `steps`: what is missing at its end
   // is what came half a window before.
   Plan continued(const Plan& plan, std::size_t done, std::size_t steps) const;

@@ -57,9 +57,7 @@ std::vector<Plan> Replanner::first_plans(const Part& before, int t, std::size_t 
   if (before.plan.size() > done * a) {
     plans.push_back(planner_.continued(before.plan, done, window));
   } else if (plans.empty()) {
-    plans.emplace_back();
-    for (std::size_t i = 0; i < window * a; ++i)
-      plans.back().push_back(0.3 * random.gaussian() - 0.2);
+    plans.push_back(planner_.faint(window, random));
   }
   const std::size_t bases = plans.size();
   const double size = settings_->sequence ? 0.1 : 0.23;

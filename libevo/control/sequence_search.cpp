@@ -444,7 +444,7 @@ std::vector<Plan> SequenceSearch::first_plans(int window) {
   else if (!ahead_->gait.phase.empty())
     first = plan_of(ahead_->gait);
   else
-    for (std::size_t i = 0; i < steps * a; ++i) first.push_back(0.3 * random_.gaussian() - 0.2);
+    first = planner_.faint(steps, random_);
   std::vector<Plan> plans{first};
   for (int lane = 1; lane < settings_.environments; ++lane)
     plans.push_back(lane % 4 == 3 ? plan_of(new_gait())

@@ -52,6 +52,7 @@ Robot keep_better(const TrainingPlan& plan, const std::vector<TrainingPlan>& sta
     if (best && mean <= most) continue;
     most = mean;
     best = std::move(file);
+    best->fitness = mean;  // its training's own value is the best of many on a few starts
   }
   if (!best) {
     Robot failed = robot;

@@ -260,6 +260,8 @@ evaluated() { until grep -qs global_step $1; do kill -0 "$training" || return; s
     [ "$(cat sequence.$id feedback.$id moments.$id | jq -c .[0] | sort -u | wc -l)" -eq 3 ]
     cmp -s "n.$id" "feedback.$id" || cmp "n.$id" "moments.$id"
     jq -e '.final.episodes == 64' <<< "$robot" > same
+    for file in n/feedback/$id n/moments/$id; do evo-convert "$file.policy.h5" --to json; done | jq -s 'map(.fitness)' > own
+    jq -e --slurpfile own own '.fitness as $fitness | $own[0] | all(. != $fitness)' <<< "$robot" > other
   done < whole
   fails_with 2 "--init excludes --by-sequence" -- evo-train --by-sequence --init n --task Jumper-v0 two
   fails_with 2 "512 steps are less than one rollout" -- evo-train --by-sequence --task Jumper-v0 --steps 4096 --out-dir f two

@@ -324,8 +324,9 @@ int evo_sims_pull_back(evo_sims* sims, const evo_sim_gradients* gradients, size_
     target(by.velocities, "velocities");
     target(by.previous, "previous");
     if (all.targets() > 0) target(by.targets, "targets");
-    std::vector<evo::Gradient> pulled(all.count(),
-                                      evo::zero_gradient(all.model, by.stiffness != nullptr));
+    std::vector<evo::Gradient> pulled(
+        all.count(),
+        evo::zero_gradient(all.model, by.stiffness != nullptr, by.constants != nullptr));
     const auto for_each_value = [&](std::size_t sim, auto visit) {
       evo::State& state = pulled[sim].state;
       std::size_t i = 0;
@@ -351,6 +352,8 @@ int evo_sims_pull_back(evo_sims* sims, const evo_sim_gradients* gradients, size_
       std::ranges::copy(pulled[sim].state.targets, by.targets + sim * all.targets());
       for (std::size_t v = 0; v < pulled[sim].stiffness.size(); ++v)
         by.stiffness[sim * voxels + v] += pulled[sim].stiffness[v];
+      for (std::size_t c = 0; c < pulled[sim].constants.size(); ++c)
+        by.constants[sim * evo::gradient_constants + c] += pulled[sim].constants[c];
     }
   });
 }

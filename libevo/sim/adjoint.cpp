@@ -8,6 +8,7 @@
 //                   from stage i + 1, then A y_i = dt (dF/dy)^T A k_i
 //   rest lengths    L = d + rate (goal - d), of the length at the start
 //   contact         forces from positions at the start and those one substep before
+// Constants of the physics take their share on the way.
 // Stages are evaluated where the record has them; only springs are computed again.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "libevo/sim/adjoint.cpp"
@@ -146,6 +147,7 @@ class StepAdjoint {
     for (double** rows : {&goal_, &rest_, &reciprocal_, &by_rest_, &by_goal_, &by_stiffness_})
       arrays.emplace_back(rows, of_springs);
     arrays.emplace_back(&edges_, of_edges);
+    arrays.emplace_back(&by_constants_, gradient_constants * width_);
     std::size_t all = 0;
     for (const auto& [array, size] : arrays) all += size;
     memory_ = hwy::AllocateAligned<double>(all);
@@ -207,6 +209,7 @@ class StepAdjoint {
   void load_from(std::span<Gradient> gradients) {
     for_each_member([&](std::size_t i, const StepRecord::Member& member) {
       with_stiffness_ = with_stiffness_ || !gradients[member.lane].stiffness.empty();
+      with_constants_ = with_constants_ || !gradients[member.lane].constants.empty();
       for_each_derivative(gradients[member.lane].state, i,
                           [](double outside, double& inside) { inside = outside; });
     });
@@ -231,6 +234,8 @@ class StepAdjoint {
           if (physics_.clip(member.targets[a]) == member.targets[a]) targets[a] += half;
         }
       }
+      for (std::size_t c = 0; c < gradient.constants.size(); ++c)
+        gradient.constants[c] += by_constants_[c * width_ + i];
       if (gradient.stiffness.empty()) return;
       for (const VoxelSpring& part : member.model->compiled().voxel_springs)
         gradient.stiffness[static_cast<std::size_t>(part.cell)] +=
@@ -386,6 +391,7 @@ class StepAdjoint {
         store(hn::Zero(D()), stage_position_ + c);
         store(hn::Sub(by_position, hn::Mul(drag, by_velocity)), stage_velocity_ + c);
       }
+      if (with_constants_) gravity_and_drag<n>(k, o);
       const V y = load(at + o + width_);
       if (HWY_UNLIKELY(!hn::AllFalse(D(), hn::Lt(y, hn::Zero(D()))))) floor<n>(k, at, o);
     }
@@ -411,6 +417,21 @@ class StepAdjoint {
     if (!with_stiffness_) return;
     const V strain = hn::Sub(hn::Mul(square, reciprocal), load(rest_ + s * width_));
     add(by_stiffness_ + s * width_, hn::Mul(strain, along));
+  }
+
+  double* by_constant(GradientConstant which) const {
+    return by_constants_ + static_cast<std::size_t>(which) * width_;
+  }
+  template <int n>
+  HWY_NOINLINE void gravity_and_drag(std::size_t k, std::size_t o) {
+    double* by_gravity = by_constant(GradientConstant::gravity);
+    double* by_drag = by_constant(GradientConstant::drag);
+    for (std::size_t i = 0; i < hn::Lanes(D()); ++i) {
+      const std::size_t x = o + i;
+      const std::size_t y = x + width_;
+      by_gravity[i] -= by_force_[y];
+      by_drag[i] -= by_force_[x] * velocity_in<n>(k, x) + by_force_[y] * velocity_in<n>(k, y);
+    }
   }
 
   // The world's floor, where a lane is below it.
@@ -475,7 +496,7 @@ class StepAdjoint {
                            .previous = record_.before(k) + first_ + i,
                            .stride = width_};
       pull_back_touch(member.model->compiled(), touch, view, record_.onset,
-                      {contact_ + i, position_ + i, previous_ + i});
+                      {contact_ + i, position_ + i, previous_ + i, by_constants_ + i});
     }
   }
 
@@ -510,8 +531,10 @@ class StepAdjoint {
   double* by_rest_ = nullptr;
   double* by_goal_ = nullptr;
   double* by_stiffness_ = nullptr;
+  double* by_constants_ = nullptr;  // [gradient_constants] x W
 
   bool with_stiffness_ = false;
+  bool with_constants_ = false;
   std::vector<Ends> springs_;   // offsets, in the order of Dynamics
   std::vector<double> free_;    // [N] 1 for points that substeps move, else 0
   std::vector<double> moving_;  // [N] and those that only stages move
@@ -560,6 +583,7 @@ void check_sizes(const Gradient& gradient, const Model& model) {
   const auto points = static_cast<std::size_t>(model.compiled().moving_points);
   const auto actuators = static_cast<std::size_t>(model.compiled().dynamics.actuators);
   bool fits = gradient.stiffness.empty() || gradient.stiffness.size() == model.cells().size();
+  fits = fits && (gradient.constants.empty() || gradient.constants.size() == gradient_constants);
   for_each_array(gradient.state, [&](const std::vector<double>& values) {
     const bool of_targets = &values == &gradient.state.targets;
     fits = fits && values.size() == (of_targets ? actuators : points);
@@ -569,12 +593,13 @@ void check_sizes(const Gradient& gradient, const Model& model) {
 
 }  // namespace
 
-Gradient zero_gradient(const Model& model, bool with_stiffness) {
+Gradient zero_gradient(const Model& model, bool with_stiffness, bool with_constants) {
   Gradient gradient;
   const auto points = static_cast<std::size_t>(model.compiled().moving_points);
   for_each_array(gradient.state, [&](std::vector<double>& values) { values.assign(points, 0.0); });
   gradient.state.targets.assign(static_cast<std::size_t>(model.compiled().dynamics.actuators), 0.0);
   if (with_stiffness) gradient.stiffness.assign(model.cells().size(), 0.0);
+  if (with_constants) gradient.constants.assign(gradient_constants, 0.0);
   return gradient;
 }
 

@@ -1,6 +1,6 @@
 // Gradients: reverse mode through control steps. A Tape keeps what a batch did in one step and
 // turns derivatives by the states after it into derivatives by the states before it, by the
-// targets and by the stiffness of voxels. See docs/gradients.md.
+// targets, by the stiffness of voxels and by constants of the physics. See docs/gradients.md.
 //
 // What is differentiated is the step as it was computed: the four stages of Runge-Kutta,
 // springs and their rest lengths, drag, the world's floor, contact with damping and friction,
@@ -24,13 +24,24 @@ namespace evo {
 
 // Derivatives of one number, as a sum of rewards, in the units of that number per those of the
 // entry.
+enum class GradientConstant {
+  gravity,
+  drag,
+  contact_stiffness,
+  contact_damping,
+  friction_multiplier  // friction is viscous: the coefficient decides nothing
+};
+inline constexpr std::size_t gradient_constants = 5;
+
 struct Gradient {
   State state;                    // by positions, velocities, previous positions and targets
   std::vector<double> stiffness;  // [model.cells()] by voxels' factors; empty: not wanted
+  std::vector<double> constants;  // [gradient_constants], in their order; empty: not wanted
 };
 
 // All 0, in the sizes of the model.
-Gradient zero_gradient(const Model& model, bool with_stiffness = false);
+Gradient zero_gradient(const Model& model, bool with_stiffness = false,
+                       bool with_constants = false);
 
 // Voxels. Of the values tried, 0.02 to 0.04 make the best gradients (docs/gradients.md).
 inline constexpr double usual_onset = 0.04;
@@ -47,8 +58,8 @@ class Tape {
   // Of every lane that the step moved: from derivatives by the state after it to those by the
   // state before, whose targets are those of the step. They are in the state after it, too: who
   // sets other targets before the next step takes their derivatives, and leaves 0. Those by
-  // stiffness are added to. [lanes of the batch], the others are left alone. Throws Error(data)
-  // where one does not have the sizes of its model.
+  // stiffness and constants are added to. [lanes of the batch], the others are left alone. Throws
+  // Error(data) where one does not have the sizes of its model.
   void pull_back(std::span<Gradient> gradients, ThreadPool* pool = nullptr) const;
 
   std::size_t bytes() const;  // held at present

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libevo/base/elementary.h"
+#include "libevo/sim/adjoint.h"
 #include "libevo/sim/contact_geometry.h"
 
 namespace evo {
@@ -91,6 +92,10 @@ class TouchAdjoint {
 
     const double slope = 1.0 - grip * grip;
     const double by_normal_force = n_g - t_g * rub * (grip - sliding * slope);
+    add(GradientConstant::contact_stiffness, by_normal_force * (depth + physics_.contact_margin));
+    add(GradientConstant::contact_damping, -n_up * n_gp - 0.5 * (n_ua * n_ga + n_ub * n_gb));
+    add(GradientConstant::friction_multiplier,
+        -t_g * physics_.friction_coefficient * normal_force * grip);
     const double by_slip = -t_g * physics_.friction_multiplier * slope;
     const double by_height =
         physics_.contact_stiffness * by_normal_force * (height < 0.0 ? -1.0 : 1.0);
@@ -124,6 +129,9 @@ class TouchAdjoint {
     if (!points_.moves(site)) return;
     pairs[offset(site)] += v.x;
     pairs[offset(site) + stride_] += v.y;
+  }
+  void add(GradientConstant which, double by) const {
+    adjoint_.by_constants[static_cast<std::size_t>(which) * stride_] += by;
   }
   void add(std::int32_t site, Vector v) const { add_to(adjoint_.by_position, site, v); }
   void add_velocity(std::int32_t site, Vector v) const {

@@ -19,6 +19,7 @@ struct ContactAdjoint {
   const double* by_force = nullptr;  // derivatives by contact forces
   double* by_position = nullptr;     // are added to, as is
   double* by_previous = nullptr;
+  double* by_constants = nullptr;  // rows of gradient_constants, a stride apart
 };
 
 void pull_back_touch(const Model::Compiled& world, const Touch& touch, const PointView& view,

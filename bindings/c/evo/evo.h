@@ -340,11 +340,13 @@ typedef struct evo_sim_gradients {
   double* previous;   /* [S][P][2], by where they were one substep before, of which contact knows */
   double* targets;    /* [S][A], by the step's targets */
   double* stiffness;  /* [S][V], by the factors of voxels' stiffness, or NULL */
+  double* constants;  /* [S][5], by gravity, drag, contact_stiffness, contact_damping and
+                         friction_multiplier, or NULL */
 } evo_sim_gradients;
 /* Back through the last step that is kept and has not been gone back through: of simulations that
  * it moved, derivatives by the state after it become those by the state before it; those by
- * targets are set, those by stiffness are added to. All but the last are 0 where a robot folded
- * or the simulation became unstable. What simulations are now stays. */
+ * targets are set, those by stiffness and constants are added to. All but these are 0 where a
+ * robot folded or the simulation became unstable. What simulations are now stays. */
 EVO_API int evo_sims_pull_back(evo_sims* sims, const evo_sim_gradients* gradients, size_t size);
 
 /* As evo_envs_translate. */

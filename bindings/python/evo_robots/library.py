@@ -125,7 +125,7 @@ class SimArrays(Structure):
 class SimGradients(Structure):
     _fields_ = [*[(name, c_size_t) for name in ("sims", "points", "actuators", "voxels")],
                 *[(name, c_void_p) for name in ("positions", "velocities", "previous", "targets",
-                                                "stiffness")]]
+                                                "stiffness", "constants")]]
 
 
 class SimObject(Structure):

@@ -110,6 +110,9 @@ class Gradients:
     previous: np.ndarray  # [count, P, 2], by positions one substep before
     targets: np.ndarray  # [count, A], by those of the step
     stiffness: np.ndarray  # [count, V], by factors of voxels, of all objects
+    constants: np.ndarray  # [count, 5], by those of the physics that CONSTANTS names
+
+    CONSTANTS = ("gravity", "drag", "contact_stiffness", "contact_damping", "friction_multiplier")
 
 
 class Simulations:
@@ -175,21 +178,23 @@ class Simulations:
         """All 0."""
         return Gradients(*[np.zeros_like(self.positions) for _ in range(3)],
                          np.zeros((self.num_sims, self.num_actuators)),
-                         np.zeros((self.num_sims, self.num_voxels)))
+                         np.zeros((self.num_sims, self.num_voxels)),
+                         np.zeros((self.num_sims, len(Gradients.CONSTANTS))))
 
     def pull_back(self, by: Gradients) -> None:
         """Back through the last step that is kept and has not been gone back through: derivatives
         by the state after it become those by the state before it, of simulations that it moved.
-        Those by targets are set, those by stiffness are added to."""
+        Those by targets are set, those by stiffness and constants are added to."""
         for array, like in ((by.positions, self.positions), (by.velocities, self.positions),
                             (by.previous, self.positions)):
             _check(array, like.shape)
         _check(by.targets, (self.num_sims, self.num_actuators))
         _check(by.stiffness, (self.num_sims, self.num_voxels))
+        _check(by.constants, (self.num_sims, len(Gradients.CONSTANTS)))
         given = SimGradients(self.num_sims, self.positions.shape[1], self.num_actuators,
                              self.num_voxels, *[address(array) for array in (
                                  by.positions, by.velocities, by.previous, by.targets,
-                                 by.stiffness)])
+                                 by.stiffness, by.constants)])
         call("evo_sims_pull_back", self._handle, ctypes.byref(given), ctypes.sizeof(given))
 
     def save(self, sim: int = 0) -> bytes:

@@ -63,6 +63,8 @@ class Worlds(unittest.TestCase):
         self.assertTrue((by.targets[0] == 0).all())
         self.assertEqual(by.stiffness.shape, (2, 38))
         self.assertTrue((by.stiffness[1] != 0).any())
+        self.assertEqual(by.constants.shape, (2, len(by.CONSTANTS)))
+        self.assertTrue((by.constants[1] != 0).all())
         by.targets = by.targets[:1]
         with self.assertRaisesRegex(ValueError, "expected"):
             sims.pull_back(by)

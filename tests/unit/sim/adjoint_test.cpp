@@ -273,6 +273,55 @@ TEST_CASE("gradients by stiffness are central differences over other bodies") {
   }
 }
 
+TEST_CASE("gradients by constants of the physics are central differences over other physics") {
+  const World world = flat(quadruped());
+  Stream random(7, "constants");
+  Batch warm(1);
+  warm.place(0, std::make_shared<const Model>(world, Physics{}));
+  for (int t = 0; t < 30; ++t) {
+    draw_targets(warm.targets(0), random);
+    warm.step();
+  }
+  const State start = warm.state(0);
+  std::vector<double> share;
+  for (std::size_t i = 0; i < start.vx.size(); ++i) share.push_back(random.gaussian());
+  std::vector<Tape> tapes;
+  for (int t = 0; t < 4; ++t) tapes.emplace_back(0.0);
+  const auto run_with = [&](const Physics& physics) {
+    auto model = std::make_shared<const Model>(world, physics);
+    Batch batch(1);
+    batch.place(0, model);
+    batch.set_state(0, start);
+    for (Tape& tape : tapes) batch.step({}, nullptr, {}, &tape);
+    const State after = batch.state(0);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < share.size(); ++i) sum += share[i] * (after.vx[i] + after.vy[i]);
+    return std::pair(sum, model);
+  };
+  std::vector<Gradient> gradient{zero_gradient(*run_with({}).second, false, true)};
+  gradient[0].state.vx = share;
+  gradient[0].state.vy = share;
+  for (auto tape = tapes.rbegin(); tape != tapes.rend(); ++tape) tape->pull_back(gradient);
+  const std::pair<GradientConstant, double Physics::*> constants[] = {
+      {GradientConstant::gravity, &Physics::gravity},
+      {GradientConstant::drag, &Physics::drag},
+      {GradientConstant::contact_stiffness, &Physics::contact_stiffness},
+      {GradientConstant::contact_damping, &Physics::contact_damping},
+      {GradientConstant::friction_multiplier, &Physics::friction_multiplier}};
+  for (const auto& [which, member] : constants) {
+    Physics more, less;
+    const double eps = 1e-5 * (more.*member);
+    more.*member += eps;
+    less.*member -= eps;
+    const double difference =
+        (run_with(more).first - run_with(less).first) / (more.*member - less.*member);
+    CAPTURE(static_cast<int>(which));
+    CHECK(difference != 0.0);
+    CHECK(gradient[0].constants[static_cast<std::size_t>(which)] ==
+          Approx(difference).epsilon(1e-3));
+  }
+}
+
 namespace {
 
 // How far the robot is after some steps with these targets, and its derivative by them.
@@ -377,10 +426,12 @@ TEST_CASE("a tape changes no bits, and gradients have the same bits in any compa
         plain.step();
       }
       CHECK(hash_of(batch.state(0)) == hash_of(plain.state(0)));
-      std::vector<Gradient> gradients(count, zero_gradient(model, true));
+      std::vector<Gradient> gradients(count, zero_gradient(model, true, true));
       for (Gradient& gradient : gradients) gradient.state.x.assign(gradient.state.x.size(), 1.0);
       for (auto tape = tapes.rbegin(); tape != tapes.rend(); ++tape) tape->pull_back(gradients);
       seen.push_back(gradients[0].stiffness);
+      seen.back().insert(seen.back().end(), gradients[0].constants.begin(),
+                         gradients[0].constants.end());
       for_each_array(gradients[0].state, [&](const std::vector<double>& values) {
         seen.back().insert(seen.back().end(), values.begin(), values.end());
       });

@@ -49,9 +49,8 @@ constexpr int steps_gained = 3;
 constexpr int rivals = 3;
 constexpr int pace_steps = 40;
 
-// What is tried from a moment on, all alike.
+// What is tried from a moment on, all alike. That it continues as before is no kind: plans do.
 enum class AttemptKind {
-  go_on,   // with what was going on
   begin,   // a new gait
   change,  // the gait, or that of a moment that was earning much, changed
   borrow,  // the gait of a moment that was earning much
@@ -59,7 +58,7 @@ enum class AttemptKind {
   push,    // a few targets held by groups of actuators, then the gait
   hold     // one target for each group
 };
-constexpr std::uint32_t attempt_kinds = 7;
+constexpr std::uint32_t attempt_kinds = 6;
 
 }  // namespace
 
@@ -242,7 +241,7 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
   SineController& gait = attempt.at.gait;
   using enum AttemptKind;
   const auto kind = static_cast<AttemptKind>(random_.below(attempt_kinds));
-  if (kind != go_on && kind != push) attempt.at.repeated = 0;
+  if (kind != push) attempt.at.repeated = 0;
   if (kind == borrow) gait = fast_gait();
   if (kind == repeat) attempt.at.repeated = some_of(steps_of(attempt.at));
   if (kind == borrow || kind == repeat) attempt.steps_left *= rhythm_lasts;

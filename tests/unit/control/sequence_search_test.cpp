@@ -238,14 +238,26 @@ int borrowers(const Arena& arena, std::size_t fast, std::size_t lender) {
   }
   const auto all = archive.get<std::uint8_t>("search/highest/states");
   const auto from = all.begin() + static_cast<std::ptrdiff_t>(skipped);
-  const std::vector<std::uint8_t> states(from, from + static_cast<std::ptrdiff_t>(kept));
-  for (const std::string moments : {"search/soonest", "search/highest"}) {
+  std::vector<std::uint8_t> states(from, from + static_cast<std::ptrdiff_t>(kept));
+  // Where episodes begin, as of the scout, is among levels alone.
+  const auto levels = archive.get<std::uint64_t>("search/soonest/counts");
+  auto beginning = archive.get<std::uint8_t>("search/soonest/states").begin();
+  std::size_t row = 0;
+  for (; levels[row + 1] > 0; row += 5) beginning += static_cast<std::ptrdiff_t>(levels[row]);
+  const std::vector<std::uint8_t> first_state(beginning,
+                                              beginning + static_cast<std::ptrdiff_t>(levels[row]));
+  for (const std::string moments : {"search/highest", "search/soonest"}) {
+    if (moments == "search/soonest") {
+      kept_counts.insert(kept_counts.end(), {first_state.size(), 0, 0, 0, 0});
+      states.insert(states.end(), first_state.begin(), first_state.end());
+      gaits.insert(gaits.end(), {25.0, 1.1});
+    }
     archive.put(moments + "/counts", kept_counts);
     archive.put(moments + "/states", states);
     archive.put(moments + "/actions", actions);
     archive.put(moments + "/earnings", earnings);
     archive.put(moments + "/gaits", gaits);
-    archive.put(moments + "/delayed", std::vector<std::uint8_t>(2, 0));
+    archive.put(moments + "/delayed", std::vector<std::uint8_t>(kept_counts.size() / 5, 0));
   }
 
   int count = 0;

@@ -469,7 +469,7 @@ TEST_CASE("searches for a gait and for a sequence take turns, and each step of t
   TrainingSettings settings = brief_sequence();
   settings.steps = 6000;
   settings.gait_share = 0.1;
-  Trainer trainer(arena, settings, 1, "robot");
+  Trainer trainer(arena, settings, 2, "robot");
   std::vector<Checkpoint> checkpoints;
   const std::string turns = turns_of(trainer, &checkpoints);
   INFO(turns);
@@ -480,7 +480,7 @@ TEST_CASE("searches for a gait and for a sequence take turns, and each step of t
   const TrainResult result = trainer.result();
   CHECK(result.steps <= settings.steps);
   for (std::size_t i = 0; i < checkpoints.size(); i += 3) {
-    Trainer resumed(arena, settings, 1, "robot");
+    Trainer resumed(arena, settings, 2, "robot");
     resumed.restore(checkpoints[i]);
     check_equal(train(resumed), result);
   }

@@ -600,6 +600,8 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
   soonest_.clear();
   for (Moment& moment : load_moments(checkpoint, "search/soonest"))
     soonest_[level_of(moment.earned())] = std::move(moment);
+  if (!soonest_.empty() && !soonest_.contains(level_of(0.0)))
+    throw Error(Failure::data, "checkpoint: its archive does not begin where episodes do");
   highest_.clear();
   for (Moment& moment : load_moments(checkpoint, "search/highest"))
     highest_[steps_of(moment) / slot] = std::move(moment);

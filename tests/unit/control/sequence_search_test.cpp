@@ -200,6 +200,19 @@ TEST_CASE("a search repeats its last actions, and goes on doing so") {
   REQUIRE(meant > 0);  // some of them are pushed first
   CHECK(2 * repeating >= meant);
 
+  // Moments of times instead of levels, which earned more than 0.
+  Checkpoint late = checkpoint;
+  const std::string from = "search/highest/";
+  const std::string to = "search/soonest/";
+  late.put(to + "counts", checkpoint.get<std::uint64_t>(from + "counts"));
+  late.put(to + "states", checkpoint.get<std::uint8_t>(from + "states"));
+  late.put(to + "delayed", checkpoint.get<std::uint8_t>(from + "delayed"));
+  for (const std::string part : {"actions", "gaits"})
+    late.put(to + part, checkpoint.get<double>(from + part));
+  late.put(to + "earnings",
+           std::vector<double>(checkpoint.get<double>(from + "earnings").size(), 1000.0));
+  CHECK_THROWS_WITH(search.load(late), Catch::Contains("does not begin where episodes do"));
+
   auto counts = checkpoint.get<std::uint64_t>("search/highest/counts");
   counts[3] = 1000;
   checkpoint.put("search/highest/counts", counts);

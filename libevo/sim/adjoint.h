@@ -22,8 +22,7 @@
 
 namespace evo {
 
-// Derivatives of one number, as a sum of rewards, in the units of that number per those of the
-// entry.
+// Constants of the physics (physics.h) that a gradient can be by.
 enum class GradientConstant {
   gravity,
   drag,
@@ -33,6 +32,8 @@ enum class GradientConstant {
 };
 inline constexpr std::size_t gradient_constants = 5;
 
+// Derivatives of one number, as a sum of rewards, in the units of that number per those of the
+// entry.
 struct Gradient {
   State state;                    // by positions, velocities, previous positions and targets
   std::vector<double> stiffness;  // [model.cells()] by voxels' factors; empty: not wanted

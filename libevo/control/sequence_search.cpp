@@ -49,7 +49,7 @@ constexpr int steps_gained = 3;
 constexpr int rivals = 3;
 constexpr int pace_steps = 40;
 
-// What is tried from a moment on, all alike. That it continues as before is no kind: plans do.
+// What is tried from a moment on, all alike.
 enum class AttemptKind {
   begin,   // a new gait
   change,  // the gait, or that of a moment that was earning much, changed

@@ -4,6 +4,7 @@ import gc
 import pathlib
 import pickle
 import runpy
+import tempfile
 import unittest
 
 import numpy as np
@@ -42,7 +43,7 @@ class Worlds(unittest.TestCase):
         sims = Simulations(two_robots(), 2)
         points = sims.objects["left"].points
 
-        def walked(change=0.0):
+        def walked(change=0.0, sims=sims):
             sims.reset()
             for t in range(3):
                 targets = wave(sims, t)
@@ -63,8 +64,19 @@ class Worlds(unittest.TestCase):
         self.assertTrue((by.targets[0] == 0).all())
         self.assertEqual(by.stiffness.shape, (2, 38))
         self.assertTrue((by.stiffness[1] != 0).any())
-        self.assertEqual(by.constants.shape, (2, len(by.CONSTANTS)))
-        self.assertTrue((by.constants[1] != 0).all())
+        usual = {"gravity": 110, "drag": 0.1, "contact_stiffness": 2.1e6, "contact_damping": 140,
+                 "friction_multiplier": 1200}
+        with tempfile.TemporaryDirectory() as folder:
+            for constant, slope in zip(by.CONSTANTS, by.constants[1], strict=True):
+                ends = []
+                for value in (usual[constant] * (1 - 1e-5), usual[constant] * (1 + 1e-5)):
+                    profile = pathlib.Path(folder) / "physics.yaml"
+                    profile.write_text("format: evo/physics\nversion: 1\nname: other\nbase: evogym\n"
+                                       f"{constant}: {value!r}\n")
+                    ends.append(walked(sims=Simulations(two_robots(), 2, physics=profile)))
+                self.assertNotEqual(slope, 0)
+                self.assertAlmostEqual(slope / ((ends[1] - ends[0]) / (2e-5 * usual[constant])), 1,
+                                       delta=1e-3, msg=constant)
         by.targets = by.targets[:1]
         with self.assertRaisesRegex(ValueError, "expected"):
             sims.pull_back(by)

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libevo/base/elementary.h"
+#include "libevo/control/replay.h"
 
 namespace evo {
 namespace {
@@ -41,17 +42,11 @@ int Planner::longest_window(int lanes) const {
   return static_cast<int>(most_bytes / (bytes * points));
 }
 
-double Planner::target(double value) const {
-  constexpr double resolution = 1024.0;
-  const Physics& physics = arena_->task().physics;
-  const double least = std::ceil(physics.min_target * resolution);
-  const double most = std::floor(physics.max_target * resolution);
-  return std::clamp(std::round(value * resolution), least, most) / resolution;
-}
-
 void Planner::targets_of(const Plan& plan, std::size_t k, std::span<double> targets) const {
+  const Physics& physics = arena_->task().physics;
   for (std::size_t i = 0; i < targets.size(); ++i)
-    targets[i] = target(middle_ + half_ * math::tanh(plan[k * targets.size() + i]));
+    targets[i] = recorded_target(middle_ + half_ * math::tanh(plan[k * targets.size() + i]),
+                                 physics.min_target, physics.max_target);
 }
 
 Plan Planner::plan_of(std::span<const double> targets) const {
@@ -119,7 +114,6 @@ double Planner::stray(Lane& lane, std::size_t step, std::span<const Vec2> points
 
 const std::vector<Planner::Outcome>& Planner::simulate(VecEnv& env,
                                                        std::span<const std::uint8_t> from,
-                                                       std::int64_t& steps,
                                                        const Stepped& stepped) {
   environments_ = static_cast<std::size_t>(env.environments());
   outcomes_.assign(lanes_.size(), {});
@@ -132,15 +126,13 @@ const std::vector<Planner::Outcome>& Planner::simulate(VecEnv& env,
   }
   std::vector<double> targets(active.size() * actuators(), 1.0);
   for (std::size_t k = 0; k < window_; ++k) {
-    const std::int64_t running = std::count(active.begin(), active.end(), std::uint8_t{1});
-    if (running == 0) break;
+    if (std::count(active.begin(), active.end(), std::uint8_t{1}) == 0) break;
     const auto row = [&](std::size_t lane) {
       return std::span(targets).subspan(lane * actuators(), actuators());
     };
     for (std::size_t i = 0; i < lanes_.size(); ++i)
       if (active[i] != 0) targets_of(lanes_[i].plan, k, row(i));
     env.step(targets, active, nullptr, &tapes_[k]);
-    steps += running;
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (active[i] == 0) continue;
       Outcome& outcome = outcomes_[i];
@@ -155,7 +147,7 @@ const std::vector<Planner::Outcome>& Planner::simulate(VecEnv& env,
         outcome.value += goes_on * env.rewards()[i];
       if (!way_.empty() && k + 1 < window_ && outcome.is_over)  // and the way leads on
         outcome.value = -std::numeric_limits<double>::infinity();
-      if (!is_unstable) stepped(i, row(i));
+      if (!is_unstable) stepped(i);
     }
   }
   return outcomes_;

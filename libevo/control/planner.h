@@ -28,8 +28,6 @@ class Planner {
   // As many steps as a window may have for its tapes to stay within some memory.
   int longest_window(int lanes) const;
 
-  // The nearest multiple of 1/1024 within the range of targets, which keeps files small.
-  double target(double value) const;
   // What a plan aims for at step k.
   void targets_of(const Plan& plan, std::size_t k, std::span<double> targets) const;
   // The plan that aims for these, or nearly where they are at an end of their range.
@@ -51,12 +49,10 @@ class Planner {
     double value = 0.0;    // what the window earned, and would go on to earn for a while
     bool is_over = false;  // the episode ended in it
   };
-  // Called after every step of a lane.
-  using Stepped = std::function<void(std::size_t lane, std::span<const double> targets)>;
-  // Does all plans in the first lanes of `env`, from a moment saved by VecEnv::save(). Adds to
-  // `steps` how many they took.
+  using Stepped = std::function<void(std::size_t lane)>;  // called after every step of a lane
+  // Does all plans in the first lanes of `env`, from a moment saved by VecEnv::save().
   const std::vector<Outcome>& simulate(VecEnv& env, std::span<const std::uint8_t> from,
-                                       std::int64_t& steps, const Stepped& stepped);
+                                       const Stepped& stepped);
   // Each plan goes a step up the gradient of what it earned.
   void climb();
 

@@ -89,15 +89,12 @@ Replanner::Part Replanner::next_part(const Episode& episode, const Part& before,
   double value = -std::numeric_limits<double>::infinity();
   for (int round = 0; round < settings_->rounds; ++round) {
     if (round > 0) planner_.climb();
-    std::int64_t taken = 0;
     const auto lanes = static_cast<std::size_t>(settings_->lanes);
     std::vector<std::vector<std::uint8_t>> after(lanes);
     std::vector<int> stepped(lanes, 0);
-    const auto& outcomes = planner_.simulate(env_, before.after, taken,
-                                             [&](std::size_t lane, std::span<const double>) {
-                                               if (++stepped[lane] == best.steps)
-                                                 after[lane] = env_.save(static_cast<int>(lane));
-                                             });
+    const auto& outcomes = planner_.simulate(env_, before.after, [&](std::size_t lane) {
+      if (++stepped[lane] == best.steps) after[lane] = env_.save(static_cast<int>(lane));
+    });
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       if (!(outcomes[lane].value > value)) continue;
       value = outcomes[lane].value;

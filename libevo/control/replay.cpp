@@ -1,6 +1,7 @@
 #include "libevo/control/replay.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace evo {
 
@@ -17,6 +18,13 @@ void fit(ReplayController& controller, int steps) {
   actions.reserve(length);
   while (actions.size() < length) actions.push_back(actions[actions.size() - width]);
   actions.resize(length);
+}
+
+double recorded_target(double value, double low, double high) {
+  constexpr double resolution = 1024.0;
+  return std::clamp(std::round(value * resolution), std::ceil(low * resolution),
+                    std::floor(high * resolution)) /
+         resolution;
 }
 
 }  // namespace evo

@@ -21,4 +21,7 @@ void act(const ReplayController& controller, int t, std::span<double> targets);
 // There is at least one step.
 void fit(ReplayController& controller, int steps);
 
+// The nearest multiple of 1/1024 in [low, high]: sequences of such targets make small files.
+double recorded_target(double value, double low, double high);
+
 }  // namespace evo

@@ -13,13 +13,6 @@
 namespace evo {
 namespace {
 
-// Windows of plans, in control steps: how long, and how much of the best is done before the next
-// one. Every plan climbs so many times less one.
-constexpr int shortest_window = 32;
-constexpr int longest_window = 64;
-constexpr int committed = 16;
-constexpr int rounds = 8;
-
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
 // The archive. A level of return is a twentieth of what first episodes reach; where returns grow
@@ -72,7 +65,6 @@ SequenceSearch::SequenceSearch(const Arena& arena, const SequenceSearchSettings&
       random_(random),
       start_(std::move(start)),
       env_(arena, settings.environments),
-      planner_(arena),
       start_is_due_(start_.has_value()) {
   auto* gait = start_ ? std::get_if<SineController>(&*start_) : nullptr;
   if (gait != nullptr) gait->shift.resize(places_.size());
@@ -358,22 +350,6 @@ void SequenceSearch::coarsen() {
   }
 }
 
-std::int64_t SequenceSearch::explore(std::int64_t budget, bool plans) {
-  std::int64_t taken = 0;
-  if (soonest_.empty()) {
-    taken += measure_level_height(budget);
-    if (level_height_ == 0.0) return 0;
-    begin();
-  }
-  const std::int64_t most = std::int64_t{settings_.environments} * longest_window * rounds;
-  while (plans && !start_is_due_ && most <= budget - taken) {
-    const std::int64_t steps = plan_window();
-    if (steps == 0) break;
-    taken += steps;
-  }
-  return taken + try_attempts(budget - taken);
-}
-
 // What a step of a lane came to. False where nothing can follow in its episode.
 bool SequenceSearch::note(Attempt& attempt, std::size_t lane, std::span<const double> targets) {
   Moment& at = attempt.at;
@@ -394,8 +370,13 @@ bool SequenceSearch::note(Attempt& attempt, std::size_t lane, std::span<const do
   return true;
 }
 
-std::int64_t SequenceSearch::try_attempts(std::int64_t budget) {
+std::int64_t SequenceSearch::explore(std::int64_t budget) {
   std::int64_t taken = 0;
+  if (soonest_.empty()) {
+    taken += measure_level_height(budget);
+    if (level_height_ == 0.0) return 0;
+    begin();
+  }
   const auto lanes = static_cast<std::size_t>(settings_.environments);
   std::vector<Attempt> attempts(lanes);
   std::vector<std::uint8_t> active(lanes, 0);
@@ -424,87 +405,6 @@ std::int64_t SequenceSearch::try_attempts(std::int64_t budget) {
   }
 }
 
-// ---- plans ---------------------------------------------------------------------------
-
-// Plans for every lane: what is left of the last one, or the gait that was going on, or next to
-// nothing; the same with noise that changes slowly; other gaits.
-std::vector<Plan> SequenceSearch::first_plans(int window) {
-  const std::size_t a = places_.size();
-  const auto steps = static_cast<std::size_t>(window);
-  const auto plan_of = [&](const SineController& gait) {
-    std::vector<double> targets(steps * a);
-    for (std::size_t k = 0; k < steps; ++k)
-      act(gait, steps_of(*ahead_) + static_cast<int>(k), std::span(targets).subspan(k * a, a));
-    return planner_.plan_of(targets);
-  };
-  Plan first;
-  if (!plan_.empty())
-    first = planner_.continued(plan_, 0, steps);
-  else if (!ahead_->gait.phase.empty())
-    first = plan_of(ahead_->gait);
-  else
-    first = planner_.faint(steps, random_);
-  std::vector<Plan> plans{first};
-  for (int lane = 1; lane < settings_.environments; ++lane)
-    plans.push_back(lane % 4 == 3 ? plan_of(new_gait())
-                                  : planner_.noisy(first, 0.23 * (lane % 4 + 1), random_));
-  return plans;
-}
-
-std::int64_t SequenceSearch::plan_window() {
-  if (!ahead_) {
-    const Moment* from = choose();
-    if (from == nullptr) return 0;
-    ahead_ = *from;
-    plan_.clear();
-    window_ = random_.integer(shortest_window, longest_window);
-  }
-  const int window = std::max(1, std::min({window_, episode_steps() - steps_of(*ahead_),
-                                           planner_.longest_window(settings_.environments)}));
-  planner_.begin(first_plans(window));
-  const auto lanes = static_cast<std::size_t>(settings_.environments);
-  const int part = std::min(committed, window);
-  const int until = steps_of(*ahead_) + part;
-  std::int64_t taken = 0;
-  bool gained = false;
-  double best = -std::numeric_limits<double>::infinity();
-  bool best_is_lost = false;
-  std::optional<Moment> next;  // where the best plan's first part leads
-  for (int round = 0; round < rounds; ++round) {
-    Attempt fresh;
-    fresh.at = *ahead_;
-    fresh.at.state.clear();
-    fresh.at.repeated = 0;
-    std::vector<Attempt> attempts(lanes, fresh);
-    std::vector<std::optional<Moment>> marks(lanes);
-    const auto& outcomes = planner_.simulate(
-        env_, ahead_->state, taken, [&](std::size_t lane, std::span<const double> targets) {
-          Attempt& attempt = attempts[lane];
-          attempt.steps_left = 1;
-          if (!note(attempt, lane, targets)) return;
-          gained = gained || attempt.steps_left > 0;
-          if (steps_of(attempt.at) != until) return;
-          marks[lane] = attempt.at;
-          marks[lane]->state = env_.save(static_cast<int>(lane));
-        });
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      if (!(outcomes[lane].value > best)) continue;
-      best = outcomes[lane].value;
-      best_is_lost = outcomes[lane].is_over && best < 0.0;
-      next = std::move(marks[lane]);
-      plan_ = planner_.plan(lane);
-    }
-    if (round + 1 < rounds) planner_.climb();
-  }
-  const bool goes_on = gained && next && !best_is_lost && steps_of(*next) < episode_steps() - 1;
-  if (goes_on) {
-    const std::size_t done = static_cast<std::size_t>(part) * places_.size();
-    plan_.erase(plan_.begin(), plan_.begin() + static_cast<std::ptrdiff_t>(done));
-  }
-  ahead_ = goes_on ? std::move(next) : std::nullopt;
-  return taken;
-}
-
 ReplayController SequenceSearch::whole(const std::vector<double>& actions) const {
   ReplayController sequence{actions, static_cast<int>(places_.size())};
   if (actions.empty()) sequence.actions.assign(places_.size(), target(1.0));
@@ -531,9 +431,6 @@ std::vector<ReplayController> SequenceSearch::news() {
 void SequenceSearch::save(Checkpoint& checkpoint) const {
   checkpoint.put("search/random", random_);
   checkpoint.put<double>("search/numbers", {level_height_, ended_return_, shown_});
-  checkpoint.put<std::uint64_t>("search/window", {static_cast<std::uint64_t>(window_)});
-  checkpoint.put("search/plan", plan_);
-  save_moments(checkpoint, "search/ahead", ahead_ ? Moments{{0, *ahead_}} : Moments{});
   checkpoint.put<std::uint8_t>(
       "search/flags", {std::uint8_t(start_is_due_ ? 1 : 0), std::uint8_t(ended_is_new_ ? 1 : 0)});
   checkpoint.put("search/ended", ended_);
@@ -589,10 +486,6 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
   level_height_ = numbers[0];
   ended_return_ = numbers[1];
   shown_ = numbers[2];
-  window_ = static_cast<int>(checkpoint.get<std::uint64_t>("search/window", 1)[0]);
-  plan_ = checkpoint.get<double>("search/plan");
-  ahead_.reset();
-  for (Moment& moment : load_moments(checkpoint, "search/ahead")) ahead_ = std::move(moment);
   const auto& flags = checkpoint.get<std::uint8_t>("search/flags", 2);
   start_is_due_ = flags[0] != 0;
   ended_is_new_ = flags[1] != 0;

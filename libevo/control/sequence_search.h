@@ -12,10 +12,6 @@
 // would cost keeps nobody from trying. What earned the most too early, as a jump that is
 // over before the episode is, is done once more after a rest, so as to end with it.
 //
-// Or windows of actions climb the gradient of what they earn (planner.h), from a moment on and
-// then one after the other, as long as the archive gains from them. They see where a push leads
-// and no fall, and climb no further than to the next top: what they miss is what attempts find.
-//
 // A search that starts from a sequence, as a child from its parent's, or from a gait
 // enters all that this reaches first.
 #pragma once
@@ -33,7 +29,7 @@
 #include "libevo/control/checkpoint.h"
 #include "libevo/control/controller.h"
 #include "libevo/control/evaluate.h"
-#include "libevo/control/planner.h"
+#include "libevo/control/replay.h"
 #include "libevo/control/settings.h"
 #include "libevo/control/transfer.h"
 #include "libevo/task/env.h"
@@ -57,9 +53,8 @@ class SequenceSearch {
 
   // Explores for no more than `budget` control steps, and says how many it took: none
   // where they are fewer than the whole episodes that a search begins with (one of what
-  // it starts from, else one in each environment). With plans, by windows of them as long as
-  // one fits in what is left.
-  std::int64_t explore(std::int64_t budget, bool plans = false);
+  // it starts from, else one in each environment).
+  std::int64_t explore(std::int64_t budget);
 
   // The sequences that may earn the most, [T x A]: of the episodes that came to their
   // end, the best; and the one that leads to the highest level of return, where it
@@ -106,15 +101,12 @@ class SequenceSearch {
   int episode_steps() const { return arena_->task().episode_steps; }
   double low() const { return arena_->task().physics.min_target; }
   double high() const { return arena_->task().physics.max_target; }
-  double target(double value) const { return planner_.target(value); }
+  double target(double value) const { return recorded_target(value, low(), high()); }
   int steps_of(const Moment& moment) const;
   double pace(const Moment& moment) const;
   std::int64_t level_of(double earned) const;
 
   Moment* choose();
-  std::vector<Plan> first_plans(int window);
-  std::int64_t plan_window();
-  std::int64_t try_attempts(std::int64_t budget);
   bool note(Attempt& attempt, std::size_t lane, std::span<const double> targets);
   void begin();
   std::int64_t measure_level_height(std::int64_t budget);
@@ -143,7 +135,6 @@ class SequenceSearch {
   Stream random_;
   std::optional<Start> start_;
   VecEnv env_;
-  Planner planner_;
 
   double level_height_ = 0.0;  // 0 until it is known
   bool start_is_due_;
@@ -152,9 +143,6 @@ class SequenceSearch {
   std::vector<double> ended_;  // actions of the best episode that came to its end
   double ended_return_ = 0.0;
   bool ended_is_new_ = false;
-  std::optional<Moment> ahead_;  // where planning goes on
-  Plan plan_;                    // and with what, if there is a plan yet
-  int window_ = 0;               // steps of it
   // The highest level that news() has spoken of.
   double shown_ = -std::numeric_limits<double>::infinity();
 };

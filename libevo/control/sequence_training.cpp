@@ -13,7 +13,6 @@ constexpr double memory = 0.8;          // of a search's pace, from one of its t
 constexpr double horizon = 32768;       // steps after which the two are compared
 constexpr std::int64_t exception = 12;  // of so many turns, the last goes to the other
 constexpr std::int64_t known = 3;       // turns until the pace of exploration is
-constexpr std::int64_t other_kind = 3;  // of so many stretches, the last goes to the other kind
 
 SequenceSearchSettings search_settings(const TrainingSettings& s) {
   return {s.environments, s.shortest_period, s.longest_period};
@@ -102,14 +101,6 @@ bool SequenceTraining::gait_is_next(const TrainingJob& job, const TrainResult& r
   return (turn % exception == 0) != ahead;
 }
 
-// Plans improve on what attempts found: they wait until half of the steps are done.
-bool SequenceTraining::plans_are_next(const TrainingJob& job, const TrainResult& result) const {
-  if (2 * result.steps < job.settings.steps) return false;
-  const std::int64_t turns = plans_pace_.turns + attempts_pace_.turns;
-  if (turns < 2 * known || plans_pace_.per_step == attempts_pace_.per_step) return turns % 2 == 1;
-  return (plans_pace_.per_step > attempts_pace_.per_step) == (turns % other_kind != 0);
-}
-
 void SequenceTraining::advance(const TrainingJob& job, TrainResult& result, Metrics& metrics) {
   if (gait_is_next(job, result))
     search_gait(job, result, metrics);
@@ -138,8 +129,7 @@ void SequenceTraining::explore(const TrainingJob& job, TrainResult& result, Metr
   const std::int64_t left = job.settings.steps - evaluation_cost(job) - result.steps;
   const std::int64_t stretch = job.settings.evaluation_interval * job.settings.batch();
   const std::int64_t first = search_->levels() == 0 ? first_cost(job) : 0;
-  const bool plans = plans_are_next(job, result);
-  result.steps += search_->explore(std::min(left, first + stretch), plans);
+  result.steps += search_->explore(std::min(left, first + stretch));
 
   // The episode from its beginning, whatever the archive says of it.
   const std::vector<ReplayController> news = search_->news();
@@ -155,9 +145,7 @@ void SequenceTraining::explore(const TrainingJob& job, TrainResult& result, Metr
   } else {
     result.evaluated(result.fitness.value(), *result.controller);  // nothing new
   }
-  const double gained = *result.fitness - old_fitness;
-  exploration_pace_.turn(gained, result.steps - before);
-  (plans ? plans_pace_ : attempts_pace_).turn(gained, result.steps - before);
+  exploration_pace_.turn(*result.fitness - old_fitness, result.steps - before);
   metrics.push_back({"charts/levels", static_cast<double>(search_->levels())});
   metrics.push_back({"charts/highest_level", search_->highest()});
   report_evaluation(result, metrics);
@@ -179,9 +167,6 @@ void SequenceTraining::save(Checkpoint& checkpoint) const {
   }
   if (!search_) return;
   search_->save(checkpoint);
-  checkpoint.put<double>("kinds/paces", {plans_pace_.per_step, attempts_pace_.per_step});
-  checkpoint.put<std::uint64_t>("kinds/turns", {static_cast<std::uint64_t>(plans_pace_.turns),
-                                                static_cast<std::uint64_t>(attempts_pace_.turns)});
   const auto& start = search_->start();
   const auto* gait = start ? std::get_if<SineController>(&*start) : nullptr;
   if (gait != nullptr) save_sine(checkpoint, "search/start", *gait);
@@ -206,10 +191,6 @@ void SequenceTraining::load(const Checkpoint& checkpoint) {
   else if (!search_)
     explore_from(std::nullopt);
   search_->load(checkpoint);
-  const auto& paces = checkpoint.get<double>("kinds/paces", 2);
-  const auto& turns = checkpoint.get<std::uint64_t>("kinds/turns", 2);
-  plans_pace_ = {paces[0], static_cast<std::int64_t>(turns[0])};
-  attempts_pace_ = {paces[1], static_cast<std::int64_t>(turns[1])};
 }
 
 }  // namespace evo

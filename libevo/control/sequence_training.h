@@ -3,9 +3,7 @@
 // each followed by the episodes of what they found; and from then on the two searches take
 // turns. The one is next that would be ahead a while later, had it all steps until then:
 // where a rhythm is all it takes, the gait; at a stair, exploration. Now and then it is the
-// other, since searches that rest may wake up. A better gait enters the archive. Exploration
-// goes by attempts at random or by plans that climb a gradient, whichever gained more lately;
-// every third time by the other.
+// other, since searches that rest may wake up. A better gait enters the archive.
 //
 // What a robot inherits, it begins with instead: a sequence or a gait as it is, of a network
 // what it does in an episode on the new body.
@@ -48,7 +46,6 @@ class SequenceTraining {
 
   std::int64_t first_cost(const TrainingJob& job) const;
   void explore_from(std::optional<SequenceSearch::Start> start);
-  bool plans_are_next(const TrainingJob& job, const TrainResult& result) const;
   bool gait_is_next(const TrainingJob& job, const TrainResult& result) const;
   void search_gait(const TrainingJob& job, TrainResult& result, Metrics& metrics);
   void explore(const TrainingJob& job, TrainResult& result, Metrics& metrics);
@@ -59,9 +56,7 @@ class SequenceTraining {
 
   std::optional<GaitTraining::Generation> best_gait_;
   Pace gait_pace_;
-  Pace exploration_pace_;  // of both kinds:
-  Pace plans_pace_;
-  Pace attempts_pace_;
+  Pace exploration_pace_;
 };
 
 }  // namespace evo

@@ -148,32 +148,6 @@ TEST_CASE("a search for a sequence resumes to the same bytes") {
   }
 }
 
-// In one lane, a window of plans takes 512 steps at most.
-TEST_CASE("a search by plans goes further, and goes on from stretch to stretch") {
-  const Arena arena(test::walker(100), test::body_a());
-  const SequenceSearchSettings alone{.environments = 1};
-  SequenceSearch search(arena, alone, once(), stream(9));
-  search.explore(400);
-  const double first = search.highest();
-  for (int k = 0; k < 4; ++k) {
-    const std::int64_t taken = search.explore(1600, true);
-    CHECK(taken <= 1600);
-    CHECK(taken > 1600 - 4);
-  }
-  CHECK(search.highest() > first);
-  Checkpoint checkpoint;
-  search.save(checkpoint);
-  SequenceSearch resumed(arena, alone, once(), stream(9));
-  resumed.load(checkpoint);
-  CHECK(resumed.explore(3000, true) == search.explore(3000, true));
-  CHECK(resumed.news() == search.news());
-  Checkpoint a;
-  Checkpoint b;
-  search.save(a);
-  resumed.save(b);
-  CHECK(a == b);
-}
-
 TEST_CASE("a search repeats its last actions, and goes on doing so") {
   const Arena arena(test::walker(120), test::body_a());
   SequenceSearch search(arena, brief(), once(), stream(8));

@@ -431,8 +431,8 @@ Workers::Workers(const Command& command, std::size_t tasks)
     : pool(threads_for(tasks, command.jobs)) {
   const int wanted = threads_for(tasks, command.jobs);
   if (pool.threads() < wanted)
-    log::warn(fmt::format("{} of {} threads could be started; going on with these", pool.threads(),
-                          wanted));
+    log::warn(fmt::format("{} of {} threads could be started; continuing with these",
+                          pool.threads(), wanted));
 }
 
 void Command::resolve(const std::string& level) {

@@ -78,7 +78,7 @@ void keep_bodies(std::vector<Robot>& robots) {
   for (Robot& robot : robots) robot = Robot(robot.body);
 }
 
-// An evolution cannot go on from robots that have all failed.
+// An evolution cannot continue from robots that have all failed.
 void need_fitness(const std::vector<Robot>& robots) {
   std::map<std::string, int> reasons;
   for (const Robot& robot : robots) {

@@ -303,7 +303,7 @@ void plan_recipe(const fs::path& folder, const std::string& name, const Given& g
       round["founders"] = before;
       around.founders = {before + "/history.jsonl", true, before + "/policies"};
     } else if (!given.contains("founders") && round.contains("inherit")) {
-      // There is nobody yet to go on from.
+      // There is nobody yet to continue from.
       if (round["inherit"] == "all") round["inherit"] = "no";
     }
     plan_or_compare(folder / fmt::format("{}", k), "ga", round, around);
@@ -472,7 +472,7 @@ int main(int argc, char** argv) {
   Options options;
   command
       .option("--run", options.run, "DIR",
-              "the run's folder, where it is or shall be; a run that is there goes on")
+              "the run's folder, where it is or shall be; a run that is there continues")
       .required();
   command.flag("--plan", options.plan, "only write run.yaml and the Makefile");
   command.option("--launch", options.launch, "COMMAND",
@@ -502,7 +502,7 @@ int main(int argc, char** argv) {
                   "a network that climbs stairs, in two rounds");
   command.example("evo evolve compare --run runs/methods --evals 100 --seeds '1 2 3' -j8",
                   "methods against each other, a table and a page");
-  command.example("evo evolve --run runs/walker -j8", "go on; so does make -C runs/walker -j8");
+  command.example("evo evolve --run runs/walker -j8", "continue; so does make -C runs/walker -j8");
 
   return command.run(argc, argv, [&] {
     const fs::path folder = options.run;

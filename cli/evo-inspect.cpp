@@ -274,7 +274,7 @@ void print_hdf5(const std::string& path) {
   if (found == format::policy.name) return print_policy(path);
   if (found == format::rollout.name) return print_rollout(path);
   if (found == format::checkpoint.name) {
-    fmt::print("{}: checkpoint of a training; evo-train --resume goes on from it\n",
+    fmt::print("{}: checkpoint of a training; evo-train --resume continues from it\n",
                printable(path));
     return;
   }

@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   command.option("-n,--count", count, "N", "children to make [as many as robots read]").at_least(0);
   command.option("--rate", breeding.mutation.rate, "P", "chance of each voxel to be redrawn");
   command.option("--attempts", breeding.mutation.attempts, "N",
-                 "tries to reach a valid body, each going on from the one before");
+                 "tries to reach a valid body, each continuing from the one before");
   command.option("--crossover", breeding.crossover, "P",
                  "chance of a child to mix two parents before it is mutated");
   command.option("--stiffness-sigma", breeding.mutation.stiffness_sigma, "S",

@@ -29,8 +29,8 @@ Parents read_parents(const std::vector<Robot>& robots) {
   for (const Robot& robot : robots) {
     const auto genome = genome_of(robot, "robot " + robot.id);
     if (!genome)
-      throw error(Failure::data, "robot {} has no genome; only robots of evo-neat can go on in it",
-                  robot.id);
+      throw error(Failure::data,
+                  "robot {} has no genome; only robots of evo-neat can continue in it", robot.id);
     parents.ids[genome->key] = robot.id;
     parents.scored.push_back(
         {*genome, robot.fitness().value_or(std::numeric_limits<double>::quiet_NaN())});

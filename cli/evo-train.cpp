@@ -79,7 +79,7 @@ std::optional<Robot> given_up(const TrainingPlan& plan, const Robot& robot,
 }
 
 // Steps are those of a robot's own environments: of a training of all an equal share, and with
-// those before where an unscored robot (evo-select) goes on from a given controller, as in a run
+// those before where an unscored robot (evo-select) continues from a given controller, as in a run
 // of modular.
 void count_steps(const TrainingPlan& plan, const Robot& before, std::size_t robots, Robot& robot) {
   std::int64_t steps = robot.steps().value_or(0);
@@ -98,7 +98,7 @@ int end(OrderedWriter& out, int status) {
   if (status == 0)
     out.finish();
   else
-    cli::log::warn("interrupted; give the same command with --resume to go on");
+    cli::log::warn("interrupted; give the same command with --resume to continue");
   return status;
 }
 
@@ -179,7 +179,7 @@ int main(int argc, char** argv) {
   command.example("evo-sample -n 4 | evo-train --task Walker-v0 --steps 102400 --out-dir policies",
                   "four random robots, trained in parallel");
   command.example("evo-train best.json --task Climber-v0 --train paper --out-dir climb --resume",
-                  "with the settings of the paper, going on after an interruption");
+                  "with the settings of the paper, continuing after an interruption");
 
   command.example("evo-train --train modular --task Walker-v0 --shared one.policy.h5 bodies.jsonl",
                   "one controller for all bodies of a file, which fits any other");

@@ -19,7 +19,7 @@ class Clock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// How a long work shows that it goes on: as a line that is redrawn, or as lines, one
+// How a long work shows that it continues: as a line that is redrawn, or as lines, one
 // every ten seconds or every minute.
 enum class Progress { none, drawn, often, rarely };
 

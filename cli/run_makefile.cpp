@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// How each champion of a modular run goes on alone.
+// How each champion of a modular run continues alone.
 constexpr const char* champions_training =
     " --train learning_rate=3e-4 --train rollout=128 --train evaluation_interval=16"
     " --train final_episodes=20";
@@ -409,7 +409,7 @@ class RunMakefile {
     std::string text = fmt::format(
         "# {} {} {}: a run of evo evolve, whose settings are in run.yaml.\n"
         "#\n"
-        "#   make -j8                    goes on where it was, killed or not\n"
+        "#   make -j8                    continues where it was, killed or not\n"
         "#   make -j8 LAUNCH='srun ..'   with something in front of every training\n"
         "#\n"
         "# What exists is done: rules ask whether a file is there, not when it was made. Remove\n"
@@ -613,7 +613,7 @@ class RunMakefile {
                           setting(settings_, "parents")) +
               "$(MUTATE) -n $(3) --seed $(4) --avoid seen.txt $(@D)/parents.jsonl -o $@\n");
     if (method_ == "race" || method_ == "modular")
-      define("The best go on. $(1) generation before, $(2) robots", "go_on",
+      define("The best continue. $(1) generation before, $(2) robots", "go_on",
              "mkdir -p $(@D)\n"
              "evo-select --keep $(2) --unscored $(1)/scores.jsonl -o $@\n");
     if (method_ == "modular")
@@ -697,7 +697,7 @@ class RunMakefile {
 
 void check_python_task(const RunSettings& settings) {
   if (settings.text("method") == "race" || settings.text("method") == "modular")
-    throw error(Failure::usage, "--task {}: trainings in Python cannot go on, as {} needs",
+    throw error(Failure::usage, "--task {}: trainings in Python cannot continue, as {} needs",
                 settings.text("task"), settings.text("method"));
   for (const char* name : {"physics", "founder_steps"})
     if (settings.find(name) != nullptr)

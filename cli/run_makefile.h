@@ -17,7 +17,7 @@ namespace evo::cli {
 struct Founders {
   std::string robots;    // their file
   bool scored = false;   // the best of them are taken, else all
-  std::string policies;  // a policy or a folder of such, to go on from; "" where there is none
+  std::string policies;  // a policy or a folder of such, to continue from; "" where there is none
 };
 
 // What the Makefile says of this machine.

@@ -17,7 +17,7 @@ struct Count {
   std::size_t times = 0;
 };
 
-// What goes on in a run.
+// What continues in a run.
 struct RunWork {
   std::vector<Count> launches;  // processes that train, by machine
   std::size_t waiting = 0;      // robots proposed and not begun

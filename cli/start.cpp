@@ -28,7 +28,7 @@ std::optional<fs::path> inherited_policy(const TrainingPlan& plan, const Robot& 
   if (parents.empty() && plan.founders_from) {
     if (fs::is_regular_file(*plan.founders_from)) return plan.founders_from;
     if (auto own = policy_in(*plan.founders_from, robot.id)) return own;
-    throw error(Failure::no_input, "{}: has no policy of robot {} to go on from",
+    throw error(Failure::no_input, "{}: has no policy of robot {} to continue from",
                 *plan.founders_from, robot.id);
   }
   if (!plan.init) return std::nullopt;

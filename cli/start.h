@@ -19,7 +19,7 @@ struct TrainingStart {
   std::vector<Demonstration> demonstrations;
   TrainingOrigin origin;
   TrainingIdentity identity;             // of the whole training
-  std::optional<Checkpoint> checkpoint;  // to go on from
+  std::optional<Checkpoint> checkpoint;  // to continue from
 };
 
 // Throws Error(no_input) for a founder without the controller that it is to have, or a rollout

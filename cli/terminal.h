@@ -36,7 +36,7 @@ std::size_t characters(std::string_view text);
 // out, not cut. All of them where there is no width.
 std::string as_line(const std::vector<std::string>& parts, std::optional<std::size_t> columns);
 
-// Lines longer than `columns` broken at blanks; they go on so much further in than they began,
+// Lines longer than `columns` broken at blanks; they continue so much further in than they began,
 // or below the last column of a table, which begins after two blanks or more. A last
 // column with little room begins a line of its own.
 std::string wrapped(const std::string& text, std::size_t columns, std::size_t further = 4);

@@ -225,9 +225,9 @@ class Training {
     const std::string what = plan_.shared ? *plan_.shared : "robot " + first().id;
     if (start_.checkpoint) {
       restore(trainer, *start_.checkpoint, paths_.checkpoint);
-      cli::log::info(fmt::format("{}: goes on from {}", what, paths_.checkpoint.string()));
+      cli::log::info(fmt::format("{}: continues from {}", what, paths_.checkpoint.string()));
     } else if (fs::exists(paths_.checkpoint)) {
-      cli::log::info(fmt::format("{}: begins anew; --resume would go on from {}", what,
+      cli::log::info(fmt::format("{}: begins anew; --resume would continue from {}", what,
                                  paths_.checkpoint.string()));
     }
   }

@@ -43,9 +43,9 @@ struct TrainingPlan {
 
   int checkpoint_every = 100'000;  // environment steps; 0: when interrupted only
   bool keep_checkpoint = false;    // at the end, too
-  bool resume = false;             // go on from checkpoints
+  bool resume = false;             // continue from checkpoints
   bool replace = false;            // policies that were trained otherwise
-  bool skip_failures = false;      // a training that diverges: no fitness, go on
+  bool skip_failures = false;      // a training that diverges: no fitness, continue
 
   const TrainingSettings& settings(const Robot& robot) const;
 };

@@ -49,11 +49,11 @@ void TrainingOptions::add_to(Command& command) {
                  "save a checkpoint after this many steps; 0: on interruption only");
   const Option kept =
       command.flag("--keep-checkpoint", files.keep_checkpoint,
-                   "keep the end of each training, to go on later (--resume with more --steps)");
-  command.flag("--resume", files.resume, "go on from checkpoints where there are any");
+                   "keep the end of each training, to continue later (--resume with more --steps)");
+  command.flag("--resume", files.resume, "continue from checkpoints where there are any");
   command.flag("--force", files.replace, "replace policies trained with other settings");
   command.choice("--failures", files.skip_failures, "WHAT", {{"stop", false}, {"skip", true}},
-                 "a training that diverges: stop, or skip (fitness null, go on)");
+                 "a training that diverges: stop, or skip (fitness null, continue)");
   command
       .flag(
           "--by-sequence", by_sequence,

@@ -61,7 +61,7 @@ class Session {
   // number and for an environment that was never reset.
   void step(std::span<const double> actions, std::span<const std::uint8_t> active = {});
 
-  // The state of an episode in progress, whole: it goes on from there as often as it is
+  // The state of an episode in progress, whole: it continues from there as often as it is
   // restored, in any environment of the same robot, task and version, to the same bits. The
   // bytes are opaque. Seeds and the count of episodes are none of it. Throws Error(usage)
   // for an environment whose status is not ok.

@@ -72,7 +72,7 @@ entries.forEach(({ name, facts, record, published: { paper, paper_method, paper_
   const { shifted, sequence, fitness } = record;
   const [before, after] = [entries[k - 1], entries[k + 1]].map((each) => each?.name);
   const paid = facts.reward.map(({ words, formula, weight, when }) => `${words} (${weight === 1 ? '' : `${weight} × `}${formula}${when && `, when ${when}`})`.replace('(-', '(−'));
-  const ends = [...facts.rules.map(({ when, reward, ends: over }) => `${when}: ${signed(reward)}${over ? '' : ', and it goes on'}`),
+  const ends = [...facts.rules.map(({ when, reward, ends: over }) => `${when}: ${signed(reward)}${over ? '' : ', and it continues'}`),
     `folding onto itself: ${signed(facts.folding)}`, `after ${facts.steps} steps`];
   page(`records/${name}.html`, { title: `${name}: ${number(fitness)} · evo`, current: 'index.html', image: `records/${name}.png`,
     description: `${facts.description} The record earns ${number(fitness)}, the paper ${number(paper)}. Watch it, or draw a robot that beats it.`, main: `

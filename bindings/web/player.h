@@ -41,7 +41,7 @@ EVO_EXPORTED int evo_step(evo_player* player, int most);
 // Where the numbers are, until the player is closed.
 EVO_EXPORTED const double* evo_positions(const evo_player* player);  // [points][2], raw units
 // {return, last reward, steps, ended, folding, rules, terms..}: `ended` is 0 while the episode
-// goes on, 1 by a rule, 2 by the time limit, 3 with the sequence, 4 by self-folding, 5 by a rule
+// continues, 1 by a rule, 2 by the time limit, 3 with the sequence, 4 by self-folding, 5 by a rule
 // that pays; the others are what each part of the reward has added to the return so far.
 EVO_EXPORTED const double* evo_counts(const evo_player* player);
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Bodies by CMA-ES (package cma): five numbers a cell, the largest of which says what is there."""
+"""Bodies by CMA-ES (package cma): five numbers per cell, the largest says what is there."""
 import cma
 import numpy as np
 from walking import score

@@ -437,8 +437,8 @@ Robot robot_from_evogym_world(const World& world, const std::string& where, Body
   if (robots == 1) robot = &*std::find_if(world.objects.begin(), world.objects.end(), acts);
   if (robot == nullptr)
     throw error(Failure::data,
-                "{}: a world of {} objects, {} of which have actuators; one is expected, the robot",
-                where, world.objects.size(), robots);
+                "{}: a world of {} objects, {} with actuators; one is expected, the robot", where,
+                world.objects.size(), robots);
   return checked(Robot(robot->body), where, check);
 }
 

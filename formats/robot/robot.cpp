@@ -532,7 +532,7 @@ std::optional<double> number_of(const Robot& robot, const std::string& name) {
   const Json* at = &robot.document;
   for (std::size_t begin = 0; begin <= name.size();) {
     const std::size_t end = std::min(name.find('.', begin), name.size());
-    const auto found = at->find(name.substr(begin, end - begin));  // none in what is no object
+    const auto found = at->find(name.substr(begin, end - begin));  // none unless it is an object
     if (found == at->end()) return std::nullopt;
     at = &*found;
     begin = end + 1;

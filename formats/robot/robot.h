@@ -48,7 +48,7 @@ struct Robot {
 std::optional<double> number_of(const Robot& robot, const std::string& name);
 
 // Whether `later` is a robot that was scored `before`, after more steps of its training. One
-// whose training failed when it went on has its fitness from before.
+// whose training failed when it continued has its fitness from before.
 bool has_gone_on(const Robot& before, const Robot& later);
 
 // A child of an operator: `body`, the ids of its parents, and where it came from.

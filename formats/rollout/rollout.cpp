@@ -122,7 +122,7 @@ std::optional<Json> draws_of(const hdf5::Reader& file, const std::string& group)
   return std::nullopt;
 }
 
-// A dataset of which every row has the length of the other episodes; `length`
+// A dataset; every row has the length of the other episodes; `length`
 // is -1 until one is known. Nothing when the dataset is absent.
 std::vector<double> read_rows(const hdf5::Reader& file, const std::string& path, std::size_t rows,
                               int& length) {

@@ -10,7 +10,7 @@ namespace evo {
 bool begins_as_ini(std::string_view text);
 
 // The settings as text of our own kind (`evo/neat`), each on the line where it was.
-// Read as Python's configparser does: `key = value` or `key: value`, lines that go on
+// Read as Python's configparser does: `key = value` or `key: value`, lines that continue
 // indented, comments from # or ; to the end of a line of their own. What neat-python
 // knows besides is left out where it changes nothing, and else refused. Throws
 // Error(data) with the line.

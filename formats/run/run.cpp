@@ -295,7 +295,7 @@ void RunHistory::read_generation(Generation& generation) {
   }
 }
 
-// A robot is scored once, unless its training goes on in a later generation.
+// A robot is scored once, unless its training continues in a later generation.
 void RunHistory::add(Generation& generation, std::size_t slot, Robot robot) {
   if (slot >= generation.slots.size()) generation.slots.resize(slot + 1);
   generation.scores.resize(generation.slots.size());

@@ -119,7 +119,7 @@ std::string marked_machine(const std::filesystem::path& mark);
 
 class RunFolder {
  public:
-  // Throws Error(no_input) where nothing is, Error(data) for what is no run.
+  // Throws Error(no_input) where nothing is, Error(data) where that is not a run.
   explicit RunFolder(std::filesystem::path path);
   const std::filesystem::path& path() const { return path_; }
   const RunSettings& settings() const { return settings_; }
@@ -147,7 +147,7 @@ class RunFolder {
   std::filesystem::path history() const { return path_ / "history.jsonl"; }
   std::filesystem::path best() const { return path_ / "best.json"; }
 
-  // Whether its Makefile is another one than was written with run.yaml.
+  // Whether its Makefile differs from the one that was written with run.yaml.
   bool is_edited() const;
   // Generations begun, in order.
   std::vector<int> generations() const;
@@ -165,7 +165,7 @@ class RunFolder {
 // ---- what has been done -------------------------------------------------------------
 
 struct TrainedRobot {
-  Robot robot;                    // scored last, if its training went on
+  Robot robot;                    // scored last, if its training continued
   int generation = 0;             // where it was scored first
   std::optional<double> fitness;  // nothing: its training failed
   std::string failure;            // why, if it did

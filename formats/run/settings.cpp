@@ -220,7 +220,7 @@ const std::vector<RunMethod>& run_methods() {
       {"map", "MAP-Elites: children of the fittest robot of every kind"},
       {"random", "robots drawn at random, what every method has to beat"},
       {"program", "robots that a program of one's own proposes"},
-      {"race", "trainings race: the better half of the robots goes on"},
+      {"race", "trainings race: the better half of the robots continues"},
       {"modular", "one controller learns on all bodies while they evolve"}};
   return list;
 }

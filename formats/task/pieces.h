@@ -30,7 +30,7 @@ ObservationPart read_part(const Node& node, const Scope& scope);
 std::string part_to_yaml(const ObservationPart& part);  // "velocity: \"robot\""
 std::string part_to_words(const ObservationPart& part, const Physics& physics);
 
-// One condition, or a list of which all have to hold.
+// One condition, or a list; all of it has to hold.
 std::vector<Condition> read_conditions(const Node& node, const Scope& scope);
 std::string condition_to_yaml(const Condition& condition);
 std::string conditions_to_words(const std::vector<Condition>& conditions, const Physics& physics);

@@ -108,7 +108,7 @@ std::string ends_text(const TaskSpec& task) {
   for (const Rule& rule : task.rules)
     text += fmt::format("  {:>6} {}: {}\n", signed_number(rule.reward),
                         conditions_to_words(rule.when, task.physics),
-                        rule.terminate ? "ends" : "goes on");
+                        rule.terminate ? "ends" : "continues");
   return text + fmt::format("         after {} steps: truncated\n", task.episode_steps);
 }
 

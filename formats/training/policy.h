@@ -62,7 +62,7 @@ std::string read_policy_identity(const std::filesystem::path& path);
 
 // The lines of a checkpoint's identity.
 std::string read_checkpoint_identity(const std::filesystem::path& path);
-// A training to go on with, `<id>.checkpoint.h5`, marked with its identity.
+// A training to continue, `<id>.checkpoint.h5`, marked with its identity.
 // Reading throws Error(no_input, data), and Error(cannot_create) where the
 // checkpoint is of another training, saying what differs.
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint,

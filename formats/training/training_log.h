@@ -6,7 +6,7 @@
 //   charts/global_step 10240<TAB>charts/SPS 45000<TAB>eval/return 0.31<TAB>...
 //
 // Lines of names and numbers; lines with # are remarks for people. Every start of
-// the training adds a remark, one that goes on from a checkpoint ends in
+// the training adds a remark, one that continues from a checkpoint ends in
 // "resumed".
 #pragma once
 

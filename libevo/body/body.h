@@ -69,7 +69,7 @@ std::vector<Link> full_links(int rows, int cols, const std::vector<Voxel>& cells
 int count_voxels(const Body& body);     // non-empty cells
 int count_actuators(const Body& body);  // length of an action vector
 
-// The links join all non-empty cells, of which there is at least one.
+// The links join all non-empty cells; there is at least one.
 bool is_connected(const Body& body);
 // Connected and has an actuator: what every operator on robots keeps true.
 bool is_valid_robot(const Body& body);

@@ -1,5 +1,5 @@
 // The state of a training as named arrays: what formats/training/policy.h writes as one
-// HDF5 data set each, and what a training needs to go on to the same bytes.
+// HDF5 data set each, and what a training needs to continue to the same bytes.
 #pragma once
 
 #include <cstdint>

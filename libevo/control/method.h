@@ -53,7 +53,7 @@ void report_evaluation(const TrainResult& result, Metrics& metrics);
 
 // What a way of training can do, beside what all can.
 struct Abilities {
-  // One controller for many robots. It goes on from one that is for any body, and from no other.
+  // One controller for many robots. It continues only one that is for any body.
   bool shares = false;
   bool moments = false;        // episodes begin at moments of recorded ones
   bool own_tasks = false;      // needs nothing but observations, actions and rewards
@@ -76,7 +76,7 @@ concept TrainingMethod = std::movable<T> && std::constructible_from<T, const Tra
   // One update or generation, and the evaluation where one is due. Throws
   // Error(work) where numbers leave the finite ones.
   method.advance(job, result, metrics);
-  // All that the method needs to go on to the same bytes.
+  // All that the method needs to continue to the same bytes.
   constant.save(out);
   method.load(in);
 };

@@ -46,7 +46,7 @@ class Planner {
   void begin(std::vector<Plan> plans, std::span<const Vec2> way = {});
 
   struct Outcome {
-    double value = 0.0;    // what the window earned, and would go on to earn for a while
+    double value = 0.0;    // what the window earned, and would earn for a while after it
     bool is_over = false;  // the episode ended in it
   };
   using Stepped = std::function<void(std::size_t lane)>;  // called after every step of a lane

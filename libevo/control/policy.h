@@ -60,7 +60,7 @@ constexpr const char* word(ActionMap value) {
 }
 
 // What a network's actions can be added to: waves, or a sequence, whose last targets
-// go on to the end of the episode.
+// continue to the end of the episode.
 using OpenLoop = std::variant<SineController, ReplayController>;
 
 struct Policy {

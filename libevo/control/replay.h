@@ -17,7 +17,7 @@ struct ReplayController {
 // Targets of step t, [A]; after the last step those of the last.
 void act(const ReplayController& controller, int t, std::span<double> targets);
 
-// As long as an episode of so many steps: cut, or going on with its last targets.
+// As long as an episode of so many steps: cut, or continuing with its last targets.
 // There is at least one step.
 void fit(ReplayController& controller, int steps);
 

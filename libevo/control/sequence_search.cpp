@@ -154,7 +154,7 @@ int SequenceSearch::some_of(int steps) {
   return longest < shortest ? 0 : random_.integer(shortest, longest);
 }
 
-// The moment of a level to go on from: weights fall off below the highest, and with
+// The moment of a level to continue from: weights fall off below the highest, and with
 // every visit. None where all have come to the end of the episode.
 SequenceSearch::Moment* SequenceSearch::choose_level() {
   std::vector<Moment*> moments;

@@ -5,7 +5,7 @@
 // step of the episode the one that has earned the most until then. The first is what
 // travelling needs, the second what only counts at the end, as to be high up then.
 // Again and again a moment is chosen, a little visited one rather, and of levels a high
-// one; the simulation goes on from there with something new for a while, and what is
+// one; the simulation continues from there with something new for a while, and what is
 // better than the archive's enters it. New is a gait, changed or of a moment that was
 // earning much, or the last actions again and again, or targets held by groups of
 // actuators. A step in front of a stair costs one step, not an episode, and what a fall
@@ -77,7 +77,7 @@ class SequenceSearch {
     std::vector<std::uint8_t> state;  // VecEnv::save
     std::vector<double> actions;      // that lead there, [t x A]
     std::vector<double> earnings;     // return after each of them, [t]
-    SineController gait;              // that was going on; without phases: none
+    SineController gait;              // in progress; without phases: none
     int repeated = 0;                 // the last steps that are, instead of a gait
     int visits = 0;
     bool delayed = false;  // all of it was done once more, after a rest

@@ -1,5 +1,5 @@
 // Training a sequence of actions (sequence_search.h) beside a gait (gait_training.h). A share
-// of the steps goes to the gait first. From what it finds, stretches of exploration go on,
+// of the steps goes to the gait first. From what it finds, stretches of exploration continue,
 // each followed by the episodes of what they found; and from then on the two searches take
 // turns. The one is next that would be ahead a while later, had it all steps until then:
 // where a rhythm is all it takes, the gait; at a stair, exploration. Now and then it is the

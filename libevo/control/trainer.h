@@ -116,10 +116,10 @@ class Trainer {
   TrainingReport advance();
   const TrainResult& result() const;
 
-  // Everything needed to go on to the same bytes.
+  // Everything needed to continue to the same bytes.
   Checkpoint checkpoint() const;
   // Into a trainer made with the same arguments, or with more steps: a finished
-  // training then goes on. Throws Error(data) otherwise.
+  // training then continues. Throws Error(data) otherwise.
   void restore(const Checkpoint& checkpoint);
 
  private:

@@ -189,7 +189,7 @@ Policy transferred(const Policy& old_policy, const Anatomy& from, const Policy& 
       !same_shape(old_policy.critic, fresh.critic, true))
     throw Error(Failure::data, "the networks have other hidden layers than the settings ask for");
   if (old_policy.clock != fresh.clock)
-    throw Error(Failure::data, "its networks see other clocks than the settings ask for");
+    throw Error(Failure::data, "its networks do not see the clocks that the settings ask for");
   if (old_policy.action_map != fresh.action_map || old_policy.action_offset != fresh.action_offset)
     throw Error(Failure::data, "its actions mean something else (action_map, action_offset)");
 

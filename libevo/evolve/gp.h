@@ -77,7 +77,7 @@ struct GpFitSettings {
   int restarts = 5;           // starting points; the first is the default parameters
   int max_iterations = 1000;  // evaluations of the likelihood from each of them
   // With more observations than this, starting points are compared on so many of
-  // them, and the best goes on with all.
+  // them, and the best continues with all.
   std::size_t screening = 300;
 };
 

@@ -91,7 +91,7 @@ struct NeatSettings {  // NOLINT(clang-analyzer-optin.performance.Padding): in r
   Statistic species_fitness_func = Statistic::mean;
   int max_stagnation = 15;          // generations without a better species fitness
   int species_elitism = 0;          // so many best species are never stagnant
-  int elitism = 0;                  // so many best members of a species go on unchanged
+  int elitism = 0;                  // so many best members of a species stay unchanged
   double survival_threshold = 0.2;  // share of a species that may be parents, at least 2
   int min_species_size = 2;
 

@@ -26,7 +26,7 @@ int paper_survivors(int population, int created, int max_evaluations);
 struct PlannedGeneration {
   int robots = 0;     // survivors and children
   int created = 0;    // in the run so far
-  int survivors = 0;  // that go on; none of the last generation
+  int survivors = 0;  // into the next generation; none of the last one
   int children = 0;   // that join them
 };
 

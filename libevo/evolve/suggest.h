@@ -57,7 +57,7 @@ SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observat
                        std::span<const Design> pending, int count, const SuggestSettings& settings,
                        std::uint64_t seed, ThreadPool* pool = nullptr);
 
-// The parameters that suggest() would fit to these observations, of which at least
+// The parameters that suggest() would fit to these observations; at least
 // one has succeeded.
 GpParameters fit_parameters(std::span<const Observation> observations,
                             const SuggestSettings& settings, std::uint64_t seed);

@@ -4,8 +4,8 @@
 //
 // What is differentiated is the step as it was computed: the four stages of Runge-Kutta,
 // springs and their rest lengths, drag, the world's floor, contact with damping and friction,
-// and both strain limits, with the contacts of this step. Contact begins with a jump, of which
-// that derivative knows nothing: a foot that is lifted a little more would lose its grip. So
+// and both strain limits, with the contacts of this step. Contact begins with a jump that
+// this derivative cannot see: a foot that is lifted a little more would lose its grip. So
 // the jump is smoothed, in the derivative alone: forces that begin at a depth of 0 count as if
 // they began anywhere within `onset` of it.
 //
@@ -44,7 +44,7 @@ struct Gradient {
 Gradient zero_gradient(const Model& model, bool with_stiffness = false,
                        bool with_constants = false);
 
-// Voxels. Of the values tried, 0.02 to 0.04 make the best gradients (docs/gradients.md).
+// Voxels. 0.02 to 0.04 make the best gradients of all values tried (docs/gradients.md).
 inline constexpr double usual_onset = 0.04;
 
 class Tape {

@@ -50,7 +50,7 @@ class Batch {
   void place(std::size_t lane, const Model& model);
   const Model& model(std::size_t lane) const;
 
-  // A lane's state, whole; it goes on from one that is put back to the same bits.
+  // A lane's state, whole; one that is put back continues to the same bits.
   // Throws Error(data) for a state of another number of points or actuators.
   State state(std::size_t lane) const;
   void set_state(std::size_t lane, const State& state);

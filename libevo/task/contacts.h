@@ -9,7 +9,7 @@
 
 namespace evo {
 
-// Points no farther from a cell of another object than the contact model reaches, 0.06
+// Points that the contact model of another object's cell reaches, 0.06
 // voxels; the world's floor counts as terrain.
 struct Contacts {
   std::vector<Vec2> points;       // of the robot and what it touches, on either side

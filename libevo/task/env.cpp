@@ -91,7 +91,7 @@ void check_draws(const TaskSpec& task, const Draws& draws) {
       throw error(Failure::usage, "task '{}' does not draw '{}'{}", task.name, name,
                   did_you_mean(name, names));
   if (task.goals && draws.goals.empty())
-    throw error(Failure::usage, "task '{}' draws goals, of which none was given", task.name);
+    throw error(Failure::usage, "task '{}' draws goals, and none was given", task.name);
   if (!task.goals && !draws.goals.empty())
     throw error(Failure::usage, "task '{}' does not draw goals", task.name);
 }
@@ -273,7 +273,7 @@ void VecEnv::reset(int environment, const EpisodeStart& start) {
 // ---- stepping -------------------------------------------------------------------
 
 // After self-folding all queries still see the snapshot before the step, while
-// the simulation goes on from where it stopped (docs/tasks.md, "A step").
+// the simulation continues where it stopped (docs/tasks.md, "A step").
 void VecEnv::Impl::finish(std::size_t index) {
   Environment& e = environments[index];
   const Arena::Compiled& arena = e.arena->compiled();

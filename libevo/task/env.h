@@ -115,12 +115,12 @@ class VecEnv {
   std::span<const Vec2> velocities(int environment) const;
   const Model& model(int environment) const;  // of this episode (draws move objects)
 
-  // All that decides how the episodes go on, for checkpoints: an opaque array
+  // All that decides how the episodes continue, for checkpoints: an opaque array
   // of bytes of this build's layout, restored by load() into a VecEnv of the
   // same arenas. load() throws Error(data) for bytes that do not fit.
   std::vector<std::uint8_t> save() const;
   void load(std::span<const std::uint8_t> bytes);
-  // Of one environment, to be put into any of the same arena: an episode goes on from
+  // Of one environment, to be put into any of the same arena: an episode continues from
   // there as often as it is asked to, each time to the same bits. After an Error(data)
   // the environment has to be reset.
   std::vector<std::uint8_t> save(int environment) const;

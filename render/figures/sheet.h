@@ -35,7 +35,7 @@ Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int wid
 
 // The figure "Evolution of robot designs" of the benchmark's paper: a column for
 // each generation, its best robots from the top, fitness below each. Generations
-// that find no room side by side go on below; those that find none there either are
+// that find no room side by side continue below; those that find none there either are
 // left out, evenly, and the picture says so.
 struct Generation {
   std::string name;           // heading of the column

@@ -153,7 +153,7 @@ struct FfmpegEncoder::Process {
     posix_spawn_file_actions_adddup2(&actions, frames, STDIN_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, complaints, STDERR_FILENO);
-    // A file that grows too large ends ffmpeg; told of it as an error, it would go on
+    // A file that grows too large ends ffmpeg; told of it as an error, it would continue
     // and say that all is well.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);

@@ -94,7 +94,7 @@ class Drawing {
   void rectangle(const Rect& area, Color color) { gradient(area, color, color); }
   void gradient(const Rect& area, Color top, Color bottom);
   void line(Point from, Point to, float width, Color color);
-  // Ends cut off square and not smoothed, for lines that go on or meet others.
+  // Ends cut off square and not smoothed, for lines that continue or meet others.
   void segment(Point from, Point to, float width, Color color);
   // No pixel is painted twice, so that joints do not show.
   void stroke(std::span<const Point> points, bool closed, float width, Color color);

@@ -13,7 +13,7 @@ std::string purpose_in_words(const Run& run);
 
 // What the run says.
 std::string verdict_card(const Run& run);
-// Commands that go on from it; nothing where there are none.
+// Commands that continue from it; nothing where there are none.
 std::string next_card(const Run& run, const std::string& anchor);
 // The figures of a run in one row.
 std::string tiles(const Run& run);

@@ -141,7 +141,7 @@ FigureGroup controller(const Run& run) {
       "The controller of all robots",
       "The mean return over all robots of a generation while one controller learnt on "
       "them, and that of the best robot at its end. Where a generation begins the "
-      "mean changes with the robots; training goes on from the controller of the one "
+      "mean changes with the robots; training continues from the controller of the one "
       "before.",
       {}};
   constexpr const char* steps = "steps of all robots";

@@ -21,7 +21,7 @@ struct FigureGroup {
 //   curve        the best so far, and every robot
 //   archive      of a run that keeps one: its elites, and coverage and QD score by robots
 //   generations  best and median; the median of those that were new: survivors, the better half,
-//                thin out as a run goes on, and would make it jump
+//                thin out as a run grows, and would make it jump
 //   controller   how the one of all robots learnt
 //   tree, learning, body: every robot by its parents, its training, numbers of its body
 //   maps, voxels: where evolution looked, and what goes with fitness

@@ -108,7 +108,7 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
         changed.emplace_back(name, times(factor, steps));
     return run_command(run, run.folder + "-longer", changed);
   };
-  if (!over) add("go on where it is", run_command(run, run.folder));
+  if (!over) add("continue where it is", run_command(run, run.folder));
   if (over && bad && !run.is_evaluated())
     add("train each robot ten times as long", longer(10));
   else if (over && learning)

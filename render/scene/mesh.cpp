@@ -42,7 +42,7 @@ class Tracer {
     return line;
   }
 
-  // Where two corners touch, the border of the same cell goes on.
+  // Where two corners touch, the border of the same cell continues.
   std::optional<std::size_t> follow(int point, std::size_t from) const {
     std::optional<std::size_t> next;
     for (const std::size_t k : at_.at(point)) {

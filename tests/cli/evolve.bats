@@ -251,7 +251,7 @@ END
   done
 }
 
-@test "a run in which every first training fails ends with the reason; mended, it goes on" {
+@test "a run in which every first training fails ends with the reason; mended, it continues" {
   stand_in
   printf '#!/bin/bash\n[ -e mended ] || exit 9\nexec jq -c ".fitness = 1"\n' > weak && chmod +x weak
   run ! evo-evolve ga --run run --pop 50 --evals 60 --evaluate ./weak -q -j2
@@ -307,7 +307,7 @@ END
   [ "$(jq -r .robot run/journal/*.jsonl | sort | uniq -d | wc -l)" -eq 0 ]
 }
 
-@test "inherit: children go on from their parents' gaits" {
+@test "inherit: children continue from their parents' gaits" {
   evolve ga run -q -j2 --inherit yes --train gait --steps 8000
   child=$(tail -n 1 run/history.jsonl)
   parent=$(jq -r '.parents[0]' <<< "$child")
@@ -322,7 +322,7 @@ END
   fails_with 2 "--inherit all is for --founders" -- evo-evolve ga --run no --inherit all
 }
 
-@test "founders are the best robots of another run, trained anew or going on" {
+@test "founders are the best robots of another run, trained anew or continuing" {
   evolve ga scout -q -j2 --train sequence --steps 9000 --inherit yes
   evolve ga next -q -j2 --founders scout --founder-steps 4096 --inherit yes
   ids() { jq -r .id "$@" | sort; }
@@ -351,7 +351,7 @@ END
   [ "$(jq -s 'map(.fitness) | max' run/archive.jsonl)" = "$(jq .fitness run/best.json)" ]
 }
 
-@test "race: half of the robots go on to twice the steps, in one training each" {
+@test "race: half of the robots continue to twice the steps, in one training each" {
   evolve race run -q -j2 --pop 5 --evals 8 --rungs 3 --steps 8192 --inherit yes
   [ "$(wc -l run/gen-*/population.jsonl | awk '{ printf "%s ", $1 }')" = "5 3 2 3 2 1 16 " ]
   [ "$(jq -r .steps run/gen-*/scores.jsonl | paste -s -d ' ')" = \
@@ -370,7 +370,7 @@ END
 modular=(--pop 6 --children 2 --evals 9 --steps 3072 --champions 2
   --train-options "$quick --train environments=2 --train evaluation_interval=4")
 
-@test "modular: one controller learns on all robots of a generation, and the best go on alone" {
+@test "modular: one controller learns on all robots of a generation, and the best continue alone" {
   settings+=("${modular[@]}")
   evolve modular run -q -j2
   [ "$(wc -l run/gen-*/population.jsonl | awk '{ printf "%s ", $1 }')" = "6 6 6 2 20 " ]
@@ -478,7 +478,7 @@ refused() {
   done
 }
 
-@test "another value for a setting is refused; an edited Makefile goes on and says so" {
+@test "another value for a setting is refused; an edited Makefile continues and says so" {
   stand_in
   evolve ga run -q --plan
   fails_with 73 "run belongs to a run with other settings (pop: 4 there, 5 asked for)" "removing it loses nothing" -- evo-evolve ga --run run --pop 5

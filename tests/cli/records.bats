@@ -163,7 +163,7 @@ evolve() {
   [ ! -e records/Walker-v0/founders.jsonl ]
 }
 
-@test "a run goes on from a record, and what that took counts" {
+@test "a run continues from a record, and what that took counts" {
   evolve waves 1
   "$EVO_SOURCE/scripts/add-record" waves
   record=records/Walker-v0/record.json
@@ -183,7 +183,7 @@ evolve() {
   # Those commands, one after the other, make the same controller.
   further again waves
   cmp network/policies/*.policy.h5 again/policies/*.policy.h5
-  # From a run that went on from it, the commands are numbered anew.
+  # From a run that continued from it, the commands are numbered anew.
   further longer network
   jq '.shifted.mean = -100' $record > worse && mv worse $record
   "$EVO_SOURCE/scripts/add-record" longer

@@ -45,7 +45,7 @@ evaluated() { until grep -qs global_step $1; do kill -0 "$training" || return; s
   grep -q -- --resume said
   [ "$(grep -c global_step stormy/*.log)" -lt 4 ]
   evo-train "${options[@]}" --out-dir stormy --resume robot 2> said > stormy.json
-  grep -q "goes on from" said
+  grep -q "continues from" said
   cmp calm/*.policy.h5 stormy/*.policy.h5
   cmp <(jq 'del(.policy)' calm.json) <(jq 'del(.policy)' stormy.json)
 }
@@ -69,7 +69,7 @@ evaluated() { until grep -qs global_step $1; do kill -0 "$training" || return; s
   done
 }
 
-@test "training: children go on from their parent's sequence" {
+@test "training: children continue from their parent's sequence" {
   robots | head -1 > robot
   options="--task Walker-v0 --train sequence"
   evo-train $options --steps 9000 --out-dir calm robot > calm.json
@@ -107,7 +107,7 @@ evaluated() { until grep -qs global_step $1; do kill -0 "$training" || return; s
   fails_with 2 "--founder-steps" -- evo-train --task Walker-v0 --founder-steps none founder
 }
 
-@test "training: what has ended goes on with more steps, and says so" {
+@test "training: what has ended continues with more steps, and says so" {
   robots | head -1 > robot
   go() { evo-train --task Walker-v0 --out-dir "$1" --keep-checkpoint --resume --steps "$2" robot; }
   go parts 8192 > first

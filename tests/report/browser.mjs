@@ -189,7 +189,7 @@ const checkKeyboard = async () => {
   await evaluate(`document.querySelector('.controls .play').focus()`);
   await press('Tab');
   const next = await evaluate(`document.activeElement.getAttribute('aria-label')`);
-  check('the tab key goes on', next === 'Moment', next);
+  check('the tab key leads on', next === 'Moment', next);
 };
 
 const hover = async (selector) => {

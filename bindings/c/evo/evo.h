@@ -189,7 +189,7 @@ EVO_API int evo_envs_reset(evo_envs* envs, const int32_t* environments, size_t c
 EVO_API int evo_envs_step(evo_envs* envs, const double* actions, size_t values,
                           const uint8_t* active, size_t active_values);
 
-/* The state of an episode in progress: it goes on from there as often as it is restored, in any
+/* The state of an episode in progress: it continues from there as often as it is restored, in any
  * environment of the same robot, task and version, to the same bits. The bytes are opaque, and
  * for evo_free. */
 EVO_API int evo_envs_save(const evo_envs* envs, int32_t environment, void** bytes, size_t* count);

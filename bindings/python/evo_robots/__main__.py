@@ -55,7 +55,7 @@ def options() -> argparse.ArgumentParser:
     parser.add_argument("--rollout", nargs=2, metavar=("POLICY", "FILE"),
                         help="instead: a policy's episode as a rollout, for evo-render and others")
     parser.add_argument("--failures", choices=("stop", "skip"), default="stop",
-                        help="a training that diverges: stop, or skip (fitness null, go on) [stop]")
+                        help="a training that diverges: stop, or skip (fitness null, continue) [stop]")
     return parser
 
 

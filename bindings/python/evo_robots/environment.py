@@ -100,10 +100,10 @@ class Environment(Filmed):
     -1 for none.
 
     reset(options=...) takes ``draws``, ``episode`` and ``jitter``. Without a
-    seed the environment goes on in the episodes of the one before (first 0), so
+    seed the environment continues in the episodes of the one before (first 0), so
     that two runs of a program are the same.
 
-    A copy (copy.deepcopy, pickle) goes on from where the environment is. ``video()`` shows the
+    A copy (copy.deepcopy, pickle) continues from where the environment is. ``video()`` shows the
     episode so far.
     """
 

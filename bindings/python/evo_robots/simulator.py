@@ -71,7 +71,7 @@ class Simulator:
     The arrays are the library's own: they show what is after every reset and step, and are copied
     by whoever wants to keep them. Raw units: a voxel is 0.1 wide.
 
-    Copied and pickled, a simulator goes on from where it is. A forked process may go on with one
+    Copied and pickled, a simulator continues from where it is. A forked process may continue with one
     of ``jobs=1``. Threads may use several simulators at once; a second thread in one of them gets
     an EvoError. Ctrl-C, or the stop button of a notebook, comes between two steps.
     """
@@ -233,7 +233,7 @@ class Simulator:
         return [bytes_given("evo_envs_save", self._running(), e) for e in chosen]
 
     def restore(self, states: Sequence[bytes], environments: Sequence[int] | None = None) -> State:
-        """Puts states into the environments, each into one: their episodes go on from
+        """Puts states into the environments, each into one: their episodes continue from
         there, as often as they are restored, to the same bits. All of them, or none."""
         places = list(range(self.num_envs) if environments is None else environments)
         if isinstance(states, bytes) or len(states) != len(places):

@@ -202,7 +202,7 @@ class Simulations:
         return bytes_given("evo_sims_save", self._handle, self._number(sim))
 
     def restore(self, state: bytes, sim: int = 0) -> None:
-        """The simulation goes on from a state, to the same bits."""
+        """The simulation continues from a state, to the same bits."""
         call("evo_sims_restore", self._handle, self._number(sim), bytes(state), len(state))
 
     def orientation(self, name: str, positions: Any = None) -> np.ndarray:

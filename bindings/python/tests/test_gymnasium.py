@@ -565,7 +565,7 @@ class Readme(unittest.TestCase):
         blocks = [b for b in re.findall(r"```python\n(.*?)```", text, re.S)
                   if "stable_baselines3" not in b]
         self.assertEqual(len(blocks), 8)
-        for first, last in (0, 2), (2, 3), (3, 4), (4, 6), (6, 7), (7, 8):  # some go on from others
+        for first, last in (0, 2), (2, 3), (3, 4), (4, 6), (6, 7), (7, 8):  # some continue from others
             subprocess.run([sys.executable, "-c", "\n".join(blocks[first:last])], check=True)
 
 

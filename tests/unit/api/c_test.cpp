@@ -138,7 +138,7 @@ TEST_CASE("c: gradients of a world's simulations are pulled back through what wa
   evo_sims_free(sims);
 }
 
-TEST_CASE("c: simulations of a world stand still, go on and are moved, each by itself") {
+TEST_CASE("c: simulations of a world stand still, continue and are moved, each by itself") {
   evo_world* world = world_of_two();
   evo_sims* sims = nullptr;
   REQUIRE(evo_sims_open(world, nullptr, 3, 2, &sims) == EVO_OK);

@@ -19,7 +19,7 @@ TEST_CASE("the same name gives the same numbers, another name others") {
     for (std::size_t j = 0; j < i; ++j) REQUIRE(first[i] != first[j]);
 }
 
-TEST_CASE("a stream goes on from a saved position") {
+TEST_CASE("a stream continues from a saved position") {
   for (int skip = 0; skip < 9; ++skip) {
     Stream a(1, "p");
     for (int i = 0; i < skip; ++i) a.bits();

@@ -160,10 +160,10 @@ TEST_CASE("A voxel is redrawn with the rate, and then as the weights say") {
   CHECK(close(soft, 0.3 / 4));
 }
 
-TEST_CASE("Further attempts of a mutation go on from the mutated body") {
+TEST_CASE("Further attempts of a mutation continue from the mutated body") {
   // Redrawn cells become empty. An attempt that started from the parent again
   // would leave one piece soon enough, in 1000 attempts always; an attempt that
-  // goes on has less and less left, and sometimes nothing.
+  // continues has less and less left, and sometimes nothing.
   const Body parent = Body::from_rows({"HHHH"});
   int born = 0;
   int died_out = 0;

@@ -50,7 +50,7 @@ TEST_CASE("candidates that failed rank last") {
   CHECK(std::isfinite(strategy.sigma()));
 }
 
-TEST_CASE("the evolution strategy goes on from a checkpoint") {
+TEST_CASE("the evolution strategy continues from a checkpoint") {
   Stream stream(3, "es");
   EvolutionStrategy strategy(std::vector<double>(5, 0.0), 0.5, 8);
   maximise(strategy, stream, 5, &ellipsoid);

@@ -442,7 +442,7 @@ TEST_CASE("one modular policy for several robots learns, and to the same bytes")
   CHECK(mean == Approx(*result.fitness));
 }
 
-TEST_CASE("a shared training goes on from its checkpoint to the same bytes") {
+TEST_CASE("a shared training continues from its checkpoint to the same bytes") {
   const Robots robots(three_bodies());
   Trainer whole(robots.all(), small_settings(), 6, "shared");
   const TrainResult expected = train(whole);

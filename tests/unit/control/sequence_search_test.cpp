@@ -70,7 +70,7 @@ TEST_CASE("a sequence that is news earns what its level says, from the beginning
     }
     CHECK(search.news().empty());  // not twice
   }
-  // To the last bit: states that were put back went on as if nothing had happened.
+  // To the last bit: states that were put back continued as if nothing had happened.
   CHECK(highest >= search.highest());
 }
 
@@ -148,7 +148,7 @@ TEST_CASE("a search for a sequence resumes to the same bytes") {
   }
 }
 
-TEST_CASE("a search repeats its last actions, and goes on doing so") {
+TEST_CASE("a search repeats its last actions, and continues doing so") {
   const Arena arena(test::walker(120), test::body_a());
   SequenceSearch search(arena, brief(), once(), stream(8));
   search.explore(12000);

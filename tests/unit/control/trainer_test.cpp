@@ -68,7 +68,7 @@ void check_equal(const TrainResult& a, const TrainResult& b) {
   CHECK(a.failure == b.failure);
 }
 
-// A training that is stopped and goes on from its checkpoint ends with the same bytes.
+// A training that is stopped and continues from its checkpoint ends with the same bytes.
 template <typename Make>
 void check_resumes(int advances, const Make& make) {
   Trainer whole = make();
@@ -487,7 +487,7 @@ TEST_CASE("searches for a gait and for a sequence take turns, and each step of t
   }
 }
 
-TEST_CASE("a search for a sequence goes on with the gait where waves gain more") {
+TEST_CASE("a search for a sequence continues with the gait where waves gain more") {
   const Arena arena(test::walker(60), test::body_a());  // flat ground
   TrainingSettings settings = brief_sequence();
   settings.population = 8;
@@ -532,7 +532,7 @@ TEST_CASE("episodes begin at moments of what is inherited") {
     CHECK(bytes([](auto& s) { s.moment_jitter = 0.0; }) != as_set);
     CHECK(bytes([](auto& s) { s.start_jitter = 0.0; }) != as_set);
   }
-  SECTION("the step counter goes on: episodes are over sooner") {
+  SECTION("the step counter continues: episodes are over sooner") {
     settings.environments = 8;
     settings.rollout = 40;
     const auto ended = [&](double share) {
@@ -585,7 +585,7 @@ TEST_CASE("episodes begin at moments of demonstrations") {
     CHECK(bytes(shown) != bytes({shown[0]}));
     CHECK(bytes(shown) != bytes({shown[1]}));
   }
-  SECTION("they take the place of what is inherited, whose network goes on") {
+  SECTION("they take the place of what is inherited, whose network continues") {
     Trainer old_trainer(arena, brief(), 1, "old");
     const Inheritance inheritance = heritage(arena, train(old_trainer));
     const auto learnt = [&](const std::vector<Demonstration>& demonstrations) {
@@ -715,7 +715,7 @@ TEST_CASE("a search for a sequence starts from what another robot has learned") 
   }
 }
 
-TEST_CASE("a finished training goes on with more steps") {
+TEST_CASE("a finished training continues with more steps") {
   const Arena arena(test::walker(10), test::small_body());
   TrainingSettings settings = GENERATE(brief(), brief_search(Algorithm("gait")), brief_sequence());
   Trainer first(arena, settings, 4, "robot");

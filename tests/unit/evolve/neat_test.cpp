@@ -289,7 +289,7 @@ TEST_CASE("extinction: new genomes if the settings say so, else an error") {
   CHECK(next_generation(settings, scored, accept_all, state, 6).size() == 12);
 }
 
-TEST_CASE("elites go on unchanged") {
+TEST_CASE("elites stay unchanged") {
   NeatSettings settings;
   settings.elitism = 1;
   settings.compatibility_threshold = 100.0;

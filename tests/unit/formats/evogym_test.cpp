@@ -267,7 +267,7 @@ TEST_CASE("EvoGym world: a robot is a world of one object") {
   const World two = world_of(Json::parse(example));
   CHECK(contains(
       error_of(Failure::data, [&] { (void)robot_from_evogym_world(two, "r.json"); }),
-      "r.json: a world of 2 objects, 0 of which have actuators; one is expected, the robot"));
+      "r.json: a world of 2 objects, 0 with actuators; one is expected, the robot"));
 }
 
 TEST_CASE("EvoGym experiment: robots with fitness, each once") {

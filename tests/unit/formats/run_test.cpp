@@ -270,7 +270,7 @@ TEST_CASE("where one controller learns on all robots, they count with their last
 }
 
 TEST_CASE(
-    "in a race, a generation is a rung, and robots that go on count with their last fitness") {
+    "in a race, a generation is a rung, and robots that continue count with their last fitness") {
   const test::ScratchFolder scratch;
   const RunSettings settings("race", {{"steps", "1000"}, {"rungs", "3"}});
   const RunFolder run = begin(scratch.path() / "run", settings);

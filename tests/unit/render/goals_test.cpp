@@ -9,7 +9,7 @@
 namespace evo::render {
 namespace {
 
-TEST_CASE("the goal goes on when the robot's centre is nearer than the radius") {
+TEST_CASE("the goal moves on when the robot's centre is nearer than the radius") {
   Rollout rollout;
   rollout.task_yaml = "goals: {start: 35, between: [20, 49], distance: 100, radius: 2}";
   RolloutEpisode episode;

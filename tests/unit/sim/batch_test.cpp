@@ -96,7 +96,7 @@ TEST_CASE("lanes stepped in any company keep their bits, others their state") {
   for (std::size_t i = 0; i < count; ++i) CHECK(batch.state(i) == alone(models[i], i, steps[i]));
 }
 
-TEST_CASE("a lane takes another model, and its neighbours go on") {
+TEST_CASE("a lane takes another model, and its neighbours continue") {
   const auto models = mixed_bodies(4);
   Batch batch(6);
   for (std::size_t i = 0; i < 6; ++i) batch.place(i, models[0]);

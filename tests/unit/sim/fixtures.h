@@ -41,7 +41,7 @@ inline LaneStatus step_alone(const Model& model, State& state) {
   return batch.status(0);
 }
 
-// The bits of everything that goes on; -0 and 0 count as different.
+// The bits of everything that continues; -0 and 0 count as different.
 std::uint64_t hash_of(const State& state);
 
 }  // namespace evo

@@ -131,7 +131,7 @@ TEST_CASE("lanes of equal objects in different places share registers and keep t
   }
 }
 
-TEST_CASE("a copied state goes on with the same bits, with or without its contact lists") {
+TEST_CASE("a copied state continues with the same bits, with or without its contact lists") {
   const Model model(flat_world(Body::from_rows(body_a)), Physics{});
   Batch batch(3);
   for (std::size_t i = 0; i < 3; ++i) batch.place(i, model);

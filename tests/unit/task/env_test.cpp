@@ -294,7 +294,7 @@ TEST_CASE("jitter shifts start coordinates by up to its size, the same for a see
   CHECK(env.observations()[static_cast<std::size_t>(arena.observation_length()) + 2] < 0.0045);
 }
 
-TEST_CASE("saved environments go on to the same bits") {
+TEST_CASE("saved environments continue to the same bits") {
   const Arena arena(drawing(), walker());
   VecEnv env(arena, 3);
   reset_all(arena, env);
@@ -311,7 +311,7 @@ TEST_CASE("saved environments go on to the same bits") {
   }
 }
 
-TEST_CASE("an episode goes on from any of its moments, in any environment, to the same bits") {
+TEST_CASE("an episode continues from any of its moments, in any environment, to the same bits") {
   const Arena arena(drawing(), walker());
   VecEnv env(arena, 3);
   reset_all(arena, env);
@@ -350,7 +350,7 @@ TEST_CASE("an episode goes on from any of its moments, in any environment, to th
   CHECK_THROWS_AS(env.load(0, moment), Error);
 }
 
-TEST_CASE("a perturbed episode goes on from where it was, every point moved a little") {
+TEST_CASE("a perturbed episode continues from where it was, every point moved a little") {
   const Arena arena(drawing(), walker());
   VecEnv env(arena, 3);
   reset_all(arena, env);

@@ -49,7 +49,7 @@ class EvoSim:
 
     def step(self) -> bool:
         """One control step. True where a robot folded onto itself: the simulation stopped there,
-        time did not go on, and nothing can be done but a reset."""
+        time stood still, and nothing can be done but a reset."""
         self._sims.step(self._targets)
         if self._sims.status[0] != 0:
             return True

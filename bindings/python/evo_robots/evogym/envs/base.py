@@ -56,7 +56,7 @@ class EvoGymBase(gymnasium.Env):
 
     def step(self, action: Mapping[str, np.ndarray]) -> bool:
         """By names of robots, their actions, clipped to 0.6 to 1.6. True where a robot folded
-        onto itself, and the episode cannot go on."""
+        onto itself, and the episode cannot continue."""
         for name, values in action.items():
             self._sim.set_action(name, np.clip(values, 0.6, 1.6))
         done = self._sim.step()

@@ -79,17 +79,21 @@ ChartFrame in_sight(const Chart& chart) {
 
 // ---- axes -------------------------------------------------------------------------------
 
-// "200", "10k", or "10\u207b\u2078".
-std::string power_of_ten(double value) {
+// "0.5", "200", "10k", "5\u00b710\u207b\u2078". On an axis that begins below a thousandth, 0.01 is
+// "10\u207b\u00b2" as well.
+std::string log_name(double value, double first) {
   constexpr double thousands = 1e4;
-  if (value >= 1 && value < 1e6)
-    return value >= thousands ? fmt::format("{:.0f}k", value / 1000) : fmt::format("{:.0f}", value);
+  const bool plain = value >= 1 || first > 9e-4;
+  if (plain && value < 1e6)
+    return value >= thousands ? fmt::format("{:.0f}k", value / 1000) : fmt::format("{:g}", value);
   constexpr std::array digits{"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
                               "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
-  const long power = std::lround(std::log10(value));
-  std::string text = power < 0 ? "10\u207b" : "10";
-  for (const char digit : fmt::to_string(std::abs(power)))
-    text += digits.at(static_cast<std::size_t>(digit - '0'));
+  const long power = std::lround(std::floor(std::log10(value) + 1e-9));
+  const long digit = std::lround(value / std::pow(10.0, power));
+  std::string text = digit == 1 ? "" : fmt::format("{}\u00b7", digit);
+  text += power < 0 ? "10\u207b" : "10";
+  for (const char figure : fmt::to_string(std::abs(power)))
+    text += digits.at(static_cast<std::size_t>(figure - '0'));
   return text;
 }
 
@@ -98,7 +102,7 @@ struct Ticks {
   double step = 1;
   bool log = false;
   std::string name(double value) const {
-    if (log) return power_of_ten(value);
+    if (log) return log_name(value, at.front());
     constexpr double thousands = 1e4;
     const bool short_ = std::max(std::abs(at.front()), std::abs(at.back())) >= thousands;
     return short_ && value != 0 ? axis_number(value / 1000, step / 1000) + "k"

@@ -267,6 +267,9 @@ PY
   grep -q 'width="576"' chart.svg
   grep -q '>side, voxels</text>' chart.svg && grep -q '>a, b (range)</text>' chart.svg && grep -q '>1000</text>' chart.svg
   grep -q 'prefers-color-scheme: dark' chart.svg
+  printf 'look,series,x,y\nline,a,0.00004,0.4\nline,a,0.0003,3\n' > small.csv
+  evo-report --chart small.csv --log xy --width 6in -o small.svg
+  for tick in 0.5 1 2 '5·10⁻⁵' '10⁻⁴'; do grep -q ">$tick</text>" small.svg; done
   fails_with 2 "parrot" -- evo-report --chart t.csv --width parrot -o chart.svg
   fails_with 2 ".svg or .pdf" -- evo-report --chart t.csv -o chart.png
   fails_with 2 "--log" -- evo-report run --log x

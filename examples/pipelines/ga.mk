@@ -1,4 +1,4 @@
-# The same as rules: make -f ga.mk RUN=runs/rules -j8. Killed, it goes on where it was.
+# The same as rules: make -f ga.mk RUN=runs/rules -j8. Killed, it continues where it was.
 RUN := runs/rules
 TASK := Walker-v0
 

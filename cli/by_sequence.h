@@ -1,7 +1,7 @@
 // A network for each robot by way of a sequence of actions (docs/recipes.md): an eighth of the
 // steps searches for a sequence, an eighth trains a network that corrects it, and the rest one of
-// its own, whose episodes begin along it (profiles `sequence`, `feedback`, `moments`). Of the two
-// networks the one that earns more from 64 perturbed starts stays, and this mean is its fitness.
+// its own, whose episodes begin along it (profiles `sequence`, `feedback`, `moments`). The
+// network that earns more from 64 perturbed starts stays, and this mean is its fitness.
 #pragma once
 
 #include <functional>

@@ -49,8 +49,8 @@ class Policies {
   }
 
  private:
-  // Of a task that no tool knows: of the episode recorded beside it, in which the policy has
-  // to act as it does at what was observed.
+  // For a task that no tool knows: the return of the episode recorded beside it, in which the
+  // policy has to act as it does at what was observed.
   static double recorded_return(const fs::path& path, const PolicyFile& policy) {
     const Rollout rollout = play(policy, path, "");
     const RolloutEpisode& episode = rollout.episodes.front();

@@ -154,7 +154,7 @@ struct Command::Impl {
       for (const std::string& word : found->second()) fmt::print("{}\n", word);
       return true;
     }
-    // Of several commands that have it, any.
+    // Any of the commands that have it will do.
     return std::any_of(subcommands.begin(), subcommands.end(),
                        [&](const auto& command) { return command->impl_->print_values(option); });
   }

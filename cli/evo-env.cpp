@@ -51,7 +51,7 @@ Json describe(const Session& session) {
           {"robots", std::move(robots)}};
 }
 
-// Of these environments, a value each.
+// One value for each of these environments.
 Json state(const Session& session, const std::vector<int>& environments) {
   Json answer{{"environments", environments}};
   const auto add = [&](const char* name, const auto& of) {

@@ -55,7 +55,7 @@ void add_python(const fs::path& file, std::map<fs::path, std::string>& texts) {
     }
 }
 
-// Of a run that is to begin, or that is there: "" where no file is named, or it has gone.
+// Hash of what the run was or will be made from: "" where no file is named, or it has gone.
 std::string digest_of(const RunSettings& settings, const std::string& source) {
   std::string all;
   if (settings.is_evaluated()) {

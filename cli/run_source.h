@@ -6,8 +6,8 @@
 
 namespace evo::cli {
 
-// Of a task the text that it resolves to, of FILE.py:CLASS the file and what it imports from
-// beside it, of a program the first word of --evaluate that is a file; and the files of
+// Sources are the text that a task resolves to; for FILE.py:CLASS the file and what it imports from
+// beside it; for a program the first word of --evaluate that is a file; and the files of
 // --physics, --train, --mutate and --propose. Throws what a damaged task throws.
 void set_source(RunSettings& settings);
 

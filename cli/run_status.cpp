@@ -297,7 +297,7 @@ void watch_run(const fs::path& folder, Progress style) {
   ChampionShown champion;
   // Its results are lines already.
   LiveLine line(style == Progress::drawn ? style : Progress::none);
-  // Of a run that is there, where it stands: its last generation that has ended.
+  // Where a run stands that is there: its last generation that has ended.
   std::set<int> told;
   for (const RunHistory::Generation& generation : run.history().generations())
     if (generation.finished) told.insert(generation.number);

@@ -57,8 +57,8 @@ std::string tally(const std::vector<Count>& counts, const char* join);
 // Follows a run: a line on standard output for every generation that ends, and on a
 // terminal the body of a new champion and, drawn anew below, how the run stands, the best so
 // far and the curves of what is being trained. Waits for a run to begin in a folder that is empty
-// or not there. Of runs side by side (evo evolve compare) one line for all. Returns when the run is
-// over, on SIGINT or SIGTERM, or when the calling process has gone.
+// or not there. Runs side by side (evo evolve compare) have one line for all. Returns when the run
+// is over, on SIGINT or SIGTERM, or when the calling process has gone.
 void watch_run(const std::filesystem::path& folder, Progress style);
 
 }  // namespace evo::cli

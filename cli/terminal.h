@@ -18,7 +18,7 @@ std::string draw_body(const Body& body);
 // "4.2 s", "3 min 20 s", "2 h 05 min"
 std::string duration(double seconds);
 
-// Of standard error, or 80 and 24 where it is no terminal.
+// The size of standard error, or 80 and 24 where it is not a terminal.
 std::size_t terminal_columns();
 std::size_t terminal_rows();
 // Whether it can go back and draw anew: $TERM is not "dumb".
@@ -26,10 +26,10 @@ bool terminal_redraws();
 // Whether "▂" is shown as such: everywhere but on a terminal whose locale has no UTF-8.
 bool shows_blocks();
 
-// Of standard output; nothing where it is no terminal.
+// The width of standard output; nothing where it is not a terminal.
 std::optional<std::size_t> output_columns();
 
-// Of UTF-8 text whose characters are one column wide.
+// How many there are in UTF-8 text whose characters are one column wide.
 std::size_t characters(std::string_view text);
 
 // As many of the parts as fit into a line, two blanks between them; those that do not are left

@@ -19,7 +19,7 @@ struct Chapter {
 
 const std::vector<Chapter>& chapters();
 
-// Of evo-NAME, which must be one of them.
+// What evo-NAME is for, which must be one of them.
 const std::string& purpose_of(const std::string& executable);
 
 }  // namespace evo::cli

@@ -166,7 +166,7 @@ class Training {
     for (const Arena& arena : arenas_) pointers_.push_back(&arena);
   }
 
-  // Of each robot; of the first alone where it was interrupted.
+  // One for each robot; for the first alone where it was interrupted.
   std::vector<Trained> run() {
     start_ = find_start(plan_, first(), pointers_);
     Trained trained;
@@ -393,7 +393,7 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
     inheritance = {travelling_wave(arena->action_length(), 0.5, 20.0, 0.5),
                    anatomy(arena->robot(), arena->layout())};
   const std::vector<const Arena*> all(static_cast<std::size_t>(robots), &*arena);
-  // Of no step, since they are of other bodies.
+  // Without steps, since theirs are of other bodies.
   std::vector<Demonstration> demonstrations(plan.moments.empty() ? 0 : 1);
   (void)Trainer(all, settings, plan.seed, "", std::move(inheritance), std::move(demonstrations));
 }

@@ -76,7 +76,7 @@ struct Trained {
 
 // Whether a robot of this shape could be trained as planned: settings and steps allow it,
 // from the controller of another one, too, where it `inherits`. Throws what the beginning
-// of its training would throw. Of a shape that cannot stand in the task nothing is known.
+// of its training would throw. A shape that cannot stand in the task passes.
 // With `robots` it is one controller for so many.
 enum class Inherits { no, yes };
 void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, int rows, int cols,

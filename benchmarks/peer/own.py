@@ -3,7 +3,7 @@ one's own in numpy, in evogym's simulator and in evo_robots.Simulations, as tab-
 values: own.py [SECONDS]
 A random 5x5 robot on flat ground; the observation is all its points' positions relative to
 their centre and their velocities, the reward how far the centre came. Both are measured in
-turn, in processor time of this process. Of evo, one and sixteen simulations at once, with
+turn, in processor time of this process. evo runs one and sixteen simulations at once, with
 observation and reward of one's own, in a loop and as an evo_robots.Task, and without. Then
 Walker-v0, through gymnasium.make of both, and from evo_robots.Simulator, with the speed of
 evo-bench, which is without Python, beside it. Needs evogym and evo_robots, as

@@ -90,7 +90,7 @@ class Session {
   void check_moves(int environment) const;  // that its episode is in progress
 
  private:
-  // Of one environment through its episodes.
+  // Where one environment is in its episodes.
   struct Progress {
     EnvironmentStatus status = EnvironmentStatus::unreset;
     std::uint64_t seed = 0;

@@ -26,7 +26,7 @@ namespace {
 
 constexpr int most_sims = 65536;
 
-// Of an object among all actuators.
+// Where an object's are among all actuators.
 struct ActuatorRange {
   std::size_t first = 0;
   std::size_t count = 0;

@@ -15,10 +15,10 @@ namespace evo {
 
 class SessionVoxels {
  public:
-  // Of what a session has; it must outlive this.
+  // `session` must outlive this.
   explicit SessionVoxels(const Session& session);
 
-  // Of an environment's robot.
+  // Those of an environment's robot.
   const VoxelViews& of(int environment) const { return bodies_[robot(environment)]; }
   // A voxel and one that it is linked to, for every voxel in turn, ascending: each link twice.
   std::span<const std::pair<std::int32_t, std::int32_t>> links(int environment) const {

@@ -93,7 +93,7 @@ struct Share {
 
 enum class Ended { no, by_rule, by_time, with_sequence, folded, at_goal };
 
-// Of evo_counts().
+// The entries of evo_counts().
 enum Count : std::size_t { total, reward, steps, ended, folding, rules, terms };
 
 }  // namespace

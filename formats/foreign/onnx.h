@@ -13,10 +13,10 @@ namespace evo {
 // double; the network computes in float. Operator set 13. Throws Error(data) for a
 // policy that is no network.
 //
-// Of a modular policy for one body, `robot` or else the policy's own: "local" [N, V, L] and "task"
-// [N, T] (voxel_views.h), with a clock "step" [N, 1], to "target" [N, A]; what is fixed in a
-// view and who exchanges with whom are constants. Throws Error(usage) for a robot and any other
-// policy.
+// A modular policy becomes the graph of one body, `robot` or else the policy's own: "local" [N, V,
+// L] and "task" [N, T] (voxel_views.h), with a clock "step" [N, 1], to "target" [N, A]; what is
+// fixed in a view and who exchanges with whom are constants. Throws Error(usage) for a robot and
+// any other policy.
 std::string policy_to_onnx(const PolicyFile& policy, const std::optional<Robot>& robot = {});
 
 }  // namespace evo

@@ -264,7 +264,7 @@ struct Writer::File {
     return properties;
   }
 
-  // Of a group, or of the file and its root group.
+  // For a group, or for the file and its root group.
   static Handle group_properties(hid_t kind) {
     Handle properties = object_properties(kind);
     H5Pset_link_creation_order(properties.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);

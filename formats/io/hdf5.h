@@ -102,7 +102,7 @@ class Reader {
 
   template <Number T>
   Array<T> array(const std::string& path) const;
-  // Of this shape, or Error(data) that says both.
+  // One of this shape, or Error(data) that says both.
   template <Number T>
   Array<T> array(const std::string& path, const Shape& expected) const;
   // One-dimensional, of any length or of `length`.

@@ -21,7 +21,7 @@ bool LockFile::take(std::uint64_t byte) const {
   range.l_whence = SEEK_SET;
   range.l_start = static_cast<off_t>(byte);
   range.l_len = 1;
-  // Of the open file, not of the process: the other kind is lost as soon as any
+  // The lock belongs to the open file, not to the process: the other kind is lost as soon as any
   // descriptor of the file is closed.
   if (::fcntl(descriptor_, F_OFD_SETLK, &range) == 0) return true;
   return errno != EAGAIN && errno != EACCES;  // else there are no locks here

@@ -279,7 +279,7 @@ class SettingTable {
     return lines;
   }
 
-  // Of a mapping of these settings.
+  // For a mapping of these settings.
   Json schema(const Format& format) const {
     Json properties = Json::object();
     for (const Setting<Settings>& one : settings_) {

@@ -123,7 +123,7 @@ struct Box {
   int top = 0;
   int width() const { return right - left + 1; }
   int height() const { return top - bottom + 1; }
-  // Of a cell in the object's matrix, row-major, row 0 on top.
+  // Where a cell is in the object's matrix, row-major, row 0 on top.
   std::int64_t place(const Cell& cell) const {
     return std::int64_t{top - cell.y} * width() + cell.x - left;
   }

@@ -115,8 +115,8 @@ Body read_body(const Node& value) {
 
 // ---- connections ------------------------------------------------------------
 
-// Pairs, or two lists of equal length, as the benchmark has its connections: [2, k]. Of two
-// pairs ([2, 2]) nobody can tell; those are pairs, as in our documents.
+// Pairs, or two lists of equal length, as the benchmark has its connections: [2, k]. Two
+// pairs ([2, 2]) could be either; they are pairs, as in our documents.
 std::vector<Link> read_links(const Node& value, const Body& body) {
   const int last = static_cast<int>(body.cells.size()) - 1;
   std::vector<Link> links;
@@ -450,7 +450,7 @@ std::size_t glance_at_json(std::string_view beginning, const std::string& where)
   return 2 * beginning.size();
 }
 
-// Of a drawing, the rows of the first robot, the last one perhaps cut short.
+// The rows of a drawing's first robot, the last one perhaps cut short.
 std::size_t glance_at_drawing(std::string_view beginning, const std::string& where) {
   if (const auto end = beginning.rfind('\n'); end != std::string_view::npos)
     beginning = beginning.substr(0, end);

@@ -42,9 +42,9 @@ class BehaviourGauge {
 // Where an episode of a policy FILE.policy.h5 is recorded, FILE.rollout.h5.
 std::filesystem::path recorded_beside(const std::filesystem::path& policy);
 
-// A policy at its task once more: the episode from the official start. Of a task that no tool
-// knows, the one recorded beside its `file` ("" where there is none). Throws what reading that
-// throws, Error(data) for that of another robot.
+// A policy at its task once more: the episode from the official start. Where no tool
+// knows the task, the one recorded beside its `file` ("" where there is none). Throws what reading
+// that throws, Error(data) for that of another robot.
 Rollout play(const PolicyFile& policy, const std::filesystem::path& file,
              const std::string& created_by);
 

@@ -55,7 +55,7 @@ const std::map<std::string, std::vector<std::string>> without_effect{
     {"enabled_rate_to_false_add", {"0", "0.0"}},
     {"structural_mutation_surer", {"default", "false"}}};
 
-// Of configparser, for flags; other settings have no such words.
+// Words of configparser for flags; other settings have none.
 std::string flag_or(const std::string& value) {
   static const std::set<std::string> yes{"true", "yes", "on"};
   static const std::set<std::string> no{"false", "no", "off"};

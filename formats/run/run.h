@@ -65,7 +65,7 @@ class RunSettings {
   // Throws Error(data) for a setting that is missing, or is not a number from 0.
   const std::string& text(const std::string& name) const;
   int number(const std::string& name) const;
-  // Of each training of a generation, from its beginning: founders, in the first, may be
+  // Those of each training in a generation, from its beginning: founders, in the first, may be
   // given more; in a race those of each rung have half of the next one's.
   int steps(int generation) const;
   // Whether one controller learns on all robots of a generation together (method modular):
@@ -134,11 +134,11 @@ class RunFolder {
     return policies() / (id + ".policy.h5");
   }
   std::filesystem::path log(const std::string& id) const { return policies() / (id + ".log"); }
-  // Of all robots of a generation that has one controller.
+  // The one controller of all robots in a generation.
   std::filesystem::path shared_policy(int number) const {
     return policies() / (generation(number).filename().string() + ".policy.h5");
   }
-  // Of the training that a robot has in a generation: its own, or that of all.
+  // The log of a robot's training in a generation: its own, or that of all.
   std::filesystem::path log(int number, const std::string& id) const {
     return settings_.shares(number) ? policies() / (generation(number).filename().string() + ".log")
                                     : log(id);
@@ -217,7 +217,7 @@ class RunHistory {
   // that was killed it says so still.
   std::vector<SlotStatus> slots(const Generation& generation) const;
 
-  // Of all trainings recorded, one core each.
+  // The sum over all trainings recorded, one core each.
   double seconds() const { return seconds_; }
   // When the first of them began and the last ended, seconds since 1970; 0 without any.
   double began() const;

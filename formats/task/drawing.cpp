@@ -42,7 +42,7 @@ class Cells {
   int width_ = 0;
 };
 
-// Of a square of cells, what must be seen most.
+// What must be seen most in a square of cells.
 char of_square(const Cells& cells, int x, int y, int side) {
   static const std::string order = "@o#.";
   std::size_t first = order.size() - 1;

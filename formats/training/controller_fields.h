@@ -55,7 +55,7 @@ void describe(auto& archive, SineController& sine) {
   archive.number("middle", sine.middle);
 }
 
-// Of a policy of either kind of network.
+// For a policy of either kind of network.
 template <typename AnyPolicy>
 void describe_actions(auto& archive, AnyPolicy& policy) {
   archive.choices("action", [&](auto& action) {

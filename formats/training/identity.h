@@ -28,8 +28,7 @@ namespace evo {
 
 // What a training started from, besides its settings: lines of its identity.
 struct TrainingOrigin {
-  // Of several robots that get one controller: how many, and the hash of their ids; empty:
-  // one robot.
+  // How many robots get one controller, and the hash of their ids; empty: one robot.
   std::string robots;
   // Settings hash of the policy that was inherited; empty: none.
   std::string inherited;

@@ -20,8 +20,8 @@ namespace evo {
 
 struct PolicyFile {
   Robot robot;
-  // Of a controller for several robots: all of them with the fitness of each, of which `robot`
-  // is the best; empty: it is for `robot` alone.
+  // All robots that share the controller, each with its fitness (`robot` is the best); empty: it
+  // is for `robot` alone.
   std::vector<Robot> robots;
   std::string task;           // name
   std::string task_yaml;      // the whole task; empty: see policy_task

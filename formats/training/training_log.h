@@ -44,7 +44,7 @@ struct LoggedTraining {
   double best = 0.0;                // of them
 };
 
-// Of a log that is missing: nothing done yet.
+// Where the log is missing, nothing is done yet.
 LoggedTraining read_training_log(const std::filesystem::path& path);
 
 }  // namespace evo

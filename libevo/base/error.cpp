@@ -36,7 +36,7 @@ std::size_t distance(const std::string& a, const std::string& b) {
 std::string nearest(const std::string& word, const std::vector<std::string>& candidates) {
   constexpr std::size_t shortest_beginning = 3;
   const std::string folded = lower(word);
-  // Of a word as short as "top", two slips leave nothing.
+  // Two slips leave nothing of a word as short as "top".
   const std::size_t slips = folded.size() <= 3 ? 1 : std::max<std::size_t>(2, folded.size() / 3);
   std::string best;
   std::size_t best_distance = slips + 1;

@@ -9,7 +9,7 @@
 
 namespace evo {
 
-// Of a generation, at most, in environment steps: episodes can end early.
+// Environment steps of a generation at most: episodes can end early.
 std::int64_t generation_cost(const TrainingJob& job);
 
 class GaitTraining {

@@ -31,7 +31,7 @@ struct TrainingJob {
   EvaluationSettings evaluation() const { return evaluation_of(settings, seed); }
 };
 
-// What the controller earns in episodes of the job's robots, robot after robot. Of several
+// What the controller earns in episodes of the job's robots, robot after robot. Among several
 // robots, one whose simulation becomes unstable is left out; `each` has their means then, and NaN.
 Evaluation evaluate_all(const TrainingJob& job, const Controller& controller,
                         const EvaluationSettings& settings, std::vector<double>* each = nullptr);

@@ -101,7 +101,7 @@ class ModularPasses {
   const Turn* turn_ = nullptr;
   std::size_t most_actions_ = 0;
   ModularGradients gradients_;
-  // Of the E_g environments whose turn it is:
+  // For the E_g environments whose turn it is:
   VoxelBatch state_;           // s_t
   std::vector<double> local_;  // of all voxels, as looked at
   std::vector<double> task_;   // of all environments

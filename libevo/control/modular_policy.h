@@ -18,7 +18,7 @@
 
 namespace evo {
 
-// Of a hidden layer whose units sum up x: tanh(x (1 + scale f) + shift f), f the fixed part.
+// A hidden layer whose units sum up x puts out tanh(x (1 + scale f) + shift f), f the fixed part.
 struct Gate {
   Matrix scale;  // [H x VoxelViews::fixed_length]
   Matrix shift;  // as large; of the first layer none, since that is its `fixed`
@@ -33,7 +33,7 @@ struct ModularNetwork {
   Matrix fixed;  // [H x VoxelViews::fixed_length]
   Vector bias;   // [H]
   Network rest;
-  // Of every hidden layer that a voxel has: the critic's is the first alone.
+  // For every hidden layer that a voxel has: the critic's is the first alone.
   std::vector<Gate> gates;
   bool operator==(const ModularNetwork& other) const;
 };
@@ -85,7 +85,7 @@ ModularNetwork orthogonal_critic(int task_inputs, const std::vector<int>& widths
 // The bodies that a batch is of.
 class Bodies {
  public:
-  // Of arenas of one task. Throws Error(data) where one of them shows other parts of the world.
+  // `arenas` are of one task. Throws Error(data) where one of them shows other parts of the world.
   explicit Bodies(std::span<const Arena* const> arenas);
 
   int size() const { return static_cast<int>(views_.size()); }
@@ -159,7 +159,7 @@ void prepare(const ModularNetwork& network, const Bodies& bodies, PreparedNetwor
 
 // What a pass through a network left behind, kept from call to call.
 struct ModularPass {
-  // Of each row, a voxel of a sample: which sample's it is, and which voxel of all bodies'.
+  // Each row is a voxel of a sample: which sample's it is, and which voxel of all bodies'.
   std::vector<Eigen::Index> samples;
   std::vector<Eigen::Index> voxels;
   std::vector<Eigen::Index> first;  // [M + 1] row of each sample's

@@ -50,7 +50,7 @@ class PolicyPasses {
     rest_targets(policy_, steps_[environment], targets);
   }
   double target(double rest, double action) const { return target_of(policy_, rest, action); }
-  // Of the state that an environment has reached.
+  // V of the state that an environment has reached.
   float value(Seen reached, std::span<const int> steps, std::size_t environment);
 
   // The states of step t of the rollout; the minibatch of samples of it.

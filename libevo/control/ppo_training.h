@@ -1,5 +1,5 @@
 // Training a policy by proximal policy optimisation: environments, episodes and
-// evaluations around the learner of ppo.h. Of one robot, or of many that share a policy for any
+// evaluations around the learner of ppo.h. It trains one robot, or many that share a policy for any
 // body: each has the settings' `environments` then, which rest while it is not their robot's
 // turn, and what the policy is worth is the mean over robots.
 #pragma once

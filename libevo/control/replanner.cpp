@@ -68,7 +68,7 @@ std::vector<Plan> Replanner::first_plans(const Part& before, int t, std::size_t 
   return plans;
 }
 
-// Of the episode, or of the way.
+// How long the episode is, or the way.
 std::size_t Replanner::steps_of(const Episode& episode) const {
   return settings_->sequence ? episode.way.size() / env_.positions(0).size()
                              : static_cast<std::size_t>(arena_->task().episode_steps);

@@ -168,7 +168,7 @@ SequenceSearch::Moment* SequenceSearch::choose_level() {
   return moments.empty() ? nullptr : moments[random_.discrete(weights)];
 }
 
-// Of a time: any, little visited ones rather. None where there is none yet.
+// A moment of any time, little visited ones rather. None where there is none yet.
 SequenceSearch::Moment* SequenceSearch::choose_time() {
   std::vector<Moment*> moments;
   std::vector<double> weights;
@@ -180,7 +180,7 @@ SequenceSearch::Moment* SequenceSearch::choose_time() {
   return moments.empty() ? nullptr : moments[random_.discrete(weights)];
 }
 
-// Of a time or a level; none where all of both have come to the end of the episode.
+// A moment of a time or a level; none where all have come to the end of the episode.
 SequenceSearch::Moment* SequenceSearch::choose() {
   const double place = random_.bits() * 0x1p-32;
   Moment* from = place < time_share ? choose_time() : nullptr;

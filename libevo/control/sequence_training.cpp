@@ -18,7 +18,7 @@ SequenceSearchSettings search_settings(const TrainingSettings& s) {
   return {s.environments, s.shortest_period, s.longest_period};
 }
 
-// Of the episodes after a stretch, at most, in environment steps.
+// What the episodes after a stretch take at most, environment steps.
 std::int64_t evaluation_cost(const TrainingJob& job) {
   return std::int64_t{2} * job.settings.evaluation_episodes * job.arena().task().episode_steps;
 }
@@ -72,7 +72,7 @@ void SequenceTraining::explore_from(std::optional<SequenceSearch::Start> start) 
                   Stream(job.seed, "train/explore", job.robot_id), std::move(start));
 }
 
-// Of the episodes that a search begins with, at most, in environment steps.
+// What the episodes that a search begins with take at most, environment steps.
 std::int64_t SequenceTraining::first_cost(const TrainingJob& job) const {
   const bool begins_with_one = !search_ || search_->start();
   return std::int64_t{begins_with_one ? 1 : job.settings.environments} *

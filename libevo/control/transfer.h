@@ -34,7 +34,7 @@ struct Anatomy {
   bool operator==(const Anatomy&) const = default;
 };
 
-// Of a robot whose observation has this layout (Arena::layout, or a policy file's).
+// For a robot whose observation has this layout (Arena::layout, or a policy file's).
 Anatomy anatomy(const Body& robot, std::vector<ObservationSlice> layout);
 
 // No more observations than these stand behind the moments that a controller brings to another

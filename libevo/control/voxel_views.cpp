@@ -78,7 +78,7 @@ Matrix fixed_views(const Body& body) {
   return views;
 }
 
-// Of all objects but the robot, which is the first.
+// All objects but the robot, which is the first.
 Terrain ground_of(const Arena& arena) {
   std::vector<int> objects(arena.model().objects().size() - 1);
   std::iota(objects.begin(), objects.end(), 1);

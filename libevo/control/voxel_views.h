@@ -24,9 +24,9 @@ class VoxelViews {
   // below it, terrain or an object, in voxels: 1 where nothing is that near, less than 0 where it
   // has sunk in.
   static constexpr int local_length = 8 + 8 + 6 + 4;
-  // Of the 3 x 3 cells around the voxel, row by row, which of the five materials each is made
-  // of (all 0: empty); the voxel's place from the middle of the body, in voxels, to the right
-  // and up; of the whole body the share of each material, and its voxels, columns and rows.
+  // Which of the five materials each of the 3 x 3 cells around the voxel is made of, row by row
+  // (all 0: empty); the voxel's place from the middle of the body, in voxels, to the right
+  // and up; for the whole body the share of each material, and its voxels, columns and rows.
   static constexpr int fixed_length = 9 * 5 + 2 + 5 + 3;
 
   // Keeps what it needs of the arena.

@@ -52,8 +52,8 @@ HWY_INLINE V ReciprocalRoot(D d, V x) {
   return y;
 }
 
-// Of lanes [first, first + lanes of D) of a record. A row is one value of each lane of the
-// record; a pair of rows is x and y of a site.
+// Goes back through lanes [first, first + lanes of D) of a record. A row is one value of each lane
+// of the record; a pair of rows is x and y of a site.
 template <class D>
 class StepAdjoint {
  public:
@@ -245,7 +245,7 @@ class StepAdjoint {
 
   // ---- strain limits --------------------------------------------------------------------------
 
-  // Of a correction share (1 - limit/d)/2 q of the difference q of a spring's ends.
+  // For a correction share (1 - limit/d)/2 q of the difference q of a spring's ends.
   struct Correction {
     hn::Mask<D> beyond;
     V limit, reciprocal;

@@ -56,7 +56,7 @@ class Tape {
   Tape(Tape&&) noexcept;
   Tape& operator=(Tape&&) noexcept;
 
-  // Of every lane that the step moved: from derivatives by the state after it to those by the
+  // For every lane that the step moved: from derivatives by the state after it to those by the
   // state before, whose targets are those of the step. They are in the state after it, too: who
   // sets other targets before the next step takes their derivatives, and leaves 0. Those by
   // stiffness and constants are added to. [lanes of the batch], the others are left alone. Throws

@@ -77,8 +77,8 @@ class Batch {
   void step(std::span<const std::uint8_t> active = {}, ThreadPool* pool = nullptr,
             const Stepped& stepped = {}, Tape* tape = nullptr);
 
-  // Of the last step, which later ones of other lanes do not change; `done` after
-  // place() and set_state(). An unstable lane can be stepped on, or placed anew.
+  // How the lane came out of its last step, which later ones of other lanes do not change; `done`
+  // after place() and set_state(). An unstable lane can be stepped on, or placed anew.
   LaneStatus status(std::size_t lane) const;
 
   // Memory taken at present by everything but the models.

@@ -75,7 +75,7 @@ class Pusher {
     return count;
   }
 
-  // Of one pair of objects, or of one with itself: there the search meets a pair of cells
+  // For one pair of objects, or one with itself: there the search meets a pair of cells
   // twice, once either way round.
   void push_objects(Candidates inside) const {
     pushes_.clear();
@@ -99,7 +99,7 @@ class Pusher {
     }
   }
 
-  // `inside` are corners of two cells, those of one before those of the other. Of two objects
+  // `inside` are corners of two cells, those of one before those of the other. With two objects
   // the first cell is that of the first one.
   void add_cells(Candidates inside, int i, int j) const {
     const std::uint32_t one = inside.front()->corner / 4;

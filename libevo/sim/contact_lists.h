@@ -45,7 +45,7 @@ struct NodeBox {
   std::uint32_t look = 0;  // ContactLists::looks when it was found
 };
 
-// Of one environment. The positions that lists were found at are in its group's Rows.
+// The lists of one environment. The positions that lists were found at are in its group's Rows.
 struct ContactLists {
   // Within one moving object. Candidates of a pair of cells are next to each other: those
   // of corners of the one cell, then those of the other.

@@ -41,7 +41,7 @@ class SearchOrder {
    public:
     Tree(const Model::Compiled& world, const Points& points, ContactLists& lists, int object);
 
-    // Of two leaves, the node at which ways to them part.
+    // The node at which the ways to two leaves part.
     std::int32_t common(std::int32_t i, std::int32_t j) const;
     double area(std::int32_t node) const;
 

@@ -30,7 +30,7 @@ struct ContactPushes {
     std::array<contact::Vector, 2> on_edge;
     contact::Vector friction;  // on the point; half of it on either end
   };
-  // Of corners of the first of two cells, then of those of the second: [first, middle) and
+  // Pushes of corners of the first of two cells, then of the second's: [first, middle) and
   // [middle, last) of `all`.
   struct OfCells {
     std::uint32_t first = 0;
@@ -40,7 +40,7 @@ struct ContactPushes {
   std::vector<Push> all;
   std::vector<OfCells> of_cells;
   std::vector<contact::Meeting> meetings;
-  // Of all points pushed since it was emptied: x of their forces, y being a stride further on.
+  // x of the force on each point pushed since it was emptied, y being a stride further on.
   std::vector<double*> forces;
   std::vector<Touch>* touches = nullptr;  // all pushes are added to, if anybody wants them
 

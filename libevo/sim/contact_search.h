@@ -15,7 +15,7 @@ namespace evo {
 // to tiles by their lower left corners, so that each is compared with few others.
 class NearCells {
  public:
-  // Of boxes that outlive the search: near is what `gap` or less lies between.
+  // `boxes` outlive the search; near is what `gap` or less lies between.
   void start(const std::vector<contact::Box>& boxes, double gap, double pitch);
 
   // Those before `i` that are near it, the last first; good until the next call.

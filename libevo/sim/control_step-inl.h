@@ -97,7 +97,7 @@ class ControlStep {
     bool over = false;
   };
 
-  // The four stages of Runge-Kutta. Of a body that is too large for the cache, every
+  // The four stages of Runge-Kutta. Where a body is too large for the cache, every
   // stage follows the one before as closely as it can: a part of the body goes through
   // all of them while the cache has it.
   void stages() {

@@ -85,7 +85,7 @@ struct Tape::Impl {
   std::vector<StepRecord> records;
 };
 
-// Of the record's lanes, all in all: see Tape::pull_back.
+// All of the record's lanes: see Tape::pull_back.
 void pull_back(const StepRecord& record, std::span<Gradient> gradients);
 
 }  // namespace evo

@@ -110,7 +110,7 @@ struct Tables {
 // Kernels keep a copy of these pointers in locals: values stored through vectors
 // might change any other copy, for all that the compiler knows.
 struct Arrays {
-  // Of the group; position and previous change places in every substep.
+  // The group's; position and previous change places in every substep.
   double* position = nullptr;  // [N pairs] at the start of the substep
   double* previous = nullptr;  // [N pairs] before it; stage 4 puts the next positions here
   double* self_listing = nullptr;

@@ -16,7 +16,7 @@ struct Contacts {
   std::vector<Vec2> ground;       // those of them where the robot or what it holds meets terrain
   std::vector<std::size_t> held;  // objects that move and touch the robot
 };
-// Of the first object. `points` are all of the world, voxels.
+// Contacts of the first object. `points` are all of the world, voxels.
 Contacts contacts_of(std::span<const ModelObject> objects, std::span<const ModelCell> cells,
                      std::span<const Vec2> points);
 

@@ -327,7 +327,7 @@ void VecEnv::step(std::span<const double> actions, std::span<const std::uint8_t>
     if (steps != nullptr) (*steps)[i].is_active = false;
     if (!active.empty() && active[i] == 0) continue;
     const Environment& e = impl.environments[i];
-    // Of the robot; other objects have no actuators (Arena).
+    // The robot's; other objects have no actuators (Arena).
     const std::span<double> targets = impl.batch.targets(i);
     for (std::size_t k = 0; k < targets.size(); ++k) {
       const double target = actions[e.action_offset + k];

@@ -94,8 +94,8 @@ class VecEnv {
   void step(std::span<const double> actions, std::span<const std::uint8_t> active = {},
             ThreadPool* pool = nullptr, StepTape* tape = nullptr);
 
-  // How an environment came out of its last step; `done` after reset. Of an unstable
-  // one, a position, a velocity, the observation or the reward is not a finite
+  // How an environment came out of its last step; `done` after reset. Where it is
+  // unstable, a position, a velocity, the observation or the reward is not a finite
   // number: all that is left to do is to reset it. The others are not touched by it.
   LaneStatus status(int environment) const;
 
@@ -108,7 +108,7 @@ class VecEnv {
 
   // What queries of the benchmark read: all points of the world in world
   // order, raw units; after self-folding those of the step before (docs/tasks.md, "A step").
-  // Of all environments one after the other, from point_offset(e) on, or of one.
+  // Those of all environments one after the other, from point_offset(e) on, or of one.
   std::span<const Vec2> positions() const;
   std::span<const Vec2> velocities() const;
   std::span<const Vec2> positions(int environment) const;
@@ -120,7 +120,7 @@ class VecEnv {
   // same arenas. load() throws Error(data) for bytes that do not fit.
   std::vector<std::uint8_t> save() const;
   void load(std::span<const std::uint8_t> bytes);
-  // Of one environment, to be put into any of the same arena: an episode continues from
+  // One environment's, to be put into any of the same arena: an episode continues from
   // there as often as it is asked to, each time to the same bits. After an Error(data)
   // the environment has to be reset.
   std::vector<std::uint8_t> save(int environment) const;

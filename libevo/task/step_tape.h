@@ -19,7 +19,7 @@ class StepTape {
   StepTape(StepTape&&) noexcept;
   StepTape& operator=(StepTape&&) noexcept;
 
-  // Of every environment that the step moved, from derivatives by the state after it to those
+  // For every environment that the step moved, from derivatives by the state after it to those
   // by the state before; targets are those of the step before, which only action_change knows.
   //   by_rewards       [E] how much the step's reward counts
   //   by_observations  as VecEnv::observations(), or empty: they do not count

@@ -110,7 +110,7 @@ struct Ticks {
   }
 };
 
-// Of an axis of powers, those and their halves where there are few.
+// Powers of ten, and their doubles and halves where there are few.
 Ticks log_ticks(double low, double high, double most) {
   Ticks made{{}, 1, true};
   const int first = static_cast<int>(std::floor(std::log10(low)));
@@ -184,7 +184,7 @@ void draw_axes(const Chart& chart, const ChartFrame& frame, const Ticks& up, con
 
 // ---- marks --------------------------------------------------------------------------------
 
-// Of points of which so many lie on each other, the darker the more.
+// The more points lie on each other, the darker.
 void draw_points(const Series& series, const ChartFrame& frame, Drawing& drawing) {
   constexpr float radius = 3;
   constexpr std::size_t sparse = 150;

@@ -11,7 +11,7 @@ namespace evo::render {
 void draw_caption(const Caption& caption, const Theme& theme, const Rect& panel,
                   Typesetter& typesetter, Drawing& drawing);
 
-// Of the text of captions and keys in a panel, pixels.
+// Size of the text of captions and keys in a panel, pixels.
 float key_size(const Rect& panel);
 inline constexpr float row_of_labels = 2.3F;  // from one row to the next, sizes of text
 // What rows of captions take from the top of a panel, pixels.

@@ -10,7 +10,7 @@ namespace evo::render {
 void draw_plot(const Clip& clip, Plot plot, double step, const Theme& theme, const Rect& area,
                Drawing& drawing);
 
-// Of an area `whole`, what a plot takes from its bottom.
+// What a plot takes from the bottom of `whole`.
 Rect plot_area(const Rect& whole);
 
 }  // namespace evo::render

@@ -25,7 +25,7 @@ void centred(std::string_view text, Point at, float size, Color color, bool bold
   drawing.text(at, size, typesetter.shortened(text, size, bold, most), color, Align::centre, bold);
 }
 
-// Of the box around all cells.
+// The centre of the box around all cells.
 Vec2 centre_of_voxels(const Mesh& mesh, const std::vector<Vec2>& points) {
   Vec2 low = points.back();
   Vec2 high = points.back();

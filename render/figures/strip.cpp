@@ -22,7 +22,7 @@ Bounds extent_of(const Clip& clip, int step, const ModelObject& object) {
   return extent;
 }
 
-// Of the robot's centre between two steps.
+// The way of the robot's centre between two steps.
 Bounds way(const Clip& clip, int from, int to) {
   Bounds extent;
   for (int t = from; t <= to; ++t) extent.add(clip.centre(t));
@@ -57,7 +57,7 @@ Vec2 middle_of(const Clip& clip, int step, const ModelObject& object) {
   return {(extent.x0 + extent.x1) / 2, (extent.y0 + extent.y1) / 2};
 }
 
-// Of the middle of an object between two steps.
+// The way of the middle of an object between two steps.
 Bounds way_of(const Clip& clip, int from, int to, const ModelObject& object) {
   Bounds extent;
   for (int t = from; t <= to; ++t) extent.add(middle_of(clip, t, object));
@@ -118,7 +118,7 @@ std::vector<Vec2> composed(const Clip& clip, const std::vector<int>& moments,
   return points;
 }
 
-// Of those that travel, the ones to be drawn at each moment but the last: a heap of what hardly
+// Those that travel and are drawn at each moment but the last: a heap of what hardly
 // moved shows nothing, so that only the first stands where others would lie on it.
 std::vector<std::vector<bool>> apart(const Clip& clip, const std::vector<int>& moments,
                                      const std::vector<bool>& travels) {

@@ -273,7 +273,7 @@ Drawing Race::frame(double step, Typesetter& typesetter) const {
 
 namespace {
 
-// Of the ranking, shares of the size of its text.
+// Measures of the ranking, shares of the size of its text.
 constexpr float ranking_margin = 0.75F;
 constexpr float ranking_line = 1.5F;
 constexpr float ranking_names = 2.2F;  // from letters to names

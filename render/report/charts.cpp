@@ -297,8 +297,8 @@ FigureGroup voxels(const Run& run) {
   FigureGroup group{"voxels",
                     "Which voxels matter",
                     "For every place of the body: the median fitness of robots with such a voxel "
-                    "there, less the median of all; the number is how many robots that are. Of one "
-                    "or two nothing is said.",
+                    "there, less the median of all; the number is how many robots that are. One "
+                    "or two say nothing.",
                     {}};
   std::vector<const Entry*> scored;
   std::vector<double> all;
@@ -426,7 +426,7 @@ FigureGroup archive(const Run& run) {
 
 // ---- runs that are repetitions of each other ------------------------------------------
 
-// Of few runs quartiles would be guesses: their range says all there is.
+// Quartiles of few runs would be guesses: their range says all there is.
 constexpr std::size_t few_runs = 8;
 
 // The median of the runs' curves as far as all of them have come.
@@ -471,7 +471,7 @@ std::vector<std::size_t> colors_of(const std::vector<Repetitions>& groups) {
   return colors;
 }
 
-// Of a long curve, where it steps or ends: the same picture.
+// Where a long curve steps or ends: the same picture.
 void keep_steps(Series& series) {
   constexpr std::size_t all = 2000;
   auto& points = series.points;

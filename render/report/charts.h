@@ -17,7 +17,8 @@ struct FigureGroup {
   std::vector<render::Figure> figures;
 };
 
-// Of a run with a champion, in the order of its page; those that would say nothing are left out:
+// The figures of a run with a champion, in the order of its page; those that would say nothing are
+// left out:
 //   curve        the best so far, and every robot
 //   archive      of a run that keeps one: its elites, and coverage and QD score by robots
 //   generations  best and median; the median of those that were new: survivors, the better half,
@@ -25,7 +26,7 @@ struct FigureGroup {
 //   controller   how the one of all robots learnt
 //   tree, learning, body: every robot by its parents, its training, numbers of its body
 //   maps, voxels: where evolution looked, and what goes with fitness
-// Of many robots the tree has those with children, and learning curves are of some.
+// With many robots the tree has those with children, and learning curves are of some.
 // Throws Error(data) for axes of an archive that are none.
 std::vector<FigureGroup> figures(const Run& run);
 

@@ -1,4 +1,4 @@
-// Which robots of a run a page shows one by one. Of a run of a thousand that is all of
+// Which robots of a run a page shows one by one. In a run of a thousand that is all of
 // them; a page about a hundred thousand would be more than a browser bears.
 #pragma once
 

@@ -11,7 +11,7 @@
 
 namespace evo::report {
 
-// Of one method, over its runs. Runs count as far as the shortest of all goes.
+// One method, over its runs. Runs count as far as the shortest of all goes.
 struct MethodResult {
   Repetitions group;
   std::vector<double> best;  // fitness, a run each; only of runs in which a robot has one
@@ -33,7 +33,7 @@ struct Comparison {
   std::vector<std::string> sentences;
 };
 
-// Of runs on one task.
+// `runs` are on one task.
 Comparison compare(const std::vector<const Run*>& runs);
 
 // Runs by what their robots are scored by, in the order in which it comes first.

@@ -32,7 +32,7 @@ bool is_of_robots(const Series& series) {
       series.points, [](const Series::Point& point) { return point.robot != render::no_robot; });
 }
 
-// Of robots the page has the fitness already.
+// The page has the fitness of robots already.
 bool is_fitness(const Series& series, const Run& run) {
   return std::ranges::all_of(series.points, [&](const Series::Point& point) {
     return run.robots[point.robot].fitness == point.value;

@@ -14,7 +14,7 @@ struct Film {
   std::string dark;
 };
 
-// Of the rollout's first episode. Throws Error(data) for one that cannot be drawn.
+// The rollout's first episode. Throws Error(data) where it cannot be drawn.
 Film draw_film(const Rollout& rollout);
 
 }  // namespace evo::report

@@ -141,7 +141,7 @@ std::string comparison_row(const Run& run, std::size_t number, Page& page) {
   return row + "</tr>\n";
 }
 
-// Of the best run of each method, up to four, side by side.
+// Champions of the best run of each method, up to four, side by side.
 std::string champions_of(const Comparison& comparison, const std::vector<Run>& runs) {
   constexpr std::size_t most = 4;
   std::vector<Actor> cast;

@@ -16,8 +16,8 @@ struct Interval {
   double low = 0.0;
   double high = 0.0;
 };
-// Of the median, with that confidence: percentile bootstrap (Efron, 1979), 10 000 resamples
-// drawn from a stream of their own, so that the same values give the same interval.
+// An interval of the median with that confidence: percentile bootstrap (Efron, 1979), 10 000
+// resamples drawn from a stream of their own, so that the same values give the same interval.
 Interval median_interval(const std::vector<double>& values, double confidence = 0.95);
 
 // Mann and Whitney's U test (1947) of two samples, two-sided. Exact without ties and up to

@@ -55,14 +55,14 @@ class Clip {
   std::span<const double> commands(int step) const;
   // The episode's last step ended it, rather than the recording.
   bool over() const { return !ending_.empty(); }
-  // Of cells, as Scene has them; empty unless `tint` asks for them.
+  // Values of cells, as Scene has them; empty unless `tint` asks for them.
   std::vector<float> values(double step) const;
   // Their colours; those of the episode alone at first.
   const ValueScale& value_scale() const { return value_scale_; }
   void value_scale(const ValueScale& scale) { value_scale_ = scale; }
 
   const Mesh& mesh() const { return mesh_; }
-  // Of all objects, or of the first one's centre, at a whole step; voxels.
+  // Places of all objects' points, or of the first one's centre, at a whole step; voxels.
   std::span<const Vec2> points(int step) const {
     return {at(step), static_cast<std::size_t>(episode_.rollout->points)};
   }

@@ -8,7 +8,7 @@
 namespace evo::render {
 namespace {
 
-// Of a goal, voxels; nothing for a task without goals.
+// A goal's, voxels; nothing for a task without goals.
 std::optional<double> goal_radius(const Rollout& rollout) {
   const auto goals = task_value(rollout, "goals");
   const auto radius = goals ? goals->find("radius") : std::nullopt;

@@ -48,7 +48,7 @@ bool lies_along(const ModelCell& cell, int a, int b, Voxel actuator) {
   return actuator == Voxel::horizontal ? is(tl, tr) || is(bl, br) : is(tl, bl) || is(tr, br);
 }
 
-// Of the springs of each cell, 1 where the robot says nothing.
+// Factors of the springs of each cell, 1 where the robot says nothing.
 std::vector<double> factors_of(const Rollout& rollout, const Mesh& mesh) {
   std::vector<double> factors(mesh.cells.size(), 1.0);
   if (!rollout.robot || rollout.robot->body.stiffness.empty()) return factors;
@@ -74,7 +74,7 @@ std::vector<Spring> springs_of(const Mesh& mesh, const Physics& physics,
     std::sort(spring.cells.begin(), spring.cells.end());
     for (const int c : spring.cells) {
       const ModelCell& cell = mesh.cells[static_cast<std::size_t>(c)];
-      // Of two cells that are not rigid, the later one decides.
+      // The later of two cells that are not rigid decides.
       if (cell.type == Voxel::soft || is_actuator(cell.type))
         spring.stiffness = stiffness_of(cell.type, physics).edge;
       if (is_actuator(cell.type) && lies_along(cell, edge.a, edge.b, cell.type))
@@ -166,7 +166,7 @@ class Stress {
   double weight_ = 0;
 };
 
-// Of most values, the largest; few that stick out must not make all others pale.
+// The largest of most values; few that stick out must not make all others pale.
 double usual_extreme(const std::vector<float>& values) {
   constexpr double share = 0.98;
   std::vector<float> sizes;

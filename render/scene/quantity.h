@@ -28,7 +28,7 @@ class Quantity {
   Quantity(Tint what, const Rollout& rollout, const RolloutEpisode& episode, const Mesh& mesh,
            std::span<const Vec2> points);
 
-  // Of every cell of the mesh; NaN for cells of terrain and others that have none.
+  // Values of every cell of the mesh; NaN for cells of terrain and others that have none.
   std::span<const float> values(int step) const {
     return std::span(values_).subspan(static_cast<std::size_t>(step) * cells_, cells_);
   }
@@ -41,11 +41,11 @@ class Quantity {
   ValueScale scale_;
 };
 
-// Of commanded lengths, whatever the episode.
+// The scale of commanded lengths, whatever the episode.
 ValueScale command_scale();
 
-// Of the steps of a rollout (a held action is one), from its `physics_yaml`. Throws Error(data)
-// where there is none.
+// The physics of a rollout's steps (a held action is one), from its `physics_yaml`. Throws
+// Error(data) where there is none.
 Physics physics_of(const Rollout& rollout);
 
 // Targets of the first robot's actuators: the cell of each, in the order of actions.

@@ -44,12 +44,12 @@ const Theme& theme_by_name(const std::string& name);
 Color color_of(const Theme& theme, Voxel voxel);         // of a robot
 Color color_of_object(const Theme& theme, Voxel voxel);  // of everything else
 
-// Of the robot k in a race, the same in every theme, seen on each; they come again.
+// The colour of robot k in a race, the same in every theme, seen on each; they come again.
 Color runner_color(std::size_t k);
 
-// Of series k of a chart, the same in every theme: Okabe and Ito's, safe for colour-blind readers,
-// with olive and grey for their yellow and black; they come again. The site has them,
-// too.
+// The colour of series k of a chart, the same in every theme: Okabe and Ito's, safe for
+// colour-blind readers, with olive and grey for their yellow and black; they come again. The site
+// has them, too.
 Color chart_color(std::size_t k);
 
 // Relative luminance (WCAG 2), 0 to 1.

@@ -39,7 +39,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:
   # One that is over stands at its end.
   head -1 robots | evo-eval --task Walker-v0 --actions sine:0.4,20,0.7 --max-steps 40 --rollout short.h5 > /dev/null
   evo-render short.h5 "${each[1]}" --at 50 -o two.svg
-  # Of several tasks no one's name stands above all.
+  # With several tasks no one's name stands above all.
   evo-sample -n 1 --seed 2 | evo-eval -q --task Jumper-v0 --actions random --max-steps 50 --rollout j.h5 > /dev/null
   evo-render j.h5 "${each[1]}" --at 50 -o tasks.svg
   grep -q '>2 tasks<' tasks.svg && grep -q '>Jumper-v0<' tasks.svg
@@ -70,7 +70,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:
   evo-train -q --task Walker-v0 --steps 1024 --out-dir run/policies run/gen-*/scores.jsonl > /dev/null
   evo-render --evolution run -o film.mp4 --size 320x180 --speed 10 --fps 50
   champions=$(for scores in run/gen-*/scores.jsonl; do evo-select --keep 1 "$scores" | jq -r .id; done | uniq | wc -l)
-  # Of each, 0.7 s at rest, 2 s of its episode, and 0.4 s at its end, ten times as fast.
+  # Each is shown 0.7 s at rest, 2 s of its episode, and 0.4 s at its end, ten times as fast.
   frames=$(ffprobe -v error -show_entries stream=nb_frames -of csv=p=0 film.mp4)
   [ "$frames" -eq $((champions * (4 + 10 + 2))) ]
   fails_with 2 "--evolution" -- evo-render --evolution run run/best.json -o film.mp4

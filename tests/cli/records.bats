@@ -156,7 +156,7 @@ evolve() {
   rm bodies.jsonl
   eval "${command/runs\/record/again} -q --no-video"
   diff drawn/history.jsonl again/history.jsonl
-  # Of one whose founders nobody drew there is no such file.
+  # Founders that nobody drew leave no such file.
   evolve other 2
   jq '.shifted.mean = -100' records/Walker-v0/record.json > worse && mv worse records/Walker-v0/record.json
   "$EVO_SOURCE/scripts/add-record" other

@@ -237,7 +237,7 @@ PY
   make_run run ga 1 3 9
   evo-report run > page.html
   chart_of page.html fitness-by-robots | jq -e --argjson best "$(jq .fitness run/best.json)" '.series[1].y[-1] - $best | fabs < 1e-3'
-  # Of the robots that are new in the generation, here five.
+  # The robots that are new in the generation, here five.
   wanted=$(jq -sc --slurpfile before run/gen-001/scores.jsonl '
     ($before | map(.id)) as $old | map(select(.id | IN($old[]) | not) | .fitness) | sort
     | [.[1], .[2], .[3]]' run/gen-002/scores.jsonl)

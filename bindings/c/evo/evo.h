@@ -171,9 +171,9 @@ typedef struct evo_start {
   int32_t has_seed; /* a seed stays in force until another is given; 0 at first */
   int32_t has_episode;
   uint64_t seed;
-  /* Of the seed: what a task draws follows from both, as in the tools. By itself environment i
-   * of N of a robot plays the episodes i, i + N, i + 2 N, .. of its seed, one at each reset; a
-   * seed begins this count anew. */
+  /* Number within the seed: what a task draws follows from both, as in the tools. By itself
+   * environment i of N of a robot plays the episodes i, i + N, i + 2 N, .. of its seed, one at each
+   * reset; a seed begins this count anew. */
   uint64_t episode;
   double jitter;     /* every start coordinate is moved by up to this, voxels */
   const char* draws; /* what the task would draw, as JSON; NULL: drawn */

@@ -19,7 +19,7 @@ BODY = np.array([[3, 4], [4, 3]])
 class Utils(unittest.TestCase):
     def test_seeds_draw_the_benchmarks_robots(self):
         random.seed(3)
-        # Of evogym 2.0.0 after the same seed.
+        # evogym 2.0.0 gives these after the same seed.
         bodies = [evogym.hashable(evogym.sample_robot((2, 3))[0]) for _ in range(4)]
         self.assertEqual(bodies, EXPECTED_BODIES)
 
@@ -133,7 +133,7 @@ class Sims(unittest.TestCase):
                 sim.set_action(name, [1.1 + ((7 * t + 3 * k) % 11 - 5) / 10
                                       for k in range(sim.get_dim_action_space(name))])
             self.assertFalse(sim.step())
-        # Of each one's first point, as evogym 2.0.0 has them.
+        # Each one's first point, where evogym 2.0.0 has it.
         for name, point in (("left", [2.664310187503588, 4.245726666431066]),
                             ("right", [6.793620732533455, 4.151254781225121]),
                             ("box", [3.0297282341572753, 6.287109547251052])):

@@ -553,7 +553,7 @@ TEST_CASE("c: every function refuses what is no handle of its kind, and NULL whe
     for (void* handle :
          std::initializer_list<void*>{s.task, s.robots, s.envs, world, sims, learner}) {
       CAPTURE(k);
-      // Of another kind, or with nowhere to write to.
+      // A handle of another kind, or nowhere to write to.
       CHECK(calls[k]({handle}, {false}) != EVO_OK);
     }
   evo_learner_free(learner);

@@ -8,7 +8,7 @@
 
 namespace evo::test {
 
-// Of sample i, whose actions the policy now has with `log_prob`, whose state it values at `v`.
+// Sample i: the policy now has its actions with `log_prob` and values its state at `v`.
 inline double loss_of_sample(const Samples& batch, Eigen::Index i, double log_prob, double v,
                              double entropy, const Objective& o) {
   const double advantage = static_cast<double>(batch.advantages[i]);

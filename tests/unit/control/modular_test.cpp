@@ -489,7 +489,7 @@ TEST_CASE("robots take turns where an update learns from some of them") {
     CHECK(steps[u] == static_cast<std::int64_t>(u / 2 * 48 + (u % 2 == 0 ? 16 : 48)));
   CHECK(run(4).first == bytes);
 
-  // Of the one robot that is alone in its turn there are 16 samples.
+  // The robot that is alone in its turn has 16 samples.
   settings.minibatches = 17;
   CHECK_THROWS_AS(Trainer(robots.all(), settings, 1, "shared"), Error);
   settings.minibatches = 16;

@@ -193,8 +193,8 @@ TEST_CASE("a search repeats its last actions, and continues doing so") {
   CHECK_THROWS_WITH(search.load(checkpoint), Catch::Contains("repeats what it does not have"));
 }
 
-// Of an archive of two moments that have earned as much, `fast` steadily until now and the
-// other at once and long ago: how many moments of 100 searches came from the other and have
+// An archive has two moments that have earned as much, `fast` steadily until now and the
+// other at once and long ago. How many moments of 100 searches came from the other and have
 // the gait of `lender`.
 int borrowers(const Arena& arena, std::size_t fast, std::size_t lender) {
   const auto actuators = static_cast<std::size_t>(arena.action_length());

@@ -46,7 +46,7 @@ TrainingSettings brief_sequence() {
   return s;
 }
 
-// Of any algorithm: a new one is taken for a search.
+// For any algorithm: a new one is taken for a search.
 TrainingSettings brief(const std::string& algorithm) {
   if (algorithm == "ppo") return brief();
   if (algorithm == "modular") {
@@ -152,7 +152,7 @@ TEST_CASE("a bad end is felt as the settings say, and counted as the task says")
     for (const char* name : {"losses/value_loss", "charts/episodic_return"})
       CHECK(value(first_update(0.2), name) == value(first_update(1.0), name));
   }
-  // Of some episodes: where every step ended one, normalising would hide the weight.
+  // Some episodes have one: where every step ended one, normalising would hide the weight.
   SECTION("where one does, the learner's loss changes, the return does not") {
     const double penalty = GENERATE(-3.0, 3.0);  // a good end counts in full
     task.rules.push_back(

@@ -27,7 +27,7 @@ const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
 
 // ---- random parts -----------------------------------------------------------------------
 
-// Of every size that a double has, and now and then one that is easily lost.
+// A number of every size that a double has, and now and then one that is easily lost.
 double any_number(Stream& stream) {
   using Limits = std::numeric_limits<double>;
   switch (stream.below(12)) {

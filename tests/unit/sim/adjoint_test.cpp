@@ -165,7 +165,7 @@ struct Errors {
   }
 };
 
-// Of one control step from where `flock` is.
+// Derivatives of one control step from where `flock` is.
 void compare(Flock& flock, double eps, Errors& errors) {
   Tape tape(0.0);
   Tape lower(0.0);

@@ -17,7 +17,7 @@ double largest_difference(std::span<const Vec2> a, std::span<const Vec2> b) {
   return largest;
 }
 
-// Of any position over all steps; a folded step leaves the snapshot before it.
+// The largest of any position over all steps; a folded step leaves the snapshot before it.
 double error_of(const ReferenceCase& reference) {
   const Model model(reference.world, Physics{});
   REQUIRE(model.points() == reference.points);

@@ -385,7 +385,7 @@ TEST_CASE("a perturbed episode continues from where it was, every point moved a 
 }
 
 TEST_CASE("saved draws that are not the task's are refused") {
-  // Of tasks with the same observation and world, one of which draws goals.
+  // Two tasks have the same observation and world, and one draws goals.
   const TaskSpec with_goals = seeking();
   TaskSpec without = with_goals;
   without.goals.reset();

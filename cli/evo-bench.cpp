@@ -26,7 +26,7 @@ constexpr VoxelWeights body_weights{0.2, 0.2, 0.2, 0.2, 0.2};
 constexpr int action_sets = 97;  // drawn beforehand and used in turn
 constexpr const char* flat_task = "Walker-v0";
 constexpr const char* all_tasks = "all";
-constexpr int repetitions = 5;  // of which the median is reported
+constexpr int repetitions = 5;  // the median is reported
 
 struct Settings {
   cli::TaskOptions task;

@@ -189,7 +189,7 @@ struct Request {
   Json (*answer)(Session&, const Node&);
 };
 
-// Throws Error for what is no request or cannot be fulfilled; nothing has changed
+// Throws Error unless it is a request that can be fulfilled; nothing has changed
 // then.
 Json answer(Session& session, const Node& request) {
   static const std::vector<Request> all{{"reset", reset},         {"step", step},

@@ -93,7 +93,7 @@ std::string last_shared_policy(const fs::path& policies) {
   return found.empty() ? "" : found.rbegin()->second.string();
 }
 
-// A run, a record, or a file of robots, of which `count` are wanted.
+// A run, a record, or a file of robots; `count` of them are wanted.
 cli::Founders find_founders(const std::string& given, int count) {
   const fs::path path = fs::absolute(given).lexically_normal();
   cli::Founders founders;

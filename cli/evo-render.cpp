@@ -68,7 +68,7 @@ bool is_film(const std::string& output) {
                      [&](const char* ending) { return output.ends_with(ending); });
 }
 
-// One picture, of which an episode has many.
+// One of an episode's many pictures.
 void refuse_film_as_picture(const Settings& settings, const RenderOptions& options,
                             const std::string& output) {
   if (output.ends_with(".png") && output.find('%') == std::string::npos && !is_still(settings) &&

@@ -12,7 +12,7 @@ struct FileName {
 };
 
 // Throws Error(usage) when two outputs name the same file, or one names an input that is
-// to stay. Standard streams and what is no regular file, such as /dev/null, may be named
+// to stay. Standard streams and files that are not regular, such as /dev/null, may be named
 // often.
 void check_outputs(const std::vector<FileName>& outputs, const std::vector<FileName>& inputs = {});
 

@@ -69,7 +69,7 @@ std::vector<std::string> tall_curve(const std::vector<double>& values, std::size
 // "0a3bb6 ▁▃▅█ 4.21 (best 5.02)"; nothing before the first evaluation.
 std::string training_curve(const TrainingView& view, std::size_t width = 12);
 
-// "12 min 05 s left" of a work of which this share took so long; nothing at the
+// "12 min 05 s left" of a work when this share of it took so long; nothing at the
 // beginning.
 std::string time_left(double share, double seconds);
 

@@ -43,7 +43,7 @@ std::optional<fs::path> inherited_policy(const TrainingPlan& plan, const Robot& 
   return std::nullopt;
 }
 
-// The rollout of which a robot's training takes moments: the file, or the robot's in the folder.
+// The rollout that a robot's training takes moments from: the file, or the robot's in the folder.
 std::optional<fs::path> rollout_for(const fs::path& path, const std::string& id) {
   if (!fs::is_directory(path)) return path;
   if (fs::path own = path / (id + ".h5"); fs::exists(own)) return own;

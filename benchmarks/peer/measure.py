@@ -18,7 +18,7 @@ import evo_robots
 TABLE = os.fdopen(os.dup(1), "w")
 os.dup2(2, 1)
 SECONDS = float(sys.argv[1])
-REPETITIONS = 3  # of which the median is reported
+REPETITIONS = 3  # the median is reported
 WALKER = ["RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"]
 COMPARED_STEPS = 100
 RANDOM_TASKS = ("BidirectionalWalker-v0", "Catcher-v0")  # whose draws the two make differently

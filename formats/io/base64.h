@@ -10,7 +10,7 @@
 namespace evo {
 
 std::string base64(std::string_view bytes);
-// Nothing for what is no base64.
+// Nothing unless it is base64.
 std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text);
 
 }  // namespace evo

@@ -91,7 +91,7 @@ struct Node::Entry {
   Node value;
 };
 
-// A mapping of which only `allowed` keys may be present, checked on
+// A mapping in which only `allowed` keys may be present, checked on
 // construction: an unknown key is refused with the nearest allowed one and all
 // of them. `what` names the mapping in messages ("task", "physics profile").
 class Mapping {

@@ -55,7 +55,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy,
 // Throws Error(no_input), or Error(data) naming file and HDF5 path.
 PolicyFile read_policy(const std::filesystem::path& path);
 // The task that it was trained on. Throws Error(data), beginning with `where`, if that is of
-// a program's own environments (evo_learner_policy in evo/evo.h), of which a file has the name.
+// a program's own environments (evo_learner_policy in evo/evo.h), named in the file.
 TaskSpec policy_task(const PolicyFile& policy, const std::string& where);
 // Only the lines of its identity, to see whether the work is done already.
 std::string read_policy_identity(const std::filesystem::path& path);

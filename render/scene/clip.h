@@ -100,9 +100,8 @@ class Clip {
 // One colour is the same value in all of them.
 void share_value_scale(std::span<Clip* const> clips);
 
-// The steps shown by the frames of a video of an episode of `steps` steps, of which
-// `rate` are a second at speed 1; the last step shown is always among them. Throws
-// Error(usage) for an empty range.
+// The steps that the frames of a video show of an episode of `steps` steps, `rate` per second
+// at speed 1; the last one is always among them. Throws Error(usage) for an empty range.
 std::vector<double> timeline(const RenderOptions& options, int steps, double rate);
 
 }  // namespace evo::render

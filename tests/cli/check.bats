@@ -92,7 +92,7 @@ with h5py.File(sys.argv[1], 'r+') as f:
   fails_with 65 "remove it to start afresh" -- "${train[@]}" --steps 16000 --resume
 }
 
-@test "evo-inspect knows every format, and says what is no robot" {
+@test "evo-inspect knows every format, and says what is not a robot" {
   cp "$made"/* .
   evo-convert small.txt -o s.npz
   evo-inspect s.npz | grep -q 2x2

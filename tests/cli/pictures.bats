@@ -16,7 +16,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:
   for file in r.gif sheet.png grid.png; do [ "$(stat -c %s $file)" -gt 1000 ]; done
 }
 
-@test "what is no film, and what is no picture, says how to make one" {
+@test "a film of a picture, and a picture of a film, are refused with how to make one" {
   printf 'HV\nVH\n' > robot.txt
   episode r.h5
   for ending in mp4 webm gif; do

@@ -199,7 +199,7 @@ PY
 }
 
 @test "the answer: medians, effect size, rank test, robots for the same fitness" {
-  # Twelve robots each, of which one run after the other begins a little higher; bo is far ahead.
+  # Twelve robots each; one run after the other begins a little higher; bo is far ahead.
   for method in ga bo; do
     for seed in 1 2 3 4; do
       make_run "$method-$seed" $method $seed 2 6
@@ -323,7 +323,7 @@ PY
   fails_with 2 "--robots" -- evo-report run --robots 0
 }
 
-@test "what is no run is refused" {
+@test "a folder that is not a run is refused" {
   fails_with 66 "missing" -- evo-report missing
   mkdir folder && touch file
   fails_with 65 "folder" "run.yaml" -- evo-report folder

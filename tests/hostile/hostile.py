@@ -120,7 +120,7 @@ def clean():
 
 
 def lay_out(file, data):
-    """The damaged file in the current folder, or the run of which it is one. Its name."""
+    """The damaged file in the current folder, or the run that it belongs to. Its name."""
     name = target = "input" + os.path.splitext(file)[1]
     if file.startswith("run/"):
         name = "run"

@@ -337,7 +337,7 @@ typedef struct evo_sim_gradients {
   size_t voxels;      /* V */
   double* positions;  /* [S][P][2], by where points are */
   double* velocities; /* [S][P][2], by how fast they are */
-  double* previous;   /* [S][P][2], by where they were one substep before, of which contact knows */
+  double* previous;   /* [S][P][2], by where they were one substep before, which contact uses */
   double* targets;    /* [S][A], by the step's targets */
   double* stiffness;  /* [S][V], by the factors of voxels' stiffness, or NULL */
   double* constants;  /* [S][5], by gravity, drag, contact_stiffness, contact_damping and
@@ -453,7 +453,7 @@ EVO_API int evo_train(const evo_task* task, const evo_robots* robots, size_t ind
 
 /* ---- a learner for environments of one's own ------------------------------------------ */
 
-/* The suite's PPO, for whoever has environments of which the suite knows nothing, and tells it what
+/* The suite's PPO, for environments that the suite does not know. Whoever has them tells it what
  * was seen and earned:
  *
  *   evo_learner_observe(l, observations, ..)          the first states

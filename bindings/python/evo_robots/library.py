@@ -37,7 +37,7 @@ def needs(module: str, extra: str) -> Any:
 
 
 def whole(name: str, value: Any, low: int, high: int) -> int:
-    """A whole number within bounds, of which nothing is cut off: 1.9, "5" and 2**64 are refused."""
+    """A whole number within bounds; nothing is cut off: 1.9, "5" and 2**64 are refused."""
     try:
         number = operator.index(value)
     except TypeError:

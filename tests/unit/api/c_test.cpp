@@ -449,7 +449,7 @@ struct Writes {
   }
 };
 
-TEST_CASE("c: every function refuses what is no handle of its kind, and NULL where it writes") {
+TEST_CASE("c: every function refuses handles of other kinds, and NULL where it writes") {
   const Session s("Walker-v0");
   char* text = nullptr;
   void* state = nullptr;

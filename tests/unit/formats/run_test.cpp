@@ -118,7 +118,7 @@ TEST_CASE("settings that there are none of, of other methods and out of range ar
   CHECK_THAT(refusal("ga", {"task", std::string(20000, 'a')}), Catch::Contains("longer"));
 }
 
-TEST_CASE("what is no run, or of a newer program, is refused") {
+TEST_CASE("a file that is not a run, or a newer program's, is refused") {
   const test::ScratchFolder scratch;
   const auto path = scratch.path() / "run";
   CHECK_THAT(test::error_of(Failure::no_input, [&] { RunFolder{path}; }),

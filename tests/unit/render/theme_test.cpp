@@ -39,7 +39,7 @@ TEST_CASE("kinds of voxels differ in lightness, and are the same in every theme"
   }
 }
 
-TEST_CASE("what is no robot has no robot's colours") {
+TEST_CASE("objects do not have the colours of robots") {
   const Theme& theme = theme_by_name("light");
   for (const Voxel a : {Voxel::rigid, Voxel::soft})
     for (const Voxel b : kinds) CHECK(color_of_object(theme, a) != color_of(theme, b));

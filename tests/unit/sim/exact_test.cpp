@@ -20,7 +20,7 @@
 #ifndef EVO_CHOICE
 #define EVO_CHOICE
 namespace evo {
-// Kernels of which each processor is given one or two (kernels.cpp).
+// Kernels; each processor is given one or two of them (kernels.cpp).
 enum class Choice { helped, narrow, wide };
 }  // namespace evo
 #endif

@@ -325,8 +325,8 @@ int evo_sims_pull_back(evo_sims* sims, const evo_sim_gradients* gradients, size_
     target(by.previous, "previous");
     if (all.targets() > 0) target(by.targets, "targets");
     std::vector<evo::Gradient> pulled(
-        all.count(),
-        evo::zero_gradient(all.model, by.stiffness != nullptr, by.constants != nullptr));
+        all.count(), evo::zero_gradient(all.model, {.stiffness = by.stiffness != nullptr,
+                                                    .constants = by.constants != nullptr}));
     const auto for_each_value = [&](std::size_t sim, auto visit) {
       evo::State& state = pulled[sim].state;
       std::size_t i = 0;

@@ -593,13 +593,13 @@ void check_sizes(const Gradient& gradient, const Model& model) {
 
 }  // namespace
 
-Gradient zero_gradient(const Model& model, bool with_stiffness, bool with_constants) {
+Gradient zero_gradient(const Model& model, GradientParts wanted) {
   Gradient gradient;
   const auto points = static_cast<std::size_t>(model.compiled().moving_points);
   for_each_array(gradient.state, [&](std::vector<double>& values) { values.assign(points, 0.0); });
   gradient.state.targets.assign(static_cast<std::size_t>(model.compiled().dynamics.actuators), 0.0);
-  if (with_stiffness) gradient.stiffness.assign(model.cells().size(), 0.0);
-  if (with_constants) gradient.constants.assign(gradient_constants, 0.0);
+  if (wanted.stiffness) gradient.stiffness.assign(model.cells().size(), 0.0);
+  if (wanted.constants) gradient.constants.assign(gradient_constants, 0.0);
   return gradient;
 }
 

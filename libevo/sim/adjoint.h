@@ -40,9 +40,12 @@ struct Gradient {
   std::vector<double> constants;  // [gradient_constants], in their order; empty: not wanted
 };
 
+struct GradientParts {  // that are wanted besides the state
+  bool stiffness = false;
+  bool constants = false;
+};
 // All 0, in the sizes of the model.
-Gradient zero_gradient(const Model& model, bool with_stiffness = false,
-                       bool with_constants = false);
+Gradient zero_gradient(const Model& model, GradientParts wanted = {});
 
 // Voxels. 0.02 to 0.04 make the best gradients of all values tried (docs/gradients.md).
 inline constexpr double usual_onset = 0.04;

@@ -256,7 +256,7 @@ TEST_CASE("gradients by stiffness are central differences over other bodies") {
   Tape tape(0.0);
   Tape other(0.0);
   const auto model = step(0, 0.0, tape).second;
-  std::vector<Gradient> gradient{zero_gradient(*model, true)};
+  std::vector<Gradient> gradient{zero_gradient(*model, {.stiffness = true})};
   Stream random(5, "stretched");
   for (std::size_t i = 0; i < gradient[0].state.x.size(); ++i) random.gaussian();
   for (std::size_t i = 0; i < gradient[0].state.targets.size(); ++i) random.uniform();
@@ -298,7 +298,7 @@ TEST_CASE("gradients by constants of the physics are central differences over ot
     for (std::size_t i = 0; i < share.size(); ++i) sum += share[i] * (after.vx[i] + after.vy[i]);
     return std::pair(sum, model);
   };
-  std::vector<Gradient> gradient{zero_gradient(*run_with({}).second, false, true)};
+  std::vector<Gradient> gradient{zero_gradient(*run_with({}).second, {.constants = true})};
   gradient[0].state.vx = share;
   gradient[0].state.vy = share;
   for (auto tape = tapes.rbegin(); tape != tapes.rend(); ++tape) tape->pull_back(gradient);
@@ -426,7 +426,8 @@ TEST_CASE("a tape changes no bits, and gradients have the same bits in any compa
         plain.step();
       }
       CHECK(hash_of(batch.state(0)) == hash_of(plain.state(0)));
-      std::vector<Gradient> gradients(count, zero_gradient(model, true, true));
+      std::vector<Gradient> gradients(count,
+                                      zero_gradient(model, {.stiffness = true, .constants = true}));
       for (Gradient& gradient : gradients) gradient.state.x.assign(gradient.state.x.size(), 1.0);
       for (auto tape = tapes.rbegin(); tape != tapes.rend(); ++tape) tape->pull_back(gradients);
       seen.push_back(gradients[0].stiffness);
@@ -466,7 +467,7 @@ TEST_CASE("gradients of other sizes, and onsets too wide, are refused") {
   batch.step({}, nullptr, {}, &tape);
   std::vector<Gradient> gradients{zero_gradient(model)};
   CHECK_THROWS_AS(tape.pull_back(gradients), Error);
-  gradients.push_back(zero_gradient(model, true));
+  gradients.push_back(zero_gradient(model, {.stiffness = true}));
   CHECK_NOTHROW(tape.pull_back(gradients));
   gradients[1].state.x.pop_back();
   CHECK_THROWS_AS(tape.pull_back(gradients), Error);

@@ -265,9 +265,8 @@ TEST_CASE("EvoGym world: a robot is a world of one object") {
   const World world = evogym_world_of_robot(robot);
   CHECK(robot_from_evogym_world(world_of(parsed(world)), "r.json").id == robot.id);
   const World two = world_of(Json::parse(example));
-  CHECK(contains(
-      error_of(Failure::data, [&] { (void)robot_from_evogym_world(two, "r.json"); }),
-      "r.json: a world of 2 objects, 0 with actuators; one is expected, the robot"));
+  CHECK(contains(error_of(Failure::data, [&] { (void)robot_from_evogym_world(two, "r.json"); }),
+                 "r.json: a world of 2 objects, 0 with actuators; one is expected, the robot"));
 }
 
 TEST_CASE("EvoGym experiment: robots with fitness, each once") {

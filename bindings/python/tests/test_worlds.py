@@ -66,8 +66,9 @@ class Worlds(unittest.TestCase):
         self.assertTrue((by.stiffness[1] != 0).any())
         usual = {"gravity": 110, "drag": 0.1, "contact_stiffness": 2.1e6, "contact_damping": 140,
                  "friction_multiplier": 1200}
+        self.assertEqual(by.constants.shape, (2, len(by.CONSTANTS)))
         with tempfile.TemporaryDirectory() as folder:
-            for constant, slope in zip(by.CONSTANTS, by.constants[1], strict=True):
+            for constant, slope in zip(by.CONSTANTS, by.constants[1]):
                 ends = []
                 for value in (usual[constant] * (1 - 1e-5), usual[constant] * (1 + 1e-5)):
                     profile = pathlib.Path(folder) / "physics.yaml"

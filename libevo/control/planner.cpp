@@ -126,7 +126,7 @@ const std::vector<Planner::Outcome>& Planner::simulate(VecEnv& env,
   }
   std::vector<double> targets(active.size() * actuators(), 1.0);
   for (std::size_t k = 0; k < window_; ++k) {
-    if (std::count(active.begin(), active.end(), std::uint8_t{1}) == 0) break;
+    if (std::find(active.begin(), active.end(), std::uint8_t{1}) == active.end()) break;
     const auto row = [&](std::size_t lane) {
       return std::span(targets).subspan(lane * actuators(), actuators());
     };

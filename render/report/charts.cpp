@@ -297,8 +297,8 @@ FigureGroup voxels(const Run& run) {
   FigureGroup group{"voxels",
                     "Which voxels matter",
                     "For every place of the body: the median fitness of robots with such a voxel "
-                    "there, less the median of all; the number is how many robots that are. One "
-                    "or two say nothing.",
+                    "there, less the median of all; the number is how many robots that are; "
+                    "where they are fewer than three, nothing is shown.",
                     {}};
   std::vector<const Entry*> scored;
   std::vector<double> all;

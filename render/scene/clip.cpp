@@ -118,7 +118,7 @@ Vec2 between(Vec2 a, Vec2 b, double share) {
 
 // An arrow of a velocity ends where its point would be after that.
 constexpr double velocity_seconds = 0.12;
-// An arrow of a force as large as the robot's weight, voxels.
+// Length of the arrow of a force as large as the robot's weight, voxels.
 constexpr double force_length = 2.5;
 
 struct Moment {

@@ -8,7 +8,7 @@
 namespace evo::render {
 namespace {
 
-// A goal's, voxels; nothing for a task without goals.
+// How near a goal is reached, voxels; nothing for a task without goals.
 std::optional<double> goal_radius(const Rollout& rollout) {
   const auto goals = task_value(rollout, "goals");
   const auto radius = goals ? goals->find("radius") : std::nullopt;

@@ -60,9 +60,7 @@ void write_figures(const std::filesystem::path& folder, const std::vector<report
 
 void write_chart(const std::string& file, const std::string& log, const std::string& band,
                  double width, const std::string& output) {
-  render::Chart chart = report::chart_from_csv(read_file(file), band, file);
-  chart.log_x = log.find('x') != std::string::npos;
-  chart.log_y = log.find('y') != std::string::npos;
+  render::Chart chart = report::chart_from_csv(read_file(file), log, band, file);
   render::Typesetter typesetter;
   const std::string title = fmt::format("{} against {}", chart.y, chart.x);
   write_file(output,

@@ -151,9 +151,12 @@ std::string figure_csv(const Figure& figure, const Run* run) {
   return text;
 }
 
-Chart chart_from_csv(const std::string& text, const std::string& band, const std::string& file) {
+Chart chart_from_csv(const std::string& text, const std::string& log, const std::string& band,
+                     const std::string& file) {
   constexpr std::size_t least = 4;  // fields
   Chart chart;
+  chart.log_x = log.find('x') != std::string::npos;
+  chart.log_y = log.find('y') != std::string::npos;
   int number = 0;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
@@ -175,13 +178,16 @@ Chart chart_from_csv(const std::string& text, const std::string& band, const std
           {fields[1], static_cast<Series::Look>(look - looks.begin()), chart.series.size()});
     const auto x = number_in<double>(fields[2]);
     const auto value = number_in<double>(fields[3]);
-    check(x && value, "expected numbers for x and value");
+    check(x && value && std::isfinite(*x) && !std::isinf(*value),  // a value may be missing
+          "expected numbers for x and value");
     Series::Point point{*x, *value, *value, *value};
     if (fields.size() > least + 1) {
       point.low = number_in<double>(fields[4]).value_or(*value);
       point.high = number_in<double>(fields[5]).value_or(*value);
       if (point.low < point.high) chart.series.back().band = band;
     }
+    check((!chart.log_x || point.x > 0) && (!chart.log_y || std::min(point.low, point.value) > 0),
+          "an axis of powers needs values above 0");
     chart.series.back().points.push_back(point);
   }
   if (chart.series.empty()) throw error(Failure::data, "{}: no values", file);

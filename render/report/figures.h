@@ -14,10 +14,11 @@ std::string figure_file(const render::Figure& figure, double width, const std::s
 
 // Its numbers, a line each, below titles: look (as in Series), series, x, value, low, high, robot.
 std::string figure_csv(const render::Figure& figure, const Run* run);
-// A chart from such lines; the last three columns may be absent. `band`: what low and high are.
-// Throws Error(data) with the line.
-render::Chart chart_from_csv(const std::string& text, const std::string& band,
-                             const std::string& file);
+// A chart from such lines; the last three columns may be absent. `band`: what low and high are;
+// `log`: axes of powers, of "x" and "y". Throws Error(data) with the line, also for a value that is
+// not above 0 on such an axis.
+render::Chart chart_from_csv(const std::string& text, const std::string& log,
+                             const std::string& band, const std::string& file);
 
 // "Fitness and the body: voxels. Every robot a point.", without markup.
 std::string caption(const FigureGroup& group, const render::Figure& figure);

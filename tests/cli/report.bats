@@ -273,6 +273,11 @@ PY
   fails_with 2 "parrot" -- evo-report --chart t.csv --width parrot -o chart.svg
   fails_with 2 ".svg or .pdf" -- evo-report --chart t.csv -o chart.png
   fails_with 2 "--log" -- evo-report run --log x
+  printf 'look,series,x,y\nline,a,1,2\nline,a,3,0\n' > zero.csv
+  evo-report --chart zero.csv --log x -o chart.svg
+  fails_with 65 "zero.csv:3: an axis of powers needs values above 0" -- evo-report --chart zero.csv --log y -o chart.svg
+  printf 'look,series,x,y\nline,a,1,inf\n' > endless.csv
+  fails_with 65 "endless.csv:2: expected numbers" -- evo-report --chart endless.csv -o chart.svg
   echo 'step,c,many,10' >> t.csv
   fails_with 65 "t.csv:6: expected numbers" -- evo-report --chart t.csv -o chart.svg
 }

@@ -17,10 +17,10 @@ LETTERS = ".RSHV"
 MOST_CELLS_DRAWN = 5_000_000  # in vain, before sampling gives up: some seconds of work
 
 
-def get_full_connectivity(body: np.ndarray) -> np.ndarray:
+def get_full_connectivity(robot: np.ndarray) -> np.ndarray:
     """Every pair of neighbouring voxels, [2, n]: for each cell in row-major order
     the neighbour to its right, then the one below."""
-    body = np.asarray(body)
+    body = np.asarray(robot)
     rows, cols = body.shape
     pairs = []
     for cell in range(rows * cols):
@@ -34,9 +34,9 @@ def get_full_connectivity(body: np.ndarray) -> np.ndarray:
     return np.array(pairs, int).reshape(-1, 2).T
 
 
-def is_connected(body: np.ndarray) -> bool:
+def is_connected(robot: np.ndarray) -> bool:
     """All voxels hang together by their edges; a body without any does not."""
-    filled = {(int(r), int(c)) for r, c in np.argwhere(np.asarray(body) != 0)}
+    filled = {(int(r), int(c)) for r, c in np.argwhere(np.asarray(robot) != 0)}
     if not filled:
         return False
     front = [filled.pop()]
@@ -48,8 +48,8 @@ def is_connected(body: np.ndarray) -> bool:
     return not filled
 
 
-def has_actuator(body: np.ndarray) -> bool:
-    return bool(np.isin(body, (VOXEL_TYPES["H_ACT"], VOXEL_TYPES["V_ACT"])).any())
+def has_actuator(robot: np.ndarray) -> bool:
+    return bool(np.isin(robot, (VOXEL_TYPES["H_ACT"], VOXEL_TYPES["V_ACT"])).any())
 
 
 def sample_robot(

@@ -11,7 +11,7 @@ from typing import Any, Callable
 import numpy as np
 
 from .. import robots
-from ..robots import MOST_CELLS_DRAWN
+from ..robots import MOST_CELLS_DRAWN, get_full_connectivity, has_actuator, is_connected
 from ..tasks import TASKS
 
 __all__ = ["BASELINE_ENV_NAMES", "VOXEL_TYPES", "Pair", "Timer", "draw", "get_full_connectivity",
@@ -108,20 +108,6 @@ class Timer:
             print(f"rps: {self._steps} | avg rps: {self._all_steps / self.total_count:.2f}")
         self._since += 1
         self._steps = 0
-
-
-def is_connected(robot: np.ndarray) -> bool:
-    """All voxels hang together by their edges."""
-    return robots.is_connected(robot)
-
-
-def has_actuator(robot: np.ndarray) -> bool:
-    return robots.has_actuator(robot)
-
-
-def get_full_connectivity(robot: np.ndarray) -> np.ndarray:
-    """[2, n], every pair of neighbouring voxels as cells, row-major."""
-    return robots.get_full_connectivity(robot)
 
 
 def get_uniform(x: int) -> np.ndarray:

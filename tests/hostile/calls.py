@@ -23,7 +23,7 @@ VALUES = [
     "x" * 3000, b"\xff\xfe", [], [[]], {}, {"body": 3}, [None], numpy.zeros((2, 3), object), numpy.full((1, 2), 9),
     numpy.zeros(0), numpy.full((2, 2), numpy.nan), numpy.array(7), numpy.zeros((3, 2, 4)), object(), "../../x",
 ]
-WHOLE = {"envs", "seed", "episode", "count", "sim", "environment", "index", "width", "height", "x", "y"}
+WHOLE = {"envs", "seed", "episode", "count", "sim", "environment", "width", "height", "x", "y"}
 
 
 def cases(text):
@@ -42,7 +42,7 @@ def cases(text):
         ("reset", simulator.reset, {"seed": 1, "episode": 0, "draws": {}, "jitter": 0.0}),
         ("step", simulator.step, {"actions": numpy.ones((2, 4)), "mask": None}),
         ("restore", simulator.restore, {"states": simulator.save(), "environments": [0, 1]}),
-        ("orientation", simulator.orientation, {"index": 0, "environment": 0}),
+        ("orientation", simulator.orientation, {"name": "robot", "environment": 0}),
         ("translate", simulator.translate, {"name": "robot", "by": (0.1, 0.0), "environment": 0}),
         ("add", world.add, {"name": "box", "body": numpy.ones((1, 1)), "x": 9, "y": 4}),
         ("stiffen", world.stiffen, {"name": "robot", "factors": [[1, 2], [3, 4]]}),

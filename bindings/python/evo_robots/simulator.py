@@ -290,24 +290,27 @@ class Simulator:
                  for index in range(count)]
         return {o.name.decode(): slice(o.first_point, o.first_point + o.points) for o in found}
 
-    def orientation(self, index: int, positions: Any = None, environment: int = 0) -> float:
-        """How far object ``index`` (of objects()) is turned from where its episode began,
-        counter-clockwise, radians; now, or in positions [P, 2] kept before."""
+    def orientation(self, name: str, positions: Any = None, environment: int = 0) -> float:
+        """How far an object is turned from where its episode began, counter-clockwise, radians; now,
+        or in positions [P, 2] kept before."""
         given = None if positions is None else np.ascontiguousarray(positions, np.float64)
         own = self.positions[environment].shape if self.positions.ndim == 3 else None
         if given is not None and given.shape != own:
             raise ValueError(f"positions of shape {given.shape}; expected {own}")
         angle = ctypes.c_double()
-        call("evo_envs_orientation", self._running(), environment, index,
+        call("evo_envs_orientation", self._running(), environment, self._index(name, environment),
              None if given is None else address(given), ctypes.byref(angle), 1)
         return angle.value
 
     def translate(self, name: str, by: tuple[float, float], environment: int = 0) -> None:
         """Moves an object, as it is, by (x, y), raw units; velocities stay, no reward counts it."""
+        call("evo_envs_translate", self._running(), environment, self._index(name, environment), *by)
+
+    def _index(self, name: str, environment: int) -> int:
         objects = list(self.objects(environment))
         if name not in objects:
             raise ValueError(f"there is no object {name}; there are: " + ", ".join(objects))
-        call("evo_envs_translate", self._running(), environment, objects.index(name), *by)
+        return objects.index(name)
 
     def picture(self, environment: int = 0, width: int = 600, height: int = 300,
                 **view: Any) -> np.ndarray:

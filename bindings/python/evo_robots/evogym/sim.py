@@ -33,6 +33,7 @@ class EvoSim:
                 self._actuators[name] = np.flatnonzero(np.isin(structure, ACTUATORS))
         self._sims = Simulations(built)
         self._objects = {name: found.points for name, found in self._sims.objects.items()}
+        self._actions = {name: found.actuators for name, found in self._sims.objects.items()}
         self._targets = np.ones((1, self._sims.num_actuators))
         self._history: list[tuple[np.ndarray, np.ndarray]] = []
         self.reset()
@@ -69,7 +70,7 @@ class EvoSim:
         wanted = len(self._robot(robot_name))
         if values.size != wanted:
             raise ValueError(f"{robot_name} takes {wanted} values, not {values.size}")
-        self._targets[0, self._sims.objects[robot_name].actuators] = values
+        self._targets[0, self._actions[robot_name]] = values
 
     def get_actuator_indices(self, robot_name: str) -> np.ndarray:
         """[A], row-major cells of the robot's structure."""
@@ -86,7 +87,7 @@ class EvoSim:
         """Moves an object that is no terrain, raw units (a voxel is 0.1), without changing its shape or
         velocity; it is there at the present time, too."""
         self._points(object_name)
-        self._translate(object_name, (float(x), float(y)))
+        self._sims.translate(object_name, (float(x), float(y)))
         self._moved.append((len(self._taken), object_name, (float(x), float(y))))
         self._history[-1] = self._now()
 
@@ -133,9 +134,6 @@ class EvoSim:
     def _again(self) -> None:
         self.reset()
 
-    def _translate(self, name: str, by: tuple[float, float]) -> None:
-        self._sims.translate(name, by)
-
     def _orientation(self, name: str, positions: np.ndarray) -> float:
         return float(self._sims.orientation(name, positions[None])[0])
 
@@ -168,8 +166,9 @@ class TaskSim(EvoSim):
 
     def __init__(self, task: str, body: Any, connections: Any) -> None:
         structure = np.asarray(body).astype(int)
-        self.simulator = Simulator(task, (structure, connections))
+        self._sims = self.simulator = Simulator(task, (structure, connections))
         self._actuators = {"robot": np.flatnonzero(np.isin(structure, ACTUATORS))}
+        self._actions = {"robot": slice(None)}
         self._targets = np.ones((1, len(self._actuators["robot"])))
         self._history = []
 
@@ -177,7 +176,6 @@ class TaskSim(EvoSim):
         """An episode; its draws follow from the seed where none are given."""
         self.simulator.reset(seed=seed, draws=draws)
         self._objects = self.simulator.objects()
-        self._names = list(self._objects)
         self._begin()
         self._start = self.simulator.save()
 
@@ -187,16 +185,6 @@ class TaskSim(EvoSim):
     def _again(self) -> None:
         self.simulator.restore(self._start)
         self._begin()
-
-    def _translate(self, name: str, by: tuple[float, float]) -> None:
-        self.simulator.translate(name, by)
-
-    def set_action(self, robot_name: str, action: Any) -> None:
-        values = targets(action, 0.6, 1.6).ravel()
-        if values.size != len(self._robot(robot_name)):
-            raise ValueError(f"{robot_name} takes {len(self._robot(robot_name))} values, not "
-                             f"{values.size}")
-        self._targets[0] = values
 
     def step(self) -> bool:
         self.simulator.advance(self._targets)
@@ -209,11 +197,5 @@ class TaskSim(EvoSim):
         self._note()
         return False
 
-    def _now(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.simulator.positions[0].copy(), self.simulator.velocities[0].copy()
-
     def _orientation(self, name: str, positions: np.ndarray) -> float:
-        return self.simulator.orientation(self._names.index(name), positions)
-
-    def _picture(self, width: int, height: int, **view: Any) -> np.ndarray:
-        return self.simulator.picture(0, width, height, **view)
+        return self.simulator.orientation(name, positions)

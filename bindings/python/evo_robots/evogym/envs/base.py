@@ -32,6 +32,7 @@ class EvoGymBase(gymnasium.Env):
     window. render_options: as of EvoViewer.render."""
 
     metadata = {"render_modes": list(MODES), "render_fps": STEPS_PER_SECOND}
+    _unit = 1.0  # the length of a voxel in what these methods say
 
     def __init__(self, world: EvoWorld, render_mode: str | None = None,
                  render_options: Mapping[str, Any] | None = None) -> None:
@@ -97,16 +98,16 @@ class EvoGymBase(gymnasium.Env):
         return self._sim.get_time()
 
     def pos_at_time(self, time: int) -> np.ndarray:
-        return self._sim.pos_at_time(time)
+        return self._sim.pos_at_time(time) * self._unit
 
     def vel_at_time(self, time: int) -> np.ndarray:
-        return self._sim.vel_at_time(time)
+        return self._sim.vel_at_time(time) * self._unit
 
     def object_pos_at_time(self, time: int, object_name: str) -> np.ndarray:
-        return self._sim.object_pos_at_time(time, object_name)
+        return self._sim.object_pos_at_time(time, object_name) * self._unit
 
     def object_vel_at_time(self, time: int, object_name: str) -> np.ndarray:
-        return self._sim.object_vel_at_time(time, object_name)
+        return self._sim.object_vel_at_time(time, object_name) * self._unit
 
     def object_orientation_at_time(self, time: int, object_name: str) -> float:
         return self._sim.object_orientation_at_time(time, object_name)
@@ -115,16 +116,16 @@ class EvoGymBase(gymnasium.Env):
 
     def get_pos_com_obs(self, object_name: str) -> np.ndarray:
         """[2], the mean of the object's points."""
-        return self._positions(object_name).mean(axis=1)
+        return self._positions(object_name).mean(axis=1) * self._unit
 
     def get_vel_com_obs(self, object_name: str) -> np.ndarray:
         """[2]"""
-        return self._sim.object_vel_at_time(self.get_time(), object_name).mean(axis=1)
+        return self._sim.object_vel_at_time(self.get_time(), object_name).mean(axis=1) * self._unit
 
     def get_relative_pos_obs(self, object_name: str) -> np.ndarray:
         """[2 n], all x, then all y, from the mean."""
         positions = self._positions(object_name)
-        return (positions - positions.mean(axis=1)[:, None]).ravel()
+        return (positions - positions.mean(axis=1)[:, None]).ravel() * self._unit
 
     def get_ort_obs(self, object_name: str) -> np.ndarray:
         """[1]"""
@@ -157,7 +158,7 @@ class EvoGymBase(gymnasium.Env):
                             (points[0] < centre[0] + (offset + 0.5))]
             if column.size:
                 found[k] = column.min() if side > 0 else column.max()
-        return np.clip(side * (found - centre[1]), 0, reach)
+        return np.clip(side * (found - centre[1]), 0, reach) * self._unit
 
 
 class _DataPath:
@@ -196,32 +197,4 @@ class BenchmarkBase(EvoGymBase):
 
     VOXEL_SIZE = 0.1
     DATA_PATH = _DataPath()
-
-    def pos_at_time(self, time: int) -> np.ndarray:
-        return super().pos_at_time(time) * self.VOXEL_SIZE
-
-    def vel_at_time(self, time: int) -> np.ndarray:
-        return super().vel_at_time(time) * self.VOXEL_SIZE
-
-    def object_pos_at_time(self, time: int, object_name: str) -> np.ndarray:
-        return super().object_pos_at_time(time, object_name) * self.VOXEL_SIZE
-
-    def object_vel_at_time(self, time: int, object_name: str) -> np.ndarray:
-        return super().object_vel_at_time(time, object_name) * self.VOXEL_SIZE
-
-    def get_pos_com_obs(self, object_name: str) -> np.ndarray:
-        return super().get_pos_com_obs(object_name) * self.VOXEL_SIZE
-
-    def get_vel_com_obs(self, object_name: str) -> np.ndarray:
-        return super().get_vel_com_obs(object_name) * self.VOXEL_SIZE
-
-    def get_relative_pos_obs(self, object_name: str) -> np.ndarray:
-        return super().get_relative_pos_obs(object_name) * self.VOXEL_SIZE
-
-    def get_floor_obs(self, object_name, terrain_list, sight_dist, sight_range=5):
-        seen = super().get_floor_obs(object_name, terrain_list, sight_dist, sight_range)
-        return None if seen is None else seen * self.VOXEL_SIZE
-
-    def get_ceil_obs(self, object_name, terrain_list, sight_dist, sight_range=5):
-        seen = super().get_ceil_obs(object_name, terrain_list, sight_dist, sight_range)
-        return None if seen is None else seen * self.VOXEL_SIZE
+    _unit = property(lambda self: self.VOXEL_SIZE)

@@ -151,23 +151,19 @@ for _name, (_task, _family, _says) in _PLAIN.items():
 class Balance(TaskBase):
     TASK = "Balancer-v0"
     REWARD = ("get_reward", "robot")
+    _OBSERVED, _REWARDED = (17.0, 5.5), (17.0, 5.0)  # places in voxels, which here differ
 
     def get_obs(self, pos_final):
-        return np.array([17.0, 5.5]) * V - centre(pos_final)
+        return np.array(self._OBSERVED) * V - centre(pos_final)
 
     def get_reward(self, pos_init, pos_final):
-        return nearer(17 * V, pos_init, pos_final) + nearer(5 * V, pos_init, pos_final, 1)
+        x, y = self._REWARDED
+        return nearer(x * V, pos_init, pos_final) + nearer(y * V, pos_init, pos_final, 1)
 
 
-class BalanceJump(TaskBase):
+class BalanceJump(Balance):
     TASK = "Balancer-v1"
-    REWARD = ("get_reward", "robot")
-
-    def get_obs(self, pos_final):
-        return np.array([17.5, 6.0]) * V - centre(pos_final)
-
-    def get_reward(self, pos_init, pos_final):
-        return nearer(17.5 * V, pos_init, pos_final) + nearer(6 * V, pos_init, pos_final, 1)
+    _OBSERVED = _REWARDED = (17.5, 6.0)
 
 
 class LiftSmallRect(TaskBase, PackageBase):
@@ -216,13 +212,8 @@ class ToppleBeam(TaskBase, PackageBase):
         return closer + abs(along) + 3 * abs(up) - 10 * up, bool(centre(beam_pos_final)[0] < 2 * V)
 
 
-class SlideBeam(TaskBase, PackageBase):
+class SlideBeam(ToppleBeam):
     TASK = "BeamSlider-v0"
-    REWARD = ("get_reward_topple", "robot", "beam")
-    thresh_height = 0.0
-
-    def get_obs_topple(self, robot_pos_final, beam_pos_final):
-        return centre(beam_pos_final) - centre(robot_pos_final)
 
     def get_reward_topple(self, robot_pos_init, robot_pos_final, beam_pos_init, beam_pos_final):
         """And whether the beam is off to the left."""

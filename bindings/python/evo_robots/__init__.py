@@ -19,7 +19,7 @@ from .worlds import Simulations, World
 __version__ = "0.1.0"
 __all__ = ["TASKS", "VOXEL_TYPES", "EvoError", "Robot", "Simulations", "Simulator", "State", "Task",
            "Trained", "Voxels", "World", "find_tool", "get_full_connectivity", "has_actuator", "is_connected",
-           "register", "robot_arrays", "robot_document", "sample_robot", "train"]
+           "robot_arrays", "robot_document", "sample_robot", "train"]
 
 try:
     import gymnasium as _gymnasium
@@ -28,4 +28,4 @@ except ModuleNotFoundError:  # Simulator does without
 else:
     from . import environment, vector
 
-    register("evo/")
+    register()

@@ -13,18 +13,18 @@ TASKS = {  # the time limits, control steps; in the benchmark's order
 }
 
 
-def register(prefix: str) -> None:
-    """Every task as PREFIX + name, with the benchmark's time limit, which
+def register() -> None:
+    """Every task as evo/NAME, with the benchmark's time limit, which
     ``gymnasium.make(.., max_episode_steps=)`` changes."""
     import gymnasium
 
     for task, limit in TASKS.items():
         gymnasium.register(
-            prefix + task,
+            "evo/" + task,
             entry_point="evo_robots.environment:unlimited",
             vector_entry_point="evo_robots.vector:VectorEnvironment",
             max_episode_steps=limit,
             kwargs={"task": task})
-    if prefix:  # make(PREFIX + "file", task="my.yaml", body=..), with the limit of the file
-        gymnasium.register(prefix + "file", entry_point="evo_robots.environment:Environment",
-                           vector_entry_point="evo_robots.vector:VectorEnvironment")
+    # make("evo/file", task="my.yaml", body=..), with the limit of the file.
+    gymnasium.register("evo/file", entry_point="evo_robots.environment:Environment",
+                       vector_entry_point="evo_robots.vector:VectorEnvironment")

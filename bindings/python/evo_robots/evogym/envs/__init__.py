@@ -15,7 +15,6 @@ __all__ = ["BenchmarkBase", "EvoGymBase", *tasks.__all__]
 
 CLASSES = {found.TASK: found for found in map(vars(tasks).get, tasks.__all__) if getattr(found, "TASK", "")}
 for _name, _limit in TASKS.items():
-    gymnasium.registry.pop(_name, None)  # evo_robots.envs may have been imported before
     gymnasium.register(_name, entry_point=f"{__name__}:{CLASSES[_name].__name__}",
                        max_episode_steps=_limit)
 

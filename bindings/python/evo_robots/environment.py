@@ -7,14 +7,14 @@ from typing import Any, Mapping
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Dict
+from gymnasium.spaces import Box
 
 from .library import EvoError
 from .robots import document_of
 from .simulator import STATUS, Simulator
 from .video import MOST_STEPS, STEPS_PER_SECOND, Video
 
-__all__ = ["Environment", "VoxelObservation", "action_box", "observation_box", "unlimited"]
+__all__ = ["Environment", "action_box", "observation_box", "unlimited"]
 
 
 def observation_box(length: int) -> Box:
@@ -182,27 +182,6 @@ class Environment(Filmed):
         if name not in objects:
             raise ValueError(f"no object {name!r} in this task; there are: " + ", ".join(objects))
         return getattr(self.simulator, what)[0, objects[name]].T.copy()
-
-
-class VoxelObservation(gymnasium.ObservationWrapper):
-    """What every voxel sees in the place of the task's observation: ``local`` [V, L], a row for each
-    voxel, and ``task`` [T]. ``voxels`` has what does not change (evo_robots.Voxels): the fixed part
-    of each view, which voxels act, and which are linked."""
-
-    def __init__(self, env: gymnasium.Env) -> None:
-        super().__init__(env)
-        self.voxels = self.unwrapped.simulator.voxels()
-
-        def anything(*shape: int) -> Box:
-            return Box(-np.inf, np.inf, shape, np.float64)
-
-        self.observation_space = Dict({
-            "local": anything(len(self.voxels.fixed), self.voxels.local_length),
-            "task": anything(self.voxels.task_length)})
-
-    def observation(self, observation: Any) -> dict[str, np.ndarray]:
-        (local,), task = self.unwrapped.simulator.look()
-        return {"local": local[0], "task": task[0]}
 
 
 def unlimited(**arguments: Any) -> Environment:

@@ -569,20 +569,5 @@ class Readme(unittest.TestCase):
             subprocess.run([sys.executable, "-c", "\n".join(blocks[first:last])], check=True)
 
 
-class Voxels(unittest.TestCase):
-    def test_what_voxels_see_as_an_observation(self):
-        from evo_robots.environment import VoxelObservation
-
-        env = VoxelObservation(gymnasium.make("evo/Walker-v0", body=WALKER))
-        observation, _ = env.reset(seed=1)
-        self.assertTrue(env.observation_space.contains(observation))
-        self.assertEqual(len(observation["local"]), (WALKER != 0).sum())
-        self.assertEqual(int(env.voxels.mask.sum()), env.action_space.shape[0])
-        for _ in range(3):
-            later, *_ = env.step(env.action_space.sample())
-        self.assertTrue(env.observation_space.contains(later))
-        self.assertGreater(np.abs(later["local"] - observation["local"]).max(), 0)
-
-
 if __name__ == "__main__":
     unittest.main()

@@ -419,19 +419,6 @@ class Benchmark(unittest.TestCase):
         walk.sim.revert(0)
         self.assertEqual(walk.get_pos_com_obs("robot")[0], moved)
 
-    def test_seeds_instead_of_pythons_random(self):
-        from evo_robots.evogym.envs import tasks
-
-        env = gymnasium.make("Catcher-v0", body=SMALL)
-        tasks.DRAWS = "seed"
-        try:
-            first, again = (env.reset(seed=3)[0] for _ in range(2))
-            np.testing.assert_array_equal(first, again)
-            self.assertFalse(np.array_equal(first, env.reset()[0]))
-        finally:
-            tasks.DRAWS = "random"
-        env.close()
-
     def test_pictures_off_screen_and_a_clear_line_without_a_display(self):
         import evo_robots.evogym.envs  # noqa: F401
         from evo_robots.evogym import EvoSim, EvoViewer, EvoWorld

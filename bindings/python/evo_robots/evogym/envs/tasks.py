@@ -16,7 +16,7 @@ from .base import BenchmarkBase
 from .bases import (ClimbBase, Goal, GoalBase, PackageBase, ShapeBase, StairsBase, WalkToX, approached, centre,
                     moved, nearer, span)
 
-__all__ = ["DRAWS", "TaskBase", "ClimbBase", "Goal", "GoalBase", "PackageBase", "ShapeBase", "StairsBase",
+__all__ = ["TaskBase", "ClimbBase", "Goal", "GoalBase", "PackageBase", "ShapeBase", "StairsBase",
            "WalkToX",
            "Balance", "BalanceJump", "BiWalk", "BlockSoup", "CarrySmallRect", "CarrySmallRectToTable",
            "CatchSmallRect", "Climb0", "Climb1", "Climb2", "Duck", "Flipping",
@@ -26,10 +26,6 @@ __all__ = ["DRAWS", "TaskBase", "ClimbBase", "Goal", "GoalBase", "PackageBase", 
            "StepsDown", "StepsUp", "ThrowSmallRect", "ToppleBeam", "VerticalBarrier",
            "WalkingBumpy", "WalkingBumpy2", "WalkingFlat"]
 
-# Where Catcher-v0 and BidirectionalWalker-v0 take what they draw from: "random", as in the
-# benchmark, is Python's random, which no reset seeds; "seed" is reset(seed=) and the number of the
-# episode, as in the suite.
-DRAWS = "random"
 V = BenchmarkBase.VOXEL_SIZE
 
 
@@ -272,8 +268,6 @@ class CatchSmallRect(TaskBase, PackageBase):
                 + self._dropped(package_pos_init, package_pos_final))
 
     def _draws(self) -> dict[str, Any] | None:
-        if DRAWS != "random":
-            return None
         return {"ox": random.randint(-6, 4), "oy": random.randint(0, 5)}
 
 
@@ -323,8 +317,6 @@ class BiWalk(TaskBase, GoalBase):
 
     @property
     def goals(self) -> list[WalkToX]:
-        if self._drawn is None:
-            raise ValueError('goals are not known where DRAWS is "seed": the simulator has drawn them')
         return [WalkToX(x) for x in self._drawn["goals"]]
 
     @property
@@ -339,7 +331,7 @@ class BiWalk(TaskBase, GoalBase):
         return own.get_reward(args)
 
     def _draws(self) -> dict[str, Any] | None:
-        return {"goals": _way(20, 50, 100)} if DRAWS == "random" else None
+        return {"goals": _way(20, 50, 100)}
 
 
 def _way(lower: int, upper: int, length: int) -> list[int]:

@@ -56,20 +56,9 @@ class Fast(Walk):
 
 
 class Environments(unittest.TestCase):
-    def test_a_task_written_again_observes_and_rewards_the_same(self):
-        own, known = TaskEnvironments(Walk(), WALKER, 3), Simulator("Walker-v0", WALKER, 3)
-        np.testing.assert_allclose(own.reset(), known.reset().observations, atol=1e-12)
-        rng = np.random.default_rng(0)
-        for _ in range(100):
-            actions = rng.uniform(0.6, 1.6, (3, 13))
-            observations, rewards, terminated, _ = own.step(actions)
-            state = known.step(actions)
-            np.testing.assert_allclose(observations, state.observations, atol=1e-8)
-            np.testing.assert_allclose(rewards, state.rewards, atol=1e-10)
-            np.testing.assert_array_equal(terminated, state.terminated)
-
-    def test_rewards_see_actions(self):
-        """The terms of YAML tasks, held actions and a cost of steps, with an action beyond the bound."""
+    def test_tasks_written_again_observe_and_reward_the_same(self):
+        """One with the terms of YAML tasks that see actions, held actions and a cost of steps; with actions beyond
+        the bounds."""
         class Careful(Walk):
             hold, step_cost = 5, 0.01
 
@@ -79,18 +68,21 @@ class Environments(unittest.TestCase):
                 return super().reward(before, now, actions) - 0.1 * effort - 0.2 * change
 
         with tempfile.TemporaryDirectory() as folder:
-            task = careful(folder)
-            own, known = TaskEnvironments(Careful(), WALKER, 2), Simulator(task, WALKER, 2)
-        own.reset(), known.reset()
+            both = [(TaskEnvironments(task, WALKER, 3), Simulator(known, WALKER, 3))
+                    for task, known in ((Walk(), "Walker-v0"), (Careful(), careful(folder)))]
         rng = np.random.default_rng(0)
-        for t in range(40):
-            actions = rng.uniform(0.5, 1.8, (2, 13)).astype(np.float32)
-            observations, rewards, *_ = own.step(actions)
-            state = known.step(actions)
-            np.testing.assert_array_equal(own.sims.positions, known.positions)
-            np.testing.assert_allclose(rewards, state.rewards, rtol=0, atol=1e-12)
-            if t == 20:
-                own.reset([True, False]), known.reset([0])
+        for own, known in both:
+            np.testing.assert_allclose(own.reset(), known.reset().observations, atol=1e-12)
+            for t in range(100):
+                actions = rng.uniform(0.5, 1.8, (3, 13)).astype(np.float32)
+                observations, rewards, terminated, _ = own.step(actions)
+                state = known.step(actions)
+                np.testing.assert_array_equal(own.sims.positions, known.positions)
+                np.testing.assert_allclose(observations, state.observations, atol=1e-8)
+                np.testing.assert_allclose(rewards, state.rewards, rtol=0, atol=1e-12)
+                np.testing.assert_array_equal(terminated, state.terminated)
+                if t == 20:
+                    own.reset([True, False, True]), known.reset([0, 2])
         with self.assertRaisesRegex(ValueError, "hold: 0 is not from 1"):
             Careful.hold = 0
             TaskEnvironments(Careful(), WALKER)

@@ -2,7 +2,6 @@
 import copy
 import hashlib
 import json
-import os
 import pickle
 import signal
 import subprocess
@@ -73,24 +72,6 @@ class Bodies(unittest.TestCase):
 
 
 class Stepping(unittest.TestCase):
-    def test_an_episode_earns_what_evo_eval_says(self):
-        rng = np.random.default_rng(1)
-        actions = rng.uniform(0.6, 1.6, (60, 13))
-        with Simulator("Carrier-v0", WALKER) as simulator:
-            simulator.reset(seed=3, episode=0)
-            total = 0.0
-            for action in actions:
-                total += simulator.step(action).rewards[0]
-        with tempfile.TemporaryDirectory() as folder:
-            np.savetxt(f"{folder}/actions.csv", actions, delimiter=",", fmt="%.17g")
-            with open(f"{folder}/robot.json", "w") as file:
-                json.dump(evo_robots.robot_document(WALKER), file)
-            said = subprocess.run(
-                [evo_robots.find_tool("evo-eval"), "--task", "Carrier-v0", "--seed", "3",
-                 "--actions", f"{folder}/actions.csv", f"{folder}/robot.json"],
-                capture_output=True, text=True, check=True).stdout
-        self.assertEqual(json.loads(said)["fitness"], total)
-
     def test_actions_of_single_precision_are_those_of_the_benchmark_in_files_as_well(self):
         """The positions of float32.tsv, by evo-eval and by the simulator."""
         table = Path(__file__).with_name("float32.tsv").read_text().splitlines()
@@ -277,22 +258,6 @@ class Failures(unittest.TestCase):
 
 class Habits(unittest.TestCase):
     """What a process goes through: forks, copies, threads, Ctrl-C."""
-
-    def test_a_forked_process_goes_on_or_says_why_not(self):
-        actions = np.full(8, 1.3)
-        for jobs in (1, 2):
-            simulator = Simulator("Walker-v0", SMALL, 2, jobs=jobs)
-            simulator.reset()
-            child = os.fork()
-            if child == 0:
-                try:
-                    found = simulator.step(actions).observations.tobytes()
-                except EvoError as error:
-                    os._exit(0 if jobs == 2 and "forked" in str(error) else 1)
-                else:
-                    os._exit(0 if jobs == 1 and found else 1)
-            self.assertEqual(os.waitpid(child, 0)[1], 0)
-            self.assertEqual(simulator.step(actions).status[0], 0)
 
     def test_copies_go_on_from_where_they_are(self):
         rng = np.random.default_rng(0)

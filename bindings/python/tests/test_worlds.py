@@ -29,16 +29,6 @@ def wave(sims, t):
 
 
 class Worlds(unittest.TestCase):
-    def test_a_body_on_the_bare_floor_moves_as_in_the_benchmark(self):
-        world = World()
-        world.add("robot", BODY, 5, 0)
-        sims = Simulations(world)
-        for _ in range(40):
-            sims.step(np.ones((1, 4)))
-        x, y = sims.positions[0].mean(axis=0) / 0.1
-        self.assertAlmostEqual(x, 5.999227935004826, delta=1e-14)
-        self.assertAlmostEqual(y, 0.9958063894145683, delta=1e-14)
-
     def test_gradients_are_differences(self):
         sims = Simulations(two_robots(), 2)
         points = sims.objects["left"].points

@@ -98,43 +98,25 @@ TEST_CASE("c: a start is moved by at most what is said") {
   fails(EVO_USAGE, "jitter", evo_envs_perturb(s.envs, 1, -1, 5));
 }
 
-TEST_CASE("c: gradients of a world's simulations are pulled back through what was kept") {
+TEST_CASE("c: gradients are pulled back through each step that was kept, once") {
   evo_world* world = world_of_two();
   evo_sims* sims = nullptr;
-  REQUIRE(evo_sims_open(world, nullptr, 2, 1, &sims) == EVO_OK);
+  REQUIRE(evo_sims_open(world, nullptr, 1, 1, &sims) == EVO_OK);
   evo_world_free(world);
   const evo_sim_arrays at = arrays_of(sims);
-  const auto walked = [&](double change) {  // the sum of x after two steps, of the first one
-    REQUIRE(evo_sims_reset(sims, -1) == EVO_OK);
-    for (const int t : {0, 1}) {
-      auto targets = wave(24, t);
-      targets.resize(at.sims * at.actuators);
-      if (t == 0) targets[0] += change;
-      REQUIRE(evo_sims_step(sims, targets.data(), targets.size(), nullptr, 0) == EVO_OK);
-    }
-    double sum = 0.0;
-    for (std::size_t p = 0; p < at.points; ++p) sum += at.positions[2 * p];
-    return sum;
-  };
-  std::vector<double> positions(at.sims * at.points * 2), velocities(positions.size()),
-      previous(positions.size()), targets(at.sims * at.actuators), stiffness(at.sims * at.voxels),
-      constants(at.sims * 5);
-  for (std::size_t p = 0; p < at.points; ++p) positions[2 * p] = 1.0;
-  evo_sim_gradients by{at.sims,          at.points,         at.actuators,    at.voxels,
-                       positions.data(), velocities.data(), previous.data(), targets.data(),
-                       stiffness.data(), constants.data()};
+  std::vector<double> positions(at.points * 2), velocities(positions.size()),
+      previous(positions.size()), targets(at.actuators);
+  evo_sim_gradients by{
+      at.sims,           at.points,       at.actuators,   at.voxels, positions.data(),
+      velocities.data(), previous.data(), targets.data(), nullptr,   nullptr};
   fails(EVO_USAGE, "no step is kept", evo_sims_pull_back(sims, &by, sizeof by));
   fails(EVO_USAGE, "0 to 0.1 voxels", evo_sims_record(sims, 0.5));
   REQUIRE(evo_sims_record(sims, 0.0) == EVO_OK);
-  walked(0.0);
-  REQUIRE(evo_sims_pull_back(sims, &by, sizeof by) == EVO_OK);
+  REQUIRE(evo_sims_step(sims, wave(at.actuators, 0).data(), at.actuators, nullptr, 0) == EVO_OK);
   REQUIRE(evo_sims_pull_back(sims, &by, sizeof by) == EVO_OK);
   fails(EVO_USAGE, "no step is kept", evo_sims_pull_back(sims, &by, sizeof by));
   by.points = 1;
   fails(EVO_USAGE, "points", evo_sims_pull_back(sims, &by, sizeof by));
-  REQUIRE(evo_sims_record(sims, -1.0) == EVO_OK);
-  CHECK(targets[0] == Approx((walked(1e-5) - walked(-1e-5)) / 2e-5).epsilon(1e-4));
-  CHECK(targets[at.actuators] == 0.0);
   evo_sims_free(sims);
 }
 
@@ -338,18 +320,19 @@ TEST_CASE("c: pictures of environments, simulations and robots, and the same in 
   fails(EVO_USAGE, "pixels wide", evo_robots_svg(s.robots, 0, 0, &svg));
 }
 
-TEST_CASE(
-    "c: what has threads is refused in a child, and is freed there without waiting for them") {
-  Session s("Walker-v0", 4, 2);
+TEST_CASE("c: a child steps on with one thread; with more it is refused, and frees all the same") {
+  const int threads = GENERATE(1, 2);
+  Session s("Walker-v0", 4, threads);
   REQUIRE(evo_envs_reset(s.envs, nullptr, 0, nullptr) == EVO_OK);
   const std::vector<double> actions(16, 1.0);
   const auto step = [&] { return evo_envs_step(s.envs, actions.data(), 16, nullptr, 0); };
   const pid_t child = fork();
   if (child == 0) {
-    const bool refused =
-        step() == EVO_USAGE && std::strstr(evo_error(), "forked process") != nullptr;
-    evo_envs_free(s.envs);
-    _exit(refused ? 0 : 1);
+    const bool as_said =
+        threads == 1 ? step() == EVO_OK
+                     : step() == EVO_USAGE && std::strstr(evo_error(), "forked process") != nullptr;
+    evo_envs_free(s.envs);  // without waiting for threads that are not there
+    _exit(as_said ? 0 : 1);
   }
   int status = -1;
   REQUIRE(waitpid(child, &status, 0) == child);

@@ -1,6 +1,4 @@
-// A source of its own, since it is compiled anew for every commit.
-#include "bindings/c/created_by.h"
-
+// A source of its own, with as little as it takes, since it is compiled anew for every commit.
 #include "version.h"
 
 namespace evo {

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "bindings/c/handles.h"
-#include "bindings/c/pictures.h"
 #include "bindings/c/session.h"
 #include "bindings/c/voxels.h"
 #include "formats/rollout/episodes.h"
@@ -12,6 +11,8 @@ using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;
 
 struct evo_envs {
+  static constexpr const char* kind = "evo_envs";
+
   evo_envs(const evo::TaskSpec& task, std::vector<evo::Robot> robots, int per_robot, int threads)
       : owner(threads), session(task, std::move(robots), per_robot, 0, threads) {
     const auto count = static_cast<std::size_t>(session.environments());
@@ -76,13 +77,6 @@ const evo::Model& model_of(const evo_envs& envs, std::int32_t environment) {
   return envs.session.envs().model(environment);
 }
 
-// Numbers that a caller gives with their count.
-template <typename T>
-std::span<const T> values_of(const T* values, std::size_t count, const char* name) {
-  if (values == nullptr && count > 0) throw evo::error(Failure::usage, "`{}` is NULL", name);
-  return {values, count};
-}
-
 }  // namespace
 
 int evo_envs_open(const evo_task* task, const evo_robots* robots, int32_t per_robot,
@@ -102,7 +96,6 @@ int evo_envs_arrays(const evo_envs* envs, evo_arrays* arrays, size_t size) {
   return guarded([&] {
     const evo_envs& all = object_of(envs);
     const evo::VecEnv& shown = all.session.envs();
-    static_assert(sizeof(evo::Vec2) == 2 * sizeof(double));
     hand_over({all.rewards.size(), shown.observations().size(), all.session.action_values(),
                shown.positions().size(), all.observation_offsets.data(), all.action_offsets.data(),
                all.point_offsets.data(), shown.observations().data(), all.rewards.data(),
@@ -143,9 +136,9 @@ int evo_envs_step(evo_envs* envs, const double* actions, size_t values, const ui
     if (active != nullptr && active_values != static_cast<std::size_t>(session.environments()))
       throw evo::error(Failure::usage, "`active` has {} values for {} environments", active_values,
                        session.environments());
-    session.step(values_of(actions, values, "actions"), active == nullptr
-                                                            ? std::span<const std::uint8_t>()
-                                                            : std::span(active, active_values));
+    if (values > 0) target(actions, "actions");
+    session.step({actions, values}, active == nullptr ? std::span<const std::uint8_t>()
+                                                      : std::span(active, active_values));
   });
 }
 
@@ -195,8 +188,9 @@ int evo_envs_save(const evo_envs* envs, int32_t environment, void** bytes, size_
 
 int evo_envs_restore(evo_envs* envs, int32_t environment, const void* bytes, size_t count) {
   return change_session(envs, [&](evo::Session& session) {
-    const evo::Session::Restored one{
-        environment, values_of(static_cast<const std::uint8_t*>(bytes), count, "bytes")};
+    const auto* const state = static_cast<const std::uint8_t*>(bytes);
+    if (count > 0) target(state, "bytes");
+    const evo::Session::Restored one{environment, {state, count}};
     session.restore({&one, 1});
   });
 }

@@ -69,10 +69,9 @@ std::string text_of(const char* text, const char* name) {
   return text;
 }
 
-std::vector<Vec2> points_of(const double* positions, std::size_t count) {
-  std::vector<Vec2> points(count);
-  for (std::size_t p = 0; p < count; ++p) points[p] = {positions[2 * p], positions[2 * p + 1]};
-  return points;
+std::span<const Vec2> points_of(const double* positions, std::size_t count) {
+  static_assert(sizeof(Vec2) == 2 * sizeof(double));
+  return {reinterpret_cast<const Vec2*>(positions), count};
 }
 
 void check_size(std::size_t given, std::size_t present) {
@@ -96,8 +95,7 @@ void orientations(const Model& model, const ModelObject& object, const double* g
   target(angles, "angles");
   const PointRange range{object.first_point, object.points};
   const InitialShape initial(range.of(model.initial_positions()));
-  const std::vector<Vec2> points = points_of(given, given == nullptr ? 0 : count * own);
-  const std::span<const Vec2> moments = given == nullptr ? now : points;
+  const auto moments = given == nullptr ? now : points_of(given, count * own);
   for (std::size_t i = 0; i < count; ++i)
     angles[i] = orientation(initial, range.of(moments.subspan(i * own, own)));
 }

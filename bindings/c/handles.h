@@ -20,6 +20,14 @@
 #include "libevo/sim/model.h"
 #include "libevo/task/spec.h"
 
+namespace evo {
+
+// What the policies that the library trains say they were made by: "libevo 0.1.0 (105ad79)", with
+// the commit of the build.
+const char* created_by();
+
+}  // namespace evo
+
 namespace evo::c {
 
 void remember(const std::string& message);  // for evo_error()
@@ -41,32 +49,15 @@ int guarded(const Work& work) {
   return EVO_WORK;
 }
 
-// Which handles there are; each is of one kind, a type of evo/evo.h.
+// Which handles there are; each is of one kind, a type of evo/evo.h: `kind` of its struct.
 void enter(const void* handle, std::string_view kind);
 bool leave(const void* handle, std::string_view kind);  // whether it was one
 void require(const void* handle, std::string_view kind);
 
-template <typename Handle>
-constexpr const char* kind_of = nullptr;
-template <>
-inline constexpr const char* kind_of<evo_task> = "evo_task";
-template <>
-inline constexpr const char* kind_of<evo_robots> = "evo_robots";
-template <>
-inline constexpr const char* kind_of<evo_envs> = "evo_envs";
-template <>
-inline constexpr const char* kind_of<evo_world> = "evo_world";
-template <>
-inline constexpr const char* kind_of<evo_sims> = "evo_sims";
-template <>
-inline constexpr const char* kind_of<evo_policy> = "evo_policy";
-template <>
-inline constexpr const char* kind_of<evo_learner> = "evo_learner";
-
 // The object of a handle. Throws Error(usage) where it is none.
 template <typename Handle>
 Handle& object_of(Handle* handle) {
-  require(handle, kind_of<std::remove_const_t<Handle>>);
+  require(handle, Handle::kind);
   return *handle;
 }
 
@@ -82,7 +73,7 @@ std::string text_of(const char* text, const char* name);  // refuses NULL
 void check_threads(std::int32_t threads);
 
 // Points that a caller gives as pairs of numbers.
-std::vector<Vec2> points_of(const double* positions, std::size_t count);
+std::span<const Vec2> points_of(const double* positions, std::size_t count);
 
 // Throws Error(usage) where a world has no such object.
 const ModelObject& object_at(const Model& model, std::size_t index);
@@ -98,14 +89,14 @@ int open(Handle** place, const Make& make) {
   return guarded([&] {
     Handle*& opened = target(place, "place of the handle");
     std::unique_ptr<Handle> made = make();
-    enter(made.get(), kind_of<Handle>);
+    enter(made.get(), Handle::kind);
     opened = made.release();
   });
 }
 
 template <typename Handle>
 void close(Handle* handle) {
-  if (handle == nullptr || !leave(handle, kind_of<Handle>)) return;
+  if (handle == nullptr || !leave(handle, Handle::kind)) return;
   if constexpr (requires { handle->owner; })
     if (handle->owner.lost()) return;  // its destructor would wait for threads that are not here
   delete handle;
@@ -178,9 +169,10 @@ const Robot& robot_at(const evo_robots& robots, std::size_t index);
 // it was built in.
 DataFolders data_folders();
 
-}  // namespace evo::c
-
-namespace evo::c {
+// Draws `given`, or `now` where that is NULL. `task` says what is followed; it may be NULL. Throws
+// Error(usage) for a view or a buffer that makes no sense.
+void draw(const Model& model, std::span<const Vec2> now, const double* given, const TaskSpec* task,
+          const evo_view* view, std::size_t size, std::uint8_t* pixels, std::size_t bytes);
 
 // Changes what a handle stands for, in one thread at a time.
 template <typename Handle, typename Work>
@@ -197,15 +189,18 @@ int change(Handle* handle, const Work& work) {
 
 // What is behind the handles that several files need.
 struct evo_task {
+  static constexpr const char* kind = "evo_task";
   evo::TaskSpec spec;
   std::string yaml;     // of the whole task
   std::string physics;  // the same
 };
 struct evo_robots {
+  static constexpr const char* kind = "evo_robots";
   std::vector<evo::Robot> list;
   std::vector<std::string> json;  // of each, its document
 };
 struct evo_policy {
+  static constexpr const char* kind = "evo_policy";
   evo::PolicyFile file;
   std::vector<evo_curve_point> curve;
   std::atomic_flag busy;

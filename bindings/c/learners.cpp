@@ -1,5 +1,4 @@
 // A learner for environments of a caller's own, of evo/evo.h.
-#include "bindings/c/created_by.h"
 #include "bindings/c/handles.h"
 #include "formats/training/training.h"
 #include "libevo/control/methods.h"
@@ -8,6 +7,8 @@ using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;
 
 struct evo_learner {
+  static constexpr const char* kind = "evo_learner";
+
   evo_learner(const evo::TrainingSettings& chosen, std::uint64_t from, const std::string& name,
               int observed, int acted, double low, double high)
       : settings(chosen),

@@ -1,5 +1,4 @@
-#include "bindings/c/pictures.h"
-
+// Pictures of evo/evo.h, of whatever has a model and positions.
 #include <algorithm>
 #include <array>
 
@@ -70,10 +69,8 @@ void draw(const Model& model, std::span<const Vec2> now, const double* given, co
   moment.world.objects.assign(model.objects().begin(), model.objects().end());
   moment.world.cells.assign(model.cells().begin(), model.cells().end());
   RolloutEpisode& episode = moment.episodes.emplace_back();
-  if (given == nullptr)
-    episode.positions.assign(now.begin(), now.end());
-  else
-    episode.positions = points_of(given, now.size());
+  const auto shown = given == nullptr ? now : points_of(given, now.size());
+  episode.positions.assign(shown.begin(), shown.end());
   const render::Image image = render::draw_still({&moment, 0, ""}, options_of(wanted));
   for (std::size_t i = 0; i < count; ++i) std::copy_n(&image.rgba[4 * i], 3, pixels + 3 * i);
 }

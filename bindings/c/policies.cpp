@@ -2,7 +2,6 @@
 #include <cmath>
 #include <variant>
 
-#include "bindings/c/created_by.h"
 #include "bindings/c/handles.h"
 #include "formats/task/task.h"
 #include "formats/training/training.h"

@@ -2,9 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bindings/c/created_by.h"
 #include "bindings/c/handles.h"
-#include "bindings/c/pictures.h"
 #include "bindings/c/session.h"
 #include "formats/io/json.h"
 #include "formats/robot/evogym.h"
@@ -19,6 +17,7 @@ using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;
 
 struct evo_world {
+  static constexpr const char* kind = "evo_world";
   evo::World world;
 };
 
@@ -88,6 +87,8 @@ std::string doubles(const std::vector<double>& values) {
 // ---- simulations ------------------------------------------------------------------------
 
 struct evo_sims {
+  static constexpr const char* kind = "evo_sims";
+
   evo_sims(const evo::World& world, const evo::Physics& physics, std::size_t count, int threads)
       : owner(threads),
         model(world, physics),
@@ -215,7 +216,8 @@ evo::Rollout rollout_of(const evo::PolicyFile& policy, const evo_sims& sims,
   episode.truncations.resize(steps);
   episode.terminations.back() = given.terminated;
   episode.truncations.back() = given.truncated;
-  episode.positions = points_of(&target(given.positions, "positions"), (steps + 1) * points);
+  const auto positions = points_of(&target(given.positions, "positions"), (steps + 1) * points);
+  episode.positions.assign(positions.begin(), positions.end());
   return rollout;
 }
 

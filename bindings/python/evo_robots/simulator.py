@@ -211,12 +211,9 @@ class Simulator:
         if values.shape not in self._action_shapes:
             raise ValueError(f"actions of shape {values.shape}; expected "
                              + " or ".join(map(str, self._action_shapes)))
-        if mask is None:
-            failed = self._do_step(self._running(), address(values), self._actions, None, 0)
-        else:
-            active = env_mask(mask, self.num_envs)
-            failed = self._do_step(self._running(), address(values), self._actions, address(active),
-                                   self.num_envs)
+        active = None if mask is None else env_mask(mask, self.num_envs)
+        failed = self._do_step(self._running(), address(values), self._actions,
+                               None if active is None else address(active), self.num_envs)
         if failed:
             raise failure(failed)
 

@@ -159,12 +159,9 @@ class Simulations:
         if values.shape != (self.num_sims, self.num_actuators):
             raise ValueError(f"targets of shape {values.shape}; expected "
                              f"{(self.num_sims, self.num_actuators)}")
-        if mask is None:
-            failed = self._do_step(self._handle, address(values), values.size, None, 0)
-        else:
-            active = env_mask(mask, self.num_sims)
-            failed = self._do_step(self._handle, address(values), values.size, address(active),
-                                   active.size)
+        active = None if mask is None else env_mask(mask, self.num_sims)
+        failed = self._do_step(self._handle, address(values), values.size,
+                               None if active is None else address(active), self.num_sims)
         if failed:
             raise failure(failed)
 

@@ -195,11 +195,6 @@ int evo_envs_restore(evo_envs* envs, int32_t environment, const void* bytes, siz
   });
 }
 
-int evo_envs_perturb(evo_envs* envs, int32_t environment, double jitter, uint64_t seed) {
-  return change_session(envs,
-                        [&](evo::Session& session) { session.perturb(environment, jitter, seed); });
-}
-
 int evo_envs_translate(evo_envs* envs, int32_t environment, size_t object, double x, double y) {
   return change_session(envs, [&](evo::Session& session) {
     check_translation(object_at(model_of(*envs, environment), object), x, y);

@@ -82,10 +82,6 @@ int evo_policy_describe(const evo_policy* policy, evo_policy_facts* facts, size_
   });
 }
 
-int evo_policy_robot(const evo_policy* policy, evo_robots** robot) {
-  return open(robot, [&] { return list_of({object_of(policy).file.robot}); });
-}
-
 int evo_policy_task(const evo_policy* policy, evo_task** task) {
   return open(task,
               [&] { return task_of(evo::policy_task(object_of(policy).file, "the policy")); });

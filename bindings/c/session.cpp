@@ -163,21 +163,11 @@ void Session::restore(std::span<const Restored> states) {
   }
 }
 
-void Session::check_moves(int environment) const {
+void Session::translate(int environment, std::size_t object, Vec2 by) {
   check_environment(environment);
   if (status(environment) != EnvironmentStatus::ok)
     throw error(Failure::usage, "environment {} is {}: there is nothing to move", environment,
                 to_string(status(environment)));
-}
-
-void Session::perturb(int environment, double jitter, std::uint64_t seed) {
-  check_jitter(jitter);
-  check_moves(environment);
-  envs_->perturb(environment, jitter, seed);
-}
-
-void Session::translate(int environment, std::size_t object, Vec2 by) {
-  check_moves(environment);
   envs_->translate(environment, object, by);
 }
 

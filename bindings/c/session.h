@@ -74,9 +74,8 @@ class Session {
   // saved elsewhere or are damaged; nothing is restored then.
   void restore(std::span<const Restored> states);
 
-  // Moves every point of an episode in progress by up to `jitter` voxels; its velocities stay.
-  // Throws Error(usage) for an environment whose status is not ok, and for the jitter.
-  void perturb(int environment, double jitter, std::uint64_t seed);
+  // Moves an object of an episode in progress; its velocities stay. Throws Error(usage) for an
+  // environment whose status is not ok.
   void translate(int environment, std::size_t object, Vec2 by);
 
   std::span<const double> observation(int environment) const;
@@ -87,7 +86,6 @@ class Session {
 
   // Refuses numbers that are not environments. Throws Error(usage).
   void check_environment(std::int64_t environment) const;
-  void check_moves(int environment) const;  // that its episode is in progress
 
  private:
   // Where one environment is in its episodes.

@@ -3,7 +3,6 @@
 #include "bindings/c/handles.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
-#include "libevo/base/join.h"
 
 using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;
@@ -47,14 +46,6 @@ int evo_task_open(const char* name_or_file, evo_task** task) {
   });
 }
 
-int evo_task_parse(const char* yaml, const char* origin, evo_task** task) {
-  return open(task, [&] {
-    const std::string where = origin == nullptr ? "task" : origin;
-    return task_of(evo::parse_task(text_of(yaml, "yaml"), where,
-                                   std::filesystem::path(where).parent_path(), data_folders()));
-  });
-}
-
 void evo_task_free(evo_task* task) { close(task); }
 
 int evo_task_set_physics(evo_task* task, const char* profile_or_file) {
@@ -79,10 +70,6 @@ int evo_task_describe(const evo_task* task, evo_task_facts* facts, size_t size) 
                spec.physics.min_target, spec.physics.max_target, physics.c_str()},
               facts, size);
   });
-}
-
-int evo_task_names(char** names) {
-  return guarded([&] { give(evo::joined(evo::task_names(data_folders()), "\n"), names, "names"); });
 }
 
 int evo_robots_read(const char* file, evo_robots** robots) {

@@ -68,8 +68,6 @@ typedef struct evo_task evo_task;
 /* A benchmark task by name, or a YAML file. Names are looked for in the folders of $EVO_TASKS,
  * then in $EVO_DATA, else where the library was installed. */
 EVO_API int evo_task_open(const char* name_or_file, evo_task** task);
-/* A task as YAML text; `origin` begins its errors, and files named in it are beside it. */
-EVO_API int evo_task_parse(const char* yaml, const char* origin, evo_task** task);
 EVO_API void evo_task_free(evo_task* task);
 
 /* As --physics of the tools: "paper", a file; "gravity=50". */
@@ -88,9 +86,6 @@ typedef struct evo_task_facts {
 } evo_task_facts;
 /* `size` is that of the caller's struct: later versions may know more. So in what follows. */
 EVO_API int evo_task_describe(const evo_task* task, evo_task_facts* facts, size_t size);
-
-/* The names of all tasks that evo_task_open finds, one a line; for evo_free. */
-EVO_API int evo_task_names(char** names);
 
 /* ---- robots --------------------------------------------------------------------------- */
 
@@ -145,8 +140,8 @@ enum evo_env_status {
   EVO_ENV_UNSTABLE = 2 /* the simulation failed; left out of steps until its next reset */
 };
 
-/* Where the values are: reset, step, restore and perturb write them in place, until the
- * environments are freed. Those of environment e begin at its offset and end at the next. */
+/* Where the values are: reset, step, restore and translate write them in place, until
+ * the environments are freed. Those of environment e begin at its offset and end at the next. */
 typedef struct evo_arrays {
   size_t environments;               /* E */
   size_t observation_values;         /* of all environments */
@@ -194,9 +189,6 @@ EVO_API int evo_envs_step(evo_envs* envs, const double* actions, size_t values,
  * for evo_free. */
 EVO_API int evo_envs_save(const evo_envs* envs, int32_t environment, void** bytes, size_t* count);
 EVO_API int evo_envs_restore(evo_envs* envs, int32_t environment, const void* bytes, size_t count);
-/* Moves every point by up to `jitter` voxels in each coordinate; velocities stay. */
-EVO_API int evo_envs_perturb(evo_envs* envs, int32_t environment, double jitter, uint64_t seed);
-
 /* Moves an object that is no terrain, as it is, in raw units; velocities stay, and no reward counts
  * the move. Objects as of evo_envs_object. */
 EVO_API int evo_envs_translate(evo_envs* envs, int32_t environment, size_t object, double x,
@@ -404,8 +396,7 @@ typedef struct evo_policy_facts {
   uint64_t seed;                /* of its training and evaluations */
 } evo_policy_facts;
 EVO_API int evo_policy_describe(const evo_policy* policy, evo_policy_facts* facts, size_t size);
-EVO_API int evo_policy_robot(const evo_policy* policy, evo_robots** robot); /* a list of one */
-EVO_API int evo_policy_task(const evo_policy* policy, evo_task** task);     /* with its physics */
+EVO_API int evo_policy_task(const evo_policy* policy, evo_task** task); /* with its physics */
 
 /* An episode of a task of one's own: T steps, P points, D observations, A actions. */
 typedef struct evo_episode {

@@ -169,7 +169,6 @@ _STATE = [_HANDLE, Whole32, POINTER(c_void_p), POINTER(c_size_t)]
 _RENDER = [_HANDLE, Whole32, c_void_p, POINTER(View), c_size_t, c_void_p, c_size_t]
 SIGNATURES = {
     "evo_task_open": [c_char_p, _OPENED],
-    "evo_task_parse": [c_char_p, c_char_p, _OPENED],
     "evo_task_set_physics": [_HANDLE, c_char_p],
     "evo_task_set": [_HANDLE, c_char_p],
     "evo_task_describe": [_HANDLE, POINTER(TaskFacts), c_size_t],
@@ -186,7 +185,6 @@ SIGNATURES = {
     "evo_envs_step": [_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t],
     "evo_envs_save": _STATE,
     "evo_envs_restore": [_HANDLE, Whole32, c_char_p, c_size_t],
-    "evo_envs_perturb": [_HANDLE, Whole32, c_double, c_uint64],
     "evo_envs_translate": [_HANDLE, Whole32, c_size_t, c_double, c_double],
     "evo_envs_object_count": [_HANDLE, Whole32, POINTER(c_size_t)],
     "evo_envs_object": [_HANDLE, Whole32, c_size_t, POINTER(EnvObject), c_size_t],

@@ -91,11 +91,14 @@ TEST_CASE("c: a start is moved by at most what is said") {
   REQUIRE(evo_envs_arrays(s.envs, &at, sizeof at) == EVO_OK);
   REQUIRE(evo_envs_reset(s.envs, nullptr, 0, nullptr) == EVO_OK);
   const double before = at.positions[2 * at.point_offsets[1]];
-  REQUIRE(evo_envs_perturb(s.envs, 1, 1e-3, 5) == EVO_OK);
+  evo_start start{};
+  start.jitter = 1e-3;
+  REQUIRE(evo_envs_reset(s.envs, nullptr, 0, &start) == EVO_OK);
   const double moved = std::abs(at.positions[2 * at.point_offsets[1]] - before);
   CHECK(moved > 0);
   CHECK(moved <= 1e-4);
-  fails(EVO_USAGE, "jitter", evo_envs_perturb(s.envs, 1, -1, 5));
+  start.jitter = -1;
+  fails(EVO_USAGE, "jitter", evo_envs_reset(s.envs, nullptr, 0, &start));
 }
 
 TEST_CASE("c: gradients are pulled back through each step that was kept, once") {
@@ -442,7 +445,6 @@ TEST_CASE("c: every function refuses handles of other kinds, and NULL where it w
   const std::int32_t nowhere = 99;
   const std::uint8_t no = 0;
   evo_task* task = nullptr;
-  evo_robots* robots = nullptr;
   evo_envs* envs = nullptr;
   evo_sims* sims = nullptr;
   evo_policy* policy = nullptr;
@@ -474,7 +476,6 @@ TEST_CASE("c: every function refuses handles of other kinds, and NULL where it w
       [&](H h, W) { return evo_envs_step(h, nullptr, 4, nullptr, 0); },
       [&](H h, W w) { return evo_envs_save(h, 0, w(state), &count); },
       [&](H h, W) { return evo_envs_restore(h, 0, nullptr, 9); },
-      [&](H h, W) { return evo_envs_perturb(h, 0, -1.0, 0); },
       [&](H h, W) { return evo_envs_translate(h, 0, 99, 0, 0); },
       [&](H h, W w) { return evo_envs_object_count(h, 0, w(count)); },
       [&](H h, W w) { return evo_envs_object(h, 0, 0, w(object), sizeof object); },
@@ -505,7 +506,6 @@ TEST_CASE("c: every function refuses handles of other kinds, and NULL where it w
       [&](H h, W) { return evo_policy_record(h, nullptr, nullptr, 0, nullptr); },
       [&](H h, W) { return evo_policy_set_final(h, 0, 1.0, 0.0); },
       [&](H h, W w) { return evo_policy_describe(h, w(policy_facts), sizeof policy_facts); },
-      [&](H h, W w) { return evo_policy_robot(h, w(robots)); },
       [&](H h, W w) { return evo_policy_task(h, w(task)); },
       [&](H h, W) { return evo_policy_act(h, nullptr, nullptr, 1, nullptr, 4); },
       [&](H h, W w) { return evo_train(h, s.robots, 0, nullptr, 0, w(policy)); },

@@ -1,4 +1,4 @@
-// What Node needs to run the modules: for the site's pages and for tests.
+// What Node needs to run the module: for the site's pages and for tests.
 import { readFileSync, readdirSync } from 'node:fs';
 import vm from 'node:vm';
 

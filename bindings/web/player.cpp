@@ -2,12 +2,15 @@
 
 #include <cmath>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "bindings/web/wasm/files.h"
+#include "formats/io/data_folders.h"
 #include "formats/robot/evogym.h"
 #include "formats/robot/robot.h"
 #include "formats/rollout/episodes.h"
@@ -15,11 +18,38 @@
 #include "formats/task/pieces.h"
 #include "formats/task/task.h"
 #include "formats/training/controller_json.h"
+#include "libevo/base/error.h"
 #include "libevo/base/overloaded.h"
 #include "libevo/body/operators.h"
 
 namespace evo::web {
 namespace {
+
+std::string& answer() {
+  static std::string text;
+  return text;
+}
+
+// Does the work with an empty answer, which becomes the error's line where it throws.
+template <typename Work>
+int guarded(const Work& work) {
+  answer().clear();
+  try {
+    work();
+    return 0;
+  } catch (const Error& failure) {
+    answer() = failure.what();
+    return static_cast<int>(failure.kind());
+  } catch (const std::bad_alloc&) {
+    answer() = "out of memory";
+    return static_cast<int>(Failure::work);
+  }
+}
+
+const DataFolders& folders() {  // of the files given
+  static const DataFolders given{"tasks"};
+  return given;
+}
 
 bool begins_with(const std::string& text, char sign) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
@@ -235,6 +265,10 @@ struct evo_player {
   std::vector<double> targets;
   std::vector<double> counts;
 };
+
+const char* evo_answer() { return answer().c_str(); }
+
+void evo_give_file(const char* path, const char* text) { evo::given_files()[path] = text; }
 
 int evo_robot(const char* text) {
   return guarded([&] { answer() = evo::robot_to_line(one_robot(text)); });

@@ -1,13 +1,21 @@
-// One robot in one task, played step by step: what the page asks of WebAssembly.
+// One robot in one task, played step by step: what the page asks of WebAssembly. Functions are
+// plain C, so that nothing but numbers and addresses crosses the border. Texts are UTF-8 and end
+// with 0; what a function gets, it copies. One that can fail returns how (evo::Failure, 0 for
+// success); evo_answer() is then the error's line, otherwise what the function has to say.
 #pragma once
 
 #include <cstdint>
 
-#include "bindings/web/page.h"
+// Kept by the linker, and visible to the page.
+#define EVO_EXPORTED __attribute__((used, visibility("default")))
 
 extern "C" {
 
 struct evo_player;
+
+EVO_EXPORTED const char* evo_answer();
+// A file that tasks and profiles may be found in: "tasks/Walker-v0.yaml".
+EVO_EXPORTED void evo_give_file(const char* path, const char* text);
 
 // A robot document in any form that the tools read as text; answers it as JSON on one line.
 EVO_EXPORTED int evo_robot(const char* text);

@@ -1,5 +1,5 @@
 #!/bin/bash
-# The WebAssembly modules in Node against the tools.
+# The WebAssembly module in Node against the tools.
 set -euo pipefail
 here=$(dirname "$(readlink -f "$0")")
 "$here/build"

@@ -1,7 +1,7 @@
 // libevo in WebAssembly (bindings/web/player.h) as an object of JavaScript. The same in a page, in a
 // Worker and in Node.
 'use strict';
-(typeof globalThis.Evo === 'object' ? globalThis.Evo : (globalThis.Evo = {})).start = async (bytes, files = {}) => {
+(typeof globalThis.Evo === 'object' ? globalThis.Evo : (globalThis.Evo = {})).load = async (bytes, files = {}) => {
   const encoder = new TextEncoder(), decoder = new TextDecoder();
   let exports;
   const memory = () => new Uint8Array(exports.memory.buffer);
@@ -60,11 +60,7 @@
   exports = (await WebAssembly.instantiate(module, imports)).exports;
   exports._initialize();
   for (const [path, text] of Object.entries(files)) call('evo_give_file', path, text);
-  return { exports, call, ask, refuse };
-};
 
-globalThis.Evo.load = async (bytes, files) => {
-  const { exports, call, ask, refuse } = await globalThis.Evo.start(bytes, files);
   const opened = (task, robot) => {
     const player = call('evo_open', task, robot);
     if (player === 0) throw refuse();

@@ -1,5 +1,4 @@
-// Chains of random episodes of a task, and a hash of all that happens in them: run natively
-// by pinned_test.cpp, in WebAssembly by tests/web/pinned.cpp.
+// Chains of random episodes of a task, and a hash of all that happens in them.
 #pragma once
 
 #include <algorithm>

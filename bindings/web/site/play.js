@@ -363,8 +363,7 @@ Evo.playPage = (evo) => {
       }
       const { tried, best, seconds } = data;
       began ??= best.total;
-      if (progress.length && progress[progress.length - 1][1] === best.total) progress.push([tried, best.total]);
-      else progress.push([tried, best.total]);
+      progress.push([tried, best.total]);
       curve.hidden = false;
       drawCurve();
       says.textContent = `${tried} tried in ${Math.round(seconds)} s; from ${number(began)} to ${number(best.total)}.`;
@@ -398,8 +397,7 @@ Evo.playPage = (evo) => {
   const command = () => {
     const policy = state.record ? `records/${state.record}/policy.h5` : state.file;
     if (fitsAny() && !isItsOwn()) return `${bodyPrinted()}evo-eval --policy ${policy}`;
-    if (state.record) return `evo-eval --policy ${policy} ${policy}`;
-    if (state.other) return `evo-eval --policy ${policy} ${policy}`;
+    if (state.record || state.other) return `evo-eval --policy ${policy} ${policy}`;
     const task = isNamed() ? state.task : './task.yaml';
     return `${bodyPrinted()}evo-eval --task ${task} --actions sine:${state.gait.join(',')}`;
   };

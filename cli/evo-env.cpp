@@ -15,6 +15,7 @@
 #include "formats/io/json.h"
 #include "formats/rollout/episodes.h"
 #include "formats/task/physics_profile.h"
+#include "formats/training/policy_json.h"
 
 namespace {
 
@@ -30,15 +31,12 @@ Json describe(const Session& session) {
   for (std::size_t r = 0; r < session.robots().size(); ++r) {
     const Robot& robot = session.robots()[r];
     const Arena& arena = session.envs().arena(static_cast<int>(r) * session.per_robot());
-    Json layout = Json::array();
-    for (const ObservationSlice& slice : arena.layout())
-      layout.push_back({{"name", slice.name}, {"offset", slice.offset}, {"length", slice.length}});
     robots.push_back({{"id", robot.id},
                       {"rows", robot.body.rows},
                       {"cols", robot.body.cols},
                       {"observation_length", arena.observation_length()},
                       {"action_length", arena.action_length()},
-                      {"observation_layout", std::move(layout)}});
+                      {"observation_layout", layout_to_json(arena.layout())}});
   }
   return {{"format", format::env.name},
           {"version", format::env.version},
@@ -53,20 +51,22 @@ Json describe(const Session& session) {
 
 // One value for each of these environments.
 Json state(const Session& session, const std::vector<int>& environments) {
+  const VecEnv& envs = session.envs();
   Json answer{{"environments", environments}};
   const auto add = [&](const char* name, const auto& of) {
     Json& list = answer[name] = Json::array();
     for (const int e : environments) list.push_back(of(e));
   };
   add("observations", [&](int e) {
-    const auto observation = session.observation(e);
-    return std::vector<double>(observation.begin(), observation.end());
+    const auto first =
+        envs.observations().begin() + static_cast<std::ptrdiff_t>(envs.observation_offset(e));
+    return std::vector<double>(first, first + envs.arena(e).observation_length());
   });
   add("rewards", [&](int e) { return session.reward(e); });
-  add("terminated", [&](int e) { return session.terminated(e); });
-  add("truncated", [&](int e) { return session.truncated(e); });
+  add("terminated", [&](int e) { return envs.terminated()[static_cast<std::size_t>(e)] != 0; });
+  add("truncated", [&](int e) { return envs.truncated()[static_cast<std::size_t>(e)] != 0; });
   add("status", [&](int e) { return to_string(session.status(e)); });
-  add("steps", [&](int e) { return session.envs().steps(e); });
+  add("steps", [&](int e) { return envs.steps(e); });
   return answer;
 }
 

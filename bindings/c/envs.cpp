@@ -6,6 +6,7 @@
 #include "bindings/c/session.h"
 #include "bindings/c/voxels.h"
 #include "formats/rollout/episodes.h"
+#include "formats/training/policy_json.h"
 
 using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;
@@ -231,10 +232,7 @@ int evo_envs_observed(const evo_envs* envs, int32_t environment, char** json) {
   return guarded([&] {
     const evo::Session& session = object_of(envs).session;
     session.check_environment(environment);
-    evo::Json slices = evo::Json::array();
-    for (const evo::ObservationSlice& slice : session.envs().arena(environment).layout())
-      slices.push_back({{"name", slice.name}, {"offset", slice.offset}, {"length", slice.length}});
-    give(slices.dump(), json, "json");
+    give(evo::layout_to_json(session.envs().arena(environment).layout()).dump(), json, "json");
   });
 }
 

@@ -171,21 +171,9 @@ void Session::translate(int environment, std::size_t object, Vec2 by) {
   envs_->translate(environment, object, by);
 }
 
-std::span<const double> Session::observation(int environment) const {
-  return envs_->observations().subspan(
-      envs_->observation_offset(environment),
-      static_cast<std::size_t>(envs_->arena(environment).observation_length()));
-}
-
 double Session::reward(int environment) const {
   if (status(environment) != EnvironmentStatus::ok) return 0.0;
   return envs_->rewards()[static_cast<std::size_t>(environment)];
-}
-bool Session::terminated(int environment) const {
-  return envs_->terminated()[static_cast<std::size_t>(environment)] != 0;
-}
-bool Session::truncated(int environment) const {
-  return envs_->truncated()[static_cast<std::size_t>(environment)] != 0;
 }
 EnvironmentStatus Session::status(int environment) const {
   return progress_[static_cast<std::size_t>(environment)].status;

@@ -14,7 +14,7 @@
 
 namespace evo {
 
-// The numbers stand in binary frames.
+// The numbers are those of evo_env_status.
 enum class EnvironmentStatus : std::uint8_t {
   ok = 0,
   unreset = 1,   // before its first reset
@@ -78,10 +78,7 @@ class Session {
   // environment whose status is not ok.
   void translate(int environment, std::size_t object, Vec2 by);
 
-  std::span<const double> observation(int environment) const;
   double reward(int environment) const;  // 0 unless its status is ok
-  bool terminated(int environment) const;
-  bool truncated(int environment) const;
   EnvironmentStatus status(int environment) const;
 
   // Refuses numbers that are not environments. Throws Error(usage).

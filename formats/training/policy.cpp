@@ -10,6 +10,7 @@
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
 #include "formats/training/controller_fields.h"
+#include "formats/training/policy_json.h"
 #include "formats/training/training.h"
 #include "libevo/base/alternatives.h"
 #include "libevo/base/digest.h"
@@ -218,13 +219,6 @@ std::vector<CurvePoint> read_curve(const hdf5::Reader& file) {
   return curve;
 }
 
-std::string layout_to_json(const std::vector<ObservationSlice>& layout) {
-  Json list = Json::array();
-  for (const ObservationSlice& slice : layout)
-    list.push_back({{"name", slice.name}, {"offset", slice.offset}, {"length", slice.length}});
-  return list.dump();
-}
-
 std::vector<ObservationSlice> layout_from_json(const hdf5::Reader& file) {
   std::vector<ObservationSlice> layout;
   try {
@@ -296,7 +290,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy, E
   file.attribute("/", "task_yaml", policy.task_yaml);
   file.attribute("/", "physics_yaml", policy.physics_yaml);
   file.attribute("/", "training_yaml", policy.training_yaml);
-  file.attribute("/", "observation_layout", layout_to_json(policy.layout));
+  file.attribute("/", "observation_layout", layout_to_json(policy.layout).dump());
   file.attribute("/", "seed", policy.seed);
   file.attribute("/", "isa", policy.isa);
   file.attribute("/", "created_by", policy.created_by);

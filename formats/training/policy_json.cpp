@@ -5,7 +5,6 @@
 #include <variant>
 
 #include "formats/io/format.h"
-#include "formats/io/json.h"
 #include "formats/training/controller_fields.h"
 #include "libevo/base/error.h"
 
@@ -106,9 +105,7 @@ std::string policy_to_json(const PolicyFile& policy) {
   document["task_yaml"] = policy.task_yaml;
   document["physics_yaml"] = policy.physics_yaml;
   document["training_yaml"] = policy.training_yaml;
-  Json& layout = document["observation_layout"] = Json::array();
-  for (const ObservationSlice& slice : policy.layout)
-    layout.push_back({{"name", slice.name}, {"offset", slice.offset}, {"length", slice.length}});
+  document["observation_layout"] = layout_to_json(policy.layout);
   document["seed"] = policy.seed;
   document["isa"] = policy.isa;
   document["created_by"] = policy.created_by;
@@ -122,6 +119,13 @@ std::string policy_to_json(const PolicyFile& policy) {
                          {"standard_error", as_json(score->standard_error)}};
   document["curve"] = curve_to_json(policy.curve);
   return compact(document) + "\n";
+}
+
+Json layout_to_json(const std::vector<ObservationSlice>& layout) {
+  Json list = Json::array();
+  for (const ObservationSlice& slice : layout)
+    list.push_back({{"name", slice.name}, {"offset", slice.offset}, {"length", slice.length}});
+  return list;
 }
 
 }  // namespace evo

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "formats/io/json.h"
 #include "formats/training/policy.h"
 
 namespace evo {
@@ -11,5 +13,8 @@ namespace evo {
 // Numbers have the same bits. Throws Error(data) for one that is not finite, which
 // JSON cannot say.
 std::string policy_to_json(const PolicyFile& policy);
+
+// Where the parts of an observation are: [{"name", "offset", "length"}].
+Json layout_to_json(const std::vector<ObservationSlice>& layout);
 
 }  // namespace evo

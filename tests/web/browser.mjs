@@ -1,6 +1,6 @@
 // browser.mjs BROWSER SITE PROFILE [PICTURES]: the site as a user meets it, from disk and
 // without a network. Says what fails; status 1 then. With a folder for PICTURES, the pages are
-// left there as they look on a desk, on a phone, in the dark, and printed.
+// left there as they look on a desk, on a phone and in the dark.
 import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -365,10 +365,6 @@ try {
   for (const page of ['index.html', 'play.html', 'records/Climber-v0.html', 'README.html', 'docs/physics.html'])
     for (const theme of ['light', 'dark'])
       for (const width of [1280, 390]) await checkAccess(page, theme, width);
-  await emulate();
-  await play();
-  await emulate({ media: 'print' });
-  await photograph('play-print');
   check('nothing is complained of on the console', browser.complaints.length === 0, browser.complaints.slice(0, 4));
   check('nothing is asked of a network', browser.requests.every((url) => /^(file|blob|about|data):/.test(url)), browser.requests.filter((url) => !url.startsWith('file:')).slice(0, 4));
 } catch (failure) {

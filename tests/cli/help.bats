@@ -3,12 +3,36 @@ load helpers
 
 tools() { (cd "$EVO_BIN" && printf '%s\n' evo-*); }
 
+# The help with the names alone of the options that tools share: their words are in evo-train's.
+names_of_shared() {
+  awk '/^Common options:/ { names = $0 } names == "" { print }
+    names && match($0, /^  (-[a-z], |    )--[a-z-]+/) { names = names " " substr($0, 7, RLENGTH - 6) }
+    names && /^$/ { print names "\n"; names = "" }'
+}
+
 @test "every tool's help is as agreed" {
-  for tool in $(tools); do "$tool" --help | golden "help/$tool.txt"; done
-  for method in ga neat bo map random program race modular recipe compare; do
-    evo-evolve $method --help | golden "help/evo-evolve-$method.txt"
-    run ! grep -E '^.{81}' <(evo-evolve $method --help)
+  evo-train --help | golden help/evo-train.txt
+  for tool in $(tools); do
+    "$tool" --help > help
+    sed -n '/^Common options:/,/^$/p' help > shared
+    run ! grep -vxFf <(evo-train --help) shared
+    [ "$tool" = evo-train ] || names_of_shared < help | golden "help/$tool.txt"
   done
+}
+
+# All words are in those of ga and compare; of the others the names of options, and what they say otherwise.
+@test "every method's help is as agreed" {
+  for method in ga compare; do
+    evo-evolve $method --help | names_of_shared | golden "help/evo-evolve-$method.txt"
+  done
+  for method in neat bo map random program race modular recipe; do
+    evo-evolve $method --help > help
+    run ! grep -E '^.{81}' help
+    echo "$method:" $(grep -oE '^      --[a-z-]+' <(names_of_shared < help))
+    grep -vxFf <(evo-evolve ga --help; evo-evolve compare --help) help
+  done > methods
+  golden help/evo-evolve-methods.txt < methods
+  run ! grep -E '^.{81}' <(evo-evolve ga --help; evo-evolve compare --help)
 }
 
 @test "help fits a terminal and shows two examples and the exit statuses" {

@@ -16,7 +16,7 @@ CITED = re.compile(
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 COMMENT = re.compile(r"\n[ \t]*(?://|#|\*)?[ \t]*")  # a citation may run over the end of a line
 CODE = (".cpp", ".h", ".py", ".sh", ".bash", ".bats", ".mk", ".awk", ".jq", ".cmake", ".txt", ".yaml",
-        ".in", ".scd", ".js")
+        ".in", ".js")
 
 
 def headings(page: pathlib.Path) -> list[str]:

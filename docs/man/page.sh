@@ -1,5 +1,5 @@
 #!/bin/sh
-# The manual page of a tool from its help: page.sh TOOL VERSION SEE-ALSO > TOOL.1
+# The manual page of a tool from its help: page.sh TOOL VERSION ENDING > TOOL.1
 # help2man runs this script again (with EVO_TOOL set) to read the help in the form
 # that it knows: of examples, what they do as a paragraph, the command further in. The settings of
 # commands within the tool stand before them.
@@ -15,10 +15,10 @@ if [ -n "${EVO_TOOL:-}" ]; then
     s/^Exit status: (.*)$/Exit status:\n\1/'
   exit
 fi
-tool=$1 version=$2 also=$3
+tool=$1 version=$2 ending=$3
 name=$(basename "$tool")
 purpose=$("$tool" --help | sed -n '1s/^[^ ]* - //p')
 EVO_TOOL=$tool help2man --no-info --section=1 --version-string="$version" --name="$purpose" \
-  --include="$also" "$0" |
+  --include="$ending" "$0" |
   sed "s/page\\.sh/$name/g; s/PAGE\\.SH/$(echo "$name" | tr '[:lower:]' '[:upper:]')/g
     s/^Exit status:\$/.SH \"EXIT STATUS\"/"

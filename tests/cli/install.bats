@@ -47,9 +47,9 @@ installed() {
 
 @test "man finds the pages" {
   command -v man > /dev/null || skip "man is not installed"
-  [ -e "$EVO_BIN/../docs/man/evo.7" ] || skip "built without help2man or scdoc"
+  [ -e "$EVO_BIN/../docs/man/evo.1" ] || skip "built without help2man"
   for page in $(cd "$EVO_BIN" && ls evo-*) evo; do
-    MANPATH="$PREFIX/share/man" man -w "$page" | grep -q "^$PREFIX/share/man/man[17]/$page\.[17]$"
+    MANPATH="$PREFIX/share/man" man -w "$page" | grep -q "^$PREFIX/share/man/man1/$page\.1$"
   done
 }
 

@@ -19,6 +19,12 @@ struct Dynamics;
 //   anchored  fixed, but joined by a spring to a point that can move: its final
 //             update is zero, its motion within a substep is felt by the other
 //   held      fixed and felt by nothing that moves; never touched
+//
+//   sites  0 ........................ n0 | n0 ................ n0+n1 |
+//          block 0, first object         | block 1, second object    |
+//          free ... anchored ... held    | free ... anchored ... held|
+//          <--- integrated --->          | <--- integrated --->      |
+//          <--------- count ---------->  |
 struct PlanBlock {
   int first = 0;
   int integrated = 0;  // free and anchored
@@ -57,6 +63,9 @@ struct Plan {
   // spring_padding; the spring after that, null_spring, has no force. Some
   // springs are there twice, the second time with their ends exchanged: their
   // mirror images, whose force is the same but for its sign.
+  //
+  //   | live ............ pad | frozen .... pad | null |
+  //   0       live_springs    first_frozen springs  null_spring
   static constexpr int spring_padding = 8;
   int live_springs = 0;
   int first_frozen = 0;
@@ -76,6 +85,9 @@ struct Plan {
   // loops over points have no branches: lists are filled up with null_spring, and
   // what one list cannot hold the other one gets as a mirror image, since f - x is
   // f + (-x). No point of a body with all its links has more than eight springs.
+  //
+  //   | a a a -   b b b b |      - is null_spring
+  //     F -= f     F += f
   static constexpr int regular_ends = 4;
   std::vector<PlanPoint> points;
   std::size_t free_regular = 0;  // where the groups of points end

@@ -1,5 +1,5 @@
 // Observation parts: for each its length, its words in the layout, and what it
-// writes. See docs/tasks.md, "Observation parts".
+// writes. See docs/tasks.md, "Orientation" and "Floor and ceiling".
 #include <fmt/format.h>
 
 #include "libevo/task/binder.h"

@@ -21,7 +21,7 @@ struct SineController {
 };
 
 // The same wave for every actuator, `phase_step` radian further at each
-// (docs/tools.md, "Sine controllers").
+// (`--actions sine:A,PERIOD,PHASE` of evo-eval).
 SineController travelling_wave(int actuators, double amplitude, double period, double phase_step);
 
 // Targets of step t, [A].

@@ -1,7 +1,7 @@
 // One training of one robot: rollouts, updates, evaluations, and the best
 // controller found. Single-threaded and sharing nothing, so that many robots
 // train side by side; the result depends on arena, settings, seed and robot id.
-// See docs/methods.md, "Training", and docs/tools.md, "Training".
+// See docs/methods.md, "Training".
 #pragma once
 
 #include <cstdint>

@@ -1,19 +1,17 @@
 #!/usr/bin/python3
 """Kills every tool that writes files, fills its disk, and takes its memory away.
 
-    kills.py [--kills N] [--run-kills M]
+    kills.py [--kills N]
 
 A tool killed at any moment leaves its output whole or not at all, and at most a hidden
 file beside it; given again, it ends with the same bytes. On a full disk it ends with 74 and
-leaves nothing, without memory with 1. A killed pipeline, given again, ends with
-the history that it has without kills. The tools are found in $EVO_BIN, the data
-in $EVO_SOURCE.
+leaves nothing, without memory with 1. The tools are found in $EVO_BIN, the data in
+$EVO_SOURCE. Runs are killed by tests/cli/evolve.bats.
 """
 import argparse
 import filecmp
 import os
 import random
-import re
 import resource
 import shutil
 import signal
@@ -142,53 +140,9 @@ def no_memory(words, megabytes, folder):
         fault(words, f"in {megabytes} MB:", done.returncode, done.stderr[-300:])
 
 
-METHODS = {
-    "ga": ["--evals", "8", "--steps", "64"],
-    "neat": ["--evals", "8", "--steps", "64"],
-    "bo": ["--evals", "8", "--steps", "64"],
-    "map": ["--evals", "8", "--steps", "64"],
-    "random": ["--evals", "8", "--steps", "64"],
-    "race": ["--evals", "8", "--steps", "256", "--parents", "2"],
-    "modular": ["--evals", "7", "--steps", "512", "--children", "1", "--champions", "1"],
-}
-
-
-def kill_run(name, kills, folder):
-    make = ["evo-evolve", name, "-q", "--pop", "4", *METHODS[name], "--shape", "3x3", "--seed", "1",
-            "--video", "gif", "--video-options=--size 64x64 --steps 0-2", "-j2",
-            "--train-options=--train environments=2 --train rollout=16 --train hidden=4,4 --train minibatches=2"]
-    start = time.monotonic()
-    done = run([*make, "--run", "whole"], folder)
-    took = time.monotonic() - start
-    if done.returncode != 0:
-        return fault(name, "failed:", done.stderr[-500:])
-    generator = random.Random(2)
-    for number in range(kills):
-        child = subprocess.Popen([*make, "--run", "killed"], cwd=folder, start_new_session=True,
-                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        try:
-            child.wait(generator.random() * took * 0.7)
-        except subprocess.TimeoutExpired:
-            pass
-        try:
-            os.killpg(child.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
-        child.wait()
-        if number % 4 == 3:
-            shutil.rmtree(os.path.join(folder, "killed"), ignore_errors=True)
-    done = run([*make, "--run", "killed"], folder)
-    if done.returncode != 0:
-        return fault(name, "after kills:", done.stderr[-500:])
-    for file in ("history.jsonl", "best.json", "best.policy.h5"):
-        if not same(os.path.join(folder, "whole", file), os.path.join(folder, "killed", file)):
-            fault(name, "after kills: another", file)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=5)
-    parser.add_argument("--run-kills", type=int, default=2)
     asked = parser.parse_args()
     os.environ["PATH"] = os.environ["EVO_BIN"] + ":" + os.environ["PATH"]
     for name in ("MAKELEVEL", "MAKEFLAGS"):
@@ -211,10 +165,7 @@ def main():
             # The drawing library ends the process itself when it gets no memory.
             for megabytes in (20, 60, 150, 400) if words[0] != "evo-render" else ():
                 no_memory(words, megabytes, folder)
-        for name in METHODS:
-            kill_run(name, asked.run_kills, tempfile.mkdtemp(dir=folder))
-    print(f"{asked.kills * len(TOOLS)} kills of tools, {len(METHODS) * asked.run_kills} of pipelines, "
-          f"{len(TOOLS) if mounts else 'no'} full disks, {len(faults)} faults")
+    print(f"{asked.kills * len(TOOLS)} kills, {len(TOOLS) if mounts else 'no'} full disks, {len(faults)} faults")
     return 1 if faults else 0
 
 

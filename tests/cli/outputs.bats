@@ -78,24 +78,6 @@ setup_file() {
   evo-train small.txt --task Walker-v0 --train gait --steps 60000 --seed $seed --out-dir p | jq .fitness | cmp - <(jq .fitness $kept)
 }
 
-@test "several robots as YAML come back; so do design-tool worlds" {
-  evo-sample -n 7 --shape 4x6 --weights 3,.2,.2,.2,.2 > seven.jsonl
-  evo-convert seven.jsonl --to yaml | evo-convert | cmp - seven.jsonl
-  local line
-  while read -r line; do
-    evo-convert --to evogym -o world.json <<<"$line"
-    evo-convert world.json | jq -r .id | cmp - <(jq -r .id <<<"$line")
-  done < seven.jsonl
-}
-
-@test "an output keeps the mode of the file that it replaces" {
-  evo-sample -n 1 -o a.jsonl
-  chmod 640 a.jsonl
-  evo-sample -n 2 -o a.jsonl
-  [ "$(stat -c %a a.jsonl)" = 640 ]
-  [ "$(wc -l < a.jsonl)" -eq 2 ]
-}
-
 @test "folders that cannot be made, disks that are full: 73 and 74" {
   cp "$made"/small.txt .
   echo x > file
@@ -130,18 +112,4 @@ with h5py.File("raw.h5", "r+") as f:
 P
   head -c 100 /dev/zero > secret
   fails_with 65 "rewards" "another file" -- evo-inspect raw.h5
-}
-
-@test "a killed tool leaves at most a hidden file, and the next one is not in its way" {
-  cp "$made"/small.txt .
-  local signal
-  for signal in INT TERM HUP KILL; do
-    run timeout -s $signal 0.5 evo-eval small.txt --task Walker-v0 --actions random --episodes 100000 --rollout r.h5 -o scored.jsonl
-    [ "$status" -ne 0 ]
-  done
-  [ "$(ls)" = small.txt ]
-  [ "$(find . -name '.?*' -printf '%f\n')" = .scored.jsonl.tmp ]
-  evo-eval small.txt --task Walker-v0 --actions random --max-steps 2 -o scored.jsonl
-  jq -e .fitness scored.jsonl
-  [ -z "$(find . -name '.?*')" ]
 }

@@ -234,7 +234,9 @@ END
     evo-convert r.jsonl -o r.$form
     evo-convert r.$form | jq -r .id | cmp - <(jq -r .id r.jsonl)
   done
-  evo-convert --to evogym r.jsonl | evo-convert | jq -r .id > id
+  evo-convert --to evogym r.jsonl | evo-convert | jq -r .id | cmp - <(jq -r .id r.jsonl)
+  evo-sample -n 7 --shape 4x6 > seven.jsonl
+  evo-convert seven.jsonl --to yaml | evo-convert | cmp - seven.jsonl
   evo-convert --task Carrier-v0 -o world.json
   jq -e '.objects | keys == ["ground","package"]' world.json
   /usr/bin/python3 -c "

@@ -17,8 +17,6 @@ load helpers
   fails_with 2 "--seed: '18446744073709551616' is not a whole number from 0 to 18446744073709551615" -- evo-sample --seed 18446744073709551616
   fails_with 2 "--seed" "'-1'" -- evo-sample --seed -1
   fails_with 2 "--seed" "'1.5'" -- evo-sample --seed 1.5
-  fails_with 2 "--count" "'seven'" -- evo-sample -n seven
-  fails_with 2 "--count" "3000000000" -- evo-sample -n 3000000000
   evo-sample -n 1 --seed 2k | cmp - <(evo-sample -n 1 --seed 2000)
   evo-sample -n 1 --seed 1M | cmp - <(evo-sample -n 1 --seed 1e6)
   printf 'H\n' > h
@@ -32,7 +30,6 @@ load helpers
   fails_with 2 "--count: 'five' is not a whole number" -- evo-sample --count five
   run evo-sample --count five
   [[ $output != *2147483648* && $output != *"from"* ]]
-  fails_with 2 "--seed: 'five' is not a whole number" -- evo-sample --seed five
   fails_with 2 "--steps: 'five' is not a whole number of at least 1" -- evo-train --task Walker-v0 --steps five /dev/null
   fails_with 2 "--count: '3000000000' is not a whole number up to 2147483647" -- evo-sample --count 3000000000
 }

@@ -1,5 +1,5 @@
 # A run whose trainings happen elsewhere: something stands in front of each, which may kill it.
-load ../cli/helpers
+load helpers
 
 @test "100 slots, a heavy tail, launches that are killed: nothing is lost, nothing done twice" {
   # Takes some hundredths of a second, as a heavy tail wants, by the robot's id.
@@ -35,12 +35,4 @@ END
   [ "$(sort calm-place/scored | uniq -d | wc -l)" -eq 0 ]
   [ "$(sort -u stormy-place/scored | wc -l)" -eq 130 ]
   [ -z "$(find calm stormy -name '*.running')" ]
-}
-
-@test "GNU parallel takes runs to machines that share no folder, and brings them back" {
-  command -v parallel > /dev/null || skip "no GNU parallel (apt install parallel)"
-  evo-evolve compare --run sweep --methods "ga bo" --seeds "1 2" --pop 3 --evals 5 --evaluate 'jq -c ".fitness = 1"' --plan -q
-  cd sweep
-  parallel --sshlogin 2/: --transferfile {} --return {} --cleanup --retries 3 'make -s -C {} best.json' ::: */*
-  [ "$(ls */*/best.json | wc -l)" -eq 4 ]
 }

@@ -190,10 +190,10 @@ evolve() {
   [ "$(jq -r .command $record | grep -oE -- '--(run|founders) [^ ]*' | xargs)" = \
     "--run runs/scout-2 --run runs/scout --founders runs/scout-2 --run runs/record --founders runs/scout" ]
   [ "$(jq .robots $record)" -eq 10 ]
-  # The page says how it was found, and in a table of costs names what reaches the paper.
-  "$EVO_SOURCE/scripts/records-page" | grep '^| \[Walker-v0\](Walker-v0.*, less | '
+  # The page says how it was found, and makes bold what reaches the paper.
+  "$EVO_SOURCE/scripts/records-page" | grep -E '^\| \[Walker-v0\]\(Walker-v0\) \| network along a gait \| [^|]* \| -?[0-9.]+ \| '
   jq '.fitness = 20' $record > better && mv better $record
-  "$EVO_SOURCE/scripts/records-page" | grep '^| \[Walker-v0\](Walker-v0) | network along a gait | 20 ([^,]*) | '
+  "$EVO_SOURCE/scripts/records-page" | grep -F '[Walker-v0](Walker-v0) | network along a gait | ' | grep -F '| **20** |'
   # What a record was replaced by is nothing that a run began with.
   cp records/Walker-v0/* first
   jq '.shifted.mean = -100' $record > worse && mv worse $record

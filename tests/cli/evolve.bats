@@ -125,7 +125,7 @@ kill_and_repeat() {
   fails_with 2 "no room for children" -- evo-evolve ga --run run --pop 2 --evals 42
 }
 
-@test "10 000 robots: planned in two seconds, make decides in two" {
+@test "10 000 robots are planned, and make knows what is left of them" {
   stand_in
   local method
   for method in ga bo map; do

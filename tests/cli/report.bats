@@ -2,7 +2,6 @@
 load helpers
 
 make_run() { "$EVO_SOURCE/tests/report/make-run.sh" "$@"; }
-# The file has no line like this. (A bare `! grep` would not fail a test.)
 count() { grep -o -- "$1" "$2" | wc -l; }
 
 data_of() { sed -n 's|.*id="data">\(.*\)</script>|\1|p' "$1"; }

@@ -7,7 +7,7 @@
 set -eu
 folder=$1 method=$2 seed=$3 generations=$4 population=$5 champion=${6:-}
 
-mkdir -p "$folder/policies" "$folder/logs"
+mkdir -p "$folder/policies"
 cat > "$folder/run.yaml" <<YAML
 format: evo/run
 version: 1

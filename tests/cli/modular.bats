@@ -67,11 +67,10 @@ shared() { evo-train --task Walker-v0 --train modular --train environments=2 --s
   robots > robots
   evo-sample -n 1 --seed 9 --shape 4x6 > other
   local python
-  python=$("$EVO_SOURCE/tests/cli/onnxruntime.sh" "$EVO_BUILD") || python=
+  python=$("$EVO_SOURCE/tests/cli/onnxruntime.sh" "$EVO_BUILD") || python=/usr/bin/python3
   shared 512 two.policy.h5 --train clock=10,20 robots > scored
   evo-convert two.policy.h5 --robot other -o two.onnx
-  /usr/bin/python3 "$EVO_SOURCE/tests/cli/policy_onnx.py" two.onnx two.policy.h5 other
-  [ -z "$python" ] || "$python" "$EVO_SOURCE/tests/cli/policy_run.py" two.onnx two.policy.h5 other
+  "$python" "$EVO_SOURCE/tests/cli/policy_onnx.py" two.onnx two.policy.h5 other
   # Without --robot it is for the policy's own, the best; without a clock no step is asked for.
   shared 512 one.policy.h5 --train action_map=squash robots > scored
   evo-convert one.policy.h5 -o own.onnx

@@ -3,15 +3,13 @@
 to bottom: run_blocks.py [--in-full | --update] FILE...
 
 Blocks are those fenced as sh, each in a shell of its own, and indented lines after a
-"$ " with what they print, which is compared. Large numbers are made smaller first: what
-such a command prints is not compared, nor is what commands print that name a file it has
-written, and so on. Python fences are run, too.
+"$ " with what they print, which is compared. Large numbers are made smaller first: from the
+first such command on nothing is compared. Python fences are run, too.
 
 With --in-full the indented commands are run as they stand, and all that they print is
 compared; with --update it is written into the file.
 """
 import contextlib
-import fnmatch
 import os
 import re
 import shutil
@@ -71,31 +69,6 @@ def blocks(text):
             yield "sh", command, "\n".join(output).strip("\n")
 
 
-def files_in(folder):
-    """{path: (time, size)}, paths relative to the folder."""
-    files = {}
-    for root, _, names in os.walk(folder):
-        for name in names:
-            path = os.path.join(root, name)
-            status = os.lstat(path)
-            files[os.path.relpath(path, folder)] = (status.st_mtime_ns, status.st_size)
-    return files
-
-
-def names_one_of(command, paths):
-    """Whether a word of the command is one of the paths, a folder of one, or a pattern of them."""
-    named = {folder for path in paths for folder in folders_of(path)}
-    words = {word.removeprefix("./").rstrip("/") for word in re.split(r"[\s\"'<>|&;()=]+", command)}
-    return any(fnmatch.fnmatch(name, word) for word in words for name in named)
-
-
-def folders_of(path):
-    """runs/a/b.json: itself, runs/a and runs."""
-    while path:
-        yield path
-        path = os.path.dirname(path)
-
-
 @contextlib.contextmanager
 def temporary_folder():
     """In which jobs of a cluster may still be ending when it goes."""
@@ -122,20 +95,16 @@ def run(path, in_full, update):
         text = file.read()
     found = [block for block in blocks(text) if not in_full or block[2] is not None]
     assert found, f"{path}: no commands"
-    smaller_files = set()  # written by commands that did less than they say
-    compared = 0
+    changed, compared = False, 0
     with temporary_folder() as folder:
         for kind, command, output in found:
             less = command if in_full else smaller(command)
-            changed = less != command or names_one_of(command, smaller_files)
-            before = files_in(folder)
+            changed = changed or less != command
             interpreter = ["bash", "-euo", "pipefail", "-c"] if kind == "sh" else ["/usr/bin/python3", "-c"]
             done = subprocess.run([*interpreter, less], cwd=folder, capture_output=True, text=True)
             if done.returncode != 0:
                 sys.exit(f"{path}: status {done.returncode}\n{less}\n{done.stdout}{done.stderr}")
-            if changed:
-                smaller_files |= {name for name, state in files_in(folder).items() if before.get(name) != state}
-            elif output:
+            if output and not changed:
                 compared += 1
                 if re.sub(*COMMIT, done.stdout.strip("\n")) == re.sub(*COMMIT, output):
                     continue

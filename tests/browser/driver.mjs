@@ -2,6 +2,13 @@
 import { spawn } from 'node:child_process';
 import { writeFileSync } from 'node:fs';
 
+let failed = 0;
+export const check = (what, good, found = '') => {
+  console.log(`${good ? 'ok' : 'NOT OK'}: ${what}${good ? '' : `; found ${JSON.stringify(found)}`}`);
+  failed += good ? 0 : 1;
+};
+export const finish = () => process.exit(failed ? 1 : 0);
+
 export const launch = async (program, profile, { offline = false } = {}) => {
   const browser = spawn(program, ['--headless=new', '--no-sandbox', '--disable-gpu', '--remote-debugging-pipe', `--user-data-dir=${profile}`],
     { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
@@ -50,6 +57,7 @@ export const launch = async (program, profile, { offline = false } = {}) => {
     if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? expression);
     return result.value;
   };
+  const text = (selector) => evaluate(`document.querySelector(${JSON.stringify(selector)}).textContent`);
   // The value of an expression once it is true, within so many seconds.
   const until = async (expression, seconds = 10) => {
     for (const end = Date.now() + 1000 * seconds; Date.now() < end;) {
@@ -106,13 +114,22 @@ export const launch = async (program, profile, { offline = false } = {}) => {
     await Promise.race([call('Browser.close').catch(() => {}), new Promise((done) => setTimeout(done, 3000))]);
     browser.kill();
   };
-  return { call, evaluate, until, emulate, open, picture, place, click, press, swipe, close, complaints, requests };
+  return { call, evaluate, text, until, emulate, open, picture, place, click, press, swipe, close, complaints, requests };
 };
 
-// What is hard to use on the page that is open: text too pale for what is behind it (below 4.5
-// to 1), what can be pressed or seen and has no name, what can be scrolled and not be reached
-// with the keyboard, ids that are there twice.
-export const accessFaults = (evaluate) => evaluate(`(() => {
+// What is hard to use on the page that is open, whose headings within <main> begin with this level.
+export const checkAccess = async (evaluate, what, { width, first }) => {
+  const { pale, nameless, twice, headings, wide } = await accessFaults(evaluate);
+  check(`text can be read (4.5 to 1), ${what}`, pale.length === 0, pale);
+  check(`what can be pressed or seen has a name, ${what}`, nameless.length === 0, nameless);
+  check(`no id is there twice, ${what}`, twice.length === 0, twice);
+  check(`headings go down by one, ${what}`, headings[0] === first && headings.every((level, k) => k === 0 || level <= headings[k - 1] + 1), headings);
+  check(`nothing is wider than the screen, ${what}`, wide <= width, wide);
+};
+
+// Text too pale for what is behind it (below 4.5 to 1), what can be pressed or seen and has no
+// name, what can be scrolled and not be reached with the keyboard, ids that are there twice.
+const accessFaults = (evaluate) => evaluate(`(() => {
   const read = (text) => (text.match(/[\\d.]+/g) ?? []).map(Number);
   const luminance = ([r, g, b]) => [r, g, b].map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
     .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
@@ -148,5 +165,6 @@ export const accessFaults = (evaluate) => evaluate(`(() => {
       && ['auto', 'scroll'].includes(getComputedStyle(it).overflowX) && it.tabIndex < 0 && !it.querySelector('a, button, input, select, [tabindex="0"]'))
     .map((it) => it.outerHTML.slice(0, 80));
   const ids = [...document.querySelectorAll('[id]')].map((it) => it.id);
-  return { pale: pale.slice(0, 8), nameless: [...nameless, ...unreachable], twice: ids.filter((id, k) => ids.indexOf(id) !== k).slice(0, 5) };
+  return { pale: pale.slice(0, 8), nameless: [...nameless, ...unreachable], twice: ids.filter((id, k) => ids.indexOf(id) !== k).slice(0, 5),
+    headings: [...document.querySelectorAll('main :is(h1, h2, h3, h4)')].map((it) => Number(it.tagName[1])), wide: document.documentElement.scrollWidth };
 })()`);

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Feeds damaged files and senseless options to every tool and looks how it ends.
+"""Feeds damaged files, endless ones and senseless options to every tool and looks how it ends.
 
     hostile.py [--runs N] [--first K] [--seed S] [--jobs J] [--keep DIR]
 
@@ -10,6 +10,7 @@ error. Runs are numbered from 0, or from K, and depend on seed and number alone;
 folder. The tools are found in $EVO_BIN, the data in $EVO_SOURCE.
 """
 import argparse
+import contextlib
 import multiprocessing
 import os
 import random
@@ -17,6 +18,8 @@ import shutil
 import signal
 import sys
 import tempfile
+import threading
+import typing
 
 import mutate
 import options
@@ -29,22 +32,32 @@ PATIENCE = 120  # s of wall time until a run counts as hanging
 RUN_KINDS = {".h5": "hdf5", ".json": "json", ".jsonl": "json"}
 
 
+class Endless(typing.NamedTuple):
+    name: str
+    piece: bytes
+
+
 class Suite:
     def __init__(self, folder, seed):
         self.folder = folder
         self.seed = seed
         self.options = list(options.cases())
         random.Random(seed).shuffle(self.options)
+        self.endless = list(readers.endless())
+        random.Random(seed).shuffle(self.endless)
         self.weights = [row[4] for row in readers.READERS]
         valid = os.path.join(folder, "valid")
         self.run = sorted(os.path.relpath(os.path.join(place, name), valid)
                           for place, _, names in os.walk(os.path.join(valid, "run")) for name in names)
 
     def plan(self, number):
-        """Command, file with its damaged bytes or none, statuses."""
+        """Command, file with its damaged bytes or what it repeats or none, statuses."""
         if number % 3 == 2:
             words = self.options[number // 3 % len(self.options)]
             return words, None, options.STATUSES
+        if number % 6 == 3 and number // 6 < len(self.endless):
+            words, name, piece = self.endless[number // 6]
+            return words, Endless(name, piece), readers.ENDLESS
         generator = random.Random(f"{self.seed}/{number}")
         file, kind, words, statuses, _ = generator.choices(readers.READERS, self.weights)[0]
         if kind == "run":
@@ -135,19 +148,45 @@ def lay_out(file, data):
     return name
 
 
+@contextlib.contextmanager
+def endless(name, piece):
+    """A pipe that gives the piece again and again until its reader is gone; a device is there."""
+    stop = threading.Event()
+
+    def feed():
+        with contextlib.suppress(BrokenPipeError), open(name, "wb", buffering=0) as out:
+            while not stop.is_set():
+                out.write(piece * (65536 // len(piece)))
+
+    if not piece:
+        yield name
+        return
+    os.mkfifo(name)
+    writer = threading.Thread(target=feed)
+    writer.start()
+    yield name
+    stop.set()
+    os.close(os.open(name, os.O_RDONLY | os.O_NONBLOCK))  # a tool that never opened it leaves its writer waiting
+    writer.join()
+
+
 def attempt(number):
     """A fault, or nothing."""
     words, damaged, statuses = suite.plan(number)
-    feed = None
-    if damaged:
-        name = lay_out(*damaged)
+    with contextlib.ExitStack() as stack:
+        name = None
+        if isinstance(damaged, Endless):
+            name = stack.enter_context(endless(*damaged))
+        elif damaged:
+            name = lay_out(*damaged)
         feed = name if "<" in words else None
-        words = [word.replace("{}", name) for word in words if word != "<"]
-    code, seconds, kilobytes, hanging, said = execute(words, feed, PATIENCE)
+        words = [word.replace("{}", name) if name else word for word in words if word != "<"]
+        code, seconds, kilobytes, hanging, said = execute(words, feed, PATIENCE)
     fault = fault_of(code, seconds, kilobytes, hanging, said, statuses)
     if fault:
-        fault = f"run {number}: {words}: {fault}: {said[:300]!r}"
-        if damaged and keep:
+        repeated = isinstance(damaged, Endless)
+        fault = f"run {number}: {words}: {fault}: {said[:300]!r}" + (f", fed {damaged.piece!r}" if repeated else "")
+        if keep and damaged and not repeated:
             copy = shutil.copytree if os.path.isdir(name) else shutil.copy
             copy(name, os.path.join(keep, f"{number}-{name}"))
     clean()

@@ -71,6 +71,8 @@ def make(folder, source):
                     ini.write(f"{key} = {value.strip(' []') or ''}".rstrip() + "\n")
         with open("actions.csv", "w") as file:
             file.write("a,b,c,d\n1.0,1.1,0.6,1.6\n0.9,1.2,1.1,1.0\n")
+        with open("requests.jsonl", "w") as file:
+            file.write('{"reset":{"seed":1,"jitter":1e-4}}\n{"step":[[1.0,1.1,0.6,1.6]]}\n{"save":{"environments":[0]}}\n')
         run("evo-evolve", "neat", "--run", "run", "--pop", "3", "--evals", "6", "--steps", "512", "--shape", "2x2",
             "--train-options=--train environments=2 --train rollout=16", "--seed", "1", "-q")
         shutil.copy("run/run.yaml", "run.yaml")

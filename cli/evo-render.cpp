@@ -41,7 +41,6 @@ struct Settings {
   bool loop = false;
   render::Choice moments = render::Choice::event;
   bool grid = false;
-  std::optional<int> generations;
   std::optional<std::string> evolution;
   std::optional<std::string> poster;
   bool race = false;
@@ -180,31 +179,8 @@ void write_picture(const std::string& output, const std::string& title,
     throw error(Failure::io, "cannot write standard output");
 }
 
-// Robots of several files are generations, named by their folders ("gen-003"), or by the
-// files where those say nothing of generations.
-std::vector<render::Generation> read_generations(const std::vector<std::string>& files) {
-  std::vector<render::Generation> generations;
-  for (const std::string& file : files) {
-    std::string name = std::filesystem::path(file).stem().string();
-    const std::size_t begin = file.rfind("gen-");
-    if (begin != std::string::npos) name = file.substr(begin, file.find('/', begin) - begin);
-    std::vector<Robot> robots = cli::read_robots({file});
-    std::stable_sort(robots.begin(), robots.end(), [](const Robot& a, const Robot& b) {
-      return a.fitness() && (!b.fitness() || *a.fitness() > *b.fitness());
-    });
-    generations.push_back({name, std::move(robots)});
-  }
-  return generations;
-}
-
 void render_robots(const Settings& settings, const RenderOptions& options,
                    const std::vector<std::string>& files, const std::string& output) {
-  if (settings.generations) {
-    write_picture(
-        output, "Generations",
-        render::draw_generations(read_generations(files), *settings.generations, options));
-    return;
-  }
   const std::vector<Robot> robots = cli::read_robots(files);
   if (robots.empty()) throw error(Failure::data, "nothing to draw: no robots were read");
   if (is_film(output))
@@ -444,8 +420,6 @@ int main(int argc, char** argv) {
                  "event: more where more happens; gait: evenly spread over the episode; both in "
                  "other parts of a gait's cycle; time: evenly, whatever the gait");
   command.flag("--grid", settings.grid, "all robots read with ids and fitness");
-  command.option("--generations", settings.generations, "ROWS",
-                 "each file is a generation, its best ROWS robots a column");
   command.jobs_option();
   command.progress_option();
   command.example("evo-render walk.h5 -o walk.mp4", "an episode as a video");
@@ -498,7 +472,7 @@ int main(int argc, char** argv) {
           return file != standard_stream && hdf5::is_hdf5(file) &&
                  hdf5::Reader(file).exists("/episode_0");
         });
-    const bool film = rollouts && !settings.grid && !settings.generations;
+    const bool film = rollouts && !settings.grid;
     const bool still = is_still(settings);
     command.only(film, {"--episode", "--steps", "--camera", "--show", "--plot"}, "rollouts");
     command.only(film && !still, {"--fps", "--speed"}, "films of rollouts");

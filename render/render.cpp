@@ -233,17 +233,6 @@ Drawing draw_robots(const std::vector<Robot>& robots, const RenderOptions& optio
   return robot_grid(robots, theme_by_name(options.theme), options.size.width, typesetter);
 }
 
-Drawing draw_generations(const std::vector<Generation>& generations, int rows,
-                         const RenderOptions& options) {
-  check_options(options);
-  constexpr int most_rows = 50;
-  if (rows < 1 || rows > most_rows)
-    throw error(Failure::usage, "{} robots of a generation: allowed are 1 to {}", rows, most_rows);
-  Typesetter typesetter;
-  return generation_sheet(generations, rows, theme_by_name(options.theme), options.size.width,
-                          typesetter);
-}
-
 Drawing draw_poster(const PosterContent& content, const Episode& best,
                     const RenderOptions& options) {
   RenderOptions inside = options;

@@ -44,9 +44,6 @@ Drawing draw_moments(const Episode& episode, const Moments& moments, const Rende
 std::string draw_gait(const Episode& episode, const RenderOptions& options);
 Drawing draw_robot(const Robot& robot, const RenderOptions& options);
 Drawing draw_robots(const std::vector<Robot>& robots, const RenderOptions& options);
-// The best `rows` of each generation.
-Drawing draw_generations(const std::vector<Generation>& generations, int rows,
-                         const RenderOptions& options);
 
 // A run on one page, `best` being an episode of its best robot; options.size does not matter.
 Drawing draw_poster(const PosterContent& content, const Episode& best,

@@ -26,10 +26,18 @@ Chart curve(const std::vector<double>& best) {
   return {"robots tried", "fitness", true, {series}};
 }
 
+// At most `most` (2 or more) places in the line, evenly chosen, the first and the last among them.
+std::vector<std::size_t> chosen(std::size_t line, std::size_t most) {
+  std::vector<std::size_t> places;
+  for (std::size_t k = 0; k < std::min(line, most); ++k)
+    places.push_back(line <= most ? k : (k * (line - 1) + (most - 1) / 2) / (most - 1));
+  return places;
+}
+
 void draw_line(const PosterContent& content, const Rect& area, const Theme& theme,
                Typesetter& typesetter, Drawing& drawing) {
   constexpr std::size_t most = 8;
-  const auto shown = chosen_generations(content.line.size(), most);
+  const auto shown = chosen(content.line.size(), most);
   Span span;
   for (const auto& [robot, generation] : content.line) {
     const Span own = span_of(robot.body);

@@ -48,7 +48,6 @@ struct CardStyle {
   float width;
   Span span;
   int text_lines;
-  bool names = true;
   float text = 0.105F * width;
   float inset = 0.1F * width;
   float body() const {  // height of the space for the body
@@ -78,7 +77,6 @@ void draw_card(const Robot& robot, const Theme& theme, const CardStyle& style, P
   float y = at.y + style.body() + style.text;
   const std::string fitness = fitness_text(robot);
   centred(fitness, {x, y}, style.text, theme.text, true, most, typesetter, drawing);
-  if (!style.names) return;
   if (style.text_lines > 1) y += 1.35F * style.text;
   centred(name_of(robot), {x, y}, 0.88F * style.text, theme.text_muted, false, most, typesetter,
           drawing);
@@ -86,7 +84,8 @@ void draw_card(const Robot& robot, const Theme& theme, const CardStyle& style, P
 
 // What holds every body of a sheet; never narrower than high by more than a half,
 // so that text finds room below slim ones.
-Span largest(const std::vector<Robot>& robots, Span span = {}) {
+Span largest(const std::vector<Robot>& robots) {
+  Span span;
   for (const Robot& robot : robots) {
     const Span own = span_of(robot.body);
     span = {std::max(span.cols, own.cols), std::max(span.rows, own.rows)};
@@ -249,106 +248,6 @@ Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int wid
               {layout.gap, static_cast<float>(layout.size.height),
                static_cast<float>(size.width) - 2 * layout.gap, 1.6F * text},
               text, typesetter, drawing);
-  return drawing;
-}
-
-// ---- generations ------------------------------------------------------------------------
-
-std::vector<std::size_t> chosen_generations(std::size_t generations, std::size_t most) {
-  std::vector<std::size_t> chosen;
-  if (generations <= most) {
-    for (std::size_t k = 0; k < generations; ++k) chosen.push_back(k);
-    return chosen;
-  }
-  for (std::size_t k = 0; k < most; ++k)
-    chosen.push_back((k * (generations - 1) + (most - 1) / 2) / (most - 1));
-  return chosen;
-}
-
-namespace {
-
-// How columns of generations are laid out: `per_band` side by side, bands below
-// each other.
-struct GenerationLayout {
-  std::size_t per_band = 1;
-  std::size_t bands = 1;
-  std::size_t shown = 1;
-  float card = 0;
-  float gap = 0;
-  float heading = 0;
-  float band = 0;  // height
-};
-
-GenerationLayout lay_out_generations(std::size_t generations, int rows, const Span& span,
-                                     int width) {
-  constexpr std::size_t narrowest = 96;  // pixels a column
-  constexpr float gap_share = 0.08F;
-  constexpr std::size_t fewest_columns = 5;  // fewer are not drawn larger than that
-  const std::size_t widest_band =
-      std::max<std::size_t>(2, static_cast<std::size_t>(width) / narrowest);
-  GenerationLayout layout;
-  const auto measure = [&](std::size_t shown) {
-    layout.shown = shown;
-    layout.bands = (shown + widest_band - 1) / widest_band;
-    layout.per_band = (shown + layout.bands - 1) / layout.bands;
-    const auto columns = static_cast<float>(std::max(layout.per_band, fewest_columns));
-    layout.card = static_cast<float>(width) / (columns * (1 + gap_share) + gap_share);
-    layout.gap = gap_share * layout.card;
-    const CardStyle style{layout.card, span, 1, false};
-    layout.heading = 2.2F * style.text;
-    layout.band = layout.heading + static_cast<float>(rows) * (style.height() + layout.gap);
-    return static_cast<float>(layout.bands) * layout.band + 3 * layout.heading;
-  };
-  std::size_t shown = generations;
-  while (measure(shown) > static_cast<float>(largest_side) && layout.bands > 1)
-    shown = (layout.bands - 1) * widest_band;
-  return layout;
-}
-
-}  // namespace
-
-Drawing generation_sheet(const std::vector<Generation>& generations, int rows, const Theme& theme,
-                         int width, Typesetter& typesetter) {
-  if (generations.empty()) throw Error(Failure::data, "there is no generation to draw");
-  check_size({width, 1});
-  std::size_t most = 0;
-  Span span;
-  for (const Generation& generation : generations) {
-    most = std::max(most, generation.robots.size());
-    span = largest(generation.robots, span);
-  }
-  rows = std::min(rows, static_cast<int>(most));
-  const GenerationLayout layout = lay_out_generations(generations.size(), rows, span, width);
-  const auto chosen = chosen_generations(generations.size(), layout.shown);
-  const CardStyle style{layout.card, span, 1, false};
-  const bool some = chosen.size() < generations.size();
-  const float note = layout.heading;
-  const float height = static_cast<float>(layout.bands) * layout.band + layout.gap + note;
-  Drawing drawing = blank({width, static_cast<int>(std::lround(height))}, theme);
-  const float used = static_cast<float>(layout.per_band) * (layout.card + layout.gap) - layout.gap;
-  const float start = (static_cast<float>(width) - used) / 2;
-  for (std::size_t c = 0; c < chosen.size(); ++c) {
-    const Generation& generation = generations[chosen[c]];
-    const float x = start + static_cast<float>(c % layout.per_band) * (layout.card + layout.gap);
-    const float y = static_cast<float>(c / layout.per_band) * layout.band;
-    centred(generation.name, {x + layout.card / 2, y + layout.heading - 0.6F * style.text},
-            style.text, theme.text_muted, true, layout.card, typesetter, drawing);
-    const std::size_t shown = std::min(generation.robots.size(), static_cast<std::size_t>(rows));
-    for (std::size_t r = 0; r < shown; ++r)
-      draw_card(generation.robots[r], theme, style,
-                {x, y + layout.heading + static_cast<float>(r) * (style.height() + layout.gap)},
-                typesetter, drawing);
-  }
-  std::vector<Robot> all;
-  for (const Generation& generation : generations)
-    all.insert(all.end(), generation.robots.begin(), generation.robots.end());
-  draw_legend(all, theme,
-              {start, height - note, static_cast<float>(width) - 2 * start, 1.6F * style.text},
-              style.text, typesetter, drawing);
-  if (some)
-    drawing.text({static_cast<float>(width) - start, height - 0.9F * style.text}, style.text,
-                 fmt::format("{} of {} generations", chosen.size(), generations.size()),
-                 theme.text_muted, Align::right);
   return drawing;
 }
 

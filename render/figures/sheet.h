@@ -1,8 +1,6 @@
 // Sheets: several small pictures on one, with text below each.
 #pragma once
 
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "formats/robot/robot.h"
@@ -33,17 +31,6 @@ Drawing robot_picture(const Robot& robot, const Theme& theme, Size size, Typeset
 Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int width,
                    Typesetter& typesetter);
 
-// The figure "Evolution of robot designs" of the benchmark's paper: a column for
-// each generation, its best robots from the top, fitness below each. Generations
-// that find no room side by side continue below; those that find none there either are
-// left out, evenly, and the picture says so.
-struct Generation {
-  std::string name;           // heading of the column
-  std::vector<Robot> robots;  // best first
-};
-Drawing generation_sheet(const std::vector<Generation>& generations, int rows, const Theme& theme,
-                         int width, Typesetter& typesetter);
-
 // Moments of an episode side by side, in rows when they are many.
 Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const Theme& theme,
                      int width, Typesetter& typesetter);
@@ -54,9 +41,5 @@ Drawing robot_sheet(const std::vector<Clip>& clips, double step, const Theme& th
 
 // Width to height of a panel of a moment sheet, for the clip's camera.
 double moment_aspect(std::size_t moments);
-
-// `most` (2 or more) of the generations, evenly chosen, the first and the last
-// always among them; all if they are no more.
-std::vector<std::size_t> chosen_generations(std::size_t generations, std::size_t most);
 
 }  // namespace evo::render

@@ -122,12 +122,10 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:
   fails_with 66 "missing" -- evo-render --poster missing -o x.pdf
 }
 
-@test "robots are called by their names, columns of robots by their files" {
+@test "robots are called by their names" {
   evo-sample -n 2 --seed 1 | jq -c '.name = "neat-\(.origin.index)"' > NEAT.jsonl
   evo-render --grid NEAT.jsonl -o named.svg
   grep -q '>neat-0<' named.svg && grep -q '>neat-1<' named.svg
-  evo-render --generations 2 NEAT.jsonl -o columns.svg
-  grep -q '>NEAT<' columns.svg
 }
 
 @test "colours, contacts and curves over a picture, each with what it measures" {

@@ -120,9 +120,6 @@ TEST_CASE("golden: sheets") {
   options.size = {480, 480};
   compare("robot", draw_robot(robots(1)[0], options));
   compare("robots", draw_robots(robots(7), options));
-  std::vector<Generation> generations;
-  for (int g = 0; g < 4; ++g) generations.push_back({"gen " + std::to_string(g), robots(3)});
-  compare("generations", draw_generations(generations, 4, options));
   const Rollout rollout = example::simulate("Walker-v0", example::walker, 100);
   options.size.width = 720;
   compare("moments", draw_moments({&rollout, 0, ""}, {6}, options));

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "libevo/base/error.h"
+#include "libevo/body/changes.h"
 #include "render/figures/key.h"
 #include "render/figures/label.h"
 #include "render/figures/legend.h"
@@ -179,14 +180,12 @@ void draw_body(const Body& body, const Span& span, const Theme& theme, const Rec
   const Vec2 centre = centre_of_voxels(mesh, scene.points);
   scene.view = {centre.x, centre.y, span.cols + border, span.rows + border};
   scene.sky = scene.grid = scene.floor = scene.tint = false;
-  if (before != nullptr && before->rows == body.rows && before->cols == body.cols)
-    for (int row = 0; row < body.rows; ++row)
-      for (int col = 0; col < body.cols; ++col) {
-        if (before->at(row, col) == body.at(row, col)) continue;
-        const double x = col;
-        const double y = body.rows - row;
-        scene.framed.push_back({Vec2{x, y}, {x + 1, y}, {x + 1, y - 1}, {x, y - 1}});
-      }
+  if (before != nullptr)
+    for (const Change& change : changes(*before, body)) {
+      const double x = change.col;
+      const double y = body.rows - change.row;
+      scene.framed.push_back({Vec2{x, y}, {x + 1, y}, {x + 1, y - 1}, {x, y - 1}});
+    }
   draw_scene(scene, theme, area, drawing);
   drawing.clip(drawing.whole());
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libevo/base/error.h"
+#include "libevo/body/changes.h"
 #include "render/figures/key.h"
 #include "render/figures/label.h"
 
@@ -21,7 +22,6 @@ constexpr double flashes = 5.0;  // per second
 std::vector<std::array<Vec2, 4>> changed_voxels(const Body& before, const Body& body,
                                                 const Clip& clip) {
   std::vector<std::array<Vec2, 4>> changed;
-  if (before.rows != body.rows || before.cols != body.cols) return changed;
   const auto first = std::find_if(body.cells.begin(), body.cells.end(),
                                   [](Voxel voxel) { return voxel != Voxel::empty; });
   if (first == body.cells.end()) return changed;
@@ -29,13 +29,11 @@ std::vector<std::array<Vec2, 4>> changed_voxels(const Body& before, const Body& 
   const ModelObject& robot = clip.mesh().objects.front();
   const auto cell = static_cast<std::size_t>(robot.first_cell);
   const Vec2 corner = clip.points(0)[static_cast<std::size_t>(clip.mesh().cells[cell].points[0])];
-  for (int row = 0; row < body.rows; ++row)
-    for (int col = 0; col < body.cols; ++col) {
-      if (before.at(row, col) == body.at(row, col)) continue;
-      const double x = corner.x + col - index % body.cols;
-      const double y = corner.y - row + index / body.cols;
-      changed.push_back({Vec2{x, y}, {x + 1, y}, {x + 1, y - 1}, {x, y - 1}});
-    }
+  for (const Change& change : changes(before, body)) {
+    const double x = corner.x + change.col - index % body.cols;
+    const double y = corner.y - change.row + index / body.cols;
+    changed.push_back({Vec2{x, y}, {x + 1, y}, {x + 1, y - 1}, {x, y - 1}});
+  }
   return changed;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "formats/io/values.h"
+#include "formats/run/lineage.h"
 #include "libevo/base/join.h"
 #include "render/report/choice.h"
 #include "render/report/markup.h"
@@ -205,7 +206,9 @@ std::string film_card(const Run& run) {
          still_pictures(*run.film) + "</div>\n</section>\n";
 }
 
-bool has_lineage(const Run& run) { return lineage(run, *run.champion).size() > 1; }
+bool has_lineage(const Run& run) {
+  return lineage(run.robots, run.by_id, *run.champion).size() > 1;
+}
 
 namespace {
 
@@ -278,15 +281,16 @@ std::string gain(const Run& run, double difference) {
 
 // What the robot has from its parent and what it has not.
 std::string descent(const Run& run, const Entry& child, const Entry& from,
-                    const std::optional<std::vector<Change>>& changed) {
+                    const std::vector<Change>& changed) {
   std::string html;
   if (child.fitness && from.fitness) html += " " + gain(run, *child.fitness - *from.fitness);
   html += "<ul>";
-  if (!changed) {
+  const Body& before = from.robot.body;
+  if (const Body& body = child.robot.body; before.rows != body.rows || before.cols != body.cols) {
     html += "<li>another size</li>";
   } else {
-    html += fmt::format("<li>{} changed</li>", count_of(changed->size(), "voxel"));
-    html += change_list(*changed);
+    html += fmt::format("<li>{} changed</li>", count_of(changed.size(), "voxel"));
+    html += change_list(changed);
   }
   for (const std::string& id : child.robot.parents())
     if (id != from.robot.id)
@@ -298,7 +302,7 @@ std::string descent(const Run& run, const Entry& child, const Entry& from,
 
 std::string lineage_step(const Run& run, const Entry& entry, const Entry* from,
                          const std::string& anchor) {
-  std::optional<std::vector<Change>> changed;
+  std::vector<Change> changed;
   if (from != nullptr) changed = changes(from->robot.body, entry.robot.body);
   const std::string moving = run.replays.contains(run.by_id.at(entry.robot.id))
                                  ? fmt::format(
@@ -309,8 +313,7 @@ std::string lineage_step(const Run& run, const Entry& entry, const Entry* from,
   return fmt::format(
       "<li><div class=\"step\"><a href=\"#{}-{}\">{}{}</a><div><span class=\"score\">{}</span>{}"
       "<div class=\"note\">generation {}</div></div></div></li>\n",
-      anchor, entry.robot.id, moving,
-      picture(entry.robot.id, entry.robot.body, changed.value_or(std::vector<Change>{})),
+      anchor, entry.robot.id, moving, picture(entry.robot.id, entry.robot.body, changed),
       run.text(entry.fitness), from != nullptr ? descent(run, entry, *from, changed) : "",
       entry.generation);
 }
@@ -318,7 +321,7 @@ std::string lineage_step(const Run& run, const Entry& entry, const Entry* from,
 }  // namespace
 
 std::string lineage_card(const Run& run, const std::string& anchor) {
-  const std::vector<std::size_t> line = lineage(run, *run.champion);
+  const std::vector<std::size_t> line = lineage(run.robots, run.by_id, *run.champion);
   if (line.size() == 1) return "";
   std::string html =
       "<section class=\"card long\">\n" +

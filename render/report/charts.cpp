@@ -10,9 +10,9 @@
 
 #include "formats/io/values.h"
 #include "formats/robot/archive.h"
+#include "formats/run/lineage.h"
 #include "libevo/base/error.h"
 #include "render/report/choice.h"
-#include "render/report/lineage.h"
 #include "render/report/repetitions.h"
 #include "render/report/statistics.h"
 #include "render/scene/round_numbers.h"
@@ -218,7 +218,7 @@ Figure tree(const Run& run) {
   std::set<std::string> parents;
   for (const Entry& entry : run.robots)
     for (const std::string& id : entry.robot.parents()) parents.insert(id);
-  const std::vector<std::size_t> line = lineage(run, *run.champion);
+  const std::vector<std::size_t> line = lineage(run.robots, run.by_id, *run.champion);
   const bool thinned = run.shown.size() > many;
   // Within its generation, robots stand in the order they were trained.
   std::map<int, int> size;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "render/report/lineage.h"
+#include "formats/run/lineage.h"
 
 namespace evo::report {
 namespace {
@@ -70,7 +70,7 @@ std::vector<std::size_t> shown_one_by_one(const Run& run, std::size_t most) {
   fittest.resize(most / 2);
   add(fittest);
   add(spread(all, most - most / 2));
-  if (run.champion) add(lineage(run, *run.champion));
+  if (run.champion) add(lineage(run.robots, run.by_id, *run.champion));
   std::optional<double> best;
   for (const std::size_t robot : all)
     if (const auto& fitness = run.robots[robot].fitness; fitness && (!best || *fitness > *best)) {
@@ -85,8 +85,8 @@ std::vector<std::size_t> shown_one_by_one(const Run& run, std::size_t most) {
 std::set<std::size_t> looked_at_first(const Run& run, std::size_t most) {
   std::set<std::size_t> chosen;
   if (!run.champion) return chosen;
-  for (const std::size_t robot : spread(lineage(run, *run.champion), moving_ancestors))
-    chosen.insert(robot);
+  const auto line = lineage(run.robots, run.by_id, *run.champion);
+  for (const std::size_t robot : spread(line, moving_ancestors)) chosen.insert(robot);
   std::vector<std::size_t> fittest = ranked(run);
   fittest.resize(std::min(fittest.size(), most));
   for (const std::size_t robot : fittest)

@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "formats/io/text.h"
-#include "libevo/body/body.h"
-#include "render/report/lineage.h"
+#include "libevo/body/changes.h"
 
 namespace evo::report {
 

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "render/figures/chart.h"
-#include "render/report/lineage.h"
 #include "render/report/run.h"
 
 namespace evo::report {

@@ -7,7 +7,6 @@
 
 #include "formats/run/settings.h"
 #include "libevo/base/join.h"
-#include "render/report/lineage.h"
 
 namespace evo::report {
 namespace {

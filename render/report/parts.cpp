@@ -8,10 +8,9 @@
 
 namespace evo::report {
 
-std::string Page::link(const Robot& robot, const std::string& anchor,
-                       const std::vector<Change>& changed) {
+std::string Page::link(const Robot& robot, const std::string& anchor) {
   return fmt::format("<a class=\"to-robot\" href=\"#{}-{}\">{}</a>", anchor, robot.id,
-                     picture(robot.id, robot.body, changed));
+                     picture(robot.id, robot.body));
 }
 
 std::string Page::chart(const render::Figure& figure, render::Size size, const Run* run,
@@ -62,7 +61,6 @@ std::string table_head(const std::vector<Column>& columns) {
   for (const Column& column : columns) {
     head += fmt::format("<th class=\"{}\"", column.look);
     if (column.first_order != nullptr) head += fmt::format(" data-sort=\"{}\"", column.first_order);
-    if (column.sorted) head += fmt::format(" aria-sort=\"{}\"", column.first_order);
     head += fmt::format(">{}</th>", column.name);
   }
   return head + "</tr></thead>\n";

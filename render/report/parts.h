@@ -17,8 +17,7 @@ struct Page {
   render::Typesetter typesetter;
 
   // A picture that leads to the robot's card.
-  std::string link(const Robot& robot, const std::string& anchor,
-                   const std::vector<Change>& changed = {});
+  std::string link(const Robot& robot, const std::string& anchor);
   // A chart with what report.js says of its points; `run`: whose robots they are.
   std::string chart(const render::Figure& figure, render::Size size, const Run* run,
                     const std::string& anchor);
@@ -48,7 +47,6 @@ struct Column {
   const char* name;
   const char* look = "n";
   const char* first_order = "descending";  // nothing: not to be sorted by
-  bool sorted = false;                     // in that order, as it is
 };
 std::string table_head(const std::vector<Column>& columns);
 

@@ -367,7 +367,7 @@ std::string robots_card(const Run& run, const std::string& anchor) {
 std::string settings_card(const std::vector<const Run*>& runs) {
   std::vector<std::string> names;
   for (const Run* run : runs)
-    for (const Setting& setting : run->settings)
+    for (const RunSetting& setting : run->settings)
       if (std::find(names.begin(), names.end(), setting.name) == names.end())
         names.push_back(setting.name);
   std::string head;

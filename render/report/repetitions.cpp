@@ -12,7 +12,7 @@ namespace {
 // All settings but the seed, as text.
 std::string without_seed(const Run& run) {
   std::string key;
-  for (const Setting& setting : run.settings)
+  for (const RunSetting& setting : run.settings)
     if (setting.name != "seed") key += setting.name + "=" + setting.value + "\n";
   return key;
 }
@@ -21,7 +21,7 @@ std::string without_seed(const Run& run) {
 std::string name_of(const Run& run, const std::vector<Repetitions>& groups) {
   const std::string method = run.method();
   std::string name = method;
-  for (const Setting& setting : run.settings) {
+  for (const RunSetting& setting : run.settings) {
     const bool differs = std::any_of(groups.begin(), groups.end(), [&](const Repetitions& other) {
       return other.method == method && other.runs[0]->setting(setting.name) != setting.value;
     });

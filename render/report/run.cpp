@@ -9,7 +9,6 @@
 #include "formats/rollout/ending.h"
 #include "formats/rollout/episodes.h"
 #include "formats/rollout/rollout.h"
-#include "formats/run/run.h"
 #include "formats/run/run_policy.h"
 #include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
@@ -41,8 +40,8 @@ std::string purpose_of(const PolicyFile& policy) {
   return text && text->is_scalar() ? text->text() : "";
 }
 
-std::vector<Setting> masked(const RunFolder& folder) {
-  std::vector<Setting> list;
+std::vector<RunSetting> masked(const RunFolder& folder) {
+  std::vector<RunSetting> list;
   for (const auto& [name, value] : folder.settings().list())
     list.push_back({name, without_folders(value)});
   if (folder.settings().is_evaluated() && !folder.settings().source_hash().empty())
@@ -134,7 +133,7 @@ void read_recording(const fs::path& folder, const std::string& id, Run& run) {
 }  // namespace
 
 std::string Run::setting(const std::string& name) const {
-  for (const Setting& setting : settings)
+  for (const RunSetting& setting : settings)
     if (setting.name == name) return setting.value;
   return "";
 }

@@ -11,17 +11,11 @@
 
 #include "formats/io/json.h"
 #include "formats/robot/robot.h"
+#include "formats/run/run.h"
 #include "render/report/film.h"
 #include "render/report/training.h"
 
 namespace evo::report {
-
-// One line of run.yaml. Folders are cut off values that are paths, so that a page
-// says nothing about the machine it was made on.
-struct Setting {
-  std::string name;
-  std::string value;
-};
 
 // A trained robot, where it was scored first.
 struct Entry {
@@ -55,7 +49,9 @@ struct Run {
   std::string folder;
   // What the task is for, "Walk to the right over flat ground."; empty where no policy says it.
   std::string purpose;
-  std::vector<Setting> settings;
+  // The lines of run.yaml. Folders are cut off values that are paths, so that a page says
+  // nothing about the machine it was made on.
+  std::vector<RunSetting> settings;
   std::vector<Entry> robots;  // in the order they were trained
   std::map<std::string, std::size_t> by_id;
   std::vector<Generation> generations;

@@ -268,7 +268,7 @@ std::string encode_picture(const Drawing& drawing, const std::string& title,
 
 // ---- moving pictures --------------------------------------------------------------------------
 
-VideoReport render_video(const std::vector<Episode>& episodes, const RenderOptions& options,
+std::size_t render_video(const std::vector<Episode>& episodes, const RenderOptions& options,
                          const std::string& output, const Progress& progress) {
   check_options(options);
   check_movie(options.size, output);
@@ -281,7 +281,7 @@ VideoReport render_video(const std::vector<Episode>& episodes, const RenderOptio
       output);
 }
 
-VideoReport render_race(const std::vector<Episode>& episodes, const RenderOptions& options,
+std::size_t render_race(const std::vector<Episode>& episodes, const RenderOptions& options,
                         const std::string& output, const Progress& progress) {
   check_options(options);
   check_movie(options.size, output);
@@ -294,7 +294,7 @@ VideoReport render_race(const std::vector<Episode>& episodes, const RenderOption
       output);
 }
 
-VideoReport render_evolution(const std::vector<Champion>& champions, const RenderOptions& options,
+std::size_t render_evolution(const std::vector<Champion>& champions, const RenderOptions& options,
                              const std::string& output, const Progress& progress) {
   check_options(options);
   check_movie(options.size, output);

@@ -60,15 +60,15 @@ std::string encode_picture(const Drawing& drawing, const std::string& title,
 
 // Episodes as a video, side by side when they are several (a shorter one stays at
 // its end). The form follows from `output` (movie.h). Files appear whole or not at
-// all. A reader of "-" that goes away ends the work quietly. Throws Error(usage) for
-// another ending or odd sizes of videos.
-VideoReport render_video(const std::vector<Episode>& episodes, const RenderOptions& options,
+// all. Returns the number of frames. Throws Error(usage) for another ending or odd sizes of
+// videos.
+std::size_t render_video(const std::vector<Episode>& episodes, const RenderOptions& options,
                          const std::string& output, const Progress& progress = {});
 // The same episodes in one world, with a ranking (race.h).
-VideoReport render_race(const std::vector<Episode>& episodes, const RenderOptions& options,
+std::size_t render_race(const std::vector<Episode>& episodes, const RenderOptions& options,
                         const std::string& output, const Progress& progress = {});
 // The best robots of an evolution, one after the other (evolution_film.h).
-VideoReport render_evolution(const std::vector<Champion>& champions, const RenderOptions& options,
+std::size_t render_evolution(const std::vector<Champion>& champions, const RenderOptions& options,
                              const std::string& output, const Progress& progress = {});
 
 }  // namespace evo::render

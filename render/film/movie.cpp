@@ -120,7 +120,7 @@ void check_movie(Size size, const std::string& output) {
   if (form_of(output) == Form::video && !output.ends_with(".gif")) check_video_size(size, output);
 }
 
-VideoReport write_movie(const Movie& movie, const std::string& output) {
+std::size_t write_movie(const Movie& movie, const std::string& output) {
   check_movie(movie.size, output);
   switch (form_of(output)) {
     case Form::video: {
@@ -138,7 +138,7 @@ VideoReport write_movie(const Movie& movie, const std::string& output) {
       write_frames(movie, [&](PixelView frame) { write_png(output, frame); });
       break;
   }
-  return {movie.frames, static_cast<double>(movie.frames) / movie.fps};
+  return movie.frames;
 }
 
 }  // namespace evo::render

@@ -23,11 +23,6 @@ struct Movie {
   Progress progress;  // may be empty
 };
 
-struct VideoReport {
-  std::size_t frames = 0;
-  double seconds = 0;  // playing time
-};
-
 // Whether the name stands for a picture per frame. Throws Error(usage) for a name that
 // says no form.
 bool is_sequence(const std::string& output);
@@ -35,7 +30,8 @@ bool is_sequence(const std::string& output);
 void check_movie(Size size, const std::string& output);
 
 // The form follows from `output`: .mp4, .webm or .gif, a name with %05d or the like (a PNG
-// per frame, counted from 0; folders are made), .png for a single frame.
-VideoReport write_movie(const Movie& movie, const std::string& output);
+// per frame, counted from 0; folders are made), .png for a single frame. Returns the number of
+// frames.
+std::size_t write_movie(const Movie& movie, const std::string& output);
 
 }  // namespace evo::render

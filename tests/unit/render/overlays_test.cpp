@@ -220,7 +220,7 @@ TEST_CASE("why an episode ended stands in its last moment, and videos stay there
     options.size = {96, 54};
     options.fps = 20;
     options.speed = 0.4;
-    return render_video({{&rollout, 0, ""}}, options, folder / name).frames;
+    return render_video({{&rollout, 0, ""}}, options, folder / name);
   };
   RenderOptions cut;
   cut.to = 3;

@@ -121,7 +121,6 @@ void check_movie(Size size, const std::string& output) {
 }
 
 std::size_t write_movie(const Movie& movie, const std::string& output) {
-  check_movie(movie.size, output);
   switch (form_of(output)) {
     case Form::video: {
       FfmpegEncoder encoder(output, movie.size, movie.fps);

@@ -29,9 +29,9 @@ bool is_sequence(const std::string& output);
 // Throws the same, and Error(usage) for odd sizes of videos.
 void check_movie(Size size, const std::string& output);
 
-// The form follows from `output`: .mp4, .webm or .gif, a name with %05d or the like (a PNG
-// per frame, counted from 0; folders are made), .png for a single frame. Returns the number of
-// frames.
+// What check_movie() has passed. The form follows from `output`: .mp4, .webm or .gif, a name
+// with %05d or the like (a PNG per frame, counted from 0; folders are made), .png for a single
+// frame. Returns the number of frames.
 std::size_t write_movie(const Movie& movie, const std::string& output);
 
 }  // namespace evo::render

@@ -49,13 +49,11 @@ Arguments encoder_arguments(const std::filesystem::path& path) {
   if (extension == ".webm")
     return {"-c:v",     "libvpx-vp9", "-crf", "30",      "-b:v", "0",  "-deadline",
             "realtime", "-cpu-used",  "6",    "-row-mt", "1",    "-f", "webm"};
-  // One palette of the whole film; colours that are even stay so.
-  if (extension == ".gif")
-    return {"-filter_complex",
-            "split[all][seen];[seen]palettegen[palette];"
-            "[all][palette]paletteuse=dither=none:diff_mode=rectangle",
-            "-f", "gif"};
-  throw error(Failure::usage, "{}: a video ends in .mp4, .webm or .gif", path.string());
+  // .gif: one palette of the whole film; colours that are even stay so.
+  return {"-filter_complex",
+          "split[all][seen];[seen]palettegen[palette];"
+          "[all][palette]paletteuse=dither=none:diff_mode=rectangle",
+          "-f", "gif"};
 }
 
 Arguments ffmpeg_arguments(const std::filesystem::path& path, const std::filesystem::path& output,

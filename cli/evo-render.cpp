@@ -68,10 +68,8 @@ bool is_film(const std::string& output) {
 }
 
 // One of an episode's many pictures.
-void refuse_film_as_picture(const Settings& settings, const RenderOptions& options,
-                            const std::string& output) {
-  if (output.ends_with(".png") && output.find('%') == std::string::npos && !is_still(settings) &&
-      options.to != options.from)
+void refuse_film_as_picture(const Settings& settings, const std::string& output) {
+  if (output.ends_with(".png") && output.find('%') == std::string::npos && !is_still(settings))
     throw error(
         Failure::usage,
         "{}: one picture of an episode is made by --at STEP, --strip N or --panels N; a film "
@@ -449,7 +447,7 @@ int main(int argc, char** argv) {
     if (settings.evolution) {
       if (!files.empty())
         throw error(Failure::usage, "--evolution shows the robots of a run, without files");
-      refuse_film_as_picture(settings, options, command.output);
+      refuse_film_as_picture(settings, command.output);
       choose_format(settings, command.output.ends_with(".gif"), options);
       if (!settings.fps) options.fps = std::min(options.fps, 30.0);
       render::check_options(options);
@@ -482,7 +480,7 @@ int main(int argc, char** argv) {
     choose_format(settings, film && command.output.ends_with(".gif"), options);
     render::check_options(options);
     if (film) {
-      refuse_film_as_picture(settings, options, command.output);
+      refuse_film_as_picture(settings, command.output);
       render_rollouts(settings, options, files, command.output, command.progress_style());
     } else {
       if (settings.race)

@@ -29,8 +29,9 @@ void paint_frame(const Movie& movie, Painter& painter, std::size_t k,
   painter.paint(movie.draw(k, painter.typesetter()), {movie.size, rgba});
 }
 
-// A film through ffmpeg, or one picture.
-void write_frames(const Movie& movie, const std::function<void(PixelView)>& take) {
+// Through ffmpeg.
+void write_video(const Movie& movie, const std::string& output) {
+  FfmpegEncoder encoder(output, movie.size, movie.fps);
   const std::size_t bytes = rgba_bytes(movie.size);
   run_workers({movie.frames, bytes, movie.workers,
                [&](Painter& painter, std::size_t k, std::span<std::uint8_t> buffer) {
@@ -39,9 +40,10 @@ void write_frames(const Movie& movie, const std::function<void(PixelView)>& take
                },
                [&](std::size_t k, std::span<const std::uint8_t> rgba) {
                  finished(movie, k);
-                 take({movie.size, rgba});
+                 encoder.add(rgba);
                  return true;
                }});
+  encoder.finish();
 }
 
 // "frames/%05d.png": what stands before the number, its width, what comes after.
@@ -96,47 +98,30 @@ void check_video_size(Size size, const std::string& output) {
               size.width, size.height, size.width + size.width % 2, size.height + size.height % 2);
 }
 
-enum class Form { sequence, video, picture };
+}  // namespace
 
-Form form_of(const std::string& output) {
+bool is_sequence(const std::string& output) {
   const std::string extension = fs::path(output).extension().string();
   if (output.find('%') != std::string::npos) {
-    if (extension == ".png" && pattern_of(output)) return Form::sequence;
+    if (extension == ".png" && pattern_of(output)) return true;
     throw error(Failure::usage, "{}: a sequence of pictures is named like frames/%05d.png", output);
   }
-  if (extension == ".mp4" || extension == ".webm" || extension == ".gif") return Form::video;
-  if (extension == ".png") return Form::picture;
+  if (extension == ".mp4" || extension == ".webm" || extension == ".gif") return false;
   throw error(Failure::usage,
               "{}: unknown kind of film '{}'; allowed are .mp4, .webm, .gif and a sequence like "
               "frames/%05d.png",
               output, extension);
 }
 
-}  // namespace
-
-bool is_sequence(const std::string& output) { return form_of(output) == Form::sequence; }
-
 void check_movie(Size size, const std::string& output) {
-  if (form_of(output) == Form::video && !output.ends_with(".gif")) check_video_size(size, output);
+  if (!is_sequence(output) && !output.ends_with(".gif")) check_video_size(size, output);
 }
 
 std::size_t write_movie(const Movie& movie, const std::string& output) {
-  switch (form_of(output)) {
-    case Form::video: {
-      FfmpegEncoder encoder(output, movie.size, movie.fps);
-      write_frames(movie, [&](PixelView frame) { encoder.add(frame.rgba); });
-      encoder.finish();
-      break;
-    }
-    case Form::sequence:
-      write_sequence(movie, *pattern_of(output));
-      break;
-    case Form::picture:
-      if (movie.frames != 1)
-        throw error(Failure::usage, "{}: one picture cannot show {} frames", output, movie.frames);
-      write_frames(movie, [&](PixelView frame) { write_png(output, frame); });
-      break;
-  }
+  if (const auto pattern = pattern_of(output))
+    write_sequence(movie, *pattern);
+  else
+    write_video(movie, output);
   return movie.frames;
 }
 

@@ -30,8 +30,8 @@ bool is_sequence(const std::string& output);
 void check_movie(Size size, const std::string& output);
 
 // What check_movie() has passed. The form follows from `output`: .mp4, .webm or .gif, a name
-// with %05d or the like (a PNG per frame, counted from 0; folders are made), .png for a single
-// frame. Returns the number of frames.
+// with %05d or the like (a PNG per frame, counted from 0; folders are made). Returns the number
+// of frames.
 std::size_t write_movie(const Movie& movie, const std::string& output);
 
 }  // namespace evo::render

@@ -23,7 +23,7 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:
     fails_with 2 "x.$ending" "no motion" "evo-eval --rollout" -- evo-render robot.txt -o x.$ending
   done
   fails_with 2 "x.png" "--at" "--strip" "--panels" ".gif" -- evo-render r.h5 -o x.png
-  evo-render r.h5 --steps 3-3 -o moment.png
+  fails_with 2 "x.png" "--at" -- evo-render r.h5 --steps 3-3 -o x.png
   [ -z "$(ls x.* 2> /dev/null)" ]
 }
 

@@ -63,21 +63,6 @@ TEST_CASE("names of sequences are padded as asked for") {
     });
 }
 
-TEST_CASE("one frame is an ordinary PNG") {
-  const test::ScratchFolder folder;
-  const Rollout rollout = example::simulate("Walker-v0", example::walker, 6);
-  RenderOptions options = tiny();
-  options.from = 3;
-  options.to = 3;
-  options.overlays.labels = false;
-  render_video({{&rollout, 0, ""}}, options, folder / "a.png");
-  options.to = 4;
-  expect_error(Failure::usage, Contains("cannot show 2 frames"), [&] {
-    render_video({{&rollout, 0, ""}}, options, folder / "b.png");
-  });
-  CHECK(read_png(folder / "a.png").rgba == paint(draw_moment({&rollout, 0, ""}, 3, options)).rgba);
-}
-
 TEST_CASE("several episodes share a picture, the shorter one waits at its end") {
   const Rollout one = example::simulate("Walker-v0", example::walker, 4);
   const Rollout two = example::simulate("Carrier-v0", example::small_box, 8);

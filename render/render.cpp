@@ -245,13 +245,11 @@ Drawing draw_poster(const PosterContent& content, const Episode& best,
 Image paint(const Drawing& drawing) {
   Image image(drawing.size());
   run_workers({1, image.rgba.size(), 1,
-               [&](Painter& painter, std::size_t, std::span<std::uint8_t> buffer) {
-                 painter.paint(drawing, {image.size, buffer.first(image.rgba.size())});
-                 return image.rgba.size();
+               [&](Painter& painter, std::size_t, std::span<std::uint8_t> rgba) {
+                 painter.paint(drawing, {image.size, rgba});
                },
-               [&](std::size_t, std::span<const std::uint8_t> bytes) {
-                 std::copy(bytes.begin(), bytes.end(), image.rgba.begin());
-                 return true;
+               [&](std::size_t, std::span<const std::uint8_t> rgba) {
+                 std::copy(rgba.begin(), rgba.end(), image.rgba.begin());
                }});
   return image;
 }

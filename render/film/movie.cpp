@@ -32,16 +32,13 @@ void paint_frame(const Movie& movie, Painter& painter, std::size_t k,
 // Through ffmpeg.
 void write_video(const Movie& movie, const std::string& output) {
   FfmpegEncoder encoder(output, movie.size, movie.fps);
-  const std::size_t bytes = rgba_bytes(movie.size);
-  run_workers({movie.frames, bytes, movie.workers,
-               [&](Painter& painter, std::size_t k, std::span<std::uint8_t> buffer) {
-                 paint_frame(movie, painter, k, buffer.first(bytes));
-                 return bytes;
+  run_workers({movie.frames, rgba_bytes(movie.size), movie.workers,
+               [&](Painter& painter, std::size_t k, std::span<std::uint8_t> rgba) {
+                 paint_frame(movie, painter, k, rgba);
                },
                [&](std::size_t k, std::span<const std::uint8_t> rgba) {
                  finished(movie, k);
                  encoder.add(rgba);
-                 return true;
                }});
   encoder.finish();
 }
@@ -84,12 +81,8 @@ void write_sequence(const Movie& movie, const Pattern& pattern) {
                                                              std::span<std::uint8_t>) mutable {
                  paint_frame(movie, painter, k, image.rgba);
                  write_png(pattern.name(k), view(image), Effort::quick);
-                 return std::size_t{0};
                },
-               [&movie](std::size_t k, std::span<const std::uint8_t>) {
-                 finished(movie, k);
-                 return true;
-               }});
+               [&movie](std::size_t k, std::span<const std::uint8_t>) { finished(movie, k); }});
 }
 
 void check_video_size(Size size, const std::string& output) {

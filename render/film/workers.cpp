@@ -29,7 +29,7 @@ constexpr std::size_t message_bytes = 1024;    // room for an error even in a ti
 // What a worker says about a finished frame.
 struct Report {
   std::int64_t failure = 0;  // a Failure, or 0: the frame is done
-  std::uint64_t bytes = 0;   // of the frame, or of the message
+  std::uint64_t bytes = 0;   // of its message
 };
 
 // All of it, or false at the end of the stream.
@@ -118,14 +118,14 @@ void work(const FrameJob& job, const SharedMemory& memory, std::size_t buffer_by
   const auto buffer_of = [&](std::size_t round) {
     return memory.buffer(first * buffers_per_worker + round % buffers_per_worker, buffer_bytes);
   };
-  Report report;
+  Report report;  // that all is well
   std::size_t round = 0;
   try {
     Painter painter;
     for (std::size_t frame = first; frame < job.frames; frame += stride, ++round) {
       char credit = 0;
       if (round >= buffers_per_worker && !receive(socket, credit)) return;
-      report.bytes = job.draw(painter, frame, buffer_of(round));
+      job.draw(painter, frame, buffer_of(round).first(job.frame_bytes));
       if (!send(socket, report)) return;
     }
     return;
@@ -213,10 +213,11 @@ void run_workers(const FrameJob& job) {
     const auto buffer =
         memory.buffer(who * buffers_per_worker + round % buffers_per_worker, buffer_bytes);
     const Report report = workers[who].next();
-    const auto bytes = buffer.first(static_cast<std::size_t>(report.bytes));
-    if (report.failure != 0)
-      throw Error(static_cast<Failure>(report.failure), {bytes.begin(), bytes.end()});
-    if (!job.take(frame, bytes)) return;
+    if (report.failure != 0) {
+      const auto message = buffer.first(static_cast<std::size_t>(report.bytes));
+      throw Error(static_cast<Failure>(report.failure), {message.begin(), message.end()});
+    }
+    job.take(frame, buffer.first(job.frame_bytes));
     // Credit is only read by a worker that has another frame for this buffer.
     if (frame + buffers_per_worker * stride < job.frames) workers[who].give_back();
   }

@@ -15,13 +15,12 @@ namespace evo::render {
 
 struct FrameJob {
   std::size_t frames = 0;
-  std::size_t frame_bytes = 0;  // most bytes of one frame
-  int workers = 1;              // processes
-  // Called in a worker: fills `buffer`, returns how many bytes are used.
-  std::function<std::size_t(Painter& painter, std::size_t frame, std::span<std::uint8_t> buffer)>
-      draw;
-  // Called here, in order of frames. False stops early.
-  std::function<bool(std::size_t frame, std::span<const std::uint8_t> bytes)> take;
+  std::size_t frame_bytes = 0;
+  int workers = 1;  // processes
+  // Called in a worker: fills the bytes.
+  std::function<void(Painter& painter, std::size_t frame, std::span<std::uint8_t> bytes)> draw;
+  // Called here, in order of frames.
+  std::function<void(std::size_t frame, std::span<const std::uint8_t> bytes)> take;
 };
 
 // Throws what `draw` or `take` threw (an exception of a worker keeps its kind

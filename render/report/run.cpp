@@ -12,6 +12,7 @@
 #include "formats/run/run_policy.h"
 #include "formats/training/policy.h"
 #include "libevo/base/parallel.h"
+#include "render/render.h"
 #include "render/report/choice.h"
 #include "render/report/replay.h"
 #include "render/scene/round_numbers.h"
@@ -117,6 +118,15 @@ void read_trainings(const RunFolder& folder, std::size_t replays, int threads, R
   }
 }
 
+std::string draw_film(const Rollout& rollout, const char* theme) {
+  constexpr int moments = 6;
+  render::RenderOptions options;
+  options.size = {1140, 560};  // pixels, as wide as the page
+  options.theme = theme;
+  return render::encode_picture(render::draw_moments({&rollout, 0, ""}, {moments}, options),
+                                rollout.task, "film.svg");
+}
+
 // The champion's recorded episode: its way as a picture, and its replay where its
 // policy is gone.
 void read_recording(const fs::path& folder, const std::string& id, Run& run) {
@@ -124,7 +134,7 @@ void read_recording(const fs::path& folder, const std::string& id, Run& run) {
   if (!fs::is_regular_file(file)) return;
   const Rollout rollout = read_rollout(file);
   if (!rollout.robot || rollout.robot->id != id) return;
-  run.film = draw_film(rollout);
+  run.film = Film{draw_film(rollout, "light"), draw_film(rollout, "dark")};
   if (run.replays.contains(*run.champion)) return;
   run.replays.emplace(*run.champion, replay_of(rollout));
   run.world = world_of(rollout);

@@ -12,7 +12,6 @@
 #include "formats/io/json.h"
 #include "formats/robot/robot.h"
 #include "formats/run/run.h"
-#include "render/report/film.h"
 #include "render/report/training.h"
 
 namespace evo::report {
@@ -42,6 +41,12 @@ struct Generation {
   std::size_t planned = 0;                    // robots of the population, trained or not
 };
 
+// The way of a robot in one picture, for paper, and where there is no JavaScript: SVG documents.
+struct Film {
+  std::string light;
+  std::string dark;
+};
+
 struct Run {
   std::string label;  // the folder's name
   // As commands name it: as it was given, from the folder in which the page was made; by its
@@ -60,7 +65,7 @@ struct Run {
   // have a part in curves and figures alone, and `training` is empty.
   std::vector<std::size_t> shown;
 
-  // The fittest robot, the first of equals, and pictures of its way.
+  // The fittest robot, the first of equals, and its way.
   std::optional<std::size_t> champion;
   std::optional<Film> film;
   // Episodes (replay.h) of robots whose policies are there, and what stands still around

@@ -14,6 +14,7 @@
 #include "formats/io/values.h"
 #include "formats/rollout/episodes.h"
 #include "formats/rollout/rollout.h"
+#include "formats/run/best_so_far.h"
 #include "formats/run/lineage.h"
 #include "formats/run/run.h"
 #include "formats/run/run_policy.h"
@@ -293,16 +294,11 @@ void render_poster(const std::string& folder, const RenderOptions& options,
     throw error(Failure::no_input, "{}: is not there, so the best robot cannot be shown",
                 history.folder().policy(champion.robot.id).string());
   const Rollout rollout = play(found->policy, found->file, cli::created_by("evo-render"));
-  render::PosterContent content{rollout.task, "", {}, {}};
+  render::PosterContent content{rollout.task, "", {}, best_so_far(history.robots())};
   for (const std::size_t k : lineage(history.robots(), history.by_id(), *best))
     content.line.push_back({history.robots()[k].robot, history.robots()[k].generation});
   std::int64_t steps = 0;
-  for (const TrainedRobot& robot : history.robots()) {
-    const double so_far = content.best.empty() ? *champion.fitness : content.best.back();
-    const double own = robot.fitness.value_or(so_far);
-    content.best.push_back(content.best.empty() ? own : std::max(so_far, own));
-    steps += robot.robot.steps().value_or(0);
-  }
+  for (const TrainedRobot& robot : history.robots()) steps += robot.robot.steps().value_or(0);
   content.sentence =
       fmt::format("The best of {} robots, found by {} in {} generations and {:.2g} million steps",
                   history.robots().size(), history.folder().settings().text("method"),

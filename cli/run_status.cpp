@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "cli/command.h"
 #include "cli/terminal.h"
 #include "formats/io/text.h"
+#include "formats/run/best_so_far.h"
 #include "formats/training/training_log.h"
 
 namespace evo::cli {
@@ -26,14 +28,8 @@ RunStatus::RunStatus(const fs::path& folder)
 }
 
 std::vector<double> RunStatus::best_so_far() const {
-  std::vector<double> curve;
-  for (const TrainedRobot& trained : history_.robots()) {
-    const bool better = trained.fitness && (curve.empty() || *trained.fitness > curve.back());
-    if (better)
-      curve.push_back(*trained.fitness);
-    else if (!curve.empty())
-      curve.push_back(curve.back());
-  }
+  std::vector<double> curve = evo::best_so_far(history_.robots());
+  std::erase_if(curve, [](double best) { return std::isnan(best); });
   return curve;
 }
 

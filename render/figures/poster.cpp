@@ -1,6 +1,7 @@
 #include "render/figures/poster.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "render/figures/chart.h"
 #include "render/figures/sheet.h"
@@ -18,11 +19,12 @@ void heading(const char* words, Point at, const Theme& theme, Drawing& drawing) 
   drawing.text(at, 1.15F * text, words, theme.text, Align::left, true);
 }
 
-// A step for each robot.
+// A step for each robot, from the first with a fitness.
 Chart curve(const std::vector<double>& best) {
   Series series{"", Series::Look::step};
-  for (const double value : best)
-    series.points.push_back({static_cast<double>(series.points.size() + 1), value, value, value});
+  for (std::size_t k = 0; k < best.size(); ++k)
+    if (!std::isnan(best[k]))
+      series.points.push_back({static_cast<double>(k + 1), best[k], best[k], best[k]});
   return {"robots tried", "fitness", true, {series}};
 }
 

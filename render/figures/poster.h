@@ -18,7 +18,7 @@ struct PosterContent {
     int generation = 0;
   };
   std::vector<Ancestor> line;  // the first ancestor first, the best robot last; not empty
-  std::vector<double> best;    // fitness of the best robot so far, after each robot
+  std::vector<double> best;    // fitness so far, after each robot; NaN: none
 };
 
 // A4 at 96 pixels an inch: a strip (or sheet) of moments of the

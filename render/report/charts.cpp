@@ -10,6 +10,7 @@
 
 #include "formats/io/values.h"
 #include "formats/robot/archive.h"
+#include "formats/run/best_so_far.h"
 #include "formats/run/lineage.h"
 #include "libevo/base/error.h"
 #include "render/report/choice.h"
@@ -59,7 +60,7 @@ std::string robots_done(const Run& run) { return fmt::format("robots {}", run.do
 Figure curve(const Run& run) {
   Series best{"best so far", Look::step, accent};
   Series robots{"each robot", Look::points, plain};
-  const std::vector<double> so_far = best_so_far(run);
+  const std::vector<double> so_far = best_so_far(run.robots);
   for (const std::size_t k : run.shown) {
     const auto x = static_cast<double>(k + 1);
     if (!std::isnan(so_far[k])) best.points.push_back(at(x, so_far[k]));
@@ -509,7 +510,7 @@ Figure comparison_figure(const std::string& task, const std::vector<const Run*>&
   for (const Run* run : runs) {
     Series& series = curves[run] = {run->label, Look::step};
     double x = 0;
-    for (const double value : best_so_far(*run)) series.points.push_back(at(++x, value));
+    for (const double value : best_so_far(run->robots)) series.points.push_back(at(++x, value));
   }
   Chart chart{robots_done(*runs[0]), "best fitness so far", true};
   const std::vector<Repetitions> groups = repetitions(runs);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/run/best_so_far.h"
 #include "render/report/parts.h"
 
 namespace evo::report {
@@ -124,7 +125,7 @@ Comparison compare(const std::vector<const Run*>& runs) {
     MethodResult result;
     std::vector<std::vector<double>> curves;
     for (const Run* run : group.runs) {
-      std::vector<double> curve = best_so_far(*run);
+      std::vector<double> curve = best_so_far(run->robots);
       if (std::isnan(curve[comparison.robots - 1])) continue;
       result.best.push_back(curve[comparison.robots - 1]);
       curves.push_back(std::move(curve));

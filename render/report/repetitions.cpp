@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace evo::report {
 namespace {
@@ -43,16 +41,6 @@ std::vector<Repetitions> repetitions(const std::vector<const Run*>& runs) {
   }
   for (Repetitions& group : groups) group.label = name_of(*group.runs[0], groups);
   return groups;
-}
-
-std::vector<double> best_so_far(const Run& run) {
-  std::vector<double> curve;
-  double best = std::numeric_limits<double>::quiet_NaN();
-  for (const Entry& entry : run.robots) {
-    if (entry.fitness && !(*entry.fitness <= best)) best = *entry.fitness;
-    curve.push_back(best);
-  }
-  return curve;
 }
 
 }  // namespace evo::report

@@ -15,7 +15,4 @@ struct Repetitions {
 };
 std::vector<Repetitions> repetitions(const std::vector<const Run*>& runs);
 
-// The best fitness after each robot trained; NaN while all have failed.
-std::vector<double> best_so_far(const Run& run);
-
 }  // namespace evo::report

@@ -2,10 +2,12 @@
 #include "render/painters/vector.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdlib>
 #include <regex>
 
 #include "formats/io/files.h"
+#include "formats/run/best_so_far.h"
 #include "render/film/race.h"
 #include "render/painters/raster.h"
 #include "render/render.h"
@@ -120,6 +122,20 @@ TEST_CASE("a PDF is one page of the drawing's size, the same every time") {
   CHECK_THAT(bytes, Contains("/MediaBox [ 0 0 360 202.5 ]"));
   CHECK_THAT(bytes, Contains("DejaVu"));  // its letters are in the file
   CHECK(encode_pdf(drawing, "Walker-v0", typesetter) == bytes);
+}
+
+TEST_CASE("the curve of a poster begins with the first robot that has not failed") {
+  struct Scored {
+    std::optional<double> fitness;
+  };
+  const auto best = best_so_far(std::vector<Scored>{{}, {1.5}, {}, {1.0}, {2.5}});
+  CHECK(std::isnan(best[0]));
+  CHECK(std::vector(best.begin() + 1, best.end()) == std::vector{1.5, 1.5, 1.5, 2.5});
+  const Robot robot(Body::from_rows({"HV"}));
+  Typesetter typesetter;
+  const std::string page = svg(poster({"Walker-v0", "", {{robot, 0}}, best}, Drawing({8, 8}),
+                                      theme_by_name("light"), typesetter));
+  CHECK(page.find("nan") == std::string::npos);
 }
 
 TEST_CASE("the ending of a name says which format") {

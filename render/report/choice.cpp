@@ -11,16 +11,6 @@ namespace {
 constexpr std::size_t sheet_columns = 40;     // generations that still fit a screen by scrolling
 constexpr std::size_t moving_ancestors = 40;  // whose episodes are a megabyte or two
 
-// At most so many of a list, evenly, the first and the last among them.
-template <typename T>
-std::vector<T> spread(const std::vector<T>& list, std::size_t most) {
-  if (list.size() <= most) return list;
-  std::vector<T> chosen;
-  for (std::size_t k = 0; k < most; ++k)
-    chosen.push_back(list[k * (list.size() - 1) / std::max<std::size_t>(1, most - 1)]);
-  return chosen;
-}
-
 // The best members of a generation by what they earned in it, as places in it.
 std::vector<std::size_t> best_of(const Generation& generation) {
   std::vector<std::size_t> best;

@@ -2,6 +2,7 @@
 // them; a page about a hundred thousand would be more than a browser bears.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <set>
 #include <vector>
@@ -9,6 +10,16 @@
 #include "render/report/run.h"
 
 namespace evo::report {
+
+// At most so many of a list, evenly, the first and the last among them.
+template <typename T>
+std::vector<T> spread(const std::vector<T>& list, std::size_t most) {
+  if (list.size() <= most) return list;
+  std::vector<T> chosen;
+  for (std::size_t k = 0; k < most; ++k)
+    chosen.push_back(list[k * (list.size() - 1) / std::max<std::size_t>(1, most - 1)]);
+  return chosen;
+}
 
 // The fittest first, failed ones last, each in the order they were trained.
 std::vector<std::size_t> ranked(const Run& run);

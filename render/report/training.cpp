@@ -6,27 +6,18 @@
 
 #include "formats/io/files.h"
 #include "formats/io/number.h"
+#include "render/report/choice.h"
 
 namespace evo::report {
 namespace {
 
-constexpr std::size_t most_points = 60;
-
-// The last point is always kept.
-template <typename T>
-std::vector<T> thinned(const std::vector<T>& points) {
-  if (points.size() <= most_points) return points;
-  std::vector<T> fewer;
-  for (std::size_t k = 0; k < most_points; ++k)
-    fewer.push_back(points[k * (points.size() - 1) / (most_points - 1)]);
-  return fewer;
-}
+constexpr std::size_t most_points = 60;  // of a curve
 
 }  // namespace
 
 Training training_of(const PolicyFile& policy) {
   Training training;
-  training.curve = thinned(policy.curve);
+  training.curve = spread(policy.curve, most_points);
   training.final_score = policy.final_score;
   training.best_step = policy.best_step;
   training.steps = policy.steps;
@@ -57,7 +48,7 @@ void add_log(const std::filesystem::path& file, Training& training) {
         series[name].emplace_back(step->second, value->second);
   }
   for (const auto& [key, name] : wanted)
-    if (!series[name].empty()) training.log.push_back({name, thinned(series[name])});
+    if (!series[name].empty()) training.log.push_back({name, spread(series[name], most_points)});
 }
 
 }  // namespace evo::report

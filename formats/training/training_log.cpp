@@ -14,19 +14,6 @@ constexpr const char* evaluation_name = "eval/return";
 constexpr const char* best_name = "eval/best";
 constexpr std::string_view resumed_mark = "resumed";
 
-// The number after `name` and a blank, on a line of such pairs.
-std::optional<double> value_of(std::string_view line, std::string_view name) {
-  for (std::size_t start = 0; start < line.size();) {
-    const std::size_t end = std::min(line.find('\t', start), line.size());
-    const std::string_view pair = line.substr(start, end - start);
-    if (pair.starts_with(name) && pair.size() > name.size() && pair[name.size()] == ' ') {
-      return number_in<double>(pair.substr(name.size() + 1));
-    }
-    start = end + 1;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 TrainingLog::TrainingLog(const std::filesystem::path& path) : out_(path, std::ios::app) {
@@ -56,6 +43,18 @@ std::optional<double> metric(const TrainingReport& report, const std::string& na
   return std::nullopt;
 }
 
+std::optional<double> logged(std::string_view line, std::string_view name) {
+  for (std::size_t start = 0; start < line.size();) {
+    const std::size_t end = std::min(line.find('\t', start), line.size());
+    const std::string_view pair = line.substr(start, end - start);
+    if (pair.starts_with(name) && pair.size() > name.size() && pair[name.size()] == ' ') {
+      return number_in<double>(pair.substr(name.size() + 1));
+    }
+    start = end + 1;
+  }
+  return std::nullopt;
+}
+
 LoggedTraining read_training_log(const std::filesystem::path& path) {
   LoggedTraining log;
   std::ifstream in(path);
@@ -64,10 +63,10 @@ LoggedTraining read_training_log(const std::filesystem::path& path) {
     if (line.starts_with('#')) {
       if (line.starts_with("# trained")) continue;
       if (!line.ends_with(resumed_mark)) log = {};
-    } else if (const auto value = value_of(line, evaluation_name)) {
+    } else if (const auto value = logged(line, evaluation_name)) {
       log.evaluations.push_back(*value);
-      log.best = value_of(line, best_name).value_or(*value);
-      log.step = value_of(line, step_name).value_or(0.0);
+      log.best = logged(line, best_name).value_or(*value);
+      log.step = logged(line, step_name).value_or(0.0);
     }
   }
   return log;

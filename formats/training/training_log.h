@@ -15,6 +15,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "libevo/control/trainer.h"
@@ -36,6 +37,9 @@ class TrainingLog {
 
 // The value of a metric of a report, where it has it.
 std::optional<double> metric(const TrainingReport& report, const std::string& name);
+
+// What a line of a log says of `name`.
+std::optional<double> logged(std::string_view line, std::string_view name);
 
 // The last training in a log, as far as it has come.
 struct LoggedTraining {

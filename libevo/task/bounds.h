@@ -20,6 +20,11 @@ struct Bounds {
     y0 = std::min(y0, p.y);
     y1 = std::max(y1, p.y);
   }
+  // Both of them.
+  void cover(const Bounds& other) {
+    add({other.x0, other.y0});
+    add({other.x1, other.y1});
+  }
   double width() const { return x1 - x0; }
   double height() const { return y1 - y0; }
 };

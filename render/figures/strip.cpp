@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "libevo/task/bounds.h"
 #include "libevo/task/spec.h"
 #include "render/figures/key.h"
 #include "render/figures/label.h"
@@ -14,13 +13,6 @@
 
 namespace evo::render {
 namespace {
-
-Bounds extent_of(const Clip& clip, int step, const ModelObject& object) {
-  Bounds extent;
-  for (int k = 0; k < object.points; ++k)
-    extent.add(clip.points(step)[static_cast<std::size_t>(object.first_point + k)]);
-  return extent;
-}
 
 // The way of the robot's centre between two steps.
 Bounds way(const Clip& clip, int from, int to) {
@@ -53,7 +45,7 @@ double ceiling(const Clip& clip, const Bounds& extent) {
 // ---- what to draw -----------------------------------------------------------------------
 
 Vec2 middle_of(const Clip& clip, int step, const ModelObject& object) {
-  const Bounds extent = extent_of(clip, step, object);
+  const Bounds extent = clip.extent(step, object);
   return {(extent.x0 + extent.x1) / 2, (extent.y0 + extent.y1) / 2};
 }
 
@@ -126,7 +118,7 @@ std::vector<std::vector<bool>> apart(const Clip& clip, const std::vector<int>& m
   std::vector<std::vector<bool>> drawn(moments.size() - 1, travels);
   for (std::size_t k = 0; k < travels.size(); ++k) {
     const ModelObject& object = clip.mesh().objects[k];
-    const Bounds size = extent_of(clip, moments.front(), object);
+    const Bounds size = clip.extent(moments.front(), object);
     const auto near = [&](Vec2 a, Vec2 b) {
       return std::hypot(a.x - b.x, a.y - b.y) < least * std::max(size.width(), size.height());
     };
@@ -172,12 +164,8 @@ Scene panorama(const Clip& clip, const std::vector<int>& moments) {
 Bounds shown(const Clip& clip, const std::vector<int>& moments, const std::vector<bool>& travels) {
   Bounds extent = way(clip, moments.front(), moments.back());
   for (const int step : moments)
-    for (std::size_t k = 0; k < travels.size(); ++k) {
-      if (!travels[k]) continue;
-      const Bounds object = extent_of(clip, step, clip.mesh().objects[k]);
-      extent.add({object.x0, object.y0});
-      extent.add({object.x1, object.y1});
-    }
+    for (std::size_t k = 0; k < travels.size(); ++k)
+      if (travels[k]) extent.cover(clip.extent(step, clip.mesh().objects[k]));
   return extent;
 }
 
@@ -429,7 +417,7 @@ Drawing standing(const Clip& clip, const std::vector<int>& moments, const Scene&
 bool has_room(const Clip& clip, const std::vector<int>& moments) {
   constexpr double least = 0.6;  // of its size, from one moment to the next
   const ModelObject& about = protagonist(clip, moments.front(), moments.back());
-  const Bounds body = extent_of(clip, moments.front(), about);
+  const Bounds body = clip.extent(moments.front(), about);
   const Bounds path = way_of(clip, moments.front(), moments.back(), about);
   const auto gaps = static_cast<double>(moments.size() - 1);
   return path.width() >= least * gaps * body.width() ||
@@ -439,7 +427,7 @@ bool has_room(const Clip& clip, const std::vector<int>& moments) {
 // Whether anything goes farther than the robot is long.
 bool travels(const Clip& clip, int from, int to) {
   constexpr double bodies = 1.5;
-  const Bounds body = extent_of(clip, from, clip.mesh().objects.front());
+  const Bounds body = clip.extent(from, clip.mesh().objects.front());
   return std::ranges::any_of(clip.mesh().objects, [&](const ModelObject& object) {
     if (object.is_static) return false;
     const Bounds path = way_of(clip, from, to, object);

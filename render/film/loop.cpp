@@ -13,7 +13,6 @@
 #include <tuple>
 
 #include "formats/io/text.h"
-#include "libevo/task/bounds.h"
 #include "render/painters/vector.h"
 #include "render/scene/moments.h"
 #include "render/scene/objects.h"
@@ -50,13 +49,6 @@ bool is_company(const Clip& clip, const ModelObject& object, int step) {
          (!object.is_static && distance(corner, clip.centre(step)) < reach);
 }
 
-Bounds place_of(const Clip& clip, const ModelObject& object, int step) {
-  Bounds box;
-  for (int k = object.first_point; k < object.first_point + object.points; ++k)
-    box.add(clip.points(step)[static_cast<std::size_t>(k)]);
-  return box;
-}
-
 // The places of the cells of what stands still.
 template <typename Visit>
 void for_each_still_cell(const Clip& clip, const Visit& visit) {
@@ -73,11 +65,8 @@ void for_each_still_cell(const Clip& clip, const Visit& visit) {
 // robot is on something else.
 std::optional<double> floor_below(const Clip& clip, const Stretch& stretch) {
   Bounds way;
-  for (int t = stretch.first; t <= stretch.last; ++t) {
-    const Bounds box = place_of(clip, clip.mesh().objects.front(), t);
-    way.add({box.x0, box.y0});
-    way.add({box.x1, box.y1});
-  }
+  for (int t = stretch.first; t <= stretch.last; ++t)
+    way.cover(clip.extent(t, clip.mesh().objects.front()));
   double top = 0.0;
   for_each_still_cell(clip, [&](const Bounds& box) {
     if (box.x1 > way.x0 && box.x0 < way.x1) top = std::max(top, box.y1);
@@ -219,7 +208,7 @@ Loop::Loop(const Clip& clip, int from, int to, Size size)
   for (int t = stretch_.first; t <= stretch_.last; ++t)
     for (const ModelObject& each : clip.mesh().objects) {
       if (!is_company(clip, each, t)) continue;
-      const Bounds box = place_of(clip, each, t);
+      const Bounds box = clip.extent(t, each);
       seen.add({box.x0 - camera(t), box.y0});
       seen.add({box.x1 - camera(t), box.y1});
     }

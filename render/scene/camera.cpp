@@ -116,10 +116,7 @@ ViewRect world_view(const std::vector<Bounds>& boxes, double aspect) {
   constexpr double margin = 2.0;        // voxels
   constexpr double label_share = 0.10;  // of the height, above everything
   Bounds all;
-  for (const Bounds& box : boxes) {
-    all.add({box.x0, box.y0});
-    all.add({box.x1, box.y1});
-  }
+  for (const Bounds& box : boxes) all.cover(box);
   all.y0 = std::min(all.y0, 0.0);
   all.y1 += label_share * (all.y1 - all.y0);
   ViewRect view = fit({(all.x0 + all.x1) / 2, (all.y0 + all.y1) / 2, all.x1 - all.x0 + 2 * margin,

@@ -181,6 +181,13 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
                        followed(rollout, mesh_, options.camera.objects), aspect);
 }
 
+Bounds Clip::extent(int step, const ModelObject& object) const {
+  Bounds extent;
+  for (int k = object.first_point; k < object.first_point + object.points; ++k)
+    extent.add(points(step)[static_cast<std::size_t>(k)]);
+  return extent;
+}
+
 const Vec2* Clip::at(int step) const {
   return points_.data() +
          static_cast<std::ptrdiff_t>(step) * static_cast<std::ptrdiff_t>(episode_.rollout->points);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "formats/rollout/rollout.h"
+#include "libevo/task/bounds.h"
 #include "render/scene/goals.h"
 #include "render/scene/quantity.h"
 #include "render/scene/scene.h"
@@ -62,10 +63,12 @@ class Clip {
   void value_scale(const ValueScale& scale) { value_scale_ = scale; }
 
   const Mesh& mesh() const { return mesh_; }
-  // Places of all objects' points, or of the first one's centre, at a whole step; voxels.
+  // Places of all objects' points, of an object, or of the first one's centre, at a whole step;
+  // voxels.
   std::span<const Vec2> points(int step) const {
     return {at(step), static_cast<std::size_t>(episode_.rollout->points)};
   }
+  Bounds extent(int step, const ModelObject& object) const;
   Vec2 centre(int step) const { return centres_[static_cast<std::size_t>(step)]; }
 
  private:

@@ -15,14 +15,6 @@
 namespace evo::render {
 namespace {
 
-const RolloutEpisode& recorded(const Episode& episode) {
-  const auto& all = episode.rollout->episodes;
-  if (episode.index < 0 || static_cast<std::size_t>(episode.index) >= all.size())
-    throw error(Failure::usage, "there is no episode {}: the rollout has {}", episode.index,
-                all.size());
-  return all[static_cast<std::size_t>(episode.index)];
-}
-
 void check(const std::vector<Episode>& episodes) {
   constexpr std::size_t letters = 26;
   if (episodes.size() < 2 || episodes.size() > letters)

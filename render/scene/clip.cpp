@@ -13,9 +13,8 @@
 #include "render/scene/force.h"
 
 namespace evo::render {
-namespace {
 
-const RolloutEpisode& checked_episode(const Episode& episode) {
+const RolloutEpisode& recorded(const Episode& episode) {
   const auto& all = episode.rollout->episodes;
   if (all.empty()) throw Error(Failure::data, "the rollout has no episodes, so nothing to draw");
   if (episode.index < 0 || static_cast<std::size_t>(episode.index) >= all.size())
@@ -23,6 +22,8 @@ const RolloutEpisode& checked_episode(const Episode& episode) {
                 episode.index, all.size() - 1);
   return all[static_cast<std::size_t>(episode.index)];
 }
+
+namespace {
 
 void check_world(const Rollout& rollout) {
   const auto& [objects, cells] = rollout.world;
@@ -150,7 +151,7 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
       overlays_(options.overlays),
       steps_per_second_(evo::steps_per_second(*episode.rollout)) {
   const Rollout& rollout = *episode.rollout;
-  const RolloutEpisode& data = checked_episode(episode);
+  const RolloutEpisode& data = recorded(episode);
   check_world(rollout);
   check_positions(rollout, data);
   mesh_ = make_mesh(rollout.world);

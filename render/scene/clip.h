@@ -21,6 +21,9 @@ struct Episode {
   std::string label;  // of its panel, when several are shown; else the robot's id
 };
 
+// What the rollout has of it. Throws Error(data, usage) where it has none.
+const RolloutEpisode& recorded(const Episode& episode);
+
 // Everything about the text of a frame.
 struct Caption {
   std::string title;   // the task

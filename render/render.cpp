@@ -159,10 +159,10 @@ Drawing draw_moment(const Episode& episode, double step, const RenderOptions& op
   const float size = 0.75F * label_size(area);
   drawing.clip(area);
   const Clip& clip = film.clips.front();
-  draw_legend_on_plate(
-      clip.mesh(), clip.values(step), *film.theme,
+  draw_legend(
+      Kinds(clip.mesh(), clip.values(step)), 0, *film.theme,
       {area.x + size, area.y + area.height - 2.4F * size, area.width - 2 * size, 2.4F * size}, size,
-      typesetter, drawing);
+      typesetter, drawing, true);
   return drawing;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 #include <string>
 
 #include "libevo/task/spec.h"
@@ -12,18 +11,6 @@
 
 namespace evo::render {
 namespace {
-
-// Kinds of voxels of robots, or of all other objects, that are seen in their colours.
-std::set<Voxel> kinds_in(const Mesh& mesh, std::span<const float> values, bool robot) {
-  std::set<Voxel> kinds;
-  for (const ModelObject& object : mesh.objects) {
-    if ((object.name == robot_name) != robot) continue;
-    for (int k = object.first_cell; k < object.first_cell + object.cells; ++k)
-      if (values.empty() || std::isnan(values[static_cast<std::size_t>(k)]))
-        kinds.insert(mesh.cells[static_cast<std::size_t>(k)].type);
-  }
-  return kinds;
-}
 
 // Left out where it would reach to the left of `from`.
 void draw_scale_bar(double scale, float from, const Theme& theme, const Rect& area, float size,
@@ -102,15 +89,21 @@ float fitting(const RowOf& row_of, const Rect& area, float size) {
 
 }  // namespace
 
-namespace {
+void Kinds::add(const Mesh& mesh, std::span<const float> values) {
+  for (const ModelObject& object : mesh.objects) {
+    std::set<Voxel>& kinds = object.name == robot_name ? of_robots : of_objects;
+    for (int k = object.first_cell; k < object.first_cell + object.cells; ++k)
+      if (values.empty() || std::isnan(values[static_cast<std::size_t>(k)]))
+        kinds.insert(mesh.cells[static_cast<std::size_t>(k)].type);
+  }
+}
 
-void draw_kinds(const std::set<Voxel>& of_robots, const std::set<Voxel>& of_objects, double scale,
-                bool plate, const Theme& theme, const Rect& area, float size,
-                Typesetter& typesetter, Drawing& drawing) {
+void draw_legend(const Kinds& kinds, double scale, const Theme& theme, const Rect& area, float size,
+                 Typesetter& typesetter, Drawing& drawing, bool plate) {
   const auto row_of = [&](float text, Drawing& where) {
     Row row{theme, area, text, typesetter, where};
-    row.robot(of_robots);
-    row.objects(of_objects);
+    row.robot(kinds.of_robots);
+    row.objects(kinds.of_objects);
     return row;
   };
   size = fitting(row_of, area, size);
@@ -123,38 +116,6 @@ void draw_kinds(const std::set<Voxel>& of_robots, const std::set<Voxel>& of_obje
         0.4F * size, theme.label);
   row_of(size, drawing);
   if (scale > 0) draw_scale_bar(scale, end, theme, area, size, typesetter, drawing);
-}
-
-}  // namespace
-
-void draw_legend(const Mesh& mesh, std::span<const float> values, double scale, const Theme& theme,
-                 const Rect& area, float size, Typesetter& typesetter, Drawing& drawing) {
-  draw_kinds(kinds_in(mesh, values, true), kinds_in(mesh, values, false), scale, false, theme, area,
-             size, typesetter, drawing);
-}
-
-void draw_legend_on_plate(const Mesh& mesh, std::span<const float> values, const Theme& theme,
-                          const Rect& area, float size, Typesetter& typesetter, Drawing& drawing) {
-  draw_kinds(kinds_in(mesh, values, true), kinds_in(mesh, values, false), 0, true, theme, area,
-             size, typesetter, drawing);
-}
-
-void draw_legend(std::span<const Mesh* const> meshes, double scale, const Theme& theme,
-                 const Rect& area, float size, Typesetter& typesetter, Drawing& drawing) {
-  std::set<Voxel> of_robots;
-  std::set<Voxel> of_objects;
-  for (const Mesh* mesh : meshes) {
-    of_robots.merge(kinds_in(*mesh, {}, true));
-    of_objects.merge(kinds_in(*mesh, {}, false));
-  }
-  draw_kinds(of_robots, of_objects, scale, false, theme, area, size, typesetter, drawing);
-}
-
-void draw_legend(std::span<const Robot> robots, const Theme& theme, const Rect& area, float size,
-                 Typesetter& typesetter, Drawing& drawing) {
-  std::set<Voxel> kinds;
-  for (const Robot& robot : robots) kinds.insert(robot.body.cells.begin(), robot.body.cells.end());
-  draw_kinds(kinds, {}, 0, false, theme, area, size, typesetter, drawing);
 }
 
 }  // namespace evo::render

@@ -220,8 +220,10 @@ Drawing robot_picture(const Robot& robot, const Theme& theme, Size size, Typeset
   if (scored)
     centred(task + "fitness " + score, {x, first + 1.45F * text}, 0.9F * text, theme.text_muted,
             false, most, typesetter, drawing);
-  draw_legend(std::span(&robot, 1), theme, {text, panel.height + 4.0F * text, most, 1.4F * text},
-              0.8F * text, typesetter, drawing);
+  Kinds kinds;
+  kinds.add(robot.body);
+  draw_legend(kinds, 0, theme, {text, panel.height + 4.0F * text, most, 1.4F * text}, 0.8F * text,
+              typesetter, drawing);
   return drawing;
 }
 
@@ -235,7 +237,9 @@ Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int wid
   Size size = layout.size;
   size.height += static_cast<int>(std::lround(2.2F * text));
   Drawing drawing = blank(size, theme);
+  Kinds kinds;
   for (std::size_t k = 0; k < robots.size(); ++k) {
+    kinds.add(robots[k].body);
     const std::size_t column = k % static_cast<std::size_t>(layout.columns);
     const std::size_t row = k / static_cast<std::size_t>(layout.columns);
     draw_card(robots[k], theme, style,
@@ -243,7 +247,7 @@ Drawing robot_grid(const std::vector<Robot>& robots, const Theme& theme, int wid
                layout.gap + static_cast<float>(row) * (style.height() + layout.gap)},
               typesetter, drawing);
   }
-  draw_legend(robots, theme,
+  draw_legend(kinds, 0, theme,
               {layout.gap, static_cast<float>(layout.size.height),
                static_cast<float>(size.width) - 2 * layout.gap, 1.6F * text},
               text, typesetter, drawing);
@@ -294,11 +298,11 @@ struct Panel {
 };
 
 // What a sheet says above and below its panels: whose they are on the left, what they have in
-// common on the right; the voxels of all meshes.
+// common on the right; the voxels of all.
 struct Frame {
   std::string title;
   std::string detail;
-  std::vector<const Mesh*> meshes;
+  Kinds kinds;
 };
 
 Drawing panel_sheet(const std::vector<Panel>& panels, std::size_t columns, const Frame& frame,
@@ -340,7 +344,7 @@ Drawing panel_sheet(const std::vector<Panel>& panels, std::size_t columns, const
                     {below.x + below.width / 2, below.y + below.height / 2}, text, typesetter,
                     drawing);
   else
-    draw_legend(frame.meshes, 0, theme, below, text, typesetter, drawing);
+    draw_legend(frame.kinds, 0, theme, below, text, typesetter, drawing);
   return drawing;
 }
 
@@ -374,8 +378,8 @@ Drawing moment_sheet(const Clip& clip, const std::vector<double>& moments, const
                       return_of(clip, moments[k])});
   }
   const Caption who = clip.caption(0);
-  return panel_sheet(panels, moment_columns(panels.size()), {who.title, who.detail, {&clip.mesh()}},
-                     theme, width, typesetter);
+  return panel_sheet(panels, moment_columns(panels.size()),
+                     {who.title, who.detail, Kinds(clip.mesh())}, theme, width, typesetter);
 }
 
 Drawing robot_sheet(const std::vector<Clip>& clips, double step, const Theme& theme, int width,
@@ -393,7 +397,7 @@ Drawing robot_sheet(const std::vector<Clip>& clips, double step, const Theme& th
     const std::string end = shown < step ? fmt::format(" at step {}", shown) : "";
     panels.push_back({clip.scene(shown), one_task ? who.detail : who.title,
                       (one_task ? "" : who.detail + "  ") + return_of(clip, shown) + end});
-    frame.meshes.push_back(&clip.mesh());
+    frame.kinds.add(clip.mesh());
   }
   return panel_sheet(panels, robot_columns(panels.size()), frame, theme, width, typesetter);
 }

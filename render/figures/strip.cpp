@@ -325,7 +325,7 @@ Drawing lying(const Clip& clip, const std::vector<int>& moments, Scene scene, co
   const Rect under{0, panel.y + panel.height, width, below};
   draw_labels_below(labels(clip, moments, false, to_pixels), under, size, theme, typesetter,
                     drawing);
-  draw_legend(clip.mesh(), clip.values(clip.steps()), scale, theme,
+  draw_legend(Kinds(clip.mesh(), clip.values(clip.steps())), scale, theme,
               {margin, under.y + below, width - 2 * margin, 1.6F * size}, size, typesetter,
               drawing);
   return drawing;
@@ -408,7 +408,7 @@ Drawing standing(const Clip& clip, const std::vector<int>& moments, const Scene&
   drawing.text({x, 1.6F * size}, 1.1F * size, who.title, theme.text, Align::left, true);
   drawing.text({x, 2.9F * size}, 0.9F * size, who.detail, theme.text_muted);
   drawing.text({x, 4.1F * size}, 0.9F * size, duration(clip, moments), theme.text_muted);
-  draw_legend(clip.mesh(), clip.values(clip.steps()), 0, theme,
+  draw_legend(Kinds(clip.mesh(), clip.values(clip.steps())), 0, theme,
               {0.6F * size, height, static_cast<float>(drawing.size().width), legend}, 0.8F * size,
               typesetter, drawing);
   return drawing;

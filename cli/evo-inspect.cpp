@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
-#include <map>
 #include <set>
 #include <string_view>
 
@@ -41,14 +40,10 @@ namespace fs = std::filesystem;
 // ---- robots -------------------------------------------------------------------
 
 std::string kinds(const Body& body) {
-  static const std::map<Voxel, const char*> names{{Voxel::rigid, "rigid"},
-                                                  {Voxel::soft, "soft"},
-                                                  {Voxel::horizontal, "horizontal"},
-                                                  {Voxel::vertical, "vertical"}};
   std::vector<std::string> parts;
-  for (const auto& [kind, name] : names) {
+  for (const Voxel kind : voxel_kinds) {
     const auto count = std::count(body.cells.begin(), body.cells.end(), kind);
-    if (count > 0) parts.push_back(fmt::format("{} {}", count, name));
+    if (count > 0) parts.push_back(fmt::format("{} {}", count, kind_name(kind)));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }

@@ -69,6 +69,11 @@ std::optional<std::string> connection_defect(const Body& body) {
 
 char letter(Voxel voxel) { return letters[static_cast<std::size_t>(voxel)]; }
 
+const char* kind_name(Voxel voxel) {
+  constexpr std::array names{"empty", "rigid", "soft", "horizontal", "vertical", "fixed"};
+  return names.at(static_cast<std::size_t>(voxel));
+}
+
 std::optional<Voxel> voxel_from_letter(char letter) {
   const std::size_t i = letters.find(letter);
   if (i == std::string_view::npos) return std::nullopt;

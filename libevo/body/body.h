@@ -2,6 +2,7 @@
 // made of voxels is one: robots, packages, terrain (docs/methods.md, "Robots").
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +17,10 @@ enum class Voxel : std::uint8_t { empty, rigid, soft, horizontal, vertical, fixe
 // One letter per voxel: . R S H V # in the order of the enumeration.
 char letter(Voxel voxel);
 std::optional<Voxel> voxel_from_letter(char letter);
+const char* kind_name(Voxel voxel);  // "rigid"; "empty"
+// Those of robots, in the order of every list of them.
+inline constexpr std::array voxel_kinds{Voxel::rigid, Voxel::soft, Voxel::horizontal,
+                                        Voxel::vertical};
 inline bool is_actuator(Voxel v) { return v == Voxel::horizontal || v == Voxel::vertical; }
 
 // Robots are refused beyond this many rows or columns.

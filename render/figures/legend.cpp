@@ -1,7 +1,6 @@
 #include "render/figures/legend.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 
@@ -43,7 +42,7 @@ struct Row {
   float top = area.y + (area.height - side) / 2;
   float baseline = area.y + area.height / 2 + 0.36F * size;
 
-  void name(const char* text) {
+  void name(const std::string& text) {
     x += side + 0.45F * size;
     drawing.text({x, baseline}, size, text, theme.text);
     x += typesetter.width(text, size) + 1.4F * size;
@@ -53,18 +52,11 @@ struct Row {
 };
 
 void Row::robot(const std::set<Voxel>& kinds) {
-  struct Entry {
-    Voxel type;
-    const char* name;
-  };
-  constexpr std::array all{Entry{Voxel::rigid, "rigid"}, Entry{Voxel::soft, "soft"},
-                           Entry{Voxel::horizontal, "horizontal actuator"},
-                           Entry{Voxel::vertical, "vertical actuator"}};
-  for (const Entry& kind : all) {
-    if (!kinds.contains(kind.type)) continue;
-    const Body voxel = Body::from_rows({std::string(1, letter(kind.type))});
+  for (const Voxel kind : voxel_kinds) {
+    if (!kinds.contains(kind)) continue;
+    const Body voxel = Body::from_rows({std::string(1, letter(kind))});
     draw_body(voxel, {1, 1}, theme, {x, top, side, side}, drawing);
-    name(kind.name);
+    name(kind_name(kind) + std::string(is_actuator(kind) ? " actuator" : ""));
   }
 }
 

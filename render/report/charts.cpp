@@ -313,11 +313,8 @@ FigureGroup voxels(const Run& run) {
   for (const Entry* entry : scored)
     if (entry->robot.body.rows != first.rows || entry->robot.body.cols != first.cols) return group;
   double widest = 0;
-  for (const auto& [kind, name] : {std::pair{Voxel::empty, "empty"},
-                                   {Voxel::rigid, "rigid"},
-                                   {Voxel::soft, "soft"},
-                                   {Voxel::horizontal, "horizontal"},
-                                   {Voxel::vertical, "vertical"}}) {
+  for (const Voxel kind :
+       {Voxel::empty, Voxel::rigid, Voxel::soft, Voxel::horizontal, Voxel::vertical}) {
     ColorTable table{"column", "row", "difference in fitness"};
     table.diverging = true;
     for (int col = 0; col < first.cols; ++col) table.columns.push_back(fmt::to_string(col + 1));
@@ -335,7 +332,8 @@ FigureGroup voxels(const Run& run) {
         widest = std::max(widest, std::abs(cell.value));
       }
     }
-    group.figures.push_back({fmt::format("voxels-{}", name), name, "", std::move(table)});
+    group.figures.push_back(
+        {fmt::format("voxels-{}", kind_name(kind)), kind_name(kind), "", std::move(table)});
   }
   // One scale for all.
   for (Figure& figure : group.figures) std::get<ColorTable>(figure.content).widest = widest;

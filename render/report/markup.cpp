@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <stdexcept>
 
 #include "formats/io/base64.h"
@@ -48,11 +47,6 @@ std::vector<std::string> csv_fields(std::string_view line) {
       fields.back() += c;
   }
   return fields;
-}
-
-const char* kind_name(Voxel voxel) {
-  constexpr std::array names{"empty", "rigid", "soft", "horizontal", "vertical", "fixed"};
-  return names.at(static_cast<std::size_t>(voxel));
 }
 
 std::string picture(const std::string& id, const Body& body, const std::vector<Change>& changed) {

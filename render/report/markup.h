@@ -1,7 +1,6 @@
 // Pieces of HTML and SVG. Everything that comes from a file goes through escaped().
 #pragma once
 
-#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -13,10 +12,6 @@
 
 namespace evo::report {
 
-// In the order of every list of them.
-inline constexpr std::array voxel_kinds{Voxel::rigid, Voxel::soft, Voxel::horizontal,
-                                        Voxel::vertical};
-
 // "data:<media type>;base64,<bytes>"
 std::string data_uri(const std::string& media_type, std::string_view bytes);
 
@@ -27,9 +22,6 @@ std::string fill(std::string_view page, const std::map<std::string, std::string>
 // A field of comma-separated values (RFC 4180), quoted where it has to be; and those of a line.
 std::string csv_field(const std::string& text);
 std::vector<std::string> csv_fields(std::string_view line);
-
-// "rigid"; "empty".
-const char* kind_name(Voxel voxel);
 
 // The body, as report.js draws each once, `changed` cells outlined.
 std::string picture(const std::string& id, const Body& body,

@@ -37,17 +37,9 @@ class Fonts {
 
  private:
   Fonts() {
-    FT_Library library = nullptr;
-    if (FT_Init_FreeType(&library) != 0) throw Error(Failure::work, "FreeType cannot start");
-    regular_ = open(library, font_regular());
-    bold_ = open(library, font_bold());
-  }
-  static FontFace open(FT_Library library, std::span<const unsigned char> bytes) {
-    FT_Face face = nullptr;
-    if (FT_New_Memory_Face(library, bytes.data(), static_cast<FT_Long>(bytes.size()), 0, &face) !=
-        0)
-      throw Error(Failure::work, "FreeType cannot read the built-in font");
-    return FontFace(cairo_ft_font_face_create_for_ft_face(face, 0));
+    const FT_Library library = start_freetype();
+    regular_.reset(cairo_ft_font_face_create_for_ft_face(open_font(library, false), 0));
+    bold_.reset(cairo_ft_font_face_create_for_ft_face(open_font(library, true), 0));
   }
   FontFace regular_, bold_;
 };

@@ -1,30 +1,27 @@
-// The fonts as bytes of the program: the assembler includes the files of the
-// package fonts-dejavu-core, whose paths CMake found.
+// The files of the package fonts-dejavu-core.
 #include "render/painters/font_data.h"
 
-#define EVO_EMBED(symbol, path)        \
-  __asm__(                             \
-      ".section .rodata\n"             \
-      ".balign 16\n" #symbol           \
-      ":\n"                            \
-      ".incbin \"" path "\"\n" #symbol \
-      "_end:\n"                        \
-      ".byte 0\n"                      \
-      ".previous\n")
+#include "libevo/base/error.h"
+#include "render/painters/embed.h"
 
 EVO_EMBED(evo_font_regular, EVO_FONT_REGULAR);
 EVO_EMBED(evo_font_bold, EVO_FONT_BOLD);
 
-extern "C" {
-extern const unsigned char evo_font_regular[];
-extern const unsigned char evo_font_regular_end[];
-extern const unsigned char evo_font_bold[];
-extern const unsigned char evo_font_bold_end[];
-}
-
 namespace evo::render {
 
-std::span<const unsigned char> font_regular() { return {evo_font_regular, evo_font_regular_end}; }
-std::span<const unsigned char> font_bold() { return {evo_font_bold, evo_font_bold_end}; }
+FT_Library start_freetype() {
+  FT_Library library = nullptr;
+  if (FT_Init_FreeType(&library) != 0) throw Error(Failure::work, "FreeType cannot start");
+  return library;
+}
+
+FT_Face open_font(FT_Library library, bool bold) {
+  const std::string_view file = bold ? EVO_EMBEDDED(evo_font_bold) : EVO_EMBEDDED(evo_font_regular);
+  FT_Face face = nullptr;
+  if (FT_New_Memory_Face(library, reinterpret_cast<const FT_Byte*>(file.data()),  // NOLINT: bytes
+                         static_cast<FT_Long>(file.size()), 0, &face) != 0)
+    throw Error(Failure::work, "FreeType cannot read the built-in font");
+  return face;
+}
 
 }  // namespace evo::render

@@ -1,11 +1,13 @@
+// DejaVu Sans, Book and Bold, as FreeType reads them; their files are part of the program.
 #pragma once
 
-#include <span>
+#include <ft2build.h>
+#include FT_FREETYPE_H
 
 namespace evo::render {
 
-// TrueType files: DejaVu Sans, Book and Bold.
-std::span<const unsigned char> font_regular();
-std::span<const unsigned char> font_bold();
+// Both throw Error(work).
+FT_Library start_freetype();
+FT_Face open_font(FT_Library library, bool bold);
 
 }  // namespace evo::render

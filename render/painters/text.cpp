@@ -1,17 +1,12 @@
 #include "render/painters/text.h"
 
-#include <ft2build.h>
-#include FT_FREETYPE_H
-
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
 
-#include "libevo/base/error.h"
 #include "render/painters/font_data.h"
 
 namespace evo::render {
@@ -84,26 +79,15 @@ struct Typesetter::Faces {
   static constexpr int subpixels = 4;
   using Key = std::tuple<bool, int, char32_t, int>;  // bold, size in 64ths, letter, subpixel
 
-  FT_Library library = nullptr;
-  FT_Face regular = nullptr;
-  FT_Face bold = nullptr;
+  FT_Library library = start_freetype();
+  FT_Face regular = open_font(library, false);
+  FT_Face bold = open_font(library, true);
   std::map<Key, Glyph> glyphs;
 
-  Faces() {
-    if (FT_Init_FreeType(&library) != 0) throw Error(Failure::work, "FreeType cannot start");
-    regular = open(font_regular());
-    bold = open(font_bold());
-  }
+  Faces() = default;
   ~Faces() { FT_Done_FreeType(library); }
   Faces(const Faces&) = delete;
   Faces& operator=(const Faces&) = delete;
-
-  FT_Face open(std::span<const unsigned char> font) const {
-    FT_Face face = nullptr;
-    if (FT_New_Memory_Face(library, font.data(), static_cast<FT_Long>(font.size()), 0, &face) != 0)
-      throw Error(Failure::work, "FreeType cannot read the built-in font");
-    return face;
-  }
 
   const Glyph& glyph(char32_t letter, float size, bool is_bold, int subpixel) {
     const int size64 = static_cast<int>(std::lround(size / sixty_fourth));

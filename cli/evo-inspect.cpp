@@ -337,10 +337,7 @@ void print_run(const fs::path& folder) {
   if (settings.is_evaluated() && !settings.source_hash().empty())
     fmt::print("program      {} ({})\n", printable(settings.source()),
                printable(settings.source_hash().substr(0, 12)));
-  const auto setting = [&](const std::string& name) {
-    const std::string* value = settings.find(name);
-    return value == nullptr ? std::string() : *value;
-  };
+  const auto setting = [&](const std::string& name) { return settings.value(name); };
   fmt::print("command      {}\n", printable(evolve_command(folder.string(), setting)));
   if (run.folder().is_edited()) fmt::print("Makefile     edited by hand\n");
   fmt::print("robots       {} of {} {}, {} left\n", run.trained(), run.evaluations(),

@@ -71,11 +71,6 @@ std::vector<std::string> film(const RunSettings& settings) {
   return words;
 }
 
-std::string setting(const RunSettings& settings, const std::string& name) {
-  const std::string* value = settings.find(name);
-  return value == nullptr ? "" : *value;
-}
-
 int digits(int number) { return static_cast<int>(fmt::format("{}", number).size()); }
 
 // ---- the parts of a run ---------------------------------------------------------------
@@ -140,7 +135,7 @@ class RunMakefile {
     return fmt::format("{}", seed_ * 1'000'000 + static_cast<std::uint64_t>(generation));
   }
   std::string file_setting(const std::string& name) const {
-    return make_word(in_full(setting(settings_, name)));
+    return make_word(in_full(settings_.value(name)));
   }
   // Files of all generations, whose numbers have three digits, then four, and so on.
   std::string all(const std::string& file) const {
@@ -341,7 +336,7 @@ class RunMakefile {
     const auto shared = [](int number) {
       return fmt::format("policies/{}.policy.h5", folder(number));
     };
-    const bool goes_on = setting(settings_, "inherit") == "all";
+    const bool goes_on = settings_.value("inherit") == "all";
     for (int number = 0; number <= last_shared; ++number) {
       const std::string init = number > 0 ? " --init " + shared(number - 1)
                                : goes_on  ? " --init " + make_word(around_.founders->policies)
@@ -381,7 +376,7 @@ class RunMakefile {
         text += fmt::format(" --founder-steps {}", settings_.number("founder_steps"));
     }
     text += fmt::format(" --seed {}", seed_);
-    const std::string inherit = setting(settings_, "inherit");
+    const std::string inherit = settings_.value("inherit");
     if (method_ != "modular" && (inherit == "yes" || inherit == "all")) text += " --init policies";
     if (method_ != "modular" && inherit == "all")
       text += " --founder-init " + make_word(around_.founders->policies);
@@ -488,7 +483,7 @@ class RunMakefile {
     std::string text = fmt::format("MUTATE = {}{}\n", tool, options(settings_, "mutate_options"));
     if (method_ == "map")
       text += fmt::format("ARCHIVE = evo-archive -q --features {}\n",
-                          make_word(setting(settings_, "features")));
+                          make_word(settings_.value("features")));
     return text;
   }
 
@@ -610,7 +605,7 @@ class RunMakefile {
           seen +
               fmt::format("rm -f policies/*.checkpoint.h5\n"
                           "evo-select --keep {} $(2) -o $(@D)/parents.jsonl\n",
-                          setting(settings_, "parents")) +
+                          settings_.value("parents")) +
               "$(MUTATE) -n $(3) --seed $(4) --avoid seen.txt $(@D)/parents.jsonl -o $@\n");
     if (method_ == "race" || method_ == "modular")
       define("The best continue. $(1) generation before, $(2) robots", "go_on",
@@ -630,8 +625,8 @@ class RunMakefile {
     return text + "# ---- generations\n";
   }
 
-  bool has_video() const { return setting(settings_, "video") != "none"; }
-  std::string video() const { return "best." + setting(settings_, "video"); }
+  bool has_video() const { return settings_.value("video") != "none"; }
+  std::string video() const { return "best." + settings_.value("video"); }
 
   std::string results() const {
     std::string files = "best.json";
@@ -703,7 +698,7 @@ void check_python_task(const RunSettings& settings) {
     if (settings.find(name) != nullptr)
       throw error(Failure::usage, "{} is for tasks of the suite: {} is a class in Python",
                   find_run_setting(name)->option(), settings.text("task"));
-  if (setting(settings, "inherit") != "no" && !setting(settings, "inherit").empty())
+  if (settings.value("inherit") != "no" && !settings.value("inherit").empty())
     throw error(Failure::usage,
                 "--inherit is for tasks of the suite: {} is a class in Python, trained from the "
                 "beginning",
@@ -727,13 +722,13 @@ void check(const RunSettings& settings, const Surroundings& around) {
                 settings.number("window"));
   if (method == "neat" && pop < 2)
     throw error(Failure::usage, "--pop {}: neat needs at least 2 robots", pop);
-  const bool goes_on = setting(settings, "inherit") == "all";
+  const bool goes_on = settings.value("inherit") == "all";
   if (goes_on && (!around.founders || around.founders->policies.empty()))
     throw error(Failure::usage,
                 "--inherit all is for --founders that have controllers: a run or a record{}",
                 around.founders ? "; --inherit yes trains founders anew" : "");
   if (method != "modular") return;
-  if (setting(settings, "inherit") == "yes")
+  if (settings.value("inherit") == "yes")
     throw Error(
         Failure::usage,
         "--inherit is no or all for modular: every robot starts with the controller of all");
@@ -805,7 +800,7 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
   const std::string body = robot_to_line(Robot(full_body(rows, cols))) + "\n";
   const bool is_python = is_python_task(settings.text("task"));
   // A film of a moment, where such a body can stand in the task.
-  if (settings.find("video_options") != nullptr && setting(settings, "video") != "none") {
+  if (settings.find("video_options") != nullptr && settings.value("video") != "none") {
     std::vector<std::string> words{
         "bash",
         "-c",
@@ -828,7 +823,7 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
     add({"bash", "-c", line});
     return list;
   }
-  const std::string inherit = setting(settings, "inherit");
+  const std::string inherit = settings.value("inherit");
   std::vector<std::string> train{"evo-train", "--check",
                                  "--task",    in_full(settings.text("task")),
                                  "--train",   in_full(settings.text("train")),

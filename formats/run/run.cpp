@@ -136,6 +136,11 @@ const std::string* RunSettings::find(const std::string& name) const {
   return nullptr;
 }
 
+std::string RunSettings::value(const std::string& name) const {
+  const std::string* found = find(name);
+  return found == nullptr ? "" : *found;
+}
+
 const std::string& RunSettings::text(const std::string& name) const {
   const std::string* value = find(name);
   if (value == nullptr) throw error(Failure::data, "{}: '{}' is missing", file_, name);

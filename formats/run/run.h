@@ -62,6 +62,7 @@ class RunSettings {
 
   const std::vector<RunSetting>& list() const { return list_; }
   const std::string* find(const std::string& name) const;
+  std::string value(const std::string& name) const;  // empty where there is none
   // Throws Error(data) for a setting that is missing, or is not a number from 0.
   const std::string& text(const std::string& name) const;
   int number(const std::string& name) const;

@@ -164,10 +164,7 @@ TEST_CASE("the command of a run has what does not hold anyway") {
                                     {"train", "default"},
                                     {"inherit", "no"},
                                     {"train_options", "--failures stop -q"}});
-  const auto setting = [&](const std::string& name) {
-    const std::string* value = settings.find(name);
-    return value == nullptr ? std::string() : *value;
-  };
+  const auto setting = [&](const std::string& name) { return settings.value(name); };
   CHECK(
       evolve_command("my run", setting, {{"seed", "2"}}) ==
       "evo evolve ga --run 'my run' --task Walker-v0 --pop 25 --evals 250 --steps 512000 --seed 2 "

@@ -59,12 +59,6 @@ void keep_one_of_each(std::vector<Robot>& robots) {
   robots = std::move(kept);
 }
 
-void write_text(const std::string& output, const std::string& text) {
-  if (output != standard_stream) return write_file(output, text);
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
-    throw error(Failure::io, "cannot write standard output");
-}
-
 // What holds one robot only.
 const Robot& single(const std::vector<Robot>& robots, const std::string& format) {
   if (robots.size() != 1)
@@ -109,7 +103,7 @@ void write_ids(const std::vector<std::string>& files, const std::string& output)
 void copy_policy(const std::vector<Robot>& robots, const std::string& output) {
   const auto policy = single(robots, "policy").policy();
   if (!policy) throw error(Failure::data, "robot {} has no policy", robots.front().id);
-  write_text(output, read_file(*policy));
+  write_output(output, read_file(*policy));
 }
 
 std::string letters(const Body& body) {
@@ -127,7 +121,7 @@ void write_lines(const Robots& robots, const std::string& output) {
 }
 
 void write_json(const Robots& robots, const std::string& output) {
-  write_text(output, robot_to_json(single(robots, "json")) + "\n");
+  write_output(output, robot_to_json(single(robots, "json")) + "\n");
 }
 
 void write_yaml(const Robots& robots, const std::string& output) {
@@ -136,7 +130,7 @@ void write_yaml(const Robots& robots, const std::string& output) {
     if (!text.empty()) text += "---\n";
     text += robot_to_yaml(robot) + "\n";
   }
-  write_text(output, text);
+  write_output(output, text);
 }
 
 // A robot for a format that has bodies and no more.
@@ -153,16 +147,16 @@ void write_letters(const Robots& robots, const std::string& output) {
     if (!text.empty()) text += "\n";
     text += letters(plain(robot, "text").body);
   }
-  write_text(output, text);
+  write_output(output, text);
 }
 
 void write_npz(const Robots& robots, const std::string& output) {
-  write_text(output, body_to_npz(plain(single(robots, "npz"), "npz").body));
+  write_output(output, body_to_npz(plain(single(robots, "npz"), "npz").body));
 }
 
 void write_design(const Robots& robots, const std::string& output) {
-  write_text(output, evogym_world_to_json(
-                         evogym_world_of_robot(plain(single(robots, "evogym"), "evogym"))));
+  write_output(output, evogym_world_to_json(
+                           evogym_world_of_robot(plain(single(robots, "evogym"), "evogym"))));
 }
 
 struct Target {
@@ -243,12 +237,12 @@ bool write_policy_document(const std::vector<std::string>& files, const std::str
   if (format == "onnx") {
     std::optional<Robot> robot;
     if (body) robot = single(cli::read_robots({*body}), format);
-    write_text(output, policy_to_onnx(read_policy(only(files, format, "policy")), robot));
+    write_output(output, policy_to_onnx(read_policy(only(files, format, "policy")), robot));
     return true;
   }
   if (body) throw Error(Failure::usage, "--robot is for --to onnx");
   if (format != "json" || files.size() != 1 || !is_policy(files.front())) return false;
-  write_text(output, policy_to_json(read_policy(files.front())));
+  write_output(output, policy_to_json(read_policy(files.front())));
   return true;
 }
 
@@ -257,7 +251,7 @@ void write_task(const std::vector<std::string>& files, const std::string& output
                 const WorldWarning& warn) {
   const std::string& file = only(files, "task", "world");
   const std::string name = file == standard_stream ? "my-task" : fs::path(file).stem().string();
-  write_text(output, draft_task(read_evogym_world(file, warn), name));
+  write_output(output, draft_task(read_evogym_world(file, warn), name));
 }
 
 // The world of a task, without a robot, for EvoGym's design tool.
@@ -265,7 +259,7 @@ void write_task_world(const cli::TaskOptions& options, const std::string& output
   World world;
   for (const Placement& placement : options.load().objects)
     world.objects.push_back(placement.object);
-  write_text(output, evogym_world_to_json(world));
+  write_output(output, evogym_world_to_json(world));
 }
 
 }  // namespace

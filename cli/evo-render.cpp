@@ -170,12 +170,8 @@ std::vector<render::Episode> choose_episodes(const std::vector<Rollout>& rollout
 // "-" is a PNG on standard output.
 void write_picture(const std::string& output, const std::string& title,
                    const render::Drawing& drawing) {
-  const bool to_stdout = output == standard_stream;
-  const std::string bytes =
-      render::encode_picture(drawing, title, to_stdout ? "standard output.png" : output);
-  if (!to_stdout) return write_file(output, bytes);
-  if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size())
-    throw error(Failure::io, "cannot write standard output");
+  write_output(
+      output, render::encode_picture(drawing, title, output == standard_stream ? "-.png" : output));
 }
 
 void render_robots(const Settings& settings, const RenderOptions& options,

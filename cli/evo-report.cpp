@@ -67,12 +67,6 @@ void write_chart(const std::string& file, const std::string& log, const std::str
              report::figure_file({"", title, "", std::move(chart)}, width, output, typesetter));
 }
 
-void write_lines(const std::string& file, const std::string& text) {
-  LineWriter out(file);
-  out.line(text);
-  out.finish();
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -133,7 +127,7 @@ int main(int argc, char** argv) {
     if (table) {
       const report::TableFormat format = table_format(*table);
       read({.robots = 0, .replays = 0});
-      write_lines(*table, report::comparison_table(runs, format));
+      write_output(*table, report::comparison_table(runs, format) + "\n");
       return 0;
     }
     report::Extent extent;
@@ -147,7 +141,7 @@ int main(int argc, char** argv) {
       write_figures(*figures, runs, pixels);
       return 0;
     }
-    write_lines(command.output, report::make_page(runs, cli::created_by(command.name())));
+    write_output(command.output, report::make_page(runs, cli::created_by(command.name())) + "\n");
     return 0;
   });
 }

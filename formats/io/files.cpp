@@ -234,6 +234,12 @@ void write_file(const fs::path& path, std::string_view bytes) {
   file.commit();
 }
 
+void write_output(const std::string& name, std::string_view bytes) {
+  if (name != standard_stream) return write_file(name, bytes);
+  if (const int code = write_all(STDOUT_FILENO, bytes))
+    throw error(Failure::io, "standard output: cannot be written: {}", reason(code));
+}
+
 // ---- LineWriter -------------------------------------------------------------
 
 LineWriter::LineWriter(const std::string& target) {

@@ -84,6 +84,9 @@ void make_folders(const std::filesystem::path& folder);
 // A whole file at once: AtomicFile, write, commit.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
+// As write_file; "-" writes to standard output.
+void write_output(const std::string& name, std::string_view bytes);
+
 // Lines, one at a time: to standard output ("-"), each handed on as soon as it
 // is written so that pipes flow, or to a file that appears with finish().
 class LineWriter {

@@ -10,9 +10,13 @@ namespace evo::cli {
 
 namespace fs = std::filesystem;
 
-fs::path data_root() {
+fs::path own_folder() {
   std::error_code unknown;
-  const fs::path here = fs::read_symlink("/proc/self/exe", unknown).parent_path();
+  return fs::read_symlink("/proc/self/exe", unknown).parent_path();
+}
+
+fs::path data_root() {
+  const fs::path here = own_folder();
   return evo::data_root({here / EVO_INSTALLED_DATA, here / EVO_CHECKOUT});
 }
 

@@ -10,6 +10,9 @@
 
 namespace evo::cli {
 
+// Where the running executable is.
+std::filesystem::path own_folder();
+
 // The folder that holds tasks/: $EVO_DATA; else the one installed
 // with the running executable, wherever its prefix was moved; else the checkout
 // the executable was built in. Throws Error(no_input) when there is none.

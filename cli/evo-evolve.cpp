@@ -46,25 +46,20 @@ struct Options {
 
 // ---- the tools ------------------------------------------------------------------------
 
-fs::path own_folder() {
-  std::error_code unknown;
-  return fs::read_symlink("/proc/self/exe", unknown).parent_path();
-}
-
 // Where the tools are, if PATH does not lead there.
 std::string tools_folder() {
   const char* path = std::getenv("PATH");
   for (const std::string& folder : split_list(path == nullptr ? "" : path, ':')) {
     std::error_code unknown;
     if (!fs::exists(fs::path(folder) / "evo-train", unknown)) continue;
-    return fs::equivalent(folder, own_folder(), unknown) ? "" : own_folder().string();
+    return fs::equivalent(folder, cli::own_folder(), unknown) ? "" : cli::own_folder().string();
   }
-  return own_folder().string();
+  return cli::own_folder().string();
 }
 
 void prefer_own_tools() {
   const char* path = std::getenv("PATH");
-  ::setenv("PATH", (own_folder().string() + ":" + (path == nullptr ? "" : path)).c_str(), 1);
+  ::setenv("PATH", (cli::own_folder().string() + ":" + (path == nullptr ? "" : path)).c_str(), 1);
   // The tools of a run are started in its folder.
   if (const char* data = std::getenv("EVO_DATA"); data != nullptr && *data != '\0')
     ::setenv("EVO_DATA", fs::absolute(data).c_str(), 1);

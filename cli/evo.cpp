@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/data.h"
 #include "cli/process.h"
 #include "cli/tools.h"
 #include "formats/io/values.h"
@@ -47,7 +48,7 @@ void print_help() {
 // Where evo-COMMAND is: beside this program, else in PATH; empty where it is nowhere.
 fs::path tool_of(const std::string& command) {
   std::error_code unknown;
-  std::vector<fs::path> folders{fs::read_symlink("/proc/self/exe", unknown).parent_path()};
+  std::vector<fs::path> folders{cli::own_folder()};
   const char* path = std::getenv("PATH");
   for (const std::string& folder : split_list(path == nullptr ? "" : path, ':'))
     folders.emplace_back(folder);

@@ -1,7 +1,6 @@
 // evo-score: the fitness of robots, from a program of one's own.
 #include <algorithm>
 #include <array>
-#include <chrono>
 
 #include "cli/command.h"
 #include "cli/journal.h"
@@ -72,12 +71,6 @@ std::optional<Robot> score(const Options& options, const Robot& robot) {
   return failed;
 }
 
-double now() {
-  using namespace std::chrono;
-  const auto now = system_clock::now().time_since_epoch();
-  return static_cast<double>(duration_cast<milliseconds>(now).count()) / 1000.0;
-}
-
 int score_all(const cli::Command& command, const Options& options,
               const std::vector<Robot>& robots) {
   cli::catch_interrupts();
@@ -101,7 +94,7 @@ int score_all(const cli::Command& command, const Options& options,
       continue;
     }
     if (journal) journal->begun(robot.id);
-    const double began = now();
+    const double began = cli::seconds_since_1970();
     std::optional<Robot> result;
     try {
       result = score(options, robot);
@@ -109,7 +102,8 @@ int score_all(const cli::Command& command, const Options& options,
       if (journal) journal->ended(robot.id);
       throw;
     }
-    if (journal) journal->add(robot.id, {began, now() - began, 0, result.has_value()});
+    if (journal)
+      journal->add(robot.id, {began, cli::seconds_since_1970() - began, 0, result.has_value()});
     if (journal) journal->ended(robot.id);
     if (!result) return 128 + cli::interrupted();
     out.write(*result);

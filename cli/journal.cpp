@@ -35,6 +35,12 @@ std::uint64_t byte_of(const std::string& name) {
 
 }  // namespace
 
+double seconds_since_1970() {
+  using namespace std::chrono;
+  const auto now = system_clock::now().time_since_epoch();
+  return static_cast<double>(duration_cast<milliseconds>(now).count()) / 1000.0;
+}
+
 Journal::Journal(const fs::path& folder) : folder_(made(folder)), lock_(folder_ / "lock") {}
 
 std::optional<std::string> Journal::killed_on(const std::string& name) const {

@@ -15,6 +15,9 @@
 
 namespace evo::cli {
 
+// To the millisecond.
+double seconds_since_1970();
+
 class Journal {
  public:
   // Makes the folder. Throws Error(cannot_create).

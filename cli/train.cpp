@@ -9,6 +9,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "cli/journal.h"
 #include "cli/start.h"
 #include "formats/io/files.h"
 #include "formats/rollout/episodes.h"
@@ -27,13 +28,6 @@ using SteadyClock = std::chrono::steady_clock;
 
 double seconds_since(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
-}
-
-// To the millisecond.
-double seconds_since_1970() {
-  using namespace std::chrono;
-  const auto now = system_clock::now().time_since_epoch();
-  return static_cast<double>(duration_cast<milliseconds>(now).count()) / 1000.0;
 }
 
 // ---- what a robot's document says of its training -----------------------------------
@@ -207,7 +201,7 @@ class Training {
 
     TrainingLog log(paths_.log);
     log.begin(cli::created_by("evo-train"), plan_.task.name, start_.checkpoint.has_value());
-    trained.started = seconds_since_1970();
+    trained.started = cli::seconds_since_1970();
     const auto began = SteadyClock::now();
     const bool ended = advance(trainer, log, trained, began);
     std::vector<Robot> measured;

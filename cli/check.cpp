@@ -99,8 +99,7 @@ class Policies {
 
 std::string check_hdf5(const fs::path& path, Policies& policies) {
   const hdf5::Reader file(path);
-  const std::string found =
-      file.has_attribute("/", "format") ? file.text("/", "format") : std::string();
+  const std::string found = file.format();
   if (found == format::policy.name) {
     const PolicyFile& policy = policies.at(path);
     const std::string stem = path.stem().stem().string();

@@ -226,9 +226,8 @@ const std::string& only(const std::vector<std::string>& files, const std::string
 }
 
 bool is_policy(const std::string& file) {
-  if (file == standard_stream || !hdf5::is_hdf5(file)) return false;
-  const hdf5::Reader reader(file);
-  return reader.has_attribute("/", "format") && reader.text("/", "format") == format::policy.name;
+  return file != standard_stream && hdf5::is_hdf5(file) &&
+         hdf5::Reader(file).format() == format::policy.name;
 }
 
 // A whole policy, not only its robot. Whether that is what is to be written.

@@ -263,9 +263,7 @@ void print_rollout(const std::string& path) {
 }
 
 void print_hdf5(const std::string& path) {
-  const hdf5::Reader reader(path);
-  const std::string found =
-      reader.has_attribute("/", "format") ? reader.text("/", "format") : std::string();
+  const std::string found = hdf5::Reader(path).format();
   if (found == format::policy.name) return print_policy(path);
   if (found == format::rollout.name) return print_rollout(path);
   if (found == format::checkpoint.name) {

@@ -667,6 +667,10 @@ std::vector<std::string> Reader::strings(const std::string& path) const {
       });
 }
 
+std::string Reader::format() const {
+  return has_attribute("/", "format") ? text("/", "format") : "";
+}
+
 bool Reader::has_attribute(const std::string& object, const std::string& name) const {
   return file_->has_attribute(object, name);
 }

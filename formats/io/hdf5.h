@@ -112,6 +112,8 @@ class Reader {
   }
   std::vector<std::string> strings(const std::string& path) const;
 
+  // What the file says that it is; empty where it does not.
+  std::string format() const;
   bool has_attribute(const std::string& object, const std::string& name) const;
   std::string text(const std::string& object, const std::string& name) const;
   template <Number T>

@@ -415,8 +415,7 @@ std::vector<Robot> robots_of(const hdf5::Reader& file, const std::string& input,
   if (!file.has_attribute("/", "robot"))
     throw error(Failure::data, "{}: an HDF5 file without a robot: neither a policy nor a rollout",
                 file.name());
-  const bool is_policy =
-      file.has_attribute("/", "format") && file.text("/", "format") == format::policy.name;
+  const bool is_policy = file.format() == format::policy.name;
   check_format(file, is_policy ? format::policy : format::rollout, Head::optional);
   std::vector<Robot> robots =
       parse_robots(file.text("/", "robot"), file.name() + ": /@robot", check);

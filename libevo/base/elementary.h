@@ -1,8 +1,7 @@
 // Elementary functions whose bits do not depend on the processor. The C
 // library picks its tanh, exp, log, ... at run time by instruction set, and the
 // variants differ in the last bit; these use only IEEE +, -, *, / and sqrt in
-// one order, so that scalar code and vector lanes agree everywhere. Errors are
-// below 1 unit in the last place (tanh: 2.5). elementary-inl.h has them for lanes.
+// one order. Errors are below 1 unit in the last place (tanh: 2.5).
 #pragma once
 
 namespace evo::math {

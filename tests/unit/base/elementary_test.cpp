@@ -1,44 +1,14 @@
-// Accuracy against the C library's long double functions, and the same bits in
-// lanes of every instruction set of this machine.
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tests/unit/base/elementary_test.cpp"
-#include <hwy/foreach_target.h>
-// The line above must come first: it includes this file once a target.
-#include "libevo/base/elementary-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace evo {
-namespace HWY_NAMESPACE {
-
-void tanh_and_exp_in_lanes(const double* x, std::size_t n, double* tanh, double* exp) {
-  const hn::ScalableTag<double> d;
-  for (std::size_t i = 0; i + hn::Lanes(d) <= n; i += hn::Lanes(d)) {
-    const auto v = hn::LoadU(d, x + i);
-    hn::StoreU(Tanh(d, v), d, tanh + i);
-    hn::StoreU(Exp(d, v), d, exp + i);
-  }
-}
-
-}  // namespace HWY_NAMESPACE
-}  // namespace evo
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
-#include <bit>
+// Accuracy against the C library's long double functions.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstdint>
 #include <functional>
 #include <limits>
-#include <vector>
 
 #include "libevo/base/elementary.h"
 #include "libevo/base/random.h"
 
 namespace evo {
 namespace {
-
-HWY_EXPORT(tanh_and_exp_in_lanes);
 
 // Error in units of the last place of the true value.
 double error_in_ulps(double value, long double truth) {
@@ -59,15 +29,6 @@ double worst_error(double low, double high, const std::function<double(double)>&
     worst = std::max(worst, error_in_ulps(f(x), truth(static_cast<long double>(x))));
   }
   return worst;
-}
-
-std::vector<double> assorted_arguments() {
-  std::vector<double> x{0.0,  -0.0,   1e-310, -1e-300,  1e-20,     0.55, -0.55, 22.0,
-                        23.0, -800.0, 720.0,  HUGE_VAL, -HUGE_VAL, 0.3,  1.0,   -1.0};
-  Stream random(2, "elementary");
-  while (x.size() < 4096)
-    x.push_back((random.uniform() - 0.5) * std::exp2(random.integer(-30, 10)));
-  return x;
 }
 
 }  // namespace
@@ -154,26 +115,4 @@ TEST_CASE("reference_tanh has the bits of the benchmark's C library") {
   CHECK(std::isnan(math::reference_tanh(std::numeric_limits<double>::quiet_NaN())));
 }
 
-TEST_CASE("lanes of every instruction set give the scalar bits") {
-  const std::vector<double> x = assorted_arguments();
-  std::vector<double> tanh(x.size()), exp(x.size());
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    HWY_DYNAMIC_DISPATCH(tanh_and_exp_in_lanes)(x.data(), x.size(), tanh.data(), exp.data());
-    int different = 0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      different +=
-          std::bit_cast<std::uint64_t>(tanh[i]) != std::bit_cast<std::uint64_t>(math::tanh(x[i]));
-      different +=
-          std::bit_cast<std::uint64_t>(exp[i]) != std::bit_cast<std::uint64_t>(math::exp(x[i]));
-    }
-    INFO(hwy::TargetName(target));
-    CHECK(different == 0);
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
-
 }  // namespace evo
-#endif

@@ -11,7 +11,6 @@
 #include "libevo/body/operators.h"
 #include "libevo/sim/compiled.h"
 #include "tests/unit/sim/fixtures.h"
-#include "tests/unit/sim/reference_case.h"
 
 namespace evo {
 namespace {
@@ -59,6 +58,34 @@ TEST_CASE("a body that lies on the world's floor stays with the reference") {
     CHECK(centre(state.x) == Approx(5.999227935004826).epsilon(1e-12));
     CHECK(centre(state.y) == Approx(0.9958063894145683).epsilon(1e-12));
   }
+}
+
+// EvoGymCM's own simulator (EvoGymCM-I, commit 6456214) in the same world with the same actions.
+TEST_CASE("a body of one material with factors of stiffness has EvoGymCM's bits") {
+  std::vector<double> factors;
+  for (int cell = 0; cell < 25; ++cell) factors.push_back(0.5 + (cell * 7 % 16) / 10.0);
+  const Body robot = Body::from_rows({"HHHHH", "HHHHH", "HH.HH", "H...H", "H...H"});
+  const Model model({{{"robot", with_stiffness(robot, factors), 1, 1}, fixed_ground(60)}},
+                    Physics{});
+  Batch batch(1);
+  batch.place(0, model);
+  std::uint64_t number = 5;
+  for (int t = 0; t < 100; ++t) {
+    for (double& target : batch.targets(0)) {
+      number = number * 6364136223846793005U + 1442695040888963407U;
+      target = 0.6 + static_cast<double>(number >> 11) * 0x1p-53;
+    }
+    batch.step();
+  }
+  std::vector<Vec2> positions(static_cast<std::size_t>(model.points()));
+  std::vector<Vec2> velocities(positions.size());
+  batch.read_moving(0, positions, velocities);
+  CHECK(positions[0].x == 0.1198723709157257);
+  CHECK(positions[0].y == 0.59169401347341177);
+  double sum = 0.0;
+  for (int p = 0; p < model.objects()[0].points; ++p)
+    sum += positions[static_cast<std::size_t>(p)].x;
+  CHECK(sum == 12.416385056004758);
 }
 
 TEST_CASE("bits do not depend on width, neighbours or instruction set") {
@@ -154,23 +181,24 @@ TEST_CASE("a copied state continues with the same bits, with or without its cont
 }
 
 TEST_CASE("a lane that folds stops alone, with the state of its folding substep") {
-  const ReferenceCase reference = read_reference("extra/Walker-v0_fold0");
-  const Model model(reference.world, Physics{});
-  State alone = initial_state(model);
+  const Model model(flat_world(Body::from_rows(body_a)), Physics{});
   Batch batch(4);
   for (std::size_t i = 0; i < 4; ++i) batch.place(i, model);
-  for (int t = 0; t < reference.steps; ++t) {
-    const auto action = reference.action(t);
-    std::copy(action.begin(), action.end(), alone.targets.begin());
-    std::copy(action.begin(), action.end(), batch.targets(2).begin());  // the others keep still
-    batch.step();
-    const LaneStatus expected = step_alone(model, alone);
-    CHECK(batch.status(2) == expected);
-    CHECK(batch.status(0) == LaneStatus::done);
-    CHECK(hash_of(batch.state(2)) == hash_of(alone));
-  }
+  State alone = batch.state(2);
+  for (double& y : alone.y) y = 0.1 + 0.01 * y;  // squashed: folds in the second substep
+  alone.previous_y = alone.y;
+  batch.set_state(2, alone);
+  batch.step();
+  CHECK(step_alone(model, alone) == LaneStatus::self_folding);
   CHECK(batch.status(2) == LaneStatus::self_folding);
-  CHECK(hash_of(batch.state(0)) == hash_of(batch.state(3)));
+  CHECK(hash_of(batch.state(2)) == hash_of(alone));
+  Batch untouched(1);
+  untouched.place(0, model);
+  untouched.step();
+  for (const std::size_t i : {0U, 1U, 3U}) {
+    CHECK(batch.status(i) == LaneStatus::done);
+    CHECK(hash_of(batch.state(i)) == hash_of(untouched.state(0)));
+  }
 }
 
 TEST_CASE("targets are clipped to the range of the physics") {

@@ -159,8 +159,6 @@ TEST_CASE("neat-python's own files are read, or refused with their line") {
   CHECK_THROWS_WITH(read("[NEAT]\npop_sise = 5\n"),
                     StartsWith("neat.cfg:2:") && Catch::Contains("pop_size"));
   CHECK_THROWS_WITH(read("[NEAT]\n[Genome]\n"), Catch::Contains(":2: '[Genome]' is no section"));
-  CHECK_THROWS_WITH(load_neat_settings(std::string(EVO_TEST_DATA) + "/field/section.cfg"),
-                    Catch::Contains("section.cfg:2: '[ELITES]' is no section of neat-python"));
   CHECK_THROWS_WITH(read("[NEAT]\nweight_init_type = uniform\n"),
                     Catch::Contains(":2: weight_init_type may be gaussian or normal here"));
   CHECK_THROWS_WITH(read("[NEAT]\npop_size\n"), Catch::Contains(":2: expected KEY = VALUE"));

@@ -37,22 +37,6 @@ void perturb(State& state, double amount, std::uint64_t seed) {
   }
 }
 
-void read_positions(const Model& model, const State& state, std::span<Vec2> positions) {
-  const Model::Compiled& world = model.compiled();
-  for (std::size_t i = 0; i < world.point_indices.size(); ++i) {
-    const auto r = static_cast<std::size_t>(world.point_indices[i]);
-    positions[i] = r < state.x.size() ? Vec2{state.x[r], state.y[r]} : world.initial_positions[i];
-  }
-}
-
-void read_velocities(const Model& model, const State& state, std::span<Vec2> velocities) {
-  const Model::Compiled& world = model.compiled();
-  for (std::size_t i = 0; i < world.point_indices.size(); ++i) {
-    const auto r = static_cast<std::size_t>(world.point_indices[i]);
-    velocities[i] = r < state.x.size() ? Vec2{state.vx[r], state.vy[r]} : Vec2{};
-  }
-}
-
 void translate(const Model& model, std::size_t object, Vec2 by, State& state) {
   std::size_t first = 0;
   for (std::size_t k = 0; k < object; ++k)

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "libevo/sim/model.h"
@@ -40,10 +39,5 @@ State initial_state(const Model& model);
 void translate(const Model& model, std::size_t object, Vec2 by, State& state);
 // Moves every point by up to `amount`, raw length, in each coordinate; velocities stay.
 void perturb(State& state, double amount, std::uint64_t seed);
-
-// Position and velocity of every point of the world, static ones included, in
-// world order: `positions` and `velocities` hold model.points() entries.
-void read_positions(const Model& model, const State& state, std::span<Vec2> positions);
-void read_velocities(const Model& model, const State& state, std::span<Vec2> velocities);
 
 }  // namespace evo

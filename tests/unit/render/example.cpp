@@ -8,9 +8,10 @@
 namespace evo::example {
 namespace {
 
-double centre_x(const ModelObject& object, const Vec2* points) {
+double centre_x(const ModelObject& object, const std::vector<Vec2>& points) {
   double sum = 0;
-  for (int k = 0; k < object.points; ++k) sum += points[object.first_point + k].x;
+  for (int k = 0; k < object.points; ++k)
+    sum += points[static_cast<std::size_t>(object.first_point + k)].x;
   return sum / object.points;
 }
 
@@ -43,10 +44,9 @@ Rollout simulate(const std::string& name, const std::vector<std::string>& body, 
   RolloutEpisode& episode = rollout.episodes.emplace_back();
   Batch batch(1);
   batch.place(0, model);
-  const auto points = static_cast<std::size_t>(model.points());
-  episode.positions.resize((static_cast<std::size_t>(steps) + 1) * points);
-  const auto at = [&](int t) { return &episode.positions[static_cast<std::size_t>(t) * points]; };
-  read_positions(model, batch.state(0), {at(0), points});
+  std::vector<Vec2> positions = model.initial_positions();
+  std::vector<Vec2> velocities(positions.size());
+  episode.positions = positions;
   for (int t = 0; t < steps; ++t) {
     const std::span<double> targets = batch.targets(0);
     for (std::size_t k = 0; k < targets.size(); ++k) {
@@ -58,9 +58,11 @@ Rollout simulate(const std::string& name, const std::vector<std::string>& body, 
     }
     episode.actions.insert(episode.actions.end(), targets.begin(), targets.end());
     batch.step();
-    read_positions(model, batch.state(0), {at(t + 1), points});
     const ModelObject& robot = model.objects().front();
-    episode.rewards.push_back(centre_x(robot, at(t + 1)) - centre_x(robot, at(t)));
+    const double before = centre_x(robot, positions);
+    batch.read_moving(0, positions, velocities);
+    episode.positions.insert(episode.positions.end(), positions.begin(), positions.end());
+    episode.rewards.push_back(centre_x(robot, positions) - before);
     episode.terminations.push_back(0);
     episode.truncations.push_back(0);
   }

@@ -211,29 +211,6 @@ TEST_CASE("two batches live at the same time, each in a thread", "[threads]") {
     CHECK(one.state(i) == other.state((i + count - 1) % count));
 }
 
-TEST_CASE("positions and velocities are read where points can move, and only there") {
-  const auto models = mixed_bodies(1);
-  Batch batch(2);
-  for (std::size_t i = 0; i < 2; ++i) batch.place(i, models[0]);
-  for (int t = 0; t < 5; ++t) batch.step();
-  const Model& model = *models[0];
-  const auto points = static_cast<std::size_t>(model.points());
-  std::vector<Vec2> positions(points, {7.0, 8.0});
-  std::vector<Vec2> velocities(points, {9.0, 9.0});
-  batch.read_moving(1, positions, velocities);
-  std::vector<Vec2> expected(points);
-  std::vector<Vec2> expected_velocities(points);
-  read_positions(model, batch.state(1), expected);
-  read_velocities(model, batch.state(1), expected_velocities);
-  for (const ModelObject& object : model.objects())
-    for (int i = object.first_point; i < object.first_point + object.points; ++i) {
-      const auto p = static_cast<std::size_t>(i);
-      CHECK(positions[p].x == (object.is_static ? 7.0 : expected[p].x));
-      CHECK(positions[p].y == (object.is_static ? 8.0 : expected[p].y));
-      CHECK(velocities[p].y == (object.is_static ? 9.0 : expected_velocities[p].y));
-    }
-}
-
 // ---- voxels of another length --------------------------------------------------------
 
 namespace {

@@ -75,10 +75,8 @@ TEST_CASE("2 000 random worlds have the bits of the benchmark's package in every
     for (const std::string& object : split(row.at(4), ';'))
       world.objects.push_back(object_of(object));
     const Model model(world, Physics{});
-    const auto points = static_cast<std::size_t>(model.points());
-    std::vector<Vec2> positions(points);
-    std::vector<Vec2> velocities(points);
-    read_positions(model, initial_state(model), positions);  // of what never moves, too
+    std::vector<Vec2> positions = model.initial_positions();  // of what never moves, too
+    std::vector<Vec2> velocities(positions.size());
     Batch batch(1);
     batch.place(0, model);
     Targets targets(number);

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
-#include "libevo/base/error.h"
 #include "libevo/base/random.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 
@@ -37,16 +37,6 @@ bool marks_reach_all(const Body& body) {
   return std::count(marked.begin(), marked.end(), true) == count_voxels(body);
 }
 
-std::string data_error(const std::vector<std::string>& rows) {
-  try {
-    (void)Body::from_rows(rows);
-  } catch (const Error& e) {
-    CHECK(e.kind() == Failure::data);
-    return e.what();
-  }
-  return "";
-}
-
 }  // namespace
 
 TEST_CASE("Letters name the voxels and back") {
@@ -72,10 +62,13 @@ TEST_CASE("A body is what is drawn") {
 }
 
 TEST_CASE("Malformed drawings name the cell") {
+  const auto data_error = [](const std::vector<std::string>& rows) {
+    return test::error_of(Failure::data, [&] { (void)Body::from_rows(rows); });
+  };
   CHECK(data_error({"HH", "VXV"}) == "row 2 has 3 cells, but row 1 has 2");
   CHECK(data_error({"HHH", "V.x"}) == "unknown letter 'x' at row 2, column 3; allowed . R S H V #");
-  CHECK(!data_error({}).empty());
-  CHECK(!data_error({""}).empty());
+  CHECK_FALSE(data_error({}).empty());
+  CHECK_FALSE(data_error({""}).empty());
 }
 
 TEST_CASE("Full links are all adjacent pairs, in sorted order") {

@@ -8,9 +8,10 @@
 #include <set>
 #include <string>
 
-#include "libevo/base/error.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
+using evo::test::error_of;
 
 namespace {
 
@@ -29,17 +30,6 @@ std::string joined(const Body& body) {
   std::string text;
   for (const std::string& row : body.to_rows()) text += row;
   return text;
-}
-
-template <typename F>
-Failure failure_of(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.kind();
-  }
-  FAIL("nothing was thrown");
-  return Failure::io;
 }
 
 }  // namespace
@@ -106,20 +96,21 @@ TEST_CASE("Weights shape the sample") {
 
 TEST_CASE("What cannot be sampled is refused at once, or after a bound") {
   Stream stream(7, "test/refused");
-  const auto sample = [&](int rows, int cols, VoxelWeights weights) {
-    return failure_of([&] { (void)sample_body(rows, cols, weights, stream, 1000); });
+  const auto refused = [&](int rows, int cols, VoxelWeights weights,
+                           Failure kind = Failure::usage) {
+    error_of(kind, [&] { (void)sample_body(rows, cols, weights, stream, 1000); });
   };
-  CHECK(sample(5, 5, {1, 1, 1, 0, 0}) == Failure::usage);
-  CHECK(sample(5, 5, {1, 0, 0, 0, 0}) == Failure::usage);
-  CHECK(sample(5, 5, {0, 0, 0, 0, 0}) == Failure::usage);
-  CHECK(sample(5, 5, {1, 1, 1, -1, 1}) == Failure::usage);
-  CHECK(sample(5, 5, {1, 1, 1, std::numeric_limits<double>::quiet_NaN(), 1}) == Failure::usage);
-  CHECK(sample(5, 5, {1, std::numeric_limits<double>::infinity(), 1, 1, 1}) == Failure::usage);
-  CHECK(sample(0, 5, default_weights) == Failure::usage);
-  CHECK(sample(5, -1, default_weights) == Failure::usage);
-  CHECK(sample(largest_side + 1, 5, default_weights) == Failure::usage);
-  CHECK(sample(35, 35, default_weights) == Failure::work);
-  CHECK(sample(5, 5, {1e9, 1e-9, 0, 1e-9, 0}) == Failure::work);
+  refused(5, 5, {1, 1, 1, 0, 0});
+  refused(5, 5, {1, 0, 0, 0, 0});
+  refused(5, 5, {0, 0, 0, 0, 0});
+  refused(5, 5, {1, 1, 1, -1, 1});
+  refused(5, 5, {1, 1, 1, std::numeric_limits<double>::quiet_NaN(), 1});
+  refused(5, 5, {1, std::numeric_limits<double>::infinity(), 1, 1, 1});
+  refused(0, 5, default_weights);
+  refused(5, -1, default_weights);
+  refused(largest_side + 1, 5, default_weights);
+  refused(35, 35, default_weights, Failure::work);
+  refused(5, 5, {1e9, 1e-9, 0, 1e-9, 0}, Failure::work);
 }
 
 TEST_CASE("Children of mutation are valid robots") {
@@ -185,9 +176,7 @@ TEST_CASE("The ends of the rate") {
   CHECK_FALSE(mutate(parent, {1.0, 50, {1, 0, 0, 0, 0}}, stream));
   CHECK_FALSE(mutate(parent, {0.1, 0, default_weights}, stream));
   for (const double rate : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()})
-    CHECK(failure_of([&] {
-            (void)mutate(parent, {rate, 1, default_weights}, stream);
-          }) == Failure::usage);
+    error_of(Failure::usage, [&] { (void)mutate(parent, {rate, 1, default_weights}, stream); });
 }
 
 TEST_CASE("Children are fully linked, whatever links the parent had") {
@@ -220,9 +209,9 @@ TEST_CASE("Crossover takes every voxel from one of the parents") {
   REQUIRE(differing > 5000);
   CHECK(from_a / static_cast<double>(differing) == Approx(0.5).margin(0.03));
   Stream stream(15, "test/shapes");
-  CHECK(failure_of([&] {
-          (void)crossover(Body::from_rows({"HH"}), Body::from_rows({"H", "H"}), 5, stream);
-        }) == Failure::data);
+  error_of(Failure::data, [&] {
+    (void)crossover(Body::from_rows({"HH"}), Body::from_rows({"H", "H"}), 5, stream);
+  });
 }
 
 TEST_CASE("Stiffness is inherited with its voxel, and mutates by a share of itself") {

@@ -11,6 +11,7 @@
 #include "libevo/control/sine.h"
 #include "libevo/sim/isa.h"
 #include "tests/unit/control/arena.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 
@@ -312,13 +313,7 @@ TEST_CASE("settings that make no sense are refused by name") {
   const auto message = [&](auto change) {
     TrainingSettings settings = brief();
     change(settings);
-    try {
-      Trainer(arena, settings, 1, "robot");
-    } catch (const Error& failure) {
-      CHECK(failure.kind() == Failure::usage);
-      return std::string(failure.what());
-    }
-    return std::string("(no error)");
+    return test::error_of(Failure::usage, [&] { Trainer(arena, settings, 1, "robot"); });
   };
   CHECK_THAT(message([](auto& s) { s.minibatches = 65; }), Catch::Contains("minibatches is 65"));
   CHECK_THAT(message([](auto& s) { s.steps = 63; }), Catch::Contains("63 steps"));

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <set>
 
-#include "libevo/base/error.h"
 #include "libevo/evolve/cppn.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 
@@ -226,13 +226,8 @@ TEST_CASE("a surplus of accepted children is kept, or cut on request") {
 
 TEST_CASE("when nothing can be accepted the search ends with an error") {
   NeatState state;
-  try {
-    first_generation(
-        {}, [](const Genome&) { return false; }, state, 1);
-    FAIL("no error");
-  } catch (const Error& e) {
-    CHECK(e.kind() == Failure::work);
-  }
+  const auto accept_none = [](const Genome&) { return false; };
+  test::error_of(Failure::work, [&] { first_generation({}, accept_none, state, 1); });
 }
 
 TEST_CASE("a species without progress for 15 generations dies; without species all starts anew") {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "libevo/base/error.h"
 #include "libevo/body/operators.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 
@@ -243,12 +243,7 @@ TEST_CASE("a shape with too few designs left and observations of another shape a
   CHECK_THROWS_WITH(suggest(1, 2, all, {}, 1, quick(), 1), Catch::Contains("only 0 of 1"));
   all.resize(10);
   CHECK(suggest(1, 2, all, {}, 6, quick(), 1).designs.size() == 6);
-  try {
-    suggest(2, 2, all, {}, 1, quick(), 1);
-    FAIL("no error");
-  } catch (const Error& e) {
-    CHECK(e.kind() == Failure::data);
-  }
+  test::error_of(Failure::data, [&] { suggest(2, 2, all, {}, 1, quick(), 1); });
 }
 
 // Sign test: 9 wins of 10 have p = 0.011, 16 of 20 p = 0.006.

@@ -11,7 +11,7 @@
 #include "formats/task/text.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
-#include "scratch.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 using namespace evo::test;

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <string>
 
-#include "scratch.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 using namespace evo::test;

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "libevo/evolve/neat_operators.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 
@@ -23,12 +24,8 @@ template <typename Change>
 std::string message(Change change) {
   Json document = genome_to_json(random_genome(3));
   change(document);
-  try {
-    read_genome(to_node(document, "g"));
-  } catch (const Error& failure) {
-    return std::string(failure.what()).substr(std::string("g:1:").size());
-  }
-  return "(no error)";
+  return test::error_of(Failure::data, [&] { read_genome(to_node(document, "g")); })
+      .substr(std::string("g:1:").size());
 }
 
 }  // namespace
@@ -84,6 +81,6 @@ TEST_CASE("a bad genome is refused with its path and what was found") {
       {[](Json& g) { g["connections"][0]["out"] = 9999; }, "ends nowhere"},
       {[](Json& g) { g["connections"][0] = 3; }, ": /connections/0: a mapping"},
       {[](Json& g) { g["key"] = 1e30; }, ": /key: a whole number"}};
-  CHECK(message([](Json&) {}) == "(no error)");
+  CHECK_NOTHROW(read_genome(to_node(genome_to_json(random_genome(3)), "g")));
   for (const auto& [change, expected] : all) CHECK_THAT(message(change), Catch::Contains(expected));
 }

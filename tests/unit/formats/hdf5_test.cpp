@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "formats/io/files.h"
-#include "scratch.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 using namespace evo::test;

@@ -8,7 +8,7 @@
 #include <csignal>
 #include <filesystem>
 
-#include "tests/unit/formats/scratch.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 

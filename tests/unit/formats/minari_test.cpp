@@ -7,7 +7,7 @@
 #include "formats/io/files.h"
 #include "formats/io/hdf5.h"
 #include "formats/task/physics_profile.h"
-#include "scratch.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 using namespace evo::test;

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/unit/expect.h"
+
 using namespace evo;
 
 namespace {
@@ -9,13 +11,7 @@ namespace {
 // The message of the Error(data) that reading `text` this way throws.
 template <typename Read>
 std::string message(const std::string& text, Read read) {
-  try {
-    read(Node::yaml(text, "t"));
-  } catch (const Error& error) {
-    CHECK(error.kind() == Failure::data);
-    return error.what();
-  }
-  return "(no error)";
+  return test::error_of(Failure::data, [&] { read(Node::yaml(text, "t")); });
 }
 
 Node value(const std::string& text) {

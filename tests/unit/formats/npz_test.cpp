@@ -7,7 +7,7 @@
 #include "formats/io/files.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
-#include "scratch.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 using namespace evo::test;

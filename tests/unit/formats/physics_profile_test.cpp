@@ -4,7 +4,10 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/unit/expect.h"
+
 using namespace evo;
+using evo::test::error_of;
 
 namespace {
 
@@ -15,23 +18,12 @@ Physics read(const std::string& text) {
 }
 
 std::string message(const std::string& text) {
-  try {
-    read(text);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "(no error)";
+  return error_of(Failure::data, [&] { read(text); });
 }
 
 std::string override_message(const std::string& assignment) {
   Physics physics;
-  try {
-    apply_override(physics, assignment);
-  } catch (const Error& error) {
-    CHECK(error.kind() == Failure::usage);
-    return error.what();
-  }
-  return "(no error)";
+  return error_of(Failure::usage, [&] { apply_override(physics, assignment); });
 }
 
 }  // namespace

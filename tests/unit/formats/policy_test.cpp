@@ -13,8 +13,10 @@
 #include "formats/training/training.h"
 #include "libevo/control/evaluate.h"
 #include "libevo/control/modular_passes.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
+using evo::test::error_of;
 
 namespace {
 
@@ -105,12 +107,7 @@ PolicyFile example(TrainedController controller) {
 }
 
 std::string message_reading(const std::filesystem::path& path) {
-  try {
-    read_policy(path);
-  } catch (const Error& failure) {
-    return failure.what();
-  }
-  return "(no error)";
+  return error_of(Failure::data, [&] { read_policy(path); });
 }
 
 }  // namespace
@@ -125,15 +122,10 @@ TEST_CASE("a controller comes back from a policy's JSON with the same bits", "[f
 
 TEST_CASE("a JSON controller that does not fit together is refused with its place",
           "[formats][policy]") {
-  const auto problem = [](const std::function<void(Json&)>& change) -> std::string {
+  const auto problem = [](const std::function<void(Json&)>& change) {
     Json document = Json::parse(policy_to_json(example(network_policy())));
     change(document);
-    try {
-      read_controller(to_node(document, "policy"));
-    } catch (const Error& failure) {
-      return failure.what();
-    }
-    return "";
+    return error_of(Failure::data, [&] { read_controller(to_node(document, "policy")); });
   };
   CHECK_THAT(problem([](Json& d) { d["kind"] = "dream"; }),
              Catch::Contains(": /kind: unknown kind of policy 'dream'; allowed: network, sine"));
@@ -202,7 +194,8 @@ TEST_CASE("a policy file stands for its robot") {
 
 TEST_CASE("files that are no policies are refused with file and place") {
   const Scratch scratch;
-  CHECK_THAT(message_reading(scratch.folder / "none.h5"), Catch::Contains("none.h5"));
+  CHECK_THAT(error_of(Failure::no_input, [&] { read_policy(scratch.folder / "none.h5"); }),
+             Catch::Contains("none.h5"));
   write_file(scratch.folder / "text.h5", "not HDF5");
   CHECK_THAT(message_reading(scratch.folder / "text.h5"), Catch::Contains("text.h5"));
 

@@ -12,7 +12,7 @@
 #include "formats/io/files.h"
 #include "formats/io/hdf5.h"
 #include "libevo/base/random.h"
-#include "scratch.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 using namespace evo::test;

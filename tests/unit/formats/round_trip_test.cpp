@@ -16,7 +16,7 @@
 #include "libevo/body/operators.h"
 #include "libevo/control/modular_passes.h"
 #include "libevo/evolve/cppn_neat.h"
-#include "scratch.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 using namespace evo::test;

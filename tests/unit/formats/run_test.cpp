@@ -8,7 +8,7 @@
 #include "formats/training/training_log.h"
 #include "libevo/base/digest.h"
 #include "libevo/base/random.h"
-#include "tests/unit/formats/scratch.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 

@@ -8,8 +8,10 @@
 #include "formats/task/physics_profile.h"
 #include "formats/task/text.h"
 #include "libevo/task/env.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
+using evo::test::error_of;
 namespace fs = std::filesystem;
 
 namespace {
@@ -38,20 +40,14 @@ rules:
 )";
 
 std::string message(const std::string& text) {
-  try {
-    parse_task(text, "t.yaml", "", data);
-  } catch (const Error& error) {
-    CHECK(error.kind() == Failure::data);
-    return error.what();
-  }
-  return "(no error)";
+  return error_of(Failure::data, [&] { parse_task(text, "t.yaml", "", data); });
 }
 
-// The message for the good task with one piece of text replaced.
-std::string spoilt(const std::string& piece, const std::string& by) {
+// The good task with one piece of text replaced.
+std::string changed(const std::string& piece, const std::string& by) {
   const std::size_t at = good.find(piece);
   REQUIRE(at != std::string::npos);
-  return message(good.substr(0, at) + by + good.substr(at + piece.size()));
+  return good.substr(0, at) + by + good.substr(at + piece.size());
 }
 
 }  // namespace
@@ -370,27 +366,16 @@ TEST_CASE("the check values of package and beam tasks") {
 // ---- finding tasks ------------------------------------------------------------------------
 
 TEST_CASE("an unknown task is named with the nearest one") {
-  try {
-    load_task("Walkr-v0", data);
-    FAIL("accepted");
-  } catch (const Error& error) {
-    CHECK(error.kind() == Failure::usage);
-    CHECK_THAT(error.what(),
-               Catch::StartsWith("unknown task 'Walkr-v0' (did you mean 'Walker-v0'?)") &&
-                   Catch::Contains("evo-inspect tasks"));
-  }
+  CHECK_THAT(error_of(Failure::usage, [] { load_task("Walkr-v0", data); }),
+             Catch::StartsWith("unknown task 'Walkr-v0' (did you mean 'Walker-v0'?)") &&
+                 Catch::Contains("evo-inspect tasks"));
   for (const char* word : {"walker", "Walker", "WALKER-V0", "wlaker", "walke"})
     CHECK_THROWS_WITH(load_task(word, data), Catch::Contains("(did you mean 'Walker-v0'?)"));
   CHECK_THROWS_WITH(load_task("bridge", data), Catch::Contains("'BridgeWalker-v0'"));
   CHECK_THROWS_WITH(load_task("zebra", data), !Catch::Contains("did you mean"));
   CHECK_THROWS_WITH(load_task("Walker-v0.yaml", data), Catch::Contains("given as 'Walker-v0'"));
   CHECK_THROWS_WITH(load_task("README.md", data), Catch::Contains("'./README.md'"));
-  try {
-    load_task("./nowhere.yaml", data);
-    FAIL("accepted");
-  } catch (const Error& error) {
-    CHECK(error.kind() == Failure::no_input);
-  }
+  error_of(Failure::no_input, [] { load_task("./nowhere.yaml", data); });
 }
 
 TEST_CASE("other YAML in a data folder is no task") {
@@ -490,9 +475,9 @@ TEST_CASE("bounding boxes may overlap, cells may not") {
     tub: {rows: ["#...#", "#####"]}
     duck: {at: [2, 1], size: [1, 1], fill: S}
 )";
-  CHECK(
-      spoilt(good.substr(good.find("  objects"), good.find("observation") - good.find("  objects")),
-             nested) == "(no error)");
+  const std::size_t objects = good.find("  objects");
+  CHECK_NOTHROW(parse_task(
+      changed(good.substr(objects, good.find("observation") - objects), nested), "t.yaml"));
 }
 
 TEST_CASE("a world may come from the design tool, and the task stays complete") {
@@ -606,10 +591,11 @@ TEST_CASE("mistakes in a task and its world are named with their place and the n
       {"  objects:", "  drawing: 'x'\n  objects:", "world: key 'legend' is missing"},
       {"  objects:", "  drawing: 'xy'\n  legend: {x: {object: a, voxel: S}}\n  objects:",
        "letter 'y' in row 1, column 2 is not in the legend"}};
-  CHECK(message(good) == "(no error)");
+  CHECK_NOTHROW(parse_task(good, "t.yaml"));
   for (const auto& [piece, by, expected] : mistakes)
-    CHECK_THAT(spoilt(piece, by), Catch::Contains(expected));
-  CHECK(spoilt("robot: {at: [1, 1]}", "draws: {d: [-20, 0]}\nrobot: {at: [1, 1]}") == "(no error)");
+    CHECK_THAT(message(changed(piece, by)), Catch::Contains(expected));
+  CHECK_NOTHROW(parse_task(
+      changed("robot: {at: [1, 1]}", "draws: {d: [-20, 0]}\nrobot: {at: [1, 1]}"), "t.yaml"));
 }
 
 // ---- examples and words ------------------------------------------------------------

@@ -4,8 +4,10 @@
 #include <filesystem>
 
 #include "formats/io/files.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
+using evo::test::error_of;
 
 namespace {
 
@@ -16,24 +18,12 @@ TrainingSettings read(const std::string& text) {
 }
 
 std::string message(const std::string& text) {
-  try {
-    read(text);
-  } catch (const Error& error) {
-    CHECK(error.kind() == Failure::data);
-    return error.what();
-  }
-  return "(no error)";
+  return error_of(Failure::data, [&] { read(text); });
 }
 
 std::string override_message(const std::string& assignment) {
   TrainingSettings settings;
-  try {
-    apply_override(settings, assignment);
-  } catch (const Error& error) {
-    CHECK(error.kind() == Failure::usage);
-    return error.what();
-  }
-  return "(no error)";
+  return error_of(Failure::usage, [&] { apply_override(settings, assignment); });
 }
 
 }  // namespace

@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "libevo/base/error.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/render/example.h"
-#include "tests/unit/render/expect_error.h"
 
 namespace evo::render {
 namespace {
 
 using Catch::Matchers::Contains;
+using test::expect_error;
 
 TEST_CASE("50 frames per second show every step, other rates and speeds their share") {
   RenderOptions options;

@@ -6,8 +6,7 @@
 #include "libevo/base/random.h"
 #include "render/film/video.h"
 #include "render/painters/png.h"
-#include "tests/unit/formats/scratch.h"
-#include "tests/unit/render/expect_error.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/render/read_png.h"
 
 namespace evo::render {
@@ -15,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
+using test::expect_error;
 
 // A gradient with a square that moves with `k`.
 Image test_frame(Size size, int k) {

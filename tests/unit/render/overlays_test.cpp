@@ -10,14 +10,14 @@
 #include "render/render.h"
 #include "render/scene/force.h"
 #include "render/scene/quantity.h"
-#include "tests/unit/formats/scratch.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/render/example.h"
-#include "tests/unit/render/expect_error.h"
 
 namespace evo::render {
 namespace {
 
 using Catch::Matchers::Contains;
+using test::expect_error;
 
 Rollout simulated(const std::string& task, int steps) {
   Rollout rollout = example::simulate(task, example::walker, steps);

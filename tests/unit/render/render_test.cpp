@@ -4,9 +4,8 @@
 #include <filesystem>
 
 #include "formats/io/files.h"
-#include "tests/unit/formats/scratch.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/render/example.h"
-#include "tests/unit/render/expect_error.h"
 #include "tests/unit/render/read_png.h"
 
 namespace evo::render {
@@ -14,6 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
+using test::expect_error;
 
 RenderOptions tiny() {
   RenderOptions options;

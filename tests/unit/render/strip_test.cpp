@@ -8,7 +8,6 @@
 #include "render/film/loop.h"
 #include "render/scene/moments.h"
 #include "tests/unit/render/example.h"
-#include "tests/unit/render/expect_error.h"
 
 namespace evo::render {
 namespace {

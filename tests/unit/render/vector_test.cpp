@@ -11,13 +11,14 @@
 #include "render/film/race.h"
 #include "render/painters/raster.h"
 #include "render/render.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/render/example.h"
-#include "tests/unit/render/expect_error.h"
 
 namespace evo::render {
 namespace {
 
 using Catch::Matchers::Contains;
+using test::expect_error;
 
 std::string svg(const Drawing& drawing) {
   Typesetter typesetter;

@@ -7,12 +7,13 @@
 #include <cerrno>
 #include <csignal>
 
-#include "tests/unit/render/expect_error.h"
+#include "tests/unit/expect.h"
 
 namespace evo::render {
 namespace {
 
 using Catch::Matchers::Contains;
+using test::expect_error;
 
 bool no_children() { return ::waitpid(-1, nullptr, WNOHANG) < 0 && errno == ECHILD; }
 

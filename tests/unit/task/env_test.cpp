@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "libevo/base/error.h"
 #include "libevo/base/random.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 
@@ -61,13 +61,7 @@ std::vector<double> actions(const Arena& arena, int environments, int step) {
 }
 
 std::string message(const TaskSpec& task, const Body& robot) {
-  try {
-    const Arena arena(task, robot);
-  } catch (const Error& error) {
-    CHECK(error.kind() == Failure::data);
-    return error.what();
-  }
-  return "(no error)";
+  return test::error_of(Failure::data, [&] { const Arena arena(task, robot); });
 }
 
 std::vector<double> copy(std::span<const double> values) { return {values.begin(), values.end()}; }
@@ -173,13 +167,7 @@ TEST_CASE("draws that are not the task's are refused") {
   const Arena arena(drawing(), walker());
   VecEnv env(arena, 1);
   const auto refused = [&](const Draws& draws) {
-    try {
-      env.reset(0, {draws, 0.0, 0});
-    } catch (const Error& error) {
-      CHECK(error.kind() == Failure::usage);
-      return std::string(error.what());
-    }
-    return std::string("(no error)");
+    return test::error_of(Failure::usage, [&] { env.reset(0, {draws, 0.0, 0}); });
   };
   CHECK(refused({{{"ox", 1}}, {}}) == "task 'Test-draw' draws 'oy', for which no value was given");
   CHECK(refused({{{"ox", 1}, {"oy", 0}, {"xo", 2}}, {}}) ==

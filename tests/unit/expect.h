@@ -1,4 +1,4 @@
-// A folder of its own for a test, and what a function threw.
+// What a function threw, and a folder of its own for a test.
 #pragma once
 
 #include <unistd.h>
@@ -51,6 +51,12 @@ std::string error_of(Failure kind, F&& f) {
   }
   FAIL_CHECK("nothing was thrown");
   return "";
+}
+
+// `f` throws such an Error, and its message matches.
+template <typename Matcher, typename F>
+void expect_error(Failure kind, const Matcher& matcher, F&& f) {
+  CHECK_THAT(error_of(kind, f), matcher);
 }
 
 inline bool contains(const std::string& text, const std::string& part) {

@@ -1,10 +1,8 @@
 // Small worlds for the tests of this room.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "libevo/task/env.h"
+#include "tests/unit/sim/fixtures.h"
 
 namespace evo::test {
 
@@ -15,15 +13,14 @@ inline TaskSpec walker(int steps, int length = 40) {
   task.episode_steps = steps;
   task.robot_x = 1;
   task.robot_y = 1;
-  const Body ground(1, length, std::vector<Voxel>(static_cast<std::size_t>(length), Voxel::fixed));
-  task.objects.push_back({Object{"ground", ground, 0, 0}, "", ""});
+  task.objects.push_back({fixed_ground(length), "", ""});
   task.observation = {observation::Velocity{robot_name},
                       observation::RelativePositions{robot_name}};
   task.reward.push_back({1.0, reward::Displacement{robot_name, Axis::x}, {}});
   return task;
 }
 
-inline Body body_a() { return Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"}); }
+using evo::body_a;
 
 inline Body small_body() { return Body::from_rows({"HHH", "V.V"}); }
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "libevo/base/random.h"
-#include "libevo/sim/isa.h"
+#include "tests/unit/sim/fixtures.h"
 
 using evo::Matrix;
 
@@ -28,17 +28,6 @@ Matrix by_definition(const Matrix& a, const Matrix& b, Matrix c) {
   return c;
 }
 
-// Runs `f` under every instruction set compiled in that this processor has.
-template <typename F>
-void for_each_isa(F f) {
-  for (const std::string& isa : evo::available_isas()) {
-    evo::select_isa(isa);
-    INFO("instruction set " << isa);
-    f();
-  }
-  evo::select_isa(evo::best_isa());
-}
-
 }  // namespace
 
 TEST_CASE("products have the bits of their definition on every instruction set") {
@@ -56,7 +45,7 @@ TEST_CASE("products have the bits of their definition on every instruction set")
   const Matrix b = random_matrix(k, n, stream);
   const Matrix c = random_matrix(m, n, stream);
   const Matrix expected = by_definition(a, b, c);
-  for_each_isa([&] {
+  evo::for_each_isa([&] {
     Matrix plain = c;
     evo::add_product(a, b, plain);
     CHECK(plain == expected);
@@ -82,7 +71,7 @@ TEST_CASE("products of blocks and of sparse matrices have the bits of the whole 
   evo::SparseMatrix sparse;
   for (Eigen::Index r = 0; r < m; ++r) sparse.add_row(sparse_a.row(r));
   REQUIRE(sparse.rows() == m);
-  for_each_isa([&] {
+  evo::for_each_isa([&] {
     Matrix whole = Matrix::Zero(m, n);
     evo::add_product(Matrix(wide_a.block(2, 1, m, k)), Matrix(wide_b.rightCols(n)), whole);
     Matrix framed = Matrix::Zero(m + 1, n + 4);
@@ -129,7 +118,7 @@ TEST_CASE("rows are scaled by others, and slopes come back, on every instruction
       expected_slope(r, j) = back(r, j) * scale(o, j);
     }
   }
-  for_each_isa([&] {
+  evo::for_each_isa([&] {
     Matrix y = x;
     evo::scale_rows(of, scale, shift, y);
     CHECK(y == expected);
@@ -156,7 +145,7 @@ TEST_CASE("tanh is close, odd, bounded, and the same on every instruction set") 
     REQUIRE(std::abs(reference(0, i)) <= 1.0F);
   }
   CHECK(worst < 4e-7);
-  for_each_isa([&] {
+  evo::for_each_isa([&] {
     Matrix y = x;
     evo::tanh_in_place(y);
     CHECK(y == reference);
@@ -171,7 +160,7 @@ TEST_CASE("tanh lets what is not a number through") {
   x(0, 3) = std::numeric_limits<float>::quiet_NaN();
   x(0, 4) = std::numeric_limits<float>::infinity();
   x(0, 18) = std::numeric_limits<float>::quiet_NaN();
-  for_each_isa([&] {
+  evo::for_each_isa([&] {
     Matrix y = x;
     evo::tanh_in_place(y);
     CHECK(std::isnan(y(0, 3)));

@@ -9,7 +9,6 @@
 #include "libevo/control/evaluate.h"
 #include "libevo/control/policy_passes.h"
 #include "libevo/control/sine.h"
-#include "libevo/sim/isa.h"
 #include "tests/unit/control/arena.h"
 #include "tests/unit/expect.h"
 
@@ -206,13 +205,10 @@ TEST_CASE("results are the same on every instruction set") {
     return trainer.checkpoint();
   };
   const Checkpoint reference = run();
-  for (const std::string& isa : available_isas()) {
-    INFO(isa);
-    select_isa(isa);
+  for_each_isa([&] {
     CHECK(run().arrays.at("learner/policy/parameters") ==
           reference.arrays.at("learner/policy/parameters"));
-  }
-  select_isa(best_isa());
+  });
 }
 
 TEST_CASE("a training can be stopped, and then has no final score") {

@@ -213,16 +213,12 @@ std::vector<double> hardest_squares() {
 }
 
 std::size_t wrong_on_all_isas(std::vector<double> s, std::vector<double> a) {
-  const IsaGuard guard;
   while (s.size() % 16 != 0) {
     s.push_back(1.0);
     a.push_back(1.0);
   }
   std::size_t wrong = 0;
-  for (const std::string& isa : available_isas()) {
-    select_isa(isa);
-    wrong += HWY_DYNAMIC_DISPATCH(count_wrong)(s.data(), a.data(), s.size());
-  }
+  for_each_isa([&] { wrong += HWY_DYNAMIC_DISPATCH(count_wrong)(s.data(), a.data(), s.size()); });
   return wrong;
 }
 
@@ -340,10 +336,7 @@ TEST_CASE("quotients without the divider are IEEE's: a billion of them", "[.slow
 namespace {
 
 void check_same_bits(Choice choice) {
-  const Model model(
-      {{fixed_ground(40),
-        {"robot", Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"}), 2, 1}}},
-      Physics{});
+  const Model model({{fixed_ground(40), {"robot", body_a(), 2, 1}}}, Physics{});
   Batch plain(1);
   plain.place(0, model);
   // The same start in a group of one lane, as wide as a register.
@@ -381,14 +374,12 @@ void check_same_bits(Choice choice) {
 }  // namespace
 
 TEST_CASE("every kernel has the same bits") {
-  const IsaGuard guard;
-  for (const std::string& isa : available_isas()) {
-    select_isa(isa);
+  for_each_isa([] {
     for (const Choice choice : {Choice::helped, Choice::narrow, Choice::wide}) {
-      INFO(isa << ", kernel " << static_cast<int>(choice));
+      INFO("kernel " << static_cast<int>(choice));
       check_same_bits(choice);
     }
-  }
+  });
 }
 
 }  // namespace evo

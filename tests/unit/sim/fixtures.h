@@ -1,6 +1,7 @@
 // Worlds and comparisons that several tests of the simulator use.
 #pragma once
 
+#include <catch2/catch.hpp>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -10,6 +11,7 @@
 #include "libevo/sim/batch.h"
 #include "libevo/sim/isa.h"
 #include "libevo/sim/world.h"
+#include "tests/unit/task/pinned.h"
 
 namespace evo {
 
@@ -19,6 +21,9 @@ inline Object fixed_ground(int length) {
           0};
 }
 
+// The first of the two bodies of the reference trajectories.
+inline Body body_a() { return Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"}); }
+
 // Restores the best instruction set when a test ends.
 struct IsaGuard {
   IsaGuard() = default;
@@ -26,6 +31,17 @@ struct IsaGuard {
   IsaGuard& operator=(const IsaGuard&) = delete;
   ~IsaGuard() { select_isa(best_isa()); }
 };
+
+// Runs `f` under every instruction set compiled in that this processor has.
+template <typename F>
+void for_each_isa(F f) {
+  const IsaGuard guard;
+  for (const std::string& isa : available_isas()) {
+    select_isa(isa);
+    INFO("instruction set " << isa);
+    f();
+  }
+}
 
 inline void draw_targets(std::span<double> targets, Stream& random) {
   for (double& target : targets) target = 0.6 + random.uniform();
@@ -42,6 +58,12 @@ inline LaneStatus step_alone(const Model& model, State& state) {
 }
 
 // The bits of everything that continues; -0 and 0 count as different.
-std::uint64_t hash_of(const State& state);
+inline std::uint64_t hash_of(const State& state) {
+  pinned::Hash hash;
+  for (const auto* values :
+       {&state.x, &state.y, &state.vx, &state.vy, &state.previous_x, &state.previous_y})
+    for (const double value : *values) hash.add(value);
+  return hash.value();
+}
 
 }  // namespace evo

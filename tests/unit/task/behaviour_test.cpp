@@ -9,6 +9,7 @@
 #include "formats/task/task.h"
 #include "libevo/task/contacts.h"
 #include "libevo/task/env.h"
+#include "tests/unit/sim/fixtures.h"
 
 namespace evo {
 namespace {
@@ -117,8 +118,7 @@ TEST_CASE("a robot that falls is aloft until it lands, and has not risen") {
 }
 
 TEST_CASE("a walker comes as far as its task says") {
-  const Arena arena(load_task("Walker-v0", data),
-                    Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"}));
+  const Arena arena(load_task("Walker-v0", data), body_a());
   const auto wave = [](int step, std::size_t k) {
     return 1.1 + 0.5 * std::sin(0.3 * step + 0.7 * static_cast<double>(k));
   };

@@ -6,16 +6,11 @@
 
 #include "libevo/base/random.h"
 #include "tests/unit/expect.h"
+#include "tests/unit/sim/fixtures.h"
 
 using namespace evo;
 
 namespace {
-
-Object ground(int length) {
-  return {"ground",
-          Body(1, length, std::vector<Voxel>(static_cast<std::size_t>(length), Voxel::fixed)), 0,
-          0};
-}
 
 TaskSpec walking() {
   TaskSpec task;
@@ -23,7 +18,7 @@ TaskSpec walking() {
   task.episode_steps = 7;
   task.robot_x = 2;
   task.robot_y = 1;
-  task.objects.push_back({ground(30), "", ""});
+  task.objects.push_back({fixed_ground(30), "", ""});
   task.observation = {observation::Velocity{robot_name}, observation::Orientation{robot_name},
                       observation::RelativePositions{robot_name},
                       observation::Floor{2, 5.0, {"ground"}}};

@@ -6,13 +6,12 @@
 #include "formats/task/task.h"
 #include "libevo/base/random.h"
 #include "libevo/task/env.h"
+#include "tests/unit/sim/fixtures.h"
 
 namespace evo {
 namespace {
 
 const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
-
-Body walker() { return Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"}); }
 
 // Bytes given out by the allocator at present; 0 under sanitizers, which have one of
 // their own (and look for leaks themselves).
@@ -26,7 +25,7 @@ std::size_t bytes_in_use() {
 std::ptrdiff_t growth(const char* name, std::uint64_t resets) {
   constexpr std::uint64_t settle = 500;
   constexpr int environments = 4;
-  const Arena arena(load_task(name, data), walker());
+  const Arena arena(load_task(name, data), body_a());
   VecEnv envs(arena, environments);
   const std::vector<double> targets(static_cast<std::size_t>(environments * arena.action_length()),
                                     1.3);
@@ -47,7 +46,7 @@ constexpr std::ptrdiff_t growth_allowed = 16'384;
 TEST_CASE("an environment of a 5x5 robot takes less than 200 kB in every task") {
   constexpr std::size_t limit = 200'000;
   for (const std::string& name : task_names(data)) {
-    const Arena arena(load_task(name, data), walker());
+    const Arena arena(load_task(name, data), body_a());
     Batch batch(8);
     Stream random(1, "targets");
     for (std::size_t lane = 0; lane < batch.lanes(); ++lane) batch.place(lane, arena.model());

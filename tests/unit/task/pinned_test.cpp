@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "formats/task/task.h"
-#include "libevo/sim/isa.h"
+#include "tests/unit/sim/fixtures.h"
 #include "tests/unit/task/pinned.h"
 
 using namespace evo;
@@ -80,17 +80,10 @@ void update_table() {
   std::ofstream(table_file) << table.str();
 }
 
-struct BestIsaAgain {
-  BestIsaAgain() = default;
-  BestIsaAgain(const BestIsaAgain&) = delete;
-  BestIsaAgain& operator=(const BestIsaAgain&) = delete;
-  ~BestIsaAgain() { select_isa(best_isa()); }
-};
-
 }  // namespace
 
 TEST_CASE("the trajectories of all tasks keep their bits", "[pinned]") {
-  const BestIsaAgain guard;
+  const IsaGuard guard;
   if (std::getenv("UPDATE_GOLDEN")) update_table();
   const std::vector<Pinned> table = read_table();
   REQUIRE(table.size() == 32);
@@ -103,7 +96,7 @@ TEST_CASE("the trajectories of all tasks keep their bits", "[pinned]") {
 }
 
 TEST_CASE("whole episodes keep their bits in every way of running them", "[.slow][pinned]") {
-  const BestIsaAgain guard;
+  const IsaGuard guard;
   for (const Pinned& row : read_table()) {
     for (const std::string& isa : available_isas()) {
       for (const int width : {1, 4, 8}) {

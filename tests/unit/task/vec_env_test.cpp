@@ -7,22 +7,21 @@
 #include "libevo/base/error.h"
 #include "libevo/base/random.h"
 #include "libevo/task/env.h"
+#include "tests/unit/sim/fixtures.h"
 
 namespace evo {
 namespace {
 
 const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
 
-Body walker() { return Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"}); }
-
 std::vector<double> copy(std::span<const double> values) { return {values.begin(), values.end()}; }
 
 }  // namespace
 
 TEST_CASE("environments of different bodies and tasks share a VecEnv", "[threads]") {
-  const Arena walk(load_task("Walker-v0", data), walker());
+  const Arena walk(load_task("Walker-v0", data), body_a());
   const Arena fetch(load_task("Catcher-v0", data), Body::from_rows({"HVH", "SSS", "V.V"}));
-  const Arena climb(load_task("BidirectionalWalker-v0", data), walker());
+  const Arena climb(load_task("BidirectionalWalker-v0", data), body_a());
   const std::vector<const Arena*> arenas{&walk,  &fetch, &climb, &walk,
                                          &fetch, &walk,  &walk,  &fetch};
   VecEnv mixed(arenas);
@@ -69,8 +68,8 @@ TEST_CASE("an unstable environment says so and leaves the others alone") {
   TaskSpec wild = load_task("Walker-v0", data);
   wild.name = "Test-wild";
   wild.physics.substep = 0.05;  // far beyond what the springs bear
-  const Arena unstable(wild, walker());
-  const Arena stable(load_task("Walker-v0", data), walker());
+  const Arena unstable(wild, body_a());
+  const Arena stable(load_task("Walker-v0", data), body_a());
   VecEnv env(std::vector<const Arena*>{&stable, &unstable, &stable, &stable});
   VecEnv alone(stable, 1);
   alone.reset(0, {});

@@ -7,7 +7,7 @@
 #include "tests/unit/expect.h"
 
 using namespace evo;
-using evo::test::error_of;
+using namespace evo::test;
 
 namespace {
 
@@ -52,8 +52,7 @@ TEST_CASE("a profile gives what differs from its base") {
 }
 
 TEST_CASE("a base may be a file beside the profile") {
-  const auto folder = std::filesystem::temp_directory_path() / "evo-physics-test";
-  std::filesystem::create_directories(folder);
+  const ScratchFolder folder;
   std::ofstream(folder / "moon.yaml") << "base: paper\ngravity: 18\n";
   std::ofstream(folder / "slow.yaml") << "base: ./moon.yaml\nsubsteps: 10\n";
   std::ofstream(folder / "ring.yaml") << "base: ./ring.yaml\n";
@@ -63,7 +62,6 @@ TEST_CASE("a base may be a file beside the profile") {
   CHECK(slow.contact_stiffness == 2.1e7);
   CHECK_THROWS_WITH(load_physics((folder / "ring.yaml").string(), data),
                     Catch::Contains("in a circle"));
-  std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("a written profile is read back to the same bits") {

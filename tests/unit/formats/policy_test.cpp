@@ -16,20 +16,11 @@
 #include "tests/unit/expect.h"
 
 using namespace evo;
-using evo::test::error_of;
+using namespace evo::test;
 
 namespace {
 
 const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
-
-// A folder of its own for every test.
-struct Scratch {
-  std::filesystem::path folder =
-      std::filesystem::temp_directory_path() /
-      ("evo-policy-" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
-  Scratch() { std::filesystem::create_directories(folder); }
-  ~Scratch() { std::filesystem::remove_all(folder); }
-};
 
 SineController shifted_wave() {
   SineController wave = travelling_wave(3, 0.3, 17.5, 0.4);
@@ -164,8 +155,8 @@ TEST_CASE("as JSON a sequence has a row of targets for every step") {
 }
 
 TEST_CASE("a sequence of no actuators or of numbers in a row is refused") {
-  const Scratch scratch;
-  const auto path = scratch.folder / "a.policy.h5";
+  const ScratchFolder folder;
+  const auto path = folder / "a.policy.h5";
   write_policy(path, example(ReplayController{{0.6, 1.1}, 2}));
   const PolicyFile there = read_policy(path);
   CHECK(std::get<ReplayController>(there.controller).steps() == 1);
@@ -174,17 +165,17 @@ TEST_CASE("a sequence of no actuators or of numbers in a row is refused") {
 }
 
 TEST_CASE("a policy without final episodes has no final score") {
-  const Scratch scratch;
+  const ScratchFolder folder;
   PolicyFile file = example(network_policy());
   file.final_score.reset();
-  write_policy(scratch.folder / "a.policy.h5", file);
-  CHECK_FALSE(read_policy(scratch.folder / "a.policy.h5").final_score);
+  write_policy(folder / "a.policy.h5", file);
+  CHECK_FALSE(read_policy(folder / "a.policy.h5").final_score);
 }
 
 TEST_CASE("a policy file stands for its robot") {
-  const Scratch scratch;
+  const ScratchFolder folder;
   const PolicyFile file = example(network_policy());
-  const auto path = scratch.folder / "a.policy.h5";
+  const auto path = folder / "a.policy.h5";
   write_policy(path, file);
   const std::vector<Robot> robots = read_robots(path.string());
   REQUIRE(robots.size() == 1);
@@ -193,13 +184,13 @@ TEST_CASE("a policy file stands for its robot") {
 }
 
 TEST_CASE("files that are no policies are refused with file and place") {
-  const Scratch scratch;
-  CHECK_THAT(error_of(Failure::no_input, [&] { read_policy(scratch.folder / "none.h5"); }),
+  const ScratchFolder folder;
+  CHECK_THAT(error_of(Failure::no_input, [&] { read_policy(folder / "none.h5"); }),
              Catch::Contains("none.h5"));
-  write_file(scratch.folder / "text.h5", "not HDF5");
-  CHECK_THAT(message_reading(scratch.folder / "text.h5"), Catch::Contains("text.h5"));
+  write_file(folder / "text.h5", "not HDF5");
+  CHECK_THAT(message_reading(folder / "text.h5"), Catch::Contains("text.h5"));
 
-  const auto path = scratch.folder / "p.h5";
+  const auto path = folder / "p.h5";
   const auto header = [&](hdf5::Writer& file, const char* format, std::int64_t version) {
     file.attribute("/", "format", format);
     file.attribute("/", "version", version);
@@ -226,12 +217,12 @@ TEST_CASE("files that are no policies are refused with file and place") {
 }
 
 TEST_CASE("networks whose shapes do not fit are refused") {
-  const Scratch scratch;
+  const ScratchFolder folder;
   PolicyFile file = example(network_policy());
   Policy policy = network_policy();
   policy.actor.layers[1].bias = Vector::Zero(9);
   file.controller = policy;
-  const auto path = scratch.folder / "a.policy.h5";
+  const auto path = folder / "a.policy.h5";
   write_policy(path, file);
   CHECK_THAT(message_reading(path), Catch::Contains("actor: layer 1 has 9 biases"));
 }
@@ -240,14 +231,14 @@ TEST_CASE("networks whose shapes do not fit are refused") {
 static_assert(!std::is_convertible_v<RandomController, TrainedController>);
 
 TEST_CASE("checkpoints come back as they were, and only for their settings") {
-  const Scratch scratch;
+  const ScratchFolder folder;
   Checkpoint checkpoint;
   checkpoint.put<double>("learner/moments", {0.1, -2.0});
   checkpoint.put<float>("learner/weights", {0.1F, 1e-30F, 3.0F});
   checkpoint.put<std::uint64_t>("steps", {18446744073709551615U});
   checkpoint.put<std::uint8_t>("environments/state", {0, 255, 7});
   checkpoint.put<double>("curve/best", {});
-  const auto path = scratch.folder / "a.checkpoint.h5";
+  const auto path = folder / "a.checkpoint.h5";
   const TrainingIdentity one{"evo-training 2\nseed=1\n"};
   const TrainingIdentity other{"evo-training 2\nseed=2\n"};
   write_checkpoint(path, checkpoint, one);
@@ -257,7 +248,7 @@ TEST_CASE("checkpoints come back as they were, and only for their settings") {
 }
 
 TEST_CASE("the same training is the same file, and its policy earns its fitness again") {
-  const Scratch scratch;
+  const ScratchFolder folder;
   const Robot robot(Body::from_rows({"HHH", "V.V"}));
   TrainingSettings settings;
   settings.algorithm = GENERATE(Algorithm("ppo"), Algorithm("gait"), Algorithm("sequence"));
@@ -267,7 +258,7 @@ TEST_CASE("the same training is the same file, and its policy earns its fitness 
   const Arena arena(load_task("Walker-v0", data), robot.body);
   const auto train_into = [&](const std::filesystem::path& path, bool interrupted) {
     const TrainingIdentity identity = identify(robot.body, arena.task(), settings, 3);
-    const auto checkpoint = scratch.folder / "a.checkpoint.h5";
+    const auto checkpoint = folder / "a.checkpoint.h5";
     Trainer first(arena, settings, 3, robot.id);
     write_checkpoint(checkpoint, first.checkpoint(), identity);
     Trainer second(arena, settings, 3, robot.id);
@@ -275,11 +266,11 @@ TEST_CASE("the same training is the same file, and its policy earns its fitness 
     const TrainResult result = train(second);
     write_policy(path, make_policy_file(robot, arena, settings, 3, result, "test"));
   };
-  train_into(scratch.folder / "a.h5", false);
-  train_into(scratch.folder / "b.h5", true);
-  CHECK(read_file(scratch.folder / "a.h5") == read_file(scratch.folder / "b.h5"));
+  train_into(folder / "a.h5", false);
+  train_into(folder / "b.h5", true);
+  CHECK(read_file(folder / "a.h5") == read_file(folder / "b.h5"));
 
-  const PolicyFile file = read_policy(scratch.folder / "a.h5");
+  const PolicyFile file = read_policy(folder / "a.h5");
   CHECK(file.identity == identify(robot.body, arena.task(), settings, 3).lines);
   CHECK(file.settings_hash == identify(robot.body, arena.task(), settings, 3).hash());
   CHECK(file.task == "Walker-v0");

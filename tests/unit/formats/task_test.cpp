@@ -5,13 +5,14 @@
 #include <filesystem>
 #include <fstream>
 
+#include "formats/io/files.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/text.h"
 #include "libevo/task/env.h"
 #include "tests/unit/expect.h"
 
 using namespace evo;
-using evo::test::error_of;
+using namespace evo::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -118,15 +119,13 @@ TEST_CASE("a base is a task by name or by file, and no circle") {
                      "1], fill: \"#\"}}}\n"),
              Catch::StartsWith("Carrier-v0:") && Catch::Contains("package"));
 
-  const fs::path folder = fs::temp_directory_path() / "evo-task-bases";
-  fs::create_directories(folder);
+  const ScratchFolder folder;
   std::ofstream(folder / "a.yaml") << "name: a\nbase: Walker-v0\nsteps: 3\n";
   std::ofstream(folder / "b.yaml") << "name: b\nbase: a.yaml\n";
   std::ofstream(folder / "round.yaml") << "name: round\nbase: round.yaml\n";
   CHECK(load_task((folder / "b.yaml").string(), data).episode_steps == 3);
   CHECK_THROWS_WITH(load_task((folder / "round.yaml").string(), data),
                     Catch::Contains("start from one another in a circle"));
-  fs::remove_all(folder);
 }
 
 // ---- the 32 tasks ------------------------------------------------------------------
@@ -379,39 +378,34 @@ TEST_CASE("an unknown task is named with the nearest one") {
 }
 
 TEST_CASE("other YAML in a data folder is no task") {
-  const fs::path folder = fs::temp_directory_path() / "evo-task-test-other";
-  fs::create_directories(folder);
+  const ScratchFolder folder;
   std::ofstream(folder / "neat.yaml") << "population: 5\n";
   std::ofstream(folder / "mine.yaml") << "format: evo/task\naliases: [ours]\n" << good;
-  CHECK(task_names({folder}) == std::vector<std::string>{"mine"});
-  CHECK_THROWS_WITH(load_task("neat", {folder}), Catch::Contains("unknown task 'neat'"));
-  CHECK(load_task("ours", {folder}).name == "test");
-  CHECK(load_task("Walker-v0", {folder, task_folder}).name == "Walker-v0");
-  fs::remove_all(folder);
+  CHECK(task_names({folder.path()}) == std::vector<std::string>{"mine"});
+  CHECK_THROWS_WITH(load_task("neat", {folder.path()}), Catch::Contains("unknown task 'neat'"));
+  CHECK(load_task("ours", {folder.path()}).name == "test");
+  CHECK(load_task("Walker-v0", {folder.path(), task_folder}).name == "Walker-v0");
 }
 
 // ---- worlds ---------------------------------------------------------------------------------
 
 TEST_CASE("a task that is there but cannot be read is not called unknown") {
-  const fs::path folder = fs::temp_directory_path() / "evo_task_test_broken";
-  fs::remove_all(folder);
-  fs::create_directories(folder);
+  const ScratchFolder folder;
   const auto write = [&](const char* name, const std::string& text) {
     std::ofstream(folder / name) << text;
   };
   write("broken.yaml", "format: evo/task\nname: [broken\n");
   write("walk.yaml",
         "format: evo/task\nname: walk\naliases: [stroll]\n" + good.substr(good.find("steps:")));
-  CHECK_THROWS_WITH(load_task("broken", {folder}),
+  CHECK_THROWS_WITH(load_task("broken", {folder.path()}),
                     Catch::StartsWith((folder / "broken.yaml").string() + ":"));
-  CHECK_THROWS_WITH(task_names({folder}),
+  CHECK_THROWS_WITH(task_names({folder.path()}),
                     Catch::StartsWith((folder / "broken.yaml").string() + ":"));
   // Other tasks are found all the same; what is not found may be in it.
-  CHECK(load_task("walk", {folder}).name == "walk");
-  CHECK(load_task("stroll", {folder}).name == "walk");
-  CHECK_THROWS_WITH(load_task("run", {folder}),
+  CHECK(load_task("walk", {folder.path()}).name == "walk");
+  CHECK(load_task("stroll", {folder.path()}).name == "walk");
+  CHECK_THROWS_WITH(load_task("run", {folder.path()}),
                     Catch::StartsWith("unknown task 'run'") && Catch::Contains("broken.yaml:3"));
-  fs::remove_all(folder);
 }
 
 TEST_CASE("a picture with a legend, parts and rows draw the same world") {
@@ -481,15 +475,14 @@ TEST_CASE("bounding boxes may overlap, cells may not") {
 }
 
 TEST_CASE("a world may come from the design tool, and the task stays complete") {
-  const fs::path folder = fs::temp_directory_path() / "evo-task-test-world";
-  fs::create_directories(folder);
+  const ScratchFolder folder;
   std::ofstream(folder / "world.json") << R"({"grid_width": 5, "grid_height": 3, "objects": {
     "ground": {"indices": [0, 1, 2, 3, 4], "types": [5, 5, 5, 5, 5],
                "neighbors": {"0": [1], "1": [0, 2], "2": [1, 3], "3": [2, 4], "4": [3]}},
     "box": {"indices": [8, 13], "types": [1, 2], "neighbors": {"8": [13], "13": [8]}}}})";
   const std::string head =
       "name: w\nsteps: 1\nrobot: {at: [0, 1]}\nobservation: [velocity: box]\nreward: []\n";
-  const TaskSpec task = parse_task(head + "world: world.json\n", "w.yaml", folder);
+  const TaskSpec task = parse_task(head + "world: world.json\n", "w.yaml", folder.path());
   REQUIRE(task.objects.size() == 2);
   CHECK(task.objects[1].object.name == "box");
   CHECK(task.objects[1].object.x == 3);
@@ -498,9 +491,9 @@ TEST_CASE("a world may come from the design tool, and the task stays complete") 
 
   const TaskSpec more = parse_task(
       head + "world: {file: world.json, objects: {peg: {at: [0, 2], size: [1, 1], fill: '#'}}}\n",
-      "w.yaml", folder);
+      "w.yaml", folder.path());
   CHECK(more.objects.size() == 3);
-  fs::remove_all(folder);
+  fs::remove(folder / "world.json");
   CHECK(parse_task(task.source, "alone").objects[1].object.body == task.objects[1].object.body);
   CHECK(parse_task(more.source, "alone").objects.size() == 3);
   CHECK_THAT(message(head + "world: nowhere.json\n"), Catch::StartsWith("t.yaml:6:8: "));
@@ -637,15 +630,7 @@ TEST_CASE("a task is described in words") {
              Catch::Contains("package at 21 + ox, 41 + oy"));
 }
 
-namespace {
-
-std::string page(const fs::path& path) {
-  std::ifstream file(fs::path(EVO_SOURCE_DIR) / path);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-}  // namespace
-
 TEST_CASE("the page on tasks shows its example as it is") {
-  CHECK_THAT(page("docs/make-a-task.md"), Catch::Contains(page("tasks/examples/ramp.yaml")));
+  CHECK_THAT(read_file(fs::path(EVO_SOURCE_DIR) / "docs/make-a-task.md"),
+             Catch::Contains(read_file(task_folder / "examples/ramp.yaml")));
 }

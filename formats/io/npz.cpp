@@ -15,6 +15,7 @@
 #include "formats/io/files.h"
 #include "formats/io/json.h"
 #include "formats/io/number.h"
+#include "formats/io/text.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -223,7 +224,7 @@ auto from_member(zip_t* archive, zip_int64_t index, const Read& read) {
   try {
     return read(read_member(archive, static_cast<zip_uint64_t>(index)));
   } catch (const Error& failure) {
-    throw failure.at(member_name(archive, index));
+    throw failure.at(printable(member_name(archive, index)));
   }
 }
 
@@ -232,7 +233,7 @@ std::vector<std::string> member_names(zip_t* archive) {
   for (zip_int64_t i = 0; i < zip_get_num_entries(archive, 0); ++i) {
     names.push_back(member_name(archive, i));
     if (std::count(names.begin(), names.end(), names.back()) > 1)
-      throw error(Failure::data, "two arrays are called {}", names.back());
+      throw error(Failure::data, "two arrays are called {}", printable(names.back()));
   }
   return names;
 }

@@ -12,6 +12,7 @@
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
 #include "tests/unit/expect.h"
+#include "tests/unit/formats/damage.h"
 
 using namespace evo;
 using namespace evo::test;
@@ -331,24 +332,11 @@ TEST_CASE("EvoGym experiment: robots with fitness, each once") {
 
 TEST_CASE("EvoGym world: damaged text throws Error and nothing else") {
   const std::string original = compact(Json::parse(example));
-  int refusals = 0;
-  for (std::uint64_t i = 0; i < 5000; ++i) {
-    Stream stream(3, "test/damage", i);
-    std::string text = original;
-    for (std::uint32_t k = 1 + stream.below(3); k > 0; --k) {
-      const std::string signs = "{}[]\",:-0123456789. ";
-      text[stream.below(static_cast<std::uint32_t>(text.size()))] =
-          signs[stream.below(static_cast<std::uint32_t>(signs.size()))];
-    }
-    try {
-      for (const Object& object : read_evogym_world(Node::json(text, "in")).objects)
-        REQUIRE_FALSE(defect(object.body, false));
-    } catch (const Error& e) {
-      REQUIRE(e.kind() == Failure::data);
-      ++refusals;
-    }
-  }
-  CHECK(refusals > 2500);
+  const int refused = refusals({original}, 5000, text_signs, [](const std::string& text) {
+    for (const Object& object : read_evogym_world(Node::json(text, "in")).objects)
+      REQUIRE_FALSE(defect(object.body, false));
+  });
+  CHECK(refused > 2500);
 }
 
 TEST_CASE("EvoGym world: a robot keeps its empty border, its id with it") {

@@ -187,6 +187,7 @@ print(np.abs(a - b).mean())" "$1" "$2"
   evo-inspect tasks | golden tasks.txt
   [ "$(evo-inspect tasks | tail -n +2 | wc -l)" -eq 32 ]
   evo-inspect task Carrier-v1 | golden task-Carrier-v1.txt
+  evo-inspect task Catcher-v0 | grep -q 'package at 21 + ox, 41 + oy'
   evo-inspect task WingspanMaximizer-v0 | head -1 | grep -q WingspanMazimizer-v0
   evo-sample -n 1 --seed 1 | evo-inspect robot | golden robot.txt
   echo '{"body": ["H."], "stiffness": [[3, 1]]}' | evo-inspect | grep -qx 'stiffness 3 to 3'

@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
 
 #include "libevo/base/random.h"
 #include "tests/unit/expect.h"
@@ -90,18 +89,6 @@ double robot_x(const Model& model, const Snapshot& snapshot) {
 
 }  // namespace
 
-TEST_CASE("an arena knows its sizes and layout") {
-  const Arena arena(drawing(), walker());
-  const int n = arena.model().objects().front().points;
-  CHECK(arena.action_length() == 4);
-  CHECK(arena.observation_length() == 2 + 1 + 2 * n + 5 + 2);
-  REQUIRE(arena.layout().size() == 5);
-  CHECK(arena.layout()[2].name == "relative_positions(robot)");
-  CHECK(arena.layout()[2].offset == 3);
-  CHECK(arena.layout()[2].length == 2 * n);
-  CHECK(arena.layout()[4].name == "offset(box from robot)");
-}
-
 TEST_CASE("a robot that does not fit, and a task that makes no sense, are refused") {
   CHECK_THAT(message(walking(), Body::from_rows({"RR", "SS"})),
              Catch::Contains("task 'Test-walk'") && Catch::Contains("actuator"));
@@ -170,42 +157,6 @@ TEST_CASE("draws that are not the task's are refused") {
   CHECK(refused({{{"ox", 1}, {"oy", 0}}, {3}}) == "task 'Test-draw' does not draw goals");
 }
 
-TEST_CASE("draws move objects") {
-  const Arena arena(drawing(), walker());
-  VecEnv env(arena, 2);
-  env.reset(0, {{{{"ox", 0}, {"oy", 0}}, {}}, 0.0, 0});
-  env.reset(1, {{{{"ox", 2}, {"oy", 1}}, {}}, 0.0, 0});
-  const auto d = static_cast<std::size_t>(arena.observation_length());
-  CHECK(env.observations()[d - 2] + 0.2 == Approx(env.observations()[2 * d - 2]));
-  CHECK(env.observations()[d - 1] + 0.1 == Approx(env.observations()[2 * d - 1]));
-}
-
-TEST_CASE("the same episode whatever runs beside it", "[threads]") {
-  const Arena arena(drawing(), walker());
-  constexpr int count = 11;
-  VecEnv together(arena, count);
-  VecEnv pooled(arena, count);
-  ThreadPool pool(3);
-  reset_all(arena, together);
-  reset_all(arena, pooled);
-  VecEnv alone(arena, 1);
-  constexpr int watched = 6;
-  alone.reset(0, {arena.draw(9, watched), 0.01, watched});
-
-  const auto d = static_cast<std::size_t>(arena.observation_length());
-  const auto a = static_cast<std::size_t>(arena.action_length());
-  for (int step = 0; step < 10; ++step) {
-    const auto targets = actions(arena, count, step);
-    together.step(targets);
-    pooled.step(targets, {}, &pool);
-    alone.step(std::span(targets).subspan(watched * a, a));
-    CHECK(copy(together.observations()) == copy(pooled.observations()));
-    CHECK(copy(together.rewards()) == copy(pooled.rewards()));
-    CHECK(copy(together.observations().subspan(watched * d, d)) == copy(alone.observations()));
-    CHECK(together.rewards()[watched] == alone.rewards()[0]);
-  }
-}
-
 TEST_CASE("environments that are not active stay as they are") {
   const Arena arena(walking(), walker());
   VecEnv env(arena, 3);
@@ -239,22 +190,6 @@ TEST_CASE("episodes are truncated at the time limit and not before") {
   CHECK(env.steps(0) == 0);
 }
 
-TEST_CASE("an episode does not depend on the one before") {
-  const Arena arena(walking(), walker());
-  VecEnv used(arena, 1);
-  used.reset(0, {});
-  for (int step = 0; step < 5; ++step) used.step(actions(arena, 1, step));
-  VecEnv fresh(arena, 1);
-  used.reset(0, {});
-  fresh.reset(0, {});
-  CHECK(copy(used.observations()) == copy(fresh.observations()));
-  for (int step = 0; step < 5; ++step) {
-    used.step(actions(arena, 1, step));
-    fresh.step(actions(arena, 1, step));
-    CHECK(copy(used.observations()) == copy(fresh.observations()));
-  }
-}
-
 TEST_CASE("jitter shifts start coordinates by up to its size, the same for a seed") {
   const Arena arena(walking(), walker());
   VecEnv env(arena, 3);
@@ -275,23 +210,6 @@ TEST_CASE("jitter shifts start coordinates by up to its size, the same for a see
   CHECK(largest > 5e-6);
   // The orientation refers to the shifted start.
   CHECK(env.observations()[static_cast<std::size_t>(arena.observation_length()) + 2] < 0.0045);
-}
-
-TEST_CASE("saved environments continue to the same bits") {
-  const Arena arena(drawing(), walker());
-  VecEnv env(arena, 3);
-  reset_all(arena, env);
-  for (int step = 0; step < 4; ++step) env.step(actions(arena, 3, step));
-  const auto bytes = env.save();
-  VecEnv copy_of(arena, 3);
-  copy_of.load(bytes);
-  CHECK(copy_of.save() == bytes);
-  for (int step = 4; step < 8; ++step) {
-    env.step(actions(arena, 3, step));
-    copy_of.step(actions(arena, 3, step));
-    CHECK(copy(env.observations()) == copy(copy_of.observations()));
-    CHECK(copy(env.rewards()) == copy(copy_of.rewards()));
-  }
 }
 
 TEST_CASE("an episode continues from any of its moments, in any environment, to the same bits") {
@@ -416,22 +334,6 @@ TEST_CASE("a target that is not a number is refused") {
 
 // ---- judging -------------------------------------------------------------------------
 
-TEST_CASE("self-folding costs its reward and ends the episode; rules still apply") {
-  TaskSpec task = walking();
-  task.rules = {{{condition::Position{robot_name, Axis::x, 10.0, {}, {}, {}}}, 1.0, true}};
-  const Arena arena(task, walker());
-  Episode episode;
-  const Snapshot start = moved(arena.model(), 0.0, 0.0);
-  StepOutcome outcome = judge(arena, arena.model(), episode, start, start, {}, true);
-  CHECK(outcome.reward == -3.0);
-  CHECK(outcome.terminated);
-  CHECK_FALSE(outcome.truncated);
-  const Snapshot far = moved(arena.model(), 1.5, 0.0);
-  outcome = judge(arena, arena.model(), episode, far, far, {}, true);
-  CHECK(outcome.reward == -2.0);
-  CHECK(episode.steps == 2);
-}
-
 TEST_CASE("rules add up, and need not end the episode") {
   TaskSpec task = walking();
   task.reward.clear();
@@ -519,77 +421,4 @@ TEST_CASE("bounds are strict or not, as named") {
   CHECK_FALSE(rewarded({robot_name, Axis::x, {}, bound, {}, {}}));
   CHECK(rewarded({robot_name, Axis::x, {}, {}, bound, {}}));
   CHECK(rewarded({robot_name, Axis::x, {}, {}, {}, bound}));
-}
-
-TEST_CASE("several goals can be reached in one step; the last one looked at counts") {
-  const Arena arena(seeking(), walker());
-  const Model& model = arena.model();
-  const double x0 = robot_x(model, moved(model, 0.0, 0.0));
-  const auto at = [&](double x) { return moved(model, x - x0, 0.0); };
-  Episode episode{{{}, {10, 11, 16}}, 0, 0, {}};
-
-  StepOutcome outcome = judge(arena, model, episode, at(0.5), at(0.7), {}, false);
-  CHECK(episode.goal == 0);
-  CHECK(outcome.reward == Approx(0.2));
-
-  // At 1.05 both 1.0 and 1.1 are within 0.2: the reward is the approach to 1.6.
-  outcome = judge(arena, model, episode, at(0.7), at(1.05), {}, false);
-  CHECK(episode.goal == 2);
-  CHECK(outcome.reward == Approx(0.35));
-  CHECK_FALSE(outcome.terminated);
-
-  // On the edge of the radius: 0.2 away is not near enough.
-  outcome = judge(arena, model, episode, at(1.05), at(1.3999999), {}, false);
-  CHECK(episode.goal == 2);
-  outcome = judge(arena, model, episode, at(1.3), at(1.4000001), {}, false);
-  CHECK(episode.goal == 3);
-  CHECK(outcome.reward == Approx(0.1000001 + 1.0));
-  CHECK(outcome.terminated);
-
-  // Going on after the end is harmless: the last goal stays.
-  std::vector<double> seen(3);
-  observe(arena, model, episode, at(1.5), seen);
-  CHECK(seen[0] == 3.0);
-  CHECK(seen[1] == Approx(1.6));
-  CHECK(seen[2] == Approx(0.1));
-  outcome = judge(arena, model, episode, at(1.5), at(1.4), {}, false);
-  CHECK(outcome.reward == Approx(-0.1 + 1.0));
-}
-
-TEST_CASE("turning is counted on over whole turns") {
-  TaskSpec task = walking();
-  task.reward = {{1.0, reward::Rotation{robot_name}, {}}};
-  const Arena arena(task, walker());
-  const Model& model = arena.model();
-  const auto turned = [&](double angle) {
-    Snapshot snapshot = moved(model, 0.0, 0.0);
-    const ModelObject& robot = model.objects().front();
-    Vec2 c;
-    for (int i = 0; i < robot.points; ++i) {
-      c.x += snapshot.positions[static_cast<std::size_t>(i)].x / robot.points;
-      c.y += snapshot.positions[static_cast<std::size_t>(i)].y / robot.points;
-    }
-    for (int i = 0; i < robot.points; ++i) {
-      Vec2& p = snapshot.positions[static_cast<std::size_t>(i)];
-      const Vec2 d{p.x - c.x, p.y - c.y};
-      p = {c.x + std::cos(angle) * d.x - std::sin(angle) * d.y,
-           c.y + std::sin(angle) * d.x + std::cos(angle) * d.y};
-    }
-    return snapshot;
-  };
-  constexpr double two_turns = 4.0 * std::numbers::pi;
-  for (const double sign : {1.0, -1.0}) {
-    Episode episode;
-    double sum = 0.0;
-    double before = 0.1;
-    for (int step = 1; step <= 40; ++step) {
-      const double after = 0.1 + sign * two_turns * step / 40.0;
-      const double reward =
-          judge(arena, model, episode, turned(before), turned(after), {}, false).reward;
-      CHECK(reward == Approx(sign * two_turns / 40.0).margin(1e-6));
-      sum += reward;
-      before = after;
-    }
-    CHECK(sum == Approx(sign * two_turns).margin(1e-6));
-  }
 }

@@ -30,32 +30,6 @@ std::vector<Vec2> turned(const std::vector<Vec2>& points, double angle, Vec2 shi
   return result;
 }
 
-// Gift wrapping and the shoelace formula: another way to the same number.
-double wrapped_area(const std::vector<Vec2>& points) {
-  std::size_t start = 0;
-  for (std::size_t i = 1; i < points.size(); ++i)
-    if (points[i].x < points[start].x) start = i;
-  std::vector<Vec2> hull;
-  std::size_t at = start;
-  do {
-    hull.push_back(points[at]);
-    std::size_t next = at == 0 ? 1 : 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double side = (points[next].x - points[at].x) * (points[i].y - points[at].y) -
-                          (points[next].y - points[at].y) * (points[i].x - points[at].x);
-      if (side < 0.0) next = i;
-    }
-    at = next;
-  } while (at != start && hull.size() <= points.size());
-  double twice = 0.0;
-  for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Vec2& a = hull[i];
-    const Vec2& b = hull[(i + 1) % hull.size()];
-    twice += a.x * b.y - b.x * a.y;
-  }
-  return 0.5 * std::abs(twice);
-}
-
 }  // namespace
 
 TEST_CASE("the centre is the mean, in voxels and through voxels") {
@@ -122,14 +96,6 @@ TEST_CASE("opposite directions are clamped, too") {
   CHECK(angle == Approx(pi).margin(0.01));
 }
 
-TEST_CASE("the hull area does not depend on how it is found") {
-  std::vector<Vec2> work;
-  for (std::uint64_t index = 0; index < 200; ++index) {
-    const auto points = random_points(3 + static_cast<int>(index % 40), 200 + index);
-    CHECK(hull_area(points, work) == Approx(wrapped_area(points)).epsilon(1e-13));
-  }
-}
-
 TEST_CASE("the hull area of simple shapes") {
   std::vector<Vec2> work;
   std::vector<Vec2> grid;
@@ -139,10 +105,4 @@ TEST_CASE("the hull area of simple shapes") {
   CHECK(hull_area(std::vector<Vec2>{{0, 0}, {1, 1}, {2, 2}, {3, 3}}, work) == 0.0);
   CHECK(hull_area(std::vector<Vec2>{{1, 1}, {1, 1}, {1, 1}, {1, 1}}, work) == 0.0);
   CHECK(hull_area(std::vector<Vec2>{{0, 0}, {1, 0}}, work) == 0.0);
-}
-
-TEST_CASE("width and height are extents") {
-  const std::vector<Vec2> points{{0.5, -1.0}, {-0.25, 2.0}, {0.75, 0.0}};
-  CHECK(width(points) == 1.0);
-  CHECK(height(points) == 3.0);
 }

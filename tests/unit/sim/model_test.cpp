@@ -40,25 +40,10 @@ TEST_CASE("objects come in world order, points in order of creation") {
   CHECK(p[3].y == (2 * 0.1 + 0 * 0.1) - 1 * 0.1);
 }
 
-TEST_CASE("springs of two cells: order, ends, stiffness, limits") {
+TEST_CASE("springs of two cells: factors of stiffness, strain limits") {
   const Physics physics;
   const Model model({{object("robot", {"RH"}, 1, 1)}}, physics);
   const Dynamics& d = model.compiled().dynamics;
-  REQUIRE(d.points == 6);
-  REQUIRE(d.springs.size() == 7 + 4);
-  CHECK(d.springs[0].stiffness == physics.rigid.edge);     // top of the rigid cell
-  CHECK(d.springs[3].stiffness == physics.actuator.edge);  // shared: the actuator wins
-  CHECK(d.springs[7].stiffness == physics.rigid.diagonal);
-  CHECK(d.springs[9].stiffness == physics.actuator.diagonal);
-  CHECK(d.springs[7].rest == 0.1 * std::sqrt(2.0));
-  // Bottom and left surface edges run so that their left-hand side is outside.
-  CHECK(d.springs[1].a == 3);
-  CHECK(d.springs[1].b == 2);
-  CHECK(d.springs[2].a == 2);
-  CHECK(d.springs[2].b == 0);
-  CHECK(d.rigid_edges == std::vector<int>{0, 3, 1, 2});
-  CHECK(d.drives.size() == 2);
-
   // Factors of stiffness: a voxel's own, and their mean where two share an edge.
   World world{{object("robot", {"RH"}, 1, 1)}};
   world.objects[0].body = with_stiffness(world.objects[0].body, {2.0, 0.5});

@@ -442,21 +442,6 @@ TEST_CASE("one modular policy for several robots learns, and to the same bytes")
   CHECK(mean == Approx(*result.fitness));
 }
 
-TEST_CASE("a shared training continues from its checkpoint to the same bytes") {
-  const Robots robots(three_bodies());
-  Trainer whole(robots.all(), small_settings(), 6, "shared");
-  const TrainResult expected = train(whole);
-  Trainer first(robots.all(), small_settings(), 6, "shared");
-  first.advance();
-  first.advance();
-  first.advance();
-  Trainer second(robots.all(), small_settings(), 6, "shared");
-  second.restore(first.checkpoint());
-  const TrainResult result = train(second);
-  CHECK(digest(result) == digest(expected));
-  CHECK(result.curve == expected.curve);
-}
-
 TEST_CASE("every robot has the settings' environments, alone or beside others") {
   TrainingSettings settings = small_settings();
   settings.environments = 4;

@@ -321,36 +321,6 @@ TEST_CASE("the learner solves a point mass") {
   CHECK(history.back() > -0.35);  // straight to the origin: about -0.2
 }
 
-TEST_CASE("the learner is reproducible, and resumes to the same parameters") {
-  TrainingSettings settings = point_settings();
-  if (GENERATE(false, true)) settings.clock = {20, 7};
-  const auto fresh = [&](std::uint64_t seed, const char* robot) {
-    return fresh_learner(settings, 1, seed, robot);
-  };
-  Learner whole = fresh(1, "a");
-  PointMasses points(settings.environments, 1);
-  whole.observe(points.x, points.age);
-  learn_points(settings, whole, points, 3);
-  Checkpoint checkpoint;
-  whole.save(checkpoint);
-  PointMasses same_points = points;
-  Learner resumed = fresh(1, "a");
-  resumed.load(checkpoint);
-  learn_points(settings, whole, points, 3);
-  learn_points(settings, resumed, same_points, 3);
-  CHECK(whole.policy() == resumed.policy());
-  Checkpoint end;
-  Checkpoint resumed_end;
-  whole.save(end);
-  resumed.save(resumed_end);
-  CHECK(end == resumed_end);
-
-  for (const auto& [seed, robot] : {std::pair{2, "a"}, std::pair{1, "b"}}) {
-    Learner other = fresh(static_cast<std::uint64_t>(seed), robot);
-    CHECK_FALSE(other.policy() == fresh(1, "a").policy());
-  }
-}
-
 TEST_CASE("once everything has its size, learning allocates nothing") {
   TrainingSettings settings = point_settings();
   settings.time_limit = TimeLimit::bootstrap;
@@ -379,27 +349,4 @@ TEST_CASE("once everything has its size, learning allocates nothing") {
   counted([&] { ppo.learn(); });
   CHECK(during == 0);
   CHECK((allocations > 0) == counts_allocations);
-}
-
-TEST_CASE("divergence is noticed and named") {
-  TrainingSettings settings = point_settings();
-  settings.learning_rate = 1e30;
-  settings.max_gradient_norm = 0;
-  Learner ppo = fresh_learner(settings, 1, 1, "robot");
-  PointMasses points(settings.environments, 1);
-  ppo.observe(points.x, points.age);
-  CHECK_THROWS_WITH(learn_points(settings, ppo, points, 20),
-                    Catch::Contains("not a finite number"));
-}
-
-TEST_CASE("a checkpoint of another shape is refused") {
-  const TrainingSettings settings = point_settings();
-  Learner one = fresh_learner(settings, 1, 1, "robot");
-  one.observe(std::vector<double>(8, 0.0), std::vector<int>(8, 0));
-  Checkpoint checkpoint;
-  one.save(checkpoint);
-  Learner two = fresh_learner(settings, 2, 1, "robot");
-  CHECK_THROWS_WITH(two.load(checkpoint), Catch::Contains("learner/policy/parameters"));
-  checkpoint.arrays.erase("learner/noise");
-  CHECK_THROWS_WITH(one.load(checkpoint), Catch::Contains("no array 'learner/noise'"));
 }

@@ -54,13 +54,6 @@ Policy policy_on_gait() {
   return policy;
 }
 
-Policy policy_on_sequence() {
-  Policy policy = network_policy();
-  policy.action_map = ActionMap::offset;
-  policy.base = ReplayController{{0.6, 1.0, 1.6, 0.7, 1.1, 1.0 / 3.0}, 3};
-  return policy;
-}
-
 ModularPolicy modular_policy() {
   TrainingSettings settings;
   settings.hidden = {6, 5};
@@ -102,14 +95,6 @@ std::string message_reading(const std::filesystem::path& path) {
 }
 
 }  // namespace
-
-TEST_CASE("a controller comes back from a policy's JSON with the same bits", "[formats][policy]") {
-  const std::vector<TrainedController> all{
-      policy_on_gait(), policy_on_sequence(), network_policy(),
-      shifted_wave(),   modular_policy(),     ReplayController{{0.6, 1.1, 1.6, 1.0}, 2}};
-  for (const TrainedController& controller : all)
-    CHECK(read_controller(Node::json(policy_to_json(example(controller)), "policy")) == controller);
-}
 
 TEST_CASE("a JSON controller that does not fit together is refused with its place",
           "[formats][policy]") {
@@ -164,25 +149,6 @@ TEST_CASE("a sequence of no actuators or of numbers in a row is refused") {
   CHECK_THAT(message_reading(path), Catch::Contains("actions: "));
 }
 
-TEST_CASE("a policy without final episodes has no final score") {
-  const ScratchFolder folder;
-  PolicyFile file = example(network_policy());
-  file.final_score.reset();
-  write_policy(folder / "a.policy.h5", file);
-  CHECK_FALSE(read_policy(folder / "a.policy.h5").final_score);
-}
-
-TEST_CASE("a policy file stands for its robot") {
-  const ScratchFolder folder;
-  const PolicyFile file = example(network_policy());
-  const auto path = folder / "a.policy.h5";
-  write_policy(path, file);
-  const std::vector<Robot> robots = read_robots(path.string());
-  REQUIRE(robots.size() == 1);
-  CHECK(robots[0].id == file.robot.id);
-  CHECK(robots[0].fitness() == 3.5);
-}
-
 TEST_CASE("files that are no policies are refused with file and place") {
   const ScratchFolder folder;
   CHECK_THAT(error_of(Failure::no_input, [&] { read_policy(folder / "none.h5"); }),
@@ -229,23 +195,6 @@ TEST_CASE("networks whose shapes do not fit are refused") {
 
 // Controllers that nothing has trained are no policies.
 static_assert(!std::is_convertible_v<RandomController, TrainedController>);
-
-TEST_CASE("checkpoints come back as they were, and only for their settings") {
-  const ScratchFolder folder;
-  Checkpoint checkpoint;
-  checkpoint.put<double>("learner/moments", {0.1, -2.0});
-  checkpoint.put<float>("learner/weights", {0.1F, 1e-30F, 3.0F});
-  checkpoint.put<std::uint64_t>("steps", {18446744073709551615U});
-  checkpoint.put<std::uint8_t>("environments/state", {0, 255, 7});
-  checkpoint.put<double>("curve/best", {});
-  const auto path = folder / "a.checkpoint.h5";
-  const TrainingIdentity one{"evo-training 2\nseed=1\n"};
-  const TrainingIdentity other{"evo-training 2\nseed=2\n"};
-  write_checkpoint(path, checkpoint, one);
-  CHECK(read_checkpoint(path, one) == checkpoint);
-  CHECK_THROWS_WITH(read_checkpoint(path, other),
-                    Catch::Contains("other settings (seed: 1 there, 2 asked for)"));
-}
 
 TEST_CASE("the same training is the same file, and its policy earns its fitness again") {
   const ScratchFolder folder;

@@ -11,7 +11,9 @@
 #include "formats/rollout/rollout.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
+#include "formats/training/controller_json.h"
 #include "formats/training/policy.h"
+#include "formats/training/policy_json.h"
 #include "formats/training/training.h"
 #include "libevo/body/operators.h"
 #include "libevo/control/modular_passes.h"
@@ -261,6 +263,7 @@ TEST_CASE("random policies come back to the last bit") {
         folder, file, [](const auto& path, const PolicyFile& f) { write_policy(path, f); },
         read_policy);
     REQUIRE(back.controller == file.controller);
+    REQUIRE(read_controller(Node::json(policy_to_json(file), "policy")) == file.controller);
     REQUIRE(robot_to_line(back.robot) == robot_to_line(file.robot));
     REQUIRE(back.task_yaml == file.task_yaml);
     REQUIRE(back.seed == file.seed);
@@ -303,6 +306,9 @@ TEST_CASE("random checkpoints come back to the last bit") {
                 [&](const auto& path, const Checkpoint& c) { write_checkpoint(path, c, identity); },
                 [&](const auto& path) { return read_checkpoint(path, identity); }) == checkpoint);
   }
+  const TrainingIdentity other{"evo-training 2\nseed=2\n"};
+  CHECK_THROWS_WITH(read_checkpoint(folder / "once", other),
+                    Catch::Contains("other settings (seed: 1 there, 2 asked for)"));
 }
 
 TEST_CASE("random rollouts come back to the last bit") {

@@ -141,13 +141,6 @@ TEST_CASE("written tasks are read back, with nothing else at hand") {
     CHECK(task_to_yaml(again) == text);
     CHECK(again.source == text);
     CHECK(task_to_yaml(parse_task(task.source, "source")) == text);
-    const Arena one(task, body_d);
-    const Arena two(again, body_d);
-    CHECK(one.model().initial_positions().size() == two.model().initial_positions().size());
-    for (std::size_t i = 0; i < one.model().initial_positions().size(); ++i) {
-      CHECK(one.model().initial_positions()[i].x == two.model().initial_positions()[i].x);
-      CHECK(one.model().initial_positions()[i].y == two.model().initial_positions()[i].y);
-    }
   }
 }
 

@@ -66,6 +66,7 @@ TEST_CASE("a run over bodies meets every body once, gets better and can be repea
     if (seed == 1) CHECK(evolve(seed, 15) == run);
   }
   CHECK(last / 5 > first / 5 + 3);
+  CHECK(evolve(2, 3) != evolve(3, 3));
 }
 
 TEST_CASE("bodies to avoid are avoided") {

@@ -161,19 +161,6 @@ TEST_CASE("Lines become a file with finish()") {
   CHECK(folder.entries() == 1);
 }
 
-TEST_CASE("A file that is replaced keeps its permissions, and an unfinished one is hidden") {
-  const ScratchFolder folder;
-  write_file(folder / "f", "old");
-  fs::permissions(folder / "f", fs::perms::owner_read | fs::perms::owner_write);
-  write_file(folder / "f", "new");
-  CHECK(fs::status(folder / "f").permissions() == (fs::perms::owner_read | fs::perms::owner_write));
-  {
-    const AtomicFile unfinished(folder / "g");
-    CHECK_FALSE(fs::exists(folder / "g"));
-  }
-  CHECK(folder.entries() == 1);
-}
-
 TEST_CASE("An input is not read without end, and looked at before the rest is read") {
   const ScratchFolder folder;
   write_file(folder / "long", std::string(200'000, 'x'));

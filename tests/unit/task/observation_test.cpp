@@ -38,10 +38,3 @@ TEST_CASE("a part writes as many numbers as it declares, or is refused") {
   CHECK(written([](const View&, PartWriter& out) { out.add(1.0); }) ==
         Numbers{-1.0, 1.0, -1.0, -1.0, 99.0});
 }
-
-TEST_CASE("every part has a name of its own") {
-  CHECK(part_name(observation::Velocity{"robot"}) == "velocity(robot)");
-  CHECK(part_name(observation::Offset{"box", "robot"}) == "offset(box from robot)");
-  CHECK(part_name(observation::Ceiling{3, 5, {}}) == "ceiling(3)");
-  CHECK(part_name(observation::GoalIndex{}) == "goal_index");
-}

@@ -628,11 +628,5 @@ void Tape::pull_back(std::span<Gradient> gradients, ThreadPool* pool) const {
   }
 }
 
-std::size_t Tape::bytes() const {
-  std::size_t bytes = sizeof(Impl);
-  for (const StepRecord& record : impl_->records) bytes += sizeof(StepRecord) + record.bytes();
-  return bytes;
-}
-
 }  // namespace evo
 #endif  // HWY_ONCE

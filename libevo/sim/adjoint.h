@@ -66,8 +66,6 @@ class Tape {
   // Error(data) where one does not have the sizes of its model.
   void pull_back(std::span<Gradient> gradients, ThreadPool* pool = nullptr) const;
 
-  std::size_t bytes() const;  // held at present
-
   struct Impl;  // private to libevo/sim
   Impl& impl() { return *impl_; }
 

@@ -15,23 +15,6 @@
 namespace evo {
 namespace {
 
-template <class T>
-std::size_t bytes_of(const std::vector<T>& values) {
-  return values.capacity() * sizeof(T);
-}
-
-std::size_t bytes_of(const ContactCandidates& candidates) {
-  return bytes_of(candidates.all) + bytes_of(candidates.due);
-}
-
-std::size_t bytes_of(const ContactLists& lists) {
-  std::size_t bytes = bytes_of(lists.self) + bytes_of(lists.pairs) + bytes_of(lists.groups) +
-                      bytes_of(lists.first_group);
-  for (const ContactLists::Self& self : lists.self)
-    bytes += bytes_of(self.candidates) + bytes_of(self.folding) + bytes_of(self.boxes);
-  return bytes;
-}
-
 void copy_lane(const Group& from, std::size_t from_lane, const Group& to, std::size_t to_lane) {
   const auto copy = [&](const double* source, double* target) {
     for (std::int32_t site = 0; site < from.kind->plan().sites; ++site) {
@@ -56,12 +39,6 @@ const Tables& Kind::tables(const Layout& layout) {
   for (const auto& tables : tables_)
     if (tables->layout == layout) return *tables;
   return *tables_.emplace_back(std::make_unique<const Tables>(plan(), layout));
-}
-
-std::size_t Kind::bytes() const {
-  std::size_t bytes = sizeof(Kind);
-  for (const auto& tables : tables_) bytes += tables->bytes();
-  return bytes;
 }
 
 // ---- lanes and groups ------------------------------------------------------------------
@@ -382,20 +359,6 @@ void Batch::step(std::span<const std::uint8_t> active, ThreadPool* pool, const S
   } else {
     for (std::size_t i = 0; i < impl.running.size(); ++i) run(i, 0);
   }
-}
-
-std::size_t Batch::bytes() const {
-  std::size_t bytes = sizeof(Impl) + bytes_of(impl_->lanes) + bytes_of(impl_->places) +
-                      bytes_of(impl_->kinds) + bytes_of(impl_->groups) + bytes_of(impl_->active) +
-                      bytes_of(impl_->running);
-  for (const Lane& lane : impl_->lanes) bytes += bytes_of(lane.targets) + bytes_of(lane.contacts);
-  for (const std::weak_ptr<Kind>& kind : impl_->kinds)
-    if (const std::shared_ptr<Kind> alive = kind.lock()) bytes += alive->bytes();
-  for (const auto& group : impl_->groups)
-    bytes += sizeof(Group) + group->rows.bytes() + bytes_of(group->lanes);
-  for (const Workspace& workspace : impl_->workspaces)
-    bytes += sizeof(Workspace) + workspace.bytes();
-  return bytes;
 }
 
 }  // namespace evo

@@ -81,9 +81,6 @@ class Batch {
   // after place() and set_state(). An unstable lane can be stepped on, or placed anew.
   LaneStatus status(std::size_t lane) const;
 
-  // Memory taken at present by everything but the models.
-  std::size_t bytes() const;
-
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

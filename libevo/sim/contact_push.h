@@ -43,11 +43,6 @@ struct ContactPushes {
   // x of the force on each point pushed since it was emptied, y being a stride further on.
   std::vector<double*> forces;
   std::vector<Touch>* touches = nullptr;  // all pushes are added to, if anybody wants them
-
-  std::size_t bytes() const {
-    return all.capacity() * sizeof(Push) + of_cells.capacity() * sizeof(OfCells) +
-           meetings.capacity() * sizeof(contact::Meeting) + forces.capacity() * sizeof(double*);
-  }
 };
 
 // Adds the forces of the candidates that are inside (contact_look-inl.h finds them), of one

@@ -13,15 +13,6 @@ using contact::Points;
 using contact::reach_slack;
 using contact::Vector;
 
-namespace {
-
-template <class T>
-std::size_t bytes_of(const std::vector<T>& values) {
-  return values.capacity() * sizeof(T);
-}
-
-}  // namespace
-
 // ---- cells near each other ---------------------------------------------------------
 
 NearCells::Axis::Axis(double low, double high, double pitch) : low_(low) {
@@ -82,10 +73,6 @@ const std::vector<std::uint32_t>& NearCells::before(std::uint32_t i) {
   }
   std::sort(found_.begin(), found_.end(), std::greater<>());
   return found_;
-}
-
-std::size_t NearCells::bytes() const {
-  return bytes_of(ends_) + bytes_of(cells_) + bytes_of(found_);
 }
 
 // ---- lists -------------------------------------------------------------------------
@@ -368,11 +355,6 @@ bool ContactSearch::is_folding(const Model::Compiled& world, ContactLists& lists
     self.folding_due = travel + *last - reach_slack;
   }
   return false;
-}
-
-std::size_t ContactSearch::bytes() const {
-  return bytes_of(positions_) + bytes_of(boxes_) + bytes_of(object_boxes_) + bytes_of(reachable_) +
-         bytes_of(cell_pairs_) + bytes_of(gaps_) + near_.bytes();
 }
 
 }  // namespace evo

@@ -21,8 +21,6 @@ class NearCells {
   // Those before `i` that are near it, the last first; good until the next call.
   const std::vector<std::uint32_t>& before(std::uint32_t i);
 
-  std::size_t bytes() const;
-
  private:
   static constexpr std::size_t few = 40;  // boxes that are compared faster than dealt
 
@@ -62,8 +60,6 @@ class ContactSearch {
 
   // Whether any robot is folded onto itself.
   bool is_folding(const Model::Compiled& world, ContactLists& lists, const PointView& view);
-
-  std::size_t bytes() const;
 
  private:
   // A pair of cells that are near each other, with its place in the order in

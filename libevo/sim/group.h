@@ -27,7 +27,6 @@ class Kind {
   const Physics& physics() const { return model_->physics(); }
 
   const Tables& tables(const Layout& layout);
-  std::size_t bytes() const;
 
  private:
   std::shared_ptr<const Model> model_;  // any one of them

@@ -49,12 +49,4 @@ void StepRecord::end(const double* positions, const std::vector<Lane*>& lanes) {
     members[i].is_done = lanes[i]->status == LaneStatus::done;
 }
 
-std::size_t StepRecord::bytes() const {
-  std::size_t bytes = capacity_ * sizeof(double) + touches.capacity() * sizeof(Touch) +
-                      first_touch.capacity() * sizeof(std::size_t) +
-                      members.capacity() * sizeof(Member);
-  for (const Member& member : members) bytes += member.targets.capacity() * sizeof(double);
-  return bytes;
-}
-
 }  // namespace evo

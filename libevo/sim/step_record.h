@@ -49,7 +49,6 @@ class StepRecord {
     return substep + 1 < substeps() ? row(substep + 1, position)
                                     : row(most_substeps_, position) + n_;
   }
-  std::size_t bytes() const;
 
   std::shared_ptr<Kind> kind;
   std::size_t width = 1;

@@ -48,11 +48,6 @@ std::size_t lay_out(Arrays& arrays, const Plan& plan, const Layout& layout, std:
   return layer.bytes();
 }
 
-template <class T>
-std::size_t bytes_of(const std::vector<T>& values) {
-  return values.capacity() * sizeof(T);
-}
-
 // Highway answers with nothing when there is no memory.
 hwy::AlignedFreeUniquePtr<std::byte[]> aligned_bytes(std::size_t count) {
   auto memory = hwy::AllocateAligned<std::byte>(count);
@@ -69,9 +64,8 @@ Rows::Rows(const Plan& plan, std::size_t lanes) {
     for (double** array : {&position, &previous, &velocity, &self_listing, &pair_listing})
       layer.take(*array, values);
     if (memory) return;
-    bytes_ = layer.bytes();
-    memory_ = aligned_bytes(bytes_);
-    std::fill_n(memory_.get(), bytes_, std::byte{0});
+    memory_ = aligned_bytes(layer.bytes());
+    std::fill_n(memory_.get(), layer.bytes(), std::byte{0});
   }
 }
 
@@ -92,10 +86,6 @@ Tables::Tables(const Plan& plan, const Layout& laid_out) : layout(laid_out) {
     ends.push_back(static_cast<std::uint32_t>(
         place_of_force(static_cast<std::size_t>(end), layout.dealt_springs) * layout.force_record +
         layout.force_offset));
-}
-
-std::size_t Tables::bytes() const {
-  return bytes_of(spring_ends) + bytes_of(strain_ends) + bytes_of(point_offsets) + bytes_of(ends);
 }
 
 Arrays Workspace::prepare(const Plan& plan, const Tables& tables, const Rows& rows) {
@@ -121,10 +111,6 @@ Arrays Workspace::prepare(const Plan& plan, const Tables& tables, const Rows& ro
   arrays.point_offsets = tables.point_offsets.data();
   arrays.ends = tables.ends.data();
   return arrays;
-}
-
-std::size_t Workspace::bytes() const {
-  return capacity_ + search.bytes() + pushes.bytes() + bytes_of(inside) + bytes_of(folded);
 }
 
 }  // namespace evo

@@ -82,11 +82,8 @@ class Rows {
   double* self_listing = nullptr;  // [N pairs] where contact lists of blocks were found
   double* pair_listing = nullptr;  // [N pairs] the same of lists between objects
 
-  std::size_t bytes() const { return bytes_; }
-
  private:
   hwy::AlignedFreeUniquePtr<std::byte[]> memory_;
-  std::size_t bytes_ = 0;
 };
 
 // ---- what follows from the plan --------------------------------------------------------
@@ -101,8 +98,6 @@ struct Tables {
   std::vector<SpringEnds> strain_ends;       // of Plan::strain
   std::vector<std::uint32_t> point_offsets;  // of Plan::points, into positions
   std::vector<std::uint32_t> ends;           // of Plan::ends, into forces
-
-  std::size_t bytes() const;
 };
 
 // ---- what a control step needs -----------------------------------------------------------
@@ -147,8 +142,6 @@ class Workspace {
   std::vector<const ContactCandidate*> inside;  // of all lanes, in turn
   ContactPushes pushes;
   std::vector<double> folded;  // states of lanes that stopped before the others
-
-  std::size_t bytes() const;  // held at present
 
  private:
   hwy::AlignedFreeUniquePtr<std::byte[]> memory_;

@@ -129,6 +129,4 @@ void StepTape::pull_back(std::span<const double> by_rewards,
   });
 }
 
-std::size_t StepTape::bytes() const { return impl_->simulation.bytes(); }
-
 }  // namespace evo

@@ -30,8 +30,6 @@ class StepTape {
                  std::span<Gradient> gradients, std::span<double> by_actions,
                  ThreadPool* pool = nullptr) const;
 
-  std::size_t bytes() const;  // held at present by what the simulation left
-
   struct Impl;  // private to libevo/task
   Impl& impl() { return *impl_; }
 

@@ -1,6 +1,17 @@
 // One control step of a group with either kernel (see kernels.cpp), in the rows of the
 // group: only velocities go through the workspace, where kernels have them beside the
 // forces. Included once per instruction set (see Highway's "-inl.h" files).
+//
+// A kernel, SideBySide or Alone, is the arithmetic of a substep over the arrays of a group. It
+// says how it lays them out (Layout), how many springs and points one call of its loops' bodies
+// does (springs_at_once, points_at_once), and whether points take turns with springs in a stage or
+// come after all of them (points_follow). It can, `at` and `next` being positions:
+//   springs, last_springs    find the forces of springs_at_once springs, or of all of a range
+//   points<n>, point<n>      gather the forces of points_at_once regular points, or of one, and
+//                            take it through stage n
+//   limit_strain, limit_rigid_strain   after the stages
+//   add_travel, square_moved, square_sheared   how far points have moved: since the last substep,
+//                            and since lists were found (squares, one value per lane)
 
 #if defined(LIBEVO_SIM_CONTROL_STEP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LIBEVO_SIM_CONTROL_STEP_INL_H_
@@ -23,7 +34,6 @@
 #include "libevo/sim/contact.h"
 #include "libevo/sim/contact_look-inl.h"
 #include "libevo/sim/group.h"
-#include "libevo/sim/kernel-inl.h"
 #include "libevo/sim/step_record.h"
 #include "libevo/sim/workspace.h"
 
@@ -33,7 +43,13 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-template <StepKernel Kernel>
+template <class Kernel>
+Layout LayoutOf() {
+  return {Kernel::width, Kernel::record_points, Kernel::force_record, Kernel::force_offset,
+          Kernel::dealt_springs};
+}
+
+template <class Kernel>
 class ControlStep {
  public:
   static constexpr std::size_t width = Kernel::width;

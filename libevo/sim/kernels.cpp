@@ -38,7 +38,6 @@
 #include "libevo/sim/alone-inl.h"
 #include "libevo/sim/control_step-inl.h"
 #include "libevo/sim/isa.h"
-#include "libevo/sim/kernel-inl.h"
 #include "libevo/sim/kernels.h"
 #include "libevo/sim/side_by_side-inl.h"
 

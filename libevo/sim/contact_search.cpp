@@ -1,7 +1,6 @@
 #include "libevo/sim/contact_search.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <functional>
 
@@ -123,46 +122,6 @@ std::uint64_t order(const Model::Compiled& world, std::uint32_t a, std::uint32_t
   return i << 54 | j << 44 | std::uint64_t{a} << 22 | b;
 }
 
-// What contact_lists.h says of the candidates of a group, for assertions: all are corners of
-// one cell against another, within the list.
-[[maybe_unused]] bool is_consistent(const Model::Compiled& world,
-                                    const ContactCandidates& candidates,
-                                    const ContactGroup& group) {
-  if (group.first > group.last || group.last > candidates.count()) return false;
-  if (candidates.due.size() != candidates.all.size() + ContactCandidates::padding) return false;
-  for (std::uint32_t i = group.first; i < group.last; ++i) {
-    const auto& [corner, cell] = candidates.all[i];
-    if (cell >= world.surface.size() || corner / 4 >= world.surface.size()) return false;
-    if (corner / 4 == cell) return false;
-  }
-  return true;
-}
-
-// Groups follow each other and are in world order of pairs of objects, those of object i in
-// [first_group[i], first_group[i + 1]).
-[[maybe_unused]] bool pairs_are_consistent(const Model::Compiled& world,
-                                           const ContactLists& lists) {
-  if (lists.first_group.size() != world.objects.size() + 1) return false;
-  if (lists.first_group.front() != 0 || lists.first_group.back() != lists.groups.size())
-    return false;
-  if (!std::is_sorted(lists.first_group.begin(), lists.first_group.end())) return false;
-  std::uint32_t next = 0;
-  for (std::size_t i = 0; i < world.objects.size(); ++i) {
-    for (std::uint32_t g = lists.first_group[i]; g < lists.first_group[i + 1]; ++g) {
-      const ContactGroup& group = lists.groups[g];
-      if (group.first != next || !is_consistent(world, lists.pairs, group)) return false;
-      for (std::uint32_t k = group.first; k < group.last; ++k) {
-        const auto one =
-            static_cast<std::size_t>(world.surface[lists.pairs.all[k].corner / 4].object);
-        const auto other = static_cast<std::size_t>(world.surface[lists.pairs.all[k].cell].object);
-        if (std::min(one, other) != i || one == other) return false;
-      }
-      next = group.last;
-    }
-  }
-  return next == lists.pairs.count();
-}
-
 // Where the travel of an object stands.
 std::uint32_t travel_block(const Model::Compiled& world, int object) {
   const int block = world.block[static_cast<std::size_t>(object)];
@@ -223,7 +182,6 @@ void ContactSearch::find_self(const Model::Compiled& world, std::size_t block,
   const auto both = static_cast<std::uint32_t>(block);
   list.group = {0, list.candidates.count(), {both, both}, 0.0};
   list.valid = true;
-  assert(is_consistent(world, list.candidates, list.group));
 }
 
 void ContactSearch::find_terrain_pairs(const Model::Compiled& world, const SurfaceRange& range) {
@@ -321,7 +279,6 @@ void ContactSearch::list_pairs(const Model::Compiled& world, ContactLists& lists
   for (; object < lists.first_group.size(); ++object)
     lists.first_group[object] = static_cast<std::uint32_t>(lists.groups.size());
   lists.pairs_valid = true;
-  assert(pairs_are_consistent(world, lists));
 }
 
 // ---- folding -------------------------------------------------------------------------

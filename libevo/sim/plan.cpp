@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <tuple>
@@ -74,60 +73,10 @@ class Planner {
     list_strain_limits();
     list_rigid_edges();
     list_drives();
-    assert(is_consistent());
     return std::move(plan_);
   }
 
  private:
-  // What plan.h says of the lists, for assertions.
-  bool is_consistent() const {
-    const auto is_ascending = [](const auto& list) {
-      return std::is_sorted(list.begin(), list.end());
-    };
-    for (int i = 0; i < plan_.sites; ++i)
-      if (plan_.state_of[at(plan_.site_of[at(i)])] != i) return false;
-    int site = 0;
-    for (const PlanBlock& block : plan_.blocks) {
-      if (block.first != site || block.integrated > block.count) return false;
-      for (int k = 0; k < block.count; ++k) {
-        const Role role = roles_[at(plan_.state_of[at(site + k)])];
-        if ((role == Role::held) != (k >= block.integrated)) return false;
-      }
-      site += block.count;
-    }
-    if (site != plan_.sites) return false;
-
-    if (plan_.first_frozen % Plan::spring_padding != 0 ||
-        plan_.null_spring % Plan::spring_padding != 0)
-      return false;
-    if (plan_.live_springs > plan_.first_frozen || plan_.first_frozen > plan_.springs ||
-        plan_.springs > plan_.null_spring || at(plan_.null_spring) != plan_.a.size())
-      return false;
-
-    if (plan_.free_regular > plan_.regular || plan_.regular > plan_.free_irregular ||
-        plan_.free_irregular > plan_.points.size())
-      return false;
-    if (plan_.springs_before.size() != plan_.regular || !is_ascending(plan_.springs_before) ||
-        plan_.points_before.size() != at(plan_.live_springs) || !is_ascending(plan_.points_before))
-      return false;
-    for (std::size_t i = 0; i < plan_.points.size(); ++i) {
-      const PlanPoint& point = plan_.points[i];
-      const bool regular = i < plan_.regular;
-      if (regular && (point.a_ends != Plan::regular_ends || point.b_ends != Plan::regular_ends ||
-                      at(point.first_end) != 2 * Plan::regular_ends * i))
-        return false;
-      for (int e = 0; e < point.a_ends + point.b_ends; ++e) {
-        const std::int32_t s = plan_.ends[at(point.first_end + e)];
-        if (s == plan_.null_spring) continue;
-        const auto& ends = e < point.a_ends ? plan_.a : plan_.b;
-        if (ends[at(s)] != point.site) return false;
-        // Computed before the point is integrated; frozen ones are from the start.
-        if (regular && s < plan_.live_springs && s >= plan_.springs_before[i]) return false;
-      }
-    }
-    return true;
-  }
-
   // A live spring has an end that is not fixed, or that belongs to a rigid
   // cell: the second pass of strain limiting moves those even when fixed.
   void choose_springs() {

@@ -19,7 +19,6 @@ using contact::cell_of;
 using contact::Meeting;
 using contact::Points;
 using contact::SearchOrder;
-using contact::Vector;
 
 // ---- pushing -------------------------------------------------------------------------
 
@@ -138,7 +137,7 @@ class Pusher {
     const ContactCell& owner = cell_of(world_, candidate.corner / 4);
     const std::uint32_t corner = candidate.corner % 4;
     const std::int32_t point = owner.corners[corner];
-    const Vector p = points_(point);
+    const Vec2 p = points_(point);
     static constexpr std::array<std::array<Side, 2>, 4> probes{
         {{top, left}, {top, right}, {bottom, left}, {bottom, right}}};
     const Edge& probe1 = owner.edges[probes[corner][0]];
@@ -160,44 +159,44 @@ class Pusher {
   }
 
   bool cross_each_other(const Edge& probe, const Edge& edge) const {
-    const Vector a1 = points_(probe[0]);
-    const Vector a2 = points_(edge[0]);
-    const Vector d1 = points_(probe[1]) - a1;
-    const Vector d2 = points_(edge[1]) - a2;
+    const Vec2 a1 = points_(probe[0]);
+    const Vec2 a2 = points_(edge[0]);
+    const Vec2 d1 = points_(probe[1]) - a1;
+    const Vec2 d2 = points_(edge[1]) - a2;
     const double det = -d1.x * d2.y + d2.x * d1.y;
     if (std::abs(det) < parallel_determinant_) return false;
-    const Vector d = a2 - a1;
+    const Vec2 d = a2 - a1;
     const double t = (-d2.y * d.x + d2.x * d.y) / det;
     const double s = (-d1.y * d.x + d1.x * d.y) / det;
     return t >= 0.0 && t <= 1.0 && s >= 0.0 && s <= 1.0;
   }
 
-  double distance_to_line(Vector p, const Edge& edge) const {
-    const Vector a = points_(edge[0]);
-    const Vector along = points_(edge[1]) - a;
+  double distance_to_line(Vec2 p, const Edge& edge) const {
+    const Vec2 a = points_(edge[0]);
+    const Vec2 along = points_(edge[1]) - a;
     const double length = norm(along);
     if (length < shortest_edge * world_.length_scale) return far_away * world_.length_scale;
     return std::abs(cross(along, p - a)) / length;
   }
 
   // Velocity as friction and damping feel it: strain limiting included.
-  Vector true_velocity(std::int32_t site) const {
+  Vec2 true_velocity(std::int32_t site) const {
     return (points_(site) - points_.previous(site)) / physics_.substep;
   }
 
   // Roundings as in docs/physics.md, "Forces": every product in this order.
   Push push_of(std::int32_t point, const Edge& edge, double depth) const {
     const auto [a, b] = edge;
-    const Vector along = points_(b) - points_(a);
-    const Vector n = Vector{-along.y, along.x} / norm(along);
-    const Vector force = n * physics_.contact_stiffness * (depth + physics_.contact_margin);
-    const Vector velocity = true_velocity(point);
-    const Vector direction = n / norm(n);  // rounded twice
-    const auto damping = [&](Vector v) {
+    const Vec2 along = points_(b) - points_(a);
+    const Vec2 n = Vec2{-along.y, along.x} / norm(along);
+    const Vec2 force = n * physics_.contact_stiffness * (depth + physics_.contact_margin);
+    const Vec2 velocity = true_velocity(point);
+    const Vec2 direction = n / norm(n);  // rounded twice
+    const auto damping = [&](Vec2 v) {
       return direction * dot(direction, v) * physics_.contact_damping;
     };
 
-    Vector t{-n.y, n.x};
+    Vec2 t{-n.y, n.x};
     t = t / norm(t);
     double slip = dot(t, velocity);
     if (slip < 0.0) {
@@ -228,7 +227,7 @@ class Pusher {
     push_back(push.edge[1], push.friction / 2.0);
   }
 
-  void push_back(std::int32_t site, Vector f) const { points_.add_force(site, f * -1.0); }
+  void push_back(std::int32_t site, Vec2 f) const { points_.add_force(site, f * -1.0); }
 
   const Model::Compiled& world_;
   const Physics& physics_;

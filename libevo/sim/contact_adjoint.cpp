@@ -10,11 +10,7 @@
 namespace evo {
 
 using contact::cell_of;
-using contact::cross;
-using contact::dot;
-using contact::norm;
 using contact::Points;
-using contact::Vector;
 
 // A corner that is not due for longer than `reach` is farther away than that.
 void find_missed(const Model::Compiled& world, const ContactLists& lists, const PointView& view,
@@ -30,9 +26,9 @@ void find_missed(const Model::Compiled& world, const ContactLists& lists, const 
       const std::int32_t point = cell_of(world, corner / 4).corners[corner % 4];
       for (std::size_t side = 0; side < 4; ++side) {
         if (!cell.surface[side]) continue;
-        const Vector a = points(cell.edges[side][0]);
-        const Vector along = points(cell.edges[side][1]) - a;
-        const Vector from_a = points(point) - a;
+        const Vec2 a = points(cell.edges[side][0]);
+        const Vec2 along = points(cell.edges[side][1]) - a;
+        const Vec2 from_a = points(point) - a;
         const double foot = dot(along, from_a);
         if (foot < 0.0 || foot > dot(along, along)) continue;
         const double height = cross(along, from_a) / norm(along);
@@ -57,20 +53,20 @@ class TouchAdjoint {
     const auto [a, b] = touch.edge;
     const std::int32_t p = touch.point;
     const double times = touch.is_within ? 2.0 : 1.0;
-    const Vector along = points_(b) - points_(a);
+    const Vec2 along = points_(b) - points_(a);
     const double length = norm(along);
-    const Vector n = Vector{-along.y, along.x} / length;
-    const Vector t{-n.y, n.x};
-    const Vector from_a = points_(p) - points_(a);
+    const Vec2 n = Vec2{-along.y, along.x} / length;
+    const Vec2 t{-n.y, n.x};
+    const Vec2 from_a = points_(p) - points_(a);
     const double height = dot(n, from_a);
     const double depth = touch.is_missed ? 0.0 : std::abs(height);
 
     const double damping = physics_.contact_damping;
     const double rub = physics_.friction_multiplier * physics_.friction_coefficient;
     const double normal_force = physics_.contact_stiffness * (depth + physics_.contact_margin);
-    const Vector up = velocity(p), ua = velocity(a), ub = velocity(b);
-    const Vector gp = by_force(p) * times, ga = by_force(a) * times, gb = by_force(b) * times;
-    const Vector g = gp - (ga + gb) * 0.5;
+    const Vec2 up = velocity(p), ua = velocity(a), ub = velocity(b);
+    const Vec2 gp = by_force(p) * times, ga = by_force(a) * times, gb = by_force(b) * times;
+    const Vec2 g = gp - (ga + gb) * 0.5;
     const double slip = dot(t, up);
     const double sliding = slip / (physics_.friction_coefficient * normal_force);
     const double grip = math::reference_tanh(sliding);
@@ -83,7 +79,7 @@ class TouchAdjoint {
     if (onset > 0.0 && !touch.is_within && depth < onset) {
       const double all = normal_force * n_g - damping * n_up * n_gp -
                          0.5 * damping * (n_ua * n_ga + n_ub * n_gb) + friction * t_g;
-      const Vector by_depth = n * (all / (2.0 * onset));
+      const Vec2 by_depth = n * (all / (2.0 * onset));
       add(p, by_depth * -1.0);
       add(a, by_depth * 0.5);
       add(b, by_depth * 0.5);
@@ -99,12 +95,12 @@ class TouchAdjoint {
     const double by_slip = -t_g * physics_.friction_multiplier * slope;
     const double by_height =
         physics_.contact_stiffness * by_normal_force * (height < 0.0 ? -1.0 : 1.0);
-    const Vector by_t = g * friction + up * by_slip;
-    Vector by_n = g * normal_force - (up * n_gp + gp * n_up) * damping -
-                  (ua * n_ga + ga * n_ua + ub * n_gb + gb * n_ub) * (0.5 * damping);
-    by_n = by_n + Vector{by_t.y, -by_t.x} + from_a * by_height;
-    const Vector across = (by_n - n * dot(by_n, n)) / length;
-    const Vector by_along{across.y, -across.x};
+    const Vec2 by_t = g * friction + up * by_slip;
+    Vec2 by_n = g * normal_force - (up * n_gp + gp * n_up) * damping -
+                (ua * n_ga + ga * n_ua + ub * n_gb + gb * n_ub) * (0.5 * damping);
+    by_n = by_n + Vec2{by_t.y, -by_t.x} + from_a * by_height;
+    const Vec2 across = (by_n - n * dot(by_n, n)) / length;
+    const Vec2 by_along{across.y, -across.x};
     add(p, n * by_height);
     add(a, n * -by_height - by_along);
     add(b, by_along);
@@ -117,15 +113,15 @@ class TouchAdjoint {
   std::size_t offset(std::int32_t site) const {
     return 2 * static_cast<std::size_t>(site) * stride_;
   }
-  Vector velocity(std::int32_t site) const {
+  Vec2 velocity(std::int32_t site) const {
     return (points_(site) - points_.previous(site)) / physics_.substep;
   }
-  Vector by_force(std::int32_t site) const {
+  Vec2 by_force(std::int32_t site) const {
     if (!points_.moves(site)) return {};
     const double* at = adjoint_.by_force + offset(site);
     return {at[0], at[stride_]};
   }
-  void add_to(double* pairs, std::int32_t site, Vector v) const {
+  void add_to(double* pairs, std::int32_t site, Vec2 v) const {
     if (!points_.moves(site)) return;
     pairs[offset(site)] += v.x;
     pairs[offset(site) + stride_] += v.y;
@@ -133,8 +129,8 @@ class TouchAdjoint {
   void add(GradientConstant which, double by) const {
     adjoint_.by_constants[static_cast<std::size_t>(which) * stride_] += by;
   }
-  void add(std::int32_t site, Vector v) const { add_to(adjoint_.by_position, site, v); }
-  void add_velocity(std::int32_t site, Vector v) const {
+  void add(std::int32_t site, Vec2 v) const { add_to(adjoint_.by_position, site, v); }
+  void add_velocity(std::int32_t site, Vec2 v) const {
     add_to(adjoint_.by_position, site, v / physics_.substep);
     add_to(adjoint_.by_previous, site, v / -physics_.substep);
   }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -15,21 +14,9 @@ namespace evo::contact {
 
 inline constexpr double reach_slack = 1e-9;  // raw length, far above all roundings
 
-struct Vector {
-  double x = 0.0;
-  double y = 0.0;
-};
-inline Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y}; }
-inline Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y}; }
-inline Vector operator*(Vector a, double s) { return {a.x * s, a.y * s}; }
-inline Vector operator/(Vector a, double s) { return {a.x / s, a.y / s}; }
-inline double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y; }
-inline double cross(Vector a, Vector b) { return a.x * b.y - a.y * b.x; }
-inline double norm(Vector a) { return std::sqrt(dot(a, a)); }
-
 struct Box {
-  Vector low;
-  Vector high;
+  Vec2 low;
+  Vec2 high;
 };
 
 // Boxes that touch overlap.
@@ -43,7 +30,7 @@ inline double gap(const Box& a, const Box& b) {
   const double y = std::max(a.low.y - b.high.y, b.low.y - a.high.y);
   return std::max({0.0, x, y});
 }
-inline bool within(Vector p, const Box& b, double gap) {
+inline bool within(Vec2 p, const Box& b, double gap) {
   return b.low.x - gap <= p.x && p.x <= b.high.x + gap && b.low.y - gap <= p.y &&
          p.y <= b.high.y + gap;
 }
@@ -56,17 +43,17 @@ class Points {
       : view_(view), sites_(world.plan.sites), terrain_(world.static_points.data()) {}
 
   bool moves(std::int32_t site) const { return site < sites_; }
-  Vector operator()(std::int32_t site) const {
-    if (!moves(site)) return {terrain_[site - sites_].x, terrain_[site - sites_].y};
+  Vec2 operator()(std::int32_t site) const {
+    if (!moves(site)) return terrain_[site - sites_];
     const double* p = view_.position + offset(site);
     return {p[0], p[view_.stride]};
   }
-  Vector previous(std::int32_t site) const {
+  Vec2 previous(std::int32_t site) const {
     if (!moves(site)) return (*this)(site);
     const double* p = view_.previous + offset(site);
     return {p[0], p[view_.stride]};
   }
-  void add_force(std::int32_t site, Vector f) const {
+  void add_force(std::int32_t site, Vec2 f) const {
     if (!moves(site)) return;
     double* const at = force(site);
     at[0] += f.x;
@@ -77,10 +64,10 @@ class Points {
   }  // of one that moves
   double travel(std::uint32_t block) const { return view_.travel[block * view_.stride]; }
   Box box(const ContactCell& c) const {
-    const Vector tl = (*this)(c.corners[top_left]);
-    const Vector tr = (*this)(c.corners[top_right]);
-    const Vector bl = (*this)(c.corners[bottom_left]);
-    const Vector br = (*this)(c.corners[bottom_right]);
+    const Vec2 tl = (*this)(c.corners[top_left]);
+    const Vec2 tr = (*this)(c.corners[top_right]);
+    const Vec2 bl = (*this)(c.corners[bottom_left]);
+    const Vec2 br = (*this)(c.corners[bottom_right]);
     const auto [x0, x1] = std::minmax({tl.x, tr.x, bl.x, br.x});
     const auto [y0, y1] = std::minmax({tl.y, tr.y, bl.y, br.y});
     return {{x0, y0}, {x1, y1}};

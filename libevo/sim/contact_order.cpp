@@ -39,7 +39,7 @@ double SearchOrder::Tree::area(std::int32_t i) const {
     all.low = {std::min(all.low.x, box.low.x), std::min(all.low.y, box.low.y)};
     all.high = {std::max(all.high.x, box.high.x), std::max(all.high.y, box.high.y)};
   }
-  const Vector size = all.high - all.low;
+  const Vec2 size = all.high - all.low;
   known = {size.x, size.y, travel_, look_};
   return size.x * size.y;
 }

@@ -26,9 +26,9 @@ struct ContactPushes {
   struct Push {
     std::int32_t point = 0;
     std::array<std::int32_t, 2> edge{};
-    contact::Vector on_point;
-    std::array<contact::Vector, 2> on_edge;
-    contact::Vector friction;  // on the point; half of it on either end
+    Vec2 on_point;
+    std::array<Vec2, 2> on_edge;
+    Vec2 friction;  // on the point; half of it on either end
   };
   // Pushes of corners of the first of two cells, then of the second's: [first, middle) and
   // [middle, last) of `all`.

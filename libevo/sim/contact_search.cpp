@@ -10,7 +10,6 @@ using contact::Box;
 using contact::cell_of;
 using contact::Points;
 using contact::reach_slack;
-using contact::Vector;
 
 // ---- cells near each other ---------------------------------------------------------
 
@@ -33,8 +32,8 @@ void NearCells::start(const std::vector<Box>& boxes, double gap, double pitch) {
   gap_ = gap;
   if (boxes.size() <= few) return;
   widest_ = {};
-  Vector low{HUGE_VAL, HUGE_VAL};
-  Vector high{-HUGE_VAL, -HUGE_VAL};
+  Vec2 low{HUGE_VAL, HUGE_VAL};
+  Vec2 high{-HUGE_VAL, -HUGE_VAL};
   for (const Box& box : boxes) {  // what is not a number counts nowhere, and is near nothing
     low = {std::min(low.x, box.low.x), std::min(low.y, box.low.y)};
     high = {std::max(high.x, box.low.x), std::max(high.y, box.low.y)};

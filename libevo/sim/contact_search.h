@@ -41,7 +41,7 @@ class NearCells {
 
   const std::vector<contact::Box>* boxes_ = nullptr;
   double gap_ = 0.0;
-  contact::Vector widest_;
+  Vec2 widest_;
   Axis x_, y_;
   std::vector<std::uint32_t> ends_;   // [tiles + 1] where the cells of each end in cells_
   std::vector<std::uint32_t> cells_;  // by tile, in order within one

@@ -10,14 +10,10 @@
 #include <vector>
 
 #include "libevo/sim/physics.h"
+#include "libevo/sim/vec2.h"
 #include "libevo/sim/world.h"
 
 namespace evo {
-
-struct Vec2 {
-  double x = 0.0;
-  double y = 0.0;
-};
 
 // One object in world order. Its points are [first_point, first_point+points)
 // of the world's points, its cells [first_cell, first_cell+cells).

@@ -10,10 +10,7 @@ namespace evo {
 
 void BehaviourMeter::add(const Model& model, std::span<const Vec2> positions) {
   std::vector<Vec2> points(positions.begin(), positions.end());
-  for (Vec2& p : points) {
-    p.x /= model.physics().voxel_length;
-    p.y /= model.physics().voxel_length;
-  }
+  for (Vec2& p : points) p = p / model.physics().voxel_length;
   const ModelObject& robot = model.objects().front();
   const std::span<const Vec2> own = PointRange{robot.first_point, robot.points}.of(points);
   now_ = mean(own);

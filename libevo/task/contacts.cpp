@@ -21,13 +21,11 @@ bool near(const Bounds& a, const Bounds& b) {
 
 // Squared, so that the result needs no function of the C library.
 double squared_distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
-  const Vec2 along{b.x - a.x, b.y - a.y};
-  const double length = along.x * along.x + along.y * along.y;
-  const double share =
-      length > 0 ? std::clamp(((p.x - a.x) * along.x + (p.y - a.y) * along.y) / length, 0.0, 1.0)
-                 : 0.0;
-  const Vec2 apart{p.x - a.x - share * along.x, p.y - a.y - share * along.y};
-  return apart.x * apart.x + apart.y * apart.y;
+  const Vec2 along = b - a;
+  const double square = dot(along, along);
+  const double share = square > 0 ? std::clamp(dot(p - a, along) / square, 0.0, 1.0) : 0.0;
+  const Vec2 apart = p - a - along * share;
+  return dot(apart, apart);
 }
 
 bool touches(Vec2 p, const std::array<Vec2, 4>& corners) {

@@ -11,25 +11,18 @@ namespace evo {
 Centre centre(std::span<const Vec2> points, double voxel_length) {
   Centre sum;
   for (const Vec2& p : points) {
-    const double x = p.x / voxel_length;
-    const double y = p.y / voxel_length;
-    sum.voxels.x += x;
-    sum.voxels.y += y;
-    sum.raw.x += x * voxel_length;
-    sum.raw.y += y * voxel_length;
+    const Vec2 at = p / voxel_length;
+    sum.voxels += at;
+    sum.raw += at * voxel_length;
   }
   const auto n = static_cast<double>(points.size());
-  return {{sum.raw.x / n, sum.raw.y / n}, {sum.voxels.x / n, sum.voxels.y / n}};
+  return {sum.raw / n, sum.voxels / n};
 }
 
 Vec2 mean(std::span<const Vec2> points) {
   Vec2 sum;
-  for (const Vec2& p : points) {
-    sum.x += p.x;
-    sum.y += p.y;
-  }
-  const auto n = static_cast<double>(points.size());
-  return {sum.x / n, sum.y / n};
+  for (const Vec2& p : points) sum += p;
+  return sum / static_cast<double>(points.size());
 }
 
 // ---- orientation ------------------------------------------------------------
@@ -45,16 +38,9 @@ constexpr double tiny_lengths = 1e-7;
 Vec2 blocked_mean(std::span<const Vec2> p) {
   Vec2 sum = p[0];
   std::size_t i = 1;
-  for (; i + 4 <= p.size(); i += 4) {
-    sum.x += (p[i].x + p[i + 1].x) + (p[i + 2].x + p[i + 3].x);
-    sum.y += (p[i].y + p[i + 1].y) + (p[i + 2].y + p[i + 3].y);
-  }
-  for (; i < p.size(); ++i) {
-    sum.x += p[i].x;
-    sum.y += p[i].y;
-  }
-  const auto n = static_cast<double>(p.size());
-  return {sum.x / n, sum.y / n};
+  for (; i + 4 <= p.size(); i += 4) sum += (p[i] + p[i + 1]) + (p[i + 2] + p[i + 3]);
+  for (; i < p.size(); ++i) sum += p[i];
+  return sum / static_cast<double>(p.size());
 }
 
 }  // namespace
@@ -64,9 +50,9 @@ InitialShape::InitialShape(std::span<const Vec2> points) {
   direction.reserve(points.size());
   radius.reserve(points.size());
   for (const Vec2& p : points) {
-    const Vec2 w{p.x - c.x, p.y - c.y};
-    const double b = math::sqrt(w.x * w.x + w.y * w.y);
-    direction.push_back({w.x / b, w.y / b});
+    const Vec2 w = p - c;
+    const double b = norm(w);
+    direction.push_back(w / b);
     radius.push_back(b);
     radius_sum += b;
   }
@@ -77,17 +63,17 @@ double orientation(const InitialShape& initial, std::span<const Vec2> points) {
   double angles = 0.0;
   double turning = 0.0;  // > 0: clockwise; NaN, so not > 0, for a point in the centre
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec2 u{points[i].x - c.x, points[i].y - c.y};
-    const double a = math::sqrt(u.x * u.x + u.y * u.y);
+    const Vec2 u = points[i] - c;
+    const double a = norm(u);
     const double b = initial.radius[i];
-    const Vec2 U{u.x / a, u.y / a};
+    const Vec2 U = u / a;
     const Vec2 W = initial.direction[i];
-    double cosine = U.x * W.x + U.y * W.y;
+    double cosine = dot(U, W);
     if (a * b < tiny_lengths) cosine = clamped_cosine;
     if (cosine > 1.0) cosine = clamped_cosine;
     if (cosine < -1.0) cosine = -clamped_cosine;
     angles += b * math::acos(cosine);
-    turning += U.x * W.y - U.y * W.x;
+    turning += cross(U, W);
   }
   const double angle = angles / initial.radius_sum;
   return turning > 0.0 ? 2.0 * released_pi - angle : angle;
@@ -97,10 +83,8 @@ double orientation(const InitialShape& initial, std::span<const Vec2> points) {
 
 namespace {
 
-// Twice the area of the triangle o, a, b; positive counter-clockwise.
-double cross(const Vec2& o, const Vec2& a, const Vec2& b) {
-  return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
-}
+// Of the triangle o, a, b; positive counter-clockwise.
+double twice_area(Vec2 o, Vec2 a, Vec2 b) { return cross(a - o, b - o); }
 
 // Andrew's monotone chain: counter-clockwise from the leftmost point. `work` holds the hull.
 std::span<const Vec2> convex_hull(std::span<const Vec2> points, std::vector<Vec2>& work) {
@@ -112,13 +96,23 @@ std::span<const Vec2> convex_hull(std::span<const Vec2> points, std::vector<Vec2
   Vec2* hull = work.data() + n;
   std::size_t size = 0;
   const auto add = [&](const Vec2& p, std::size_t chain) {
-    while (size >= chain + 2 && cross(hull[size - 2], hull[size - 1], p) <= 0.0) --size;
+    while (size >= chain + 2 && twice_area(hull[size - 2], hull[size - 1], p) <= 0.0) --size;
     hull[size++] = p;
   };
   for (std::size_t i = 0; i < n; ++i) add(work[i], 0);
   const std::size_t upper = size - 1;  // the upper chain starts at the rightmost point
   for (std::size_t i = n - 1; i-- > 0;) add(work[i], upper);
   return {hull, size};  // the first point is its last, too
+}
+
+double extent(std::span<const Vec2> points, double Vec2::*axis) {
+  double low = points[0].*axis;
+  double high = low;
+  for (const Vec2& p : points) {
+    low = std::min(low, p.*axis);
+    high = std::max(high, p.*axis);
+  }
+  return high - low;
 }
 
 }  // namespace
@@ -128,38 +122,19 @@ double hull_area(std::span<const Vec2> points, std::vector<Vec2>& work) {
   if (points.size() < 3) return 0.0;
   const std::span<const Vec2> hull = convex_hull(points, work);
   double twice = 0.0;
-  for (std::size_t i = 1; i + 1 < hull.size(); ++i) twice += cross(hull[0], hull[i], hull[i + 1]);
+  for (std::size_t i = 1; i + 1 < hull.size(); ++i)
+    twice += twice_area(hull[0], hull[i], hull[i + 1]);
   return 0.5 * twice;
 }
 
-double width(std::span<const Vec2> points) {
-  double low = points[0].x;
-  double high = points[0].x;
-  for (const Vec2& p : points) {
-    low = std::min(low, p.x);
-    high = std::max(high, p.x);
-  }
-  return high - low;
-}
-
-double height(std::span<const Vec2> points) {
-  double low = points[0].y;
-  double high = points[0].y;
-  for (const Vec2& p : points) {
-    low = std::min(low, p.y);
-    high = std::max(high, p.y);
-  }
-  return high - low;
-}
+double width(std::span<const Vec2> points) { return extent(points, &Vec2::x); }
+double height(std::span<const Vec2> points) { return extent(points, &Vec2::y); }
 
 // ---- derivatives --------------------------------------------------------------------
 
 void pull_back_mean(Vec2 by, std::span<Vec2> by_points) {
   const auto n = static_cast<double>(by_points.size());
-  for (Vec2& p : by_points) {
-    p.x += by.x / n;
-    p.y += by.y / n;
-  }
+  for (Vec2& p : by_points) p += by / n;
 }
 
 // The angle of a point grows as it moves away from its first direction, square to its own.
@@ -171,25 +146,21 @@ void pull_back_orientation(const InitialShape& initial, std::span<const Vec2> po
   Vec2 by_centre;
   double turning = 0.0;  // as in orientation()
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec2 u{points[i].x - c.x, points[i].y - c.y};
+    const Vec2 u = points[i] - c;
     const Vec2 w = initial.direction[i];
-    const double a = math::sqrt(u.x * u.x + u.y * u.y);
-    const double across = w.x * u.y - w.y * u.x;
+    const double a = norm(u);
+    const double across = cross(w, u);
     turning -= across / a;
-    const double cosine = (u.x * w.x + u.y * w.y) / a;
+    const double cosine = dot(u, w) / a;
     if (a * initial.radius[i] < tiny_lengths || !(std::abs(cosine) <= 1.0)) continue;
     const double share =
         (across < 0.0 ? -by : by) * initial.radius[i] / (initial.radius_sum * a * a);
     by_offset[i] = {-u.y * share, u.x * share};
-    by_centre.x -= by_offset[i].x;
-    by_centre.y -= by_offset[i].y;
+    by_centre = by_centre - by_offset[i];
   }
   const double sign = turning > 0.0 ? -1.0 : 1.0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    by_points[i].x += sign * by_offset[i].x;
-    by_points[i].y += sign * by_offset[i].y;
-  }
-  pull_back_mean({sign * by_centre.x, sign * by_centre.y}, by_points);
+  for (std::size_t i = 0; i < points.size(); ++i) by_points[i] += by_offset[i] * sign;
+  pull_back_mean(by_centre * sign, by_points);
 }
 
 void pull_back_hull_area(std::span<const Vec2> points, double by, std::span<Vec2> by_points) {

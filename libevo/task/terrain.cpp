@@ -62,8 +62,7 @@ Terrain::Terrain(const Model& model, const std::vector<int>& objects, const std:
       moving_.push_back(range);
       continue;
     }
-    for (const Vec2& p : range.of(model.initial_positions()))
-      points.push_back({p.x / voxel_length_, p.y / voxel_length_});
+    for (const Vec2& p : range.of(model.initial_positions())) points.push_back(p / voxel_length_);
   }
   std::sort(points.begin(), points.end(),
             [](const Vec2& a, const Vec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });

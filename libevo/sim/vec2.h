@@ -1,0 +1,21 @@
+// Points and vectors of the plane.
+#pragma once
+
+#include <cmath>
+
+namespace evo {
+
+struct Vec2 {
+  double x = 0.0;
+  double y = 0.0;
+};
+inline Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+inline Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+inline Vec2 operator*(Vec2 a, double s) { return {a.x * s, a.y * s}; }
+inline Vec2 operator/(Vec2 a, double s) { return {a.x / s, a.y / s}; }
+inline Vec2& operator+=(Vec2& a, Vec2 b) { return a = a + b; }
+inline double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+inline double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+inline double norm(Vec2 a) { return std::sqrt(dot(a, a)); }
+
+}  // namespace evo

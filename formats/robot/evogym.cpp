@@ -28,8 +28,7 @@ constexpr std::int64_t largest_box = 100'000'000;
 
 struct Cell {
   int x = 0;
-  int y = 0;                                      // upwards
-  auto operator<=>(const Cell&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
+  int y = 0;  // upwards
 };
 
 struct Grid {
@@ -214,26 +213,6 @@ Object read_object(const std::string& name, const Node& record, const Grid& grid
   return {name, std::move(body), box.left, box.bottom};
 }
 
-// The world cells that an object fills.
-std::vector<Cell> filled_cells(const Object& object) {
-  std::vector<Cell> cells;
-  for (int r = 0; r < object.body.rows; ++r)
-    for (int c = 0; c < object.body.cols; ++c)
-      if (object.body.at(r, c) != Voxel::empty)
-        cells.push_back({object.x + c, object.y + object.body.rows - 1 - r});
-  return cells;
-}
-
-void check_overlap(const World& world, const Node& objects) {
-  std::map<Cell, const Object*> owners;
-  for (const Object& object : world.objects)
-    for (const Cell& cell : filled_cells(object))
-      if (const auto [owner, added] = owners.emplace(cell, &object); !added)
-        throw objects.at(object.name)
-            .error(fmt::format("the cell at x {}, y {} belongs to object '{}', too", cell.x, cell.y,
-                               owner->second->name));
-}
-
 // ---- worlds: writing --------------------------------------------------------------
 
 // Whether some row or column at the border of the matrix is empty: without its
@@ -396,7 +375,8 @@ World read_evogym_world(const Node& document, const WorldWarning& warn) {
   World world;
   for (const auto& [name, record] : objects.entries())
     world.objects.push_back(read_object(name.text(), record, grid, note));
-  check_overlap(world, objects);
+  if (const auto wrong = defect(world))
+    throw objects.at(world.objects[wrong->object].name).error(wrong->text);
   return world;
 }
 
@@ -406,23 +386,17 @@ World read_evogym_world(const fs::path& path, const WorldWarning& warn) {
 }
 
 std::string evogym_world_to_json(const World& world) {
+  if (const auto wrong = defect(world)) throw error(Failure::data, "{}", wrong->text);
   int width = 1;
   int height = 1;
   for (const Object& object : world.objects) {
-    if (object.x < 0 || object.y < 0)
-      throw error(Failure::data, "object '{}' lies at {}, {}: a position cannot be negative",
-                  object.name, object.x, object.y);
     width = std::max(width, object.x + object.body.cols);
     height = std::max(height, object.y + object.body.rows);
   }
-  std::set<std::string> names;
   std::string objects;
-  for (const Object& object : world.objects) {
-    if (!names.insert(object.name).second)
-      throw error(Failure::data, "two objects are named '{}'", object.name);
+  for (const Object& object : world.objects)
     objects += fmt::format("{}\n    {}: {}", objects.empty() ? "" : ",", compact(object.name),
                            object_to_json(object, width));
-  }
   return fmt::format(
       "{{\n  \"grid_width\": {},\n  \"grid_height\": {},\n  \"objects\": {{{}\n  }}\n}}\n", width,
       height, objects);

@@ -29,7 +29,7 @@ World read_evogym_world(const std::filesystem::path& path, const WorldWarning& w
 
 // JSON text. The grid is as large as the contents; an object whose matrix has an
 // empty border keeps it, as cells of type 0. Throws Error(data) for a world that
-// the format cannot hold: a name given twice, a negative position.
+// the format cannot hold: a name given twice, a negative position, two objects in one cell.
 std::string evogym_world_to_json(const World& world);
 
 // The robot of a world: its only object, or its only one with actuators. In the other direction, a

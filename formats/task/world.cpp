@@ -19,7 +19,6 @@ constexpr long most_cells = 4'000'000;       // of one object's bounding box
 struct Cell {
   int x = 0;  // of the world, or of the object while it is being painted
   int y = 0;  // upwards
-  auto operator<=>(const Cell&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
 };
 
 Cell read_cell(const Node& node, int low) {
@@ -359,30 +358,17 @@ int lowest(const std::string& draw, const std::vector<DrawnInteger>& draws) {
   return 0;
 }
 
+// Where they lie with the lowest draws.
 void check_objects(const Node& node, const std::vector<Placement>& placements,
                    const std::vector<DrawnInteger>& draws) {
-  std::set<std::string> names;
-  std::map<Cell, std::string> taken;
-  for (const Placement& placement : placements) {
-    const Object& object = placement.object;
-    if (!names.insert(object.name).second)
-      throw node.error(fmt::format("two objects are called '{}'", object.name));
-    const int x = object.x + lowest(placement.offset_x, draws);
-    const int y = object.y + lowest(placement.offset_y, draws);
-    if (x < 0 || y < 0)
-      throw node.error(fmt::format("object '{}' can be drawn at cell ({}, {}); cells count from 0",
-                                   object.name, x, y));
-    for (int row = 0; row < object.body.rows; ++row) {
-      for (int col = 0; col < object.body.cols; ++col) {
-        if (object.body.at(row, col) == Voxel::empty) continue;
-        const Cell cell{x + col, y + object.body.rows - 1 - row};
-        const auto [other, free] = taken.emplace(cell, object.name);
-        if (!free)
-          throw node.error(fmt::format("objects '{}' and '{}' overlap at cell ({}, {})",
-                                       other->second, object.name, cell.x, cell.y));
-      }
-    }
+  World world;
+  for (const auto& [object, offset_x, offset_y] : placements) {
+    world.objects.push_back(object);
+    world.objects.back().x += lowest(offset_x, draws);
+    world.objects.back().y += lowest(offset_y, draws);
   }
+  if (const auto wrong = defect(world))
+    throw node.error(wrong->text + (draws.empty() ? "" : ", with the lowest draws"));
 }
 
 }  // namespace

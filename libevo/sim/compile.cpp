@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <set>
 #include <utility>
 
 #include "libevo/base/error.h"
@@ -256,28 +255,10 @@ std::vector<const Object*> world_order(const World& world) {
 }
 
 void check(const World& world) {
-  std::set<std::string> names;
-  std::map<std::pair<int, int>, const Object*> owner;
-  for (const Object& object : world.objects) {
-    if (!names.insert(object.name).second)
-      throw error(Failure::data, "world: two objects are named '{}'", object.name);
-    if (object.x < 0 || object.y < 0)
-      throw error(Failure::data,
-                  "object '{}': its cell ({}, {}) is outside the world; both must be >= 0",
-                  object.name, object.x, object.y);
+  for (const Object& object : world.objects)
     if (const auto why = defect(object.body, false))
       throw error(Failure::data, "object '{}': {}", object.name, *why);
-    for (int row = 0; row < object.body.rows; ++row) {
-      for (int col = 0; col < object.body.cols; ++col) {
-        if (object.body.at(row, col) == Voxel::empty) continue;
-        const std::pair cell{object.x + col, object.y + object.body.rows - 1 - row};
-        const auto [it, free] = owner.emplace(cell, &object);
-        if (!free)
-          throw error(Failure::data, "objects '{}' and '{}' both occupy the world cell ({}, {})",
-                      it->second->name, object.name, cell.first, cell.second);
-      }
-    }
-  }
+  if (const auto wrong = defect(world)) throw error(Failure::data, "{}", wrong->text);
 }
 
 bool is_on_surface(const Built::Cell& c) {

@@ -2,6 +2,8 @@
 // the constants of the physics.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,5 +23,13 @@ struct Object {
 struct World {
   std::vector<Object> objects;
 };
+
+// The first object that cannot be where or what it is: its name is an earlier one's, it lies left
+// of the world or below it, or shares a cell with an earlier one. Bodies are without defect.
+struct WorldDefect {
+  std::size_t object = 0;
+  std::string text;  // names it
+};
+std::optional<WorldDefect> defect(const World& world);
 
 }  // namespace evo

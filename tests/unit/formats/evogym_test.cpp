@@ -235,7 +235,7 @@ TEST_CASE("EvoGym world: every broken rule is named with its path") {
   overlapping["objects"]["peg"] = {
       {"indices", {7}}, {"types", {1}}, {"neighbors", {{"7", Json::array()}}}};
   CHECK(contains(error_of(Failure::data, [&] { (void)world_of(overlapping); }),
-                 "/objects/peg: the cell at x 2, y 1 belongs to object 'block', too"));
+                 "/objects/peg: objects 'block' and 'peg' overlap at cell (2, 1)"));
   // A few cells cannot span a large box.
   CHECK(contains(error_of(Failure::data,
                           [] {

@@ -175,10 +175,14 @@ struct VecEnv::Impl {
     e.initial_shapes = make_initial_shapes(arena, e.positions);
   }
 
-  std::span<double> observation(std::size_t index) {
+  std::span<const double> observation(std::size_t index) const {
     const Environment& e = environments[index];
     return std::span(observations)
         .subspan(e.observation_offset, static_cast<std::size_t>(e.arena->observation_length()));
+  }
+  std::span<double> observation(std::size_t index) {
+    const std::size_t length = std::as_const(*this).observation(index).size();
+    return std::span(observations).subspan(environments[index].observation_offset, length);
   }
 
   // Points elsewhere: what is seen from there, and compared with after the next step.
@@ -489,7 +493,6 @@ void for_each_shape_array(Shape& shape, Visit visit) {
   visit(shape.radius);
 }
 
-// What is not in arrays of all environments.
 template <typename Environments>
 void save_environment(const Environments& all, std::size_t index, ByteWriter& out) {
   const auto& e = all.environments[index];
@@ -500,6 +503,10 @@ void save_environment(const Environments& all, std::size_t index, ByteWriter& ou
     for_each_shape_array(shape, [&](const auto& values) { out.values(values); });
     out.value(shape.radius_sum);
   }
+  out.values(all.observation(index));
+  out.value(all.rewards[index]);
+  out.value(all.terminated[index]);
+  out.value(all.truncated[index]);
 }
 
 template <typename Environments>
@@ -525,6 +532,11 @@ void load_environment(ByteReader& in, std::size_t index, Environments& all) {
     for_each_shape_array(shape, [&](auto& values) { in.fill(values); });
     in.value(shape.radius_sum);
   }
+  auto observation = all.observation(index);
+  in.fill(observation);
+  in.value(all.rewards[index]);
+  in.value(all.terminated[index]);
+  in.value(all.truncated[index]);
 }
 
 }  // namespace
@@ -534,10 +546,6 @@ std::vector<std::uint8_t> VecEnv::save() const {
   ByteWriter out;
   out.value(static_cast<std::uint64_t>(impl.environments.size()));
   for (std::size_t i = 0; i < impl.environments.size(); ++i) save_environment(impl, i, out);
-  out.values(impl.observations);
-  out.values(impl.rewards);
-  out.values(impl.terminated);
-  out.values(impl.truncated);
   return out.take();
 }
 
@@ -550,42 +558,20 @@ void VecEnv::load(std::span<const std::uint8_t> bytes) {
   in.value(count);
   if (count != loaded->environments.size()) ByteReader::refuse();
   for (std::size_t i = 0; i < loaded->environments.size(); ++i) load_environment(in, i, *loaded);
-  in.fill(loaded->observations);
-  in.fill(loaded->rewards);
-  in.fill(loaded->terminated);
-  in.fill(loaded->truncated);
   in.finish();
   impl_ = std::move(loaded);
 }
 
 std::vector<std::uint8_t> VecEnv::save(int environment) const {
-  const Impl& impl = *impl_;
-  const auto index = static_cast<std::size_t>(environment);
-  const Environment& e = environment_of(impl, environment);
-  const auto first = impl.observations.begin() + static_cast<std::ptrdiff_t>(e.observation_offset);
   ByteWriter out;
-  save_environment(impl, index, out);
-  out.values(std::vector<double>(first, first + e.arena->observation_length()));
-  out.value(impl.rewards[index]);
-  out.value(impl.terminated[index]);
-  out.value(impl.truncated[index]);
+  save_environment(*impl_, static_cast<std::size_t>(environment), out);
   return out.take();
 }
 
 void VecEnv::load(int environment, std::span<const std::uint8_t> bytes) {
-  Impl& impl = *impl_;
-  const auto index = static_cast<std::size_t>(environment);
-  const Environment& e = environment_of(impl, environment);
   ByteReader in(bytes);
-  load_environment(in, index, impl);
-  std::vector<double> observation(static_cast<std::size_t>(e.arena->observation_length()));
-  in.fill(observation);
-  in.value(impl.rewards[index]);
-  in.value(impl.terminated[index]);
-  in.value(impl.truncated[index]);
+  load_environment(in, static_cast<std::size_t>(environment), *impl_);
   in.finish();
-  std::copy(observation.begin(), observation.end(),
-            impl.observations.begin() + static_cast<std::ptrdiff_t>(e.observation_offset));
 }
 
 void VecEnv::perturb(int environment, double jitter, std::uint64_t seed) {

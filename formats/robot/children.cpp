@@ -21,8 +21,9 @@ void check(const Breeding& breeding) {
 }
 
 Robot robot_of(Proposal proposal, std::uint64_t seed, int index) {
-  Robot robot = make_child(std::move(proposal.body), proposal.parents, proposal.tool, seed,
-                           static_cast<std::uint64_t>(index));
+  Robot robot(std::move(proposal.body));
+  if (!proposal.parents.empty()) robot.document["parents"] = proposal.parents;
+  robot.document["origin"] = {{"tool", proposal.tool}, {"seed", seed}, {"index", index}};
   if (proposal.genome) robot.document["genome"] = genome_to_json(*proposal.genome);
   return robot;
 }

@@ -543,14 +543,6 @@ bool has_gone_on(const Robot& before, const Robot& later) {
   return later.fitness() && later.steps().value_or(0) > before.steps().value_or(0);
 }
 
-Robot make_child(Body body, const std::vector<std::string>& parents, const std::string& tool,
-                 std::uint64_t seed, std::uint64_t index) {
-  Robot child(std::move(body));
-  if (!parents.empty()) child.document["parents"] = parents;
-  child.document["origin"] = {{"tool", tool}, {"seed", seed}, {"index", index}};
-  return child;
-}
-
 Robot checked(Robot robot, const std::string& where, BodyCheck check) {
   if (check == BodyCheck::robot)
     if (const auto wrong = defect(robot.body, true))

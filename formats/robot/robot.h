@@ -51,11 +51,6 @@ std::optional<double> number_of(const Robot& robot, const std::string& name);
 // whose training failed when it continued has its fitness from before.
 bool has_gone_on(const Robot& before, const Robot& later);
 
-// A child of an operator: `body`, the ids of its parents, and where it came from.
-// `index` counts the outputs of `tool` under `seed`.
-Robot make_child(Body body, const std::vector<std::string>& parents, const std::string& tool,
-                 std::uint64_t seed, std::uint64_t index);
-
 enum class BodyCheck {
   any,   // rows, letters, size and links make sense
   robot  // and it is connected and has an actuator

@@ -8,6 +8,7 @@
 #include "formats/io/files.h"
 #include "formats/io/hdf5.h"
 #include "formats/io/npz.h"
+#include "formats/robot/children.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
 #include "tests/unit/expect.h"
@@ -283,7 +284,7 @@ TEST_CASE("Robot: fitness") {
 }
 
 TEST_CASE("Robot: children say where they come from, and nothing else") {
-  const Robot child = make_child(Body::from_rows({"HV"}), {"a", "b"}, "evo-mutate", 7, 3);
+  const Robot child = robot_of({Body::from_rows({"HV"}), "evo-mutate", {"a", "b"}}, 7, 3);
   CHECK(robot_to_line(child) ==
         fmt::format(R"({{"format":"evo/robot","version":1,"id":"{}","body":["HV"],)"
                     R"("parents":["a","b"],"origin":{{"tool":"evo-mutate","seed":7,"index":3}}}})",

@@ -1,6 +1,9 @@
 #include "formats/io/format.h"
 
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
 
 #include "libevo/base/error.h"
 
@@ -11,8 +14,8 @@ Error refused(const hdf5::Reader& file, const char* attribute, const std::string
   return error(Failure::data, "{}: /@{}: {}", file.name(), attribute, problem);
 }
 
-}  // namespace
-
+// What is wrong with a head that says `name` (nothing: it does not say) or `version`, as words
+// for a message that begins with the place.
 std::optional<std::string> wrong_name(const Format& format,
                                       const std::optional<std::string>& name) {
   if (name == format.name) return std::nullopt;
@@ -27,6 +30,8 @@ std::optional<std::string> wrong_version(const Format& format, std::int64_t vers
                        format.name, version, format.version);
   return std::nullopt;
 }
+
+}  // namespace
 
 void check_format(const Node& document, const Format& format, Head head) {
   const auto name = document.find("format");

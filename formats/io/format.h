@@ -1,10 +1,6 @@
 // What every document begins with, `format` and `version`, and their one check.
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <string>
-
 #include "formats/io/hdf5.h"
 #include "formats/io/node.h"
 
@@ -30,12 +26,6 @@ inline constexpr Format policy{"evo/policy", 1};
 inline constexpr Format checkpoint{"evo/checkpoint", 1};
 inline constexpr Format rollout{"evo/rollout", 1};
 }  // namespace format
-
-// What is wrong with a head that says `name` (nothing: it does not say) or
-// `version`, as words for a message that begins with the place; nothing if all is
-// well.
-std::optional<std::string> wrong_name(const Format& format, const std::optional<std::string>& name);
-std::optional<std::string> wrong_version(const Format& format, std::int64_t version);
 
 // Another format, or a version that this program does not know, is refused with
 // its place: Error(data). What people write by hand need not say either; `required` is for what

@@ -2,9 +2,9 @@
 
 #include <cstdlib>
 #include <set>
-#include <sstream>
 #include <system_error>
 
+#include "formats/io/values.h"
 #include "libevo/base/error.h"
 #include "libevo/base/join.h"
 
@@ -46,11 +46,8 @@ fs::path data_root(const std::vector<fs::path>& candidates) {
 
 DataFolders data_folders(const fs::path& root) {
   DataFolders folders;
-  if (const char* list = std::getenv("EVO_TASKS")) {
-    std::istringstream pieces(list);
-    for (std::string folder; std::getline(pieces, folder, ':');)
-      if (!folder.empty()) folders.emplace_back(folder);
-  }
+  if (const char* list = std::getenv("EVO_TASKS"))
+    for (const std::string& folder : split_list(list, ':')) folders.emplace_back(folder);
   folders.push_back(root / "tasks");
   return folders;
 }

@@ -3,17 +3,12 @@
 #include <cmath>
 
 #include "formats/io/number.h"
+#include "formats/io/text.h"
 #include "formats/io/values.h"
 
 namespace evo {
 namespace setting {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  while (text.starts_with(' ')) text.remove_prefix(1);
-  while (text.ends_with(' ')) text.remove_suffix(1);
-  return text;
-}
 
 std::string before_dot(const std::string& key) { return key.substr(0, key.find('.')); }
 
@@ -47,12 +42,9 @@ std::optional<std::int64_t> parse_whole_number(std::string_view text) { return w
 
 std::vector<std::string_view> items_of(std::string_view list) {
   if (list.starts_with('[') && list.ends_with(']')) list = list.substr(1, list.size() - 2);
-  std::vector<std::string_view> items;
-  while (!list.empty()) {
-    const std::size_t comma = std::min(list.find(','), list.size());
-    items.push_back(trimmed(list.substr(0, comma)));
-    list.remove_prefix(std::min(comma + 1, list.size()));
-  }
+  std::vector<std::string_view> items = split(list, ",");
+  if (items.back().empty()) items.pop_back();  // of an empty list, or after the last comma
+  for (std::string_view& item : items) item = trimmed(item);
   return items;
 }
 

@@ -7,6 +7,8 @@
 namespace evo {
 namespace {
 
+constexpr std::string_view blanks = " \t\r";
+
 // Bytes of the first character; 0 where none begins that UTF-8 allows: too long a
 // form, half a surrogate pair, a number beyond U+10FFFF.
 std::size_t utf8_length(std::string_view text) {
@@ -22,6 +24,33 @@ std::size_t utf8_length(std::string_view text) {
 }
 
 }  // namespace
+
+std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
+  std::vector<std::string_view> pieces;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
+    pieces.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return pieces;
+}
+
+std::vector<std::string_view> split_words(std::string_view text) {
+  std::vector<std::string_view> words = split(text, blanks);
+  std::erase(words, "");
+  return words;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(blanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
+}
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
 
 std::string printable(std::string_view text) {
   std::string shown;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "formats/io/number.h"
+#include "formats/io/text.h"
 #include "libevo/base/error.h"
 #include "libevo/body/body.h"
 
@@ -126,12 +127,8 @@ Shape parse_shape(const std::string& text) {
 
 std::vector<std::string> split_list(const std::string& text, char separator) {
   std::vector<std::string> pieces;
-  std::size_t start = 0;
-  while (start <= text.size()) {
-    const std::size_t end = std::min(text.find(separator, start), text.size());
-    if (end > start) pieces.push_back(text.substr(start, end - start));
-    start = end + 1;
-  }
+  for (const std::string_view piece : split(text, std::string_view(&separator, 1)))
+    if (!piece.empty()) pieces.emplace_back(piece);
   return pieces;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/io/text.h"
 #include "formats/io/values.h"
 #include "libevo/base/error.h"
 #include "libevo/task/behaviour.h"
@@ -36,13 +37,8 @@ void check_behaviour(const std::string& name, const std::string& where) {
 }
 
 FeatureAxis parse_axis(const std::string& text, const std::string& where) {
-  std::vector<std::string> words(1);
-  for (const char c : text) {
-    if (c == ':')
-      words.emplace_back();
-    else
-      words.back() += c;
-  }
+  const auto pieces = split(text, ":");
+  const std::vector<std::string> words(pieces.begin(), pieces.end());
   if ((words.size() != 2 && words.size() != 4) || words[0].empty())
     throw error(Failure::usage, "{}: '{}' is neither NAME:BINS nor NAME:BINS:LOW:HIGH", where,
                 text);

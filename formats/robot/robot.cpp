@@ -13,6 +13,7 @@
 #include "formats/io/node_builder.h"
 #include "formats/io/npz.h"
 #include "formats/io/number.h"
+#include "formats/io/text.h"
 #include "formats/robot/evogym.h"
 #include "libevo/base/error.h"
 
@@ -71,13 +72,9 @@ void append_row(const std::vector<Node>& row, std::size_t r, std::vector<Voxel>&
 
 // The rows of a picture in one text, between line breaks or slashes.
 std::vector<std::string> split_rows(std::string_view text) {
-  std::vector<std::string> rows;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find_first_of("\n/", begin), text.size());
-    rows.emplace_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return rows;
+  auto rows = split(text, "\n/");
+  if (rows.back().empty()) rows.pop_back();
+  return {rows.begin(), rows.end()};
 }
 
 Body read_body(const Node& value) {
@@ -393,11 +390,6 @@ Form form_of(std::string_view text) {
   const bool yaml =
       comment || line.front() == '-' || line.front() == '%' || line.find(':') != line.npos;
   return yaml ? Form::yaml : Form::drawing;
-}
-
-std::string_view without_byte_order_mark(std::string_view text) {
-  constexpr std::string_view mark = "\xEF\xBB\xBF";
-  return text.starts_with(mark) ? text.substr(mark.size()) : text;
 }
 
 std::string_view without_blanks_before(std::string_view text) {

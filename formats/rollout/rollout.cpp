@@ -12,6 +12,7 @@
 #include "formats/io/learners.h"
 #include "formats/io/npz.h"
 #include "formats/io/number.h"
+#include "formats/io/text.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -241,47 +242,17 @@ RolloutWorld read_world(const hdf5::Reader& file, int points) {
 
 // ---- actions from text --------------------------------------------------------
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
-}
-
-std::vector<std::string_view> split(std::string_view line, char separator) {
-  std::vector<std::string_view> fields;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(separator, begin), line.size());
-    fields.push_back(line.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return fields;
-}
-
-// As numpy.savetxt parts numbers.
-std::vector<std::string_view> words_of(std::string_view line) {
-  constexpr std::string_view blanks = " \t";
-  std::vector<std::string_view> words;
-  for (std::size_t begin = line.find_first_not_of(blanks); begin != line.npos;) {
-    const std::size_t end = std::min(line.find_first_of(blanks, begin), line.size());
-    words.push_back(line.substr(begin, end - begin));
-    begin = line.find_first_not_of(blanks, end);
-  }
-  return words;
-}
-
-// A row per step, of numbers between commas or blanks; blank lines and lines that begin with # are
-// passed over, a first line of names is a heading.
+// A row per step, of numbers between commas, or blanks as numpy.savetxt has them; blank lines and
+// lines that begin with # are passed over, a first line of names is a heading.
 ActionSequence actions_from_csv(std::string_view text, const std::string& name) {
   ActionSequence actions;
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   bool heading_possible = true;
   std::size_t line_number = 0;
-  for (std::string_view line : split(text, '\n')) {
+  for (std::string_view line : split(without_byte_order_mark(text), "\n")) {
     ++line_number;
     line = trimmed(line);
     if (line.empty() || line.front() == '#') continue;
-    const auto fields = line.find(',') == line.npos ? words_of(line) : split(line, ',');
+    const auto fields = line.find(',') == line.npos ? split_words(line) : split(line, ",");
     const bool is_heading =
         heading_possible && std::all_of(fields.begin(), fields.end(), [](std::string_view f) {
           f = trimmed(f);

@@ -11,18 +11,11 @@
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/json.h"
+#include "formats/io/text.h"
 #include "libevo/base/error.h"
 
 namespace evo {
 namespace {
-
-constexpr std::string_view blanks = " \t\r";
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
-}
 
 std::string lower(std::string_view text) {
   std::string folded(text);
@@ -32,16 +25,6 @@ std::string lower(std::string_view text) {
 }
 
 bool is_comment(std::string_view line) { return line.front() == '#' || line.front() == ';'; }
-
-std::vector<std::string> words_of(std::string_view text) {
-  std::vector<std::string> words;
-  for (std::size_t begin = text.find_first_not_of(blanks); begin != std::string_view::npos;) {
-    const std::size_t end = std::min(text.find_first_of(blanks, begin), text.size());
-    words.emplace_back(text.substr(begin, end - begin));
-    begin = text.find_first_not_of(blanks, end);
-  }
-  return words;
-}
 
 const std::set<std::string> sections{"NEAT", "DefaultGenome", "DefaultSpeciesSet",
                                      "DefaultStagnation", "DefaultReproduction"};
@@ -86,10 +69,11 @@ std::string yaml_of(const Entry& entry, const std::string& where) {
   std::string value = flag_or(entry.value);
   if (flags.contains(entry.key) && (value == "1" || value == "0"))
     value = value == "1" ? "true" : "false";
-  std::vector<std::string> words{value};
   const bool is_list = entry.key.ends_with("_options");
-  if (is_list) words = words_of(entry.value);
-  for (std::string& word : words) word = compact(Json(word));
+  std::vector<std::string> words;
+  for (const std::string_view word :
+       is_list ? split_words(entry.value) : std::vector<std::string_view>{value})
+    words.push_back(compact(Json(word)));
   const auto list = fmt::format("{}", fmt::join(words, ", "));
   return fmt::format("{}: {}", compact(Json(entry.key)), is_list ? "[" + list + "]" : list);
 }
@@ -113,12 +97,9 @@ bool begins_as_ini(std::string_view text) {
 std::string neat_ini_to_yaml(std::string_view text, const std::string& where) {
   std::vector<Entry> entries;
   std::size_t number = 0;
-  while (!text.empty()) {
+  for (const std::string_view whole : split(text, "\n")) {
     ++number;
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view whole = text.substr(0, end);
     const std::string_view line = trimmed(whole);
-    text.remove_prefix(std::min(end + 1, text.size()));
     if (line.empty() || is_comment(line)) continue;
     const std::string place = fmt::format("{}:{}", where, number);
     if (line.front() == '[') {
@@ -128,7 +109,7 @@ std::string neat_ini_to_yaml(std::string_view text, const std::string& where) {
                     line, fmt::join(sections, ", "));
       continue;
     }
-    if (blanks.find(whole.front()) != std::string_view::npos && !entries.empty()) {
+    if (whole.front() != line.front() && !entries.empty()) {  // begins with blanks
       entries.back().value += fmt::format(" {}", line);
       continue;
     }

@@ -192,15 +192,11 @@ Zip<zip_t> open_archive(std::string_view bytes) {
   return archive;
 }
 
-// The links of the largest robot, both directions, and a header.
-constexpr std::size_t largest_member =
-    std::size_t{8} * sizeof(std::int64_t) * largest_side * largest_side + 65536;
-
 std::string read_member(zip_t* archive, zip_uint64_t index) {
   zip_stat_t status{};
   if (zip_stat_index(archive, index, 0, &status) != 0 || (status.valid & ZIP_STAT_SIZE) == 0)
     throw Error(Failure::data, zip_strerror(archive));
-  if (status.size > largest_member)
+  if (status.size > largest_array)
     throw error(Failure::data, "{} bytes; the largest robot is {}x{}", status.size, largest_side,
                 largest_side);
   const Zip<zip_file_t> member(zip_fopen_index(archive, index, 0));
@@ -386,18 +382,8 @@ NumpyMatrix matrix_from_numpy(std::string_view bytes, const std::string& name,
   }
 }
 
-std::string read_npz_bytes(const std::string& input) {
-  // Members are kept, not compressed, where it matters: two of the largest.
-  constexpr std::size_t longest = 2 * largest_member;
-  return read_input(input, longest, [&](std::string_view beginning) {
-    if (!beginning.starts_with("PK"))
-      throw error(Failure::data, "not an .npz file (a zip archive)").at(input_label(input));
-    return longest;
-  });
-}
-
 Body read_npz(const fs::path& path) {
-  return body_from_npz(read_npz_bytes(path.string()), path.string());
+  return body_from_numpy(read_file(path, largest_numpy), path.string());
 }
 
 std::string body_to_npz(const Body& body) {
@@ -421,7 +407,5 @@ std::string body_to_npz(const Body& body) {
   (void)archive.release();
   return bytes_of(target.get());
 }
-
-void write_npz(const fs::path& path, const Body& body) { write_file(path, body_to_npz(body)); }
 
 }  // namespace evo

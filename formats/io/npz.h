@@ -3,6 +3,8 @@
 // pairs of row-major indices, 2 x k.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -35,13 +37,13 @@ struct NumpyMatrix {
 NumpyMatrix matrix_from_numpy(std::string_view bytes, const std::string& name,
                               const std::string& where);
 
-inline constexpr std::size_t largest_numpy = std::size_t{1} << 24U;  // bytes; far more than a body
-// The bytes of one; "-" reads standard input. What is no archive is not read to its end.
-std::string read_npz_bytes(const std::string& input);
+// Bytes of an array: the links of the largest robot, both directions, and a header.
+inline constexpr std::size_t largest_array =
+    std::size_t{8} * sizeof(std::int64_t) * largest_side * largest_side + 65536;
+inline constexpr std::size_t largest_numpy = 2 * largest_array;  // and of a file
 
 // As EvoGym's examples write it: float64 and int64, each link once, not
 // compressed. The same body gives the same bytes.
-void write_npz(const std::filesystem::path& path, const Body& body);
 std::string body_to_npz(const Body& body);
 
 }  // namespace evo

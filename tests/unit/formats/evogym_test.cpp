@@ -282,11 +282,11 @@ TEST_CASE("EvoGym experiment: robots with fitness, each once") {
   };
   write_file(folder / "metadata.txt", "POP_SIZE: 2\nSTRUCTURE_SHAPE: 1 2\nMAX_EVALUATIONS: 4\n");
   CHECK_FALSE(is_evogym_experiment(folder.path()));
-  write_npz(structures(0) / "0.npz", a);
-  write_npz(structures(0) / "1.npz", b);
+  write_file(structures(0) / "0.npz", body_to_npz(a));
+  write_file(structures(0) / "1.npz", body_to_npz(b));
   write_file(structures(0).parent_path() / "output.txt", "1\t\t2.5\n0\t\t-0.1\n");
-  write_npz(structures(1) / "0.npz", b);  // the survivor
-  write_npz(structures(1) / "1.npz", c);
+  write_file(structures(1) / "0.npz", body_to_npz(b));  // the survivor
+  write_file(structures(1) / "1.npz", body_to_npz(c));
   write_file(structures(1).parent_path() / "output.txt", "1\t\t3.25\n0\t\t2.5\n");
   CHECK(is_evogym_experiment(folder.path()));
 
@@ -303,7 +303,7 @@ TEST_CASE("EvoGym experiment: robots with fitness, each once") {
   CHECK(robots[2].document["origin"]["generation"] == 1);
 
   SECTION("an unfinished generation has robots without fitness") {
-    write_npz(structures(2) / "0.npz", Body::from_rows({"H"}));
+    write_file(structures(2) / "0.npz", body_to_npz(Body::from_rows({"H"})));
     robots = read_evogym_experiment(folder.path());
     REQUIRE(robots.size() == 4);
     CHECK_FALSE(robots[3].document.contains("fitness"));

@@ -429,6 +429,11 @@ TEST_CASE("Robot: connections as two lists of cells, as the benchmark has them")
 TEST_CASE("Robot: NumPy's files and worlds of the design tool are robots, told by their bytes") {
   const Body body = Body::from_rows({"HHH", "V.V"});
   CHECK(robots_in(body_to_npz(body), "robot.data").at(0).id == "9bdfd2342d8b");
+  const ScratchFolder folder;
+  const Body largest(largest_side, largest_side,
+                     std::vector(std::size_t{largest_side} * largest_side, Voxel::horizontal));
+  write_file(folder / "largest", body_to_npz(largest));
+  CHECK(read_robots((folder / "largest").string()).at(0).body == largest);
   std::string header = "{'descr': '<i8', 'fortran_order': False, 'shape': (2, 3), }";
   header.resize(117, ' ');
   std::string npy = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + "\n";

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "formats/io/files.h"
-#include "formats/io/hdf5.h"
 #include "formats/task/physics_profile.h"
 #include "libevo/base/error.h"
 
@@ -62,36 +61,6 @@ void check(const std::vector<Rollout>& rollouts) {
                    steps * static_cast<std::size_t>(rollout.action_length));
     }
   }
-}
-
-void write_points(hdf5::Writer& file, const std::string& path, const std::vector<Vec2>& points,
-                  std::size_t rows) {
-  if (points.empty()) return;
-  std::vector<double> numbers;
-  numbers.reserve(2 * points.size());
-  for (const Vec2& point : points) numbers.insert(numbers.end(), {point.x, point.y});
-  file.array(path, {rows, points.size() / rows, 2}, numbers);
-}
-
-void write_episode(hdf5::Writer& file, const Rollout& rollout, const RolloutEpisode& episode,
-                   std::int64_t id) {
-  const std::string group = fmt::format("/episode_{}", id);
-  const auto steps = static_cast<std::size_t>(episode.steps());
-  file.group(group);
-  file.attribute(group, "id", id);
-  file.attribute(group, "seed", episode.seed);
-  file.attribute(group, "total_steps", static_cast<std::int64_t>(steps));
-  file.attribute(group, "random_draws", compact(episode.random_draws));
-  if (rollout.robot) file.attribute(group, "robot", robot_to_line(*rollout.robot));
-  file.array(group + "/observations",
-             {steps + 1, static_cast<std::size_t>(rollout.observation_length)},
-             episode.observations);
-  file.array(group + "/actions", {steps, static_cast<std::size_t>(rollout.action_length)},
-             episode.actions);
-  file.vector(group + "/rewards", episode.rewards);
-  file.flags(group + "/terminations", episode.terminations);
-  file.flags(group + "/truncations", episode.truncations);
-  write_points(file, group + "/infos/positions", episode.positions, steps + 1);
 }
 
 // A Box space of Gymnasium as Minari has it: JSON, but Python's, where numbers
@@ -233,10 +202,13 @@ void write_minari(const fs::path& folder, const std::vector<Rollout>& rollouts,
                 failed.message());
   const fs::path main_data = data / "main_data.hdf5";
   hdf5::Writer file(main_data);
-  std::int64_t id = 0;
-  for (const Rollout& rollout : rollouts)
-    for (const RolloutEpisode& episode : rollout.episodes)
-      write_episode(file, rollout, episode, id++);
+  std::size_t id = 0;
+  for (const Rollout& rollout : rollouts) {
+    for (std::size_t k = 0; k < rollout.episodes.size(); ++k) {
+      const std::string group = write_episode(file, rollout, k, id++, FlagType::boolean);
+      if (rollout.robot) file.attribute(group, "robot", robot_to_line(*rollout.robot));
+    }
+  }
   file.commit();
   write_file(data / "metadata.json",
              compact(metadata(rollouts, dataset_id, fs::file_size(main_data))) + "\n");

@@ -16,8 +16,8 @@ namespace evo {
 std::string minari_dataset_id(const Rollout& rollout);
 
 // All episodes of the rollouts, one after another, in a new folder that appears
-// whole or not at all. Each keeps its robot (JSON) and its random draws as
-// attributes, point positions as infos. The bounds of actions are those of
+// whole or not at all. Each keeps its robot (JSON), its random draws and how its start was
+// perturbed as attributes, point positions as infos. The bounds of actions are those of
 // the physics. The rollouts have the same observation and action lengths. Throws Error(data) for
 // rollouts that do not fit together or are incomplete, Error(usage) for an id Minari would not take
 // ("(namespace/)name-v<number>"), Error(cannot_create) if the folder exists.

@@ -8,7 +8,6 @@
 
 #include "formats/io/files.h"
 #include "formats/io/format.h"
-#include "formats/io/hdf5.h"
 #include "formats/io/learners.h"
 #include "formats/io/npz.h"
 #include "formats/io/number.h"
@@ -67,13 +66,15 @@ void write_world(hdf5::Writer& file, const RolloutWorld& world) {
   file.array("/world/cell_points", {world.cells.size(), 4}, corners);
 }
 
-void write_episode(hdf5::Writer& file, const Rollout& rollout, std::size_t k) {
+}  // namespace
+
+std::string write_episode(hdf5::Writer& file, const Rollout& rollout, std::size_t k, std::size_t id,
+                          FlagType type) {
   const RolloutEpisode& episode = rollout.episodes[k];
-  const std::string group = episode_group(k);
+  const std::string group = episode_group(id);
   const auto steps = static_cast<std::size_t>(episode.steps());
-  const auto points = static_cast<std::size_t>(rollout.points);
   file.group(group);
-  file.attribute(group, "id", static_cast<std::int64_t>(k));
+  file.attribute(group, "id", static_cast<std::int64_t>(id));
   file.attribute(group, "seed", episode.seed);
   file.attribute(group, "total_steps", static_cast<std::int64_t>(steps));
   file.attribute(group, "random_draws", compact(episode.random_draws));
@@ -87,10 +88,20 @@ void write_episode(hdf5::Writer& file, const Rollout& rollout, std::size_t k) {
   file.array(group + "/actions", {steps, static_cast<std::size_t>(rollout.action_length)},
              episode.actions);
   file.vector(group + "/rewards", episode.rewards);
-  file.vector(group + "/terminations", episode.terminations);
-  file.vector(group + "/truncations", episode.truncations);
-  file.array(group + "/infos/positions", {steps + 1, points, 2}, as_numbers(episode.positions));
+  for (const auto& [name, flags] : {std::pair("/terminations", &episode.terminations),
+                                    std::pair("/truncations", &episode.truncations)}) {
+    if (type == FlagType::boolean)
+      file.flags(group + name, *flags);
+    else
+      file.vector(group + name, *flags);
+  }
+  if (!episode.positions.empty())
+    file.array(group + "/infos/positions", {steps + 1, episode.positions.size() / (steps + 1), 2},
+               as_numbers(episode.positions));
+  return group;
 }
+
+namespace {
 
 // ---- reading ----------------------------------------------------------------
 
@@ -330,7 +341,8 @@ void write_rollout(const fs::path& path, const Rollout& rollout) {
   file.attribute("/", "total_episodes", static_cast<std::int64_t>(rollout.episodes.size()));
   file.attribute("/", "total_steps", total_steps);
   write_world(file, rollout.world);
-  for (std::size_t k = 0; k < rollout.episodes.size(); ++k) write_episode(file, rollout, k);
+  for (std::size_t k = 0; k < rollout.episodes.size(); ++k)
+    write_episode(file, rollout, k, k, FlagType::number);
   file.commit();
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/io/hdf5.h"
 #include "formats/robot/robot.h"
 #include "libevo/sim/model.h"
 
@@ -51,6 +52,11 @@ struct Rollout {
 
 // Written under a temporary name, then renamed. Throws Error(cannot_create, io).
 void write_rollout(const std::filesystem::path& path, const Rollout& rollout);
+// Its k-th episode as the group /episode_<id>, whose name is returned; flags are numbers in
+// rollouts, as the benchmark has them, and booleans of h5py in datasets.
+enum class FlagType { number, boolean };
+std::string write_episode(hdf5::Writer& file, const Rollout& rollout, std::size_t k, std::size_t id,
+                          FlagType type);
 // Whatever is absent in files of other makers stays empty (flags: zero), but
 // rewards, which count the steps. Throws Error(no_input) or Error(data) naming
 // file and dataset.

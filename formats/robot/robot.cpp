@@ -112,9 +112,11 @@ Body read_body(const Node& value) {
 
 // ---- connections ------------------------------------------------------------
 
-// Pairs, or two lists of equal length, as the benchmark has its connections: [2, k]. Two
-// pairs ([2, 2]) could be either; they are pairs, as in our documents.
-std::vector<Link> read_links(const Node& value, const Body& body) {
+}  // namespace
+
+// Two lists as the benchmark has its connections: [2, k]. Two pairs ([2, 2]) could be either;
+// they are pairs, as in our documents.
+void read_links(const Node& value, Body& body) {
   const int last = static_cast<int>(body.cells.size()) - 1;
   std::vector<Link> links;
   const auto add = [&](const Node& a, const Node& b) {
@@ -136,8 +138,11 @@ std::vector<Link> read_links(const Node& value, const Body& body) {
   }
   std::sort(links.begin(), links.end());
   links.erase(std::unique(links.begin(), links.end()), links.end());
-  return links;
+  body.links = std::move(links);
+  if (const auto wrong = link_defect(body)) throw value.error(*wrong);
 }
+
+namespace {
 
 Json links_to_json(const std::vector<Link>& links) {
   Json pairs = Json::array();
@@ -561,10 +566,7 @@ Robot read_robot(const Node& node, BodyCheck check) {
   Robot robot;
   robot.body = read_body(*body);
   const auto links = node.find("connections");
-  if (links && !links->is_null()) {
-    robot.body.links = read_links(*links, robot.body);
-    if (const auto wrong = link_defect(robot.body)) throw links->error(*wrong);
-  }
+  if (links && !links->is_null()) read_links(*links, robot.body);
   if (const auto stiffness = node.find("stiffness"); stiffness && !stiffness->is_null()) {
     std::vector<double> factors = read_stiffness(*stiffness, robot.body);
     try {

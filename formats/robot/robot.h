@@ -65,6 +65,9 @@ Robot read_robot(const Node& document, BodyCheck check = BodyCheck::robot);
 // The robot itself. Throws Error(data), which begins with `where`, unless the body is what
 // `check` asks for.
 Robot checked(Robot robot, const std::string& where, BodyCheck check = BodyCheck::robot);
+// Sets the body's links to those of a document: pairs of its cells, or two lists of equal length.
+// Throws Error(data).
+void read_links(const Node& connections, Body& body);
 // The document in its canonical field order, unknown fields last; body, links
 // and id as in `robot`. Ends without newline.
 Json robot_to_document(const Robot& robot);

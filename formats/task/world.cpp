@@ -160,26 +160,6 @@ Box bounding_box(const Canvas& canvas) {
   return box;
 }
 
-// Pairs of row-major indices of the matrix as it was written.
-std::vector<Link> read_links(const Node& node, const Canvas& canvas) {
-  std::set<Link> links;
-  const int last = canvas.rows * canvas.cols - 1;
-  for (const Node& item : node.items()) {
-    const auto& ends = item.items();
-    if (ends.size() != 2) throw item.error("a pair of cells [a, b] is expected");
-    const int a = std::min(ends[0].integer(0, last), ends[1].integer(0, last));
-    const int b = std::max(ends[0].integer(), ends[1].integer());
-    const bool beside = b == a + 1 && b % canvas.cols != 0;
-    const bool below = b == a + canvas.cols;
-    if (!beside && !below) throw item.error(fmt::format("cells {} and {} are not adjacent", a, b));
-    for (const int end : {a, b})
-      if (canvas.cells[static_cast<std::size_t>(end)] == Voxel::empty)
-        throw item.error(fmt::format("cell {} is empty", end));
-    links.insert({a, b});
-  }
-  return {links.begin(), links.end()};
-}
-
 void check_body(const Node& node, const std::string& name, const Body& body) {
   if (const auto problem = defect(body, false))
     throw node.error(fmt::format("object '{}': {}", name, *problem));
@@ -204,11 +184,13 @@ Object cut_out(const Node& node, const std::string& name, const Canvas& canvas,
   Object object{name, Body(rows, cols, std::move(cells)), canvas.at.x + box.left,
                 canvas.at.y + canvas.rows - 1 - box.bottom};
   if (connections) {
+    Body written(canvas.rows, canvas.cols, canvas.cells);  // whose cells the links number
+    read_links(*connections, written);
     object.body.links.clear();
     const auto moved = [&](int index) {
       return object.body.index(index / canvas.cols - box.top, index % canvas.cols - box.left);
     };
-    for (const Link& link : read_links(*connections, canvas))
+    for (const Link& link : written.links)
       object.body.links.push_back({moved(link.a), moved(link.b)});
   }
   check_body(node, name, object.body);

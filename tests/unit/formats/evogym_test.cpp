@@ -7,7 +7,6 @@
 
 #include "formats/io/files.h"
 #include "formats/io/npz.h"
-#include "formats/task/task.h"
 #include "formats/task/text.h"
 #include "libevo/base/random.h"
 #include "libevo/body/operators.h"
@@ -97,19 +96,6 @@ TEST_CASE("EvoGym world: round trip of random worlds") {
           {"object/" + std::to_string(k), std::move(body), x, stream.integer(0, 3)});
       x += cols;
     }
-    REQUIRE(same(world_of(parsed(world)), world));
-  }
-}
-
-TEST_CASE("EvoGym world: the world of every task comes back") {
-  const DataFolders folders{EVO_SOURCE_DIR "/tasks"};
-  const std::vector<std::string> names = task_names(folders);
-  REQUIRE(names.size() == 32);
-  for (const std::string& name : names) {
-    CAPTURE(name);
-    World world;
-    for (const Placement& placement : load_task(name, folders).objects)
-      world.objects.push_back(placement.object);
     REQUIRE(same(world_of(parsed(world)), world));
   }
 }

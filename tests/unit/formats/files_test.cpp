@@ -64,19 +64,6 @@ TEST_CASE("A file appears whole, or not at all") {
   CHECK(folder.entries() == 1);
 }
 
-TEST_CASE("Two writers of one file do not meet") {
-  const ScratchFolder folder;
-  AtomicFile first(folder / "f");
-  AtomicFile second(folder / "f");
-  first.write("first");
-  second.write("second");
-  second.commit();
-  CHECK(read_file(folder / "f") == "second");
-  first.commit();
-  CHECK(read_file(folder / "f") == "first");
-  CHECK(folder.entries() == 1);
-}
-
 TEST_CASE("What a killed writer left is taken over, a file in use or of another kind is not") {
   const ScratchFolder folder;
   write_file(folder / ".f.tmp", "half of a longer text");

@@ -273,16 +273,6 @@ TEST_CASE("Robot: what is written is the body, whatever became of the document")
   CHECK(one(robot_to_line(robot)).body == robot.body);
 }
 
-TEST_CASE("Robot: fitness") {
-  Robot robot(Body::from_rows({"H"}));
-  CHECK_FALSE(robot.fitness());
-  robot.document["fitness"] = nullptr;
-  CHECK_FALSE(robot.fitness());
-  CHECK_FALSE(one(robot_to_line(robot)).fitness());
-  robot.document["fitness"] = -3;
-  CHECK(robot.fitness() == -3.0);
-}
-
 TEST_CASE("Robot: children say where they come from, and nothing else") {
   const Robot child = robot_of({Body::from_rows({"HV"}), "evo-mutate", {"a", "b"}}, 7, 3);
   CHECK(robot_to_line(child) ==

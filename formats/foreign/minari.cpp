@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "formats/io/files.h"
-#include "formats/task/physics_profile.h"
+#include "formats/rollout/ending.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -82,10 +82,7 @@ std::string action_space(const std::vector<Rollout>& rollouts) {
   std::vector<double> low;
   std::vector<double> high;
   for (const Rollout& rollout : rollouts) {
-    const Physics physics =
-        rollout.physics_yaml.empty()
-            ? Physics{}
-            : physics_from_yaml(Node::yaml(rollout.physics_yaml, "physics of the rollout"), {}, {});
+    const Physics physics = recorded_physics(rollout);
     low.push_back(physics.min_target);
     high.push_back(physics.max_target);
   }

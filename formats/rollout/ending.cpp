@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
+
+#include "formats/task/physics_profile.h"
+#include "libevo/task/measure.h"
 
 namespace evo {
 namespace {
@@ -11,18 +15,13 @@ namespace {
 // The last centre of an object, voxels; nothing for one that is not there.
 std::optional<Vec2> last_centre(const Rollout& rollout, const RolloutEpisode& episode,
                                 const std::string& name) {
-  constexpr double voxel = 0.1;  // raw length
+  const double voxel = recorded_physics(rollout).voxel_length;
   for (const ModelObject& object : rollout.world.objects) {
     if (object.name != name || object.points == 0) continue;
     const auto points = static_cast<std::size_t>(rollout.points);
     if (episode.positions.size() < points) return std::nullopt;
     const Vec2* last = &episode.positions[episode.positions.size() - points];
-    Vec2 sum;
-    for (int k = object.first_point; k < object.first_point + object.points; ++k) {
-      sum.x += last[k].x;
-      sum.y += last[k].y;
-    }
-    return Vec2{sum.x / object.points / voxel, sum.y / object.points / voxel};
+    return mean(PointRange{object.first_point, object.points}.of(std::span(last, points))) / voxel;
   }
   return std::nullopt;
 }
@@ -102,6 +101,11 @@ bool rewards_any(const Rollout& rollout, bool (*what)(const Node&)) {
 }
 
 }  // namespace
+
+Physics recorded_physics(const Rollout& rollout) {
+  if (rollout.physics_yaml.empty()) return {};
+  return physics_from_yaml(Node::yaml(rollout.physics_yaml, "physics of the rollout"), {}, {});
+}
 
 std::optional<Node> task_value(const Rollout& rollout, const char* key) {
   if (rollout.task_yaml.empty()) return std::nullopt;

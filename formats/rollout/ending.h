@@ -6,8 +6,12 @@
 
 #include "formats/io/node.h"
 #include "formats/rollout/rollout.h"
+#include "libevo/sim/physics.h"
 
 namespace evo {
+
+// The physics in force; the benchmark's in files that carry none. Throws Error(data).
+Physics recorded_physics(const Rollout& rollout);
 
 // What the task has under a key; nothing where it does not, and in files that carry no task.
 // Throws Error(data) for a task that is not YAML.

@@ -35,6 +35,12 @@ TEST_CASE("an episode's end is told as what the rule is worth") {
   const Ending walked = of(ended_at("Walker-v0", {99.5, 1}));
   CHECK(walked.kind == Ending::Kind::goal);
   CHECK(walked.text == "goal reached: robot beyond x = 99");
+  // Of voxels of another size.
+  Rollout large = ended_at("Walker-v0", {2 * 99.5, 2});
+  large.physics_yaml = "voxel_length: 0.2\n";
+  CHECK(of(large).kind == Ending::Kind::goal);
+  large.episodes.front().positions.back().x = 0.2 * 98.5;
+  CHECK(of(large).kind == Ending::Kind::rule);
   // A rule that pays nothing is neither: whoever flips along the whole ground gets there.
   const Ending flipped = of(ended_at("Flipper-v0", {0.5, 1}));
   CHECK(flipped.kind == Ending::Kind::rule);

@@ -1,8 +1,7 @@
 // The pieces of a task - observation parts, conditions, reward terms - as YAML
-// and in words. One source file per list (task_observation.cpp,
-// task_conditions.cpp, task_reward.cpp), where each piece has a Form: how it is
-// read, written and told. A piece of libevo/task/spec.h without one does not
-// compile.
+// and in words. One source file per list (observation.cpp, conditions.cpp,
+// reward.cpp), where each piece has a Form: how it is read, written and told.
+// A piece of libevo/task/spec.h without one does not compile.
 #pragma once
 
 #include <fmt/format.h>

@@ -35,7 +35,7 @@ struct PointView {
   const double* position = nullptr;
   const double* previous = nullptr;  // one substep ago
   double* force = nullptr;           // contact forces are added here
-  const double* travel = nullptr;    // of each block of the plan, see below
+  const double* travel = nullptr;    // of each block of the plan, as above
   std::size_t stride = 1;
 };
 

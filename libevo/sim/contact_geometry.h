@@ -1,5 +1,5 @@
-// The geometry that contact is about: points and cells of one environment. Private
-// to contact.cpp, contact_look-inl.h and contact_search.cpp.
+// The geometry that contact is about: points and cells of one environment. Private to
+// libevo/sim.
 #pragma once
 
 #include <algorithm>

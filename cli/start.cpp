@@ -2,8 +2,6 @@
 
 #include <filesystem>
 
-#include "formats/rollout/episodes.h"
-#include "formats/rollout/rollout.h"
 #include "formats/training/policy.h"
 #include "libevo/base/digest.h"
 #include "libevo/base/error.h"
@@ -43,41 +41,6 @@ std::optional<fs::path> inherited_policy(const TrainingPlan& plan, const Robot& 
   return std::nullopt;
 }
 
-// The rollout that a robot's training takes moments from: the file, or the robot's in the folder.
-std::optional<fs::path> rollout_for(const fs::path& path, const std::string& id) {
-  if (!fs::is_directory(path)) return path;
-  if (fs::path own = path / (id + ".h5"); fs::exists(own)) return own;
-  return std::nullopt;
-}
-
-// Its episodes, which have to be of this body.
-void add_demonstrations(const fs::path& path, const Robot& robot, const TaskSpec& task,
-                        std::vector<Demonstration>& demonstrations) {
-  const Rollout rollout = read_rollout(path);
-  if (rollout.robot && identity(rollout.robot->body) != identity(robot.body))
-    throw error(Failure::data, "{}: is of robot {}, whose body is another one than that of {}",
-                path.string(), rollout.robot->id, robot.id);
-  for (std::size_t k = 0; k < rollout.episodes.size(); ++k) {
-    const RolloutEpisode& episode = rollout.episodes[k];
-    const std::string where = fmt::format("{}: /episode_{}", path.string(), k);
-    demonstrations.push_back(
-        {where,
-         {read_draws(to_node(episode.random_draws, where + "@random_draws"), task), episode.jitter,
-          episode.jitter_seed},
-         {episode.actions, rollout.action_length},
-         episode.rewards});
-  }
-}
-
-// What of it decides a training.
-std::string hash_of(const Demonstration& demonstration) {
-  const EpisodeStart& start = demonstration.start;
-  std::string all =
-      fmt::format("{} {} {}", draws_to_json(start.draws).dump(), start.jitter, start.jitter_seed);
-  for (const double action : demonstration.actions.actions) all += fmt::format(" {}", action);
-  return sha256_hex(all);
-}
-
 // How many robots, and which.
 std::string names_of_all(const std::vector<const Arena*>& robots) {
   std::string ids;
@@ -106,8 +69,7 @@ void go_on(const TrainingPlan& plan, const Robot& robot, const std::vector<const
   if (span->steps < settings.steps) {
     TrainingSettings of_part = settings;
     of_part.steps = span->steps;
-    Trainer part(robots, of_part, plan.seed, stream_name(plan, robot), start.inheritance,
-                 start.demonstrations);
+    Trainer part(robots, of_part, plan.seed, stream_name(plan, robot), start.inheritance);
     restore(part, *start.checkpoint, path);
     if (!part.done())
       throw error(Failure::cannot_create,
@@ -145,11 +107,6 @@ TrainingStart find_start(const TrainingPlan& plan, const Robot& robot,
     start.inheritance = Inheritance{file.controller, anatomy(file.robot.body, file.layout)};
     start.origin.inherited = file.settings_hash;
   }
-  for (const std::string& path : plan.moments)
-    if (const auto rollout = rollout_for(path, robot.id))
-      add_demonstrations(*rollout, robot, plan.task, start.demonstrations);
-  for (const Demonstration& demonstration : start.demonstrations)
-    start.origin.moments.push_back(hash_of(demonstration));
   start.identity = identity_of(plan, robot, plan.settings(robot).steps, start.origin);
   if (const fs::path path = training_paths(plan, robot.id).checkpoint;
       plan.resume && fs::exists(path))

@@ -16,14 +16,13 @@ namespace evo {
 
 struct TrainingStart {
   std::optional<Inheritance> inheritance;
-  std::vector<Demonstration> demonstrations;
   TrainingOrigin origin;
   TrainingIdentity identity;             // of the whole training
   std::optional<Checkpoint> checkpoint;  // to continue from
 };
 
-// Throws Error(no_input) for a founder without the controller that it is to have, or a rollout
-// that is not there, Error(cannot_create) where the checkpoint is of another training, Error(data).
+// Throws Error(no_input) for a founder without the controller that it is to have,
+// Error(cannot_create) where the checkpoint is of another training, Error(data).
 // `robots` are all that get the same controller.
 TrainingStart find_start(const TrainingPlan& plan, const Robot& robot,
                          const std::vector<const Arena*>& robots);

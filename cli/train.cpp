@@ -195,7 +195,7 @@ class Training {
     const bool replaces_part = !plan_.replace && start_.checkpoint && fs::exists(paths_.policy) &&
                                is_part(read_policy_identity(paths_.policy), start_);
     Trainer trainer(pointers_, plan_.settings(first()), plan_.seed, stream_name(plan_, first()),
-                    start_.inheritance, start_.demonstrations);
+                    start_.inheritance);
     begin(trainer);
     follower_.begins(index_);
 
@@ -387,9 +387,7 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
     inheritance = {travelling_wave(arena->action_length(), 0.5, 20.0, 0.5),
                    anatomy(arena->robot(), arena->layout())};
   const std::vector<const Arena*> all(static_cast<std::size_t>(robots), &*arena);
-  // Without steps, since theirs are of other bodies.
-  std::vector<Demonstration> demonstrations(plan.moments.empty() ? 0 : 1);
-  (void)Trainer(all, settings, plan.seed, "", std::move(inheritance), std::move(demonstrations));
+  (void)Trainer(all, settings, plan.seed, "", std::move(inheritance));
 }
 
 int train_robots(const cli::Command& command, const TrainingPlan& plan,

@@ -38,9 +38,6 @@ struct TrainingPlan {
   // A folder that has one for every robot, instead.
   std::optional<std::string> own;
 
-  // Rollouts at whose moments episodes begin, or folders with a robot's, ID.h5.
-  std::vector<std::string> moments;
-
   int checkpoint_every = 100'000;  // environment steps; 0: when interrupted only
   bool keep_checkpoint = false;    // at the end, too
   bool resume = false;             // continue from checkpoints

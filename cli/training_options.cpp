@@ -34,10 +34,6 @@ void TrainingOptions::add_to(Command& command) {
   const Option founders_start = command.option(
       "--founder-init", files.founders_from, "POLICY|DIR",
       "start robots without parents from this policy, or in a folder from their own");
-  const Option recorded = command.option(
-      "--moments", files.moments, "ROLLOUT|DIR",
-      "begin episodes at moments of this recording, in a folder of <id>.h5, instead of "
-      "those of what --init does (with --train moments; repeatable)");
   command.seed_option();
   command.section("Files");
   command.option("--out-dir", files.policies, "DIR", "where <id>.policy.h5 and <id>.log go");
@@ -59,7 +55,7 @@ void TrainingOptions::add_to(Command& command) {
           "--by-sequence", by_sequence,
           "search for a sequence of actions, train two networks along it and keep the better one, "
           "which takes 2 000 000 steps unless --steps says")
-      .excludes({of_founders, start, founders_start, recorded, for_all, kept});
+      .excludes({of_founders, start, founders_start, for_all, kept});
   command.jobs_option();
   command.progress_option();
   command.suggestions(

@@ -81,8 +81,6 @@ TrainingIdentity identify(const Body& robot, const TaskSpec& task, const Trainin
   for (const std::string& line : training_identity(settings)) result.lines += line + "\n";
   if (!origin.robots.empty()) result.lines += fmt::format("robots={}\n", origin.robots);
   if (!origin.inherited.empty()) result.lines += fmt::format("inherited={}\n", origin.inherited);
-  for (std::size_t i = 0; i < origin.moments.size(); ++i)
-    result.lines += fmt::format("moments.{}={}\n", i, origin.moments[i]);
   for (std::size_t i = 0; i < origin.parts.size(); ++i)
     result.lines += fmt::format("{}{}={}\n", part_prefix, i, origin.parts[i]);
   return result;

@@ -32,8 +32,6 @@ struct TrainingOrigin {
   std::string robots;
   // Settings hash of the policy that was inherited; empty: none.
   std::string inherited;
-  // Hashes of the recorded episodes at whose moments episodes begin.
-  std::vector<std::string> moments;
   // Steps after which the training had been at an end before it was asked for more,
   // ascending: what was trained in parts is another training than the whole at once.
   std::vector<std::int64_t> parts;

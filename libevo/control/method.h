@@ -24,7 +24,6 @@ struct TrainingJob {
   std::uint64_t seed = 0;
   std::string robot_id;  // names the random streams
   std::optional<Inheritance> inheritance = {};
-  std::vector<Demonstration> demonstrations = {};  // of this robot
 
   const Arena& arena() const { return *robots.front(); }
   // Evaluations meet the same episodes for every robot.
@@ -55,7 +54,6 @@ void report_evaluation(const TrainResult& result, Metrics& metrics);
 struct Abilities {
   // One controller for many robots. It continues only one that is for any body.
   bool shares = false;
-  bool moments = false;        // episodes begin at moments of recorded ones
   bool own_tasks = false;      // needs nothing but observations, actions and rewards
   bool whole_updates = false;  // trains by updates of environments x rollout steps
 };

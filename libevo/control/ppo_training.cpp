@@ -150,45 +150,6 @@ Controller inherited_controller(const TrainingJob& job) {
   return *inherited_gait(job);
 }
 
-// One episode of the inherited controller from the exact start; of one that becomes unstable
-// what was before.
-Demonstration inherited_demonstration(const TrainingJob& job) {
-  EvaluationSettings episode;
-  episode.seed = job.seed;
-  Demonstration demonstration{"the inherited controller",
-                              start_of(job.arena(), episode, 0),
-                              {{}, job.arena().action_length()},
-                              {}};
-  const auto keep = [&](const EpisodeMoment& now) {
-    if (now.targets.empty()) return;
-    std::vector<double>& actions = demonstration.actions.actions;
-    actions.insert(actions.end(), now.targets.begin(), now.targets.end());
-    demonstration.rewards.push_back(now.env.rewards()[static_cast<std::size_t>(now.lane)]);
-  };
-  try {
-    evaluate(job.arena(), inherited_controller(job), episode, keep);
-  } catch (const Error& failure) {
-    if (failure.kind() != Failure::work) throw;
-  }
-  return demonstration;
-}
-
-std::vector<Demonstration> demonstrations_of(const TrainingJob& job) {
-  if (job.settings.moment_share == 0.0) {
-    if (job.demonstrations.empty()) return {};
-    throw error(Failure::usage,
-                "training: no episode begins at a moment while moment_share is 0; the profile "
-                "'moments' has 0.7");
-  }
-  if (!job.demonstrations.empty()) return job.demonstrations;
-  if (!job.inheritance)
-    throw error(Failure::usage,
-                "training: moment_share is {}; moments need a controller to start from (--init), "
-                "or recorded episodes (--moments)",
-                job.settings.moment_share);
-  return {inherited_demonstration(job)};
-}
-
 }  // namespace
 
 Policy initial_policy(const TrainingJob& job, std::optional<OpenLoop> base) {
@@ -222,9 +183,7 @@ PpoTraining<Passes>::PpoTraining(const TrainingJob& job)
     : settings_(Kind<Passes>::settings_for(job)),
       episodes_(VecEnv(arenas_of(job)), job.seed),
       ppo_(settings_, Kind<Passes>::passes(job), job.seed, job.robot_id) {
-  if constexpr (can.moments)
-    for (const Demonstration& demonstration : demonstrations_of(job))
-      add_moments(job.arena(), demonstration);
+  if (settings_.moment_share > 0.0) add_moments(job);
   for (int e = 0; e < settings_.environments; ++e) start_episode(e);
   observe();
 }
@@ -277,33 +236,27 @@ void PpoTraining<Passes>::load(const Checkpoint& checkpoint) {
   episodes_.load(checkpoint);
 }
 
-// Every state of the episode but its last.
+// Every state but the last of one episode of the inherited controller from the exact start; of
+// one that becomes unstable what was before.
 template <typename Passes>
-void PpoTraining<Passes>::add_moments(const Arena& arena, const Demonstration& demonstration) {
-  const auto& [name, start, replay, rewards] = demonstration;
-  const auto actuators = static_cast<std::size_t>(arena.action_length());
-  if (replay.actions.size() != rewards.size() * actuators)
-    throw error(Failure::data, "{}: has {} actions in {} steps; this robot has {} actuators", name,
-                replay.actions.size(), rewards.size(), actuators);
-  VecEnv env(arena, 1);
-  env.reset(0, start);
+void PpoTraining<Passes>::add_moments(const TrainingJob& job) {
+  if (!job.inheritance)
+    throw error(Failure::usage,
+                "training: moment_share is {}; moments need a controller to start from (--init)",
+                settings_.moment_share);
+  EvaluationSettings episode;
+  episode.seed = job.seed;
   double sum = 0.0;
-  for (std::size_t t = 0; t < rewards.size(); ++t) {
-    moments_.push_back({env.save(0), sum});
-    try {
-      env.step(std::span(replay.actions).subspan(t * actuators, actuators));
-      require_stable(env);
-    } catch (const Error& failure) {
-      throw error(Failure::data, "{}: {}", name, failure.what());
-    }
-    if (env.rewards()[0] != rewards[t])
-      throw error(Failure::data,
-                  "{}: step {} earned {}, and earns {} here; was it recorded with another robot, "
-                  "task or physics?",
-                  name, t, rewards[t], env.rewards()[0]);
-    sum += rewards[t];
-    if (env.terminated()[0] != 0 || env.truncated()[0] != 0) return;
+  const auto keep = [&](const EpisodeMoment& now) {
+    if (!now.targets.empty()) sum += now.env.rewards()[static_cast<std::size_t>(now.lane)];
+    moments_.push_back({now.env.save(now.lane), sum});
+  };
+  try {
+    evaluate(job.arena(), inherited_controller(job), episode, keep);
+  } catch (const Error& failure) {
+    if (failure.kind() != Failure::work) throw;
   }
+  moments_.pop_back();
 }
 
 template <typename Passes>

@@ -23,7 +23,7 @@ class PpoTraining {
   static constexpr bool for_any = std::is_same_v<Passes, ModularPasses>;
   static constexpr const char* name = for_any ? "modular" : "ppo";
   static constexpr Abilities can{
-      .shares = for_any, .moments = !for_any, .own_tasks = !for_any, .whole_updates = !for_any};
+      .shares = for_any, .own_tasks = !for_any, .whole_updates = !for_any};
   static void check(const TrainingSettings& settings);
 
   explicit PpoTraining(const TrainingJob& job);
@@ -34,12 +34,12 @@ class PpoTraining {
   void load(const Checkpoint& checkpoint);
 
  private:
-  // Where an episode may begin: a state that a demonstration, or the inherited controller, came to.
+  // Where an episode may begin: a state that the inherited controller came to.
   struct Moment {
     std::vector<std::uint8_t> state;  // VecEnv::save
     double return_so_far = 0.0;
   };
-  void add_moments(const Arena& arena, const Demonstration& demonstration);
+  void add_moments(const TrainingJob& job);
 
   // At a moment, or at the start.
   void start_episode(int environment);

@@ -166,9 +166,6 @@ struct Trainer::Impl {
       throw error(Failure::usage,
                   "training: {} makes a controller for each robot; {} makes one for all", name,
                   algorithm_that(&Abilities::shares));
-    if (!job.demonstrations.empty() && !can.moments)
-      throw error(Failure::usage, "training: {} begins no episodes at recorded moments; {} does",
-                  name, algorithm_that(&Abilities::moments));
     return make_method(job);
   }
 
@@ -180,11 +177,9 @@ struct Trainer::Impl {
 };
 
 Trainer::Trainer(std::vector<const Arena*> robots, const TrainingSettings& settings,
-                 std::uint64_t seed, std::string_view name, std::optional<Inheritance> inheritance,
-                 std::vector<Demonstration> demonstrations)
-    : impl_(
-          std::make_unique<Impl>(TrainingJob{std::move(robots), settings, seed, std::string(name),
-                                             std::move(inheritance), std::move(demonstrations)})) {}
+                 std::uint64_t seed, std::string_view name, std::optional<Inheritance> inheritance)
+    : impl_(std::make_unique<Impl>(TrainingJob{std::move(robots), settings, seed, std::string(name),
+                                               std::move(inheritance)})) {}
 
 Trainer::~Trainer() = default;
 Trainer::Trainer(Trainer&&) noexcept = default;

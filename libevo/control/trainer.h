@@ -52,14 +52,6 @@ struct Inheritance {
   Anatomy anatomy;  // what it was attached to
 };
 
-// A recorded episode, at whose moments episodes of a training may begin.
-struct Demonstration {
-  std::string name;  // for messages
-  EpisodeStart start;
-  ReplayController actions;
-  std::vector<double> rewards;  // [T], which the actions earn again, to the last bit
-};
-
 // What a training has found so far.
 struct TrainResult {
   std::int64_t steps = 0;  // environment steps taken
@@ -95,16 +87,12 @@ class Trainer {
   // `robots` must outlive this: one, or more of the same task that get the same controller, of a
   // method that can make one for several. Throws Error(usage) for settings that make no
   // sense, Error(data) for an inheritance that does not fit them. `name` names the random
-  // streams: a robot's id. `demonstrations` are of the robot; episodes begin there instead of at
-  // moments of what is inherited. Throws Error(data) for one that does not earn what it says.
+  // streams: a robot's id.
   Trainer(std::vector<const Arena*> robots, const TrainingSettings& settings, std::uint64_t seed,
-          std::string_view name, std::optional<Inheritance> inheritance = {},
-          std::vector<Demonstration> demonstrations = {});
+          std::string_view name, std::optional<Inheritance> inheritance = {});
   Trainer(const Arena& robot, const TrainingSettings& settings, std::uint64_t seed,
-          std::string_view name, std::optional<Inheritance> inheritance = {},
-          std::vector<Demonstration> demonstrations = {})
-      : Trainer(std::vector{&robot}, settings, seed, name, std::move(inheritance),
-                std::move(demonstrations)) {}
+          std::string_view name, std::optional<Inheritance> inheritance = {})
+      : Trainer(std::vector{&robot}, settings, seed, name, std::move(inheritance)) {}
   ~Trainer();
   Trainer(Trainer&&) noexcept;
   Trainer& operator=(Trainer&&) noexcept;

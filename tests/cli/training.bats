@@ -213,29 +213,6 @@ evaluated() { until grep -qs global_step $1; do kill -0 "$training" || return; s
   diff -r -x '*.log' with without  # those hold durations
 }
 
-@test "training: episodes begin at moments of rollouts, from perturbed starts, too" {
-  robots | head -1 > robot
-  id=$(jq -r .id robot)
-  mkdir shown
-  evo-eval --task Walker-v0 --actions sine:0.4,20,0.7 --episodes 2 --jitter 1e-3 --rollout "shown/$id.h5" robot > /dev/null
-  evo-eval --task Walker-v0 --actions random --rollout random.h5 robot > /dev/null
-  learn() { evo-train --task Walker-v0 --train moments --steps 8192 --train final_episodes=0 --progress never "$@" robot; }
-  learn --moments "shown/$id.h5" --out-dir one | sed 's|one/|two/|' > one.json
-  learn --moments shown --out-dir two | cmp one.json - # the robot's of a folder
-  cmp "one/$id.policy.h5" "two/$id.policy.h5"
-  learn --moments shown --moments random.h5 --out-dir both > /dev/null
-  run ! cmp -s "one/$id.policy.h5" "both/$id.policy.h5"
-  fails_with 73 "moments.2: nothing there" -- learn --moments shown --moments random.h5 --out-dir one
-
-  fails_with 65 "shown/$id.h5: /episode_0: step 0 earned" -- learn --moments shown --out-dir x --task Jumper-v0
-  fails_with 2 "while moment_share is 0" -- evo-train --task Walker-v0 --steps 16384 --moments random.h5 robot
-  robots | sed -n 2p > robot
-  fails_with 65 "is of robot $id, whose body is another one" -- learn --moments "shown/$id.h5" --out-dir x
-  fails_with 2 "or recorded episodes (--moments)" -- learn --moments shown --out-dir x # none of this robot
-  fails_with 66 "no.h5" -- learn --moments no.h5 --out-dir x
-  fails_with 65 "format 'evo/rollout' is expected" -- learn --moments "one/$id.policy.h5" --out-dir x
-}
-
 @test "training: by a sequence, one network of two, the same bytes killed or not" {
   robots | head -2 > two
   # No function: what is killed is to be the training itself.

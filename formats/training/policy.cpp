@@ -169,30 +169,34 @@ class FieldReader {
   Place at_;
 };
 
-void write_controller(hdf5::Writer& file, const TrainedController& controller) {
+// In the group `at`; "" is the file's own.
+void write_controller(hdf5::Writer& file, const std::string& at,
+                      const TrainedController& controller) {
   std::visit(
       [&]<typename T>(T copy) {
-        file.attribute("/", "kind", kind_of<T>);
-        FieldWriter fields(file, {});
+        const Place place{at, ""};
+        file.attribute(place.owner(), "kind", kind_of<T>);
+        FieldWriter fields(file, place);
         describe_controller(fields, copy);
       },
       controller);
 }
 
-TrainedController read_controller(const hdf5::Reader& file) {
-  const std::string kind = file.text("/", "kind");
+TrainedController read_controller(const hdf5::Reader& file, const std::string& at) {
+  const Place place{at, ""};
+  const std::string kind = file.text(place.owner(), "kind");
   std::optional<TrainedController> controller;
   std::vector<std::string> kinds;
   for_each_alternative<TrainedController>([&]<typename T>(std::type_identity<T>) {
     kinds.emplace_back(kind_of<T>);
     if (kind != kind_of<T>) return;
-    FieldReader fields(file, {});
+    FieldReader fields(file, place);
     T read;
     describe_controller(fields, read);
     controller = std::move(read);
   });
-  if (!controller) throw bad(file, "/@kind", unknown_name("kind of policy", kind, kinds));
-  if (const auto problem = misfit(*controller)) throw bad(file, "/", *problem);
+  if (!controller) throw bad(file, at + "/@kind", unknown_name("kind of policy", kind, kinds));
+  if (const auto problem = misfit(*controller)) throw bad(file, place.owner(), *problem);
   return std::move(*controller);
 }
 
@@ -299,7 +303,7 @@ void write_policy(const std::filesystem::path& path, const PolicyFile& policy, E
   file.attribute("/", "fitness", policy.fitness);
   file.attribute("/", "best_step", policy.best_step);
   file.attribute("/", "steps", policy.steps);
-  write_controller(file, policy.controller);
+  write_controller(file, "", policy.controller);
   write_curve(file, policy.curve);
   if (!policy.robots.empty()) file.strings("/robots", lines_of(policy.robots));
   if (policy.final_score) {
@@ -329,7 +333,7 @@ PolicyFile read_policy(const std::filesystem::path& path) {
   policy.fitness = file.number<double>("/", "fitness");
   policy.best_step = file.number<std::int64_t>("/", "best_step");
   policy.steps = file.number<std::int64_t>("/", "steps");
-  policy.controller = read_controller(file);
+  policy.controller = read_controller(file, "");
   policy.curve = read_curve(file);
   if (file.exists("/robots")) policy.robots = read_list_of_robots(file);
   if (file.has_attribute("/", "final_episodes"))
@@ -387,6 +391,10 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
                array);
   }
   file.strings("/index", index);
+  if (checkpoint.best) {
+    file.group("/best");
+    write_controller(file, "/best", *checkpoint.best);
+  }
   file.commit();
 }
 
@@ -411,6 +419,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const TrainingIden
     const std::string name = line.substr(space + 1);
     checkpoint.arrays[name] = read_array(file, line.substr(0, space), "/arrays/" + name);
   }
+  if (file.exists("/best")) checkpoint.best = read_controller(file, "/best");
   return checkpoint;
 }
 

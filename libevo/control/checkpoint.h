@@ -1,10 +1,11 @@
-// The state of a training as named arrays: what formats/training/policy.h writes as one
-// HDF5 data set each, and what a training needs to continue to the same bytes.
+// The state of a training: named arrays, which formats/training/policy.h writes as one HDF5 data
+// set each, and the best controller so far, as in a policy. It is what a training needs to
+// continue to the same bytes.
 #pragma once
 
 #include <cstdint>
 #include <map>
-#include <span>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -12,6 +13,7 @@
 
 #include "libevo/base/error.h"
 #include "libevo/base/random.h"
+#include "libevo/control/controller.h"
 
 namespace evo {
 
@@ -19,6 +21,7 @@ struct Checkpoint {
   using Array = std::variant<std::vector<double>, std::vector<float>, std::vector<std::uint64_t>,
                              std::vector<std::uint8_t>>;
   std::map<std::string, Array> arrays;
+  std::optional<TrainedController> best;
 
   template <typename T>
   void put(const std::string& name, std::vector<T> values) {

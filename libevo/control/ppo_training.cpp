@@ -61,7 +61,10 @@ bool same_shape(const ModularNetwork& a, const ModularNetwork& b) {
 
 // What is inherited is for any body as it is.
 ModularPolicy first_modular_policy(const TrainingJob& job) {
-  ModularPolicy fresh = initial_modular_policy(job);
+  const Physics& physics = job.arena().task().physics;
+  ModularPolicy fresh = initial_modular_policy(job.settings, VoxelViews(job.arena()).task_length(),
+                                               physics.min_target, physics.max_target,
+                                               Stream(job.seed, "train/initial", job.robot_id));
   if (!job.inheritance) return fresh;
   const auto* old = std::get_if<ModularPolicy>(&job.inheritance->controller);
   if (old == nullptr)
@@ -157,13 +160,6 @@ Policy initial_policy(const TrainingJob& job, std::optional<OpenLoop> base) {
   return initial_policy(job.settings, job.arena().observation_length(), job.arena().action_length(),
                         physics.min_target, physics.max_target, std::move(base),
                         Stream(job.seed, "train/initial", job.robot_id));
-}
-
-ModularPolicy initial_modular_policy(const TrainingJob& job) {
-  const Physics& physics = job.arena().task().physics;
-  return initial_modular_policy(job.settings, VoxelViews(job.arena()).task_length(),
-                                physics.min_target, physics.max_target,
-                                Stream(job.seed, "train/initial", job.robot_id));
 }
 
 template <typename Passes>

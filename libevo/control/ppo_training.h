@@ -63,8 +63,7 @@ inline double learned_reward(double reward, bool terminated, const TrainingSetti
   return terminated && reward < 0.0 ? reward * settings.failure_weight : reward;
 }
 
-// An untrained policy for the job's arena, on a base where one is given; one of its task.
+// An untrained policy for the job's arena, on a base where one is given.
 Policy initial_policy(const TrainingJob& job, std::optional<OpenLoop> base);
-ModularPolicy initial_modular_policy(const TrainingJob& job);
 
 }  // namespace evo

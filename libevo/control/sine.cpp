@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "libevo/base/elementary.h"
+#include "libevo/control/checkpoint.h"
 
 namespace evo {
 

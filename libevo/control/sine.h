@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "libevo/control/checkpoint.h"
-
 namespace evo {
+
+struct Checkpoint;
 
 // a_i(t) = middle + shift_i + amplitude_i sin(2 pi t / period + phase_i), with t in
 // control steps from 0; the simulator clips it to [0.6, 1.6].

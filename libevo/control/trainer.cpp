@@ -3,7 +3,6 @@
 #include <utility>
 #include <variant>
 
-#include "libevo/base/alternatives.h"
 #include "libevo/base/error.h"
 #include "libevo/control/evaluate.h"
 #include "libevo/control/methods.h"
@@ -13,82 +12,6 @@ namespace evo {
 namespace {
 
 // ---- the findings in checkpoints -----------------------------------------------------
-
-// One for every TrainedController, or this does not compile: save it, say whether
-// it is in a checkpoint, load it.
-template <typename Controller>
-struct Best;
-
-template <>
-struct Best<Policy> {
-  static void save(Checkpoint& checkpoint, const Policy& policy) {
-    save_policy(checkpoint, "best/policy", policy);
-    if (!policy.base) return;
-    if (const auto* gait = std::get_if<SineController>(&*policy.base))
-      save_sine(checkpoint, "best/gait", *gait);
-    if (const auto* sequence = std::get_if<ReplayController>(&*policy.base))
-      checkpoint.put("best/base/sequence", sequence->actions);
-  }
-  static bool in(const Checkpoint& checkpoint) {
-    return !checkpoint.part("best/policy").arrays.empty();
-  }
-  static Policy load(const Checkpoint& checkpoint, const TrainingJob& job) {
-    std::optional<OpenLoop> base;
-    if (checkpoint.has("best/gait/period")) base = load_sine(checkpoint, "best/gait");
-    if (checkpoint.has("best/base/sequence"))
-      base = ReplayController{checkpoint.get<double>("best/base/sequence"),
-                              job.arena().action_length()};
-    Policy policy = initial_policy(job, std::move(base));  // of its shape
-    load_policy(checkpoint, "best/policy", policy);
-    return policy;
-  }
-};
-
-template <>
-struct Best<ModularPolicy> {
-  static void save(Checkpoint& checkpoint, const ModularPolicy& policy) {
-    save_policy(checkpoint, "best/modular", policy);
-  }
-  static bool in(const Checkpoint& checkpoint) {
-    return !checkpoint.part("best/modular").arrays.empty();
-  }
-  static ModularPolicy load(const Checkpoint& checkpoint, const TrainingJob& job) {
-    ModularPolicy policy = initial_modular_policy(job);  // of its shape
-    load_policy(checkpoint, "best/modular", policy);
-    return policy;
-  }
-};
-
-template <>
-struct Best<SineController> {
-  static void save(Checkpoint& checkpoint, const SineController& sine) {
-    save_sine(checkpoint, "best/sine", sine);
-  }
-  static bool in(const Checkpoint& checkpoint) { return checkpoint.has("best/sine/period"); }
-  static SineController load(const Checkpoint& checkpoint, const TrainingJob&) {
-    return load_sine(checkpoint, "best/sine");
-  }
-};
-
-template <>
-struct Best<ReplayController> {
-  static void save(Checkpoint& checkpoint, const ReplayController& sequence) {
-    checkpoint.put("best/sequence", sequence.actions);
-  }
-  static bool in(const Checkpoint& checkpoint) { return checkpoint.has("best/sequence"); }
-  static ReplayController load(const Checkpoint& checkpoint, const TrainingJob& job) {
-    return {checkpoint.get<double>("best/sequence"), job.arena().action_length()};
-  }
-};
-
-TrainedController load_best(const Checkpoint& checkpoint, const TrainingJob& job) {
-  std::optional<TrainedController> best;
-  for_each_alternative<TrainedController>([&]<typename T>(std::type_identity<T>) {
-    if (!best && Best<T>::in(checkpoint)) best = Best<T>::load(checkpoint, job);
-  });
-  if (!best) throw error(Failure::data, "checkpoint: its best controller is missing");
-  return std::move(*best);
-}
 
 void save(Checkpoint& checkpoint, const TrainResult& result) {
   std::vector<std::uint64_t> steps;
@@ -110,8 +33,7 @@ void save(Checkpoint& checkpoint, const TrainResult& result) {
   if (const auto& final = result.final_score)
     checkpoint.put<double>(
         "final", {static_cast<double>(final->episodes), final->mean, final->standard_error});
-  std::visit([&]<typename T>(const T& controller) { Best<T>::save(checkpoint, controller); },
-             *result.controller);
+  checkpoint.best = result.controller;
 }
 
 TrainResult load(const Checkpoint& checkpoint, const TrainingJob& job) {
@@ -130,7 +52,8 @@ TrainResult load(const Checkpoint& checkpoint, const TrainingJob& job) {
     const auto& final = checkpoint.get<double>("final", 3);
     result.final_score = FinalScore{static_cast<int>(final[0]), final[1], final[2]};
   }
-  result.controller = load_best(checkpoint, job);
+  if (!checkpoint.best) throw error(Failure::data, "checkpoint: its best controller is missing");
+  result.controller = checkpoint.best;
   return result;
 }
 

@@ -36,6 +36,7 @@ const std::map<std::string, std::vector<std::string>> without_effect{
     {"weight_init_type", {"gaussian", "normal"}},
     {"enabled_rate_to_true_add", {"0", "0.0"}},
     {"enabled_rate_to_false_add", {"0", "0.0"}},
+    {"single_structural_mutation", {"false", "no", "off", "0"}},
     {"structural_mutation_surer", {"default", "false"}}};
 
 // Words of configparser for flags; other settings have none.
@@ -46,9 +47,8 @@ std::string flag_or(const std::string& value) {
   return yes.contains(folded) ? "true" : no.contains(folded) ? "false" : value;
 }
 
-const std::set<std::string> flags{
-    "reset_on_extinction", "no_fitness_termination",     "feed_forward",
-    "enabled_default",     "single_structural_mutation", "keep_surplus"};
+const std::set<std::string> flags{"reset_on_extinction", "no_fitness_termination", "feed_forward",
+                                  "enabled_default"};
 
 struct Entry {
   std::string key;

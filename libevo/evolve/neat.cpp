@@ -142,7 +142,6 @@ void make_acceptable(const NeatSettings& settings, const Accept& accept, NeatSta
                      std::uint64_t seed, std::vector<Individual>& population) {
   const auto wanted = static_cast<std::size_t>(settings.pop_size);
   drop_unacceptable(accept, population);
-  if (!settings.keep_surplus && population.size() > wanted) population.resize(wanted);
   int vain = 0;
   while (population.size() < wanted) {
     const std::size_t missing = wanted - population.size();

@@ -69,13 +69,7 @@ void add_connection(Genome& genome, const NeatSettings& settings, Stream& stream
   for (int input = 1; input <= settings.num_inputs; ++input) keys.push_back(-input);
   const int in = choose(keys, stream);
 
-  if (const ConnectionGene* existing = find(genome, in, out)) {
-    // With one structural mutation at a time none is wasted.
-    if (settings.single_structural_mutation)
-      genome.connections[static_cast<std::size_t>(existing - genome.connections.data())].enabled =
-          true;
-    return;
-  }
+  if (find(genome, in, out) != nullptr) return;
   if (is_output(in, settings) && is_output(out, settings)) return;
   if (closes_cycle(genome, in, out)) return;
   insert(genome,
@@ -85,10 +79,7 @@ void add_connection(Genome& genome, const NeatSettings& settings, Stream& stream
 // Splits a connection: the old one is disabled, the new pair does roughly what
 // it did.
 void add_node(Genome& genome, const NeatSettings& settings, int& next_node_key, Stream& stream) {
-  if (genome.connections.empty()) {
-    if (settings.single_structural_mutation) add_connection(genome, settings, stream);
-    return;
-  }
+  if (genome.connections.empty()) return;
   const auto n = static_cast<std::uint32_t>(genome.connections.size());
   ConnectionGene& gene = genome.connections[stream.below(n)];
   gene.enabled = false;
@@ -117,19 +108,6 @@ void delete_connection(Genome& genome, Stream& stream) {
 }
 
 void mutate_structure(Genome& genome, const NeatSettings& s, int& next_node_key, Stream& stream) {
-  if (s.single_structural_mutation) {
-    const double total =
-        s.node_add_prob + s.node_delete_prob + s.conn_add_prob + s.conn_delete_prob;
-    double u = stream.uniform() * std::max(1.0, total);
-    if (u < s.node_add_prob) return add_node(genome, s, next_node_key, stream);
-    u -= s.node_add_prob;
-    if (u < s.node_delete_prob) return delete_node(genome, s, stream);
-    u -= s.node_delete_prob;
-    if (u < s.conn_add_prob) return add_connection(genome, s, stream);
-    u -= s.conn_add_prob;
-    if (u < s.conn_delete_prob) delete_connection(genome, stream);
-    return;
-  }
   if (coin(stream, s.node_add_prob)) add_node(genome, s, next_node_key, stream);
   if (coin(stream, s.node_delete_prob)) delete_node(genome, s, stream);
   if (coin(stream, s.conn_add_prob)) add_connection(genome, s, stream);

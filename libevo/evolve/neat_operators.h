@@ -56,7 +56,6 @@ struct NeatSettings {  // NOLINT(clang-analyzer-optin.performance.Padding): in r
   bool no_fitness_termination = true;  // then the two above are unused
   int pop_size = 50;
   bool reset_on_extinction = true;  // start afresh when every species is stagnant
-  bool keep_surplus = true;         // keep more than pop_size when reproduction delivers more
 
   // Genome
   int num_inputs = 3;
@@ -69,7 +68,6 @@ struct NeatSettings {  // NOLINT(clang-analyzer-optin.performance.Padding): in r
   double conn_delete_prob = 0.2;
   double node_add_prob = 0.2;
   double node_delete_prob = 0.2;
-  bool single_structural_mutation = false;  // at most one of the four a mutation
 
   // Nodes
   AttributeSettings bias{.replace_rate = 0.1, .mutate_rate = 0.7, .mutate_power = 0.5};

@@ -147,34 +147,6 @@ TEST_CASE("deleting a connection deletes one until none is left") {
   CHECK(genome.connections.empty());
 }
 
-TEST_CASE("with single structural mutation at most one thing happens") {
-  NeatSettings settings = still();
-  settings.single_structural_mutation = true;
-  settings.conn_add_prob = settings.conn_delete_prob = 0.5;
-  settings.node_add_prob = settings.node_delete_prob = 0.5;
-  std::map<int, int> changes;
-  for (std::uint64_t run = 0; run < 2000; ++run) {
-    Genome genome = some_genome(run);
-    int next_node = 90;
-    Stream stream(2, "test/single", run);
-    mutate(genome, settings, next_node, stream);
-    if (genome.nodes.size() == 7) {
-      REQUIRE(genome.connections.size() == 14);
-      ++changes[0];
-    } else if (genome.nodes.size() == 5) {
-      ++changes[1];
-    } else if (genome.connections.size() == 13) {
-      ++changes[2];
-    } else if (genome.connections.size() == 11) {
-      ++changes[3];
-    }
-  }
-  CHECK(changes[0] == Approx(500).margin(80));
-  CHECK(changes[1] == Approx(500).margin(80));
-  CHECK(changes[2] > 100);  // the rest met an existing connection or a cycle
-  CHECK(changes[3] == Approx(500).margin(80));
-}
-
 TEST_CASE("attributes mutate at their rates and stay in range") {
   NeatSettings settings;  // the benchmark's rates
   settings.conn_add_prob = settings.conn_delete_prob = 0.0;

@@ -189,19 +189,15 @@ TEST_CASE("what is not accepted is replaced by exactly the missing number of new
   CHECK(fresh > 5);
 }
 
-TEST_CASE("a surplus of accepted children is kept, or cut on request") {
+TEST_CASE("a surplus of accepted children is kept") {
   NeatSettings settings;
   settings.pop_size = 10;
   settings.compatibility_threshold = 0.0;  // every genome its own species of at least 2
   NeatState state;
   auto population = first_generation(settings, accept_all, state, 4);
-  NeatState other = state;
-  const auto scored = score(population, some_fitness);
-  CHECK(next_generation(settings, scored, accept_all, state, 4).size() == 20);
-  settings.keep_surplus = false;
-  const auto cut = next_generation(settings, scored, accept_all, other, 4);
-  CHECK(cut.size() == 10);
-  check_partition(cut, other);
+  population = next_generation(settings, score(population, some_fitness), accept_all, state, 4);
+  CHECK(population.size() == 20);
+  check_partition(population, state);
 }
 
 TEST_CASE("when nothing can be accepted the search ends with an error") {

@@ -125,16 +125,17 @@ namespace {
 // The settings of one number of the genes, such as bias_mutate_rate.
 void add_attribute(std::vector<Setting<NeatSettings>>& settings, const std::string& name,
                    AttributeSettings NeatSettings::*attribute) {
-  const auto add = [&](const char* part, double AttributeSettings::*member, const char* meaning) {
-    settings.emplace_back(name + "_" + part, within(attribute, member), "", meaning);
+  const auto add = [&](const char* part, double AttributeSettings::*member, Range range,
+                       const char* meaning) {
+    settings.emplace_back(name + "_" + part, within(attribute, member), range, "", meaning);
   };
-  add("init_mean", &AttributeSettings::init_mean, "of a new one");
-  add("init_stdev", &AttributeSettings::init_stdev, "of a new one");
-  add("replace_rate", &AttributeSettings::replace_rate, "chance of a new one");
-  add("mutate_rate", &AttributeSettings::mutate_rate, "chance of a change");
-  add("mutate_power", &AttributeSettings::mutate_power, "deviation of a change");
-  add("min_value", &AttributeSettings::min, "the least");
-  add("max_value", &AttributeSettings::max, "the most");
+  add("init_mean", &AttributeSettings::init_mean, {}, "of a new one");
+  add("init_stdev", &AttributeSettings::init_stdev, at_least(0), "of a new one");
+  add("replace_rate", &AttributeSettings::replace_rate, a_share, "chance of a new one");
+  add("mutate_rate", &AttributeSettings::mutate_rate, a_share, "chance of a change");
+  add("mutate_power", &AttributeSettings::mutate_power, at_least(0), "deviation of a change");
+  add("min_value", &AttributeSettings::min, {}, "the least");
+  add("max_value", &AttributeSettings::max, {}, "the most");
 }
 
 void check_neat(const NeatSettings& settings) {

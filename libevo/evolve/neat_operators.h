@@ -96,7 +96,7 @@ struct NeatSettings {  // NOLINT(clang-analyzer-optin.performance.Padding): in r
   bool operator==(const NeatSettings&) const = default;
 };
 
-// What is wrong with the settings (a probability outside [0, 1], ..), or nothing.
+// What is wrong with settings each of which is within its range (formats/run/neat.cpp), or nothing.
 std::optional<std::string> defect(const NeatSettings& settings);
 
 // A new genome: output nodes, hidden nodes with the next keys of the run, and

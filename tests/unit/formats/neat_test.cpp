@@ -179,6 +179,8 @@ TEST_CASE("bad settings are refused with their place") {
             .find("n.yaml:1:1: NEAT settings: unknown key 'conn_add_probb' (did you mean "
                   "'conn_add_prob'?)") == 0);
   CHECK(settings_message("pop_size: 20\nconn_add_prob: 1.5").find("n.yaml:2:16: ") == 0);
+  CHECK(settings_message("weight_mutate_rate: 1.5").find("n.yaml:1:21: ") == 0);
+  CHECK(settings_message("bias_init_stdev: -1").find("at least 0") != std::string::npos);
   CHECK(settings_message("feed_forward: false").find("only feed-forward") != std::string::npos);
   CHECK(settings_message("initial_connection: partial_direct")
             .find("a partial one with a fraction from 0 to 1") != std::string::npos);

@@ -31,6 +31,12 @@ double statistic(Statistic kind, std::vector<double> values) {
 
 // ---- a scored generation by genome key ------------------------------------------
 
+// A genome with its fitness, neither owned; the fitness is finite.
+struct Member {
+  const Genome* genome;
+  double fitness;
+};
+
 using Members = std::map<int, Member>;
 
 Members by_key(std::span<const Scored> scored, const NeatState& state) {
@@ -109,6 +115,54 @@ void remove_stagnant(const NeatSettings& settings, int generation, std::vector<B
 
 // ---- offspring --------------------------------------------------------------------
 
+// Brand-new genomes with the next keys of the run.
+std::vector<Individual> fresh_genomes(const NeatSettings& settings, int count, NeatState& state,
+                                      std::uint64_t seed) {
+  state.next_node_key = std::max(state.next_node_key, settings.num_outputs);
+  std::vector<Individual> fresh;
+  for (int k = 0; k < count; ++k) {
+    const int key = state.next_genome_key++;
+    Stream stream(seed, "neat/fresh", static_cast<std::uint64_t>(key));
+    fresh.push_back({fresh_genome(settings, key, state.next_node_key, stream), {}});
+  }
+  return fresh;
+}
+
+// Crossover by fitness (the second parent's genes when equal), then mutation.
+Individual child_of(const Member& a, const Member& b, const NeatSettings& settings,
+                    NeatState& state, int key, Stream& stream) {
+  const bool a_is_fitter = a.fitness > b.fitness;  // on equal fitness the second one counts
+  const Genome& fitter = a_is_fitter ? *a.genome : *b.genome;
+  const Genome& other = a_is_fitter ? *b.genome : *a.genome;
+  Individual child{crossover(fitter, other, key, stream), {a.genome->key, b.genome->key}};
+  if (a.genome->key == b.genome->key) child.parents.pop_back();
+  mutate(child.genome, settings, state.next_node_key, stream);
+  return child;
+}
+
+// How many of a species' members may be parents: its best `survival_threshold`, at
+// least two while there are two.
+std::size_t parents_among(const NeatSettings& settings, std::size_t members) {
+  const double share = std::ceil(settings.survival_threshold * static_cast<double>(members));
+  return std::min(members, std::max<std::size_t>(2, static_cast<std::size_t>(share)));
+}
+
+// The species means of fitness scaled by the range of all values, which is taken to
+// be at least 1 (neat-python's choice): 0 for the worst there is.
+std::vector<double> adjusted_fitness(std::span<const std::vector<double>> species) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const std::vector<double>& fitness : species) {
+    low = std::min(low, *std::min_element(fitness.begin(), fitness.end()));
+    high = std::max(high, *std::max_element(fitness.begin(), fitness.end()));
+  }
+  std::vector<double> adjusted;
+  adjusted.reserve(species.size());
+  for (const std::vector<double>& fitness : species)
+    adjusted.push_back((statistic(Statistic::mean, fitness) - low) / std::max(1.0, high - low));
+  return adjusted;
+}
+
 void breed(const Brood& brood, int count, const NeatSettings& settings, NeatState& state,
            std::uint64_t seed, std::vector<Individual>& population) {
   const std::size_t size = brood.members.size();
@@ -125,6 +179,32 @@ void breed(const Brood& brood, int count, const NeatSettings& settings, NeatStat
     const Member& second = brood.members[stream.below(n)];
     population.push_back(child_of(first, second, settings, state, key, stream));
   }
+}
+
+// Children of the species that are not stagnant; the others leave the state.
+// Empty when every species is stagnant.
+std::vector<Individual> reproduce(const NeatSettings& settings, std::span<const Scored> scored,
+                                  NeatState& state, std::uint64_t seed) {
+  const Members members = by_key(scored, state);
+  std::vector<Brood> broods = gather(settings, members, state);
+  remove_stagnant(settings, state.generation, broods);
+  state.species.clear();
+  if (broods.empty()) return {};
+
+  std::vector<int> sizes;
+  std::vector<std::vector<double>> fitness;
+  for (const Brood& brood : broods) {
+    sizes.push_back(static_cast<int>(brood.members.size()));
+    fitness.push_back(fitness_of(brood.members));
+  }
+  const std::vector<int> counts =
+      offspring_counts(adjusted_fitness(fitness), sizes, settings.pop_size,
+                       std::max(settings.min_species_size, settings.elitism));
+  std::vector<Individual> population;
+  for (std::size_t i = 0; i < broods.size(); ++i)
+    breed(broods[i], counts[i], settings, state, seed, population);
+  for (Brood& brood : broods) state.species.push_back(std::move(brood.species));
+  return population;
 }
 
 // ---- acceptance -------------------------------------------------------------------
@@ -163,51 +243,6 @@ void check(const NeatSettings& settings) {
 
 }  // namespace
 
-std::vector<Individual> fresh_genomes(const NeatSettings& settings, int count, NeatState& state,
-                                      std::uint64_t seed) {
-  state.next_node_key = std::max(state.next_node_key, settings.num_outputs);
-  std::vector<Individual> fresh;
-  for (int k = 0; k < count; ++k) {
-    const int key = state.next_genome_key++;
-    Stream stream(seed, "neat/fresh", static_cast<std::uint64_t>(key));
-    fresh.push_back({fresh_genome(settings, key, state.next_node_key, stream), {}});
-  }
-  return fresh;
-}
-
-Individual child_of(const Member& a, const Member& b, const NeatSettings& settings,
-                    NeatState& state, int key, Stream& stream) {
-  const bool a_is_fitter = a.fitness > b.fitness;  // on equal fitness the second one counts
-  const Genome& fitter = a_is_fitter ? *a.genome : *b.genome;
-  const Genome& other = a_is_fitter ? *b.genome : *a.genome;
-  Individual child{crossover(fitter, other, key, stream), {a.genome->key, b.genome->key}};
-  if (a.genome->key == b.genome->key) child.parents.pop_back();
-  mutate(child.genome, settings, state.next_node_key, stream);
-  return child;
-}
-
-std::size_t parents_among(const NeatSettings& settings, std::size_t members) {
-  const double share = std::ceil(settings.survival_threshold * static_cast<double>(members));
-  return std::min(members, std::max<std::size_t>(2, static_cast<std::size_t>(share)));
-}
-
-std::vector<double> adjusted_fitness(std::span<const std::vector<double>> species) {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  for (const std::vector<double>& fitness : species) {
-    if (fitness.empty()) continue;
-    low = std::min(low, *std::min_element(fitness.begin(), fitness.end()));
-    high = std::max(high, *std::max_element(fitness.begin(), fitness.end()));
-  }
-  std::vector<double> adjusted;
-  adjusted.reserve(species.size());
-  for (const std::vector<double>& fitness : species)
-    adjusted.push_back(fitness.empty() ? 0.0
-                                       : (statistic(Statistic::mean, fitness) - low) /
-                                             std::max(1.0, high - low));
-  return adjusted;
-}
-
 std::vector<int> offspring_counts(std::span<const double> adjusted_fitness,
                                   std::span<const int> previous_sizes, int pop_size,
                                   int min_species_size) {
@@ -226,30 +261,6 @@ std::vector<int> offspring_counts(std::span<const double> adjusted_fitness,
   for (int& count : counts)
     count = std::max(min_species_size, static_cast<int>(std::nearbyint(count * scale)));
   return counts;
-}
-
-std::vector<Individual> reproduce(const NeatSettings& settings, std::span<const Scored> scored,
-                                  NeatState& state, std::uint64_t seed) {
-  const Members members = by_key(scored, state);
-  std::vector<Brood> broods = gather(settings, members, state);
-  remove_stagnant(settings, state.generation, broods);
-  state.species.clear();
-  if (broods.empty()) return {};
-
-  std::vector<int> sizes;
-  std::vector<std::vector<double>> fitness;
-  for (const Brood& brood : broods) {
-    sizes.push_back(static_cast<int>(brood.members.size()));
-    fitness.push_back(fitness_of(brood.members));
-  }
-  const std::vector<int> counts =
-      offspring_counts(adjusted_fitness(fitness), sizes, settings.pop_size,
-                       std::max(settings.min_species_size, settings.elitism));
-  std::vector<Individual> population;
-  for (std::size_t i = 0; i < broods.size(); ++i)
-    breed(broods[i], counts[i], settings, state, seed, population);
-  for (Brood& brood : broods) state.species.push_back(std::move(brood.species));
-  return population;
 }
 
 void speciate(const NeatSettings& settings, std::span<const Individual> population,

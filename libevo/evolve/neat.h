@@ -47,12 +47,6 @@ struct Scored {
   double fitness = 0.0;  // not finite: failed, counted as the worst of the others
 };
 
-// A genome with its fitness, neither owned; the fitness is finite.
-struct Member {
-  const Genome* genome;
-  double fitness;
-};
-
 // Decides whether a genome may be in the population. Called once for every
 // candidate, in order, so it may remember what it let pass.
 using Accept = std::function<bool(const Genome&)>;
@@ -74,28 +68,6 @@ std::vector<Individual> next_generation(const NeatSettings& settings,
                                         NeatState& state, std::uint64_t seed);
 
 // ---- the steps of a generation --------------------------------------------------
-
-// Brand-new genomes with the next keys of the run.
-std::vector<Individual> fresh_genomes(const NeatSettings& settings, int count, NeatState& state,
-                                      std::uint64_t seed);
-
-// Crossover by fitness (the second parent's genes when equal), then mutation.
-Individual child_of(const Member& a, const Member& b, const NeatSettings& settings,
-                    NeatState& state, int key, Stream& stream);
-
-// How many of a species' members may be parents: its best `survival_threshold`, at
-// least two while there are two.
-std::size_t parents_among(const NeatSettings& settings, std::size_t members);
-
-// The species means of fitness scaled by the range of all values, which is taken to
-// be at least 1 (neat-python's choice): 0 for the worst there is, and for a species without
-// members.
-std::vector<double> adjusted_fitness(std::span<const std::vector<double>> species);
-
-// Children of the species that are not stagnant; the others leave the state.
-// Empty when every species is stagnant.
-std::vector<Individual> reproduce(const NeatSettings& settings, std::span<const Scored> scored,
-                                  NeatState& state, std::uint64_t seed);
 
 // Every old species keeps the genome closest to its representative as the new
 // one; the others join the closest representative below the threshold or found

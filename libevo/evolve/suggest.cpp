@@ -286,12 +286,6 @@ double expected_improvement(double mean, double stddev, double best, double jitt
 
 // ---- suggest ------------------------------------------------------------------------
 
-GpParameters fit_parameters(std::span<const Observation> observations,
-                            const SuggestSettings& settings, std::uint64_t seed) {
-  Stream restarts(seed, "suggest/restarts", observations.size());
-  return fit(standardised(observations, scale_of(costs_of(observations))), settings.fit, restarts);
-}
-
 SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observations,
                        std::span<const Design> pending, int count, const SuggestSettings& settings,
                        std::uint64_t seed, ThreadPool* pool) {
@@ -316,8 +310,8 @@ SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observat
 
   const Scale scale = scale_of(costs_of(observations));
   const GpData data = standardised(observations, scale);
-  batch.parameters =
-      settings.parameters ? *settings.parameters : fit_parameters(observations, settings, seed);
+  Stream restarts(seed, "suggest/restarts", observations.size());
+  batch.parameters = fit(data, settings.fit, restarts);
   const GaussianProcess process = believing(GaussianProcess(data, batch.parameters), pending);
 
   ThreadPool alone(1);

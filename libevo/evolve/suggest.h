@@ -9,7 +9,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,7 +29,6 @@ struct SuggestSettings {
   double ei_jitter = 0.01;     // least improvement counted, in standard deviations of the costs
   int local_steps = 1000;      // voxels changed from an anchor, at most
   GpFitSettings fit;
-  std::optional<GpParameters> parameters;  // of the standardised costs [fitted]
 };
 
 struct Suggestion {
@@ -42,7 +40,7 @@ struct Suggestion {
 struct SuggestedBatch {
   std::vector<Suggestion> designs;
   bool from_model = false;  // else random: no observation has succeeded yet
-  GpParameters parameters;  // of the standardised costs
+  GpParameters parameters;  // of the standardised costs, as fitted
 };
 
 // `count` valid designs, different from each other, from every observation and
@@ -56,11 +54,6 @@ struct SuggestedBatch {
 SuggestedBatch suggest(int rows, int cols, std::span<const Observation> observations,
                        std::span<const Design> pending, int count, const SuggestSettings& settings,
                        std::uint64_t seed, ThreadPool* pool = nullptr);
-
-// The parameters that suggest() would fit to these observations; at least
-// one has succeeded.
-GpParameters fit_parameters(std::span<const Observation> observations,
-                            const SuggestSettings& settings, std::uint64_t seed);
 
 // ---- parts ------------------------------------------------------------------------
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numeric>
 
@@ -232,23 +233,18 @@ ReplayController recorded(const Arena& arena, const Controller& controller,
   return sequence;
 }
 
-namespace {
-
-// `act` gives the targets of one of `controllers` controllers at a step.
-using ActOpenLoop = std::function<void(std::size_t, int, std::span<double>)>;
-
-OpenLoopEvaluation evaluate_open_loop(const Arena& arena, std::size_t controllers, int limit,
-                                      const EvaluationSettings& settings,
-                                      const ActOpenLoop& act_open_loop) {
+template <typename OpenLoopController>
+OpenLoopEvaluation evaluate_each(const Arena& arena,
+                                 const std::vector<OpenLoopController>& controllers,
+                                 const EvaluationSettings& settings) {
   const int episodes = settings.episodes;
   Work work;
-  work.jobs = episodes * static_cast<int>(controllers);
-  work.limit = limit;
+  work.jobs = episodes * static_cast<int>(controllers.size());
   work.episode = [episodes](int job) { return job % episodes; };
   work.choose = lane_by_lane(static_cast<std::size_t>(arena.action_length()),
                              [&](const Running& lane, std::span<double> targets) {
-                               act_open_loop(static_cast<std::size_t>(lane.job / episodes),
-                                             lane.steps, targets);
+                               const auto c = static_cast<std::size_t>(lane.job / episodes);
+                               act(controllers[c], lane.steps, targets);
                              });
   const Evaluation all = run(arena, settings, work, {});
   OpenLoopEvaluation result;
@@ -257,34 +253,16 @@ OpenLoopEvaluation evaluate_open_loop(const Arena& arena, std::size_t controller
     const auto first = values.begin() + static_cast<std::ptrdiff_t>(c) * episodes;
     return std::accumulate(first, first + episodes, 0.0) / episodes;
   };
-  for (std::size_t c = 0; c < controllers; ++c) {
+  for (std::size_t c = 0; c < controllers.size(); ++c) {
     result.means.push_back(mean_of(all.returns, c));
     result.peaks.push_back(mean_of(all.peaks, c));
   }
   return result;
 }
 
-}  // namespace
-
-OpenLoopEvaluation evaluate_each(const Arena& arena, std::span<const SineController> controllers,
-                                 const EvaluationSettings& settings) {
-  return evaluate_open_loop(arena, controllers.size(), std::numeric_limits<int>::max(), settings,
-                            [controllers](std::size_t c, int step, std::span<double> targets) {
-                              act(controllers[c], step, targets);
-                            });
-}
-
-OpenLoopEvaluation evaluate_each(const Arena& arena, std::span<const ReplayController> controllers,
-                                 const EvaluationSettings& settings) {
-  int limit = std::numeric_limits<int>::max();
-  for (const ReplayController& replay : controllers) {
-    require_sequence(replay, static_cast<std::size_t>(arena.action_length()));
-    limit = std::min(limit, replay.steps());
-  }
-  return evaluate_open_loop(arena, controllers.size(), limit, settings,
-                            [controllers](std::size_t c, int step, std::span<double> targets) {
-                              act(controllers[c], step, targets);
-                            });
-}
+template OpenLoopEvaluation evaluate_each(const Arena&, const std::vector<SineController>&,
+                                          const EvaluationSettings&);
+template OpenLoopEvaluation evaluate_each(const Arena&, const std::vector<ReplayController>&,
+                                          const EvaluationSettings&);
 
 }  // namespace evo

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -59,16 +58,15 @@ Evaluation evaluate(const Arena& arena, const Controller& controller,
 ReplayController recorded(const Arena& arena, const Controller& controller,
                           EvaluationSettings settings);
 
-// Many open-loop controllers over the same episodes.
+// Many open-loop controllers, waves or sequences, which fit the arena, over the same episodes.
 struct OpenLoopEvaluation {
   std::vector<double> means;  // [controllers] of the returns
   std::vector<double> peaks;  // [controllers] of the highest that the return ever was
   std::int64_t steps = 0;     // of all episodes of all of them
 };
-OpenLoopEvaluation evaluate_each(const Arena& arena, std::span<const SineController> controllers,
-                                 const EvaluationSettings& settings);
-// Sequences end with the shortest of them.
-OpenLoopEvaluation evaluate_each(const Arena& arena, std::span<const ReplayController> controllers,
+template <typename OpenLoopController>
+OpenLoopEvaluation evaluate_each(const Arena& arena,
+                                 const std::vector<OpenLoopController>& controllers,
                                  const EvaluationSettings& settings);
 
 }  // namespace evo

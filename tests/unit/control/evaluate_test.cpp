@@ -89,10 +89,17 @@ TEST_CASE("sine waves follow their formula") {
           Approx(1.1 + 0.3 * std::sin(2.0 * M_PI * 13.0 / 20.0 + 0.7 * i)));
 }
 
-TEST_CASE("many open-loop controllers at once are each as if alone") {
+TEMPLATE_TEST_CASE("many open-loop controllers at once are each as if alone", "", SineController,
+                   ReplayController) {
   const Arena arena(test::walker(10), test::small_body());
-  std::vector<SineController> controllers;
-  for (int i = 0; i < 5; ++i) controllers.push_back(travelling_wave(5, 0.1 * i, 8.0 + i, 0.9));
+  std::vector<TestType> controllers;
+  for (int i = 0; i < 5; ++i) {
+    const SineController wave = travelling_wave(5, 0.1 * i, 8.0 + i, 0.9);
+    if constexpr (std::is_same_v<TestType, SineController>)
+      controllers.push_back(wave);
+    else
+      controllers.push_back(recorded(arena, wave, {}));
+  }
   EvaluationSettings settings;
   settings.episodes = 2;
   settings.jitter = 1e-3;
@@ -100,27 +107,6 @@ TEST_CASE("many open-loop controllers at once are each as if alone") {
   CHECK(all.steps == 5 * 2 * 10);
   for (std::size_t i = 0; i < controllers.size(); ++i)
     CHECK(all.means[i] == evaluate(arena, controllers[i], settings).mean());
-}
-
-TEST_CASE("many sequences at once are each as if alone, and end with the shortest") {
-  const Arena arena(test::walker(10), test::small_body());
-  const auto sequence = [](int steps, double amplitude) {
-    ReplayController replay{std::vector<double>(static_cast<std::size_t>(5 * steps)), 5};
-    for (int t = 0; t < steps; ++t)
-      act(travelling_wave(5, amplitude, 9.0, 0.9), t,
-          std::span(replay.actions).subspan(static_cast<std::size_t>(5 * t), 5));
-    return replay;
-  };
-  EvaluationSettings settings;
-  settings.episodes = 2;
-  settings.jitter = 1e-3;
-  const std::vector<ReplayController> whole{sequence(10, 0.1), sequence(10, 0.4)};
-  const OpenLoopEvaluation all = evaluate_each(arena, whole, settings);
-  CHECK(all.steps == 2 * 2 * 10);
-  for (std::size_t i = 0; i < whole.size(); ++i)
-    CHECK(all.means[i] == evaluate(arena, whole[i], settings).mean());
-  const std::vector<ReplayController> cut{sequence(10, 0.1), sequence(7, 0.4)};
-  CHECK(evaluate_each(arena, cut, settings).steps == 2 * 2 * 7);
 }
 
 TEST_CASE("an episode's peak is its highest return") {

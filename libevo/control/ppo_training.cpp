@@ -177,7 +177,10 @@ void PpoTraining<Passes>::check(const TrainingSettings& s) {
 template <typename Passes>
 PpoTraining<Passes>::PpoTraining(const TrainingJob& job)
     : settings_(Kind<Passes>::settings_for(job)),
-      episodes_(VecEnv(arenas_of(job)), job.seed),
+      seed_(job.seed),
+      env_(arenas_of(job)),
+      begun_(static_cast<std::size_t>(env_.environments()), 0),
+      returns_(begun_.size(), 0.0),
       ppo_(settings_, Kind<Passes>::passes(job), job.seed, job.robot_id) {
   if (settings_.moment_share > 0.0) add_moments(job);
   for (int e = 0; e < settings_.environments; ++e) start_episode(e);
@@ -197,7 +200,7 @@ void PpoTraining<Passes>::advance(const TrainingJob& job, TrainResult& result, M
   std::vector<double> returns;
   const std::size_t first = ppo_.first_environment();
   const std::size_t count = ppo_.environments();
-  active_.assign(episodes_.returns.size(), 0);
+  active_.assign(returns_.size(), 0);
   std::fill_n(active_.begin() + static_cast<std::ptrdiff_t>(first), count, std::uint8_t{1});
   if (for_any && ppo_.updates() > 0) observe();  // others have stepped meanwhile
   for (int t = 0; t < settings_.rollout; ++t) {
@@ -223,13 +226,17 @@ void PpoTraining<Passes>::advance(const TrainingJob& job, TrainResult& result, M
 template <typename Passes>
 void PpoTraining<Passes>::save(Checkpoint& checkpoint) const {
   ppo_.save(checkpoint);
-  episodes_.save(checkpoint);
+  checkpoint.put("environments/state", env_.save());
+  checkpoint.put("environments/next_episode", begun_);
+  checkpoint.put("environments/episode_return", returns_);
 }
 
 template <typename Passes>
 void PpoTraining<Passes>::load(const Checkpoint& checkpoint) {
   ppo_.load(checkpoint);
-  episodes_.load(checkpoint);
+  env_.load(checkpoint.get<std::uint8_t>("environments/state"));
+  begun_ = checkpoint.get<std::uint64_t>("environments/next_episode", begun_.size());
+  returns_ = checkpoint.get<double>("environments/episode_return", returns_.size());
 }
 
 // Every state but the last of one episode of the inherited controller from the exact start; of
@@ -257,43 +264,54 @@ void PpoTraining<Passes>::add_moments(const TrainingJob& job) {
 
 template <typename Passes>
 void PpoTraining<Passes>::start_episode(int environment) {
-  const EpisodeSeeds seeds = episodes_.next(environment);
-  Stream random(seeds.stream, "moment", seeds.episode);
+  const auto e = static_cast<std::size_t>(environment);
+  const std::uint64_t episode = begun_[e]++;
+  const std::uint64_t seed = derive_seed(seed_, "train", e);
+  const std::uint64_t jitter_seed = derive_seed(seed, "jitter", episode);
+  Stream random(seed, "moment", episode);
   if (!moments_.empty() && random.uniform() < settings_.moment_share) {
     const Moment& moment = moments_[random.below(static_cast<std::uint32_t>(moments_.size()))];
-    episodes_.env.load(environment, moment.state);
-    episodes_.env.perturb(environment, settings_.moment_jitter, seeds.jitter);
-    episodes_.returns[static_cast<std::size_t>(environment)] = moment.return_so_far;
+    env_.load(environment, moment.state);
+    env_.perturb(environment, settings_.moment_jitter, jitter_seed);
+    returns_[e] = moment.return_so_far;
     return;
   }
-  episodes_.reset(environment, seeds, settings_.start_jitter);
+  env_.reset(environment,
+             {env_.arena(environment).draw(seed, episode), settings_.start_jitter, jitter_seed});
+  returns_[e] = 0.0;
+}
+
+template <typename Passes>
+const std::vector<int>& PpoTraining<Passes>::steps() {
+  steps_.clear();
+  for (int e = 0; e < env_.environments(); ++e) steps_.push_back(env_.steps(e));
+  return steps_;
 }
 
 template <typename Passes>
 void PpoTraining<Passes>::step(const TrainingJob& job, std::vector<double>& returns) {
-  VecEnv& env = episodes_.env;
-  env.step(ppo_.act(), active_);
-  if (job.robots.size() == 1) require_stable(env);
-  rewards_.assign(env.rewards().begin(), env.rewards().end());
-  terminated_.assign(env.terminated().begin(), env.terminated().end());
-  truncated_.assign(env.truncated().begin(), env.truncated().end());
+  env_.step(ppo_.act(), active_);
+  if (job.robots.size() == 1) require_stable(env_);
+  rewards_.assign(env_.rewards().begin(), env_.rewards().end());
+  terminated_.assign(env_.terminated().begin(), env_.terminated().end());
+  truncated_.assign(env_.truncated().begin(), env_.truncated().end());
   for (std::size_t e = 0; e < rewards_.size(); ++e) {
     if (active_[e] == 0) continue;
     const int environment = static_cast<int>(e);
     // One body that flies apart ends its episode, not the training of all others.
-    if (env.status(environment) == LaneStatus::unstable) {
+    if (env_.status(environment) == LaneStatus::unstable) {
       rewards_[e] = 0.0;
       terminated_[e] = 1;
     }
-    episodes_.returns[e] += rewards_[e];
+    returns_[e] += rewards_[e];
     rewards_[e] = learned_reward(rewards_[e], terminated_[e] != 0, settings_);
-    if (for_any && episodes_.begun[e] == 1 && env.steps(environment) >= first_length(environment))
+    if (for_any && begun_[e] == 1 && env_.steps(environment) >= first_length(environment))
       truncated_[e] = 1;
   }
-  ppo_.reward(rewards_, terminated_, truncated_, Passes::seen(env), episodes_.steps());
+  ppo_.reward(rewards_, terminated_, truncated_, Passes::seen(env_), steps());
   for (std::size_t e = 0; e < rewards_.size(); ++e) {
     if (active_[e] == 0 || (terminated_[e] == 0 && truncated_[e] == 0)) continue;
-    if (!for_any || episodes_.begun[e] > 1) returns.push_back(episodes_.returns[e]);
+    if (!for_any || begun_[e] > 1) returns.push_back(returns_[e]);
     start_episode(static_cast<int>(e));
   }
   observe();
@@ -305,7 +323,7 @@ template <typename Passes>
 int PpoTraining<Passes>::first_length(int environment) const {
   // Multiples of the golden ratio are spread evenly however many there are.
   const double share = std::fmod((environment + 1) / std::numbers::phi, 1.0);
-  return 1 + static_cast<int>(share * episodes_.env.arena(environment).task().episode_steps);
+  return 1 + static_cast<int>(share * env_.arena(environment).task().episode_steps);
 }
 
 template class PpoTraining<PolicyPasses>;

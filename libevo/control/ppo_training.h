@@ -12,7 +12,7 @@
 #include "libevo/control/modular_passes.h"
 #include "libevo/control/policy_passes.h"
 #include "libevo/control/ppo.h"
-#include "libevo/control/training_episodes.h"
+#include "libevo/task/env.h"
 
 namespace evo {
 
@@ -41,15 +41,21 @@ class PpoTraining {
   };
   void add_moments(const TrainingJob& job);
 
-  // At a moment, or at the start.
+  // The next episode of an environment, at a moment or at the start. Episode k of environment e
+  // has its random numbers, draws and jitter from (seed, "train", e, k).
   void start_episode(int environment);
   // One step of every environment whose turn it is; the returns of episodes that ended are added.
   void step(const TrainingJob& job, std::vector<double>& returns);
-  void observe() { ppo_.observe(Passes::seen(episodes_.env), episodes_.steps()); }
+  const std::vector<int>& steps();  // [E] so far of their episodes; until the next call
+  void observe() { ppo_.observe(Passes::seen(env_), steps()); }
   int first_length(int environment) const;
 
   TrainingSettings settings_;  // the job's, with the environments of all robots
-  TrainingEpisodes episodes_;
+  std::uint64_t seed_;
+  VecEnv env_;
+  std::vector<std::uint64_t> begun_;  // [E] episodes, with the present one
+  std::vector<double> returns_;       // [E] so far
+  std::vector<int> steps_;
   Ppo<Passes> ppo_;
   std::vector<Moment> moments_;           // follow from the job: in no checkpoint
   std::vector<double> rewards_;           // [E] as learned from

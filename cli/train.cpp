@@ -384,8 +384,7 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
   std::optional<Inheritance> inheritance;
   // A modular policy would have to be of the settings' own shape to say anything.
   if (inherits == Inherits::yes && !abilities(settings.algorithm).shares)
-    inheritance = {travelling_wave(arena->action_length(), 0.5, 20.0, 0.5),
-                   anatomy(arena->robot(), arena->layout())};
+    inheritance = {travelling_wave(arena->action_length(), 0.5, 20.0, 0.5), anatomy(*arena)};
   const std::vector<const Arena*> all(static_cast<std::size_t>(robots), &*arena);
   (void)Trainer(all, settings, plan.seed, "", std::move(inheritance));
 }

@@ -63,7 +63,7 @@ std::optional<SineController> inherited_gait(const TrainingJob& job) {
   if (const auto* policy = std::get_if<Policy>(&old.controller); policy && policy->base)
     gait = std::get_if<SineController>(&*policy->base);
   if (gait == nullptr) return std::nullopt;
-  return transferred(*gait, old.anatomy, anatomy(job.arena().robot(), job.arena().layout()));
+  return transferred(*gait, old.anatomy, anatomy(job.arena()));
 }
 
 std::optional<OpenLoop> inherited_base(const TrainingJob& job) {
@@ -75,7 +75,7 @@ std::optional<OpenLoop> inherited_base(const TrainingJob& job) {
   if (const auto* policy = std::get_if<Policy>(&old.controller); policy && policy->base)
     sequence = std::get_if<ReplayController>(&*policy->base);
   if (sequence == nullptr) return std::nullopt;
-  return transferred(*sequence, old.anatomy, anatomy(job.arena().robot(), job.arena().layout()));
+  return transferred(*sequence, old.anatomy, anatomy(job.arena()));
 }
 
 void evaluate(const TrainingJob& job, const TrainedController& controller, TrainResult& result) {

@@ -54,14 +54,14 @@ float add_policy_loss(float log_ratio, float advantage, float clip, float share,
 }
 
 // [9] Value loss, clipped around the old value if so set, added to `losses`; dL/dV.
-float add_value_loss(float value, float old_value, float wanted, const Objective& objective,
+float add_value_loss(float value, float old_value, float wanted, const TrainingSettings& settings,
                      float share, Losses& losses) {
-  const auto clip = static_cast<float>(objective.clip);
+  const auto clip = static_cast<float>(settings.clip);
   const float error = value - wanted;
   const float change = value - old_value;
   const float clipped_error = old_value + std::clamp(change, -clip, clip) - wanted;
   const bool use_clipped =
-      objective.clip_value_loss && clipped_error * clipped_error > error * error;
+      settings.clip_value_loss && clipped_error * clipped_error > error * error;
   const float counted = use_clipped ? clipped_error : error;
   losses.value += 0.5 * static_cast<double>(counted * counted);
   return use_clipped && std::abs(change) > clip ? 0.0F : share * counted;
@@ -173,12 +173,12 @@ void estimate_advantages(std::span<const double> rewards, std::span<const std::u
 // ---- the objective ------------------------------------------------------------
 
 template <typename Passes>
-Losses differentiate(Passes& passes, const Samples& batch, const Objective& objective,
+Losses differentiate(Passes& passes, const Samples& batch, const TrainingSettings& settings,
                      Gaussians& pi) {
   const auto samples = static_cast<std::size_t>(batch.log_probs.size());
   const float share = 1.0F / static_cast<float>(samples);
-  const auto clip = static_cast<float>(objective.clip);
-  const auto value_share = static_cast<float>(objective.value_coefficient) * share;
+  const auto clip = static_cast<float>(settings.clip);
+  const auto value_share = static_cast<float>(settings.value_coefficient) * share;
   pi.set(passes.policy().log_std, passes.most_actions());
   const std::span<const float> deviations = pi.deviations();
   Vector& log_std_slope = passes.begin_backward();
@@ -200,7 +200,7 @@ Losses differentiate(Passes& passes, const Samples& batch, const Objective& obje
         z[j] = g * z[j] / deviations[j];
       }
       chunk.value_slopes[m] = add_value_loss(chunk.values[m], batch.values[i], batch.returns[i],
-                                             objective, value_share, losses);
+                                             settings, value_share, losses);
       // [10] Entropy of the Gaussians: sum_j (1/2 + log(sigma_j sqrt(2 pi))).
       losses.entropy += 0.5 * static_cast<double>(count) + static_cast<double>(pi.log_scale(count));
       first += count;
@@ -210,8 +210,7 @@ Losses differentiate(Passes& passes, const Samples& batch, const Objective& obje
   const double actions_per_deviation = static_cast<double>(batch.actions.size()) /
                                        static_cast<double>(samples) /
                                        static_cast<double>(log_std_slope.size());
-  log_std_slope.array() -=
-      static_cast<float>(objective.entropy_coefficient * actions_per_deviation);
+  log_std_slope.array() -= static_cast<float>(settings.entropy_coefficient * actions_per_deviation);
   passes.end_backward();
   return losses;
 }
@@ -338,8 +337,6 @@ UpdateReport Ppo<Passes>::weigh_rollout() {
 template <typename Passes>
 UpdateReport Ppo<Passes>::learn() {
   UpdateReport report = weigh_rollout();
-  const Objective objective{settings_.clip, settings_.clip_value_loss, settings_.value_coefficient,
-                            settings_.entropy_coefficient};
   // [6] Epochs of minibatches.
   order_.resize(rewards_.size());
   std::iota(order_.begin(), order_.end(), 0U);
@@ -348,7 +345,7 @@ UpdateReport Ppo<Passes>::learn() {
     shuffle(order_, shuffle_);
     for (int m = 0; m < settings_.minibatches; ++m) {
       gather(std::span(order_).subspan(static_cast<std::size_t>(m) * size, size));
-      const Losses losses = differentiate(passes_, minibatch_, objective, pi_);
+      const Losses losses = differentiate(passes_, minibatch_, settings_, pi_);
       const auto slopes = passes_.slopes();
       const double norm = clip_norm(slopes, settings_.max_gradient_norm);  // [11]
       if (!std::isfinite(norm) || !std::isfinite(losses.policy + losses.value + losses.entropy))
@@ -435,8 +432,8 @@ void Ppo<Passes>::load(const Checkpoint& checkpoint) {
   discounted_ = checkpoint.get<double>("learner/discounted_returns", discounted_.size());
 }
 
-template Losses differentiate(PolicyPasses&, const Samples&, const Objective&, Gaussians&);
-template Losses differentiate(ModularPasses&, const Samples&, const Objective&, Gaussians&);
+template Losses differentiate(PolicyPasses&, const Samples&, const TrainingSettings&, Gaussians&);
+template Losses differentiate(ModularPasses&, const Samples&, const TrainingSettings&, Gaussians&);
 template class Ppo<PolicyPasses>;
 template class Ppo<ModularPasses>;
 

@@ -31,14 +31,6 @@ struct Losses {
   double clipfrac = 0.0;   // share of samples with r out of [1-eps, 1+eps]
 };
 
-// L = policy + c_1 value - c_2 entropy.
-struct Objective {
-  double clip = 0.1;
-  bool clip_value_loss = true;
-  double value_coefficient = 0.5;     // c_1
-  double entropy_coefficient = 0.01;  // c_2
-};
-
 // Samples without their states, which belong to the passes.
 struct Samples {
   std::vector<float> actions;  // a of every sample in turn, before the action map
@@ -96,10 +88,11 @@ void estimate_advantages(std::span<const double> rewards, std::span<const std::u
                          std::span<const float> values, std::span<const float> last_values,
                          double gamma, double lambda, std::span<float> advantages);
 
-// The parts of L over the minibatch that the passes have gathered, and dL/d(parameters), which
-// replaces their slopes. `pi` becomes that of the policy.
+// The parts of L = policy + c_1 value - c_2 entropy over the minibatch that the passes have
+// gathered, and dL/d(parameters), which replaces their slopes. c_1 and c_2 are the settings'
+// value_coefficient and entropy_coefficient. `pi` becomes that of the policy.
 template <typename Passes>
-Losses differentiate(Passes& passes, const Samples& batch, const Objective& objective,
+Losses differentiate(Passes& passes, const Samples& batch, const TrainingSettings& settings,
                      Gaussians& pi);
 
 // A normaliser of `length` numbers that has seen nothing.

@@ -34,14 +34,17 @@ Policy first_policy(const TrainingJob& job) {
   if (job.settings.keep_sequence && !job.inheritance)
     throw error(Failure::usage,
                 "training: keep_sequence needs a controller to start from (--init)");
-  Policy fresh = initial_policy(job, inherited_base(job));
+  const Arena& arena = job.arena();
+  const Physics& physics = arena.task().physics;
+  Policy fresh = initial_policy(job.settings, arena.observation_length(), arena.action_length(),
+                                physics.min_target, physics.max_target, inherited_base(job),
+                                Stream(job.seed, "train/initial", job.robot_id));
   if (!job.inheritance) return fresh;
   const Inheritance& old = *job.inheritance;
   const auto* policy = std::get_if<Policy>(&old.controller);
   if (policy == nullptr) return fresh;
   fresh.log_std.setConstant(static_cast<float>(job.settings.inherited_log_std));
-  return transferred(*policy, old.anatomy, fresh,
-                     anatomy(job.arena().robot(), job.arena().layout()));
+  return transferred(*policy, old.anatomy, fresh, anatomy(arena));
 }
 
 void require(bool same, const std::string& what) {
@@ -142,24 +145,14 @@ std::vector<const Arena*> arenas_of(const TrainingJob& job) {
   return arenas;
 }
 
-// ---- moments ----------------------------------------------------------------------------
+}  // namespace
 
-// What is inherited, on this job's robot.
 Controller inherited_controller(const TrainingJob& job) {
   const Inheritance& old = *job.inheritance;
   if (std::holds_alternative<Policy>(old.controller)) return first_policy(job);
   if (const auto* sequence = std::get_if<ReplayController>(&old.controller))
-    return transferred(*sequence, old.anatomy, anatomy(job.arena().robot(), job.arena().layout()));
+    return transferred(*sequence, old.anatomy, anatomy(job.arena()));
   return *inherited_gait(job);
-}
-
-}  // namespace
-
-Policy initial_policy(const TrainingJob& job, std::optional<OpenLoop> base) {
-  const Physics& physics = job.arena().task().physics;
-  return initial_policy(job.settings, job.arena().observation_length(), job.arena().action_length(),
-                        physics.min_target, physics.max_target, std::move(base),
-                        Stream(job.seed, "train/initial", job.robot_id));
 }
 
 template <typename Passes>

@@ -69,7 +69,7 @@ inline double learned_reward(double reward, bool terminated, const TrainingSetti
   return terminated && reward < 0.0 ? reward * settings.failure_weight : reward;
 }
 
-// An untrained policy for the job's arena, on a base where one is given.
-Policy initial_policy(const TrainingJob& job, std::optional<OpenLoop> base);
+// What the job inherits, a policy for one body or an open-loop controller, on its robot.
+Controller inherited_controller(const TrainingJob& job);
 
 }  // namespace evo

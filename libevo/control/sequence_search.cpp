@@ -55,9 +55,9 @@ constexpr std::uint32_t attempt_kinds = 6;
 
 }  // namespace
 
-SequenceSearch::SequenceSearch(const Arena& arena, const SequenceSearchSettings& settings,
+SequenceSearch::SequenceSearch(const Arena& arena, const TrainingSettings& settings,
                                const EvaluationSettings& evaluation, Stream random,
-                               std::optional<Start> start)
+                               std::optional<OpenLoop> start)
     : arena_(&arena),
       settings_(settings),
       evaluation_(evaluation),
@@ -208,7 +208,7 @@ ReplayController SequenceSearch::after_a_rest(const Moment& moment) const {
   return sequence;
 }
 
-SequenceSearch::Attempt SequenceSearch::whole_episode(Start replayed) {
+SequenceSearch::Attempt SequenceSearch::whole_episode(OpenLoop replayed) {
   Attempt attempt;
   attempt.at = soonest_.at(level_of(0.0));
   attempt.steps_left = episode_steps();

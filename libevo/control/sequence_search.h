@@ -22,7 +22,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "libevo/base/random.h"
@@ -36,20 +35,13 @@
 
 namespace evo {
 
-struct SequenceSearchSettings {
-  int environments = 8;        // explored in side by side
-  double shortest_period = 6;  // control steps, of gaits
-  double longest_period = 40;
-};
-
 class SequenceSearch {
  public:
-  using Start = std::variant<ReplayController, SineController>;
-
-  // In the first episode that `evaluation` means. `arena` must outlive this.
-  SequenceSearch(const Arena& arena, const SequenceSearchSettings& settings,
+  // In the first episode that `evaluation` means, in the settings' environments side by side, with
+  // gaits of their periods. `arena` must outlive this.
+  SequenceSearch(const Arena& arena, const TrainingSettings& settings,
                  const EvaluationSettings& evaluation, Stream random,
-                 std::optional<Start> start = {});
+                 std::optional<OpenLoop> start = {});
 
   // Explores for no more than `budget` control steps, and says how many it took: none
   // where they are fewer than the whole episodes that a search begins with (one of what
@@ -64,7 +56,7 @@ class SequenceSearch {
   // Enters all that this gait reaches, next, as of what the search starts from.
   void offer(SineController gait);
 
-  const std::optional<Start>& start() const { return start_; }
+  const std::optional<OpenLoop>& start() const { return start_; }
   std::size_t levels() const { return soonest_.size(); }  // in the archive
   double highest() const;                                 // return among them
 
@@ -92,9 +84,9 @@ class SequenceSearch {
     int steps_left = 0;
     int pushes_left = 0;
     int held = 1;
-    std::vector<std::size_t> group;  // of each actuator
-    std::vector<double> values;      // of each group
-    std::optional<Start> replayed;   // instead of all this
+    std::vector<std::size_t> group;    // of each actuator
+    std::vector<double> values;        // of each group
+    std::optional<OpenLoop> replayed;  // instead of all this
   };
 
   double uniform(double low, double high) { return low + (high - low) * random_.uniform(); }
@@ -114,7 +106,7 @@ class SequenceSearch {
   Moment* choose_time();
   Moment* choose_early();
   Attempt attempt();
-  Attempt whole_episode(Start replayed);
+  Attempt whole_episode(OpenLoop replayed);
   ReplayController after_a_rest(const Moment& moment) const;
   SineController new_gait();
   SineController fast_gait();
@@ -129,11 +121,11 @@ class SequenceSearch {
   ReplayController whole(const std::vector<double>& actions) const;
 
   const Arena* arena_;
-  SequenceSearchSettings settings_;
+  TrainingSettings settings_;
   EvaluationSettings evaluation_;
   std::vector<Anatomy::Place> places_;  // cells of the actuators
   Stream random_;
-  std::optional<Start> start_;
+  std::optional<OpenLoop> start_;
   VecEnv env_;
 
   double level_height_ = 0.0;  // 0 until it is known

@@ -14,10 +14,6 @@ constexpr double horizon = 32768;       // steps after which the two are compare
 constexpr std::int64_t exception = 12;  // of so many turns, the last goes to the other
 constexpr std::int64_t known = 3;       // turns until the pace of exploration is
 
-SequenceSearchSettings search_settings(const TrainingSettings& s) {
-  return {s.environments, s.shortest_period, s.longest_period};
-}
-
 // What the episodes after a stretch take at most, environment steps.
 std::int64_t evaluation_cost(const TrainingJob& job) {
   return std::int64_t{2} * job.settings.evaluation_episodes * job.arena().task().episode_steps;
@@ -31,18 +27,13 @@ ReplayController fitted(ReplayController sequence, const TrainingJob& job) {
   return sequence;
 }
 
-std::optional<SequenceSearch::Start> inherited_start(const TrainingJob& job) {
+std::optional<OpenLoop> inherited_start(const TrainingJob& job) {
   if (!job.inheritance) return std::nullopt;
-  const Inheritance& old = *job.inheritance;
-  const Anatomy to = anatomy(job.arena().robot(), job.arena().layout());
-  if (const auto* sequence = std::get_if<ReplayController>(&old.controller))
-    return fitted(transferred(*sequence, old.anatomy, to), job);
-  if (const auto* policy = std::get_if<Policy>(&old.controller)) {
-    const Policy fresh = initial_policy(job, inherited_base(job));
-    const Policy carried = transferred(*policy, old.anatomy, fresh, to);
-    return fitted(recorded(job.arena(), carried, job.evaluation()), job);
-  }
-  return inherited_gait(job).value();
+  const Controller inherited = inherited_controller(job);
+  if (const auto* gait = std::get_if<SineController>(&inherited)) return *gait;
+  if (const auto* sequence = std::get_if<ReplayController>(&inherited))
+    return fitted(*sequence, job);
+  return fitted(recorded(job.arena(), inherited, job.evaluation()), job);
 }
 
 TrainingJob gait_part(TrainingJob job) {
@@ -66,9 +57,9 @@ SequenceTraining::SequenceTraining(const TrainingJob& job)
                 job.settings.steps, least);
 }
 
-void SequenceTraining::explore_from(std::optional<SequenceSearch::Start> start) {
+void SequenceTraining::explore_from(std::optional<OpenLoop> start) {
   const TrainingJob& job = *gait_job_;
-  search_.emplace(job.arena(), search_settings(job.settings), job.evaluation(),
+  search_.emplace(job.arena(), job.settings, job.evaluation(),
                   Stream(job.seed, "train/explore", job.robot_id), std::move(start));
 }
 

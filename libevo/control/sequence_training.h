@@ -45,7 +45,7 @@ class SequenceTraining {
   };
 
   std::int64_t first_cost(const TrainingJob& job) const;
-  void explore_from(std::optional<SequenceSearch::Start> start);
+  void explore_from(std::optional<OpenLoop> start);
   bool gait_is_next(const TrainingJob& job, const TrainResult& result) const;
   void search_gait(const TrainingJob& job, TrainResult& result, Metrics& metrics);
   void explore(const TrainingJob& job, TrainResult& result, Metrics& metrics);

@@ -36,6 +36,7 @@ struct Anatomy {
 
 // For a robot whose observation has this layout (Arena::layout, or a policy file's).
 Anatomy anatomy(const Body& robot, std::vector<ObservationSlice> layout);
+inline Anatomy anatomy(const Arena& arena) { return anatomy(arena.robot(), arena.layout()); }
 
 // No more observations than these stand behind the moments that a controller brings to another
 // body, so that they adapt.

@@ -10,7 +10,7 @@ namespace evo::test {
 
 // Sample i: the policy now has its actions with `log_prob` and values its state at `v`.
 inline double loss_of_sample(const Samples& batch, Eigen::Index i, double log_prob, double v,
-                             double entropy, const Objective& o) {
+                             double entropy, const TrainingSettings& o) {
   const double advantage = static_cast<double>(batch.advantages[i]);
   const double ratio = std::exp(log_prob - static_cast<double>(batch.log_probs[i]));
   const double bounded = std::clamp(ratio, 1.0 - o.clip, 1.0 + o.clip);

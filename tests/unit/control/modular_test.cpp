@@ -173,7 +173,7 @@ std::vector<Doubles> first_layer(const Plain& net, const VoxelViews& views, cons
 }
 
 double loss(const ModularPolicy& shape, const Bodies& bodies, const std::vector<double>& p,
-            const ModularSamples& batch, const Objective& o) {
+            const ModularSamples& batch, const TrainingSettings& o) {
   std::size_t at = 0;
   const Plain actor = plain(shape.actor, p, at);
   const Plain critic = plain(shape.critic, p, at);
@@ -251,7 +251,7 @@ TEST_CASE("a modular policy's gradients agree with finite differences in double 
   const ModularPolicy policy = example_policy(stream);
   REQUIRE_FALSE(defect(policy));
   const ModularSamples batch = plausible_batch(policy, bodies, 20, stream);
-  const Objective objective{0.1, true, 0.5, 0.01};
+  const TrainingSettings objective;
   ModularPasses passes(policy, {Group{bodies, {0, 1, 2}}});
   passes.begin_turn(0, 1);
   passes.minibatch() = batch.states;

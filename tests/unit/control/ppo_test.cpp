@@ -76,7 +76,7 @@ struct StatedSamples : Samples {
 };
 
 double loss(const Policy& shape, const Parameters& p, const StatedSamples& batch,
-            const Objective& o) {
+            const TrainingSettings& o) {
   double total = 0.0;
   const auto m = static_cast<double>(batch.states.rows());
   for (Eigen::Index i = 0; i < batch.states.rows(); ++i) {
@@ -138,7 +138,7 @@ TEST_CASE("gradients agree with finite differences of the loss in double precisi
   Stream stream(7, "gradient");
   const Policy policy = small_policy(9, 4, stream);
   const StatedSamples batch = plausible_batch(policy, 40, stream);
-  Objective objective{0.1, true, 0.5, 0.01};
+  TrainingSettings objective;
   objective.clip_value_loss = GENERATE(true, false);
   PolicyPasses passes(policy, 1);
   passes.minibatch() = batch.states;

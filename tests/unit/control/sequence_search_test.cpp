@@ -20,7 +20,13 @@ TaskSpec stair(int steps) {
   return task;
 }
 
-SequenceSearchSettings brief() { return {.environments = 4}; }
+TrainingSettings brief() {
+  TrainingSettings settings;
+  settings.environments = 4;
+  settings.shortest_period = 6;
+  settings.longest_period = 40;
+  return settings;
+}
 EvaluationSettings once() { return {}; }
 Stream stream(std::uint64_t seed) { return {seed, "test"}; }
 

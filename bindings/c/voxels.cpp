@@ -1,5 +1,6 @@
 #include "bindings/c/voxels.h"
 
+#include <algorithm>
 #include <variant>
 
 #include "libevo/base/error.h"
@@ -7,6 +8,22 @@
 
 namespace evo {
 namespace {
+
+// A voxel and one that it is linked to, both by their numbers, in order: each link twice.
+std::vector<std::pair<std::int32_t, std::int32_t>> links_of(const Body& body) {
+  std::vector<std::int32_t> numbers;  // of each cell's voxel
+  std::int32_t next = 0;
+  for (const Voxel cell : body.cells) numbers.push_back(cell == Voxel::empty ? -1 : next++);
+  std::vector<std::pair<std::int32_t, std::int32_t>> links;
+  for (const Link& link : body.links) {
+    const std::int32_t a = numbers[static_cast<std::size_t>(link.a)];
+    const std::int32_t b = numbers[static_cast<std::size_t>(link.b)];
+    links.emplace_back(a, b);
+    links.emplace_back(b, a);
+  }
+  std::sort(links.begin(), links.end());
+  return links;
+}
 
 // Calls use(environment of the first, environments) for each robot.
 template <typename Use>
@@ -68,7 +85,7 @@ void act_modular(const ModularPolicy& policy, const SessionVoxels& voxels,
     steps.push_back(session.envs().steps(e));
   }
   normalize(policy.local, local, batch.local);
-  task_inputs(policy, task, steps, batch.task);
+  network_inputs(policy.task, policy.clock, task, steps, batch.task);
   PreparedNetwork prepared;
   prepare(policy.actor, bodies, prepared);
   ModularPass pass;
@@ -98,9 +115,7 @@ SessionVoxels::SessionVoxels(const Session& session)
     : session_(&session), bodies_(arenas_of(session)) {
   each_robot(session, [&](int first, int count) {
     const VoxelViews& views = of(first);
-    auto& links = links_.emplace_back();
-    for (int v = 0; v < views.voxels(); ++v)
-      for (const int other : views.neighbours(v)) links.emplace_back(v, other);
+    links_.push_back(links_of(arena_of(session, first).robot()));
     local_values_ += static_cast<std::size_t>(count * views.voxels() * VoxelViews::local_length);
     task_values_ += static_cast<std::size_t>(count * views.task_length());
   });

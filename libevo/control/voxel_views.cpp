@@ -12,15 +12,6 @@ namespace {
 
 constexpr int materials = 5;  // of a voxel that is not empty
 
-// Voxels of the body by cell of its matrix; -1: empty.
-std::vector<int> voxel_numbers(const Body& body) {
-  std::vector<int> numbers(body.cells.size(), -1);
-  int next = 0;
-  for (std::size_t i = 0; i < body.cells.size(); ++i)
-    if (body.cells[i] != Voxel::empty) numbers[i] = next++;
-  return numbers;
-}
-
 // The smallest rectangle around the voxels.
 struct Frame {
   int top = largest_side;
@@ -98,28 +89,12 @@ VoxelViews::VoxelViews(const Arena& arena)
       ground_(ground_of(arena)),
       fixed_(fixed_views(arena.robot())) {
   const Model& model = arena.model();
-  const Body& body = arena.robot();
   const ModelObject& robot = model.objects().front();
   for (int c = robot.first_cell; c < robot.first_cell + robot.cells; ++c) {
     const ModelCell& cell = model.cells()[static_cast<std::size_t>(c)];
     if (is_actuator(cell.type)) actuators_.push_back(static_cast<int>(cells_.size()));
     cells_.push_back(cell.points);
   }
-
-  const std::vector<int> numbers = voxel_numbers(body);
-  std::vector<std::vector<int>> linked(cells_.size());
-  for (const Link& link : body.links) {
-    const int a = numbers[static_cast<std::size_t>(link.a)];
-    const int b = numbers[static_cast<std::size_t>(link.b)];
-    linked[static_cast<std::size_t>(a)].push_back(b);
-    linked[static_cast<std::size_t>(b)].push_back(a);
-  }
-  for (std::vector<int>& of_voxel : linked) {
-    std::sort(of_voxel.begin(), of_voxel.end());
-    first_neighbour_.push_back(neighbours_.size());
-    neighbours_.insert(neighbours_.end(), of_voxel.begin(), of_voxel.end());
-  }
-  first_neighbour_.push_back(neighbours_.size());
 
   const std::string points = part_name(observation::RelativePositions{robot_name});
   for (const ObservationSlice& slice : arena.layout()) {

@@ -36,12 +36,6 @@ class VoxelViews {
   int task_length() const { return task_length_; }
   // The voxel of each action, in the order of actions.
   const std::vector<int>& actuators() const { return actuators_; }
-  // The voxels that voxel v is linked to, ascending.
-  std::span<const int> neighbours(int v) const {
-    const auto i = static_cast<std::size_t>(v);
-    return std::span(neighbours_)
-        .subspan(first_neighbour_[i], first_neighbour_[i + 1] - first_neighbour_[i]);
-  }
   const Matrix& fixed() const { return fixed_; }  // [V x fixed_length]
 
   // As environment `environment` is now: local [V x local_length], task [task_length].
@@ -56,8 +50,6 @@ class VoxelViews {
   std::vector<ObservationSlice> task_;  // the parts that do not grow with the body
   int task_length_ = 0;
   std::vector<int> actuators_;
-  std::vector<std::size_t> first_neighbour_;  // [V + 1]
-  std::vector<int> neighbours_;
   Matrix fixed_;
 };
 

@@ -291,12 +291,6 @@ TEST_CASE("a voxel's view says what the header says") {
   REQUIRE(views.voxels() == 5);
   CHECK(views.actuators() == std::vector<int>{0, 1, 2, 3, 4});
   CHECK(views.task_length() == 2);  // velocity; the positions of points are the voxels' own
-  const auto neighbours = [&](int v) {
-    const auto span = views.neighbours(v);
-    return std::vector<int>(span.begin(), span.end());
-  };
-  CHECK(neighbours(0) == std::vector<int>{1, 3});
-  CHECK(neighbours(1) == std::vector<int>{0, 2});
 
   const auto material = [](int cell, int kind) { return cell * 5 + kind; };
   const auto fixed = [&](int v, int i) { return views.fixed()(v, i); };

@@ -72,7 +72,8 @@ void ModularPasses::look(const VecEnv& env, std::span<const int> steps) {
   update(policy_.local, local_);
   if (!task_.empty()) update(policy_.task, task_);
   normalize(policy_.local, local_, state_.local);
-  task_inputs(policy_, task_, steps.subspan(first(), environments()), state_.task);
+  network_inputs(policy_.task, policy_.clock, task_, steps.subspan(first(), environments()),
+                 state_.task);
 }
 
 void ModularPasses::act() {
@@ -101,8 +102,8 @@ float ModularPasses::value(const VecEnv& reached, std::span<const int> steps,
   const auto end = static_cast<std::size_t>(turn_->first_voxel[environment + 1]) * wide;
   reached_.bodies.assign(1, body_of()[environment]);
   normalize(policy_.local, std::span(local_).subspan(begin, end - begin), reached_.local);
-  task_inputs(policy_, std::span(task_).subspan(environment * task, task),
-              steps.subspan(first() + environment, 1), reached_.task);
+  network_inputs(policy_.task, policy_.clock, std::span(task_).subspan(environment * task, task),
+                 steps.subspan(first() + environment, 1), reached_.task);
   forward_critic(policy_, bodies(), critic_, reached_, pass_, values_);
   return values_[0];
 }

@@ -525,11 +525,6 @@ void backward_critic(const ModularPolicy& policy, const PreparedNetwork& prepare
 
 // ---- acting -----------------------------------------------------------------------------------
 
-void task_inputs(const ModularPolicy& policy, std::span<const double> task,
-                 std::span<const int> steps, Matrix& inputs) {
-  network_inputs(policy.task, policy.clock, task, steps, inputs);
-}
-
 double target_of(const ModularPolicy& policy, double output) {
   return target_of(policy.action_map, policy.low, policy.high, policy.action_offset, output);
 }
@@ -559,7 +554,7 @@ void ModularActor::act(const VecEnv& env, std::span<const int> steps, std::span<
                std::span(task_).subspan(e * task, task));
   batch_.bodies.assign(environments, 0);
   normalize(policy_->local, local_, batch_.local);
-  task_inputs(*policy_, task_, steps, batch_.task);
+  network_inputs(policy_->task, policy_->clock, task_, steps, batch_.task);
   forward_actor(*policy_, bodies_, prepared_, batch_, pass_, means_);
   for (std::size_t i = 0; i < targets.size(); ++i)
     targets[i] = target_of(*policy_, static_cast<double>(means_[i]));

@@ -211,10 +211,6 @@ void backward_critic(const ModularPolicy& policy, const PreparedNetwork& prepare
                      ModularNetwork& gradient);
 void end_backward(const Bodies& bodies, const ModularPass& pass, ModularNetwork& gradient);
 
-// The task's part as networks see it: task [M x task_length] at steps [M] of their episodes.
-void task_inputs(const ModularPolicy& policy, std::span<const double> task,
-                 std::span<const int> steps, Matrix& inputs);
-
 double target_of(const ModularPolicy& policy, double output);
 
 // The deterministic controller on one robot, for any number of environments of its arena.

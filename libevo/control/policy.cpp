@@ -185,11 +185,6 @@ void network_inputs(const Normalizer& normalizer, std::span<const double> clock,
   }
 }
 
-void network_inputs(const Policy& policy, std::span<const double> observations,
-                    std::span<const int> steps, Matrix& inputs) {
-  network_inputs(policy.normalizer, policy.clock, observations, steps, inputs);
-}
-
 void rest_targets(const Policy& policy, int t, std::span<double> targets) {
   if (policy.base)
     std::visit([&](const auto& base) { act(base, t, targets); }, *policy.base);
@@ -211,7 +206,7 @@ double target_of(const Policy& policy, double rest, double output) {
 
 void act(const Policy& policy, std::span<const double> observations, std::span<const int> steps,
          std::span<double> targets, NetworkScratch& scratch) {
-  network_inputs(policy, observations, steps, scratch.inputs);
+  network_inputs(policy.normalizer, policy.clock, observations, steps, scratch.inputs);
   forward(policy.actor, scratch.inputs, scratch.activations);
   const Matrix& mean = scratch.activations.back();
   const auto actions = static_cast<std::size_t>(mean.cols());

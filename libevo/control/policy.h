@@ -110,9 +110,6 @@ void normalize(const Normalizer& normalizer, std::span<const double> observation
 
 // What networks see of observations [E x D] at steps [E] of their episodes:
 // [E x (D + 2 periods)].
-void network_inputs(const Policy& policy, std::span<const double> observations,
-                    std::span<const int> steps, Matrix& inputs);
-// The same of a normaliser and a clock.
 void network_inputs(const Normalizer& normalizer, std::span<const double> clock,
                     std::span<const double> observations, std::span<const int> steps,
                     Matrix& inputs);

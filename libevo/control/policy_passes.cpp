@@ -44,7 +44,7 @@ void PolicyPasses::begin_turn(std::int64_t /*update*/, int rollout) {
 
 void PolicyPasses::look(Seen seen, std::span<const int> steps) {
   update(policy_.normalizer, seen);
-  network_inputs(policy_, seen, steps, state_);
+  network_inputs(policy_.normalizer, policy_.clock, seen, steps, state_);
   steps_.assign(steps.begin(), steps.end());
 }
 
@@ -55,7 +55,7 @@ void PolicyPasses::act() {
 
 float PolicyPasses::value(Seen reached, std::span<const int> steps, std::size_t environment) {
   const auto length = static_cast<std::size_t>(policy_.observation_length());
-  network_inputs(policy_, reached.subspan(environment * length, length),
+  network_inputs(policy_.normalizer, policy_.clock, reached.subspan(environment * length, length),
                  steps.subspan(environment, 1), reached_.inputs);
   forward(policy_.critic, reached_.inputs, reached_.activations);
   return reached_.activations.back()(0, 0);

@@ -110,7 +110,8 @@ TEST_CASE("networks see the clock of the episode after the observation, and act 
   CHECK(policy.observation_length() == 3);
 
   Matrix inputs;
-  network_inputs(policy, std::vector<double>{1, 2, 3, 4, 5, 6}, std::vector<int>{0, 2}, inputs);
+  network_inputs(policy.normalizer, policy.clock, std::vector<double>{1, 2, 3, 4, 5, 6},
+                 std::vector<int>{0, 2}, inputs);
   REQUIRE(inputs.cols() == 5);
   CHECK(inputs(0, 2) == 3.0F);
   CHECK(inputs(0, 3) == 0.0F);  // sine, then cosine

@@ -1,8 +1,11 @@
 #include "libevo/control/replanner.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
 
+#include "libevo/base/elementary.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -14,20 +17,227 @@ constexpr std::size_t farthest_ahead = 8;
 constexpr int taken_back = 3;
 constexpr int most_retreats = 24;
 
+// Beyond the end of a window counts for so many steps more what its last step earned: else
+// plans would end in a fall.
+constexpr double goes_on = 10.0;
+
+// A step of the ascent, in the root of the mean square of a plan's entries; means of the
+// gradient and of its square go back about 5 and 10 rounds.
+constexpr double step_length = 0.15;
+constexpr double momentum = 0.8;
+constexpr double square_memory = 0.9;
+constexpr double farthest = 2.5;  // of entries: targets are within 1.4 % of their range's ends
+
+double arctanh(double x) { return 0.5 * math::log((1.0 + x) / (1.0 - x)); }
+
+// As many steps as a window of plans in so many lanes may have for its tapes to stay within some
+// memory; one at least.
+std::size_t longest_window(const Model& model, int lanes) {
+  constexpr std::int64_t most_bytes = std::int64_t{256} << 20U;
+  constexpr std::int64_t bytes_a_point = 80;  // and substep
+  std::int64_t points = 0;
+  for (const ModelObject& object : model.objects()) points += object.is_static ? 0 : object.points;
+  const std::int64_t bytes =
+      std::int64_t{lanes} * model.physics().substeps * bytes_a_point * points;
+  return static_cast<std::size_t>(std::max(most_bytes / bytes, std::int64_t{1}));
+}
+
 }  // namespace
 
 Replanner::Replanner(const Arena& arena, const PlannerController& settings)
     : arena_(&arena),
       settings_(&settings),
-      planner_(arena),
+      middle_(0.5 * (arena.task().physics.max_target + arena.task().physics.min_target)),
+      half_(0.5 * (arena.task().physics.max_target - arena.task().physics.min_target)),
       env_(arena, std::max(settings.lanes, 1)) {
   if (std::min({settings.window, settings.committed, settings.rounds, settings.lanes}) < 1)
     throw Error(Failure::usage, "planner: window, committed, rounds and lanes are at least 1");
 }
 
+// ---- plans ------------------------------------------------------------------------------
+
+// What a plan aims for at step k.
+void Replanner::targets_of(const Plan& plan, std::size_t k, std::span<double> targets) const {
+  const Physics& physics = arena_->task().physics;
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    targets[i] = recorded_target(middle_ + half_ * math::tanh(plan[k * targets.size() + i]),
+                                 physics.min_target, physics.max_target);
+}
+
+// The plan that aims for these, or nearly where they are at an end of their range.
+Replanner::Plan Replanner::plan_of(std::span<const double> targets) const {
+  const double end = math::tanh(farthest);
+  Plan plan;
+  for (const double target : targets)
+    plan.push_back(arctanh(std::clamp((target - middle_) / half_, -end, end)));
+  return plan;
+}
+
+// Next to nothing, at random.
+Replanner::Plan Replanner::faint(std::size_t steps, Stream& random) const {
+  Plan plan;
+  for (std::size_t i = 0; i < steps * actuators(); ++i)
+    plan.push_back(0.3 * random.gaussian() - 0.2);
+  return plan;
+}
+
+// The plan after its first steps have been done, as long as `steps`: what is missing at its end
+// is what came half a window before.
+Replanner::Plan Replanner::continued(const Plan& plan, std::size_t done, std::size_t steps) const {
+  const std::size_t a = actuators();
+  const std::size_t left = plan.size() / a - done;
+  const std::size_t half = std::max<std::size_t>(1, std::min(left, steps / 2));
+  Plan next;
+  for (std::size_t k = 0; k < steps; ++k) {
+    const std::size_t from = done + (k < left ? k : left - half + (k - left) % half);
+    next.insert(next.end(), plan.begin() + static_cast<std::ptrdiff_t>(from * a),
+                plan.begin() + static_cast<std::ptrdiff_t>((from + 1) * a));
+  }
+  return next;
+}
+
+// The plan with noise that changes slowly, of this deviation.
+Replanner::Plan Replanner::noisy(Plan plan, double size, Stream& random) const {
+  constexpr double kept = 0.85;  // of noise, from step to step
+  std::vector<double> noise(actuators());
+  for (double& value : noise) value = random.gaussian();
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    double& value = noise[i % noise.size()];
+    value = kept * value + std::sqrt(1.0 - kept * kept) * random.gaussian();
+    plan[i] += size * value;
+  }
+  return plan;
+}
+
+// What is left of the last plan, or of the sequence; the same with noise.
+std::vector<Replanner::Plan> Replanner::first_plans(const Part& before, int t, std::size_t window,
+                                                    Stream& random) const {
+  const std::size_t a = actuators();
+  std::vector<Plan> plans;
+  if (settings_->sequence) {
+    std::vector<double> targets(window * a);
+    for (std::size_t k = 0; k < window; ++k)
+      evo::act(*settings_->sequence, t + static_cast<int>(k), std::span(targets).subspan(k * a, a));
+    plans.push_back(plan_of(targets));
+  }
+  const auto done = static_cast<std::size_t>(before.steps);
+  if (before.plan.size() > done * a) {
+    plans.push_back(continued(before.plan, done, window));
+  } else if (plans.empty()) {
+    plans.push_back(faint(window, random));
+  }
+  const std::size_t bases = plans.size();
+  const double size = settings_->sequence ? 0.1 : 0.23;
+  for (std::size_t lane = bases; lane < static_cast<std::size_t>(settings_->lanes); ++lane)
+    plans.push_back(noisy(plans[lane % bases], size * static_cast<double>(lane % 4 + 1), random));
+  plans.resize(static_cast<std::size_t>(settings_->lanes));
+  return plans;
+}
+
+// ---- the ascent -------------------------------------------------------------------------
+
+void Replanner::simulate(std::span<const std::uint8_t> from, std::size_t window,
+                         std::size_t committed, std::span<const Vec2> way) {
+  std::vector<std::uint8_t> active(static_cast<std::size_t>(env_.environments()), 0);
+  for (std::size_t i = 0; i < lanes_.size(); ++i) {
+    env_.load(static_cast<int>(i), from);
+    active[i] = 1;
+    Lane& lane = lanes_[i];
+    lane = {std::move(lane.plan), std::move(lane.mean), std::move(lane.square)};
+  }
+  tapes_.resize(std::max(tapes_.size(), window));
+  std::vector<double> targets(active.size() * actuators(), 1.0);
+  for (std::size_t k = 0; k < window; ++k) {
+    if (std::find(active.begin(), active.end(), std::uint8_t{1}) == active.end()) break;
+    for (std::size_t i = 0; i < lanes_.size(); ++i)
+      if (active[i] != 0)
+        targets_of(lanes_[i].plan, k, std::span(targets).subspan(i * actuators(), actuators()));
+    env_.step(targets, active, nullptr, &tapes_[k]);
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      if (active[i] == 0) continue;
+      Lane& lane = lanes_[i];
+      const int environment = static_cast<int>(i);
+      lane.steps = k + 1;
+      lane.is_over = env_.terminated()[i] != 0 || env_.truncated()[i] != 0;
+      if (way.empty()) {
+        lane.value += env_.rewards()[i];
+        if (k + 1 == window && !lane.is_over) lane.value += goes_on * env_.rewards()[i];
+      } else {
+        // What a step off the way costs: the squares of all points' distances.
+        double off_way = 0.0;
+        const std::span<const Vec2> points = env_.positions(environment);
+        for (std::size_t p = 0; p < points.size(); ++p) {
+          const Vec2 aim = way[k * points.size() + p];
+          const Vec2 off{points[p].x - aim.x, points[p].y - aim.y};
+          lane.off.push_back(off);
+          off_way -= off.x * off.x + off.y * off.y;
+        }
+        lane.value += off_way;
+        if (k + 1 < window && lane.is_over)  // and the way leads on
+          lane.value = -std::numeric_limits<double>::infinity();
+      }
+      if (env_.status(environment) == LaneStatus::unstable) {
+        lane.value = -std::numeric_limits<double>::infinity();
+        lane.is_over = true;
+      } else if (lane.steps == committed) {
+        lane.after = env_.save(environment);
+      }
+      if (lane.is_over) active[i] = 0;
+    }
+  }
+}
+
+void Replanner::climb(std::size_t window) {
+  const std::size_t a = actuators();
+  const auto environments = static_cast<std::size_t>(env_.environments());
+  std::vector<Gradient> gradients(environments, zero_gradient(arena_->model()));
+  const bool pays = !settings_->sequence;
+  std::vector<double> by_rewards(environments, pays ? 1.0 + goes_on : 0.0);
+  std::vector<double> by_actions(environments * a);
+  std::size_t longest = 0;
+  for (const Lane& lane : lanes_) longest = std::max(longest, lane.steps);
+  for (std::size_t k = longest; k-- > 0;) {
+    if (pays && k + 1 < window) std::fill(by_rewards.begin(), by_rewards.end(), 1.0);
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      if (pays && lanes_[i].is_over) by_rewards[i] = 1.0;
+      const std::size_t points = gradients[i].state.x.size();
+      for (std::size_t p = 0; !pays && lanes_[i].steps > k && p < points; ++p) {
+        const Vec2 off = lanes_[i].off[k * points + p];
+        gradients[i].state.x[p] -= 2.0 * off.x;
+        gradients[i].state.y[p] -= 2.0 * off.y;
+      }
+    }
+    tapes_[k].pull_back(by_rewards, {}, gradients, by_actions);
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      Lane& lane = lanes_[i];
+      if (lane.steps <= k) continue;
+      for (std::size_t j = 0; j < a; ++j) {
+        const std::size_t entry = k * a + j;
+        const double squashed = math::tanh(lane.plan[entry]);
+        double by_entry = by_actions[i * a + j] * half_ * (1.0 - squashed * squashed);
+        if (!std::isfinite(by_entry)) by_entry = 0.0;
+        lane.mean[entry] = momentum * lane.mean[entry] + (1.0 - momentum) * by_entry;
+        lane.square[entry] =
+            square_memory * lane.square[entry] + (1.0 - square_memory) * by_entry * by_entry;
+      }
+    }
+  }
+  for (Lane& lane : lanes_) {
+    double square = 0.0;
+    for (const double value : lane.square) square += value;
+    const double norm = math::sqrt(square / static_cast<double>(lane.plan.size()));
+    if (!(norm > 0.0) || !std::isfinite(norm)) continue;
+    for (std::size_t entry = 0; entry < lane.plan.size(); ++entry)
+      lane.plan[entry] =
+          std::clamp(lane.plan[entry] + step_length * lane.mean[entry] / norm, -farthest, farthest);
+  }
+}
+
+// ---- windows ----------------------------------------------------------------------------
+
 std::vector<Vec2> Replanner::way_of(const EpisodeStart& start) {
   env_.reset(0, {start.draws, 0.0, 0});
-  const auto a = static_cast<std::size_t>(arena_->action_length());
+  const std::size_t a = actuators();
   std::vector<double> targets(a * static_cast<std::size_t>(env_.environments()), 1.0);
   std::vector<std::uint8_t> active(static_cast<std::size_t>(env_.environments()), 0);
   active[0] = 1;
@@ -42,32 +252,6 @@ std::vector<Vec2> Replanner::way_of(const EpisodeStart& start) {
   return way;
 }
 
-// What is left of the last plan, or of the sequence; the same with noise.
-std::vector<Plan> Replanner::first_plans(const Part& before, int t, std::size_t window,
-                                         Stream& random) const {
-  const auto a = static_cast<std::size_t>(arena_->action_length());
-  std::vector<Plan> plans;
-  if (settings_->sequence) {
-    std::vector<double> targets(window * a);
-    for (std::size_t k = 0; k < window; ++k)
-      evo::act(*settings_->sequence, t + static_cast<int>(k), std::span(targets).subspan(k * a, a));
-    plans.push_back(planner_.plan_of(targets));
-  }
-  const auto done = static_cast<std::size_t>(before.steps);
-  if (before.plan.size() > done * a) {
-    plans.push_back(planner_.continued(before.plan, done, window));
-  } else if (plans.empty()) {
-    plans.push_back(planner_.faint(window, random));
-  }
-  const std::size_t bases = plans.size();
-  const double size = settings_->sequence ? 0.1 : 0.23;
-  for (std::size_t lane = bases; lane < static_cast<std::size_t>(settings_->lanes); ++lane)
-    plans.push_back(
-        planner_.noisy(plans[lane % bases], size * static_cast<double>(lane % 4 + 1), random));
-  plans.resize(static_cast<std::size_t>(settings_->lanes));
-  return plans;
-}
-
 // How long the episode is, or the way.
 std::size_t Replanner::steps_of(const Episode& episode) const {
   return settings_->sequence ? episode.way.size() / env_.positions(0).size()
@@ -78,30 +262,29 @@ Replanner::Part Replanner::next_part(const Episode& episode, const Part& before,
                                      Stream& random) {
   const auto done = static_cast<std::size_t>(t);
   const std::size_t points = env_.positions(0).size();
-  const auto longest = static_cast<std::size_t>(
-      std::max(1, std::min(settings_->window, planner_.longest_window(settings_->lanes))));
-  const std::size_t window = std::min(steps_of(episode) - done, longest);
-  std::vector<Plan> plans = first_plans(before, t, window, random);
-  Part best{plans.front(), std::min(settings_->committed, static_cast<int>(window)), {}, false};
+  const std::size_t window =
+      std::min({steps_of(episode) - done, static_cast<std::size_t>(settings_->window),
+                longest_window(arena_->model(), settings_->lanes)});
   std::span<const Vec2> way;
   if (settings_->sequence) way = std::span(episode.way).subspan(done * points, window * points);
-  planner_.begin(std::move(plans), way);
+  lanes_.clear();
+  for (Plan& plan : first_plans(before, t, window, random)) {
+    const std::size_t size = plan.size();
+    lanes_.push_back({std::move(plan), std::vector<double>(size), std::vector<double>(size)});
+  }
+  const std::size_t committed = std::min(static_cast<std::size_t>(settings_->committed), window);
+  Part best{lanes_.front().plan, static_cast<int>(committed), {}, false};
   double value = -std::numeric_limits<double>::infinity();
   for (int round = 0; round < settings_->rounds; ++round) {
-    if (round > 0) planner_.climb();
-    const auto lanes = static_cast<std::size_t>(settings_->lanes);
-    std::vector<std::vector<std::uint8_t>> after(lanes);
-    std::vector<int> stepped(lanes, 0);
-    const auto& outcomes = planner_.simulate(env_, before.after, [&](std::size_t lane) {
-      if (++stepped[lane] == best.steps) after[lane] = env_.save(static_cast<int>(lane));
-    });
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      if (!(outcomes[lane].value > value)) continue;
-      value = outcomes[lane].value;
-      const bool is_over = stepped[lane] <= best.steps && outcomes[lane].is_over;
-      best = {planner_.plan(lane), best.steps,
-              is_over ? std::vector<std::uint8_t>() : std::move(after[lane]),
-              outcomes[lane].is_over && value < 0.0};
+    if (round > 0) climb(window);
+    simulate(before.after, window, committed, way);
+    for (Lane& lane : lanes_) {
+      if (!(lane.value > value)) continue;
+      value = lane.value;
+      best.plan = lane.plan;
+      best.after.clear();
+      if (!lane.is_over || lane.steps > committed) best.after = std::move(lane.after);
+      best.is_lost = lane.is_over && value < 0.0;
     }
   }
   return best;
@@ -143,8 +326,8 @@ void Replanner::act(const VecEnv& env, int lane, int t, const EpisodeStart& star
   }
   // Beyond its end, a way's last targets stay.
   const int last = static_cast<int>(episode.now.plan.size() / targets.size()) - 1;
-  planner_.targets_of(episode.now.plan, static_cast<std::size_t>(std::min(t - episode.since, last)),
-                      targets);
+  targets_of(episode.now.plan, static_cast<std::size_t>(std::min(t - episode.since, last)),
+             targets);
 }
 
 }  // namespace evo

@@ -1,9 +1,7 @@
-#include "libevo/control/planner.h"
+#include "libevo/control/replanner.h"
 
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <limits>
 
 #include "libevo/base/random.h"
 #include "libevo/control/evaluate.h"
@@ -11,76 +9,11 @@
 
 using namespace evo;
 
-TEST_CASE("a plan aims for the targets that it was made of") {
-  const Arena arena(test::walker(40), test::small_body());
-  const Planner planner(arena);
-  const auto actuators = static_cast<std::size_t>(arena.action_length());
-  std::vector<double> targets(2 * actuators, 1.25);
-  targets[0] = 0.75;
-  targets[actuators] = 5.0;  // nearly the end of the range
-  const Plan plan = planner.plan_of(targets);
-  std::vector<double> aimed(actuators);
-  planner.targets_of(plan, 0, aimed);
-  CHECK(aimed == std::vector<double>(targets.begin(), targets.begin() + aimed.size()));
-  planner.targets_of(plan, 1, aimed);
-  CHECK(aimed[0] > 1.59);
-  CHECK(aimed[0] <= 1.6);
-  CHECK(planner.longest_window(8) > 64);
-}
-
-TEST_CASE("plans climb from a moment") {
-  const Arena arena(test::walker(60), test::body_a());
-  VecEnv env(arena, 4);
-  env.reset(0, {});
-  const auto from = env.save(0);
-  Planner planner(arena);
-  Stream random(3, "plans");
-  std::vector<Plan> plans(4);
-  const int window = 24;
-  for (Plan& plan : plans)
-    for (int i = 0; i < window * arena.action_length(); ++i)
-      plan.push_back(0.3 * random.gaussian());
-  planner.begin(plans);
-  int steps = 0;
-  std::vector<double> best;
-  std::vector<double> earned(4);
-  for (int round = 0; round < 8; ++round) {
-    std::fill(earned.begin(), earned.end(), 0.0);
-    const auto& outcomes = planner.simulate(env, from, [&](std::size_t lane) {
-      ++steps;
-      earned[lane] += env.rewards()[lane];
-    });
-    best.push_back(-std::numeric_limits<double>::infinity());
-    for (const Planner::Outcome& outcome : outcomes) {
-      CHECK_FALSE(outcome.is_over);
-      best.back() = std::max(best.back(), outcome.value);
-    }
-    planner.climb();
-  }
-  CHECK(steps == 8 * 4 * window);
-  CHECK(*std::max_element(best.begin() + 1, best.end()) > best.front() + 0.04);
-}
-
-TEST_CASE("a plan ends with its episode, and climbs by what it earned until then") {
+TEST_CASE("a plan ends with its episode") {
   const Arena arena(test::walker(10), test::small_body());
-  VecEnv env(arena, 2);
-  env.reset(0, {});
-  Planner planner(arena);
-  const Plan rest(static_cast<std::size_t>(20 * arena.action_length()), 0.1);
-  planner.begin({rest, rest});
-  int steps = 0;
-  const auto& outcomes = planner.simulate(env, env.save(0), [&](std::size_t) { ++steps; });
-  CHECK(steps == 20);
-  CHECK(outcomes[0].is_over);
-  CHECK(outcomes[1].value == outcomes[0].value);
-  planner.climb();
-  const auto changed = [&](std::size_t from, std::size_t to) {
-    const auto a = static_cast<std::size_t>(arena.action_length());
-    return !std::equal(planner.plan(0).begin() + static_cast<std::ptrdiff_t>(from * a),
-                       planner.plan(0).begin() + static_cast<std::ptrdiff_t>(to * a), rest.begin());
-  };
-  CHECK(changed(0, 10));
-  CHECK_FALSE(changed(10, 20));
+  const PlannerController planner{.window = 20, .committed = 20, .rounds = 3, .lanes = 2};
+  const Evaluation planned = evaluate(arena, planner, EvaluationSettings{});
+  CHECK(planned.lengths == std::vector<int>{10});
 }
 
 TEST_CASE("a free planner earns more than rest, whatever episodes run beside it") {
@@ -88,13 +21,16 @@ TEST_CASE("a free planner earns more than rest, whatever episodes run beside it"
   EvaluationSettings evaluation;
   evaluation.episodes = 2;
   evaluation.jitter = 1e-3;
-  const PlannerController planner{.window = 32, .committed = 16, .rounds = 5, .lanes = 3};
-  const Evaluation planned = evaluate(arena, planner, evaluation);
+  const auto planner = [](int rounds) {
+    return PlannerController{.window = 32, .committed = 16, .rounds = rounds, .lanes = 3};
+  };
+  const Evaluation planned = evaluate(arena, planner(5), evaluation);
   const SineController rest = travelling_wave(arena.action_length(), 0.0, 1.0, 0.0);
   CHECK(planned.mean() > evaluate(arena, rest, evaluation).mean() + 0.1);
+  CHECK(planned.mean() > evaluate(arena, planner(1), evaluation).mean() + 0.1);
   CHECK(planned.returns[0] != planned.returns[1]);
   evaluation.lanes = 1;
-  CHECK(evaluate(arena, planner, evaluation).returns == planned.returns);
+  CHECK(evaluate(arena, planner(5), evaluation).returns == planned.returns);
 }
 
 TEST_CASE("a planner comes back to the way of a sequence") {

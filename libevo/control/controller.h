@@ -25,6 +25,8 @@ using Controller = std::variant<Policy, SineController, RandomController, Replay
 
 // Those that a training can find, and a policy file can hold.
 using TrainedController = std::variant<Policy, SineController, ReplayController, ModularPolicy>;
-Controller to_controller(const TrainedController& controller);
+inline Controller to_controller(const TrainedController& controller) {
+  return std::visit([](const auto& c) -> Controller { return c; }, controller);
+}
 
 }  // namespace evo

@@ -5,7 +5,6 @@
 
 #include "libevo/base/alternatives.h"
 #include "libevo/base/error.h"
-#include "libevo/base/join.h"
 
 namespace evo {
 namespace {
@@ -26,9 +25,7 @@ std::vector<std::string> algorithm_names() { return names_of<Method>(); }
 Algorithm::Algorithm(std::string_view name) : name_(name) {
   bool known = false;
   with_method(*this, [&](auto) { known = true; });
-  if (!known)
-    throw error(Failure::usage, "unknown algorithm '{}'{}; there are {}", name,
-                did_you_mean(name_, algorithm_names()), joined(algorithm_names()));
+  if (!known) throw error(Failure::usage, "unknown algorithm '{}'", name);
 }
 
 Abilities abilities(const Algorithm& algorithm) {
@@ -45,8 +42,15 @@ std::string algorithm_that(bool Abilities::*can) {
   return name;
 }
 
-void check_method(const TrainingSettings& settings) {
-  with_method(settings.algorithm, [&]<typename T>(std::type_identity<T>) { T::check(settings); });
+void check(const TrainingSettings& s) {
+  if (s.minibatches > s.batch())
+    throw error(Failure::usage,
+                "training: minibatches is {}; a rollout has fewer samples (environments x rollout)",
+                s.minibatches);
+  if (s.longest_period < s.shortest_period)
+    throw error(Failure::usage, "training: longest_period is {}; it must be at least {}",
+                s.longest_period, s.shortest_period);
+  with_method(s.algorithm, [&]<typename T>(std::type_identity<T>) { T::check(s); });
 }
 
 Method make_method(const TrainingJob& job) {

@@ -23,7 +23,5 @@ std::string algorithm_that(bool Abilities::*can);
 
 // The method that settings.algorithm names, ready to begin.
 Method make_method(const TrainingJob& job);
-// What it has to say about the settings; throws Error(usage).
-void check_method(const TrainingSettings& settings);
 
 }  // namespace evo

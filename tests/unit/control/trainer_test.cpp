@@ -323,9 +323,7 @@ TEST_CASE("settings that make no sense are refused by name") {
 TEST_CASE("an algorithm is one of the list") {
   CHECK(Algorithm().name() == "ppo");
   for (const std::string& name : algorithm_names()) CHECK(Algorithm(name).name() == name);
-  CHECK_THROWS_WITH(Algorithm("gaits"),
-                    Catch::StartsWith("unknown algorithm 'gaits' (did you mean 'gait'?); there "
-                                      "are ppo, gait, sequence, modular"));
+  CHECK_THROWS_WITH(Algorithm("gaits"), "unknown algorithm 'gaits'");
 }
 
 TEST_CASE("a checkpoint of another training is refused") {

@@ -70,15 +70,6 @@ TEST_CASE("the inputs are the row, the column and the distance from the centre")
   CHECK(along(-3) == Rows{"HHHH", "HSSH", "HHHH"});
 }
 
-TEST_CASE("the slope of the sigmoid is 5") {
-  // sigmoid(5 * 0.4) = 0.8808: between these two constants.
-  Genome genome = painter({-9, 0.880, -9, 0.4, 0.881});
-  insert(genome, ConnectionGene{-1, 3, 0.0});
-  CHECK(picture(genome, 1, 1) == Rows{"V"});
-  genome.nodes[4].bias = -9;
-  CHECK(picture(genome, 1, 1) == Rows{"H"});
-}
-
 TEST_CASE("the response multiplies the input, not the bias") {
   // Row 1: sigmoid(5 (0.5 * 2 - 1)) = 0.5; with the bias inside it would be sigmoid(2.5).
   Genome genome = painter({-9, 0.6, 0.4, -1, -9});

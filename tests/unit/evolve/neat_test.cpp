@@ -200,36 +200,9 @@ TEST_CASE("a surplus of accepted children is kept") {
   check_partition(population, state);
 }
 
-TEST_CASE("when nothing can be accepted the search ends with an error") {
-  NeatState state;
-  const auto accept_none = [](const Genome&) { return false; };
-  test::error_of(Failure::work, [&] { first_generation({}, accept_none, state, 1); });
-}
-
-TEST_CASE("a species without progress for 15 generations dies; without species all starts anew") {
-  NeatSettings settings;
-  settings.pop_size = 12;
-  NeatState state;
-  auto population = first_generation(settings, accept_all, state, 6);
-  const auto constant = [](const Genome&) { return 1.0; };
-  for (int generation = 1; generation <= 15; ++generation) {
-    population = next_generation(settings, score(population, constant), accept_all, state, 6);
-    REQUIRE(std::all_of(population.begin(), population.end(),
-                        [](const Individual& i) { return !i.parents.empty(); }));
-  }
-  // The species of generation 0 improved last in generation 0; if later species are
-  // left they carry on, else everybody is new.
-  const bool founders_only = std::all_of(state.species.begin(), state.species.end(),
-                                         [](const Species& s) { return s.created == 0; });
-  population = next_generation(settings, score(population, constant), accept_all, state, 6);
-  for (const Species& s : state.species) CHECK(s.last_improved > 0);
-  CHECK(std::all_of(population.begin(), population.end(),
-                    [](const Individual& i) { return i.parents.empty(); }) == founders_only);
-  check_partition(population, state);
-}
-
 TEST_CASE("extinction: new genomes if the settings say so, else an error") {
   NeatSettings settings;
+  CHECK(settings.max_stagnation == 15);
   settings.pop_size = 12;
   settings.max_stagnation = 1;
   settings.compatibility_threshold = 100.0;  // one species

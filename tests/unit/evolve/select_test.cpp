@@ -4,8 +4,8 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <limits>
-#include <ostream>
-#include <set>
+#include <utility>
+#include <vector>
 
 #include "libevo/base/error.h"
 
@@ -16,53 +16,41 @@ namespace {
 constexpr double failure = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-struct Generation {
-  int created;
-  int survivors;
-  bool operator==(const Generation&) const = default;
-};
-
-std::ostream& operator<<(std::ostream& out, const Generation& g) {
-  return out << g.created << ':' << g.survivors;
-}
-
-// The loop of the genetic algorithm (robots.md 2.3), counting only.
-std::vector<Generation> schedule(int population, int max_evaluations) {
-  std::vector<Generation> generations;
-  for (int created = population;;) {
-    const int survivors = paper_survivors(population, created, max_evaluations);
-    generations.push_back({created, survivors});
-    if (created == max_evaluations) return generations;
-    created = std::min(created + population - survivors, max_evaluations);
-  }
+// Robots created so far, survivors.
+using Schedule = std::vector<std::pair<int, int>>;
+Schedule schedule(int population, int max_evaluations) {
+  Schedule all;
+  for (const PlannedGeneration& generation : paper_plan(population, max_evaluations))
+    all.emplace_back(generation.created, generation.survivors);
+  return all;
 }
 
 }  // namespace
 
 TEST_CASE("the survivor schedule is the paper's, generation by generation") {
-  const std::vector<Generation> expected250{{25, 14}, {36, 13}, {48, 13}, {60, 12}, {73, 11},
-                                            {87, 10}, {102, 9}, {118, 8}, {135, 7}, {153, 6},
-                                            {172, 5}, {192, 4}, {213, 3}, {235, 2}, {250, 2}};
-  CHECK(schedule(25, 250) == expected250);
-  CHECK(schedule(25, 250).size() == 15);
+  const Schedule of_250{{25, 14}, {36, 13}, {48, 13}, {60, 12}, {73, 11},
+                        {87, 10}, {102, 9}, {118, 8}, {135, 7}, {153, 6},
+                        {172, 5}, {192, 4}, {213, 3}, {235, 2}, {250, 0}};
+  CHECK(schedule(25, 250) == of_250);
 
-  const auto first = [](std::vector<Generation> all, std::size_t n) {
+  const auto first = [](Schedule all, std::size_t n) {
     all.resize(n);
     return all;
   };
+  const Schedule of_500{{25, 15}, {35, 14}, {46, 14}, {57, 14},
+                        {68, 13}, {80, 13}, {92, 13}, {104, 12}};
   CHECK(schedule(25, 500).size() == 31);
-  CHECK(first(schedule(25, 500), 8) ==
-        std::vector<Generation>{
-            {25, 15}, {35, 14}, {46, 14}, {57, 14}, {68, 13}, {80, 13}, {92, 13}, {104, 12}});
+  CHECK(first(schedule(25, 500), 8) == of_500);
+  const Schedule of_750{{25, 15}, {35, 15}, {45, 15}, {55, 14}, {66, 14}};
   CHECK(schedule(25, 750).size() == 47);
-  CHECK(first(schedule(25, 750), 5) ==
-        std::vector<Generation>{{25, 15}, {35, 15}, {45, 15}, {55, 14}, {66, 14}});
+  CHECK(first(schedule(25, 750), 5) == of_750);
 }
 
 TEST_CASE("the survivor schedule is exact where the product is a whole number") {
   // 20 * 0.6 * 28/48 = 7; in floating point the product is a little more than 7.
   CHECK(paper_survivors(20, 20, 49) == 7);
   CHECK(paper_survivors(3, 3, 6) == 2);
+  CHECK(paper_survivors(25, 250, 250) == 2);
   CHECK(paper_survivors(1'000'000, 1'000'000, 1'000'000'000) == 599'400);
 }
 

@@ -1,10 +1,10 @@
 #include "libevo/control/voxel_views.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include "libevo/body/extent.h"
 #include "libevo/sim/model.h"
 
 namespace evo {
@@ -12,33 +12,12 @@ namespace {
 
 constexpr int materials = 5;  // of a voxel that is not empty
 
-// The smallest rectangle around the voxels.
-struct Frame {
-  int top = largest_side;
-  int bottom = -1;
-  int left = largest_side;
-  int right = -1;
-
-  explicit Frame(const Body& body) {
-    for (int row = 0; row < body.rows; ++row)
-      for (int col = 0; col < body.cols; ++col) {
-        if (body.at(row, col) == Voxel::empty) continue;
-        top = std::min(top, row);
-        bottom = std::max(bottom, row);
-        left = std::min(left, col);
-        right = std::max(right, col);
-      }
-  }
-  int rows() const { return bottom - top + 1; }
-  int cols() const { return right - left + 1; }
-};
-
 // A share of what the benchmark's bodies, 5 x 5, have at most.
 float share_of_five(int count) { return static_cast<float>(count) / 5.0F; }
 
 // [V x fixed_length], as the header lists them.
 Matrix fixed_views(const Body& body) {
-  const Frame frame(body);
+  const Extent frame = extent(body);
   const int voxels = count_voxels(body);
   std::array<int, materials> counts{};
   const auto material = [](Voxel voxel) { return static_cast<int>(voxel) - 1; };

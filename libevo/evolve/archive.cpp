@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libevo/base/error.h"
+#include "libevo/body/extent.h"
 
 namespace evo {
 
@@ -67,38 +68,8 @@ int count(const Body& body, Voxel kind) {
 
 bool has_voxel(const Body& body, int row, int col) { return body.at(row, col) != Voxel::empty; }
 
-// Rows and columns from the first to the last that has a voxel.
-struct Extent {
-  int first = 0;
-  int last = -1;
-  int length() const { return last - first + 1; }
-};
-Extent extent(int lines, const auto& is_used) {
-  Extent result;
-  for (int i = 0; i < lines; ++i) {
-    if (!is_used(i)) continue;
-    if (result.last < 0) result.first = i;
-    result.last = i;
-  }
-  return result;
-}
-Extent rows(const Body& body) {
-  return extent(body.rows, [&](int row) {
-    for (int col = 0; col < body.cols; ++col)
-      if (has_voxel(body, row, col)) return true;
-    return false;
-  });
-}
-Extent columns(const Body& body) {
-  return extent(body.cols, [&](int col) {
-    for (int row = 0; row < body.rows; ++row)
-      if (has_voxel(body, row, col)) return true;
-    return false;
-  });
-}
-
 int feet(const Body& body) {
-  const int lowest = rows(body).last;
+  const int lowest = extent(body).bottom;
   int runs = 0;
   for (int col = 0; lowest >= 0 && col < body.cols; ++col)
     if (has_voxel(body, lowest, col) && (col == 0 || !has_voxel(body, lowest, col - 1))) ++runs;
@@ -123,8 +94,8 @@ constexpr std::array features{
     Feature{"horizontal",
             [](const Body& b) { return share(count(b, Voxel::horizontal), count_actuators(b)); }},
     Feature{"rigid", [](const Body& b) { return share(count(b, Voxel::rigid), count_voxels(b)); }},
-    Feature{"height", [](const Body& b) { return share(rows(b).length(), b.rows); }},
-    Feature{"width", [](const Body& b) { return share(columns(b).length(), b.cols); }},
+    Feature{"height", [](const Body& b) { return share(extent(b).rows(), b.rows); }},
+    Feature{"width", [](const Body& b) { return share(extent(b).cols(), b.cols); }},
     Feature{"feet", [](const Body& b) { return share(feet(b), (b.cols + 1) / 2); }},
     Feature{"symmetry", [](const Body& b) { return share(mirrored_cells(b), b.rows * b.cols); }},
 };

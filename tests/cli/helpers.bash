@@ -2,7 +2,7 @@
 # EVO_SOURCE (the checkout) and runs each file in a folder of its own.
 bats_require_minimum_version 1.5.0
 export PATH="$EVO_BIN:$PATH"
-unset MAKELEVEL MAKEFLAGS
+unset MAKELEVEL MAKEFLAGS EVO_DATA EVO_TASKS
 data="$EVO_SOURCE/tests/data"
 
 setup() { cd "$BATS_TEST_TMPDIR" || return; }

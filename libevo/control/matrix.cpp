@@ -284,60 +284,6 @@ void AddSparseProduct(const SparseMatrix& a, bool transposed, const float* b, st
   }
 }
 
-// Rows of width n: `of` says which row of scale and shift is for each of y's.
-void ScaleRows(const Eigen::Index* of, std::ptrdiff_t rows, std::ptrdiff_t n, const float* scale,
-               const float* shift, float* y) {
-  const D d;
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  for (std::ptrdiff_t r = 0; r < rows; ++r, y += n) {
-    const float* const by = scale + of[r] * n;
-    const float* const plus = shift + of[r] * n;
-    std::ptrdiff_t j = 0;
-    for (; j + lanes <= n; j += lanes)
-      hn::StoreU(
-          hn::Add(hn::Mul(hn::LoadU(d, y + j), hn::LoadU(d, by + j)), hn::LoadU(d, plus + j)), d,
-          y + j);
-    for (; j < n; ++j) y[j] = y[j] * by[j] + plus[j];
-  }
-}
-
-void ScaleRowsBack(const Eigen::Index* of, std::ptrdiff_t rows, std::ptrdiff_t n,
-                   const float* scale, const float* y, float* scale_slopes, float* shift_slopes,
-                   float* slope) {
-  const D d;
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  for (std::ptrdiff_t r = 0; r < rows; ++r, y += n, slope += n) {
-    const float* const by = scale + of[r] * n;
-    float* const of_scale = scale_slopes + of[r] * n;
-    float* const of_shift = shift_slopes + of[r] * n;
-    std::ptrdiff_t j = 0;
-    for (; j + lanes <= n; j += lanes) {
-      const V own = hn::LoadU(d, slope + j);
-      hn::StoreU(hn::Add(hn::LoadU(d, of_shift + j), own), d, of_shift + j);
-      hn::StoreU(hn::Add(hn::LoadU(d, of_scale + j), hn::Mul(own, hn::LoadU(d, y + j))), d,
-                 of_scale + j);
-      hn::StoreU(hn::Mul(own, hn::LoadU(d, by + j)), d, slope + j);
-    }
-    for (; j < n; ++j) {
-      of_shift[j] += slope[j];
-      of_scale[j] += slope[j] * y[j];
-      slope[j] *= by[j];
-    }
-  }
-}
-
-void TimesTanhSlope(const float* y, float* slope, std::ptrdiff_t n) {
-  const D d;
-  const V one = hn::Set(d, 1.0F);
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  std::ptrdiff_t i = 0;
-  for (; i + lanes <= n; i += lanes) {
-    const V v = hn::LoadU(d, y + i);
-    hn::StoreU(hn::Mul(hn::LoadU(d, slope + i), hn::Sub(one, hn::Mul(v, v))), d, slope + i);
-  }
-  for (; i < n; ++i) slope[i] *= 1.0F - y[i] * y[i];
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace evo
 HWY_AFTER_NAMESPACE();
@@ -348,10 +294,7 @@ namespace {
 
 HWY_EXPORT(AddProduct);
 HWY_EXPORT(Tanh);
-HWY_EXPORT(TimesTanhSlope);
 HWY_EXPORT(AddSparseProduct);
-HWY_EXPORT(ScaleRows);
-HWY_EXPORT(ScaleRowsBack);
 
 Operand plain(const MatrixView& x) { return {x.data(), x.outerStride(), 1}; }
 Operand transposed(const MatrixView& x) { return {x.data(), 1, x.outerStride()}; }
@@ -394,26 +337,6 @@ void add_product_transposed_left(const SparseMatrix& a, const Matrix& b, Matrix&
 }
 
 void tanh_in_place(Matrix& x) { HWY_DYNAMIC_DISPATCH(Tanh)(x.data(), x.size()); }
-
-void scale_rows(std::span<const Eigen::Index> of, const Matrix& scale, const Matrix& shift,
-                Matrix& y) {
-  eigen_assert(std::ssize(of) == y.rows() && scale.cols() == y.cols() && shift.cols() == y.cols());
-  HWY_DYNAMIC_DISPATCH(ScaleRows)
-  (of.data(), y.rows(), y.cols(), scale.data(), shift.data(), y.data());
-}
-
-void scale_rows_back(std::span<const Eigen::Index> of, const Matrix& scale, const Matrix& y,
-                     Matrix& scale_slopes, Matrix& shift_slopes, Matrix& slope) {
-  eigen_assert(std::ssize(of) == y.rows() && slope.rows() == y.rows() && slope.cols() == y.cols());
-  HWY_DYNAMIC_DISPATCH(ScaleRowsBack)
-  (of.data(), y.rows(), y.cols(), scale.data(), y.data(), scale_slopes.data(), shift_slopes.data(),
-   slope.data());
-}
-
-void times_tanh_slope(const Matrix& y, Matrix& slope) {
-  eigen_assert(y.rows() == slope.rows() && y.cols() == slope.cols());
-  HWY_DYNAMIC_DISPATCH(TimesTanhSlope)(y.data(), slope.data(), slope.size());
-}
 
 }  // namespace evo
 #endif

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <span>
 #include <vector>
 
 namespace evo {
@@ -43,14 +42,4 @@ void add_product_transposed_left(const SparseMatrix& a, const Matrix& b, Matrix&
 // x := tanh(x), every entry; within 4e-7 of the true value, never above 1 in
 // magnitude. NaN stays NaN.
 void tanh_in_place(Matrix& x);
-// Row r of y := y scale + shift, entry by entry, with row of[r] of both.
-void scale_rows(std::span<const Eigen::Index> of, const Matrix& scale, const Matrix& shift,
-                Matrix& y);
-// The way back, `y` as it was before: what `slope`, dL/d(result), means for y replaces it, and for
-// scale and shift is added to their slopes.
-void scale_rows_back(std::span<const Eigen::Index> of, const Matrix& scale, const Matrix& y,
-                     Matrix& scale_slopes, Matrix& shift_slopes, Matrix& slope);
-// slope := slope (1 - y^2), every entry: through y = tanh(x) back to x.
-void times_tanh_slope(const Matrix& y, Matrix& slope);
-
 }  // namespace evo

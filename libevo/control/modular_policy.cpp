@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
 
 #include "libevo/base/error.h"
 
@@ -119,7 +120,29 @@ std::span<const Eigen::Index> voxels_of(const ModularPass& pass, bool heads) {
 void apply_gate(const Matrix& scale, const Matrix& shift, const ModularPass& pass, bool heads,
                 Matrix& sums, Matrix& y) {
   sums = y;
-  scale_rows(voxels_of(pass, heads), scale, shift, y);
+  const std::span<const Eigen::Index> voxels = voxels_of(pass, heads);
+  for (Eigen::Index r = 0; r < y.rows(); ++r) {
+    const Eigen::Index voxel = voxels[static_cast<std::size_t>(r)];
+    y.row(r) = y.row(r).cwiseProduct(scale.row(voxel)) + shift.row(voxel);
+  }
+}
+
+// The way back: what `slope`, dL/d(result), means for the sums replaces it, and for scale and
+// shift is added to their slopes.
+void backward_gate(const Matrix& scale, const ModularPass& pass, bool heads, const Matrix& sums,
+                   Matrix& scale_slopes, Matrix& shift_slopes, Matrix& slope) {
+  const std::span<const Eigen::Index> voxels = voxels_of(pass, heads);
+  for (Eigen::Index r = 0; r < slope.rows(); ++r) {
+    const Eigen::Index voxel = voxels[static_cast<std::size_t>(r)];
+    shift_slopes.row(voxel) += slope.row(r);
+    scale_slopes.row(voxel) += slope.row(r).cwiseProduct(sums.row(r));
+    slope.row(r) = slope.row(r).cwiseProduct(scale.row(voxel));
+  }
+}
+
+// slope := slope (1 - y^2): through y = tanh(x) back to x.
+void times_tanh_slope(const Matrix& y, Matrix& slope) {
+  slope.array() *= 1.0F - y.array().square();
 }
 
 // ---- the first layer ------------------------------------------------------------------
@@ -142,8 +165,8 @@ void forward_first(const ModularNetwork& network, const PreparedNetwork& prepare
 // `slope` is dL/d(what the tanh gets).
 void backward_first(const PreparedNetwork& prepared, const VoxelSamples& batch, Matrix& slope,
                     ModularPass& pass, ModularNetwork& gradient) {
-  scale_rows_back(pass.voxels, prepared.gates.front().scale, pass.sums.front(),
-                  pass.gate_slopes.front().scale, pass.fixed_slopes, slope);
+  backward_gate(prepared.gates.front().scale, pass, false, pass.sums.front(),
+                pass.gate_slopes.front().scale, pass.fixed_slopes, slope);
   add_product_transposed_left(slope, batch.local, gradient.local);
   pass.task_slopes.setZero(batch.task.rows(), slope.cols());
   for (Eigen::Index r = 0; r < slope.rows(); ++r)
@@ -442,9 +465,8 @@ void backward_actor(const ModularPolicy& policy, const PreparedNetwork& prepared
     Matrix& slope = pass.slopes[l + 1];
     Matrix& below = pass.slopes[l];
     if (!last)
-      scale_rows_back(voxels_of(pass, of_heads(policy, l)), prepared.gates[l + 1].scale,
-                      pass.sums[l + 1], pass.gate_slopes[l + 1].scale,
-                      pass.gate_slopes[l + 1].shift, slope);
+      backward_gate(prepared.gates[l + 1].scale, pass, of_heads(policy, l), pass.sums[l + 1],
+                    pass.gate_slopes[l + 1].scale, pass.gate_slopes[l + 1].shift, slope);
     for (Eigen::Index r = 0; r < slope.rows(); ++r)
       gradient.rest.layers[l].bias += slope.row(r).transpose();
     if (last) {

@@ -90,45 +90,6 @@ TEST_CASE("products of blocks and of sparse matrices have the bits of the whole 
     Matrix left = Matrix::Zero(k, n);
     evo::add_product_transposed_left(sparse, other, left);
     CHECK(left == dense_left);
-
-    Matrix slope = other;
-    evo::times_tanh_slope(whole, slope);
-    CHECK(slope == Matrix(other.array() * (1.0F - whole.array().square())));
-  });
-}
-
-TEST_CASE("rows are scaled by others, and slopes come back, on every instruction set") {
-  evo::Stream stream(3, "rows");
-  const int n = GENERATE(1, 19, 64, 85);
-  const std::vector<Eigen::Index> of{2, 0, 2, 1, 2};
-  const Matrix scale = random_matrix(3, n, stream);
-  const Matrix shift = random_matrix(3, n, stream);
-  const Matrix x = random_matrix(5, n, stream);
-  const Matrix back = random_matrix(5, n, stream);
-  Matrix expected = x;
-  Matrix expected_slope = back;
-  Matrix expected_scale = Matrix::Ones(3, n);
-  Matrix expected_shift = Matrix::Ones(3, n);
-  for (Eigen::Index r = 0; r < 5; ++r) {
-    const Eigen::Index o = of[static_cast<std::size_t>(r)];
-    for (Eigen::Index j = 0; j < n; ++j) {
-      expected(r, j) = x(r, j) * scale(o, j) + shift(o, j);
-      expected_scale(o, j) += back(r, j) * x(r, j);
-      expected_shift(o, j) += back(r, j);
-      expected_slope(r, j) = back(r, j) * scale(o, j);
-    }
-  }
-  evo::for_each_isa([&] {
-    Matrix y = x;
-    evo::scale_rows(of, scale, shift, y);
-    CHECK(y == expected);
-    Matrix slope = back;
-    Matrix of_scale = Matrix::Ones(3, n);
-    Matrix of_shift = Matrix::Ones(3, n);
-    evo::scale_rows_back(of, scale, x, of_scale, of_shift, slope);
-    CHECK(slope == expected_slope);
-    CHECK(of_scale == expected_scale);
-    CHECK(of_shift == expected_shift);
   });
 }
 

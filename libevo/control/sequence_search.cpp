@@ -30,14 +30,12 @@ constexpr double time_share = 0.5;
 constexpr double rest_share = 0.03;  // of attempts: a whole episode once more, after a rest
 
 // How many control steps it lasts: a gait's shortest period (6) several times, or its longest (40)
-// twice; three times as long with a rhythm; and three steps more for every moment that it puts
-// into the archive.
+// twice; and three steps more for every moment that it puts into the archive.
 constexpr int shortest_attempt = 20;
 constexpr int longest_attempt = 100;
-constexpr int rhythm_lasts = 3;
 constexpr int steps_gained = 3;
 
-// A gait is borrowed from the fastest of three moments, by what each earned in its last 40 steps,
+// A gait to be changed is that of the fastest of three moments, by what each earned in its last 40 steps,
 // the longest period that there is.
 constexpr int rivals = 3;
 constexpr int pace_steps = 40;
@@ -46,12 +44,10 @@ constexpr int pace_steps = 40;
 enum class AttemptKind {
   begin,   // a new gait
   change,  // the gait, or that of a moment that was earning much, changed
-  borrow,  // the gait of a moment that was earning much
-  repeat,  // the last actions, again and again
   push,    // a few targets held by groups of actuators, then the gait
   hold     // one target for each group
 };
-constexpr std::uint32_t attempt_kinds = 6;
+constexpr std::uint32_t attempt_kinds = 4;
 
 }  // namespace
 
@@ -147,13 +143,6 @@ SineController SequenceSearch::fast_gait() {
   return fastest->gait;
 }
 
-// As many steps as a gait's period may have; 0 where there are too few to choose from.
-int SequenceSearch::some_of(int steps) {
-  const int shortest = static_cast<int>(settings_.shortest_period);
-  const int longest = std::min(steps, static_cast<int>(settings_.longest_period));
-  return longest < shortest ? 0 : random_.integer(shortest, longest);
-}
-
 // The moment of a level to continue from: weights fall off below the highest, and with
 // every visit. None where all have come to the end of the episode.
 SequenceSearch::Moment* SequenceSearch::choose_level() {
@@ -233,10 +222,6 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
   SineController& gait = attempt.at.gait;
   using enum AttemptKind;
   const auto kind = static_cast<AttemptKind>(random_.below(attempt_kinds));
-  if (kind != push) attempt.at.repeated = 0;
-  if (kind == borrow) gait = fast_gait();
-  if (kind == repeat) attempt.at.repeated = some_of(steps_of(attempt.at));
-  if (kind == borrow || kind == repeat) attempt.steps_left *= rhythm_lasts;
   if (gait.phase.empty() || kind == begin) gait = new_gait();
   if (kind == change) {
     if (random_.integer(0, 1) == 0) gait = fast_gait();
@@ -267,12 +252,6 @@ void SequenceSearch::choose_targets(Attempt& attempt, std::span<double> targets)
         value = target(low() + (high() - low()) * (extreme ? std::round(any) : any));
       }
     for (std::size_t i = 0; i < targets.size(); ++i) targets[i] = attempt.values[attempt.group[i]];
-    return;
-  }
-  if (attempt.at.repeated > 0) {
-    const auto ago = static_cast<std::size_t>(attempt.at.repeated) * targets.size();
-    std::copy_n(attempt.at.actions.end() - static_cast<std::ptrdiff_t>(ago), targets.size(),
-                targets.begin());
     return;
   }
   act(attempt.at.gait, t, targets);
@@ -440,7 +419,7 @@ void SequenceSearch::save(Checkpoint& checkpoint) const {
 
 void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& name,
                                   const Moments& moments) {
-  std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, repeated, visits
+  std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, visits
   std::vector<std::uint8_t> states;
   std::vector<double> actions;
   std::vector<double> earnings;
@@ -449,7 +428,6 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
   for (const auto& [place, moment] : moments) {
     const SineController& gait = moment.gait;
     counts.insert(counts.end(), {moment.state.size(), moment.actions.size(), gait.phase.size(),
-                                 static_cast<std::uint64_t>(moment.repeated),
                                  static_cast<std::uint64_t>(moment.visits)});
     delayed.push_back(moment.delayed ? 1 : 0);
     states.insert(states.end(), moment.state.begin(), moment.state.end());
@@ -504,7 +482,7 @@ std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoin
                                                                  const std::string& name) const {
   const auto& counts = checkpoint.get<std::uint64_t>(name + "/counts");
   const auto& delayed = checkpoint.get<std::uint8_t>(name + "/delayed");
-  if (counts.size() != 5 * delayed.size())
+  if (counts.size() != 4 * delayed.size())
     throw Error(Failure::data, "checkpoint: its archive is cut short");
   std::span<const std::uint8_t> states = checkpoint.get<std::uint8_t>(name + "/states");
   std::span<const double> actions = checkpoint.get<double>(name + "/actions");
@@ -513,15 +491,12 @@ std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoin
   std::vector<Moment> moments;
   for (std::size_t i = 0; i < delayed.size(); ++i) {
     Moment moment;
-    moment.state = take(states, counts[5 * i]);
-    moment.actions = take(actions, counts[5 * i + 1]);
+    moment.state = take(states, counts[4 * i]);
+    moment.actions = take(actions, counts[4 * i + 1]);
     moment.earnings = take(earnings, static_cast<std::size_t>(steps_of(moment)));
-    const std::size_t waves = counts[5 * i + 2];
-    moment.repeated = static_cast<int>(counts[5 * i + 3]);
-    moment.visits = static_cast<int>(counts[5 * i + 4]);
+    const std::size_t waves = counts[4 * i + 2];
+    moment.visits = static_cast<int>(counts[4 * i + 3]);
     moment.delayed = delayed[i] != 0;
-    if (moment.repeated < 0 || moment.repeated > steps_of(moment))
-      throw Error(Failure::data, "checkpoint: its archive repeats what it does not have");
     moment.gait.period = take(gaits, 1)[0];
     moment.gait.middle = take(gaits, 1)[0];
     moment.gait.phase = take(gaits, waves);

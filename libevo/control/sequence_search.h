@@ -6,11 +6,10 @@
 // travelling needs, the second what only counts at the end, as to be high up then.
 // Again and again a moment is chosen, a little visited one rather, and of levels a high
 // one; the simulation continues from there with something new for a while, and what is
-// better than the archive's enters it. New is a gait, changed or of a moment that was
-// earning much, or the last actions again and again, or targets held by groups of
-// actuators. A step in front of a stair costs one step, not an episode, and what a fall
-// would cost keeps nobody from trying. What earned the most too early, as a jump that is
-// over before the episode is, is done once more after a rest, so as to end with it.
+// better than the archive's enters it. New is a gait, changed or not, or targets held by
+// groups of actuators. A step in front of a stair costs one step, not an episode, and what
+// a fall would cost keeps nobody from trying. What earned the most too early, as a jump that
+// is over before the episode is, is done once more after a rest, so as to end with it.
 //
 // A search that starts from a sequence, as a child from its parent's, or from a gait
 // enters all that this reaches first.
@@ -70,7 +69,6 @@ class SequenceSearch {
     std::vector<double> actions;      // that lead there, [t x A]
     std::vector<double> earnings;     // return after each of them, [t]
     SineController gait;              // in progress; without phases: none
-    int repeated = 0;                 // the last steps that are, instead of a gait
     int visits = 0;
     bool delayed = false;  // all of it was done once more, after a rest
 
@@ -78,7 +76,7 @@ class SequenceSearch {
   };
   using Moments = std::map<std::int64_t, Moment>;
   // An attempt from a moment on: some steps of targets held by groups of actuators,
-  // then a gait, or the last actions again and again.
+  // then a gait.
   struct Attempt {
     Moment at;
     int steps_left = 0;
@@ -110,7 +108,6 @@ class SequenceSearch {
   ReplayController after_a_rest(const Moment& moment) const;
   SineController new_gait();
   SineController fast_gait();
-  int some_of(int steps);
   SineController changed(SineController gait);
   void choose_targets(Attempt& attempt, std::span<double> targets);
   void enter(Attempt& attempt, int lane);

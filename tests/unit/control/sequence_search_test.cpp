@@ -152,131 +152,17 @@ TEST_CASE("a search for a sequence resumes to the same bytes") {
     damaged.put(part, cut);
     CHECK_THROWS_WITH(resumed.load(damaged), Catch::Contains("cut short"));
   }
-}
-
-TEST_CASE("a search repeats its last actions, and continues doing so") {
-  const Arena arena(test::walker(120), test::body_a());
-  SequenceSearch search(arena, brief(), once(), stream(8));
-  search.explore(12000);
-  Checkpoint checkpoint;
-  search.save(checkpoint);
-  const auto actuators = static_cast<std::size_t>(arena.action_length());
-  std::size_t meant = 0;
-  std::size_t repeating = 0;
-  for (const std::string moments : {"search/soonest", "search/highest"}) {
-    const auto& counts = checkpoint.get<std::uint64_t>(moments + "/counts");
-    const auto& actions = checkpoint.get<double>(moments + "/actions");
-    std::size_t end = 0;
-    for (std::size_t i = 0; i < counts.size(); i += 5) {  // a row for each moment
-      end += counts[i + 1];
-      const std::size_t repeated = counts[i + 3];
-      if (repeated == 0) continue;
-      ++meant;
-      REQUIRE(repeated * actuators <= counts[i + 1]);
-      const auto* last = actions.data() + end - actuators;
-      if (std::equal(last, last + actuators, last - repeated * actuators)) ++repeating;
-    }
-  }
-  REQUIRE(meant > 0);  // some of them are pushed first
-  CHECK(2 * repeating >= meant);
-
   // Moments of times instead of levels, which earned more than 0.
-  Checkpoint late = checkpoint;
+  Checkpoint late = a;
   const std::string from = "search/highest/";
   const std::string to = "search/soonest/";
-  late.put(to + "counts", checkpoint.get<std::uint64_t>(from + "counts"));
-  late.put(to + "states", checkpoint.get<std::uint8_t>(from + "states"));
-  late.put(to + "delayed", checkpoint.get<std::uint8_t>(from + "delayed"));
+  late.put(to + "counts", a.get<std::uint64_t>(from + "counts"));
+  for (const std::string part : {"states", "delayed"})
+    late.put(to + part, a.get<std::uint8_t>(from + part));
   for (const std::string part : {"actions", "gaits"})
-    late.put(to + part, checkpoint.get<double>(from + part));
-  late.put(to + "earnings",
-           std::vector<double>(checkpoint.get<double>(from + "earnings").size(), 1000.0));
-  CHECK_THROWS_WITH(search.load(late), Catch::Contains("does not begin where episodes do"));
-
-  auto counts = checkpoint.get<std::uint64_t>("search/highest/counts");
-  counts[3] = 1000;
-  checkpoint.put("search/highest/counts", counts);
-  CHECK_THROWS_WITH(search.load(checkpoint), Catch::Contains("repeats what it does not have"));
-}
-
-// An archive has two moments that have earned as much, `fast` steadily until now and the
-// other at once and long ago. How many moments of 100 searches came from the other and have
-// the gait of `lender`.
-int borrowers(const Arena& arena, std::size_t fast, std::size_t lender) {
-  const auto actuators = static_cast<std::size_t>(arena.action_length());
-  SequenceSearch scout(arena, brief(), once(), stream(9));
-  scout.explore(6000);
-  Checkpoint archive;
-  scout.save(archive);
-  constexpr std::size_t first = 4;  // of times, those after 50 and 60 steps
-  constexpr double periods[] = {11.0, 13.0};
-  const auto counts = archive.get<std::uint64_t>("search/highest/counts");
-  std::vector<std::uint64_t> kept_counts;
-  std::vector<double> actions;
-  std::vector<double> earnings;
-  std::vector<double> gaits;
-  std::size_t skipped = 0;  // bytes of states
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < first; ++i) skipped += counts[5 * i];
-  for (std::size_t k = 0; k < 2; ++k) {
-    const std::size_t row = 5 * (first + k);
-    const std::size_t steps = counts[row + 1] / actuators;
-    kept += counts[row];
-    kept_counts.insert(kept_counts.end(), {counts[row], counts[row + 1], actuators, 0, 0});
-    actions.insert(actions.end(), counts[row + 1], 0.1 * periods[k]);  // says whose they are
-    for (std::size_t t = 1; t <= steps; ++t)
-      earnings.push_back(k == fast ? static_cast<double>(t) / static_cast<double>(steps) : 1.0);
-    gaits.insert(gaits.end(), {periods[k], 0.0});
-    for (const double value : {0.3, 0.5, 1.1}) gaits.insert(gaits.end(), actuators, value);
-  }
-  const auto all = archive.get<std::uint8_t>("search/highest/states");
-  const auto from = all.begin() + static_cast<std::ptrdiff_t>(skipped);
-  std::vector<std::uint8_t> states(from, from + static_cast<std::ptrdiff_t>(kept));
-  // Where episodes begin, as of the scout, is among levels alone.
-  const auto levels = archive.get<std::uint64_t>("search/soonest/counts");
-  auto beginning = archive.get<std::uint8_t>("search/soonest/states").begin();
-  std::size_t row = 0;
-  for (; levels[row + 1] > 0; row += 5) beginning += static_cast<std::ptrdiff_t>(levels[row]);
-  const std::vector<std::uint8_t> first_state(beginning,
-                                              beginning + static_cast<std::ptrdiff_t>(levels[row]));
-  for (const std::string moments : {"search/highest", "search/soonest"}) {
-    if (moments == "search/soonest") {
-      kept_counts.insert(kept_counts.end(), {first_state.size(), 0, 0, 0, 0});
-      states.insert(states.end(), first_state.begin(), first_state.end());
-      gaits.insert(gaits.end(), {25.0, 1.1});
-    }
-    archive.put(moments + "/counts", kept_counts);
-    archive.put(moments + "/states", states);
-    archive.put(moments + "/actions", actions);
-    archive.put(moments + "/earnings", earnings);
-    archive.put(moments + "/gaits", gaits);
-    archive.put(moments + "/delayed", std::vector<std::uint8_t>(kept_counts.size() / 5, 0));
-  }
-
-  int count = 0;
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
-    SequenceSearch search(arena, brief(), once(), stream(seed));
-    search.load(archive);
-    search.explore(200);
-    Checkpoint after;
-    search.save(after);
-    const auto& found = after.get<std::uint64_t>("search/highest/counts");
-    const double* path = after.get<double>("search/highest/actions").data();
-    const double* gait = after.get<double>("search/highest/gaits").data();
-    for (std::size_t i = 0; i < found.size(); i += 5) {
-      if (*gait == periods[lender] && *path == 0.1 * periods[1 - lender]) ++count;
-      path += found[i + 1];
-      gait += 2 + 3 * found[i + 2];
-    }
-  }
-  return count;
-}
-
-TEST_CASE("a search borrows gaits where they were earning") {
-  const Arena arena(test::walker(300), test::body_a());
-  // Nothing else differs: without a choice among gaits these would be equal.
-  CHECK(borrowers(arena, 0, 0) > borrowers(arena, 1, 0));
-  CHECK(borrowers(arena, 1, 1) > borrowers(arena, 0, 1));
+    late.put(to + part, a.get<double>(from + part));
+  late.put(to + "earnings", std::vector<double>(a.get<double>(from + "earnings").size(), 1000.0));
+  CHECK_THROWS_WITH(resumed.load(late), Catch::Contains("does not begin where episodes do"));
 }
 
 TEST_CASE("a search does what came too early once more, so as to end with it") {

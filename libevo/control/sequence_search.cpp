@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -35,15 +34,10 @@ constexpr int shortest_attempt = 20;
 constexpr int longest_attempt = 100;
 constexpr int steps_gained = 3;
 
-// A gait to be changed is that of the fastest of three moments, by what each earned in its last 40 steps,
-// the longest period that there is.
-constexpr int rivals = 3;
-constexpr int pace_steps = 40;
-
 // What is tried from a moment on, all alike.
 enum class AttemptKind {
   begin,   // a new gait
-  change,  // the gait, or that of a moment that was earning much, changed
+  change,  // the gait, changed
   push,    // a few targets held by groups of actuators, then the gait
   hold     // one target for each group
 };
@@ -76,20 +70,12 @@ int SequenceSearch::steps_of(const Moment& moment) const {
   return static_cast<int>(moment.actions.size() / places_.size());
 }
 
-// What it earned in its last steps; less than anything where it has not so many.
-double SequenceSearch::pace(const Moment& moment) const {
-  const int before = steps_of(moment) - pace_steps;
-  if (before < 0) return -std::numeric_limits<double>::infinity();
-  return moment.earned() -
-         (before == 0 ? 0.0 : moment.earnings[static_cast<std::size_t>(before - 1)]);
-}
-
 std::int64_t SequenceSearch::level_of(double earned) const {
   return static_cast<std::int64_t>(std::floor(earned / level_height_));
 }
 
 double SequenceSearch::highest() const {
-  return soonest_.empty() ? 0.0 : soonest_.rbegin()->second.earned();
+  return soonest_.empty() ? 0.0 : soonest_.rbegin()->second.earned;
 }
 
 // ---- what is tried -------------------------------------------------------------------
@@ -129,18 +115,6 @@ SineController SequenceSearch::changed(SineController gait) {
   gait.period = std::clamp(gait.period * math::exp(0.15 * random_.gaussian()),
                            settings_.shortest_period, 1.5 * settings_.longest_period);
   return gait;
-}
-
-// The gait, if it had one, of that of a few moments which was earning the most.
-SineController SequenceSearch::fast_gait() {
-  const Moments& moments = highest_.empty() || random_.integer(0, 1) == 0 ? soonest_ : highest_;
-  const Moment* fastest = nullptr;
-  for (int rival = 0; rival < rivals; ++rival) {
-    const auto place = random_.below(static_cast<std::uint32_t>(moments.size()));
-    const Moment& moment = std::next(moments.begin(), place)->second;
-    if (fastest == nullptr || pace(moment) > pace(*fastest)) fastest = &moment;
-  }
-  return fastest->gait;
 }
 
 // The moment of a level to continue from: weights fall off below the highest, and with
@@ -183,7 +157,7 @@ SequenceSearch::Moment* SequenceSearch::choose_early() {
   if (ended_.empty()) return nullptr;
   const auto early = std::find_if(soonest_.rbegin(), soonest_.rend(),
                                   [](const auto& place) { return !place.second.delayed; });
-  if (early == soonest_.rend() || early->second.earned() < ended_return_ + level_height_)
+  if (early == soonest_.rend() || early->second.earned < ended_return_ + level_height_)
     return nullptr;
   return &early->second;
 }
@@ -223,10 +197,7 @@ SequenceSearch::Attempt SequenceSearch::attempt() {
   using enum AttemptKind;
   const auto kind = static_cast<AttemptKind>(random_.below(attempt_kinds));
   if (gait.phase.empty() || kind == begin) gait = new_gait();
-  if (kind == change) {
-    if (random_.integer(0, 1) == 0) gait = fast_gait();
-    gait = changed(gait.phase.empty() ? new_gait() : std::move(gait));
-  }
+  if (kind == change) gait = changed(std::move(gait));
   if (kind == push || kind == hold) {
     attempt.pushes_left = kind == push ? random_.integer(4, 24) : episode_steps();
     attempt.held = kind == push ? random_.integer(2, 8) : episode_steps();
@@ -306,14 +277,14 @@ void SequenceSearch::enter(Moments& moments, std::int64_t place, Attempt& attemp
 
 void SequenceSearch::enter(Attempt& attempt, int lane) {
   const Moment& at = attempt.at;
-  const std::int64_t level = level_of(at.earned());
+  const std::int64_t level = level_of(at.earned);
   const auto old_level = soonest_.find(level);
   if (old_level == soonest_.end() || steps_of(at) < steps_of(old_level->second))
     enter(soonest_, level, attempt, lane);
   if (steps_of(at) % slot == 0) {
     const std::int64_t time = steps_of(at) / slot;
     const auto old_time = highest_.find(time);
-    if (old_time == highest_.end() || at.earned() > old_time->second.earned())
+    if (old_time == highest_.end() || at.earned > old_time->second.earned)
       enter(highest_, time, attempt, lane);
   }
   if (soonest_.size() > most_levels) coarsen();
@@ -324,7 +295,7 @@ void SequenceSearch::coarsen() {
   level_height_ *= 2.0;
   Moments fine = std::exchange(soonest_, {});
   for (auto& [level, moment] : fine) {
-    const auto [place, is_new] = soonest_.try_emplace(level_of(moment.earned()), std::move(moment));
+    const auto [place, is_new] = soonest_.try_emplace(level_of(moment.earned), std::move(moment));
     if (!is_new && steps_of(moment) < steps_of(place->second)) place->second = std::move(moment);
   }
 }
@@ -333,14 +304,14 @@ void SequenceSearch::coarsen() {
 bool SequenceSearch::note(Attempt& attempt, std::size_t lane, std::span<const double> targets) {
   Moment& at = attempt.at;
   at.actions.insert(at.actions.end(), targets.begin(), targets.end());
-  at.earnings.push_back(at.earned() + env_.rewards()[lane]);
+  at.earned += env_.rewards()[lane];
   --attempt.steps_left;
-  if (env_.status(static_cast<int>(lane)) == LaneStatus::unstable || !std::isfinite(at.earned()))
+  if (env_.status(static_cast<int>(lane)) == LaneStatus::unstable || !std::isfinite(at.earned))
     return false;
   if (env_.terminated()[lane] != 0 || env_.truncated()[lane] != 0) {
-    if (ended_.empty() || at.earned() > ended_return_) {
+    if (ended_.empty() || at.earned > ended_return_) {
       ended_ = at.actions;
-      ended_return_ = at.earned();
+      ended_return_ = at.earned;
       ended_is_new_ = true;
     }
     return false;
@@ -397,9 +368,9 @@ std::vector<ReplayController> SequenceSearch::news() {
   ended_is_new_ = false;
   if (soonest_.empty()) return sequences;
   const Moment& top = soonest_.rbegin()->second;
-  const bool further = ended_.empty() || top.earned() > ended_return_;
-  if (further && top.earned() > shown_) {
-    shown_ = top.earned();
+  const bool further = ended_.empty() || top.earned > ended_return_;
+  if (further && top.earned > shown_) {
+    shown_ = top.earned;
     sequences.push_back(whole(top.actions));
   }
   return sequences;
@@ -422,7 +393,7 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
   std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, visits
   std::vector<std::uint8_t> states;
   std::vector<double> actions;
-  std::vector<double> earnings;
+  std::vector<double> earned;
   std::vector<double> gaits;
   std::vector<std::uint8_t> delayed;
   for (const auto& [place, moment] : moments) {
@@ -432,7 +403,7 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
     delayed.push_back(moment.delayed ? 1 : 0);
     states.insert(states.end(), moment.state.begin(), moment.state.end());
     actions.insert(actions.end(), moment.actions.begin(), moment.actions.end());
-    earnings.insert(earnings.end(), moment.earnings.begin(), moment.earnings.end());
+    earned.push_back(moment.earned);
     gaits.insert(gaits.end(), {gait.period, gait.middle});
     for (const std::vector<double>* part : {&gait.phase, &gait.amplitude, &gait.shift})
       gaits.insert(gaits.end(), part->begin(), part->end());
@@ -440,7 +411,7 @@ void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& nam
   checkpoint.put(name + "/counts", std::move(counts));
   checkpoint.put(name + "/states", std::move(states));
   checkpoint.put(name + "/actions", std::move(actions));
-  checkpoint.put(name + "/earnings", std::move(earnings));
+  checkpoint.put(name + "/earned", std::move(earned));
   checkpoint.put(name + "/gaits", std::move(gaits));
   checkpoint.put(name + "/delayed", std::move(delayed));
 }
@@ -470,7 +441,7 @@ void SequenceSearch::load(const Checkpoint& checkpoint) {
   ended_ = checkpoint.get<double>("search/ended");
   soonest_.clear();
   for (Moment& moment : load_moments(checkpoint, "search/soonest"))
-    soonest_[level_of(moment.earned())] = std::move(moment);
+    soonest_[level_of(moment.earned)] = std::move(moment);
   if (!soonest_.empty() && !soonest_.contains(level_of(0.0)))
     throw Error(Failure::data, "checkpoint: its archive does not begin where episodes do");
   highest_.clear();
@@ -482,18 +453,18 @@ std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoin
                                                                  const std::string& name) const {
   const auto& counts = checkpoint.get<std::uint64_t>(name + "/counts");
   const auto& delayed = checkpoint.get<std::uint8_t>(name + "/delayed");
-  if (counts.size() != 4 * delayed.size())
+  const auto& earned = checkpoint.get<double>(name + "/earned");
+  if (counts.size() != 4 * delayed.size() || earned.size() != delayed.size())
     throw Error(Failure::data, "checkpoint: its archive is cut short");
   std::span<const std::uint8_t> states = checkpoint.get<std::uint8_t>(name + "/states");
   std::span<const double> actions = checkpoint.get<double>(name + "/actions");
-  std::span<const double> earnings = checkpoint.get<double>(name + "/earnings");
   std::span<const double> gaits = checkpoint.get<double>(name + "/gaits");
   std::vector<Moment> moments;
   for (std::size_t i = 0; i < delayed.size(); ++i) {
     Moment moment;
     moment.state = take(states, counts[4 * i]);
     moment.actions = take(actions, counts[4 * i + 1]);
-    moment.earnings = take(earnings, static_cast<std::size_t>(steps_of(moment)));
+    moment.earned = earned[i];
     const std::size_t waves = counts[4 * i + 2];
     moment.visits = static_cast<int>(counts[4 * i + 3]);
     moment.delayed = delayed[i] != 0;

@@ -67,12 +67,10 @@ class SequenceSearch {
   struct Moment {
     std::vector<std::uint8_t> state;  // VecEnv::save
     std::vector<double> actions;      // that lead there, [t x A]
-    std::vector<double> earnings;     // return after each of them, [t]
+    double earned = 0.0;              // return of them
     SineController gait;              // in progress; without phases: none
     int visits = 0;
     bool delayed = false;  // all of it was done once more, after a rest
-
-    double earned() const { return earnings.empty() ? 0.0 : earnings.back(); }
   };
   using Moments = std::map<std::int64_t, Moment>;
   // An attempt from a moment on: some steps of targets held by groups of actuators,
@@ -93,7 +91,6 @@ class SequenceSearch {
   double high() const { return arena_->task().physics.max_target; }
   double target(double value) const { return recorded_target(value, low(), high()); }
   int steps_of(const Moment& moment) const;
-  double pace(const Moment& moment) const;
   std::int64_t level_of(double earned) const;
 
   Moment* choose();
@@ -107,7 +104,6 @@ class SequenceSearch {
   Attempt whole_episode(OpenLoop replayed);
   ReplayController after_a_rest(const Moment& moment) const;
   SineController new_gait();
-  SineController fast_gait();
   SineController changed(SineController gait);
   void choose_targets(Attempt& attempt, std::span<double> targets);
   void enter(Attempt& attempt, int lane);

@@ -145,7 +145,7 @@ TEST_CASE("a search for a sequence resumes to the same bytes") {
   whole.save(a);
   resumed.save(b);
   CHECK(a == b);
-  for (const std::string part : {"search/highest/actions", "search/soonest/earnings"}) {
+  for (const std::string part : {"search/highest/actions", "search/soonest/earned"}) {
     Checkpoint damaged = a;
     std::vector<double> cut = a.get<double>(part);
     cut.pop_back();
@@ -161,7 +161,7 @@ TEST_CASE("a search for a sequence resumes to the same bytes") {
     late.put(to + part, a.get<std::uint8_t>(from + part));
   for (const std::string part : {"actions", "gaits"})
     late.put(to + part, a.get<double>(from + part));
-  late.put(to + "earnings", std::vector<double>(a.get<double>(from + "earnings").size(), 1000.0));
+  late.put(to + "earned", std::vector<double>(a.get<double>(from + "earned").size(), 1000.0));
   CHECK_THROWS_WITH(resumed.load(late), Catch::Contains("does not begin where episodes do"));
 }
 

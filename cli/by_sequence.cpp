@@ -46,7 +46,7 @@ Robot keep_better(const TrainingPlan& plan, const std::vector<TrainingPlan>& sta
     PolicyFile file = read_policy(path);
     steps += file.steps;
     if (&stage == &stage_plans.front()) continue;
-    const double mean = evaluate(arena, to_controller(file.controller),
+    const double mean = evaluate(arena, file.controller,
                                  perturbed(compared_from, derive_seed(plan.seed, "compared")))
                             .mean();
     if (best && mean <= most) continue;
@@ -59,8 +59,8 @@ Robot keep_better(const TrainingPlan& plan, const std::vector<TrainingPlan>& sta
     failed.set_failure({"no network was trained", steps, plan.seed});
     return failed;
   }
-  const Evaluation last = evaluate(arena, to_controller(best->controller),
-                                   perturbed(final_from, derive_seed(plan.seed, "final")));
+  const Evaluation last =
+      evaluate(arena, best->controller, perturbed(final_from, derive_seed(plan.seed, "final")));
   best->final_score = FinalScore{starts, last.mean(), last.standard_error()};
   const fs::path path = training_paths(plan, robot.id).policy;
   write_policy(path, *best);

@@ -86,7 +86,7 @@ class Policies {
       if (evaluation.episodes > 1 || evaluation.jitter != 0.0) return;
     } else {
       const Arena arena(policy_task(policy, name), policy.robot.body);
-      again = evaluate(arena, to_controller(policy.controller), evaluation).mean();
+      again = evaluate(arena, policy.controller, evaluation).mean();
     }
     if (again != policy.fitness)
       throw error(Failure::data, "{}: earns {}, not its fitness of {}", name, again,

@@ -95,9 +95,7 @@ Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task
     trial.task = policy_task(file, path);
     settings.task.change_physics(trial.task);
   }
-  trial.controller = [controller = to_controller(file.controller)](const Arena&) {
-    return controller;
-  };
+  trial.controller = [controller = file.controller](const Arena&) { return controller; };
   return trial;
 }
 

@@ -282,10 +282,10 @@ class Training {
       try {
         // An unstable one once more, for the reason.
         const bool known = i < result.each.size() && !std::isnan(result.each[i]);
-        all[i].set_fitness(known ? result.each[i]
-                                 : evaluate(arenas_[i], to_controller(*result.controller),
-                                            evaluation_of_fitness(plan_, all[i]))
-                                       .mean());
+        all[i].set_fitness(
+            known ? result.each[i]
+                  : evaluate(arenas_[i], *result.controller, evaluation_of_fitness(plan_, all[i]))
+                        .mean());
       } catch (const Error& e) {
         if (e.kind() != Failure::work) throw;
         all[i].set_failure({e.what(), std::nullopt, plan_.seed});
@@ -350,7 +350,7 @@ Robot scored(const TrainingPlan& plan, const Robot& robot, double fitness, const
     result.document["final"] = {{"episodes", score->episodes},
                                 {"mean", score->mean},
                                 {"standard_error", score->standard_error}};
-  result.document["behaviour"] = behaviour_of(plan, robot, to_controller(policy.controller), arena);
+  result.document["behaviour"] = behaviour_of(plan, robot, policy.controller, arena);
   return result;
 }
 

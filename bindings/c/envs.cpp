@@ -1,15 +1,51 @@
 // Environments of evo/evo.h.
+#include <algorithm>
+#include <cstdint>
 #include <numeric>
-#include <optional>
+#include <utility>
+#include <vector>
 
 #include "bindings/c/handles.h"
 #include "bindings/c/session.h"
-#include "bindings/c/voxels.h"
 #include "formats/rollout/episodes.h"
 #include "formats/training/policy_json.h"
+#include "libevo/control/actor.h"
 
 using namespace evo::c;  // NOLINT(google-build-using-namespace)
 using evo::Failure;
+
+namespace {
+
+// A voxel and one that it is linked to, for every voxel in turn, ascending: each link twice.
+using VoxelLinks = std::vector<std::pair<std::int32_t, std::int32_t>>;
+
+VoxelLinks links_of(const evo::Body& body) {
+  std::vector<std::int32_t> numbers;  // of each cell's voxel
+  std::int32_t next = 0;
+  for (const evo::Voxel cell : body.cells)
+    numbers.push_back(cell == evo::Voxel::empty ? -1 : next++);
+  VoxelLinks links;
+  for (const evo::Link& link : body.links) {
+    const std::int32_t a = numbers[static_cast<std::size_t>(link.a)];
+    const std::int32_t b = numbers[static_cast<std::size_t>(link.b)];
+    links.emplace_back(a, b);
+    links.emplace_back(b, a);
+  }
+  std::sort(links.begin(), links.end());
+  return links;
+}
+
+struct Voxels {
+  evo::VoxelViews views;
+  VoxelLinks links;
+
+  std::size_t local_values() const {
+    return static_cast<std::size_t>(views.voxels() * evo::VoxelViews::local_length);
+  }
+  std::size_t task_values() const { return static_cast<std::size_t>(views.task_length()); }
+};
+
+}  // namespace
 
 struct evo_envs {
   static constexpr const char* kind = "evo_envs";
@@ -42,14 +78,44 @@ struct evo_envs {
     }
   }
 
-  const evo::SessionVoxels& seen() {
-    if (!voxels) voxels.emplace(session);
-    return *voxels;
+  const evo::Arena& arena_of(std::size_t robot) const {
+    return session.envs().arena(static_cast<int>(robot) * session.per_robot());
+  }
+
+  // What the voxels of each robot see.
+  const std::vector<Voxels>& seen() {
+    for (std::size_t r = voxels.size(); r < session.robots().size(); ++r)
+      voxels.push_back({evo::VoxelViews(arena_of(r)), links_of(arena_of(r).robot())});
+    return voxels;
+  }
+
+  void act(const evo_policy& policy, std::span<double> targets) {
+    if (policy.file != acting) {
+      std::vector<evo::Actor> made;
+      for (std::size_t r = 0; r < session.robots().size(); ++r) {
+        try {
+          made.emplace_back(policy.file->controller, arena_of(r));
+        } catch (const evo::Error& misfit) {
+          throw misfit.at("robot " + session.robots()[r].id);
+        }
+      }
+      actors = std::move(made);
+      acting = policy.file;
+    }
+    const auto count = static_cast<std::size_t>(session.per_robot());
+    for (std::size_t r = 0; r < actors.size(); ++r) {
+      const std::size_t first = r * count;
+      const std::size_t offset = action_offsets[first];
+      actors[r].act(session.envs(), static_cast<int>(first), std::span(steps).subspan(first, count),
+                    targets.subspan(offset, action_offsets[first + count] - offset));
+    }
   }
 
   Owner owner;
   evo::Session session;
-  std::optional<evo::SessionVoxels> voxels;  // once asked for
+  std::vector<Voxels> voxels;                     // of each robot, once asked for
+  std::shared_ptr<const evo::PolicyFile> acting;  // the last one
+  std::vector<evo::Actor> actors;                 // of each robot
   std::vector<double> rewards;
   std::vector<std::uint8_t> status;
   std::vector<std::int32_t> steps;
@@ -146,8 +212,8 @@ int evo_envs_step(evo_envs* envs, const double* actions, size_t values, const ui
 int evo_envs_voxels(evo_envs* envs, int32_t environment, evo_voxels* voxels, size_t size) {
   return change(envs, [&](evo_envs& all) {
     all.session.check_environment(environment);
-    const evo::VoxelViews& views = all.seen().of(environment);
-    const auto links = all.seen().links(environment);
+    const auto& [views, links] =
+        all.seen()[static_cast<std::size_t>(environment / all.session.per_robot())];
     static_assert(sizeof links[0] == 2 * sizeof(std::int32_t));
     hand_over({static_cast<std::size_t>(views.voxels()), views.actuators().size(), links.size(),
                evo::VoxelViews::local_length, static_cast<std::size_t>(views.task_length()),
@@ -160,13 +226,26 @@ int evo_envs_voxels(evo_envs* envs, int32_t environment, evo_voxels* voxels, siz
 int evo_envs_look(evo_envs* envs, double* local, size_t local_values, double* task,
                   size_t task_values) {
   return change(envs, [&](evo_envs& all) {
-    const evo::SessionVoxels& voxels = all.seen();
-    if (local_values != voxels.local_values() || task_values != voxels.task_values())
+    const std::vector<Voxels>& voxels = all.seen();
+    const auto count = static_cast<std::size_t>(all.session.per_robot());
+    std::size_t locals = 0;
+    std::size_t tasks = 0;
+    for (const Voxels& robot : voxels) {
+      locals += count * robot.local_values();
+      tasks += count * robot.task_values();
+    }
+    if (local_values != locals || task_values != tasks)
       throw evo::error(Failure::usage, "{} local and {} task values are expected, not {} and {}",
-                       voxels.local_values(), voxels.task_values(), local_values, task_values);
+                       locals, tasks, local_values, task_values);
     target(local, "local");
     if (task_values > 0) target(task, "task");
-    all.seen().look({local, local_values}, {task, task_values});
+    for (std::size_t e = 0; e < count * voxels.size(); ++e) {
+      const Voxels& robot = voxels[e / count];
+      robot.views.look(all.session.envs(), static_cast<int>(e), {local, robot.local_values()},
+                       {task, robot.task_values()});
+      local += robot.local_values();
+      task += robot.task_values();
+    }
   });
 }
 
@@ -176,7 +255,7 @@ int evo_envs_act(evo_envs* envs, const evo_policy* policy, double* actions, size
       throw evo::error(Failure::usage, "{} actions are expected, not {}",
                        all.session.action_values(), values);
     if (values > 0) target(actions, "actions");
-    evo::act(object_of(policy).file.controller, all.seen(), {actions, values});
+    all.act(object_of(policy), {actions, values});
   });
 }
 

@@ -201,7 +201,7 @@ struct evo_robots {
 };
 struct evo_policy {
   static constexpr const char* kind = "evo_policy";
-  evo::PolicyFile file;
+  std::shared_ptr<evo::PolicyFile> file;  // shared with environments that it acts in
   std::vector<evo_curve_point> curve;
   std::atomic_flag busy;
 };

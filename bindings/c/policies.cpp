@@ -36,7 +36,8 @@ namespace evo::c {
 std::unique_ptr<evo_policy> policy_of(evo::PolicyFile file) {
   std::vector<evo_curve_point> curve;
   for (const evo::CurvePoint& p : file.curve) curve.push_back({p.step, p.evaluation, p.best});
-  return std::unique_ptr<evo_policy>(new evo_policy{std::move(file), std::move(curve), {}});
+  return std::unique_ptr<evo_policy>(
+      new evo_policy{std::make_shared<evo::PolicyFile>(std::move(file)), std::move(curve), {}});
 }
 
 evo::TrainingSettings settings_of(const evo_training& training) {
@@ -58,7 +59,7 @@ int evo_policy_read(const char* file, evo_policy** policy) {
 }
 
 int evo_policy_write(const evo_policy* policy, const char* file) {
-  return guarded([&] { evo::write_policy(text_of(file, "file"), object_of(policy).file); });
+  return guarded([&] { evo::write_policy(text_of(file, "file"), *object_of(policy).file); });
 }
 
 void evo_policy_free(evo_policy* policy) { close(policy); }
@@ -68,29 +69,29 @@ int evo_policy_set_final(evo_policy* policy, int32_t episodes, double mean, doub
     if (episodes < 1 || !std::isfinite(mean) || !(standard_error >= 0.0))
       throw evo::error(Failure::usage, "{} episodes, a mean of {} +- {} are no final score",
                        episodes, mean, standard_error);
-    own.file.final_score = evo::FinalScore{episodes, mean, standard_error};
+    own.file->final_score = evo::FinalScore{episodes, mean, standard_error};
   });
 }
 
 int evo_policy_describe(const evo_policy* policy, evo_policy_facts* facts, size_t size) {
   return guarded([&] {
     const evo_policy& described = object_of(policy);
-    hand_over({observation_length(described.file), action_length(described.file.controller),
-               described.file.fitness, described.curve.size(), described.curve.data(),
-               described.file.seed},
+    hand_over({observation_length(*described.file), action_length(described.file->controller),
+               described.file->fitness, described.curve.size(), described.curve.data(),
+               described.file->seed},
               facts, size);
   });
 }
 
 int evo_policy_task(const evo_policy* policy, evo_task** task) {
   return open(task,
-              [&] { return task_of(evo::policy_task(object_of(policy).file, "the policy")); });
+              [&] { return task_of(evo::policy_task(*object_of(policy).file, "the policy")); });
 }
 
 int evo_policy_act(const evo_policy* policy, const double* observations, const int32_t* steps,
                    size_t count, double* actions, size_t action_values) {
   return guarded([&] {
-    const evo::PolicyFile& file = object_of(policy).file;
+    const evo::PolicyFile& file = *object_of(policy).file;
     if (std::holds_alternative<evo::ModularPolicy>(file.controller))
       throw evo::Error(
           Failure::usage,

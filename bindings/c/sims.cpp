@@ -226,7 +226,7 @@ evo::Rollout rollout_of(const evo::PolicyFile& policy, const evo_sims& sims,
 int evo_policy_record(const evo_policy* policy, const evo_sims* sims, const evo_episode* episode,
                       size_t size, const char* file) {
   return guarded([&] {
-    const evo::PolicyFile& played = object_of(policy).file;
+    const evo::PolicyFile& played = *object_of(policy).file;
     if ((sims == nullptr) != (episode == nullptr))
       throw evo::Error(Failure::usage, "of `sims` and `episode` one is NULL");
     evo::write_rollout(text_of(file, "file"),

@@ -19,8 +19,8 @@
 #include "formats/task/task.h"
 #include "formats/training/controller_json.h"
 #include "libevo/base/error.h"
-#include "libevo/base/overloaded.h"
 #include "libevo/body/operators.h"
+#include "libevo/control/actor.h"
 
 namespace evo::web {
 namespace {
@@ -144,6 +144,7 @@ struct evo_player {
     targets.resize(static_cast<std::size_t>(arena.action_length()), 1.0);
     controller = evo::travelling_wave(arena.action_length(), 0.0, 1.0, 0.0);
     std::get<evo::SineController>(controller).middle = 1.0;
+    actor.emplace(controller, arena);
   }
 
   Share share(evo::TaskSpec task) const {
@@ -151,48 +152,14 @@ struct evo_player {
   }
 
   void control(const evo::Node& document) {
-    const std::string kind = document.at("kind").string();
-    const int actuators = arena.action_length();
-    if (kind == "wave") {
-      controller =
-          evo::travelling_wave(actuators, document.at("amplitude").number(),
-                               document.at("period").number(), document.at("phase").number());
-    } else {
-      evo::TrainedController read = evo::read_controller(document);
-      check_lengths(read);
-      controller = std::move(read);
-      modular.reset();
-      if (const auto* policy = std::get_if<evo::ModularPolicy>(&controller))
-        modular.emplace(*policy, arena);
-    }
-  }
-
-  void check_lengths(const evo::TrainedController& read) const {
-    const auto require = [](const char* what, std::ptrdiff_t has, std::ptrdiff_t needs) {
-      if (has != needs)
-        throw evo::error(evo::Failure::data, "the controller has {} {}, robot and task need {}",
-                         has, what, needs);
-    };
-    const evo::Overloaded open_loop{
-        [&](const evo::SineController& sine) {
-          require("amplitudes", std::ssize(sine.amplitude), arena.action_length());
-          require("phases", std::ssize(sine.phase), arena.action_length());
-          if (!sine.shift.empty()) require("shifts", std::ssize(sine.shift), arena.action_length());
-        },
-        [&](const evo::ReplayController& sequence) {
-          require("actions a step", sequence.actuators, arena.action_length());
-        }};
-    std::visit(evo::Overloaded{
-                   [&](const evo::Policy& policy) {
-                     require("inputs", policy.observation_length(), arena.observation_length());
-                     require("outputs", policy.action_length(), arena.action_length());
-                     if (policy.base) std::visit(open_loop, *policy.base);
-                   },
-                   [&](const evo::ModularPolicy& policy) {
-                     (void)evo::ModularActor(policy, arena);  // refuses what does not fit
-                   },
-                   open_loop},
-               read);
+    evo::TrainedController read =
+        document.at("kind").string() == "wave"
+            ? evo::travelling_wave(arena.action_length(), document.at("amplitude").number(),
+                                   document.at("period").number(), document.at("phase").number())
+            : evo::read_controller(document);
+    (void)evo::Actor(read, arena);  // refuses what does not fit, and the old one acts on
+    controller = std::move(read);
+    actor.emplace(controller, arena);
   }
 
   void reset(std::uint64_t seed, const std::optional<evo::Draws>& given) {
@@ -211,22 +178,11 @@ struct evo_player {
     snapshot.velocities.assign(velocities.begin(), velocities.end());
   }
 
-  void choose() {
-    const int t = env.steps(0);
-    std::visit(evo::Overloaded{[&](const evo::Policy& policy) {
-                                 evo::act(policy, env.observations(), {&t, 1}, targets, scratch);
-                               },
-                               [&](const evo::ModularPolicy&) {
-                                 modular->act(env, {&t, 1}, targets);
-                               },
-                               [&](const auto& open_loop) { evo::act(open_loop, t, targets); }},
-               controller);
-  }
-
   bool over() const { return counts[Count::ended] != 0.0; }
 
   void step() {
-    choose();
+    const int t = env.steps(0);
+    actor->act(env, 0, {&t, 1}, targets);
     std::swap(before, now);
     env.step(targets);
     evo::require_stable(env);
@@ -257,9 +213,8 @@ struct evo_player {
   evo::Arena arena;
   evo::VecEnv env;
   evo::TrainedController controller;
-  evo::NetworkScratch scratch;
-  std::optional<evo::ModularActor> modular;  // of `controller`, where it is one
-  std::vector<Share> shares;                 // of the rules, then of each term
+  std::optional<evo::Actor> actor;  // of `controller`
+  std::vector<Share> shares;        // of the rules, then of each term
   evo::Snapshot before;
   evo::Snapshot now;
   std::vector<double> targets;

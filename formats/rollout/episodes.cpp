@@ -90,7 +90,7 @@ Rollout play(const PolicyFile& policy, const std::filesystem::path& file,
   EvaluationSettings settings;
   settings.seed = policy.seed;
   Recorder recorder(arena, policy.robot, policy.seed, created_by);
-  evaluate(arena, to_controller(policy.controller), settings,
+  evaluate(arena, policy.controller, settings,
            [&](const EpisodeMoment& moment) { recorder.record(moment); });
   return recorder.rollout();
 }

@@ -20,13 +20,9 @@ struct RandomController {
   bool operator==(const RandomController&) const = default;
 };
 
-using Controller = std::variant<Policy, SineController, RandomController, ReplayController,
-                                ModularPolicy, PlannerController>;
-
 // Those that a training can find, and a policy file can hold.
 using TrainedController = std::variant<Policy, SineController, ReplayController, ModularPolicy>;
-inline Controller to_controller(const TrainedController& controller) {
-  return std::visit([](const auto& c) -> Controller { return c; }, controller);
-}
+
+using Controller = std::variant<TrainedController, RandomController, PlannerController>;
 
 }  // namespace evo

@@ -6,7 +6,7 @@
 #include <memory>
 #include <numeric>
 
-#include "libevo/base/error.h"
+#include "libevo/control/actor.h"
 
 namespace evo {
 namespace {
@@ -96,19 +96,6 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
 
 // ---- one chooser per kind of controller -------------------------------------------
 
-void require_length(const char* what, std::size_t has, std::size_t needs) {
-  if (has != needs)
-    throw error(Failure::data, "the controller has {} {}, robot and task need {}", has, what,
-                needs);
-}
-
-void require_sequence(const ReplayController& replay, std::size_t actions) {
-  if (replay.actions.empty() || static_cast<std::size_t>(replay.actuators) != actions ||
-      replay.actions.size() % actions != 0)
-    throw error(Failure::data, "{} recorded actions for {} actuators do not fit {} actuators",
-                replay.actions.size(), replay.actuators, actions);
-}
-
 template <typename PerLane>
 Choose lane_by_lane(std::size_t actions, PerLane per_lane) {
   return [actions, per_lane](const VecEnv&, std::span<Running> lanes, std::span<double> targets) {
@@ -123,38 +110,16 @@ struct Prepare {
 
   std::size_t actions() const { return static_cast<std::size_t>(arena.action_length()); }
 
-  void operator()(const Policy& policy) const {
-    require_length("inputs", static_cast<std::size_t>(policy.observation_length()),
-                   static_cast<std::size_t>(arena.observation_length()));
-    require_length("outputs", static_cast<std::size_t>(policy.action_length()), actions());
-    if (policy.base) std::visit(*this, *policy.base);
-    work.limit = std::numeric_limits<int>::max();  // which a sequence has set
-    work.choose = [&policy, steps = std::vector<int>{}, scratch = NetworkScratch{}](
+  void operator()(const TrainedController& trained) const {
+    work.choose = [actor = Actor(trained, arena), steps = std::vector<int>{}](
                       const VecEnv& env, std::span<Running> lanes,
                       std::span<double> targets) mutable {
       steps.clear();
       for (const Running& lane : lanes) steps.push_back(lane.steps);
-      act(policy, env.observations(), steps, targets, scratch);
+      actor.act(env, 0, steps, targets);
     };
-  }
-
-  void operator()(const ModularPolicy& policy) const {
-    work.choose = [actor = ModularActor(policy, arena), steps = std::vector<int>{}](
-                      const VecEnv& env, std::span<Running> lanes,
-                      std::span<double> targets) mutable {
-      steps.clear();
-      for (const Running& lane : lanes) steps.push_back(lane.steps);
-      actor.act(env, steps, targets);
-    };
-  }
-
-  void operator()(const SineController& sine) const {
-    require_length("amplitudes", sine.amplitude.size(), actions());
-    require_length("phases", sine.phase.size(), actions());
-    if (!sine.shift.empty()) require_length("shifts", sine.shift.size(), actions());
-    work.choose = lane_by_lane(actions(), [&sine](const Running& lane, std::span<double> targets) {
-      act(sine, lane.steps, targets);
-    });
+    if (const auto* sequence = std::get_if<ReplayController>(&trained))
+      work.limit = sequence->steps();
   }
 
   void operator()(const RandomController& random) const {
@@ -164,18 +129,9 @@ struct Prepare {
     });
   }
 
-  void operator()(const ReplayController& replay) const {
-    require_sequence(replay, actions());
-    work.limit = replay.steps();
-    work.choose =
-        lane_by_lane(actions(), [&replay](const Running& lane, std::span<double> targets) {
-          act(replay, lane.steps, targets);
-        });
-  }
-
   void operator()(const PlannerController& planner) const {
     if (planner.sequence) {
-      require_sequence(*planner.sequence, actions());
+      require_fit(*planner.sequence, arena);
       work.limit = planner.sequence->steps();
     }
     work.choose = [replanner = std::make_shared<Replanner>(arena, planner), a = actions()](

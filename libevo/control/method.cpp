@@ -80,7 +80,7 @@ std::optional<OpenLoop> inherited_base(const TrainingJob& job) {
 
 void evaluate(const TrainingJob& job, const TrainedController& controller, TrainResult& result) {
   std::vector<double> each;
-  const double value = evaluate_all(job, to_controller(controller), job.evaluation(), &each).mean();
+  const double value = evaluate_all(job, controller, job.evaluation(), &each).mean();
   result.evaluated(value, controller, each);
 }
 

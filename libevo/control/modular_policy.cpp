@@ -564,7 +564,8 @@ ModularActor::ModularActor(const ModularPolicy& policy, const Arena& arena)
   prepare(policy.actor, bodies_, prepared_);
 }
 
-void ModularActor::act(const VecEnv& env, std::span<const int> steps, std::span<double> targets) {
+void ModularActor::act(const VecEnv& env, int first, std::span<const int> steps,
+                       std::span<double> targets) {
   const std::size_t environments = steps.size();
   const VoxelViews& views = bodies_[0];
   const std::size_t local = static_cast<std::size_t>(views.voxels() * VoxelViews::local_length);
@@ -572,7 +573,7 @@ void ModularActor::act(const VecEnv& env, std::span<const int> steps, std::span<
   local_.resize(environments * local);
   task_.resize(environments * task);
   for (std::size_t e = 0; e < environments; ++e)
-    views.look(env, static_cast<int>(e), std::span(local_).subspan(e * local, local),
+    views.look(env, first + static_cast<int>(e), std::span(local_).subspan(e * local, local),
                std::span(task_).subspan(e * task, task));
   batch_.bodies.assign(environments, 0);
   normalize(policy_->local, local_, batch_.local);

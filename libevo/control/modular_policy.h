@@ -219,8 +219,8 @@ class ModularActor {
   // `policy` must outlive this. Throws Error(data) where the arena's task shows another
   // number of values than the policy was trained on.
   ModularActor(const ModularPolicy& policy, const Arena& arena);
-  // Targets [E x A] of all environments of `env` at `steps` [E] of their episodes.
-  void act(const VecEnv& env, std::span<const int> steps, std::span<double> targets);
+  // Targets [E x A] of E environments of `env`, from `first` on, at `steps` [E] of their episodes.
+  void act(const VecEnv& env, int first, std::span<const int> steps, std::span<double> targets);
 
  private:
   const ModularPolicy* policy_;

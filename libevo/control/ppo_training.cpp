@@ -147,7 +147,7 @@ std::vector<const Arena*> arenas_of(const TrainingJob& job) {
 
 }  // namespace
 
-Controller inherited_controller(const TrainingJob& job) {
+TrainedController inherited_controller(const TrainingJob& job) {
   const Inheritance& old = *job.inheritance;
   if (std::holds_alternative<Policy>(old.controller)) return first_policy(job);
   if (const auto* sequence = std::get_if<ReplayController>(&old.controller))

@@ -70,6 +70,6 @@ inline double learned_reward(double reward, bool terminated, const TrainingSetti
 }
 
 // What the job inherits, a policy for one body or an open-loop controller, on its robot.
-Controller inherited_controller(const TrainingJob& job);
+TrainedController inherited_controller(const TrainingJob& job);
 
 }  // namespace evo

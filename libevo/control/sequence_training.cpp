@@ -29,7 +29,7 @@ ReplayController fitted(ReplayController sequence, const TrainingJob& job) {
 
 std::optional<OpenLoop> inherited_start(const TrainingJob& job) {
   if (!job.inheritance) return std::nullopt;
-  const Controller inherited = inherited_controller(job);
+  const TrainedController inherited = inherited_controller(job);
   if (const auto* gait = std::get_if<SineController>(&inherited)) return *gait;
   if (const auto* sequence = std::get_if<ReplayController>(&inherited))
     return fitted(*sequence, job);

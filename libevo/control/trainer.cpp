@@ -119,7 +119,7 @@ TrainingReport Trainer::advance() {
   TrainingReport report;
   try {
     if (it.trained())
-      it.result.final_score = score(it.job, to_controller(it.result.controller.value()));
+      it.result.final_score = score(it.job, it.result.controller.value());
     else
       std::visit([&](auto& m) { m.advance(it.job, it.result, report.metrics); }, it.method);
   } catch (const Error& failure) {

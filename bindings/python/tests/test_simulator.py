@@ -463,7 +463,7 @@ class Views(unittest.TestCase):
             policy.act(np.zeros((1, 0)))
         carrier = Simulator("Carrier-v0", SMALL)
         carrier.reset()
-        with self.assertRaisesRegex(EvoError, "it was trained on another one"):
+        with self.assertRaisesRegex(EvoError, "it was trained on another task"):
             carrier.act(policy)
 
     def test_other_controllers_act_on_robots_like_their_own(self):
@@ -471,7 +471,7 @@ class Views(unittest.TestCase):
         simulator = Simulator("Walker-v0", SMALL, envs=3)
         simulator.reset()
         np.testing.assert_array_equal(simulator.act(trained), trained.act(simulator.observations, simulator.steps))
-        with self.assertRaisesRegex(EvoError, "observations, robot .* has"):
+        with self.assertRaisesRegex(EvoError, "robot .*: the controller has 20 inputs, robot and task need 66"):
             Simulator("Walker-v0", WALKER).act(trained)
 
 

@@ -487,7 +487,7 @@ TEST_CASE("a child of another body starts with its parent's controller as it is"
   evaluation.seed = 5;
   // Its deviation differs, which the deterministic controller does not see.
   CHECK(child.result().curve.front().evaluation ==
-        evaluate(robots.arenas[1], to_controller(*learned.controller), evaluation).mean());
+        evaluate(robots.arenas[1], *learned.controller, evaluation).mean());
 }
 
 TEST_CASE("what a modular policy cannot do is said in one line") {
@@ -514,7 +514,7 @@ TEST_CASE("what a modular policy cannot do is said in one line") {
   TaskSpec other = walker(20);
   other.observation.push_back(observation::Orientation{robot_name});
   const Arena turned(other, small_body());
-  CHECK_THROWS_WITH(evaluate(turned, to_controller(*learned.controller), {}),
+  CHECK_THROWS_WITH(evaluate(turned, *learned.controller, {}),
                     "the controller sees 2 numbers of its task, Walker-test shows 3: it was "
                     "trained on another task");
   TrainingSettings moments = settings;

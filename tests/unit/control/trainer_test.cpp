@@ -121,7 +121,7 @@ TEST_CASE("a training takes its updates, evaluates when due, and keeps the best"
   // The controller kept is the one that was evaluated.
   EvaluationSettings evaluation;
   evaluation.seed = 1;
-  CHECK(evaluate(arena, to_controller(*result.controller), evaluation).mean() == *result.fitness);
+  CHECK(evaluate(arena, *result.controller, evaluation).mean() == *result.fitness);
   REQUIRE(result.final_score);
   CHECK(result.final_score->episodes == 3);
   CHECK(result.final_score->standard_error > 0.0);
@@ -250,7 +250,7 @@ TEST_CASE("open-loop searches stay within their budget") {
   CHECK(std::holds_alternative<SineController>(*result.controller));
   EvaluationSettings evaluation;
   evaluation.seed = 1;
-  CHECK(evaluate(arena, to_controller(*result.controller), evaluation).mean() == *result.fitness);
+  CHECK(evaluate(arena, *result.controller, evaluation).mean() == *result.fitness);
 }
 
 namespace {
@@ -393,7 +393,7 @@ TEST_CASE("a search for a sequence stays within its budget, and is what it claim
   CHECK(std::holds_alternative<ReplayController>(*result.controller));
   EvaluationSettings evaluation;
   evaluation.seed = 1;
-  CHECK(evaluate(arena, to_controller(*result.controller), evaluation).mean() == *result.fitness);
+  CHECK(evaluate(arena, *result.controller, evaluation).mean() == *result.fitness);
 
   TrainingSettings few = brief_sequence();
   few.steps = 2 * 10 + 2 * 10 - 1;

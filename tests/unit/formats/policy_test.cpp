@@ -228,5 +228,5 @@ TEST_CASE("the same training is the same file, and its policy earns its fitness 
   CHECK(file.layout.size() == 2);
   EvaluationSettings evaluation;
   evaluation.seed = 3;
-  CHECK(evaluate(arena, to_controller(file.controller), evaluation).mean() == file.fitness);
+  CHECK(evaluate(arena, file.controller, evaluation).mean() == file.fitness);
 }

@@ -426,7 +426,7 @@ void print_file(const std::string& name) {
   const std::vector<Robot> robots = is_hdf5
                                         ? parse_robots(hdf5::Reader(text, name).text("/", "robot"),
                                                        input_label(name), BodyCheck::any)
-                                        : robots_in(text, name, BodyCheck::any);
+                                        : cli::robots_in(text, name, BodyCheck::any);
   print_robots(robots, input_label(name));
   check_bodies(robots, input_label(name));
 }

@@ -103,6 +103,8 @@ with h5py.File(sys.argv[1], 'r+') as f:
   evo-inspect "$EVO_SOURCE/tasks/neat.yaml" "$EVO_SOURCE/tasks/Walker-v0.yaml" "$EVO_SOURCE/tasks/physics/paper.yaml" "$EVO_SOURCE/tasks/training/default.yaml"
   evo-inspect - < "$(ls ./*.policy.h5)" | grep -q 2x2
   evo-inspect - < walk.h5 | grep -q 2x2
+  mkdir elsewhere
+  (cd elsewhere && evo-inspect ../trained.json | grep -q '^policy  *\.\./.*policy.h5')
   evo-evolve ga -q --plan --run run --pop 3 --evals 4 --shape 3x3 --seed 1
   evo-inspect run/run.yaml | grep -qx 'task  *Walker-v0'
   evo-inspect --check run/run.yaml

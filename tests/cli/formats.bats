@@ -65,8 +65,14 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
   schema neat < "$EVO_SOURCE/tasks/neat.yaml"
 }
 
-@test "a schema refuses what the tools refuse" {
+@test "a schema takes and refuses what the tools do" {
   evo-sample -n 1 > robot
+  printf '%s\n' 'name: Step' 'base: Walker-v0' 'world: {objects: {step: {at: [9, 0], rows: ["##", "##"]}}}' > step.yaml
+  evo-inspect task ./step.yaml > shown
+  schema task < step.yaml
+  printf '%s\n' 'name: Aimless' 'base: Walker-v0' 'goals: {start: 1, between: [2, 3], distance: 4}' > aimless.yaml
+  fails_with 65 "radius" -- evo-inspect task ./aimless.yaml
+  run schema task < aimless.yaml; [ "$status" -eq 1 ]
   run schema robot < <(jq -c '.body[0] = "XYZ"' robot); [ "$status" -eq 1 ]
   run schema robot < <(jq -c 'del(.id)' robot); [ "$status" -eq 1 ]
   run schema task < <(sed 's/^steps:/stesp:/' "$EVO_SOURCE/tasks/Walker-v0.yaml"); [ "$status" -eq 1 ]

@@ -11,7 +11,7 @@
 
 namespace evo::cli {
 
-// As train_robots() in training_options.h, by the options of evo-train: steps are those of all
+// As train_robots() in train.h, by the options of evo-train: steps are those of all
 // stages, whose files go to folders of --out-dir named by profile. Each stage has a seed of its
 // own: with one for all, a parent would enter with its lucky value on the same starts.
 int train_by_sequence(const Command& command, const TrainingOptions& options,

@@ -73,7 +73,7 @@ Robot keep_better(const TrainingPlan& plan, const std::vector<TrainingPlan>& sta
 
 int train_by_sequence(const Command& command, const TrainingOptions& options,
                       const std::vector<Robot>& robots,
-                      const std::function<void(const Trained&)>& ended) {
+                      const std::function<void(std::size_t, Robot)>& put) {
   if (const auto profile = profile_words(options.train).profile)
     throw error(Failure::usage,
                 "--train {} excludes --by-sequence, whose profiles are {}; settings may change "
@@ -96,16 +96,13 @@ int train_by_sequence(const Command& command, const TrainingOptions& options,
     if (plans.size() > 1) plans.back().own = plans.front().policies;
   }
   for (const TrainingPlan& stage : plans)
-    if (const int status = train_robots(
-            command, stage, robots, [](std::size_t) {}, [](const Trained&) {});
+    if (const int status = train_robots(command, stage, robots, Journal(std::nullopt),
+                                        [](std::size_t, const Robot&) {});
         status != 0)
       return status;
   Workers workers(command, robots.size());
   workers.pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
-    Trained trained;
-    trained.index = i;
-    trained.robot = keep_better(plan, plans, robots[i]);
-    ended(trained);
+    put(i, keep_better(plan, plans, robots[i]));
   });
   return 0;
 }

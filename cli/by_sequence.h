@@ -16,6 +16,6 @@ namespace evo::cli {
 // own: with one for all, a parent would enter with its lucky value on the same starts.
 int train_by_sequence(const Command& command, const TrainingOptions& options,
                       const std::vector<Robot>& robots,
-                      const std::function<void(const Trained&)>& ended);
+                      const std::function<void(std::size_t, Robot)>& put);
 
 }  // namespace evo::cli

@@ -74,8 +74,7 @@ std::optional<Robot> score(const Options& options, const Robot& robot) {
 int score_all(const cli::Command& command, const Options& options,
               const std::vector<Robot>& robots) {
   cli::catch_interrupts();
-  std::optional<cli::Journal> journal;
-  if (options.journal) journal.emplace(*options.journal);
+  const cli::Journal journal(options.journal);
   RobotWriter out(command.output);
   for (const Robot& robot : robots) {
     // A survivor has its fitness already, or is known to have none.
@@ -83,28 +82,26 @@ int score_all(const cli::Command& command, const Options& options,
       out.write(robot);
       continue;
     }
-    if (journal) journal->take(robot.id);
-    if (const auto machine =
-            journal && options.give_up ? journal->killed_on(robot.id) : std::nullopt) {
+    journal.take(robot.id);
+    if (const auto machine = options.give_up ? journal.killed_on(robot.id) : std::nullopt) {
       Robot failed = robot;
       failed.set_failure(
           {fmt::format("its program was killed on {}", *machine), std::nullopt, std::nullopt});
-      journal->ended(robot.id);
+      journal.ended(robot.id);
       out.write(failed);
       continue;
     }
-    if (journal) journal->begun(robot.id);
+    journal.begun(robot.id);
     const double began = cli::seconds_since_1970();
     std::optional<Robot> result;
     try {
       result = score(options, robot);
     } catch (...) {
-      if (journal) journal->ended(robot.id);
+      journal.ended(robot.id);
       throw;
     }
-    if (journal)
-      journal->add(robot.id, {began, cli::seconds_since_1970() - began, 0, result.has_value()});
-    if (journal) journal->ended(robot.id);
+    journal.add(robot.id, {began, cli::seconds_since_1970() - began, 0, result.has_value()});
+    journal.ended(robot.id);
     if (!result) return 128 + cli::interrupted();
     out.write(*result);
   }

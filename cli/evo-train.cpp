@@ -4,7 +4,6 @@
 #include <set>
 
 #include "cli/by_sequence.h"
-#include "cli/journal.h"
 #include "cli/outputs.h"
 #include "cli/robots.h"
 #include "cli/training_options.h"
@@ -89,11 +88,6 @@ void count_steps(const TrainingPlan& plan, const Robot& before, std::size_t robo
   robot.document["steps"] = steps;
 }
 
-// How trainings are called in a journal.
-std::string name_of(const TrainingPlan& plan, const Robot& robot) {
-  return plan.shared ? training_paths(plan, robot.id).log.stem().string() : robot.id;
-}
-
 int end(OrderedWriter& out, int status) {
   if (status == 0)
     out.finish();
@@ -111,51 +105,33 @@ struct Options {
 
 int train(const cli::Command& command, const TrainingPlan& plan, std::vector<Robot> robots,
           const Options& options) {
-  std::optional<cli::Journal> journal;
-  if (options.journal) journal.emplace(*options.journal);
+  const cli::Journal journal(options.journal);
   OrderedWriter out(command.output);
   std::vector<Robot> trained_now;
   std::vector<std::size_t> places;  // of these in the output
   for (std::size_t k = 0; k < robots.size(); ++k) {
     std::optional<Robot> ended = failed_before(plan, robots[k]);
-    if (!ended && journal && options.give_up && !plan.shared)
-      ended = given_up(plan, robots[k], *journal);
+    if (!ended && options.give_up && !plan.shared) ended = given_up(plan, robots[k], journal);
     if (ended) {
-      if (journal) journal->ended(name_of(plan, robots[k]));
+      journal.ended(journal_name(plan, robots[k]));
       out.put(k, *ended);
       continue;
     }
     trained_now.push_back(std::move(robots[k]));
     places.push_back(k);
   }
-  if (journal)
-    for (std::size_t k = 0;
-         k < (plan.shared ? std::min<std::size_t>(places.size(), 1) : places.size()); ++k)
-      journal->take(name_of(plan, trained_now[k]));
-  const auto begins = [&](std::size_t k) {
-    if (journal) journal->begun(name_of(plan, trained_now[k]));
-  };
-  const auto ends = [&](const Trained& trained) {
-    const std::string name = name_of(plan, trained_now[trained.index]);
-    if (journal && !trained.known && (!plan.shared || trained.index == 0))
-      journal->add(name,
-                   {trained.started, trained.seconds, trained.steps, trained.robot.has_value()});
-    if (trained.robot) {
-      Robot robot = *trained.robot;
-      count_steps(plan, trained_now[trained.index], trained_now.size(), robot);
-      out.put(places[trained.index], std::move(robot));
-    }
-    if (journal) journal->ended(name);
-  };
-  return end(out, train_robots(command, plan, trained_now, begins, ends));
+  return end(out,
+             train_robots(command, plan, trained_now, journal, [&](std::size_t k, Robot robot) {
+               count_steps(plan, trained_now[k], trained_now.size(), robot);
+               out.put(places[k], std::move(robot));
+             }));
 }
 
 int by_sequence(const cli::Command& command, const cli::TrainingOptions& options,
                 const std::vector<Robot>& robots) {
   OrderedWriter out(command.output);
-  const int status = cli::train_by_sequence(command, options, robots, [&](const Trained& trained) {
-    if (trained.robot) out.put(trained.index, *trained.robot);
-  });
+  const int status = cli::train_by_sequence(
+      command, options, robots, [&](std::size_t k, Robot robot) { out.put(k, std::move(robot)); });
   return end(out, status);
 }
 

@@ -21,11 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path made(const fs::path& folder) {
-  make_folders(folder);
-  return folder;
-}
-
 // The byte of the lock that stands for a name: an id is twelve hexadecimal digits.
 std::uint64_t byte_of(const std::string& name) {
   std::uint64_t hash = 14695981039346656037U;  // FNV-1a
@@ -41,16 +36,22 @@ double seconds_since_1970() {
   return static_cast<double>(duration_cast<milliseconds>(now).count()) / 1000.0;
 }
 
-Journal::Journal(const fs::path& folder) : folder_(made(folder)), lock_(folder_ / "lock") {}
+Journal::Journal(const std::optional<std::string>& folder) {
+  if (!folder) return;
+  folder_ = *folder;
+  make_folders(folder_);
+  lock_.emplace(folder_ / "lock");
+}
 
 std::optional<std::string> Journal::killed_on(const std::string& name) const {
-  if (!fs::is_regular_file(mark(name))) return std::nullopt;
+  if (!lock_ || !fs::is_regular_file(mark(name))) return std::nullopt;
   return marked_machine(mark(name));
 }
 
 void Journal::take(const std::string& name) const {
+  if (!lock_) return;
   bool told = false;
-  while (!lock_.take(byte_of(name)) && interrupted() == 0) {
+  while (!lock_->take(byte_of(name)) && interrupted() == 0) {
     if (!told) log::info(fmt::format("{}: waiting for another process that trains it", name));
     told = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -58,11 +59,13 @@ void Journal::take(const std::string& name) const {
 }
 
 void Journal::begun(const std::string& name) const {
+  if (!lock_) return;
   const Json here = {{"host", this_machine()}, {"process", ::getpid()}};
   write_file(mark(name), here.dump() + "\n");
 }
 
 void Journal::ended(const std::string& name) const {
+  if (!lock_) return;
   std::error_code ignored;
   fs::remove(mark(name), ignored);
 }
@@ -70,6 +73,7 @@ void Journal::ended(const std::string& name) const {
 // One write() to a file opened for appending stays in one piece between the processes of a
 // machine, on network file systems, too.
 void Journal::add(const std::string& name, const Work& work) const {
+  if (!lock_) return;
   const fs::path file = folder_ / (this_machine() + ".jsonl");
   const Json line = {{"robot", name},
                      {"started", work.started},

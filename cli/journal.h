@@ -20,8 +20,8 @@ double seconds_since_1970();
 
 class Journal {
  public:
-  // Makes the folder. Throws Error(cannot_create).
-  explicit Journal(const std::filesystem::path& folder);
+  // Makes the folder; without one nothing is kept or known. Throws Error(cannot_create).
+  explicit Journal(const std::optional<std::string>& folder);
 
   // The machine on which a training of this name (a robot's id) was killed, if it was.
   std::optional<std::string> killed_on(const std::string& name) const;
@@ -45,7 +45,7 @@ class Journal {
   }
 
   std::filesystem::path folder_;
-  LockFile lock_;
+  std::optional<LockFile> lock_;  // nothing: no folder
 };
 
 }  // namespace evo::cli

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <system_error>
 
-#include "cli/journal.h"
 #include "cli/start.h"
 #include "formats/io/files.h"
 #include "formats/rollout/episodes.h"
@@ -97,17 +96,11 @@ void save_policy(const fs::path& path, const PolicyFile& policy, bool replace) {
 // Who follows trainings; called from several threads.
 class Follower {
  public:
-  Follower(const cli::Command& command, const std::vector<Robot>& robots,
-           const std::function<void(std::size_t)>& begins,
-           const std::function<void(const Trained&)>& ended)
-      : begins(begins),
-        robots_(robots),
-        ended_(ended),
+  Follower(const cli::Command& command, const std::vector<Robot>& robots)
+      : robots_(robots),
         line_(command.progress_style(), robots.size()),
         views_(robots.size()),
         last_steps_(robots.size(), 0) {}
-
-  const std::function<void(std::size_t)>& begins;
 
   void progress(std::size_t i, const TrainingReport& report) {
     cli::TrainingView& view = views_[i];
@@ -123,14 +116,10 @@ class Follower {
     last_steps_[i] = report.step;
   }
 
-  void ended(const Trained& trained) {
-    line_.finish(trained.index);
-    ended_(trained);
-  }
+  void ended(std::size_t i) { line_.finish(i); }
 
  private:
   const std::vector<Robot>& robots_;
-  const std::function<void(const Trained&)>& ended_;
   cli::TrainingProgress line_;
   std::vector<cli::TrainingView> views_;  // each of one thread at a time
   std::vector<std::int64_t> last_steps_;
@@ -143,10 +132,11 @@ class Follower {
 class Training {
  public:
   Training(const TrainingPlan& plan, std::span<const Robot> robots, std::size_t index,
-           Follower& follower)
+           const cli::Journal& journal, Follower& follower)
       : plan_(plan),
         robots_(robots),
         index_(index),
+        journal_(journal),
         follower_(follower),
         paths_(training_paths(plan, robots.front().id)) {
     for (const Robot& robot : robots) {
@@ -160,58 +150,41 @@ class Training {
     for (const Arena& arena : arenas_) pointers_.push_back(&arena);
   }
 
-  // One for each robot; for the first alone where it was interrupted.
-  std::vector<Trained> run() {
+  // The robots with their fitness or failure, or nothing: interrupted.
+  std::vector<Robot> run() {
     start_ = find_start(plan_, first(), pointers_);
-    Trained trained;
-    trained.index = index_;
-    std::vector<Robot> measured;
-    if (trained_before(plan_, first(), paths_.policy, start_)) {
-      trained.known = true;
-      measured = scored_by(read_policy(paths_.policy));
-    } else {
-      measured = train(trained);
-    }
-    if (measured.empty()) return {trained};
-    std::vector<Trained> all;
-    for (std::size_t i = 0; i < measured.size(); ++i) {
-      if (i == 1) {  // they count once
-        trained.seconds = 0.0;
-        trained.steps = 0;
-      }
-      all.push_back(trained);
-      all.back().index = index_ + i;
-      all.back().robot = std::move(measured[i]);
-    }
-    return all;
+    if (trained_before(plan_, first(), paths_.policy, start_))
+      return scored_by(read_policy(paths_.policy));
+    return train();
   }
 
  private:
   const Robot& first() const { return robots_.front(); }
 
-  // The robots with their fitness, or nothing: interrupted.
-  std::vector<Robot> train(Trained& trained) {
+  std::vector<Robot> train() {
     // What is there is an earlier end of the same training.
     const bool replaces_part = !plan_.replace && start_.checkpoint && fs::exists(paths_.policy) &&
                                is_part(read_policy_identity(paths_.policy), start_);
     Trainer trainer(pointers_, plan_.settings(first()), plan_.seed, stream_name(plan_, first()),
                     start_.inheritance);
     begin(trainer);
-    follower_.begins(index_);
+    journal_.begun(journal_name(plan_, first()));
 
     TrainingLog log(paths_.log);
     log.begin(cli::created_by("evo-train"), plan_.task.name, start_.checkpoint.has_value());
-    trained.started = cli::seconds_since_1970();
+    cli::Journal::Work work;
+    work.started = cli::seconds_since_1970();
     const auto began = SteadyClock::now();
-    const bool ended = advance(trainer, log, trained, began);
+    work.finished = advance(trainer, log, work.steps, began);
     std::vector<Robot> measured;
-    if (ended) {
+    if (work.finished) {
       log.end(seconds_since(began));
       measured = finish(trainer, replaces_part);
     } else {
       save(trainer);
     }
-    trained.seconds = seconds_since(began);
+    work.seconds = seconds_since(began);
+    journal_.add(journal_name(plan_, first()), work);
     return measured;
   }
 
@@ -230,16 +203,16 @@ class Training {
     write_checkpoint(paths_.checkpoint, trainer.checkpoint(), start_.identity);
   }
 
-  // To the end of the training, or false: interrupted.
-  bool advance(Trainer& trainer, TrainingLog& log, Trained& trained,
+  // To the end of the training, or false: interrupted. `steps` are those taken.
+  bool advance(Trainer& trainer, TrainingLog& log, std::int64_t& steps,
                SteadyClock::time_point began) {
     const std::int64_t first_step = trainer.result().steps;  // of this process
     std::int64_t saved_step = first_step;
     while (!trainer.done()) {
       const TrainingReport report = trainer.advance();
-      trained.steps = report.step - first_step;
+      steps = report.step - first_step;
       if (metric(report, "eval/return"))
-        log.line(report, static_cast<double>(trained.steps) / std::max(seconds_since(began), 1e-9));
+        log.line(report, static_cast<double>(steps) / std::max(seconds_since(began), 1e-9));
       follower_.progress(index_, report);
       if (trainer.done()) break;
       if (cli::interrupted() != 0) return false;
@@ -322,6 +295,7 @@ class Training {
   const TrainingPlan& plan_;
   std::span<const Robot> robots_;
   std::size_t index_;  // of the first
+  const cli::Journal& journal_;
   Follower& follower_;
   TrainingPaths paths_;
   std::deque<Arena> arenas_;  // of each robot
@@ -369,6 +343,10 @@ TrainingPaths training_paths(const TrainingPlan& plan, const std::string& id) {
   return {folder / (id + ".policy.h5"), folder / (id + ".checkpoint.h5"), folder / (id + ".log")};
 }
 
+std::string journal_name(const TrainingPlan& plan, const Robot& robot) {
+  return plan.shared ? training_paths(plan, robot.id).log.stem().string() : robot.id;
+}
+
 std::string stream_name(const TrainingPlan& plan, const Robot& robot) {
   return plan.shared ? "shared" : robot.id;
 }
@@ -390,16 +368,22 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
 }
 
 int train_robots(const cli::Command& command, const TrainingPlan& plan,
-                 const std::vector<Robot>& robots, const std::function<void(std::size_t)>& begins,
-                 const std::function<void(const Trained&)>& ended) {
+                 const std::vector<Robot>& robots, const cli::Journal& journal,
+                 const std::function<void(std::size_t, Robot)>& put) {
   cli::catch_interrupts();
   make_folders(plan.shared ? fs::absolute(*plan.shared).parent_path() : fs::path(plan.policies));
-  Follower follower(command, robots, begins, ended);
+  const std::size_t trainings =
+      plan.shared ? std::min<std::size_t>(robots.size(), 1) : robots.size();
+  for (std::size_t i = 0; i < trainings; ++i) journal.take(journal_name(plan, robots[i]));
+  Follower follower(command, robots);
   const auto train = [&](std::span<const Robot> of, std::size_t index) {
-    for (const Trained& trained : Training(plan, of, index, follower).run()) {
-      if (trained.robot) stop_at_failure(plan, *trained.robot);
-      follower.ended(trained);
+    const std::vector<Robot> measured = Training(plan, of, index, journal, follower).run();
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+      stop_at_failure(plan, measured[i]);
+      put(index + i, measured[i]);
     }
+    for (std::size_t i = 0; i < of.size(); ++i) follower.ended(index + i);
+    journal.ended(journal_name(plan, of.front()));
   };
   cli::Workers workers(command, plan.shared ? 1 : robots.size());
   std::atomic<bool> stopped = false;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/journal.h"
 #include "formats/robot/robot.h"
 #include "formats/training/policy.h"
 #include "libevo/control/settings.h"
@@ -54,22 +55,14 @@ struct TrainingPaths {
   std::filesystem::path log;
 };
 TrainingPaths training_paths(const TrainingPlan& plan, const std::string& id);
+// What the journal calls a training.
+std::string journal_name(const TrainingPlan& plan, const Robot& robot);
 // What names the random streams of a training.
 std::string stream_name(const TrainingPlan& plan, const Robot& robot);
 
 // The robot with what its policy says of it.
 Robot scored(const TrainingPlan& plan, const Robot& robot, double fitness,
              const std::filesystem::path& path, const PolicyFile& policy, const Arena& arena);
-
-// How a training went in this process.
-struct Trained {
-  std::size_t index = 0;       // of the robot, in the order given
-  std::optional<Robot> robot;  // with fitness or failure; nothing: interrupted
-  bool known = false;          // trained before with the same settings, not now
-  double started = 0.0;        // seconds since 1970
-  double seconds = 0.0;
-  std::int64_t steps = 0;  // environment steps taken
-};
 
 // Whether a robot of this shape could be trained as planned: settings and steps allow it,
 // from the controller of another one, too, where it `inherits`. Throws what the beginning
@@ -80,13 +73,13 @@ void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, 
                     Inherits inherits, int robots = 1);
 
 // Trains the robots, or one controller for all of them, on the command's threads with a live line
-// of progress; `begins` is told of each before its first step in this process, `ended` after its
-// last, in any order, from several threads. Returns the exit status: 0, or 128 + the signal that
-// interrupted; each training that had not ended then has a checkpoint. Throws Error(work) for a
+// of progress; each that has ended is put at its place, with its fitness or failure, in any order,
+// from several threads. Returns the exit status: 0, or 128 + the signal that interrupted; each
+// training that had not ended then has a checkpoint. Throws Error(work) for a
 // training that failed unless failures are skipped, else what reading and writing the files
 // throws; the first Error names its robot.
 int train_robots(const cli::Command& command, const TrainingPlan& plan,
-                 const std::vector<Robot>& robots, const std::function<void(std::size_t)>& begins,
-                 const std::function<void(const Trained&)>& ended);
+                 const std::vector<Robot>& robots, const cli::Journal& journal,
+                 const std::function<void(std::size_t, Robot)>& put);
 
 }  // namespace evo

@@ -83,8 +83,8 @@ std::optional<Robot> given_up(const TrainingPlan& plan, const Robot& robot,
 void count_steps(const TrainingPlan& plan, const Robot& before, std::size_t robots, Robot& robot) {
   std::int64_t steps = robot.steps().value_or(0);
   if (plan.shared) steps /= static_cast<std::int64_t>(robots);
-  const bool goes_on = plan.shared || (plan.init && !fs::is_directory(*plan.init));
-  if (goes_on && !before.document.contains("fitness")) steps += before.steps().value_or(0);
+  const bool continues = plan.shared || (plan.init && !fs::is_directory(*plan.init));
+  if (continues && !before.document.contains("fitness")) steps += before.steps().value_or(0);
   robot.document["steps"] = steps;
 }
 

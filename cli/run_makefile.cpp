@@ -336,11 +336,11 @@ class RunMakefile {
     const auto shared = [](int number) {
       return fmt::format("policies/{}.policy.h5", folder(number));
     };
-    const bool goes_on = settings_.value("inherit") == "all";
+    const bool inherits_all = settings_.value("inherit") == "all";
     for (int number = 0; number <= last_shared; ++number) {
-      const std::string init = number > 0 ? " --init " + shared(number - 1)
-                               : goes_on  ? " --init " + make_word(around_.founders->policies)
-                                          : "";
+      const std::string init = number > 0     ? " --init " + shared(number - 1)
+                               : inherits_all ? " --init " + make_word(around_.founders->policies)
+                                              : "";
       const std::string train = fmt::format("$(call train,--steps {} --shared {}{})",
                                             settings_.number("steps"), shared(number), init);
       if (number == 0) {
@@ -722,8 +722,8 @@ void check(const RunSettings& settings, const Surroundings& around) {
                 settings.number("window"));
   if (method == "neat" && pop < 2)
     throw error(Failure::usage, "--pop {}: neat needs at least 2 robots", pop);
-  const bool goes_on = settings.value("inherit") == "all";
-  if (goes_on && (!around.founders || around.founders->policies.empty()))
+  const bool inherits_all = settings.value("inherit") == "all";
+  if (inherits_all && (!around.founders || around.founders->policies.empty()))
     throw error(Failure::usage,
                 "--inherit all is for --founders that have controllers: a run or a record{}",
                 around.founders ? "; --inherit yes trains founders anew" : "");

@@ -160,10 +160,10 @@ void estimate_advantages(std::span<const double> rewards, std::span<const std::u
     double advantage = 0.0;
     for (std::size_t t = steps; t-- > 0;) {
       const std::size_t i = t * environments + e;
-      const double goes_on = ended[i] != 0 ? 0.0 : 1.0;
+      const double continues = ended[i] != 0 ? 0.0 : 1.0;
       const double value = static_cast<double>(values[i]);
-      const double delta = rewards[i] + gamma * goes_on * next_value - value;
-      advantage = delta + gamma * lambda * goes_on * advantage;
+      const double delta = rewards[i] + gamma * continues * next_value - value;
+      advantage = delta + gamma * lambda * continues * advantage;
       advantages[i] = static_cast<float>(advantage);
       next_value = value;
     }

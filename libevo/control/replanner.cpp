@@ -19,7 +19,7 @@ constexpr int most_retreats = 24;
 
 // Beyond the end of a window counts for so many steps more what its last step earned: else
 // plans would end in a fall.
-constexpr double goes_on = 10.0;
+constexpr double steps_beyond = 10.0;
 
 // A step of the ascent, in the root of the mean square of a plan's entries; means of the
 // gradient and of its square go back about 5 and 10 rounds.
@@ -161,7 +161,7 @@ void Replanner::simulate(std::span<const std::uint8_t> from, std::size_t window,
       lane.is_over = env_.terminated()[i] != 0 || env_.truncated()[i] != 0;
       if (way.empty()) {
         lane.value += env_.rewards()[i];
-        if (k + 1 == window && !lane.is_over) lane.value += goes_on * env_.rewards()[i];
+        if (k + 1 == window && !lane.is_over) lane.value += steps_beyond * env_.rewards()[i];
       } else {
         // What a step off the way costs: the squares of all points' distances.
         double off_way = 0.0;
@@ -192,7 +192,7 @@ void Replanner::climb(std::size_t window) {
   const auto environments = static_cast<std::size_t>(env_.environments());
   std::vector<Gradient> gradients(environments, zero_gradient(arena_->model()));
   const bool pays = !settings_->sequence;
-  std::vector<double> by_rewards(environments, pays ? 1.0 + goes_on : 0.0);
+  std::vector<double> by_rewards(environments, pays ? 1.0 + steps_beyond : 0.0);
   std::vector<double> by_actions(environments * a);
   std::size_t longest = 0;
   for (const Lane& lane : lanes_) longest = std::max(longest, lane.steps);

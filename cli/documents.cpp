@@ -34,15 +34,17 @@ std::string describe_task_file(const std::string& text, const std::string& name)
 }
 
 std::string describe_physics(const std::string& text, const std::string& name) {
-  const Node node = Node::yaml(text, name);
+  const Physics physics =
+      physics_profiles().read(Node::yaml(text, name), folder_of(name), data_folders());
   return fmt::format("{}: physics profile, in full\n{}", printable(name),
-                     physics_to_yaml(physics_from_yaml(node, folder_of(name), data_folders())));
+                     physics_profiles().to_yaml(physics));
 }
 
 std::string describe_training(const std::string& text, const std::string& name) {
-  const Node node = Node::yaml(text, name);
+  const TrainingSettings settings =
+      training_profiles().read(Node::yaml(text, name), folder_of(name), data_folders());
   return fmt::format("{}: training profile, in full\n{}", printable(name),
-                     training_to_yaml(training_from_yaml(node, folder_of(name), data_folders())));
+                     training_profiles().to_yaml(settings));
 }
 
 std::string describe_neat_settings(const std::string& text, const std::string& name) {

@@ -42,9 +42,9 @@ std::vector<std::string> names_of(const std::string& kind) {
 
 Json schema_of(const std::string& name) {
   if (name == "neat") return neat_schema();
-  if (name == "physics") return physics_schema();
+  if (name == "physics") return physics_profiles().schema();
   if (name == "run") return run_schema();
-  if (name == "training") return training_schema();
+  if (name == "training") return training_profiles().schema();
   throw error(Failure::usage, "--schema: '{}' is not neat, physics, run or training", name);
 }
 

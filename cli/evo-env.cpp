@@ -181,7 +181,7 @@ Json task_of(Session& session, const Node& request) {
   const Mapping none(request.at("task"), "task", {});
   return {{"task", session.task().name},
           {"task_yaml", session.task().source},
-          {"physics_yaml", physics_to_yaml(session.task().physics)}};
+          {"physics_yaml", physics_profiles().to_yaml(session.task().physics)}};
 }
 
 struct Request {

@@ -399,13 +399,13 @@ bool print_profile(const std::vector<std::string>& words) {
   if (words.size() > 2)
     throw error(Failure::usage, "{}: name one profile, such as paper", words[0]);
   const DataFolders folders = cli::data_folders();
-  const auto profile = [&](const char* otherwise) {
-    return words.size() == 2 ? words[1] : std::string(otherwise);
+  const auto print = [&](const auto& profiles, const char* otherwise) {
+    print_settings(profiles.rows(profiles.load(words.size() == 2 ? words[1] : otherwise, folders)));
   };
   if (words[0] == "physics")
-    print_settings(physics_table(load_physics(profile("evogym"), folders)));
+    print(physics_profiles(), "evogym");
   else
-    print_settings(training_table(load_training(profile("default"), folders)));
+    print(training_profiles(), "default");
   return true;
 }
 

@@ -15,7 +15,7 @@ void TaskOptions::add_to(Command& command, const std::string& otherwise) {
                  "(repeatable); 'evo-inspect physics' lists them [the task's]");
   command.suggestions("--task", [] { return task_names(data_folders()); });
   command.suggestions("--physics", [] {
-    return profiles_and_settings("physics", assignments(physics_table(Physics())));
+    return profiles_and_settings("physics", assignments(physics_profiles().rows({})));
   });
 }
 
@@ -29,8 +29,11 @@ TaskSpec TaskOptions::load() const {
 void TaskOptions::change_physics(TaskSpec& spec) const {
   if (physics.empty()) return;
   const auto [profile, settings] = profile_words(physics);
-  Physics changed = profile ? load_physics(*profile, data_folders()) : spec.physics;
-  for (const std::string& assignment : settings) apply_override(changed, assignment);
+  Physics changed = profile ? physics_profiles().load(*profile, data_folders()) : spec.physics;
+  for (const std::string& assignment : settings) {
+    physics_profiles().assign(changed, assignment);
+    physics_profiles().check(changed);
+  }
   set_physics(spec, changed);
 }
 

@@ -58,17 +58,19 @@ void TrainingOptions::add_to(Command& command) {
       .excludes({of_founders, start, founders_start, for_all, kept});
   command.jobs_option();
   command.progress_option();
-  command.suggestions(
-      "--train", [] { return profiles_and_settings("training", assignments(training_table({}))); });
+  command.suggestions("--train", [] {
+    return profiles_and_settings("training", assignments(training_profiles().rows({})));
+  });
 }
 
 TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
   TrainingPlan plan = files;
   plan.task = task.load();
   const auto [profile, settings] = profile_words(train);
-  plan.children = load_training(profile.value_or("default"), data_folders());
+  plan.children = training_profiles().load(profile.value_or("default"), data_folders());
   if (steps) plan.children.steps = parse_steps(*steps, "--steps");
-  for (const std::string& assignment : settings) apply_override(plan.children, assignment);
+  for (const std::string& assignment : settings)
+    training_profiles().assign(plan.children, assignment);
   check(plan.children);
   plan.founders = plan.children;
   if (founder_steps) plan.founders.steps = parse_steps(*founder_steps, "--founder-steps");

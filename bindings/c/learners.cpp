@@ -196,7 +196,7 @@ int evo_learner_policy(const evo_learner* learner, const evo_robots* robots, siz
     evo::PolicyFile file;
     file.robot = robot_at(object_of(robots), index);
     file.task = text_of(task, "task");  // without task_yaml and physics_yaml: see policy_task
-    file.training_yaml = evo::training_to_yaml(own.settings);
+    file.training_yaml = evo::training_profiles().to_yaml(own.settings);
     file.layout = {{"own", 0, static_cast<int>(own.observations)}};
     file.seed = own.seed;
     file.created_by = evo::created_by();

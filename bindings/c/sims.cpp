@@ -109,7 +109,7 @@ struct evo_sims {
                         [](const evo::ModelCell& cell) { return evo::is_actuator(cell.type); }));
     }
     for (std::size_t sim = 0; sim < count; ++sim) place(sim);
-    physics_yaml = evo::physics_to_yaml(physics);
+    physics_yaml = evo::physics_profiles().to_yaml(physics);
     seal = evo::sha256_hex(evo::evogym_world_to_json(world) + physics_yaml);
   }
 
@@ -244,7 +244,7 @@ int evo_sims_open(const evo_world* world, const char* physics, int32_t sims, int
       throw evo::error(Failure::usage, "there may be 1 to {} simulations, not {}", most_sims, sims);
     check_threads(threads);
     const evo::Physics constants =
-        physics == nullptr ? evo::Physics() : evo::load_physics(physics, data_folders());
+        physics == nullptr ? evo::Physics() : evo::physics_profiles().load(physics, data_folders());
     return std::make_unique<evo_sims>(built, constants, static_cast<std::size_t>(sims), threads);
   });
 }

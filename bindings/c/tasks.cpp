@@ -11,7 +11,7 @@ namespace evo::c {
 
 std::unique_ptr<evo_task> task_of(TaskSpec spec) {
   std::string yaml = task_to_yaml(spec);
-  std::string physics = physics_to_yaml(spec.physics);
+  std::string physics = physics_profiles().to_yaml(spec.physics);
   return std::make_unique<evo_task>(evo_task{std::move(spec), std::move(yaml), std::move(physics)});
 }
 
@@ -50,15 +50,17 @@ void evo_task_free(evo_task* task) { close(task); }
 
 int evo_task_set_physics(evo_task* task, const char* profile_or_file) {
   return guarded([&] {
-    change_physics(object_of(task),
-                   evo::load_physics(text_of(profile_or_file, "profile_or_file"), data_folders()));
+    change_physics(
+        object_of(task),
+        evo::physics_profiles().load(text_of(profile_or_file, "profile_or_file"), data_folders()));
   });
 }
 
 int evo_task_set(evo_task* task, const char* assignment) {
   return guarded([&] {
     evo::Physics physics = object_of(task).spec.physics;
-    evo::apply_override(physics, text_of(assignment, "assignment"));
+    evo::physics_profiles().assign(physics, text_of(assignment, "assignment"));
+    evo::physics_profiles().check(physics);
     change_physics(object_of(task), physics);
   });
 }

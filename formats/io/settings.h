@@ -246,11 +246,14 @@ class SettingTable {
       if (!problem.empty()) throw node->error(problem);
     }
     try {
-      check_(settings);
+      check(settings);
     } catch (const Error& failure) {
       throw mapping.node().error(failure.what());
     }
   }
+
+  // Throws Error(usage) for settings that make no sense together.
+  void check(const Settings& settings) const { check_(settings); }
 
   // "gravity=50"; `what` names a setting in messages. Throws Error(usage). Whether settings make
   // sense together is left to the caller, who may have more to assign.

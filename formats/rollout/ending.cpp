@@ -104,7 +104,8 @@ bool rewards_any(const Rollout& rollout, bool (*what)(const Node&)) {
 
 Physics recorded_physics(const Rollout& rollout) {
   if (rollout.physics_yaml.empty()) return {};
-  return physics_from_yaml(Node::yaml(rollout.physics_yaml, "physics of the rollout"), {}, {});
+  return physics_profiles().read(Node::yaml(rollout.physics_yaml, "physics of the rollout"), {},
+                                 {});
 }
 
 std::optional<Node> task_value(const Rollout& rollout, const char* key) {

@@ -21,7 +21,7 @@ Recorder::Recorder(const Arena& arena, const Robot& robot, std::uint64_t seed,
   const Model& model = arena.model();
   rollout_.task = arena.task().name;
   rollout_.task_yaml = arena.task().source;
-  rollout_.physics_yaml = physics_to_yaml(arena.task().physics);
+  rollout_.physics_yaml = physics_profiles().to_yaml(arena.task().physics);
   rollout_.robot = robot;
   rollout_.seed = seed;
   rollout_.created_by = created_by;

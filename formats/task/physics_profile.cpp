@@ -1,8 +1,5 @@
 #include "formats/task/physics_profile.h"
 
-#include "formats/io/format.h"
-#include "formats/io/profile.h"
-
 namespace evo {
 namespace {
 
@@ -13,8 +10,8 @@ void check_targets(const Physics& physics) {
 }
 
 // In the order of libevo/sim/physics.h.
-const SettingTable<Physics>& table() {
-  static const SettingTable<Physics> constants(
+SettingTable<Physics> table() {
+  return SettingTable<Physics>(
       {
           {"voxel_length", &Physics::voxel_length, above(0), "length", "side of a voxel"},
           {"substep", &Physics::substep, above(0), "time", "one step of the integrator"},
@@ -66,45 +63,16 @@ const SettingTable<Physics>& table() {
            "largest actuator target"},
       },
       check_targets);
-  return constants;
-}
-
-const ProfileKind<Physics>& physics_kind() {
-  static const ProfileKind<Physics> kind{"physics profile", format::physics, "physics", "evogym",
-                                         table()};
-  return kind;
 }
 
 }  // namespace
 
-Physics load_physics(const std::string& name_or_file, const DataFolders& folders) {
-  return load_profile(physics_kind(), name_or_file, "", folders);
-}
+template class Profiles<Physics>;
 
-Physics physics_from_yaml(const Node& node, const std::filesystem::path& folder,
-                          const DataFolders& folders) {
-  return read_profile(physics_kind(), node, folder, folders);
-}
-
-void apply_override(Physics& physics, std::string_view assignment) {
-  table().assign(physics, assignment, "physics constant");
-  check_targets(physics);
-}
-
-std::string physics_constants_to_yaml(const Physics& physics, const std::string& indent) {
-  return setting::to_yaml(table().rows(physics), indent);
-}
-
-std::string physics_to_yaml(const Physics& physics) {
-  return "format: evo/physics\nversion: 1\n" + physics_constants_to_yaml(physics, "");
-}
-
-std::vector<SettingRow> physics_table(const Physics& physics) { return table().rows(physics); }
-
-Json physics_schema() { return table().schema(format::physics); }
-
-std::vector<std::string> physics_identity(const Physics& physics) {
-  return table().identity(physics, "physics");
+const Profiles<Physics>& physics_profiles() {
+  static const Profiles<Physics> profiles("physics", "constant", format::physics, "evogym",
+                                          table());
+  return profiles;
 }
 
 }  // namespace evo

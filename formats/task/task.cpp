@@ -77,9 +77,10 @@ auto load_named(const Node& node, const fs::path& folder, Load load) {
 
 // A profile by name or file, or constants given in the task itself.
 Physics read_physics(const Node& node, const fs::path& folder, const DataFolders& folders) {
-  if (node.is_mapping()) return physics_from_yaml(node, folder, folders);
-  return load_named(node, folder,
-                    [&](const std::string& name) { return load_physics(name, folders); });
+  if (node.is_mapping()) return physics_profiles().read(node, folder, folders);
+  return load_named(node, folder, [&](const std::string& name) {
+    return physics_profiles().load(name, folders);
+  });
 }
 
 std::vector<std::string> read_words(const Node& node) {
@@ -174,7 +175,7 @@ TaskSpec read_task(std::string_view text, const std::string& where, const fs::pa
   if (const auto physics = mapping.find("physics"))
     task.physics = read_physics(*physics, folder, folders);
   else
-    task.physics = load_physics("evogym", folders);
+    task.physics = physics_profiles().load("evogym", folders);
   task.source = is_complete(mapping, task) ? std::string(text) : task_to_yaml(task);
   return task;
 }

@@ -63,7 +63,7 @@ std::string task_to_yaml(const TaskSpec& task) {
   if (!task.rules.empty()) text += "rules:\n";
   for (const Rule& rule : task.rules) text += rule_yaml(rule);
   text += "follow: " + list(task.follow) + "\n";
-  return text + "physics:\n" + physics_constants_to_yaml(task.physics, "  ");
+  return text + "physics:\n" + setting::to_yaml(physics_profiles().rows(task.physics), "  ");
 }
 
 }  // namespace evo

@@ -77,8 +77,10 @@ TrainingIdentity identify(const Body& robot, const TaskSpec& task, const Trainin
   TrainingIdentity result;
   result.lines = fmt::format("evo-training 3\nrobot={}\nseed={}\n", identity(robot), seed);
   result.lines += task_lines(task_yaml);
-  for (const std::string& line : physics_identity(task.physics)) result.lines += line + "\n";
-  for (const std::string& line : training_identity(settings)) result.lines += line + "\n";
+  for (const std::string& line : physics_profiles().identity(task.physics))
+    result.lines += line + "\n";
+  for (const std::string& line : training_profiles().identity(settings))
+    result.lines += line + "\n";
   if (!origin.robots.empty()) result.lines += fmt::format("robots={}\n", origin.robots);
   if (!origin.inherited.empty()) result.lines += fmt::format("inherited={}\n", origin.inherited);
   for (std::size_t i = 0; i < origin.parts.size(); ++i)

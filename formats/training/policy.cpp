@@ -268,8 +268,8 @@ PolicyFile make_policy_file(const Robot& robot, const Arena& arena,
   file.robot = robot;
   file.task = arena.task().name;
   file.task_yaml = task_to_yaml(arena.task());
-  file.physics_yaml = physics_to_yaml(arena.task().physics);
-  file.training_yaml = training_to_yaml(settings);
+  file.physics_yaml = physics_profiles().to_yaml(arena.task().physics);
+  file.training_yaml = training_profiles().to_yaml(settings);
   file.layout = arena.layout();
   file.seed = seed;
   file.created_by = created_by;

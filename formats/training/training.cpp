@@ -1,8 +1,5 @@
 #include "formats/training/training.h"
 
-#include "formats/io/format.h"
-#include "formats/io/settings.h"
-
 namespace evo {
 
 template <>
@@ -19,9 +16,9 @@ struct setting::Value<Algorithm> : Word<Algorithm, setting::Value<Algorithm>> {
 namespace {
 
 // In the order of libevo/control/settings.h.
-const SettingTable<TrainingSettings>& table() {
+SettingTable<TrainingSettings> table() {
   using T = TrainingSettings;
-  static const SettingTable<T> settings(
+  return SettingTable<T>(
       {
           {"algorithm", &T::algorithm, "", "network: ppo, modular; open loop: gait, sequence"},
           {"steps", &T::steps, at_least(1), "", "environment steps in all"},
@@ -88,42 +85,16 @@ const SettingTable<TrainingSettings>& table() {
            "of the steps: a search for a gait first (sequence)"},
       },
       check);
-  return settings;
-}
-
-const ProfileKind<TrainingSettings>& training_kind() {
-  static const ProfileKind<TrainingSettings> kind{"training profile", format::training, "training",
-                                                  "paper", table()};
-  return kind;
 }
 
 }  // namespace
 
-TrainingSettings load_training(const std::string& name_or_file, const DataFolders& folders) {
-  return load_profile(training_kind(), name_or_file, "", folders);
-}
+template class Profiles<TrainingSettings>;
 
-TrainingSettings training_from_yaml(const Node& node, const std::filesystem::path& folder,
-                                    const DataFolders& folders) {
-  return read_profile(training_kind(), node, folder, folders);
+const Profiles<TrainingSettings>& training_profiles() {
+  static const Profiles<TrainingSettings> profiles("training", "setting", format::training, "paper",
+                                                   table());
+  return profiles;
 }
-
-void apply_override(TrainingSettings& settings, std::string_view assignment) {
-  table().assign(settings, assignment, "training setting");
-}
-
-std::string training_to_yaml(const TrainingSettings& settings) {
-  return "format: evo/training\nversion: 1\n" + setting::to_yaml(table().rows(settings), "");
-}
-
-std::vector<SettingRow> training_table(const TrainingSettings& settings) {
-  return table().rows(settings);
-}
-
-std::vector<std::string> training_identity(const TrainingSettings& settings) {
-  return table().identity(settings, "training");
-}
-
-Json training_schema() { return table().schema(format::training); }
 
 }  // namespace evo

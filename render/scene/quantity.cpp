@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "formats/rollout/ending.h"
-#include "formats/task/physics_profile.h"
 #include "libevo/base/error.h"
 #include "render/scene/round_numbers.h"
 
@@ -188,8 +187,7 @@ Physics physics_of(const Rollout& rollout) {
     throw Error(Failure::data,
                 "the rollout does not carry its physics (attribute physics_yaml), "
                 "so forces are not known; record it with evo-eval --rollout");
-  Physics physics =
-      physics_from_yaml(Node::yaml(rollout.physics_yaml, "physics of the rollout"), {}, {});
+  Physics physics = recorded_physics(rollout);
   physics.substeps *= hold_of(rollout);
   return physics;
 }

@@ -51,8 +51,8 @@ TEST_CASE("schema and manual of tasks know every piece") {
 // What a new line of the table brings by itself.
 TEST_CASE(
     "a setting of training stands in one table, and is read, written, checked and identified") {
-  const Json schema = training_schema();
-  for (const SettingRow& row : training_table(TrainingSettings{})) {
+  const Json schema = training_profiles().schema();
+  for (const SettingRow& row : training_profiles().rows({})) {
     INFO(row.key);
     const Json& property = schema.at("properties").at(row.key);
     CHECK(property.at("description") == row.meaning);
@@ -68,17 +68,17 @@ TEST_CASE(
     if (other == row.value) other = "0.25";
     if (property.contains("minimum") && property.at("minimum") > 0.5) other = "12";
     TrainingSettings changed;
-    apply_override(changed, row.key + "=" + other);
+    training_profiles().assign(changed, row.key + "=" + other);
     CHECK(!(changed == TrainingSettings{}));
-    CHECK(training_identity(changed) != training_identity(TrainingSettings{}));
-    CHECK_THAT(training_to_yaml(changed), Catch::Contains("\n" + row.key + ": "));
+    CHECK(training_profiles().identity(changed) != training_profiles().identity({}));
+    CHECK_THAT(training_profiles().to_yaml(changed), Catch::Contains("\n" + row.key + ": "));
     // What the schema has for the least is the least.
     const Json& number = list ? property.at("items") : property;
     for (const char* bound : {"minimum", "exclusiveMinimum"})
       if (number.contains(bound)) {
         TrainingSettings low;
         const double below = number.at(bound).get<double>() - (whole || list ? 1.0 : 1e-3);
-        CHECK_THROWS_WITH(apply_override(low, fmt::format("{}={}", row.key, below)),
+        CHECK_THROWS_WITH(training_profiles().assign(low, fmt::format("{}={}", row.key, below)),
                           Catch::Contains(row.key));
       }
   }

@@ -23,7 +23,7 @@ std::string lines(const TaskSpec& task, const TrainingSettings& settings = {},
 
 TaskSpec with_physics(TaskSpec task, const std::string& assignment) {
   Physics physics = task.physics;
-  apply_override(physics, assignment);
+  physics_profiles().assign(physics, assignment);
   set_physics(task, physics);
   return task;
 }
@@ -47,9 +47,9 @@ TEST_CASE("the identity of Walker-v0, line by line") {
                            "training.hidden=[32]", "training.gamma=0.99"})
     CHECK_THAT(all, Catch::Contains(std::string("\n") + line + "\n"));
   // Every constant and every setting has its line.
-  for (const SettingRow& row : physics_table(task.physics))
+  for (const SettingRow& row : physics_profiles().rows(task.physics))
     CHECK_THAT(all, Catch::Contains("\nphysics." + row.key + "="));
-  for (const SettingRow& row : training_table(settings))
+  for (const SettingRow& row : training_profiles().rows(settings))
     CHECK_THAT(all, Catch::Contains("\ntraining." + row.key + "="));
 }
 

@@ -67,11 +67,11 @@ TEST_CASE("Minari: the bounds of actions are those of the physics, the widest of
   Rollout stronger = reference("Walker-v0_A");
   Physics physics;
   physics.max_target = 2.25;
-  stronger.physics_yaml = physics_to_yaml(physics);
+  stronger.physics_yaml = physics_profiles().to_yaml(physics);
   Rollout shorter = stronger;
   physics.min_target = 0.5;
   physics.max_target = 1.5;
-  shorter.physics_yaml = physics_to_yaml(physics);
+  shorter.physics_yaml = physics_profiles().to_yaml(physics);
   const auto bounds = [&](const char* name, const std::vector<Rollout>& rollouts) {
     write_minari(folder / name, rollouts, "a-v0");
     const Json metadata = Json::parse(read_file(folder / name / "data" / "metadata.json"));

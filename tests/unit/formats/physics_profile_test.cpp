@@ -14,7 +14,7 @@ namespace {
 const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
 
 Physics read(const std::string& text) {
-  return physics_from_yaml(Node::yaml(text, "p.yaml"), "", data);
+  return physics_profiles().read(Node::yaml(text, "p.yaml"), "", data);
 }
 
 std::string message(const std::string& text) {
@@ -23,14 +23,17 @@ std::string message(const std::string& text) {
 
 std::string override_message(const std::string& assignment) {
   Physics physics;
-  return error_of(Failure::usage, [&] { apply_override(physics, assignment); });
+  return error_of(Failure::usage, [&] {
+    physics_profiles().assign(physics, assignment);
+    physics_profiles().check(physics);
+  });
 }
 
 }  // namespace
 
 TEST_CASE("the profile evogym is what libevo has built in") {
-  CHECK(load_physics("evogym", data) == Physics{});
-  CHECK(load_physics("evogym", {}) == Physics{});
+  CHECK(physics_profiles().load("evogym", data) == Physics{});
+  CHECK(physics_profiles().load("evogym", {}) == Physics{});
   CHECK(read("{}") == Physics{});
 }
 
@@ -41,11 +44,11 @@ TEST_CASE("the profile paper differs in contact, friction, soft cells and actuat
   expected.actuator = {3e8 / 6.0, 3e8 / 24.0};
   expected.friction_coefficient = 0.1;
   expected.friction_multiplier = 2.4e3;
-  CHECK(load_physics("paper", data) == expected);
+  CHECK(physics_profiles().load("paper", data) == expected);
 }
 
 TEST_CASE("a profile gives what differs from its base") {
-  Physics expected = load_physics("paper", data);
+  Physics expected = physics_profiles().load("paper", data);
   expected.gravity = 50.0;
   expected.rigid.edge = 3e8 / 3.7;
   CHECK(read("base: paper\ngravity: 50\nrigid: {edge: 3e8 / 3.7}\n") == expected);
@@ -56,24 +59,24 @@ TEST_CASE("a base may be a file beside the profile") {
   std::ofstream(folder / "moon.yaml") << "base: paper\ngravity: 18\n";
   std::ofstream(folder / "slow.yaml") << "base: ./moon.yaml\nsubsteps: 10\n";
   std::ofstream(folder / "ring.yaml") << "base: ./ring.yaml\n";
-  const Physics slow = load_physics((folder / "slow.yaml").string(), data);
+  const Physics slow = physics_profiles().load((folder / "slow.yaml").string(), data);
   CHECK(slow.gravity == 18.0);
   CHECK(slow.substeps == 10);
   CHECK(slow.contact_stiffness == 2.1e7);
-  CHECK_THROWS_WITH(load_physics((folder / "ring.yaml").string(), data),
+  CHECK_THROWS_WITH(physics_profiles().load((folder / "ring.yaml").string(), data),
                     Catch::Contains("in a circle"));
 }
 
 TEST_CASE("every constant can be overridden") {
-  for (const SettingRow& row : physics_table({})) {
+  for (const SettingRow& row : physics_profiles().rows({})) {
     const std::string& key = row.key;
     Physics physics;
-    apply_override(physics, key + (key == "min_target" ? "=1" : "=7"));
+    physics_profiles().assign(physics, key + (key == "min_target" ? "=1" : "=7"));
     INFO(key);
     CHECK_FALSE(physics == Physics{});
   }
   Physics physics;
-  apply_override(physics, "soft.edge=3e8/7");
+  physics_profiles().assign(physics, "soft.edge=3e8/7");
   CHECK(physics.soft.edge == 3e8 / 7.0);
   CHECK(physics.soft.diagonal == 3e8 / 24.0);
 }

@@ -224,7 +224,7 @@ TEST_CASE("the same training is the same file, and its policy earns its fitness 
   CHECK(file.settings_hash == identify(robot.body, arena.task(), settings, 3).hash());
   CHECK(file.task == "Walker-v0");
   CHECK(parse_task(file.task_yaml, "stored").name == "Walker-v0");
-  CHECK(training_from_yaml(Node::yaml(file.training_yaml, "stored"), "", {}) == settings);
+  CHECK(training_profiles().read(Node::yaml(file.training_yaml, "stored"), "", {}) == settings);
   CHECK(file.layout.size() == 2);
   EvaluationSettings evaluation;
   evaluation.seed = 3;

@@ -215,14 +215,15 @@ Rollout any_rollout(Stream& stream) {
 
 // A random value for every setting that takes one: what is refused stays.
 template <typename Settings>
-Settings any_settings(Settings settings, const std::vector<SettingRow>& rows, Stream& stream) {
-  for (const SettingRow& row : rows) {
+Settings any_settings(const Profiles<Settings>& profiles, Stream& stream) {
+  Settings settings;
+  for (const SettingRow& row : profiles.rows(settings)) {
     const double value =
         stream.below(2) == 0 ? std::abs(any_number(stream)) : stream.integer(1, 1000);
     try {
       Settings changed = settings;
-      apply_override(changed, fmt::format("{}={}", row.key, value));
-      if constexpr (std::is_same_v<Settings, TrainingSettings>) check(changed);
+      profiles.assign(changed, fmt::format("{}={}", row.key, value));
+      profiles.check(changed);
       settings = changed;
     } catch (const Error&) {
       continue;
@@ -346,17 +347,16 @@ TEST_CASE("random rollouts come back to the last bit") {
 TEST_CASE("random profiles come back to the last bit") {
   for (std::uint64_t i = 0; i < 200; ++i) {
     Stream stream(5, "test/profiles", i);
-    const Physics physics = any_settings(Physics{}, physics_table(Physics{}), stream);
-    const std::string physics_text = physics_to_yaml(physics);
+    const Physics physics = any_settings(physics_profiles(), stream);
+    const std::string physics_text = physics_profiles().to_yaml(physics);
     INFO(physics_text);
     REQUIRE_FALSE(physics == Physics{});
-    REQUIRE(physics_from_yaml(Node::yaml(physics_text, "p.yaml"), "", data) == physics);
-    const TrainingSettings training =
-        any_settings(TrainingSettings{}, training_table(TrainingSettings{}), stream);
-    const std::string training_text = training_to_yaml(training);
+    REQUIRE(physics_profiles().read(Node::yaml(physics_text, "p.yaml"), "", data) == physics);
+    const TrainingSettings training = any_settings(training_profiles(), stream);
+    const std::string training_text = training_profiles().to_yaml(training);
     INFO(training_text);
     REQUIRE_FALSE(training == TrainingSettings{});
-    REQUIRE(training_from_yaml(Node::yaml(training_text, "t.yaml"), "", data) == training);
+    REQUIRE(training_profiles().read(Node::yaml(training_text, "t.yaml"), "", data) == training);
   }
 }
 
@@ -373,7 +373,7 @@ TEST_CASE("random tasks come back as they were") {
     task.folding_reward = stream.gaussian();
     if (stream.below(2) == 0) task.observation.push_back(task.observation.front());
     for (RewardTerm& term : task.reward) term.weight = std::ldexp(stream.gaussian(), 10);
-    task.physics = any_settings(Physics{}, physics_table(Physics{}), stream);
+    task.physics = any_settings(physics_profiles(), stream);
     const std::string text = task_to_yaml(task);
     INFO(text);
     const TaskSpec back = parse_task(text, "t.yaml", "", data);

@@ -81,7 +81,7 @@ world:
 
   CHECK(parse_task(easier + "steps: 7\n", "t.yaml", "", data).episode_steps == 7);
   CHECK(parse_task(easier + "physics: paper\n", "t.yaml", "", data).physics ==
-        load_physics("paper", data));
+        physics_profiles().load("paper", data));
 }
 
 TEST_CASE("an easier world has a name, and is none of the tasks that are listed") {
@@ -400,7 +400,7 @@ TEST_CASE("a world may come from the design tool, and the task stays complete") 
 
 TEST_CASE("a task may choose and change its physics, and stays complete") {
   const TaskSpec paper = parse_task(good + "physics: paper\n", "t.yaml", "", data);
-  CHECK(paper.physics == load_physics("paper", data));
+  CHECK(paper.physics == physics_profiles().load("paper", data));
   CHECK(parse_task(paper.source, "alone").physics == paper.physics);
 
   const TaskSpec light =
@@ -412,7 +412,7 @@ TEST_CASE("a task may choose and change its physics, and stays complete") {
   TaskSpec changed = parse_task(good, "t.yaml", "", data);
   CHECK(changed.source == good);
   Physics physics = changed.physics;
-  apply_override(physics, "gravity=55");
+  physics_profiles().assign(physics, "gravity=55");
   set_physics(changed, physics);
   CHECK(parse_task(changed.source, "alone").physics.gravity == 55.0);
 

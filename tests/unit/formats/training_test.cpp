@@ -14,7 +14,7 @@ namespace {
 const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
 
 TrainingSettings read(const std::string& text) {
-  return training_from_yaml(Node::yaml(text, "t.yaml"), "", data);
+  return training_profiles().read(Node::yaml(text, "t.yaml"), "", data);
 }
 
 std::string message(const std::string& text) {
@@ -23,21 +23,21 @@ std::string message(const std::string& text) {
 
 std::string override_message(const std::string& assignment) {
   TrainingSettings settings;
-  return error_of(Failure::usage, [&] { apply_override(settings, assignment); });
+  return error_of(Failure::usage, [&] { training_profiles().assign(settings, assignment); });
 }
 
 }  // namespace
 
 TEST_CASE("the profile paper is what libevo has built in") {
-  CHECK(load_training("paper", data) == TrainingSettings{});
-  CHECK(load_training("paper", {}) == TrainingSettings{});
+  CHECK(training_profiles().load("paper", data) == TrainingSettings{});
+  CHECK(training_profiles().load("paper", {}) == TrainingSettings{});
   CHECK(read("{}") == TrainingSettings{});
   const auto path = find_data_file(data, "training", "paper");
   REQUIRE(path);
   const Node node = Node::yaml(read_file(*path), "paper.yaml");
   const Mapping mapping(node, "profile", [] {
     std::vector<std::string> keys{"format", "version", "name", "description"};
-    for (const SettingRow& row : training_table({})) keys.push_back(row.key);
+    for (const SettingRow& row : training_profiles().rows({})) keys.push_back(row.key);
     return keys;
   }());
   for (const char* key : {"steps", "rollout", "gamma", "learning_rate", "hidden"})
@@ -45,7 +45,7 @@ TEST_CASE("the profile paper is what libevo has built in") {
 }
 
 TEST_CASE("the help of the setting algorithm names every algorithm") {
-  const SettingRow algorithm = training_table({}).front();
+  const SettingRow algorithm = training_profiles().rows({}).front();
   REQUIRE(algorithm.key == "algorithm");
   for (const std::string& name : algorithm_names())
     CHECK_THAT(algorithm.meaning, Catch::Contains(name));
@@ -56,8 +56,8 @@ TEST_CASE("every profile in the repository reads and can be written back") {
   CHECK(names.size() >= 3);
   for (const std::string& name : names) {
     INFO(name);
-    const TrainingSettings settings = load_training(name, data);
-    CHECK(read(training_to_yaml(settings)) == settings);
+    const TrainingSettings settings = training_profiles().load(name, data);
+    CHECK(read(training_profiles().to_yaml(settings)) == settings);
   }
 }
 
@@ -71,7 +71,7 @@ TEST_CASE("a training profile gives what differs from its base") {
   expected = {};
   expected.hidden = {};
   CHECK(read("hidden: []") == expected);
-  CHECK(read(training_to_yaml(expected)) == expected);
+  CHECK(read(training_profiles().to_yaml(expected)) == expected);
 }
 
 TEST_CASE("mistakes in a training profile are named with place and remedy") {
@@ -99,10 +99,10 @@ TEST_CASE("mistakes in a training profile are named with place and remedy") {
 
 TEST_CASE("single settings can be overridden") {
   TrainingSettings settings;
-  apply_override(settings, "gamma=0.995");
-  apply_override(settings, "hidden=32,32");
-  apply_override(settings, "clip_value_loss=false");
-  apply_override(settings, "steps=3M");
+  training_profiles().assign(settings, "gamma=0.995");
+  training_profiles().assign(settings, "hidden=32,32");
+  training_profiles().assign(settings, "clip_value_loss=false");
+  training_profiles().assign(settings, "steps=3M");
   CHECK(settings.gamma == 0.995);
   CHECK(settings.hidden == std::vector<int>{32, 32});
   CHECK_FALSE(settings.clip_value_loss);

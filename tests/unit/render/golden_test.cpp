@@ -85,7 +85,7 @@ TEST_CASE("golden: both themes, with all overlays") {
 
 TEST_CASE("golden: strain with velocities; contacts with a curve") {
   Rollout rollout = example::simulate("Carrier-v0", example::walker, 60);
-  rollout.physics_yaml = physics_to_yaml(example::task("Carrier-v0").physics);
+  rollout.physics_yaml = physics_profiles().to_yaml(example::task("Carrier-v0").physics);
   rollout.episodes[0].truncations.back() = 1;
   RenderOptions options = small();
   options.size = {480, 270};

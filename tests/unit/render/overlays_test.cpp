@@ -21,7 +21,7 @@ using test::expect_error;
 
 Rollout simulated(const std::string& task, int steps) {
   Rollout rollout = example::simulate(task, example::walker, steps);
-  rollout.physics_yaml = physics_to_yaml(example::task(task).physics);
+  rollout.physics_yaml = physics_profiles().to_yaml(example::task(task).physics);
   return rollout;
 }
 

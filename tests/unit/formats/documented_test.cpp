@@ -5,6 +5,7 @@
 
 #include "formats/io/files.h"
 #include "formats/io/json.h"
+#include "formats/task/physics_profile.h"
 #include "formats/training/training.h"
 #include "libevo/base/alternatives.h"
 #include "libevo/control/settings.h"
@@ -40,21 +41,16 @@ void check_pieces(const char* section) {
   }
 }
 
-}  // namespace
-
-TEST_CASE("schema and manual of tasks know every piece") {
-  check_pieces<ObservationPart>("/properties/observation");
-  check_pieces<reward::Term>("/properties/reward");
-  check_pieces<Condition>("/$defs/condition");
-}
-
 // What a new line of the table brings by itself.
-TEST_CASE(
-    "a setting of training stands in one table, and is read, written, checked and identified") {
-  const Json schema = training_profiles().schema();
-  for (const SettingRow& row : training_profiles().rows({})) {
+template <typename Settings>
+void check_rows(const Profiles<Settings>& profiles) {
+  for (const SettingRow& row : profiles.rows({})) {
     INFO(row.key);
-    const Json& property = schema.at("properties").at(row.key);
+    const std::size_t dot = row.key.find('.');
+    const std::string own_key = row.key.substr(dot + 1);  // of soft.edge: edge
+    Json group = profiles.schema();
+    if (dot != std::string::npos) group = group.at("properties").at(row.key.substr(0, dot));
+    const Json& property = group.at("properties").at(own_key);
     CHECK(property.at("description") == row.meaning);
     // Another value, of its kind.
     std::string other = row.value == "true" ? "false" : row.value == "false" ? "true" : "0.5";
@@ -64,24 +60,44 @@ TEST_CASE(
     const bool whole = row.kind.starts_with("whole");
     const bool list = row.kind.starts_with("list");
     if (whole) other = "12";
-    if (list) other = "7, 8";
+    if (list) other = "[7, 8]";
     if (other == row.value) other = "0.25";
     if (property.contains("minimum") && property.at("minimum") > 0.5) other = "12";
-    TrainingSettings changed;
-    training_profiles().assign(changed, row.key + "=" + other);
-    CHECK(!(changed == TrainingSettings{}));
-    CHECK(training_profiles().identity(changed) != training_profiles().identity({}));
-    CHECK_THAT(training_profiles().to_yaml(changed), Catch::Contains("\n" + row.key + ": "));
+    Settings changed;
+    profiles.assign(changed, row.key + "=" + other);
+    CHECK(!(changed == Settings{}));
+    CHECK(profiles.identity(changed) != profiles.identity({}));
+    CHECK_THAT(profiles.to_yaml(changed), Catch::Contains(own_key + ": " + other));
     // What the schema has for the least is the least.
     const Json& number = list ? property.at("items") : property;
     for (const char* bound : {"minimum", "exclusiveMinimum"})
       if (number.contains(bound)) {
-        TrainingSettings low;
         const double below = number.at(bound).get<double>() - (whole || list ? 1.0 : 1e-3);
-        CHECK_THROWS_WITH(training_profiles().assign(low, fmt::format("{}={}", row.key, below)),
+        CHECK_THROWS_WITH(profiles.assign(changed, fmt::format("{}={}", row.key, below)),
                           Catch::Contains(row.key));
       }
   }
-  std::vector<std::string> listed = schema.at("properties").at("algorithm").at("enum");
+}
+
+}  // namespace
+
+TEST_CASE("schema and manual of tasks know every piece") {
+  check_pieces<ObservationPart>("/properties/observation");
+  check_pieces<reward::Term>("/properties/reward");
+  check_pieces<Condition>("/$defs/condition");
+}
+
+TEST_CASE("a setting stands in one table, and is read, written, checked and identified") {
+  check_rows(physics_profiles());
+  check_rows(training_profiles());
+}
+
+TEST_CASE("schema and help of the setting algorithm name every algorithm") {
+  const std::vector<std::string> listed =
+      training_profiles().schema().at("properties").at("algorithm").at("enum");
   CHECK(listed == algorithm_names());
+  const SettingRow algorithm = training_profiles().rows({}).front();
+  REQUIRE(algorithm.key == "algorithm");
+  for (const std::string& name : algorithm_names())
+    CHECK_THAT(algorithm.meaning, Catch::Contains(name));
 }

@@ -1,7 +1,8 @@
 // Observation parts: how each is read, written and told.
 
+#include <concepts>
+
 #include "formats/task/pieces.h"
-#include "formats/task/world.h"
 #include "libevo/base/join.h"
 
 namespace evo {
@@ -11,51 +12,31 @@ using namespace observation;
 
 constexpr int widest_clearance = 1000;  // bins to either side
 
-// read: from YAML; write: its value in YAML, "" for none; words: what it is.
-template <typename Part>
-struct Form;
+std::string words(const Velocity& part, const Physics&) {
+  return fmt::format("mean velocity of {} (x, y)", part.of);
+}
 
-template <>
-struct Form<Velocity> {
-  static Velocity read(const PieceNode& piece) { return {piece.object()}; }
-  static std::string write(const Velocity& part) { return yaml_scalar(part.of); }
-  static std::string words(const Velocity& part, const Physics&) {
-    return fmt::format("mean velocity of {} (x, y)", part.of);
-  }
-};
+std::string words(const Orientation& part, const Physics&) {
+  return fmt::format("how far {} is turned, radians in [0, 2 pi)", part.of);
+}
 
-template <>
-struct Form<Orientation> {
-  static Orientation read(const PieceNode& piece) { return {piece.object()}; }
-  static std::string write(const Orientation& part) { return yaml_scalar(part.of); }
-  static std::string words(const Orientation& part, const Physics&) {
-    return fmt::format("how far {} is turned, radians in [0, 2 pi)", part.of);
-  }
-};
+std::string words(const RelativePositions& part, const Physics&) {
+  return fmt::format("points of {} relative to its centre: all x, then all y", part.of);
+}
 
-template <>
-struct Form<RelativePositions> {
-  static RelativePositions read(const PieceNode& piece) { return {piece.object()}; }
-  static std::string write(const RelativePositions& part) { return yaml_scalar(part.of); }
-  static std::string words(const RelativePositions& part, const Physics&) {
-    return fmt::format("points of {} relative to its centre: all x, then all y", part.of);
-  }
-};
+void read(const PieceNode& piece, Offset& part) {
+  const Mapping mapping(piece.value(), piece.word(), {"of", "from"});
+  part.of = read_object(mapping.at("of"), piece.scope);
+  part.from = read_object(mapping.at("from"), piece.scope);
+}
 
-template <>
-struct Form<Offset> {
-  static Offset read(const PieceNode& piece) {
-    const Mapping mapping(piece.value(), piece.word(), {"of", "from"});
-    return {read_object(mapping.at("of"), piece.scope),
-            read_object(mapping.at("from"), piece.scope)};
-  }
-  static std::string write(const Offset& part) {
-    return fmt::format("{{of: {}, from: {}}}", yaml_scalar(part.of), yaml_scalar(part.from));
-  }
-  static std::string words(const Offset& part, const Physics&) {
-    return fmt::format("centre of {} minus centre of {} (x, y)", part.of, part.from);
-  }
-};
+std::string write(const Offset& part) {
+  return fmt::format("{{of: {}, from: {}}}", yaml_scalar(part.of), yaml_scalar(part.from));
+}
+
+std::string words(const Offset& part, const Physics&) {
+  return fmt::format("centre of {} minus centre of {} (x, y)", part.of, part.from);
+}
 
 // ---- clearance from terrain -----------------------------------------------------------
 
@@ -68,74 +49,47 @@ std::vector<std::string> read_terrain(const Node& node, const Scope& scope) {
   return objects;
 }
 
-template <typename Clearance>
-struct ClearanceForm {
-  static Clearance read(const PieceNode& piece) {
-    const Mapping mapping(piece.value(), piece.word(), {"width", "range", "over"});
-    Clearance part;
-    part.width = mapping.at("width").integer(0, widest_clearance);
-    if (const auto range = mapping.find("range")) part.range = range->positive();
-    if (const auto over = mapping.find("over")) part.over = read_terrain(*over, piece.scope);
-    return part;
-  }
-  static std::string write(const Clearance& part) {
-    std::vector<std::string> over;
-    for (const std::string& object : part.over) over.push_back(yaml_scalar(object));
-    return fmt::format("{{width: {}, range: {}{}}}", part.width, part.range,
-                       over.empty() ? "" : fmt::format(", over: [{}]", joined(over, ", ")));
-  }
-  static std::string words(const Clearance& part, const char* side, const Physics& physics) {
-    return fmt::format(
-        "distance {} the robot's centre to the nearest point of {}, in {} columns one voxel wide, "
-        "at most {}",
-        side, part.over.empty() ? "all objects but the robot" : joined(part.over, ", "),
-        2 * part.width + 1, length_text(part.range, physics));
-  }
-};
+template <typename T>
+concept Clearance = std::same_as<T, Floor> || std::same_as<T, Ceiling>;
 
-template <>
-struct Form<Floor> : ClearanceForm<Floor> {
-  static std::string words(const Floor& part, const Physics& physics) {
-    return ClearanceForm::words(part, "below", physics);
-  }
-};
+template <Clearance T>
+void read(const PieceNode& piece, T& part) {
+  const Mapping mapping(piece.value(), piece.word(), {"width", "range", "over"});
+  part.width = mapping.at("width").integer(0, widest_clearance);
+  if (const auto range = mapping.find("range")) part.range = range->positive();
+  if (const auto over = mapping.find("over")) part.over = read_terrain(*over, piece.scope);
+}
 
-template <>
-struct Form<Ceiling> : ClearanceForm<Ceiling> {
-  static std::string words(const Ceiling& part, const Physics& physics) {
-    return ClearanceForm::words(part, "above", physics);
-  }
-};
+template <Clearance T>
+std::string write(const T& part) {
+  std::vector<std::string> over;
+  for (const std::string& object : part.over) over.push_back(yaml_scalar(object));
+  return fmt::format("{{width: {}, range: {}{}}}", part.width, part.range,
+                     over.empty() ? "" : fmt::format(", over: [{}]", joined(over, ", ")));
+}
+
+template <Clearance T>
+std::string words(const T& part, const Physics& physics) {
+  return fmt::format(
+      "distance {} the robot's centre to the nearest point of {}, in {} columns one voxel wide, "
+      "at most {}",
+      std::same_as<T, Floor> ? "below" : "above",
+      part.over.empty() ? "all objects but the robot" : joined(part.over, ", "), 2 * part.width + 1,
+      length_text(part.range, physics));
+}
 
 // ---- goals ------------------------------------------------------------------------------
 
-template <typename Part>
-struct GoalForm {
-  static Part read(const PieceNode& piece) {
-    piece.needs_goals();
-    return {};
-  }
-  static std::string write(const Part&) { return ""; }
-};
+void read(const PieceNode& piece, GoalIndex&) { piece.needs_goals(); }
+std::string words(const GoalIndex&, const Physics&) { return "how many goals have been reached"; }
 
-template <>
-struct Form<GoalIndex> : GoalForm<GoalIndex> {
-  static std::string words(const GoalIndex&, const Physics&) {
-    return "how many goals have been reached";
-  }
-};
+void read(const PieceNode& piece, GoalPosition&) { piece.needs_goals(); }
+std::string words(const GoalPosition&, const Physics&) { return "the current goal's x"; }
 
-template <>
-struct Form<GoalPosition> : GoalForm<GoalPosition> {
-  static std::string words(const GoalPosition&, const Physics&) { return "the current goal's x"; }
-};
-
-template <>
-struct Form<GoalOffset> : GoalForm<GoalOffset> {
-  static std::string words(const GoalOffset&, const Physics&) {
-    return "the current goal's x minus that of the robot's centre";
-  }
-};
+void read(const PieceNode& piece, GoalOffset&) { piece.needs_goals(); }
+std::string words(const GoalOffset&, const Physics&) {
+  return "the current goal's x minus that of the robot's centre";
+}
 
 }  // namespace
 
@@ -144,21 +98,16 @@ struct Form<GoalOffset> : GoalForm<GoalOffset> {
 ObservationPart read_part(const Node& node, const Scope& scope) {
   const PieceNode piece = read_piece(node, "an observation part", scope);
   piece.name.choice("observation part", names_of<ObservationPart>());
-  return read_form<Form, ObservationPart>(piece);
+  return read_named<ObservationPart>(piece, [&](auto& part) { read(piece, part); });
 }
 
 std::string part_to_yaml(const ObservationPart& part) {
   return std::visit(
-      []<typename Part>(const Part& p) {
-        const std::string value = Form<Part>::write(p);
-        return Part::name + (value.empty() ? "" : ": " + value);
-      },
-      part);
+      []<typename Part>(const Part& p) { return piece_to_yaml(Part::name, write(p)); }, part);
 }
 
 std::string part_to_words(const ObservationPart& part, const Physics& physics) {
-  return std::visit([&]<typename Part>(const Part& p) { return Form<Part>::words(p, physics); },
-                    part);
+  return std::visit([&](const auto& p) { return words(p, physics); }, part);
 }
 
 }  // namespace evo

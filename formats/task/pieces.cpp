@@ -49,4 +49,8 @@ std::string length_text(double voxels, const Physics& physics) {
                      number_text(voxels), voxels == 1.0 ? "" : "s");
 }
 
+std::string piece_to_yaml(const std::string& name, const std::string& value, const char* alone) {
+  return name + (value.empty() ? alone : ": " + value);
+}
+
 }  // namespace evo

@@ -1,17 +1,19 @@
 // The pieces of a task - observation parts, conditions, reward terms - as YAML
 // and in words. One source file per list (observation.cpp, conditions.cpp,
-// reward.cpp), where each piece has a Form: how it is read, written and told.
-// A piece of libevo/task/spec.h without one does not compile.
+// reward.cpp), with functions for each piece: `read` takes over its value, `write`
+// gives it back as YAML ("" for none), `words` tells what it is. A piece of
+// libevo/task/spec.h without one of them does not compile.
 #pragma once
 
 #include <fmt/format.h>
 
 #include <optional>
 #include <string>
-#include <utility>
+#include <type_traits>
 #include <vector>
 
 #include "formats/io/node.h"
+#include "formats/task/world.h"
 #include "libevo/base/alternatives.h"
 #include "libevo/task/spec.h"
 
@@ -74,16 +76,62 @@ std::string number_text(double value);
 // A length in voxels, shown raw as it is compared: "9.9 (99 voxels)".
 std::string length_text(double voxels, const Physics& physics);
 
-// ---- from a list of pieces to one of its forms --------------------------------------------
+// ---- pieces with the same fields -----------------------------------------------------------
 
-// The piece whose name is written; the name is known to be in the list.
-template <template <typename> class Form, typename Variant>
-Variant read_form(const PieceNode& piece) {
-  std::optional<Variant> found;
-  for_each_alternative<Variant>([&]<typename T>(std::type_identity<T>) {
-    if (piece.word() == T::name) found = Form<T>::read(piece);
-  });
-  return std::move(found).value();
+template <typename T, typename... Fields>
+concept HasMore = requires(Fields... fields) {
+  T{fields..., {}};
+};
+// Fields of these types and no others.
+template <typename T, typename... Fields>
+concept HasOnly = !HasMore<T, Fields...> && requires(Fields... fields) {
+  T{fields...};
+};
+template <typename T>
+concept HasNone = std::is_empty_v<T>;
+
+// An object, `of`.
+template <HasOnly<std::string> T>
+void read(const PieceNode& piece, T& t) {
+  t.of = piece.object();
 }
+
+template <HasOnly<std::string> T>
+std::string write(const T& t) {
+  return yaml_scalar(t.of);
+}
+
+// `of` and `axis`.
+template <HasOnly<std::string, Axis> T>
+void read(const PieceNode& piece, T& t) {
+  const Mapping mapping(piece.value(), piece.word(), {"of", "axis"});
+  t = {read_object(mapping.at("of"), piece.scope), read_axis(mapping.at("axis"))};
+}
+
+template <HasOnly<std::string, Axis> T>
+std::string write(const T& t) {
+  return fmt::format("{{of: {}, axis: {}}}", yaml_scalar(t.of), word(t.axis));
+}
+
+template <HasNone T>
+std::string write(const T&) {
+  return "";
+}
+
+// ---- one of a list --------------------------------------------------------------------------
+
+// The piece whose name is written, which is known to be in the list; `take` reads its value.
+template <typename Variant, typename Take>
+Variant read_named(const PieceNode& piece, const Take& take) {
+  Variant found;
+  for_each_alternative<Variant>([&]<typename T>(std::type_identity<T>) {
+    if (piece.word() == T::name) take(found.template emplace<T>());
+  });
+  return found;
+}
+
+// "velocity: \"robot\""; without a value the name and `alone`.
+std::string piece_to_yaml(const std::string& name, const std::string& value,
+                          const char* alone = "");
 
 }  // namespace evo

@@ -15,6 +15,7 @@
 #include "formats/io/npz.h"
 #include "formats/io/number.h"
 #include "libevo/base/error.h"
+#include "libevo/body/extent.h"
 
 namespace evo {
 namespace fs = std::filesystem;
@@ -218,20 +219,8 @@ Object read_object(const std::string& name, const Node& record, const Grid& grid
 // Whether some row or column at the border of the matrix is empty: without its
 // empty cells, a reader would take the object for a smaller one.
 bool has_empty_border(const Body& body) {
-  const auto filled = [&](int r, int c) { return body.at(r, c) != Voxel::empty; };
-  bool top = false;
-  bool bottom = false;
-  bool left = false;
-  bool right = false;
-  for (int c = 0; c < body.cols; ++c) {
-    top |= filled(0, c);
-    bottom |= filled(body.rows - 1, c);
-  }
-  for (int r = 0; r < body.rows; ++r) {
-    left |= filled(r, 0);
-    right |= filled(r, body.cols - 1);
-  }
-  return !(top && bottom && left && right);
+  const auto box = extent(body);
+  return box.rows() < body.rows || box.cols() < body.cols;
 }
 
 bool at_border(const Body& body, int cell) {

@@ -9,6 +9,7 @@
 
 #include "formats/io/number.h"
 #include "formats/robot/evogym.h"
+#include "libevo/body/extent.h"
 
 namespace evo {
 namespace {
@@ -30,29 +31,22 @@ Cell read_cell(const Node& node, int low) {
 
 // ---- drawings -----------------------------------------------------------------
 
-struct Drawing {
-  int rows = 0;
-  int cols = 0;
-  std::vector<std::string> lines;  // top row first, equally long, '.' for empty
-};
-
-// Rows as a list, or as a block of text (`|`), a line each.
-Drawing read_drawing(const Node& node) {
-  Drawing drawing;
+// Rows as a list, or as a block of text (`|`), a line each; top row first, equally long, '.' for
+// empty.
+std::vector<std::string> read_drawing(const Node& node) {
+  std::vector<std::string> drawing;
   if (node.is_sequence()) {
-    for (const Node& row : node.items()) drawing.lines.push_back(row.string());
+    for (const Node& row : node.items()) drawing.push_back(row.string());
   } else {
     std::istringstream lines(node.string());
-    for (std::string line; std::getline(lines, line);) drawing.lines.push_back(line);
+    for (std::string line; std::getline(lines, line);) drawing.push_back(line);
   }
-  if (drawing.lines.empty() || drawing.lines.front().empty())
+  if (drawing.empty() || drawing.front().empty())
     throw node.error("a drawing needs at least one row of letters");
-  drawing.rows = static_cast<int>(drawing.lines.size());
-  drawing.cols = static_cast<int>(drawing.lines.front().size());
-  for (std::size_t row = 0; row < drawing.lines.size(); ++row)
-    if (drawing.lines[row].size() != drawing.lines.front().size())
+  for (std::size_t row = 0; row < drawing.size(); ++row)
+    if (drawing[row].size() != drawing.front().size())
       throw node.error(fmt::format("row {} of the drawing has {} cells, row 1 has {}", row + 1,
-                                   drawing.lines[row].size(), drawing.cols));
+                                   drawing[row].size(), drawing.front().size()));
   return drawing;
 }
 
@@ -64,30 +58,26 @@ Voxel read_voxel(const Node& node, char drawn, const std::string& place) {
 
 // ---- painting an object ---------------------------------------------------------
 
-// A matrix of voxels with the cell of its lower-left corner.
-struct Canvas {
-  Cell at;
-  int rows = 0;
-  int cols = 0;
-  std::vector<Voxel> cells;  // row-major, row 0 on top
-
-  std::size_t index(int row, int col) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) +
-           static_cast<std::size_t>(col);
-  }
-};
-
-Canvas blank(const Node& node, Cell at, int rows, int cols) {
-  if (static_cast<long>(rows) * cols > most_cells)
+// A matrix of empty cells, to be painted; links and a name come when it is cut out.
+Object blank(const Node& node, Cell at, int rows, int cols) {
+  const long cells = static_cast<long>(rows) * cols;
+  if (cells > most_cells)
     throw node.error(
         fmt::format("{} x {} cells are too many (at most {})", rows, cols, most_cells));
-  Canvas canvas{at, rows, cols, {}};
-  canvas.cells.assign(canvas.index(rows, 0), Voxel::empty);
+  Object canvas{"", {}, at.x, at.y};
+  canvas.body.rows = rows;
+  canvas.body.cols = cols;
+  canvas.body.cells.assign(static_cast<std::size_t>(cells), Voxel::empty);
   return canvas;
 }
 
+Object blank(const Node& node, Cell at, const std::vector<std::string>& drawing) {
+  return blank(node, at, static_cast<int>(drawing.size()),
+               static_cast<int>(drawing.front().size()));
+}
+
 // What one `rows`, or one `size` with `fill`, says.
-Canvas paint_shape(const Mapping& shape, Cell at) {
+Object paint_shape(const Mapping& shape, Cell at) {
   const auto rows = shape.find("rows");
   const auto size = shape.find("size");
   if (rows.has_value() == size.has_value())
@@ -95,13 +85,13 @@ Canvas paint_shape(const Mapping& shape, Cell at) {
   if (rows) {
     if (const auto fill = shape.find("fill"))
       throw fill->error("`fill` goes with `size`, not with `rows`");
-    const Drawing drawing = read_drawing(*rows);
-    Canvas canvas = blank(*rows, at, drawing.rows, drawing.cols);
-    for (int row = 0; row < drawing.rows; ++row)
-      for (int col = 0; col < drawing.cols; ++col)
-        canvas.cells[canvas.index(row, col)] = read_voxel(
-            *rows, drawing.lines[static_cast<std::size_t>(row)][static_cast<std::size_t>(col)],
-            fmt::format(" in row {}, column {}", row + 1, col + 1));
+    const std::vector<std::string> drawing = read_drawing(*rows);
+    Object canvas = blank(*rows, at, drawing);
+    auto cell = canvas.body.cells.begin();
+    for (std::size_t row = 0; row < drawing.size(); ++row)
+      for (std::size_t col = 0; col < drawing[row].size(); ++col)
+        *cell++ = read_voxel(*rows, drawing[row][col],
+                             fmt::format(" in row {}, column {}", row + 1, col + 1));
     return canvas;
   }
   const auto& pair = size->items();
@@ -111,14 +101,14 @@ Canvas paint_shape(const Mapping& shape, Cell at) {
   const Node fill = shape.at("fill");
   const std::string text = fill.string();
   if (text.size() != 1) throw fill.error("one letter is expected, found " + fill.found());
-  Canvas canvas = blank(*size, at, lines, cols);
-  std::fill(canvas.cells.begin(), canvas.cells.end(), read_voxel(fill, text[0], ""));
+  Object canvas = blank(*size, at, lines, cols);
+  std::ranges::fill(canvas.body.cells, read_voxel(fill, text[0], ""));
   return canvas;
 }
 
 // Parts one over the other, the last one on top; empty cells erase.
-Canvas paint_parts(const Node& node, Cell at) {
-  std::vector<Canvas> parts;
+Object paint_parts(const Node& node, Cell at) {
+  std::vector<Object> parts;
   Cell low{largest_coordinate, largest_coordinate};
   Cell high;
   for (const Node& item : node.items()) {
@@ -126,39 +116,23 @@ Canvas paint_parts(const Node& node, Cell at) {
     const auto offset = part.find("at");
     const Cell cell = offset ? read_cell(*offset, 0) : Cell{};
     parts.push_back(paint_shape(part, {at.x + cell.x, at.y + cell.y}));
-    const Canvas& painted = parts.back();
-    low = {std::min(low.x, painted.at.x), std::min(low.y, painted.at.y)};
-    high = {std::max(high.x, painted.at.x + painted.cols),
-            std::max(high.y, painted.at.y + painted.rows)};
+    const Object& painted = parts.back();
+    low = {std::min(low.x, painted.x), std::min(low.y, painted.y)};
+    high = {std::max(high.x, painted.x + painted.body.cols),
+            std::max(high.y, painted.y + painted.body.rows)};
   }
   if (parts.empty()) throw node.error("at least one part is expected");
-  Canvas whole = blank(node, low, high.y - low.y, high.x - low.x);
-  for (const Canvas& part : parts) {
-    const int top = high.y - (part.at.y + part.rows);  // row of the part's first row
-    for (int row = 0; row < part.rows; ++row)
-      for (int col = 0; col < part.cols; ++col)
-        whole.cells[whole.index(top + row, part.at.x - low.x + col)] =
-            part.cells[part.index(row, col)];
+  Object whole = blank(node, low, high.y - low.y, high.x - low.x);
+  for (const Object& part : parts) {
+    const int top = high.y - (part.y + part.body.rows);  // row of the part's first row
+    for (int row = 0; row < part.body.rows; ++row)
+      std::copy_n(part.body.cells.begin() + part.body.index(row, 0), part.body.cols,
+                  whole.body.cells.begin() + whole.body.index(top + row, part.x - low.x));
   }
   return whole;
 }
 
 // ---- from canvas to object --------------------------------------------------------
-
-struct Box {
-  int top = 0, bottom = -1, left = 0, right = -1;  // rows and columns, inclusive
-};
-
-Box bounding_box(const Canvas& canvas) {
-  Box box{canvas.rows, -1, canvas.cols, -1};
-  for (int row = 0; row < canvas.rows; ++row) {
-    for (int col = 0; col < canvas.cols; ++col) {
-      if (canvas.cells[canvas.index(row, col)] == Voxel::empty) continue;
-      box = {std::min(box.top, row), row, std::min(box.left, col), std::max(box.right, col)};
-    }
-  }
-  return box;
-}
 
 void check_body(const Node& node, const std::string& name, const Body& body) {
   if (const auto problem = defect(body, false))
@@ -170,27 +144,24 @@ void check_body(const Node& node, const std::string& name, const Body& body) {
 
 // Cut to its cells, as the benchmark stores objects: the start coordinates of a
 // point follow from the matrix it is in (docs/physics.md, "Points").
-Object cut_out(const Node& node, const std::string& name, const Canvas& canvas,
+Object cut_out(const Node& node, const std::string& name, Object canvas,
                const std::optional<Node>& connections) {
-  const Box box = bounding_box(canvas);
+  const auto box = extent(canvas.body);
   if (box.bottom < 0) throw node.error(fmt::format("object '{}' has no cell", name));
-  const int rows = box.bottom - box.top + 1;
-  const int cols = box.right - box.left + 1;
   std::vector<Voxel> cells;
   for (int row = box.top; row <= box.bottom; ++row)
-    for (int col = box.left; col <= box.right; ++col)
-      cells.push_back(canvas.cells[canvas.index(row, col)]);
+    for (int col = box.left; col <= box.right; ++col) cells.push_back(canvas.body.at(row, col));
 
-  Object object{name, Body(rows, cols, std::move(cells)), canvas.at.x + box.left,
-                canvas.at.y + canvas.rows - 1 - box.bottom};
+  Object object{name, Body(box.rows(), box.cols(), std::move(cells)), canvas.x + box.left,
+                canvas.y + canvas.body.rows - 1 - box.bottom};
   if (connections) {
-    Body written(canvas.rows, canvas.cols, canvas.cells);  // whose cells the links number
-    read_links(*connections, written);
+    read_links(*connections, canvas.body);
     object.body.links.clear();
-    const auto moved = [&](int index) {
-      return object.body.index(index / canvas.cols - box.top, index % canvas.cols - box.left);
+    const auto moved = [&](int cell) {
+      return object.body.index(cell / canvas.body.cols - box.top,
+                               cell % canvas.body.cols - box.left);
     };
-    for (const Link& link : written.links)
+    for (const Link& link : canvas.body.links)
       object.body.links.push_back({moved(link.a), moved(link.b)});
   }
   check_body(node, name, object.body);
@@ -286,27 +257,25 @@ Legend read_legend(const Node& node) {
 }
 
 std::vector<Placement> read_picture(const Node& node, const Node& legend_node) {
-  const Drawing drawing = read_drawing(node);
+  const std::vector<std::string> drawing = read_drawing(node);
   const Legend legend = read_legend(legend_node);
-  std::map<std::string, Canvas> canvases;
-  for (const std::string& name : legend.objects)
-    canvases[name] = blank(node, Cell{}, drawing.rows, drawing.cols);
-  for (int row = 0; row < drawing.rows; ++row) {
-    for (int col = 0; col < drawing.cols; ++col) {
-      const char drawn =
-          drawing.lines[static_cast<std::size_t>(row)][static_cast<std::size_t>(col)];
+  std::map<std::string, Object> canvases;
+  for (const std::string& name : legend.objects) canvases[name] = blank(node, Cell{}, drawing);
+  for (std::size_t row = 0; row < drawing.size(); ++row) {
+    for (std::size_t col = 0; col < drawing[row].size(); ++col) {
+      const char drawn = drawing[row][col];
       if (drawn == '.') continue;
       const auto meaning = legend.letters.find(drawn);
       if (meaning == legend.letters.end())
         throw node.error(fmt::format("letter '{}' in row {}, column {} is not in the legend", drawn,
                                      row + 1, col + 1));
-      Canvas& canvas = canvases[meaning->second.object];
-      canvas.cells[canvas.index(row, col)] = meaning->second.voxel;
+      Body& body = canvases[meaning->second.object].body;
+      body.cells[row * drawing.front().size() + col] = meaning->second.voxel;
     }
   }
   std::vector<Placement> objects;
   for (const std::string& name : legend.objects)
-    objects.push_back({cut_out(node, name, canvases[name], std::nullopt), "", ""});
+    objects.push_back({cut_out(node, name, std::move(canvases[name]), std::nullopt), "", ""});
   return objects;
 }
 

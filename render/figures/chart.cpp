@@ -257,7 +257,7 @@ void draw_band(const Series& series, const ChartFrame& frame, Drawing& drawing) 
     upper.push_back({x, frame.y(point.high)});
     lower.push_back({x, frame.y(point.low)});
   }
-  drawing.band(std::move(upper), std::move(lower), with_alpha(chart_color(series.color), 0.18));
+  drawing.band(upper, lower, with_alpha(chart_color(series.color), 0.18));
 }
 
 void draw_line(const Series& series, const ChartFrame& frame, Drawing& drawing) {

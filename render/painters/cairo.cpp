@@ -69,10 +69,7 @@ class Page {
   }
 
   void operator()(const Polygon& shape) {
-    for (int k = 0; k < shape.count; ++k) {
-      const Point p = shape.corners[static_cast<std::size_t>(k)];
-      k == 0 ? cairo_move_to(cairo_, p.x, p.y) : cairo_line_to(cairo_, p.x, p.y);
-    }
+    path(shape.points);
     cairo_close_path(cairo_);
     if (borders_ == Borders::sharp) cairo_set_antialias(cairo_, CAIRO_ANTIALIAS_NONE);
     fill(shape.color, 1.0);
@@ -92,18 +89,13 @@ class Page {
     cairo_fill(cairo_);
   }
 
-  void operator()(const Line& shape) {
-    cairo_set_line_cap(cairo_, CAIRO_LINE_CAP_ROUND);
-    cairo_move_to(cairo_, shape.from.x, shape.from.y);
-    cairo_line_to(cairo_, shape.to.x, shape.to.y);
-    stroke(shape.width, shape.color);
-  }
-
   void operator()(const Stroke& shape) {
-    cairo_set_line_cap(cairo_, CAIRO_LINE_CAP_BUTT);
-    for (const Point& p : shape.points) cairo_line_to(cairo_, p.x, p.y);
+    cairo_set_line_cap(cairo_, shape.round ? CAIRO_LINE_CAP_ROUND : CAIRO_LINE_CAP_BUTT);
+    path(shape.points);
     if (shape.closed) cairo_close_path(cairo_);
-    stroke(shape.width, shape.color);
+    source(shape.color, shape.color.a / 255.0);
+    cairo_set_line_width(cairo_, shape.width);
+    cairo_stroke(cairo_);
   }
 
   void operator()(const RoundedRectangle& shape) {
@@ -124,9 +116,7 @@ class Page {
   }
 
   void operator()(const Band& shape) {
-    for (const Point& p : shape.upper) cairo_line_to(cairo_, p.x, p.y);
-    for (auto p = shape.lower.rbegin(); p != shape.lower.rend(); ++p)
-      cairo_line_to(cairo_, p->x, p->y);
+    path(shape.points);
     fill(shape.color, shape.color.a / 255.0);
   }
 
@@ -145,6 +135,9 @@ class Page {
   }
 
  private:
+  void path(const std::vector<Point>& points) {
+    for (const Point& p : points) cairo_line_to(cairo_, p.x, p.y);
+  }
   void rectangle(const Rect& area) {
     cairo_rectangle(cairo_, area.x, area.y, area.width, area.height);
   }
@@ -154,11 +147,6 @@ class Page {
   void fill(Color color, double alpha) {
     source(color, alpha);
     cairo_fill(cairo_);
-  }
-  void stroke(float width, Color color) {
-    source(color, color.a / 255.0);
-    cairo_set_line_width(cairo_, width);
-    cairo_stroke(cairo_);
   }
 
   cairo_t* cairo_;

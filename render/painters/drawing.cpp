@@ -12,11 +12,11 @@ void check_size(Size size) {
 }
 
 void Drawing::triangle(const std::array<Point, 3>& corners, Color color) {
-  add(Polygon{{corners[0], corners[1], corners[2], corners[2]}, 3, color});
+  add(Polygon{{corners.begin(), corners.end()}, color});
 }
 
 void Drawing::quad(const std::array<Point, 4>& corners, Color color) {
-  add(Polygon{corners, 4, color});
+  add(Polygon{{corners.begin(), corners.end()}, color});
 }
 
 void Drawing::gradient(const Rect& area, Color top, Color bottom) {
@@ -24,15 +24,17 @@ void Drawing::gradient(const Rect& area, Color top, Color bottom) {
 }
 
 void Drawing::line(Point from, Point to, float width, Color color) {
-  add(Line{from, to, width, color});
+  add(Stroke{{from, to}, false, width, color, true});
 }
 
 void Drawing::rounded_rectangle(const Rect& area, float radius, Color color) {
   add(RoundedRectangle{area, radius, color});
 }
 
-void Drawing::band(std::vector<Point> upper, std::vector<Point> lower, Color color) {
-  add(Band{std::move(upper), std::move(lower), color});
+void Drawing::band(std::span<const Point> upper, std::span<const Point> lower, Color color) {
+  std::vector<Point> points(upper.begin(), upper.end());
+  points.insert(points.end(), lower.rbegin(), lower.rend());
+  add(Band{std::move(points), color});
 }
 
 void Drawing::add(Shape shape) { items_.push_back({clip_, std::move(shape)}); }
@@ -51,36 +53,14 @@ void Drawing::place(const Drawing& other, Point at, float scale) {
   const auto rect = [&](const Rect& r) {
     return Rect{at.x + scale * r.x, at.y + scale * r.y, scale * r.width, scale * r.height};
   };
-  struct Placed {
-    decltype(point) point_of;
-    decltype(rect) rect_of;
-    float scale;
-    Shape operator()(Polygon shape) const {
-      for (Point& corner : shape.corners) corner = point_of(corner);
-      return shape;
-    }
-    Shape operator()(Gradient shape) const {
-      shape.area = rect_of(shape.area);
-      return shape;
-    }
-    Shape operator()(Line shape) const {
-      return Line{point_of(shape.from), point_of(shape.to), scale * shape.width, shape.color};
-    }
-    Shape operator()(Stroke shape) const {
-      for (Point& p : shape.points) p = point_of(p);
-      shape.width *= scale;
-      return shape;
-    }
-    Shape operator()(RoundedRectangle shape) const {
-      return RoundedRectangle{rect_of(shape.area), scale * shape.radius, shape.color};
-    }
-    Shape operator()(Band shape) const {
-      for (auto* side : {&shape.upper, &shape.lower})
-        for (Point& p : *side) p = point_of(p);
-      return shape;
-    }
+  const auto placed = [&](auto shape) -> Shape {
+    if constexpr (requires { shape.points; })
+      for (Point& p : shape.points) p = point(p);
+    if constexpr (requires { shape.area; }) shape.area = rect(shape.area);
+    if constexpr (requires { shape.width; }) shape.width *= scale;
+    if constexpr (requires { shape.radius; }) shape.radius *= scale;
+    return shape;
   };
-  const Placed placed{point, rect, scale};
   for (const Item& item : other.items_)
     items_.push_back({rect(item.clip), std::visit(placed, item.shape)});
   for (Text text : other.texts_) {

@@ -47,8 +47,7 @@ struct Text {
 
 // Fills cover what is below, whatever the alpha of their colour.
 struct Polygon {  // three or four corners in order around the border
-  std::array<Point, 4> corners;
-  int count = 4;
+  std::vector<Point> points;
   Color color;
 };
 struct Gradient {  // downwards
@@ -56,18 +55,12 @@ struct Gradient {  // downwards
   Color top;
   Color bottom;
 };
-// Lines: `width` in pixels, below one they get paler instead.
-struct Line {  // round ends
-  Point from;
-  Point to;
-  float width = 1;
-  Color color;
-};
 struct Stroke {  // through all points, pointed corners, square ends
   std::vector<Point> points;
   bool closed = false;
-  float width = 1;
+  float width = 1;  // pixels, below one it gets paler instead
   Color color;
+  bool round = false;  // ends; two points, which may be one: a disc
 };
 struct RoundedRectangle {  // `radius` at most half the smaller side
   Rect area;
@@ -75,11 +68,11 @@ struct RoundedRectangle {  // `radius` at most half the smaller side
   Color color;
 };
 struct Band {  // between two lines of as many points, translucent as its colour is
-  std::vector<Point> upper;
-  std::vector<Point> lower;
+  // Of one line forwards, of the other backwards.
+  std::vector<Point> points;
   Color color;
 };
-using Shape = std::variant<Polygon, Gradient, Line, Stroke, RoundedRectangle, Band>;
+using Shape = std::variant<Polygon, Gradient, Stroke, RoundedRectangle, Band>;
 
 class Drawing {
  public:
@@ -100,7 +93,7 @@ class Drawing {
   void stroke(std::span<const Point> points, bool closed, float width, Color color);
   void disc(Point centre, float radius, Color color) { line(centre, centre, 2 * radius, color); }
   void rounded_rectangle(const Rect& area, float radius, Color color);
-  void band(std::vector<Point> upper, std::vector<Point> lower, Color color);
+  void band(std::span<const Point> upper, std::span<const Point> lower, Color color);
   void text(Point at, float size, std::string text, Color color, Align align = Align::left,
             bool bold = false) {
     texts_.push_back({at, size, std::move(text), color, align, bold});

@@ -38,11 +38,11 @@ void append(std::string& path, Point p) {
   append(path, p.y);
 }
 
-double signed_area(const Polygon& shape) {
+double signed_area(const std::vector<Point>& points) {
   double sum = 0;
-  for (int k = 0; k < shape.count; ++k) {
-    const Point a = shape.corners[static_cast<std::size_t>(k)];
-    const Point b = shape.corners[static_cast<std::size_t>((k + 1) % shape.count)];
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Point a = points[k];
+    const Point b = points[(k + 1) % points.size()];
     sum += static_cast<double>(a.x) * b.y - static_cast<double>(b.x) * a.y;
   }
   return sum;
@@ -69,14 +69,10 @@ class Document {
 
   void operator()(const Polygon& shape) {
     Polygon same = shape;  // all turn the same way, so that none cuts a hole into another
-    if (signed_area(shape) < 0)
-      std::reverse(same.corners.begin(), same.corners.begin() + same.count);
+    if (signed_area(shape.points) < 0) std::ranges::reverse(same.points);
     same.color.a = 255;
     start(paint("fill", same.color));
-    for (int k = 0; k < same.count; ++k) {
-      path_ += k == 0 ? 'M' : 'L';
-      append(path_, same.corners[static_cast<std::size_t>(k)]);
-    }
+    lines_path(same.points);
     path_ += 'z';
   }
 
@@ -92,27 +88,12 @@ class Document {
     rectangle_path(area);
   }
 
-  void operator()(const Line& shape) {
-    const auto& [from, to, width, color] = shape;
-    start(fmt::format("fill=\"none\" {} stroke-width=\"{}\" stroke-linecap=\"round\"",
-                      paint("stroke", color), hundredths(width)));
-    path_ += 'M';
-    append(path_, from);
-    if (from == to) {  // a dot
-      path_ += "h0";
-      return;
-    }
-    path_ += 'L';
-    append(path_, to);
-  }
-
   void operator()(const Stroke& shape) {
-    start(fmt::format("fill=\"none\" {} stroke-width=\"{}\"", paint("stroke", shape.color),
-                      hundredths(shape.width)));
-    for (std::size_t k = 0; k < shape.points.size(); ++k) {
-      path_ += k == 0 ? 'M' : 'L';
-      append(path_, shape.points[k]);
-    }
+    start(fmt::format("fill=\"none\" {} stroke-width=\"{}\"{}", paint("stroke", shape.color),
+                      hundredths(shape.width), shape.round ? " stroke-linecap=\"round\"" : ""));
+    const bool dot = shape.round && shape.points.front() == shape.points.back();
+    lines_path(std::span(shape.points).first(dot ? 1 : shape.points.size()));
+    if (dot) path_ += "h0";
     if (shape.closed) path_ += 'z';
   }
 
@@ -128,8 +109,7 @@ class Document {
   void operator()(const Band& shape) {
     start(paint("fill", shape.color));
     path_ += 'M';
-    for (const Point p : shape.upper) append(path_, p);
-    for (auto p = shape.lower.rbegin(); p != shape.lower.rend(); ++p) append(path_, *p);
+    for (const Point p : shape.points) append(path_, p);
     path_ += 'z';
   }
 
@@ -183,6 +163,12 @@ class Document {
     if (!path_.empty()) body_ += fmt::format("<path {} d=\"{}\"/>\n", style_, path_);
     path_.clear();
     style_.clear();
+  }
+  void lines_path(std::span<const Point> points) {
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      path_ += k == 0 ? 'M' : 'L';
+      append(path_, points[k]);
+    }
   }
   void rectangle_path(const Rect& area) {
     path_ += 'M';

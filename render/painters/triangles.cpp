@@ -49,13 +49,13 @@ class Builder {
   void clip(const Rect& area) { clip_ = area; }
   void operator()(const Polygon& shape);
   void operator()(const Gradient& shape);
-  void operator()(const Line& shape);
   void operator()(const Stroke& shape);
   void operator()(const RoundedRectangle& shape);
   void operator()(const Band& shape);
 
  private:
   void triangle(Point a, Point b, Point c, Color color);
+  void rounded_line(Point from, Point to, float width, Color color);
   // A box around `centre`; `along` is the unit vector of its length.
   void box(Point centre, Point along, float half_length, float half_width, float radius,
            Color color);
@@ -80,8 +80,9 @@ void Builder::triangle(Point a, Point b, Point c, Color color) {
 }
 
 void Builder::operator()(const Polygon& shape) {
-  const auto& [a, b, c, d] = shape.corners;
-  if (shape.count == 3) return triangle(a, b, c, shape.color);
+  const Point a = shape.points[0], b = shape.points[1], c = shape.points[2];
+  if (shape.points.size() == 3) return triangle(a, b, c, shape.color);
+  const Point d = shape.points[3];
   // The diagonal a-c lies inside when b and d are on opposite sides of it.
   const bool split_ac = (cross(a, c, b) > 0) != (cross(a, c, d) > 0);
   if (split_ac) {
@@ -105,8 +106,7 @@ void Builder::operator()(const Gradient& shape) {
   vertices.insert(vertices.end(), {a, b, c, a, c, d});
 }
 
-void Builder::operator()(const Line& shape) {
-  const auto& [from, to, width, color] = shape;
+void Builder::rounded_line(Point from, Point to, float width, Color color) {
   const float length = distance(from, to);
   const Point along = length > 0 ? direction(from, to) : Point{1, 0};
   const float radius = std::max(width, 1.0F) / 2;
@@ -115,7 +115,8 @@ void Builder::operator()(const Line& shape) {
 }
 
 void Builder::operator()(const Stroke& shape) {
-  const auto& [points, closed, width, color] = shape;
+  const auto& [points, closed, width, color, round] = shape;
+  if (round) return rounded_line(points.front(), points.back(), width, color);
   const std::size_t n = points.size();
   const std::size_t pieces = closed ? n : n - 1;
   const float reach = std::max(width, 1.0F) / 2 + fringe;
@@ -153,9 +154,11 @@ void Builder::operator()(const RoundedRectangle& shape) {
 }
 
 void Builder::operator()(const Band& shape) {
-  for (std::size_t k = 0; k + 1 < shape.upper.size(); ++k) {
-    triangle(shape.upper[k], shape.upper[k + 1], shape.lower[k], shape.color);
-    triangle(shape.upper[k + 1], shape.lower[k + 1], shape.lower[k], shape.color);
+  const auto& points = shape.points;
+  const std::size_t last = points.size() - 1;  // opposite the first
+  for (std::size_t k = 0; 2 * (k + 1) < points.size(); ++k) {
+    triangle(points[k], points[k + 1], points[last - k], shape.color);
+    triangle(points[k + 1], points[last - k - 1], points[last - k], shape.color);
   }
 }
 

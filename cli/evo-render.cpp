@@ -432,10 +432,6 @@ int main(int argc, char** argv) {
     options.workers = command.jobs;
     set_switches("--hide", settings.hide, hidden, false);
     set_switches("--show", settings.show, shown, true);
-    if (settings.race && (options.overlays.contacts || options.overlays.tint == Tint::stress ||
-                          options.overlays.tint == Tint::commanded))
-      throw error(Failure::usage,
-                  "--race does not go with --show contacts, --tint stress and --tint commanded");
     if (settings.evolution) {
       if (!files.empty())
         throw error(Failure::usage, "--evolution shows the robots of a run, without files");

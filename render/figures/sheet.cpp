@@ -179,7 +179,7 @@ void draw_body(const Body& body, const Span& span, const Theme& theme, const Rec
   scene.mesh = &mesh;
   const Vec2 centre = centre_of_voxels(mesh, scene.points);
   scene.view = {centre.x, centre.y, span.cols + border, span.rows + border};
-  scene.sky = scene.grid = scene.floor = scene.tint = false;
+  scene.backdrop = scene.grid = scene.tint = false;
   if (before != nullptr)
     for (const Change& change : changes(*before, body)) {
       const double x = change.col;

@@ -10,6 +10,7 @@
 #include "libevo/base/error.h"
 #include "render/figures/key.h"
 #include "render/figures/label.h"
+#include "render/scene/camera.h"
 #include "render/scene/projection.h"
 
 namespace evo::render {
@@ -28,63 +29,18 @@ void check(const std::vector<Episode>& episodes) {
                   episode.rollout->task);
 }
 
-// One object of one of the episodes.
-struct Part {
-  const Episode* episode = nullptr;
-  std::size_t object = 0;
-};
-
-// All robots in front, then what else moves, of each its own; the terrain of the first.
-std::vector<Part> parts(const std::vector<Episode>& episodes) {
-  std::vector<Part> robots, things;
-  for (const Episode& episode : episodes) {
-    const auto& objects = episode.rollout->world.objects;
-    for (std::size_t k = 0; k < objects.size(); ++k) {
-      if (k == 0)
-        robots.push_back({&episode, k});
-      else if (!objects[k].is_static || &episode == &episodes.front())
-        things.push_back({&episode, k});
-    }
-  }
-  robots.insert(robots.end(), things.begin(), things.end());
-  return robots;
+const Clip& longest(const std::vector<Clip>& clips) {
+  return *std::ranges::max_element(clips, {}, &Clip::steps);
 }
 
-Rollout merge(const std::vector<Episode>& episodes) {
-  Rollout merged;
-  merged.task = episodes.front().rollout->task;
-  const std::vector<Part> all = parts(episodes);
-  RolloutWorld& world = merged.world;
-  for (const Part& part : all) {
-    const RolloutWorld& from = part.episode->rollout->world;
-    ModelObject object = from.objects[part.object];
-    const int shift = merged.points - object.first_point;
-    for (int c = object.first_cell; c < object.first_cell + object.cells; ++c) {
-      ModelCell cell = from.cells[static_cast<std::size_t>(c)];
-      cell.object = static_cast<int>(world.objects.size());
-      for (int& point : cell.points) point += shift;
-      world.cells.push_back(cell);
-    }
-    object.first_point = merged.points;
-    object.first_cell = static_cast<int>(world.cells.size()) - object.cells;
-    merged.points += object.points;
-    world.objects.push_back(std::move(object));
+// At every step, around what the camera keeps in view of any of them.
+std::vector<Bounds> boxes(const std::vector<Clip>& clips, const Camera& camera) {
+  std::vector<Bounds> all(static_cast<std::size_t>(longest(clips).steps()) + 1);
+  for (const Clip& clip : clips) {
+    const std::vector<Bounds> own = clip.boxes(camera);
+    for (std::size_t t = 0; t < all.size(); ++t) all[t].cover(own[std::min(t, own.size() - 1)]);
   }
-  RolloutEpisode& episode = merged.episodes.emplace_back();
-  int steps = 0;
-  for (const Episode& each : episodes) steps = std::max(steps, recorded(each).steps());
-  episode.rewards.resize(static_cast<std::size_t>(steps));
-  for (int step = 0; step <= steps; ++step)
-    for (const Part& part : all) {
-      const RolloutEpisode& own = recorded(*part.episode);
-      const ModelObject& object = part.episode->rollout->world.objects[part.object];
-      const auto first =
-          own.positions.begin() +
-          static_cast<std::ptrdiff_t>(std::min(step, own.steps())) * part.episode->rollout->points +
-          object.first_point;
-      episode.positions.insert(episode.positions.end(), first, first + object.points);
-    }
-  return merged;
+  return all;
 }
 
 // Where the task ends an episode with a reward, x in voxels.
@@ -118,6 +74,7 @@ double Race::Runner::so_far(double step) const {
 
 Race::Race(const std::vector<Episode>& episodes, const RenderOptions& options) : options_(options) {
   check(episodes);
+  task_ = episodes.front().rollout->task;
   heights_ = rewards_height(*episodes.front().rollout);
   const bool lanes = in_lanes(episodes.size());
   // A lane has room for a robot and a voxel below and above, not for the sky.
@@ -136,16 +93,16 @@ Race::Race(const std::vector<Episode>& episodes, const RenderOptions& options) :
                   0};
     for (int step = 0; step <= whole.steps(); ++step) runner.returns.push_back(whole.score(step));
     runners_.push_back(std::move(runner));
-    lanes_.push_back(whole);
+    clips_.push_back(whole);
   }
   find_finish(episodes);
   rank();
-  for (const Part& part : parts(episodes))
-    outlines_.push_back(runner_color(static_cast<std::size_t>(part.episode - episodes.data())));
-  merged_ = std::make_unique<Rollout>(merge(episodes));
+  std::vector<Clip*> clips;
+  for (Clip& clip : clips_) clips.push_back(&clip);
+  share_value_scale(clips);
   if (options_.camera.objects.empty())
-    options_.camera.objects = {merged_->world.objects.front().name};
-  clip_ = std::make_unique<Clip>(Episode{merged_.get(), 0, ""}, options_, aspect);
+    options_.camera.objects = {clips_.front().mesh().objects.front().name};
+  views_ = camera_path(boxes(clips_, options_.camera), options_.camera, aspect);
 }
 
 // A runner has arrived once its robot's centre is there, which ends its episode.
@@ -153,8 +110,8 @@ void Race::find_finish(const std::vector<Episode>& episodes) {
   finish_ = finish_of(*episodes.front().rollout);
   if (!finish_) return;
   for (std::size_t k = 0; k < runners_.size(); ++k)
-    if (lanes_[k].over() && lanes_[k].centre(lanes_[k].steps()).x > *finish_ - 1)
-      runners_[k].arrived = lanes_[k].steps();
+    if (clips_[k].over() && clips_[k].centre(clips_[k].steps()).x > *finish_ - 1)
+      runners_[k].arrived = clips_[k].steps();
 }
 
 // Those that arrived first, the others by their returns; equals share a place.
@@ -186,13 +143,13 @@ void Race::draw_lane(std::size_t k, double step, const Rect& lane, Typesetter& t
                      Drawing& drawing) const {
   const Theme& theme = theme_by_name(options_.theme);
   const Runner& runner = runners_[k];
-  Scene scene = lanes_[k].scene(step);
-  const ViewRect track = clip_->scene(step).view;
+  Scene scene = clips_[k].scene(step);
+  const ViewRect track = view_at(views_, step);
   // From where the lane's own camera, which follows the robot up stairs and hills, begins.
   const double low = scene.view.centre_y - scene.view.height / 2;
   scene.view = {track.centre_x, low + track.height / 2, track.width, track.height};
   scene.finish = finish_;
-  scene.outlines.assign(lanes_[k].mesh().objects.size(), runner.color);
+  scene.outlines.assign(clips_[k].mesh().objects.size(), runner.color);
   draw_scene(scene, theme, lane, drawing);
   drawing.clip(lane);
   drawing.segment({lane.x, lane.y + lane.height}, {lane.x + lane.width, lane.y + lane.height}, 2,
@@ -200,11 +157,11 @@ void Race::draw_lane(std::size_t k, double step, const Rect& lane, Typesetter& t
   drawing.clip(drawing.whole());
   if (!options_.overlays.labels) return;
   const float size = std::clamp(0.13F * lane.height, 9.0F, 20.0F);
-  const bool over = step >= lanes_[k].steps();
+  const bool over = step >= clips_[k].steps();
   const bool arrived = runner.arrived && over;
-  const bool decided = step >= clip_->steps();
+  const bool decided = step >= steps();
   std::string result = signed_score(runner.so_far(step));
-  if (arrived) result = fmt::format("{:.2f} s", lanes_[k].seconds(*runner.arrived));
+  if (arrived) result = fmt::format("{:.2f} s", clips_[k].seconds(*runner.arrived));
   if (arrived || decided) result = place_name(runner.place) + "   " + result;
   const float y = lane.y + 1.75F * size;
   const auto plate = [&](float x, float width) {
@@ -236,27 +193,34 @@ Drawing Race::frame(double step, Typesetter& typesetter) const {
     }
     return drawing;
   }
-  Scene scene = clip_->scene(step);
-  scene.outlines = outlines_;
-  scene.heights = heights_;
   const Rect ranking = ranking_plate(typesetter);
-  if (options_.overlays.labels) scene.captions = ranking.y + ranking.height;
-  for (std::size_t k = 0; options_.overlays.labels && k < runners_.size(); ++k) {
-    const ModelObject& object = clip_->mesh().objects[k];
-    constexpr double above = 1.1;  // voxels
-    Vec2 top{0, scene.points[static_cast<std::size_t>(object.first_point)].y};
-    for (int p = object.first_point; p < object.first_point + object.points; ++p) {
-      top.x += scene.points[static_cast<std::size_t>(p)].x / object.points;
-      top.y = std::max(top.y, scene.points[static_cast<std::size_t>(p)].y);
+  Scene scene;
+  std::vector<Note> letters;
+  for (std::size_t k = clips_.size(); k-- > 0;) {  // the first one in front
+    scene = clips_[k].scene(step);
+    scene.view = view_at(views_, step);
+    scene.outlines.assign(clips_[k].mesh().objects.size(), runners_[k].color);
+    scene.backdrop = k + 1 == clips_.size();
+    scene.heights = heights_ && k == 0;
+    scene.goal.reset();
+    if (options_.overlays.labels) {
+      scene.captions = ranking.y + ranking.height;
+      const ModelObject& robot = clips_[k].mesh().objects.front();
+      constexpr double above = 1.1;  // voxels
+      Vec2 top{0, scene.points[static_cast<std::size_t>(robot.first_point)].y};
+      for (int p = robot.first_point; p < robot.first_point + robot.points; ++p) {
+        top.x += scene.points[static_cast<std::size_t>(p)].x / robot.points;
+        top.y = std::max(top.y, scene.points[static_cast<std::size_t>(p)].y);
+      }
+      letters.insert(letters.begin(),
+                     {{top.x, top.y + above}, runners_[k].letter, runners_[k].color});
     }
-    scene.tags.push_back({{top.x, top.y + above}, runners_[k].letter, runners_[k].color});
+    if (k == 0) scene.tags = letters;
+    draw_scene(scene, theme, drawing.whole(), drawing);
   }
-  draw_scene(scene, theme, drawing.whole(), drawing);
   if (!options_.overlays.labels) return drawing;
-  Caption caption = clip_->caption(step);
-  caption.score.clear();
-  caption.title.clear();
-  caption.brief.clear();
+  Caption caption;
+  caption.moment = longest(clips_).caption(step).moment;
   draw_caption(caption, theme, drawing.whole(), typesetter, drawing);
   draw_ranking(step, ranking, drawing);
   draw_key(scene, theme, drawing.whole(), 1, typesetter, drawing);
@@ -277,7 +241,7 @@ float ranking_size(const Rect& whole) { return std::max(8.0F, label_size(whole))
 // As wide as its widest moment, so that it stands still.
 Rect Race::ranking_plate(Typesetter& typesetter) const {
   const float size = ranking_size(Drawing(options_.size).whole());
-  float names = typesetter.width(merged_->task, size, true);
+  float names = typesetter.width(task_, size, true);
   float scores = 0;
   for (const Runner& runner : runners_) {
     names = std::max(names, ranking_names * size + typesetter.width(runner.name, size, false));
@@ -300,7 +264,7 @@ void Race::draw_ranking(double step, const Rect& plate, Drawing& drawing) const 
   drawing.rounded_rectangle(plate, 0.5F * size, theme.label);
   const float left = plate.x + ranking_margin * size;
   float y = plate.y + 0.25F * size + ranking_line * size * 0.85F;
-  drawing.text({left, y}, size, merged_->task, theme.text, Align::left, true);
+  drawing.text({left, y}, size, task_, theme.text, Align::left, true);
   for (const Runner* runner : order) {
     y += ranking_line * size;
     const Rect badge{left - 0.2F * size, y - 1.02F * size, 1.3F * size, 1.3F * size};

@@ -2,7 +2,6 @@
 // colour each, one camera for all of them, and who leads.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,13 +13,12 @@ namespace evo::render {
 
 class Race {
  public:
-  // The world is that of the first episode. A shorter episode stays at its end.
-  // Throws Error(usage) for fewer than two episodes, more than letters, or several
-  // tasks.
+  // A shorter episode stays at its end. Throws Error(usage) for fewer than two episodes,
+  // more than letters, or several tasks.
   Race(const std::vector<Episode>& episodes, const RenderOptions& options);
 
-  int steps() const { return clip_->steps(); }
-  double steps_per_second() const { return lanes_.front().steps_per_second(); }
+  int steps() const { return static_cast<int>(views_.size()) - 1; }
+  double steps_per_second() const { return clips_.front().steps_per_second(); }
   Drawing frame(double step, Typesetter& typesetter) const;
 
  private:
@@ -42,12 +40,11 @@ class Race {
   void draw_ranking(double step, const Rect& plate, Drawing& drawing) const;
 
   RenderOptions options_;
+  std::string task_;
+  bool heights_ = false;  // count in the task
   std::vector<Runner> runners_;
-  std::vector<Color> outlines_;  // of the objects of the world
-  bool heights_ = false;         // count in the task
-  std::unique_ptr<Rollout> merged_;
-  std::unique_ptr<Clip> clip_;    // of `merged_`
-  std::vector<Clip> lanes_;       // of each runner
+  std::vector<Clip> clips_;       // of each runner
+  std::vector<ViewRect> views_;   // of all of them, at every step
   std::optional<double> finish_;  // x, voxels, where the task has one
 };
 

@@ -1,10 +1,7 @@
 #include "render/scene/camera.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-
-#include "libevo/task/bounds.h"
 
 namespace evo::render {
 namespace {
@@ -71,23 +68,6 @@ double raise(double centre_y, double height, const Bounds& box) {
   return std::max(centre_y, std::min(lowest, std::max(highest, centre_y)));
 }
 
-std::vector<Bounds> boxes(const Mesh& mesh, std::span<const Vec2> points,
-                          const std::vector<int>& objects) {
-  std::size_t per_step = 0;
-  for (const ModelObject& object : mesh.objects)
-    per_step += static_cast<std::size_t>(object.points);
-  std::vector<Bounds> result(per_step == 0 ? 0 : points.size() / per_step);
-  for (std::size_t t = 0; t < result.size(); ++t)
-    for (const int k : objects) {
-      const ModelObject& object = mesh.objects[static_cast<std::size_t>(k)];
-      for (const Vec2& p :
-           points.subspan(t * per_step + static_cast<std::size_t>(object.first_point),
-                          static_cast<std::size_t>(object.points)))
-        result[t].add(p);
-    }
-  return result;
-}
-
 std::vector<ViewRect> follow_path(const std::vector<Bounds>& boxes, double aspect, double zoom) {
   Series x, y, width;
   for (const Bounds& box : boxes) {
@@ -129,22 +109,17 @@ ViewRect world_view(const std::vector<Bounds>& boxes, double aspect) {
 
 }  // namespace
 
-std::vector<ViewRect> camera_path(const Mesh& mesh, std::span<const Vec2> points,
-                                  const Camera& camera, const std::vector<int>& follow,
+std::vector<ViewRect> camera_path(const std::vector<Bounds>& boxes, const Camera& camera,
                                   double aspect) {
-  std::vector<int> everything;
-  for (std::size_t k = 0; k < mesh.objects.size(); ++k) everything.push_back(static_cast<int>(k));
-  const bool all = camera.mode == CameraMode::world;
-  const std::vector<Bounds> extents = boxes(mesh, points, all ? everything : follow);
   switch (camera.mode) {
     case CameraMode::follow:
-      return follow_path(extents, aspect, camera.zoom);
+      return follow_path(boxes, aspect, camera.zoom);
     case CameraMode::world:
-      return std::vector<ViewRect>(extents.size(), world_view(extents, aspect));
+      return std::vector<ViewRect>(boxes.size(), world_view(boxes, aspect));
     case CameraMode::fixed:
       break;
   }
-  return std::vector<ViewRect>(extents.size(), fit(camera.window, aspect));
+  return std::vector<ViewRect>(boxes.size(), fit(camera.window, aspect));
 }
 
 }  // namespace evo::render

@@ -3,17 +3,16 @@
 // frames can be drawn in any order.
 #pragma once
 
-#include <span>
 #include <vector>
 
+#include "libevo/task/bounds.h"
 #include "render/scene/scene.h"
 
 namespace evo::render {
 
-// `points` [(steps+1) x mesh points], voxels. One view per step, of the given
-// proportions. `follow`: indices of objects.
-std::vector<ViewRect> camera_path(const Mesh& mesh, std::span<const Vec2> points,
-                                  const Camera& camera, const std::vector<int>& follow,
+// `boxes`: around what is to be in view at every step, voxels. One view per step, of the
+// given proportions.
+std::vector<ViewRect> camera_path(const std::vector<Bounds>& boxes, const Camera& camera,
                                   double aspect);
 
 }  // namespace evo::render

@@ -13,7 +13,9 @@
 #include "render/scene/force.h"
 
 namespace evo::render {
+namespace {
 
+// What the rollout has of it. Throws Error(data, usage) where it has none.
 const RolloutEpisode& recorded(const Episode& episode) {
   const auto& all = episode.rollout->episodes;
   if (all.empty()) throw Error(Failure::data, "the rollout has no episodes, so nothing to draw");
@@ -22,8 +24,6 @@ const RolloutEpisode& recorded(const Episode& episode) {
                 episode.index, all.size() - 1);
   return all[static_cast<std::size_t>(episode.index)];
 }
-
-namespace {
 
 void check_world(const Rollout& rollout) {
   const auto& [objects, cells] = rollout.world;
@@ -94,10 +94,11 @@ std::vector<std::string> task_follow(const Rollout& rollout) {
   return names;
 }
 
-std::vector<int> followed(const Rollout& rollout, const Mesh& mesh,
-                          const std::vector<std::string>& chosen) {
-  const std::vector<std::string> names = chosen.empty() ? task_follow(rollout) : chosen;
-  std::vector<int> objects;
+std::vector<ModelObject> followed(const Rollout& rollout, const Mesh& mesh, const Camera& camera) {
+  if (camera.mode == CameraMode::world) return mesh.objects;
+  const std::vector<std::string> names =
+      camera.objects.empty() ? task_follow(rollout) : camera.objects;
+  std::vector<ModelObject> objects;
   for (const std::string& name : names) {
     const int object = mesh.object_index(name);
     if (object < 0) {
@@ -106,10 +107,9 @@ std::vector<int> followed(const Rollout& rollout, const Mesh& mesh,
       throw error(Failure::usage, "the camera cannot follow '{}': the objects are {}{}", name,
                   joined(known, ", "), did_you_mean(name, known));
     }
-    for (std::size_t k = 0; k < mesh.objects.size(); ++k)  // of a race, there are several
-      if (mesh.objects[k].name == name) objects.push_back(static_cast<int>(k));
+    objects.push_back(mesh.objects[static_cast<std::size_t>(object)]);
   }
-  if (objects.empty()) objects.push_back(0);  // the robot comes first in world order
+  if (objects.empty()) objects = {mesh.objects.front()};  // the robot comes first in world order
   return objects;
 }
 
@@ -178,8 +178,7 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
   }
   returns_.push_back(0);
   for (const double reward : data.rewards) returns_.push_back(returns_.back() + reward);
-  views_ = camera_path(mesh_, points_, options.camera,
-                       followed(rollout, mesh_, options.camera.objects), aspect);
+  views_ = camera_path(boxes(options.camera), options.camera, aspect);
 }
 
 Bounds Clip::extent(int step, const ModelObject& object) const {
@@ -187,6 +186,15 @@ Bounds Clip::extent(int step, const ModelObject& object) const {
   for (int k = object.first_point; k < object.first_point + object.points; ++k)
     extent.add(points(step)[static_cast<std::size_t>(k)]);
   return extent;
+}
+
+std::vector<Bounds> Clip::boxes(const Camera& camera) const {
+  std::vector<Bounds> boxes(static_cast<std::size_t>(steps_) + 1);
+  for (const ModelObject& object : followed(*episode_.rollout, mesh_, camera))
+    for (int t = 0; t <= steps_; ++t)
+      for (int k = object.first_point; k < object.first_point + object.points; ++k)
+        boxes[static_cast<std::size_t>(t)].add(at(t)[k]);
+  return boxes;
 }
 
 const Vec2* Clip::at(int step) const {
@@ -211,11 +219,7 @@ Scene Clip::scene(double step) const {
   scene.points.reserve(static_cast<std::size_t>(episode_.rollout->points));
   for (int k = 0; k < episode_.rollout->points; ++k)
     scene.points.push_back(between(at(whole)[k], at(next)[k], share));
-  const ViewRect& a = views_[static_cast<std::size_t>(whole)];
-  const ViewRect& b = views_[static_cast<std::size_t>(next)];
-  const Vec2 centre = between({a.centre_x, a.centre_y}, {b.centre_x, b.centre_y}, share);
-  const Vec2 extent = between({a.width, a.height}, {b.width, b.height}, share);
-  scene.view = {centre.x, centre.y, extent.x, extent.y};
+  scene.view = view_at(views_, step);
   scene.grid = overlays_.grid;
   scene.white = !overlays_.background;
   scene.edges = overlays_.edges;
@@ -394,6 +398,15 @@ void share_value_scale(std::span<Clip* const> clips) {
   ValueScale shared = clips.front()->value_scale();
   for (const Clip* clip : clips) shared = widest(shared, clip->value_scale());
   for (Clip* clip : clips) clip->value_scale(shared);
+}
+
+ViewRect view_at(const std::vector<ViewRect>& path, double step) {
+  const auto [whole, share] = split(step, static_cast<int>(path.size()) - 1);
+  const ViewRect& a = path[static_cast<std::size_t>(whole)];
+  const ViewRect& b = path[std::min(static_cast<std::size_t>(whole) + 1, path.size() - 1)];
+  const Vec2 centre = between({a.centre_x, a.centre_y}, {b.centre_x, b.centre_y}, share);
+  const Vec2 extent = between({a.width, a.height}, {b.width, b.height}, share);
+  return {centre.x, centre.y, extent.x, extent.y};
 }
 
 std::vector<double> timeline(const RenderOptions& options, int steps, double rate) {

@@ -21,9 +21,6 @@ struct Episode {
   std::string label;  // of its panel, when several are shown; else the robot's id
 };
 
-// What the rollout has of it. Throws Error(data, usage) where it has none.
-const RolloutEpisode& recorded(const Episode& episode);
-
 // Everything about the text of a frame.
 struct Caption {
   std::string title;   // the task
@@ -72,6 +69,8 @@ class Clip {
     return {at(step), static_cast<std::size_t>(episode_.rollout->points)};
   }
   Bounds extent(int step, const ModelObject& object) const;
+  // Around what a camera keeps in view, at every step. Throws Error(usage) for an unknown object.
+  std::vector<Bounds> boxes(const Camera& camera) const;
   Vec2 centre(int step) const { return centres_[static_cast<std::size_t>(step)]; }
 
  private:
@@ -105,6 +104,9 @@ class Clip {
 
 // One colour is the same value in all of them.
 void share_value_scale(std::span<Clip* const> clips);
+
+// Between two steps, the view is in between, too.
+ViewRect view_at(const std::vector<ViewRect>& path, double step);
 
 // The steps that the frames of a video show of an episode of `steps` steps, `rate` per second
 // at speed 1; the last one is always among them. Throws Error(usage) for an empty range.

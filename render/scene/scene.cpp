@@ -26,7 +26,6 @@ constexpr double least_grid_voxel = 0.5;
 
 void draw_sky_and_earth(const Scene& scene, const Theme& theme, const Projection& to_pixels,
                         Drawing& drawing) {
-  if (!scene.sky) return;
   const Rect& panel = to_pixels.panel;
   if (scene.white) {
     constexpr Color white{255, 255, 255, 255};
@@ -256,7 +255,7 @@ void draw_objects(const Scene& scene, const Theme& theme, const Projection& to_p
                      scene.voxels},
                     theme, to_pixels, drawing);
   for (std::size_t k = count; k-- > 0;)
-    if (!is_ghost(k)) now.draw(k);
+    if (!is_ghost(k) && (scene.backdrop || !scene.mesh->objects[k].is_static)) now.draw(k);
   for (const Ghost& ghost : scene.ghosts) {
     ObjectPainter before(*scene.mesh, ghost.points,
                          {scene.tint, ghost.pale, ghost.values, &scene.value_scale, scene.outlines},
@@ -276,9 +275,11 @@ void draw_scene(const Scene& scene, const Theme& theme, const Rect& panel, Drawi
   const Projection to_pixels(
       fit(scene.view, static_cast<double>(panel.width) / static_cast<double>(panel.height)), panel);
   drawing.clip(panel);
-  draw_sky_and_earth(scene, theme, to_pixels, drawing);
-  if (scene.grid) draw_grid(scene, theme, to_pixels, drawing);
-  draw_ruler(scene, theme, to_pixels, drawing);
+  if (scene.backdrop) {
+    draw_sky_and_earth(scene, theme, to_pixels, drawing);
+    if (scene.grid) draw_grid(scene, theme, to_pixels, drawing);
+    draw_ruler(scene, theme, to_pixels, drawing);
+  }
   if (scene.goal) draw_goal(*scene.goal, theme, to_pixels, drawing);
   if (scene.finish) draw_finish(*scene.finish, to_pixels, drawing);
   draw_objects(scene, theme, to_pixels, drawing);

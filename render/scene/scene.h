@@ -50,7 +50,7 @@ struct Scene {
   std::vector<bool> travels;    // of each object: drawn as a ghost, too; empty: none
   std::vector<Color> outlines;  // of each object that moves; empty: the theme's
   ViewRect view;
-  bool sky = true;  // a background of its own; else what was drawn before
+  bool backdrop = true;  // sky, grid, floor, what stands still; else what was drawn before
   bool grid = true;
   bool fine_grid = true;  // a line every voxel where there is room, not every ten
   bool floor = true;      // the world's floor at y = 0

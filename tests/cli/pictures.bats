@@ -141,7 +141,9 @@ episode() { evo-sample -n 1 --seed 4 | evo-eval --task Walker-v0 --actions sine:
   grep -q '>return<' contacts.svg
   fails_with 2 "--tint: strian not in" "strain" -- evo-render r.h5 --at 1 --tint strian -o x.png
   fails_with 2 "--plot" "return" -- evo-render r.h5 --at 1 --plot speed -o x.png
-  fails_with 2 "--race" "--show contacts" -- evo-render --race r.h5 r.h5 --show contacts -o x.mp4
+  evo-render --race r.h5 r.h5 --show contacts --tint stress --steps 30-30 -o 'race/%d.png'
+  [ "$(ls race | wc -l)" -eq 1 ]
+  fails_with 2 "--race" "--plot" -- evo-render --race r.h5 r.h5 --plot return -o x.mp4
 }
 
 # Mean difference of two pictures of one size, of 255.

@@ -84,6 +84,13 @@ TEST_CASE("the camera follows what the task says, or what is asked for") {
   alone.camera.objects = {"robot"};
   const Clip robot({&rollout, 0, ""}, alone, 1.5);
   CHECK(task.scene(60).view.width > robot.scene(60).view.width);
+  Camera world;
+  world.mode = CameraMode::world;
+  const Bounds everything = task.boxes(world)[60];
+  for (const ModelObject& object : task.mesh().objects) {
+    CHECK(everything.x0 <= task.extent(60, object).x0);
+    CHECK(everything.x1 >= task.extent(60, object).x1);
+  }
   alone.camera.objects = {"packag"};
   expect_error(Failure::usage, Contains("did you mean 'package'"), [&] {
     Clip({&rollout, 0, ""}, alone, 1.5);

@@ -30,10 +30,8 @@ void TaskOptions::change_physics(TaskSpec& spec) const {
   if (physics.empty()) return;
   const auto [profile, settings] = profile_words(physics);
   Physics changed = profile ? physics_profiles().load(*profile, data_folders()) : spec.physics;
-  for (const std::string& assignment : settings) {
-    physics_profiles().assign(changed, assignment);
-    physics_profiles().check(changed);
-  }
+  for (const std::string& assignment : settings) physics_profiles().assign(changed, assignment);
+  physics_profiles().check(changed);
   set_physics(spec, changed);
 }
 

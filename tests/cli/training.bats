@@ -160,6 +160,8 @@ evaluated() { until grep -qs global_step $1; do kill -0 "$training" || return; s
   evo-eval --task Walker-v0 --actions sine:0.5,20,0.7 --physics paper robot > paper
   run ! cmp -s normal paper
   fails_with 2 "gravty" "gravity" -- evo-eval --task Walker-v0 --actions random --physics gravty=50 robot
+  evo-eval --task Walker-v0 --actions random --physics min_target=1.7 --physics max_target=1.8 robot > strong
+  fails_with 2 "min_target" -- evo-eval --task Walker-v0 --actions random --physics min_target=1.7 robot
   fails_with 2 "Walkr-v0" "Walker-v0" -- evo-eval --task Walkr-v0 --actions random robot
   fails_with 2 "no policy" -- evo-eval --task Walker-v0 robot
 }

@@ -3,10 +3,14 @@
 // continue to the same bytes.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -49,34 +53,93 @@ struct Checkpoint {
     return values;
   }
 
-  void put(const std::string& name, const Stream& stream) {
-    const Stream::Position position = stream.tell();
-    put<std::uint64_t>(name, {position.block, position.used});
-  }
-
-  void get(const std::string& name, Stream& stream) const {
-    const auto& values = get<std::uint64_t>(name, 2);
-    if (values[1] > 4) throw error(Failure::data, "checkpoint: '{}' is no position", name);
-    stream.seek({values[0], static_cast<std::uint32_t>(values[1])});
-  }
-
-  // Another checkpoint as a part of this one, "<name>/...", and back.
-  void put(const std::string& name, const Checkpoint& part) {
-    const std::string prefix = name + "/";
-    for (const auto& [inner, array] : part.arrays)
-      arrays[std::string(prefix).append(inner)] = array;
-  }
-  Checkpoint part(const std::string& name) const {
-    const std::string prefix = name + "/";
-    Checkpoint part;
-    for (auto it = arrays.lower_bound(prefix);
-         it != arrays.end() && it->first.compare(0, prefix.size(), prefix) == 0; ++it)
-      part.arrays[it->first.substr(prefix.size())] = it->second;
-    return part;
-  }
-  bool has(const std::string& name) const { return arrays.count(name) != 0; }
-
   bool operator==(const Checkpoint&) const = default;
+};
+
+// A checkpoint that is written or read: what a class keeps there its serialize() says once, for
+// both. Saving leaves the values as they are. Loading throws Error(data) where an array is missing,
+// of another type or of another length.
+class Archive {
+ public:
+  static Archive saving(Checkpoint& to) { return {&to, to, ""}; }
+  static Archive loading(const Checkpoint& from) { return {nullptr, from, ""}; }
+
+  bool loads() const { return to_ == nullptr; }
+  // Of names that begin with "<name>/".
+  Archive part(const std::string& name) const { return {to_, *from_, prefix_ + name + "/"}; }
+  // Whether an array is there that is not always: `present` when saving.
+  bool optional(const std::string& name, bool present) const {
+    return loads() ? from_->arrays.count(prefix_ + name) != 0 : present;
+  }
+
+  // Of any length.
+  template <typename T>
+  void array(const std::string& name, std::vector<T>& values) const {
+    if (loads())
+      values = from_->get<T>(prefix_ + name);
+    else
+      to_->put(prefix_ + name, values);
+  }
+
+  // A range of the length that it has.
+  template <typename Stored, typename Range>
+  void row(const std::string& name, Range&& values) const {
+    const auto length = static_cast<std::size_t>(values.size());
+    if (loads()) {
+      auto next = from_->get<Stored>(prefix_ + name, length).begin();
+      for (auto& value : values) value = static_cast<std::decay_t<decltype(value)>>(*next++);
+    } else {
+      std::vector<Stored> stored;
+      stored.reserve(length);
+      for (const auto& value : values) stored.push_back(static_cast<Stored>(value));
+      to_->put(prefix_ + name, std::move(stored));
+    }
+  }
+
+  template <typename Stored, typename... Numbers>
+  void numbers(const std::string& name, Numbers&... each) const {
+    std::array<Stored, sizeof...(each)> values{static_cast<Stored>(each)...};
+    row<Stored>(name, values);
+    auto next = values.begin();
+    ((each = static_cast<Numbers>(*next++)), ...);
+  }
+
+  // Parameters as runs of floats, one after the other.
+  template <typename Blocks>
+  void blocks(const std::string& name, const Blocks& parameters) const {
+    std::vector<float> values;
+    for (std::size_t b = 0; b < parameters.size(); ++b)
+      values.insert(values.end(), parameters[b].begin(), parameters[b].end());
+    row<float>(name, values);
+    auto next = values.begin();
+    for (std::size_t b = 0; b < parameters.size(); ++b) {
+      const std::span<float> block = parameters[b];
+      std::copy_n(next, block.size(), block.begin());
+      next += std::ssize(block);
+    }
+  }
+
+  void stream(const std::string& name, Stream& stream) const {
+    Stream::Position position = stream.tell();
+    numbers<std::uint64_t>(name, position.block, position.used);
+    if (position.used > 4) throw error(Failure::data, "checkpoint: '{}' is no position", name);
+    stream.seek(position);
+  }
+
+  void best(std::optional<TrainedController>& controller) const {
+    if (loads())
+      controller = from_->best;
+    else
+      to_->best = controller;
+  }
+
+ private:
+  Archive(Checkpoint* to, const Checkpoint& from, std::string prefix)
+      : to_(to), from_(&from), prefix_(std::move(prefix)) {}
+
+  Checkpoint* to_;  // none: it loads
+  const Checkpoint* from_;
+  std::string prefix_;  // of all names
 };
 
 }  // namespace evo

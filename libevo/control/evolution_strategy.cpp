@@ -91,23 +91,12 @@ void EvolutionStrategy::tell(const std::vector<std::vector<double>>& candidates,
   sigma_ *= math::exp(c_sigma / damping * (norm / expected_norm - 1.0));
 }
 
-void EvolutionStrategy::save(Checkpoint& checkpoint, const std::string& name) const {
-  checkpoint.put(name + "/mean", mean_);
-  checkpoint.put<double>(name + "/sigma_generation", {sigma_, generation_});
-  checkpoint.put(name + "/covariance", covariance_);
-  checkpoint.put(name + "/path", path_);
-  checkpoint.put(name + "/step_path", step_path_);
-}
-
-void EvolutionStrategy::load(const Checkpoint& checkpoint, const std::string& name) {
-  const std::size_t n = mean_.size();
-  mean_ = checkpoint.get<double>(name + "/mean", n);
-  const auto& scalars = checkpoint.get<double>(name + "/sigma_generation", 2);
-  sigma_ = scalars[0];
-  generation_ = scalars[1];
-  covariance_ = checkpoint.get<double>(name + "/covariance", n);
-  path_ = checkpoint.get<double>(name + "/path", n);
-  step_path_ = checkpoint.get<double>(name + "/step_path", n);
+void EvolutionStrategy::serialize(const Archive& archive) {
+  archive.row<double>("mean", mean_);
+  archive.numbers<double>("sigma_generation", sigma_, generation_);
+  archive.row<double>("covariance", covariance_);
+  archive.row<double>("path", path_);
+  archive.row<double>("step_path", step_path_);
 }
 
 }  // namespace evo

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
 #include "libevo/base/random.h"
@@ -25,8 +24,7 @@ class EvolutionStrategy {
   const std::vector<double>& mean() const { return mean_; }
   double sigma() const { return sigma_; }
 
-  void save(Checkpoint& checkpoint, const std::string& name) const;
-  void load(const Checkpoint& checkpoint, const std::string& name);
+  void serialize(const Archive& archive);
 
  private:
   std::vector<double> mean_;        // m

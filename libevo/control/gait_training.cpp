@@ -142,27 +142,18 @@ void GaitTraining::tell(std::span<const double> returns) {
   ++generation_;
 }
 
-void GaitTraining::save(Checkpoint& checkpoint) const {
-  checkpoint.put("search/random", random_);
-  checkpoint.put<std::uint64_t>("search/generation", {static_cast<std::uint64_t>(generation_),
-                                                      std::uint64_t{second_stage_ ? 1U : 0U}});
-  checkpoint.put("search/best", best_);
-  checkpoint.put<double>("search/best_return", {best_return_});
-  strategy_.save(checkpoint, "search/strategy");
-}
-
-void GaitTraining::load(const Checkpoint& checkpoint) {
-  checkpoint.get("search/random", random_);
-  const auto& generation = checkpoint.get<std::uint64_t>("search/generation", 2);
-  generation_ = static_cast<std::int64_t>(generation[0]);
-  best_ = checkpoint.get<double>("search/best");
-  best_return_ = checkpoint.get<double>("search/best_return", 1)[0];
-  if (generation[1] != 0 && !second_stage_) {
+void GaitTraining::serialize(const Archive& archive) {
+  archive.stream("search/random", random_);
+  bool second_stage = second_stage_;
+  archive.numbers<std::uint64_t>("search/generation", generation_, second_stage);
+  archive.array("search/best", best_);
+  archive.numbers<double>("search/best_return", best_return_);
+  if (second_stage && !second_stage_) {
     if (best_.size() != wave_length)
       throw Error(Failure::data, "checkpoint: 'search/best' is no wave");
     begin_second_stage(decode_wave(best_));
   }
-  strategy_.load(checkpoint, "search/strategy");
+  strategy_.serialize(archive.part("search/strategy"));
 }
 
 }  // namespace evo

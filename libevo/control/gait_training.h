@@ -36,8 +36,7 @@ class GaitTraining {
     SineController gait;  // that earned it
   };
   Generation advance(const TrainingJob& job, TrainResult& result, Metrics& metrics);
-  void save(Checkpoint& checkpoint) const;
-  void load(const Checkpoint& checkpoint);
+  void serialize(const Archive& archive);
 
  private:
   struct Actuator {

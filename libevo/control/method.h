@@ -63,7 +63,7 @@ struct Abilities {
 template <typename T>
 concept TrainingMethod = std::movable<T> && std::constructible_from<T, const TrainingJob&> &&
     requires(T method, const T& constant, const TrainingJob& job, TrainResult& result,
-             const TrainResult& so_far, Metrics& metrics, Checkpoint& out, const Checkpoint& in,
+             const TrainResult& so_far, Metrics& metrics, const Archive& archive,
              const TrainingSettings& settings) {
   // As profiles name it.
   { T::name } -> std::convertible_to<const char*>;
@@ -75,8 +75,7 @@ concept TrainingMethod = std::movable<T> && std::constructible_from<T, const Tra
   // Error(work) where numbers leave the finite ones.
   method.advance(job, result, metrics);
   // All that the method needs to continue to the same bytes.
-  constant.save(out);
-  method.load(in);
+  method.serialize(archive);
 };
 
 }  // namespace evo

@@ -168,17 +168,11 @@ void ModularPasses::end_backward() {
 
 // ---- checkpoints ----------------------------------------------------------------
 
-void save_policy(Checkpoint& checkpoint, const std::string& name, const ModularPolicy& policy) {
-  save_parameters(checkpoint, name + "/parameters", parameter_blocks(policy));
-  save_moments(checkpoint, name + "/local", policy.local);
-  save_moments(checkpoint, name + "/task", policy.task);
-}
-
-void load_policy(const Checkpoint& checkpoint, const std::string& name, ModularPolicy& policy) {
-  load_parameters(checkpoint, name + "/parameters", parameter_blocks(policy),
-                  parameter_count(policy));
-  load_moments(checkpoint, name + "/local", policy.local);
-  load_moments(checkpoint, name + "/task", policy.task);
+// Of the policy alone: what is seen is looked at anew.
+void ModularPasses::serialize(const Archive& archive) {
+  archive.blocks("policy/parameters", parameters());
+  evo::serialize(archive.part("policy/local"), policy_.local);
+  evo::serialize(archive.part("policy/task"), policy_.task);
 }
 
 }  // namespace evo

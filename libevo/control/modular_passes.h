@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "libevo/control/modular_policy.h"
@@ -28,7 +27,6 @@ class ModularPasses {
   ModularPasses(ModularPolicy policy, std::vector<Group> groups);
 
   const ModularPolicy& policy() const { return policy_; }
-  ModularPolicy& policy() { return policy_; }
   auto parameters() { return parameter_blocks(policy_); }
   auto slopes() { return parameter_blocks(gradients_); }
 
@@ -77,9 +75,7 @@ class ModularPasses {
   }
   void end_backward();
 
-  // What is seen is looked at anew.
-  void save(Checkpoint& /*checkpoint*/) const {}
-  void load(const Checkpoint& /*checkpoint*/) {}
+  void serialize(const Archive& archive);
 
  private:
   // A group, and where its environments, voxels and actuators begin among those of all.
@@ -124,10 +120,6 @@ class ModularPasses {
   std::vector<float> mean_slopes_;
   std::vector<float> value_slopes_;
 };
-
-// A policy's numbers in a checkpoint, under `name`; loading needs a policy of the same shape.
-void save_policy(Checkpoint& checkpoint, const std::string& name, const ModularPolicy& policy);
-void load_policy(const Checkpoint& checkpoint, const std::string& name, ModularPolicy& policy);
 
 // An untrained policy for a task that shows `task_length` numbers, with targets in [low, high].
 ModularPolicy initial_modular_policy(const TrainingSettings& settings, int task_length, double low,

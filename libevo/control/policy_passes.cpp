@@ -81,30 +81,15 @@ void PolicyPasses::end_backward() {
 
 // ---- checkpoints ----------------------------------------------------------------
 
-void save_policy(Checkpoint& checkpoint, const std::string& name, const Policy& policy) {
-  save_parameters(checkpoint, name + "/parameters", ParameterBlocks(policy));
-  save_moments(checkpoint, name + "/normalizer", policy.normalizer);
-}
-
-void load_policy(const Checkpoint& checkpoint, const std::string& name, Policy& policy) {
-  load_parameters(checkpoint, name + "/parameters", ParameterBlocks(policy),
-                  parameter_count(policy));
-  load_moments(checkpoint, name + "/normalizer", policy.normalizer);
-}
-
-void PolicyPasses::save(Checkpoint& checkpoint) const {
-  checkpoint.put<float>("learner/state", {state_.data(), state_.data() + state_.size()});
-  checkpoint.put<std::uint64_t>("learner/steps", {steps_.begin(), steps_.end()});
-}
-
-void PolicyPasses::load(const Checkpoint& checkpoint) {
-  state_.resize(environments_, policy_.actor.layers.front().weight.cols());
-  const auto& state =
-      checkpoint.get<float>("learner/state", static_cast<std::size_t>(state_.size()));
-  std::copy(state.begin(), state.end(), state_.data());
-  steps_.assign(environments(), 0);
-  const auto& steps = checkpoint.get<std::uint64_t>("learner/steps", steps_.size());
-  for (std::size_t e = 0; e < steps.size(); ++e) steps_[e] = static_cast<int>(steps[e]);
+void PolicyPasses::serialize(const Archive& archive) {
+  archive.blocks("policy/parameters", parameters());
+  evo::serialize(archive.part("policy/normalizer"), policy_.normalizer);
+  if (archive.loads()) {
+    state_.resize(environments_, policy_.actor.layers.front().weight.cols());
+    steps_.resize(environments());
+  }
+  archive.row<float>("state", all_of(state_));
+  archive.row<std::uint64_t>("steps", steps_);
 }
 
 }  // namespace evo

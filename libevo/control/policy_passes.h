@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "libevo/control/policy.h"
@@ -23,7 +22,6 @@ class PolicyPasses {
   PolicyPasses(Policy policy, int environments);
 
   const Policy& policy() const { return policy_; }
-  Policy& policy() { return policy_; }
   ParameterBlocks<Policy> parameters() { return ParameterBlocks(policy_); }
   ParameterBlocks<Gradients> slopes() { return ParameterBlocks(gradients_); }
 
@@ -73,8 +71,7 @@ class PolicyPasses {
   }
   void end_backward();
 
-  void save(Checkpoint& checkpoint) const;
-  void load(const Checkpoint& checkpoint);
+  void serialize(const Archive& archive);
 
  private:
   static std::span<float> all_of(Matrix& x) {
@@ -99,11 +96,6 @@ class PolicyPasses {
   std::vector<Matrix> critic_slopes_;
   NetworkScratch reached_;  // of the critic
 };
-
-// A policy's numbers in a checkpoint, under `name`; loading needs a policy of
-// the same shape.
-void save_policy(Checkpoint& checkpoint, const std::string& name, const Policy& policy);
-void load_policy(const Checkpoint& checkpoint, const std::string& name, Policy& policy);
 
 // An untrained policy for observations of D numbers and A actuators with targets in
 // [low, high], on a base where one is given.

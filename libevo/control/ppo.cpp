@@ -28,8 +28,6 @@ std::span<const float> view(const Vector& x) {
   return {x.data(), static_cast<std::size_t>(x.size())};
 }
 
-std::vector<double> values_of(const Eigen::VectorXd& x) { return {x.data(), x.data() + x.size()}; }
-
 // log pi(a|s) without log_scale(); `z` receives (a - mu) / sigma.
 float log_density(std::span<const float> actions, std::span<const float> means,
                   std::span<const float> deviations, std::span<float> z) {
@@ -386,50 +384,24 @@ void Ppo<Passes>::gather(std::span<const std::uint32_t> samples) {
 
 // ---- checkpoints ----------------------------------------------------------------
 
-void save_moments(Checkpoint& checkpoint, const std::string& name, const Normalizer& n) {
-  checkpoint.put(name + "/mean", values_of(n.mean));
-  checkpoint.put(name + "/variance", values_of(n.variance));
-  checkpoint.put<double>(name + "/count", {n.count});
-}
-
-void load_moments(const Checkpoint& checkpoint, const std::string& name, Normalizer& n) {
-  const auto length = static_cast<std::size_t>(n.mean.size());
-  const auto& mean = checkpoint.get<double>(name + "/mean", length);
-  const auto& variance = checkpoint.get<double>(name + "/variance", length);
-  std::copy(mean.begin(), mean.end(), n.mean.begin());
-  std::copy(variance.begin(), variance.end(), n.variance.begin());
-  n.count = checkpoint.get<double>(name + "/count", 1)[0];
+void serialize(const Archive& archive, Normalizer& normalizer) {
+  archive.row<double>("mean", normalizer.mean);
+  archive.row<double>("variance", normalizer.variance);
+  archive.numbers<double>("count", normalizer.count);
 }
 
 template <typename Passes>
-void Ppo<Passes>::save(Checkpoint& checkpoint) const {
-  save_policy(checkpoint, "learner/policy", passes_.policy());
-  passes_.save(checkpoint);
-  checkpoint.put("learner/adam/first", adam_.first);
-  checkpoint.put("learner/adam/second", adam_.second);
-  checkpoint.put<double>("learner/adam/powers", {adam_.first_power, adam_.second_power});
-  checkpoint.put("learner/noise", noise_);
-  checkpoint.put("learner/shuffle", shuffle_);
-  checkpoint.put<std::uint64_t>("learner/updates", {static_cast<std::uint64_t>(updates_)});
-  save_moments(checkpoint, "learner/return_moments", return_moments_);
-  checkpoint.put("learner/discounted_returns", discounted_);
-}
-
-template <typename Passes>
-void Ppo<Passes>::load(const Checkpoint& checkpoint) {
-  load_policy(checkpoint, "learner/policy", passes_.policy());
-  updates_ = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("learner/updates", 1)[0]);
-  begin_rollout();
-  passes_.load(checkpoint);
-  adam_.first = checkpoint.get<float>("learner/adam/first", adam_.first.size());
-  adam_.second = checkpoint.get<float>("learner/adam/second", adam_.second.size());
-  const auto& powers = checkpoint.get<double>("learner/adam/powers", 2);
-  adam_.first_power = powers[0];
-  adam_.second_power = powers[1];
-  checkpoint.get("learner/noise", noise_);
-  checkpoint.get("learner/shuffle", shuffle_);
-  load_moments(checkpoint, "learner/return_moments", return_moments_);
-  discounted_ = checkpoint.get<double>("learner/discounted_returns", discounted_.size());
+void Ppo<Passes>::serialize(const Archive& archive) {
+  archive.numbers<std::uint64_t>("updates", updates_);
+  passes_.serialize(archive);
+  if (archive.loads()) begin_rollout();
+  archive.row<float>("adam/first", adam_.first);
+  archive.row<float>("adam/second", adam_.second);
+  archive.numbers<double>("adam/powers", adam_.first_power, adam_.second_power);
+  archive.stream("noise", noise_);
+  archive.stream("shuffle", shuffle_);
+  evo::serialize(archive.part("return_moments"), return_moments_);
+  archive.row<double>("discounted_returns", discounted_);
 }
 
 template Losses differentiate(PolicyPasses&, const Samples&, const TrainingSettings&, Gaussians&);

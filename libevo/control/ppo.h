@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -131,8 +130,7 @@ class Ppo {
 
   const Policy& policy() const { return passes_.policy(); }
 
-  void save(Checkpoint& checkpoint) const;
-  void load(const Checkpoint& checkpoint);  // of a Ppo made with the same arguments
+  void serialize(const Archive& archive);  // loads that of a Ppo made with the same arguments
 
  private:
   void begin_rollout();
@@ -164,28 +162,6 @@ class Ppo {
   Vector residual_;                   // [T*E]
 };
 
-// ---- checkpoints ------------------------------------------------------------------------
-
-// Parameters, which `blocks` gives as runs of floats.
-template <typename Blocks>
-void save_parameters(Checkpoint& checkpoint, const std::string& name, const Blocks& blocks) {
-  std::vector<float> parameters;
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    parameters.insert(parameters.end(), blocks[b].begin(), blocks[b].end());
-  checkpoint.put(name, std::move(parameters));
-}
-template <typename Blocks>
-void load_parameters(const Checkpoint& checkpoint, const std::string& name, const Blocks& blocks,
-                     std::size_t count) {
-  auto next = checkpoint.get<float>(name, count).begin();
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const std::span<float> block = blocks[b];
-    std::copy_n(next, block.size(), block.begin());
-    next += static_cast<std::ptrdiff_t>(block.size());
-  }
-}
-
-void save_moments(Checkpoint& checkpoint, const std::string& name, const Normalizer& n);
-void load_moments(const Checkpoint& checkpoint, const std::string& name, Normalizer& n);
+void serialize(const Archive& archive, Normalizer& normalizer);
 
 }  // namespace evo

@@ -217,19 +217,13 @@ void PpoTraining<Passes>::advance(const TrainingJob& job, TrainResult& result, M
 }
 
 template <typename Passes>
-void PpoTraining<Passes>::save(Checkpoint& checkpoint) const {
-  ppo_.save(checkpoint);
-  checkpoint.put("environments/state", env_.save());
-  checkpoint.put("environments/next_episode", begun_);
-  checkpoint.put("environments/episode_return", returns_);
-}
-
-template <typename Passes>
-void PpoTraining<Passes>::load(const Checkpoint& checkpoint) {
-  ppo_.load(checkpoint);
-  env_.load(checkpoint.get<std::uint8_t>("environments/state"));
-  begun_ = checkpoint.get<std::uint64_t>("environments/next_episode", begun_.size());
-  returns_ = checkpoint.get<double>("environments/episode_return", returns_.size());
+void PpoTraining<Passes>::serialize(const Archive& archive) {
+  ppo_.serialize(archive.part("learner"));
+  std::vector<std::uint8_t> state = env_.save();
+  archive.array("environments/state", state);
+  if (archive.loads()) env_.load(state);
+  archive.row<std::uint64_t>("environments/next_episode", begun_);
+  archive.row<double>("environments/episode_return", returns_);
 }
 
 // Every state but the last of one episode of the inherited controller from the exact start; of

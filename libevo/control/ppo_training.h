@@ -30,8 +30,7 @@ class PpoTraining {
 
   bool done(const TrainingJob& job, const TrainResult& result) const;
   void advance(const TrainingJob& job, TrainResult& result, Metrics& metrics);  // one update
-  void save(Checkpoint& checkpoint) const;
-  void load(const Checkpoint& checkpoint);
+  void serialize(const Archive& archive);
 
  private:
   // Where an episode may begin: a state that the inherited controller came to.

@@ -378,44 +378,6 @@ std::vector<ReplayController> SequenceSearch::news() {
 
 // ---- checkpoints ---------------------------------------------------------------------
 
-void SequenceSearch::save(Checkpoint& checkpoint) const {
-  checkpoint.put("search/random", random_);
-  checkpoint.put<double>("search/numbers", {level_height_, ended_return_, shown_});
-  checkpoint.put<std::uint8_t>(
-      "search/flags", {std::uint8_t(start_is_due_ ? 1 : 0), std::uint8_t(ended_is_new_ ? 1 : 0)});
-  checkpoint.put("search/ended", ended_);
-  save_moments(checkpoint, "search/soonest", soonest_);
-  save_moments(checkpoint, "search/highest", highest_);
-}
-
-void SequenceSearch::save_moments(Checkpoint& checkpoint, const std::string& name,
-                                  const Moments& moments) {
-  std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, visits
-  std::vector<std::uint8_t> states;
-  std::vector<double> actions;
-  std::vector<double> earned;
-  std::vector<double> gaits;
-  std::vector<std::uint8_t> delayed;
-  for (const auto& [place, moment] : moments) {
-    const SineController& gait = moment.gait;
-    counts.insert(counts.end(), {moment.state.size(), moment.actions.size(), gait.phase.size(),
-                                 static_cast<std::uint64_t>(moment.visits)});
-    delayed.push_back(moment.delayed ? 1 : 0);
-    states.insert(states.end(), moment.state.begin(), moment.state.end());
-    actions.insert(actions.end(), moment.actions.begin(), moment.actions.end());
-    earned.push_back(moment.earned);
-    gaits.insert(gaits.end(), {gait.period, gait.middle});
-    for (const std::vector<double>* part : {&gait.phase, &gait.amplitude, &gait.shift})
-      gaits.insert(gaits.end(), part->begin(), part->end());
-  }
-  checkpoint.put(name + "/counts", std::move(counts));
-  checkpoint.put(name + "/states", std::move(states));
-  checkpoint.put(name + "/actions", std::move(actions));
-  checkpoint.put(name + "/earned", std::move(earned));
-  checkpoint.put(name + "/gaits", std::move(gaits));
-  checkpoint.put(name + "/delayed", std::move(delayed));
-}
-
 namespace {
 
 // Takes `count` values off the front.
@@ -429,36 +391,61 @@ std::vector<T> take(std::span<const T>& rest, std::size_t count) {
 
 }  // namespace
 
-void SequenceSearch::load(const Checkpoint& checkpoint) {
-  checkpoint.get("search/random", random_);
-  const auto& numbers = checkpoint.get<double>("search/numbers", 3);
-  level_height_ = numbers[0];
-  ended_return_ = numbers[1];
-  shown_ = numbers[2];
-  const auto& flags = checkpoint.get<std::uint8_t>("search/flags", 2);
-  start_is_due_ = flags[0] != 0;
-  ended_is_new_ = flags[1] != 0;
-  ended_ = checkpoint.get<double>("search/ended");
+void SequenceSearch::serialize(const Archive& archive) {
+  // A gait may have been offered; another start follows from the job.
+  const bool from_gait = start_ && std::holds_alternative<SineController>(*start_);
+  if (archive.optional("start/period", from_gait)) {
+    if (!from_gait) start_ = SineController{};
+    evo::serialize(archive.part("start"), std::get<SineController>(*start_));
+  }
+  archive.stream("random", random_);
+  archive.numbers<double>("numbers", level_height_, ended_return_, shown_);
+  archive.numbers<std::uint8_t>("flags", start_is_due_, ended_is_new_);
+  archive.array("ended", ended_);
+  const std::vector<Moment> soonest = serialize(archive.part("soonest"), soonest_);
+  const std::vector<Moment> highest = serialize(archive.part("highest"), highest_);
+  if (!archive.loads()) return;
   soonest_.clear();
-  for (Moment& moment : load_moments(checkpoint, "search/soonest"))
-    soonest_[level_of(moment.earned)] = std::move(moment);
+  for (const Moment& moment : soonest) soonest_[level_of(moment.earned)] = moment;
   if (!soonest_.empty() && !soonest_.contains(level_of(0.0)))
     throw Error(Failure::data, "checkpoint: its archive does not begin where episodes do");
   highest_.clear();
-  for (Moment& moment : load_moments(checkpoint, "search/highest"))
-    highest_[steps_of(moment) / slot] = std::move(moment);
+  for (const Moment& moment : highest) highest_[steps_of(moment) / slot] = moment;
 }
 
-std::vector<SequenceSearch::Moment> SequenceSearch::load_moments(const Checkpoint& checkpoint,
-                                                                 const std::string& name) const {
-  const auto& counts = checkpoint.get<std::uint64_t>(name + "/counts");
-  const auto& delayed = checkpoint.get<std::uint8_t>(name + "/delayed");
-  const auto& earned = checkpoint.get<double>(name + "/earned");
+// The moments that are loaded.
+std::vector<SequenceSearch::Moment> SequenceSearch::serialize(const Archive& archive,
+                                                              const Moments& saved) {
+  std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, visits
+  std::vector<std::uint8_t> all_states;
+  std::vector<double> all_actions;
+  std::vector<double> earned;
+  std::vector<double> all_gaits;
+  std::vector<std::uint8_t> delayed;
+  for (const auto& [place, moment] : saved) {
+    const SineController& gait = moment.gait;
+    counts.insert(counts.end(), {moment.state.size(), moment.actions.size(), gait.phase.size(),
+                                 static_cast<std::uint64_t>(moment.visits)});
+    delayed.push_back(moment.delayed ? 1 : 0);
+    all_states.insert(all_states.end(), moment.state.begin(), moment.state.end());
+    all_actions.insert(all_actions.end(), moment.actions.begin(), moment.actions.end());
+    earned.push_back(moment.earned);
+    all_gaits.insert(all_gaits.end(), {gait.period, gait.middle});
+    for (const std::vector<double>* part : {&gait.phase, &gait.amplitude, &gait.shift})
+      all_gaits.insert(all_gaits.end(), part->begin(), part->end());
+  }
+  archive.array("counts", counts);
+  archive.array("states", all_states);
+  archive.array("actions", all_actions);
+  archive.array("earned", earned);
+  archive.array("gaits", all_gaits);
+  archive.array("delayed", delayed);
+  if (!archive.loads()) return {};
   if (counts.size() != 4 * delayed.size() || earned.size() != delayed.size())
     throw Error(Failure::data, "checkpoint: its archive is cut short");
-  std::span<const std::uint8_t> states = checkpoint.get<std::uint8_t>(name + "/states");
-  std::span<const double> actions = checkpoint.get<double>(name + "/actions");
-  std::span<const double> gaits = checkpoint.get<double>(name + "/gaits");
+  std::span<const std::uint8_t> states = all_states;
+  std::span<const double> actions = all_actions;
+  std::span<const double> gaits = all_gaits;
   std::vector<Moment> moments;
   for (std::size_t i = 0; i < delayed.size(); ++i) {
     Moment moment;

@@ -59,9 +59,8 @@ class SequenceSearch {
   std::size_t levels() const { return soonest_.size(); }  // in the archive
   double highest() const;                                 // return among them
 
-  // load() throws Error(data) for a checkpoint of another search.
-  void save(Checkpoint& checkpoint) const;
-  void load(const Checkpoint& checkpoint);
+  // Loading throws Error(data) for a checkpoint of another search.
+  void serialize(const Archive& archive);
 
  private:
   struct Moment {
@@ -109,8 +108,7 @@ class SequenceSearch {
   void enter(Attempt& attempt, int lane);
   void enter(Moments& moments, std::int64_t place, Attempt& attempt, int lane);
   void coarsen();
-  static void save_moments(Checkpoint& checkpoint, const std::string& name, const Moments& moments);
-  std::vector<Moment> load_moments(const Checkpoint& checkpoint, const std::string& name) const;
+  static std::vector<Moment> serialize(const Archive& archive, const Moments& moments);
   ReplayController whole(const std::vector<double>& actions) const;
 
   const Arena* arena_;

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "libevo/control/ppo_training.h"
-#include "libevo/control/sine.h"
 
 namespace evo {
 namespace {
@@ -142,46 +141,23 @@ void SequenceTraining::explore(const TrainingJob& job, TrainResult& result, Metr
   report_evaluation(result, metrics);
 }
 
-void SequenceTraining::save(Checkpoint& checkpoint) const {
+void SequenceTraining::serialize(const Archive& archive) {
+  const Archive of_gait = archive.part("gait");
+  if (!of_gait.optional("search/generation", gait_.has_value()))
+    gait_.reset();  // not looked for, with fewer steps
   if (gait_) {
-    Checkpoint part;
-    gait_->save(part);
-    if (best_gait_) {
-      save_sine(part, "best", best_gait_->gait);
-      part.put<double>("turns/paces",
-                       {best_gait_->best, gait_pace_.per_step, exploration_pace_.per_step});
-      part.put<std::uint64_t>("turns/counts",
-                              {static_cast<std::uint64_t>(gait_pace_.turns),
-                               static_cast<std::uint64_t>(exploration_pace_.turns)});
-    }
-    checkpoint.put("gait", part);
-  }
-  if (!search_) return;
-  search_->save(checkpoint);
-  const auto& start = search_->start();
-  const auto* gait = start ? std::get_if<SineController>(&*start) : nullptr;
-  if (gait != nullptr) save_sine(checkpoint, "search/start", *gait);
-}
-
-void SequenceTraining::load(const Checkpoint& checkpoint) {
-  const Checkpoint part = checkpoint.part("gait");
-  if (part.arrays.empty()) gait_.reset();  // not looked for, with fewer steps
-  if (gait_) {
-    gait_->load(part);
-    if (part.has("turns/paces")) {
-      const auto& paces = part.get<double>("turns/paces", 3);
-      best_gait_ = GaitTraining::Generation{paces[0], load_sine(part, "best")};
-      const auto& counts = part.get<std::uint64_t>("turns/counts", 2);
-      gait_pace_ = {paces[1], static_cast<std::int64_t>(counts[0])};
-      exploration_pace_ = {paces[2], static_cast<std::int64_t>(counts[1])};
+    gait_->serialize(of_gait);
+    if (of_gait.optional("turns/paces", best_gait_.has_value())) {
+      if (!best_gait_) best_gait_.emplace();
+      of_gait.numbers<double>("turns/paces", best_gait_->best, gait_pace_.per_step,
+                              exploration_pace_.per_step);
+      of_gait.numbers<std::uint64_t>("turns/counts", gait_pace_.turns, exploration_pace_.turns);
+      evo::serialize(of_gait.part("best"), best_gait_->gait);
     }
   }
-  if (gait_ && !checkpoint.has("search/soonest/counts")) return;
-  if (!search_ && checkpoint.has("search/start/period"))
-    explore_from(load_sine(checkpoint, "search/start"));
-  else if (!search_)
-    explore_from(std::nullopt);
-  search_->load(checkpoint);
+  if (gait_ && !archive.optional("search/soonest/counts", search_.has_value())) return;
+  if (!search_) explore_from(std::nullopt);
+  search_->serialize(archive.part("search"));
 }
 
 }  // namespace evo

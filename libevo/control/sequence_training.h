@@ -33,8 +33,7 @@ class SequenceTraining {
   // A generation of the search for a gait, or a stretch of exploration: as many steps
   // as lie between two evaluations.
   void advance(const TrainingJob& job, TrainResult& result, Metrics& metrics);
-  void save(Checkpoint& checkpoint) const;
-  void load(const Checkpoint& checkpoint);
+  void serialize(const Archive& archive);
 
  private:
   // How fast a search gains, lately.

@@ -26,22 +26,13 @@ void act(const SineController& controller, int t, std::span<double> targets) {
   }
 }
 
-void save_sine(Checkpoint& checkpoint, const std::string& name, const SineController& controller) {
-  checkpoint.put(name + "/amplitude", controller.amplitude);
-  checkpoint.put(name + "/phase", controller.phase);
-  checkpoint.put(name + "/shift", controller.shift);
-  checkpoint.put<double>(name + "/period", {controller.period});
-  checkpoint.put<double>(name + "/middle", {controller.middle});
-}
-
-SineController load_sine(const Checkpoint& checkpoint, const std::string& name) {
-  SineController controller;
-  controller.amplitude = checkpoint.get<double>(name + "/amplitude");
-  controller.phase = checkpoint.get<double>(name + "/phase", controller.amplitude.size());
-  controller.shift = checkpoint.get<double>(name + "/shift");
-  controller.period = checkpoint.get<double>(name + "/period", 1)[0];
-  controller.middle = checkpoint.get<double>(name + "/middle", 1)[0];
-  return controller;
+void serialize(const Archive& archive, SineController& controller) {
+  archive.array("amplitude", controller.amplitude);
+  controller.phase.resize(controller.amplitude.size());
+  archive.row<double>("phase", controller.phase);
+  archive.array("shift", controller.shift);
+  archive.numbers<double>("period", controller.period);
+  archive.numbers<double>("middle", controller.middle);
 }
 
 }  // namespace evo

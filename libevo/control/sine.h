@@ -2,12 +2,11 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
 namespace evo {
 
-struct Checkpoint;
+class Archive;
 
 // a_i(t) = middle + shift_i + amplitude_i sin(2 pi t / period + phase_i), with t in
 // control steps from 0; the simulator clips it to [0.6, 1.6].
@@ -27,8 +26,6 @@ SineController travelling_wave(int actuators, double amplitude, double period, d
 // Targets of step t, [A].
 void act(const SineController& controller, int t, std::span<double> targets);
 
-// In a checkpoint, under `name`.
-void save_sine(Checkpoint& checkpoint, const std::string& name, const SineController& controller);
-SineController load_sine(const Checkpoint& checkpoint, const std::string& name);
+void serialize(const Archive& archive, SineController& controller);
 
 }  // namespace evo

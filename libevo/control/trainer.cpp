@@ -13,7 +13,7 @@ namespace {
 
 // ---- the findings in checkpoints -----------------------------------------------------
 
-void save(Checkpoint& checkpoint, const TrainResult& result) {
+void serialize(const Archive& archive, std::size_t robots, TrainResult& result) {
   std::vector<std::uint64_t> steps;
   std::vector<double> evaluations;
   std::vector<double> best;
@@ -22,39 +22,28 @@ void save(Checkpoint& checkpoint, const TrainResult& result) {
     evaluations.push_back(point.evaluation);
     best.push_back(point.best);
   }
-  checkpoint.put("curve/step", std::move(steps));
-  checkpoint.put("curve/evaluation", std::move(evaluations));
-  checkpoint.put("curve/best", std::move(best));
-  checkpoint.put<std::uint64_t>("steps", {static_cast<std::uint64_t>(result.steps)});
-  if (!result.controller) return;
-  checkpoint.put<std::uint64_t>("best/step", {static_cast<std::uint64_t>(result.best_step)});
-  checkpoint.put<double>("best/fitness", {*result.fitness});
-  checkpoint.put("best/each", result.each);
-  if (const auto& final = result.final_score)
-    checkpoint.put<double>(
-        "final", {static_cast<double>(final->episodes), final->mean, final->standard_error});
-  checkpoint.best = result.controller;
-}
-
-TrainResult load(const Checkpoint& checkpoint, const TrainingJob& job) {
-  TrainResult result;
-  const auto& steps = checkpoint.get<std::uint64_t>("curve/step");
-  const auto& evaluations = checkpoint.get<double>("curve/evaluation", steps.size());
-  const auto& best = checkpoint.get<double>("curve/best", steps.size());
+  archive.array("curve/step", steps);
+  evaluations.resize(steps.size());
+  best.resize(steps.size());
+  archive.row<double>("curve/evaluation", evaluations);
+  archive.row<double>("curve/best", best);
+  result.curve.clear();
   for (std::size_t i = 0; i < steps.size(); ++i)
     result.curve.push_back({static_cast<std::int64_t>(steps[i]), evaluations[i], best[i]});
-  result.steps = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("steps", 1)[0]);
-  if (steps.empty()) return result;
-  result.best_step = static_cast<std::int64_t>(checkpoint.get<std::uint64_t>("best/step", 1)[0]);
-  result.fitness = checkpoint.get<double>("best/fitness", 1)[0];
-  result.each = checkpoint.get<double>("best/each", job.robots.size() > 1 ? job.robots.size() : 0);
-  if (checkpoint.has("final")) {
-    const auto& final = checkpoint.get<double>("final", 3);
-    result.final_score = FinalScore{static_cast<int>(final[0]), final[1], final[2]};
+  archive.numbers<std::uint64_t>("steps", result.steps);
+  archive.best(result.controller);
+  if (archive.loads() ? steps.empty() : !result.controller) return;
+  if (!result.controller) throw error(Failure::data, "checkpoint: its best controller is missing");
+  if (!result.fitness) result.fitness = 0.0;
+  archive.numbers<double>("best/fitness", *result.fitness);
+  archive.numbers<std::uint64_t>("best/step", result.best_step);
+  result.each.resize(robots > 1 ? robots : 0);
+  archive.row<double>("best/each", result.each);
+  if (archive.optional("final", result.final_score.has_value())) {
+    FinalScore final = result.final_score.value_or(FinalScore{});
+    archive.numbers<double>("final", final.episodes, final.mean, final.standard_error);
+    result.final_score = final;
   }
-  if (!checkpoint.best) throw error(Failure::data, "checkpoint: its best controller is missing");
-  result.controller = checkpoint.best;
-  return result;
 }
 
 // ---- the end ----------------------------------------------------------------------------
@@ -137,15 +126,18 @@ const TrainResult& Trainer::result() const { return impl_->result; }
 
 Checkpoint Trainer::checkpoint() const {
   Checkpoint checkpoint;
-  save(checkpoint, impl_->result);
-  std::visit([&](const auto& m) { m.save(checkpoint); }, impl_->method);
+  const Archive archive = Archive::saving(checkpoint);
+  serialize(archive, impl_->job.robots.size(), impl_->result);
+  std::visit([&](auto& m) { m.serialize(archive); }, impl_->method);
   return checkpoint;
 }
 
 void Trainer::restore(const Checkpoint& checkpoint) {
   Impl& it = *impl_;
-  it.result = load(checkpoint, it.job);
-  std::visit([&](auto& m) { m.load(checkpoint); }, it.method);
+  const Archive archive = Archive::loading(checkpoint);
+  it.result = {};
+  serialize(archive, it.job.robots.size(), it.result);
+  std::visit([&](auto& m) { m.serialize(archive); }, it.method);
   if (!it.trained()) it.result.final_score.reset();  // of a training with fewer steps
 }
 

@@ -55,12 +55,14 @@ TEST_CASE("the evolution strategy continues from a checkpoint") {
   EvolutionStrategy strategy(std::vector<double>(5, 0.0), 0.5, 8);
   maximise(strategy, stream, 5, &ellipsoid);
   Checkpoint checkpoint;
-  strategy.save(checkpoint, "es");
-  checkpoint.put("stream", stream);
+  const Archive saving = Archive::saving(checkpoint);
+  strategy.serialize(saving.part("es"));
+  saving.stream("stream", stream);
   EvolutionStrategy resumed(std::vector<double>(5, 0.0), 0.5, 8);
   Stream resumed_stream(3, "es");
-  resumed.load(checkpoint, "es");
-  checkpoint.get("stream", resumed_stream);
+  const Archive loading = Archive::loading(checkpoint);
+  resumed.serialize(loading.part("es"));
+  loading.stream("stream", resumed_stream);
   CHECK(maximise(strategy, stream, 5, &ellipsoid) ==
         maximise(resumed, resumed_stream, 5, &ellipsoid));
   CHECK(strategy.mean() == resumed.mean());

@@ -111,9 +111,9 @@ TEST_CASE("a search that starts from a gait does all that this does") {
   offered.explore(60 + 4 * 60);
   CHECK(best_of(arena, offered.news()) >= earns);
   Checkpoint checkpoint;
-  search.save(checkpoint);
+  search.serialize(Archive::saving(checkpoint));
   SequenceSearch resumed(arena, brief(), once(), stream(7), gait);
-  resumed.load(checkpoint);
+  resumed.serialize(Archive::loading(checkpoint));
   CHECK(resumed.explore(500) == search.explore(500));
   CHECK(resumed.news() == search.news());
 }
@@ -135,34 +135,35 @@ TEST_CASE("a search for a sequence resumes to the same bytes") {
   whole.explore(3000);
   (void)whole.news();
   Checkpoint checkpoint;
-  whole.save(checkpoint);
+  whole.serialize(Archive::saving(checkpoint));
   SequenceSearch resumed(arena, brief(), once(), stream(6));
-  resumed.load(checkpoint);
+  resumed.serialize(Archive::loading(checkpoint));
   CHECK(resumed.explore(2000) == whole.explore(2000));
   CHECK(resumed.news() == whole.news());
   Checkpoint a;
   Checkpoint b;
-  whole.save(a);
-  resumed.save(b);
+  whole.serialize(Archive::saving(a));
+  resumed.serialize(Archive::saving(b));
   CHECK(a == b);
-  for (const std::string part : {"search/highest/actions", "search/soonest/earned"}) {
+  for (const std::string part : {"highest/actions", "soonest/earned"}) {
     Checkpoint damaged = a;
     std::vector<double> cut = a.get<double>(part);
     cut.pop_back();
     damaged.put(part, cut);
-    CHECK_THROWS_WITH(resumed.load(damaged), Catch::Contains("cut short"));
+    CHECK_THROWS_WITH(resumed.serialize(Archive::loading(damaged)), Catch::Contains("cut short"));
   }
   // Moments of times instead of levels, which earned more than 0.
   Checkpoint late = a;
-  const std::string from = "search/highest/";
-  const std::string to = "search/soonest/";
+  const std::string from = "highest/";
+  const std::string to = "soonest/";
   late.put(to + "counts", a.get<std::uint64_t>(from + "counts"));
   for (const std::string part : {"states", "delayed"})
     late.put(to + part, a.get<std::uint8_t>(from + part));
   for (const std::string part : {"actions", "gaits"})
     late.put(to + part, a.get<double>(from + part));
   late.put(to + "earned", std::vector<double>(a.get<double>(from + "earned").size(), 1000.0));
-  CHECK_THROWS_WITH(resumed.load(late), Catch::Contains("does not begin where episodes do"));
+  CHECK_THROWS_WITH(resumed.serialize(Archive::loading(late)),
+                    Catch::Contains("does not begin where episodes do"));
 }
 
 TEST_CASE("a search does what came too early once more, so as to end with it") {
@@ -178,13 +179,13 @@ TEST_CASE("a search does what came too early once more, so as to end with it") {
     SequenceSearch search(arena, brief(), once(), stream(seed));
     search.explore(12000);
     Checkpoint checkpoint;
-    search.save(checkpoint);
-    const auto& ended = checkpoint.get<double>("search/ended");
+    search.serialize(Archive::saving(checkpoint));
+    const auto& ended = checkpoint.get<double>("ended");
     REQUIRE(ended.size() == 150 * actuators);
     const auto twenty_steps = static_cast<std::ptrdiff_t>(20 * actuators);
     const auto at_rest = [](double target) { return target == 1.0; };
     if (std::all_of(ended.begin(), ended.begin() + twenty_steps, at_rest)) ++rested;
-    late += checkpoint.get<double>("search/numbers", 3)[1];
+    late += checkpoint.get<double>("numbers", 3)[1];
     early += search.highest();
   }
   CHECK(rested > 0);  // without: none, and 0.7 of it

@@ -604,8 +604,10 @@ TEST_CASE("a wave's middle comes back from a checkpoint") {
   SineController wave = travelling_wave(3, 0.2, 20.0, 0.5);
   wave.middle = 0.9;
   Checkpoint checkpoint;
-  save_sine(checkpoint, "wave", wave);
-  CHECK(load_sine(checkpoint, "wave") == wave);
+  serialize(Archive::saving(checkpoint), wave);
+  SineController loaded;
+  serialize(Archive::loading(checkpoint), loaded);
+  CHECK(loaded == wave);
 }
 
 TEST_CASE("a finished training continues with more steps") {

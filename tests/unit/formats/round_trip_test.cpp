@@ -300,7 +300,7 @@ TEST_CASE("random checkpoints come back to the last bit") {
       for (std::uint32_t n = length(); n > 0; --n)
         bytes.push_back(static_cast<std::uint8_t>(stream.below(256)));
       checkpoint.put(name + "bytes", bytes);
-      checkpoint.put(name + "stream", stream);
+      Archive::saving(checkpoint).stream(name + "stream", stream);
     }
     INFO("checkpoint " << i);
     REQUIRE(through_file(

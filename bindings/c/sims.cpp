@@ -8,6 +8,7 @@
 #include "formats/robot/evogym.h"
 #include "formats/rollout/episodes.h"
 #include "formats/task/physics_profile.h"
+#include "libevo/base/bytes.h"
 #include "libevo/base/digest.h"
 #include "libevo/base/parallel.h"
 #include "libevo/sim/adjoint.h"
@@ -76,10 +77,6 @@ evo::Body body_of(const std::uint8_t* voxels, std::int32_t rows, std::int32_t co
     if (const auto fault = evo::link_defect(body)) throw evo::Error(Failure::usage, *fault);
   }
   return body;
-}
-
-std::string doubles(const std::vector<double>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }
 
 }  // namespace
@@ -164,8 +161,9 @@ static_assert(EVO_SIM_FOLDED == static_cast<int>(evo::LaneStatus::self_folding) 
               EVO_SIM_UNSTABLE == static_cast<int>(evo::LaneStatus::unstable));
 
 // A state and the seal of what it belongs to, so that damage is seen.
-std::string sealed(const evo_sims& sims, const std::string& state) {
-  return evo::sha256_hex(sims.seal + state) + state;
+std::string sealed(const evo_sims& sims, std::span<const std::uint8_t> state) {
+  const std::string text(state.begin(), state.end());
+  return evo::sha256_hex(sims.seal + text) + text;
 }
 
 // Changes the state of a simulation from outside.
@@ -366,10 +364,10 @@ int evo_sims_save(const evo_sims* sims, int32_t sim, void** bytes, size_t* count
     const std::size_t i = all.checked(sim);
     if (all.status[i] == EVO_SIM_UNSTABLE)
       throw evo::error(Failure::usage, "simulation {} is unstable: there is no state to save", sim);
-    const evo::State state = all.batch.state(i);
-    std::string values;
-    for_each_array(state, [&](const auto& array) { values += doubles(array); });
-    give(sealed(all, values), bytes, count);
+    evo::State state = all.batch.state(i);
+    evo::Bytes values;
+    for_each_array(state, [&](auto& array) { values.known(array); });
+    give(sealed(all, values.take()), bytes, count);
   });
 }
 
@@ -377,21 +375,15 @@ int evo_sims_restore(evo_sims* sims, int32_t sim, const void* bytes, size_t coun
   return change(sims, [&](evo_sims& all) {
     const std::size_t i = all.checked(sim);
     if (bytes == nullptr) throw evo::Error(Failure::usage, "`bytes` is NULL");
-    const std::string found(static_cast<const char*>(bytes), count);
-    const std::size_t seal_length = all.seal.size();
-    const std::string values = found.size() < seal_length ? "" : found.substr(seal_length);
+    const std::span found(static_cast<const std::uint8_t*>(bytes), count);
+    const auto values = found.subspan(std::min(all.seal.size(), count));
+    evo::Bytes in(
+        values,
+        fmt::format("the state for simulation {} is damaged, or of another world or version", sim));
+    if (sealed(all, values) != std::string(found.begin(), found.end())) in.refuse();
     evo::State state = all.batch.state(i);
-    std::size_t expected = 0;
-    for_each_array(state, [&](const auto& array) { expected += array.size() * sizeof(double); });
-    if (values.size() != expected || sealed(all, values) != found)
-      throw evo::error(Failure::data,
-                       "the state for simulation {} is damaged, or of another world or version",
-                       sim);
-    std::size_t at = 0;
-    for_each_array(state, [&](auto& array) {
-      std::memcpy(array.data(), values.data() + at, array.size() * sizeof(double));
-      at += array.size() * sizeof(double);
-    });
+    for_each_array(state, [&](auto& array) { in.known(array); });
+    in.finish();
     all.batch.set_state(i, state);
     all.show(i);
   });

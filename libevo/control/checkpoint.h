@@ -3,6 +3,8 @@
 // continue to the same bytes.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -15,6 +17,7 @@
 #include <variant>
 #include <vector>
 
+#include "libevo/base/bytes.h"
 #include "libevo/base/error.h"
 #include "libevo/base/random.h"
 #include "libevo/control/controller.h"
@@ -117,6 +120,19 @@ class Archive {
       std::copy_n(next, block.size(), block.begin());
       next += std::ssize(block);
     }
+  }
+
+  // What bytes.h can pass.
+  template <typename T>
+  void bytes(const std::string& name, T& value) const {
+    Bytes out;
+    if (!loads()) out(value);
+    std::vector<std::uint8_t> stored = out.take();
+    array(name, stored);
+    if (!loads()) return;
+    Bytes in(stored, fmt::format("checkpoint: '{}' is damaged", prefix_ + name));
+    in(value);
+    in.finish();
   }
 
   void stream(const std::string& name, Stream& stream) const {

@@ -378,19 +378,6 @@ std::vector<ReplayController> SequenceSearch::news() {
 
 // ---- checkpoints ---------------------------------------------------------------------
 
-namespace {
-
-// Takes `count` values off the front.
-template <typename T>
-std::vector<T> take(std::span<const T>& rest, std::size_t count) {
-  if (count > rest.size()) throw Error(Failure::data, "checkpoint: its archive is cut short");
-  const auto front = rest.first(count);
-  rest = rest.subspan(count);
-  return {front.begin(), front.end()};
-}
-
-}  // namespace
-
 void SequenceSearch::serialize(const Archive& archive) {
   // A gait may have been offered; another start follows from the job.
   const bool from_gait = start_ && std::holds_alternative<SineController>(*start_);
@@ -402,67 +389,15 @@ void SequenceSearch::serialize(const Archive& archive) {
   archive.numbers<double>("numbers", level_height_, ended_return_, shown_);
   archive.numbers<std::uint8_t>("flags", start_is_due_, ended_is_new_);
   archive.array("ended", ended_);
-  const std::vector<Moment> soonest = serialize(archive.part("soonest"), soonest_);
-  const std::vector<Moment> highest = serialize(archive.part("highest"), highest_);
-  if (!archive.loads()) return;
-  soonest_.clear();
-  for (const Moment& moment : soonest) soonest_[level_of(moment.earned)] = moment;
+  archive.bytes("soonest", soonest_);
   if (!soonest_.empty() && !soonest_.contains(level_of(0.0)))
     throw Error(Failure::data, "checkpoint: its archive does not begin where episodes do");
-  highest_.clear();
-  for (const Moment& moment : highest) highest_[steps_of(moment) / slot] = moment;
+  archive.bytes("highest", highest_);
 }
 
-// The moments that are loaded.
-std::vector<SequenceSearch::Moment> SequenceSearch::serialize(const Archive& archive,
-                                                              const Moments& saved) {
-  std::vector<std::uint64_t> counts;  // of each moment: bytes, actions, waves, visits
-  std::vector<std::uint8_t> all_states;
-  std::vector<double> all_actions;
-  std::vector<double> earned;
-  std::vector<double> all_gaits;
-  std::vector<std::uint8_t> delayed;
-  for (const auto& [place, moment] : saved) {
-    const SineController& gait = moment.gait;
-    counts.insert(counts.end(), {moment.state.size(), moment.actions.size(), gait.phase.size(),
-                                 static_cast<std::uint64_t>(moment.visits)});
-    delayed.push_back(moment.delayed ? 1 : 0);
-    all_states.insert(all_states.end(), moment.state.begin(), moment.state.end());
-    all_actions.insert(all_actions.end(), moment.actions.begin(), moment.actions.end());
-    earned.push_back(moment.earned);
-    all_gaits.insert(all_gaits.end(), {gait.period, gait.middle});
-    for (const std::vector<double>* part : {&gait.phase, &gait.amplitude, &gait.shift})
-      all_gaits.insert(all_gaits.end(), part->begin(), part->end());
-  }
-  archive.array("counts", counts);
-  archive.array("states", all_states);
-  archive.array("actions", all_actions);
-  archive.array("earned", earned);
-  archive.array("gaits", all_gaits);
-  archive.array("delayed", delayed);
-  if (!archive.loads()) return {};
-  if (counts.size() != 4 * delayed.size() || earned.size() != delayed.size())
-    throw Error(Failure::data, "checkpoint: its archive is cut short");
-  std::span<const std::uint8_t> states = all_states;
-  std::span<const double> actions = all_actions;
-  std::span<const double> gaits = all_gaits;
-  std::vector<Moment> moments;
-  for (std::size_t i = 0; i < delayed.size(); ++i) {
-    Moment moment;
-    moment.state = take(states, counts[4 * i]);
-    moment.actions = take(actions, counts[4 * i + 1]);
-    moment.earned = earned[i];
-    const std::size_t waves = counts[4 * i + 2];
-    moment.visits = static_cast<int>(counts[4 * i + 3]);
-    moment.delayed = delayed[i] != 0;
-    moment.gait.period = take(gaits, 1)[0];
-    moment.gait.middle = take(gaits, 1)[0];
-    moment.gait.phase = take(gaits, waves);
-    moment.gait.amplitude = take(gaits, waves);
-    moment.gait.shift = take(gaits, waves);
-    moments.push_back(std::move(moment));
-  }
-  return moments;
+void SequenceSearch::Moment::pass(Bytes& bytes) {
+  bytes(state, actions, earned, visits, delayed);
+  bytes(gait.period, gait.middle, gait.phase, gait.amplitude, gait.shift);
 }
 
 }  // namespace evo

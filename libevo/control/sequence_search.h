@@ -23,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "libevo/base/bytes.h"
 #include "libevo/base/random.h"
 #include "libevo/control/checkpoint.h"
 #include "libevo/control/controller.h"
@@ -70,6 +71,7 @@ class SequenceSearch {
     SineController gait;              // in progress; without phases: none
     int visits = 0;
     bool delayed = false;  // all of it was done once more, after a rest
+    void pass(Bytes& bytes);
   };
   using Moments = std::map<std::int64_t, Moment>;
   // An attempt from a moment on: some steps of targets held by groups of actuators,
@@ -108,7 +110,6 @@ class SequenceSearch {
   void enter(Attempt& attempt, int lane);
   void enter(Moments& moments, std::int64_t place, Attempt& attempt, int lane);
   void coarsen();
-  static std::vector<Moment> serialize(const Archive& archive, const Moments& moments);
   ReplayController whole(const std::vector<double>& actions) const;
 
   const Arena* arena_;

@@ -155,7 +155,7 @@ void SequenceTraining::serialize(const Archive& archive) {
       evo::serialize(of_gait.part("best"), best_gait_->gait);
     }
   }
-  if (gait_ && !archive.optional("search/soonest/counts", search_.has_value())) return;
+  if (gait_ && !archive.optional("search/random", search_.has_value())) return;
   if (!search_) explore_from(std::nullopt);
   search_->serialize(archive.part("search"));
 }

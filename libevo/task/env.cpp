@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <type_traits>
 #include <utility>
 
+#include "libevo/base/bytes.h"
 #include "libevo/base/error.h"
 #include "libevo/base/random.h"
 #include "libevo/task/compiled.h"
@@ -204,6 +203,10 @@ struct VecEnv::Impl {
   void finish(std::size_t index);
   void finish(std::size_t index, StepTape::Impl::Step& step) const;
 
+  void pass(Bytes& bytes);
+  void pass(Bytes& bytes, std::size_t index);
+  void place_saved(const Bytes& bytes, std::size_t index);
+
   std::vector<Environment> environments;
   Batch batch;  // environment i is lane i
   std::size_t action_lengths = 0;
@@ -387,190 +390,82 @@ const Model& VecEnv::model(int environment) const {
 
 namespace {
 
-class ByteWriter {
- public:
-  template <typename T>
-  void value(const T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
-    bytes_.insert(bytes_.end(), bytes, bytes + sizeof(T));
-  }
-  template <typename Range>
-  void values(const Range& values) {
-    value(static_cast<std::uint64_t>(values.size()));
-    for (const auto& v : values) value(v);
-  }
-  void text(const std::string& text) { values(std::vector<char>(text.begin(), text.end())); }
-  std::vector<std::uint8_t> take() { return std::move(bytes_); }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-};
-
-class ByteReader {
- public:
-  explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
-
-  template <typename T>
-  void value(T& value) {
-    if (rest_.size() < sizeof(T)) refuse();
-    std::memcpy(&value, rest_.data(), sizeof(T));
-    rest_ = rest_.subspan(sizeof(T));
-  }
-  template <typename T>
-  void values(std::vector<T>& values) {
-    std::uint64_t size = 0;
-    value(size);
-    if (size > rest_.size() / sizeof(T)) refuse();
-    values.resize(static_cast<std::size_t>(size));
-    for (T& v : values) value(v);
-  }
-  // An array whose length is known.
-  template <typename Range>
-  void fill(Range& expected) {
-    std::uint64_t size = 0;
-    value(size);
-    if (size != expected.size()) refuse();
-    for (auto& v : expected) value(v);
-  }
-  std::string text() {
-    std::vector<char> letters;
-    values(letters);
-    return {letters.begin(), letters.end()};
-  }
-  void finish() const {
-    if (!rest_.empty()) refuse();
-  }
-
-  [[noreturn]] static void refuse() {
-    throw error(Failure::data, "the saved environments do not belong to this task and robot");
-  }
-
- private:
-  std::span<const std::uint8_t> rest_;
-};
-
-void save_episode(ByteWriter& out, const Episode& episode) {
-  out.value(static_cast<std::uint64_t>(episode.draws.integers.size()));
-  for (const auto& [name, value] : episode.draws.integers) {
-    out.text(name);
-    out.value(value);
-  }
-  out.values(episode.draws.goals);
-  out.value(episode.steps);
-  out.value(episode.goal);
-  out.values(episode.targets);
-}
-
-Episode load_episode(ByteReader& in) {
-  Episode episode;
-  std::uint64_t integers = 0;
-  in.value(integers);
-  for (std::uint64_t i = 0; i < integers; ++i) {
-    const std::string name = in.text();
-    in.value(episode.draws.integers[name]);
-  }
-  in.values(episode.draws.goals);
-  in.value(episode.steps);
-  in.value(episode.goal);
-  in.values(episode.targets);
-  return episode;
-}
-
-// Everything an environment has but its world, which follows from the draws,
-// and contact candidates, which are found again. One list for both directions.
-template <typename AnyState, typename AnyEnvironment, typename Visit>
-void for_each_kept_array(AnyState& state, AnyEnvironment& e, Visit visit) {
-  for_each_array(state, visit);
-  visit(e.positions);
-  visit(e.velocities);
-  visit(e.quantities);
-}
-
-template <typename Shape, typename Visit>
-void for_each_shape_array(Shape& shape, Visit visit) {
-  visit(shape.direction);
-  visit(shape.radius);
-}
-
-template <typename Environments>
-void save_environment(const Environments& all, std::size_t index, ByteWriter& out) {
-  const auto& e = all.environments[index];
-  const State state = all.batch.state(index);
-  save_episode(out, e.episode);
-  for_each_kept_array(state, e, [&](const auto& values) { out.values(values); });
-  for (const InitialShape& shape : e.initial_shapes) {
-    for_each_shape_array(shape, [&](const auto& values) { out.values(values); });
-    out.value(shape.radius_sum);
-  }
-  out.values(all.observation(index));
-  out.value(all.rewards[index]);
-  out.value(all.terminated[index]);
-  out.value(all.truncated[index]);
-}
-
-template <typename Environments>
-void load_environment(ByteReader& in, std::size_t index, Environments& all) {
-  auto& e = all.environments[index];
-  const Arena::Compiled& arena = e.arena->compiled();
-  e.episode = load_episode(in);
-  // Never reset: no draws yet.
-  const bool no_draws = e.episode.draws.integers.empty() && e.episode.draws.goals.empty();
-  if (!no_draws || e.episode.steps > 0) {
-    try {
-      check_draws(arena.task, e.episode.draws);
-    } catch (const Error&) {
-      ByteReader::refuse();
-    }
-  }
-  const bool begun = !e.episode.draws.integers.empty() || !moves_objects(arena.task);
-  if (begun) all.place(index, episode_world_for(arena, e.episode.draws));
-  State state = all.batch.state(index);
-  for_each_kept_array(state, e, [&](auto& values) { in.fill(values); });
-  all.batch.set_state(index, state);
-  for (InitialShape& shape : e.initial_shapes) {
-    for_each_shape_array(shape, [&](auto& values) { in.fill(values); });
-    in.value(shape.radius_sum);
-  }
-  auto observation = all.observation(index);
-  in.fill(observation);
-  in.value(all.rewards[index]);
-  in.value(all.terminated[index]);
-  in.value(all.truncated[index]);
-}
+constexpr const char* refusal = "the saved environments do not belong to this task and robot";
 
 }  // namespace
 
+// Everything an environment has but its world, which follows from the draws,
+// and contact candidates, which are found again.
+void VecEnv::Impl::pass(Bytes& bytes, std::size_t index) {
+  Environment& e = environments[index];
+  Episode& episode = e.episode;
+  bytes(episode.draws.integers, episode.draws.goals, episode.steps, episode.goal, episode.targets);
+  if (bytes.reads()) place_saved(bytes, index);
+  State state = batch.state(index);
+  for_each_array(state, [&](auto& values) { bytes.known(values); });
+  if (bytes.reads()) batch.set_state(index, state);
+  bytes.known(e.positions);
+  bytes.known(e.velocities);
+  bytes.known(e.quantities);
+  for (InitialShape& shape : e.initial_shapes) {
+    bytes.known(shape.direction);
+    bytes.known(shape.radius);
+    bytes(shape.radius_sum);
+  }
+  bytes.known(observation(index));
+  bytes(rewards[index], terminated[index], truncated[index]);
+}
+
+// In the world of the draws that were read.
+void VecEnv::Impl::place_saved(const Bytes& bytes, std::size_t index) {
+  const Environment& e = environments[index];
+  const Arena::Compiled& arena = e.arena->compiled();
+  const Draws& draws = e.episode.draws;
+  // Never reset: no draws yet.
+  const bool no_draws = draws.integers.empty() && draws.goals.empty();
+  if (!no_draws || e.episode.steps > 0) {
+    try {
+      check_draws(arena.task, draws);
+    } catch (const Error&) {
+      bytes.refuse();
+    }
+  }
+  const bool begun = !draws.integers.empty() || !moves_objects(arena.task);
+  if (begun) place(index, episode_world_for(arena, draws));
+}
+
+void VecEnv::Impl::pass(Bytes& bytes) {
+  std::uint64_t count = environments.size();
+  bytes(count);
+  if (count != environments.size()) bytes.refuse();
+  for (std::size_t i = 0; i < environments.size(); ++i) pass(bytes, i);
+}
+
 std::vector<std::uint8_t> VecEnv::save() const {
-  const Impl& impl = *impl_;
-  ByteWriter out;
-  out.value(static_cast<std::uint64_t>(impl.environments.size()));
-  for (std::size_t i = 0; i < impl.environments.size(); ++i) save_environment(impl, i, out);
-  return out.take();
+  Bytes bytes;
+  impl_->pass(bytes);
+  return bytes.take();
 }
 
 void VecEnv::load(std::span<const std::uint8_t> bytes) {
   std::vector<const Arena*> arenas;
   for (const Environment& e : impl_->environments) arenas.push_back(e.arena);
   auto loaded = std::make_unique<Impl>(arenas);
-  ByteReader in(bytes);
-  std::uint64_t count = 0;
-  in.value(count);
-  if (count != loaded->environments.size()) ByteReader::refuse();
-  for (std::size_t i = 0; i < loaded->environments.size(); ++i) load_environment(in, i, *loaded);
+  Bytes in(bytes, refusal);
+  loaded->pass(in);
   in.finish();
   impl_ = std::move(loaded);
 }
 
 std::vector<std::uint8_t> VecEnv::save(int environment) const {
-  ByteWriter out;
-  save_environment(*impl_, static_cast<std::size_t>(environment), out);
-  return out.take();
+  Bytes bytes;
+  impl_->pass(bytes, static_cast<std::size_t>(environment));
+  return bytes.take();
 }
 
 void VecEnv::load(int environment, std::span<const std::uint8_t> bytes) {
-  ByteReader in(bytes);
-  load_environment(in, static_cast<std::size_t>(environment), *impl_);
+  Bytes in(bytes, refusal);
+  impl_->pass(in, static_cast<std::size_t>(environment));
   in.finish();
 }
 

@@ -84,7 +84,7 @@ with h5py.File(sys.argv[1], 'r+') as f: f['actor/layer_0/bias'][0] += 0.5" "$pol
 import h5py, sys
 with h5py.File(sys.argv[1], 'r+') as f:
     index = f['index']
-    others = [name for name in index if b'soonest/earned' not in name]
+    others = [name for name in index if b'soonest' not in name]
     assert len(others) == len(index) - 1
     kind = index.dtype
     del f['index']

@@ -410,10 +410,10 @@ TEST_CASE("a search for a sequence begins with one for a gait") {
   Trainer trainer(arena, settings, 1, "robot");
   trainer.advance();
   // A generation of the search, not a stretch of exploration.
-  CHECK(trainer.checkpoint().arrays.count("search/soonest/counts") == 0);
+  CHECK(trainer.checkpoint().arrays.count("search/soonest") == 0);
   double of_gaits = -1e9;
   Checkpoint found;
-  while (found.arrays.count("search/soonest/counts") == 0) {
+  while (found.arrays.count("search/soonest") == 0) {
     of_gaits = trainer.result().fitness.value();
     trainer.advance();
     found = trainer.checkpoint();
@@ -551,7 +551,7 @@ TEST_CASE("a sequence is searched from the start that it is judged from") {
   VecEnv env(arena, 1);
   env.reset(0, start_of(arena, judged, 0));
   const auto first = env.save(0);
-  const auto& states = end.get<std::uint8_t>("search/soonest/states");
+  const auto& states = end.get<std::uint8_t>("search/soonest");
   CHECK(std::search(states.begin(), states.end(), first.begin(), first.end()) != states.end());
 }
 

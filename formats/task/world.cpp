@@ -102,7 +102,7 @@ Object paint_shape(const Mapping& shape, Cell at) {
   const std::string text = fill.string();
   if (text.size() != 1) throw fill.error("one letter is expected, found " + fill.found());
   Object canvas = blank(*size, at, lines, cols);
-  std::ranges::fill(canvas.body.cells, read_voxel(fill, text[0], ""));
+  std::fill(canvas.body.cells.begin(), canvas.body.cells.end(), read_voxel(fill, text[0], ""));
   return canvas;
 }
 

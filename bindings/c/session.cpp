@@ -48,7 +48,7 @@ const char* to_string(EnvironmentStatus status) {
 Session::Session(const TaskSpec& task, std::vector<Robot> robots, int per_robot, std::uint64_t seed,
                  int threads)
     : task_(task),
-      physics_(evo::physics_profiles().to_yaml(task.physics)),
+      physics_(physics_profiles().to_yaml(task.physics)),
       robots_(std::move(robots)),
       per_robot_(per_robot),
       pool_(threads) {

@@ -424,7 +424,8 @@ EVO_API int evo_policy_act(const evo_policy* policy, const double* observations,
                            size_t action_values);
 /* The same for all environments as they are now, as evo_envs_step takes it: `values` as
  * evo_arrays.action_values. A modular policy acts on every robot of its task, others on robots with
- * as many observations and actions as their own. */
+ * as many observations and actions as their own; EVO_DATA for any other. What does not change from
+ * step to step is kept until another policy acts. */
 EVO_API int evo_envs_act(evo_envs* envs, const evo_policy* policy, double* actions, size_t values);
 
 typedef struct evo_training {

@@ -467,10 +467,12 @@ class Views(unittest.TestCase):
             carrier.act(policy)
 
     def test_other_controllers_act_on_robots_like_their_own(self):
-        trained = evo_robots.train("Walker-v0", SMALL, steps=4096, seed=1)
+        trained, other = (evo_robots.train("Walker-v0", SMALL, steps=4096, seed=seed) for seed in (1, 2))
         simulator = Simulator("Walker-v0", SMALL, envs=3)
         simulator.reset()
-        np.testing.assert_array_equal(simulator.act(trained), trained.act(simulator.observations, simulator.steps))
+        for policy in (trained, other, trained):
+            np.testing.assert_array_equal(simulator.act(policy), policy.act(simulator.observations, simulator.steps))
+        self.assertFalse(np.array_equal(simulator.act(trained), simulator.act(other)))
         with self.assertRaisesRegex(EvoError, "robot .*: the controller has 20 inputs, robot and task need 66"):
             Simulator("Walker-v0", WALKER).act(trained)
 

@@ -3,6 +3,7 @@
 // docs/methods.md, "PPO in the paper"; in files docs/formats/policy.md.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -49,15 +50,7 @@ struct Normalizer {
 //           base, target = clip(base(t) + a, low, high)
 //   squash: target = middle + half * tanh(a), bounded by construction
 enum class ActionMap { offset, squash };
-constexpr const char* word(ActionMap value) {
-  switch (value) {
-    case ActionMap::offset:
-      return "offset";
-    case ActionMap::squash:
-      return "squash";
-  }
-  return nullptr;
-}
+constexpr auto words_for(ActionMap) { return std::array{"offset", "squash"}; }
 
 // What a network's actions can be added to: waves, or a sequence, whose last targets
 // continue to the end of the episode.

@@ -2,6 +2,7 @@
 // formats/training/training.h.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -35,15 +36,7 @@ std::vector<std::string> algorithm_names();
 
 enum class TimeLimit { end, bootstrap };  // what an episode cut off by time counts as
 // As profiles write it (libevo/base/words.h).
-constexpr const char* word(TimeLimit value) {
-  switch (value) {
-    case TimeLimit::end:
-      return "end";
-    case TimeLimit::bootstrap:
-      return "bootstrap";
-  }
-  return nullptr;
-}
+constexpr auto words_for(TimeLimit) { return std::array{"end", "bootstrap"}; }
 
 // Every number that decides a training, as in the profile `paper` (docs/methods.md, "PPO in
 // the paper"). What each means and may be stands in the table of formats/training/training.cpp,

@@ -7,6 +7,7 @@
 // everything above is hidden.
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <optional>
@@ -20,34 +21,10 @@ namespace evo {
 enum class Activation : std::uint8_t { sigmoid, tanh, sin, gauss, identity, relu, abs };
 enum class Aggregation : std::uint8_t { sum, product };
 
-constexpr const char* word(Activation value) {
-  switch (value) {
-    case Activation::sigmoid:
-      return "sigmoid";
-    case Activation::tanh:
-      return "tanh";
-    case Activation::sin:
-      return "sin";
-    case Activation::gauss:
-      return "gauss";
-    case Activation::identity:
-      return "identity";
-    case Activation::relu:
-      return "relu";
-    case Activation::abs:
-      return "abs";
-  }
-  return nullptr;
+constexpr auto words_for(Activation) {
+  return std::array{"sigmoid", "tanh", "sin", "gauss", "identity", "relu", "abs"};
 }
-constexpr const char* word(Aggregation value) {
-  switch (value) {
-    case Aggregation::sum:
-      return "sum";
-    case Aggregation::product:
-      return "product";
-  }
-  return nullptr;
-}
+constexpr auto words_for(Aggregation) { return std::array{"sum", "product"}; }
 
 struct NodeGene {
   int key = 0;

@@ -4,6 +4,7 @@
 // open has the library's default.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "libevo/base/random.h"
@@ -35,19 +36,7 @@ struct InitialConnection {
 };
 
 enum class Statistic : std::uint8_t { mean, min, max, median };
-constexpr const char* word(Statistic value) {
-  switch (value) {
-    case Statistic::mean:
-      return "mean";
-    case Statistic::min:
-      return "min";
-    case Statistic::max:
-      return "max";
-    case Statistic::median:
-      return "median";
-  }
-  return nullptr;
-}
+constexpr auto words_for(Statistic) { return std::array{"mean", "min", "max", "median"}; }
 
 struct NeatSettings {  // NOLINT(clang-analyzer-optin.performance.Padding): in reading order
   // Run

@@ -9,6 +9,7 @@
 // into raw units as `value * voxel_length`, one rounding, as the benchmark does.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -25,15 +26,7 @@ namespace evo {
 inline constexpr const char* robot_name = "robot";
 
 enum class Axis { x, y };
-constexpr const char* word(Axis value) {
-  switch (value) {
-    case Axis::x:
-      return "x";
-    case Axis::y:
-      return "y";
-  }
-  return nullptr;
-}
+constexpr auto words_for(Axis) { return std::array{"x", "y"}; }
 
 // ---- observation ------------------------------------------------------------
 

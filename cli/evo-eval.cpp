@@ -50,8 +50,7 @@ using Warn = std::function<void(const std::string&)>;
 // Where a robot is measured and what drives it.
 struct Trial {
   TaskSpec task;
-  // Made for the arena at hand, since open-loop controllers ask its size.
-  std::function<Controller(const Arena&)> controller;
+  Controller controller;
 };
 
 PlannerController parse_planner(const std::string& text) {
@@ -88,15 +87,10 @@ Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task
     warn(fmt::format("{} was trained for robot {}, not for {}", path, file.robot.id, robot.id));
   if (task && task->name != file.task)
     warn(fmt::format("{} was trained on {}, not on {}", path, file.task, task->name));
-  Trial trial;
-  if (task) {
-    trial.task = *task;
-  } else {
-    trial.task = policy_task(file, path);
-    settings.task.change_physics(trial.task);
-  }
-  trial.controller = [controller = file.controller](const Arena&) { return controller; };
-  return trial;
+  if (task) return {*task, file.controller};
+  TaskSpec own = policy_task(file, path);
+  settings.task.change_physics(own);
+  return {std::move(own), file.controller};
 }
 
 Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
@@ -105,42 +99,32 @@ Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, 
   if (!settings.actions) {
     const auto policy = robot.policy();
     if (settings.planner && !parse_planner(*settings.planner).sequence && (task || !policy))
-      return {task ? *task : settings.task.load(), [](const Arena&) { return Controller(); }};
+      return {task ? *task : settings.task.load(), {}};
     if (!policy) throw error(Failure::usage, "it has no policy; give --policy or --actions");
     return policy_trial(settings, task, robot, *policy, warn);
   }
-  Trial trial{task ? *task : settings.task.load(), {}};
+  const TaskSpec spec = task ? *task : settings.task.load();
+  const Physics& physics = spec.physics;
+  const int actuators = count_actuators(robot.body);
   const std::string& actions = *settings.actions;
-  if (actions == random_actions) {
-    trial.controller = [](const Arena& arena) -> Controller {
-      const Physics& physics = arena.task().physics;
-      return RandomController{physics.min_target, physics.max_target};
-    };
-  } else if (actions.starts_with(sine_actions)) {
+  if (actions == random_actions)
+    return {spec, RandomController{physics.min_target, physics.max_target}};
+  if (actions.starts_with(sine_actions)) {
     const std::vector<double> wave =
         parse_numbers(actions.substr(sine_actions.size()), "--actions");
     if (wave.size() != 3 || wave[1] == 0.0)
       throw error(Failure::usage, "--actions: '{}' is not sine:AMPLITUDE,PERIOD,PHASE", actions);
-    trial.controller = [wave](const Arena& arena) -> Controller {
-      return travelling_wave(arena.action_length(), wave[0], wave[1], wave[2]);
-    };
-  } else {
-    ActionSequence sequence = read_actions(actions);
-    trial.controller = [sequence = std::move(sequence), name = actions,
-                        id = robot.id](const Arena& arena) -> Controller {
-      if (sequence.actuators != arena.action_length())
-        throw error(Failure::data, "{}: {} actions per step, but robot {} has {} actuators", name,
-                    sequence.actuators, id, arena.action_length());
-      std::vector<double> targets = sequence.values;
-      const Physics& physics = arena.task().physics;
-      if (sequence.is_single)  // clipped in their own type, as the benchmark does
-        for (double& target : targets)
-          target = std::clamp(static_cast<float>(target), static_cast<float>(physics.min_target),
-                              static_cast<float>(physics.max_target));
-      return ReplayController{std::move(targets), sequence.actuators};
-    };
+    return {spec, travelling_wave(actuators, wave[0], wave[1], wave[2])};
   }
-  return trial;
+  ActionSequence sequence = read_actions(actions);
+  if (sequence.actuators != actuators)
+    throw error(Failure::data, "{}: {} actions per step, but robot {} has {} actuators", actions,
+                sequence.actuators, robot.id, actuators);
+  if (sequence.is_single)  // clipped in their own type, as the benchmark does
+    for (double& target : sequence.values)
+      target = std::clamp(static_cast<float>(target), static_cast<float>(physics.min_target),
+                          static_cast<float>(physics.max_target));
+  return {spec, ReplayController{std::move(sequence.values), actuators}};
 }
 
 bool records_into_folder(const Settings& settings) {
@@ -196,7 +180,7 @@ Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, con
   evaluation.max_steps = settings.max_steps.value_or(0);
   if (settings.draws) evaluation.draws = parse_draws(*settings.draws, arena.task());
 
-  Controller controller = trial.controller(arena);
+  Controller controller = trial.controller;
   if (settings.planner) {
     PlannerController planner = parse_planner(*settings.planner);
     EvaluationSettings unperturbed = evaluation;

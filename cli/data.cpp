@@ -22,18 +22,6 @@ fs::path data_root() {
 
 DataFolders data_folders() { return evo::data_folders(data_root()); }
 
-ProfileWords profile_words(const std::vector<std::string>& values) {
-  ProfileWords words;
-  for (const std::string& value : values) {
-    const std::size_t equals = value.find('=');
-    if (equals != std::string::npos && value.find('/') > equals)
-      words.settings.push_back(value);
-    else
-      words.profile = value;
-  }
-  return words;
-}
-
 std::vector<std::string> profiles_and_settings(const std::string& folder,
                                                const std::vector<std::string>& settings) {
   std::vector<std::string> words = data_names(data_folders(), folder);

@@ -21,13 +21,6 @@ std::filesystem::path data_root();
 // Folders in $EVO_TASKS (separated by colons), then data_root()'s tasks.
 DataFolders data_folders();
 
-// The values of --physics or --train: the last profile named, by name or file, and settings
-// ("gravity=50") that change it, in order.
-struct ProfileWords {
-  std::optional<std::string> profile;
-  std::vector<std::string> settings;
-};
-ProfileWords profile_words(const std::vector<std::string>& values);
 // Such values, for completion: names of the profiles in a folder of tasks/, then settings.
 std::vector<std::string> profiles_and_settings(const std::string& folder,
                                                const std::vector<std::string>& settings);

@@ -74,7 +74,7 @@ std::vector<Subject> subjects(const Settings& settings, std::uint64_t seed) {
     const Body body = Body::from_rows({"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"});
     for (const std::string& name : task_names(cli::data_folders())) {
       found.push_back({load_task(name, cli::data_folders()), body});
-      settings.task.change_physics(found.back().task);
+      change_physics(found.back().task, settings.task.physics, cli::data_folders());
     }
   } else {
     for (const int size : parse_wholes(settings.sizes, "--sizes", 1, most_counted))

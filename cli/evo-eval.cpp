@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "cli/command.h"
+#include "cli/data.h"
 #include "cli/outputs.h"
 #include "cli/progress.h"
 #include "cli/robots.h"
@@ -89,7 +90,7 @@ Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task
     warn(fmt::format("{} was trained on {}, not on {}", path, file.task, task->name));
   if (task) return {*task, file.controller};
   TaskSpec own = policy_task(file, path);
-  settings.task.change_physics(own);
+  change_physics(own, settings.task.physics, cli::data_folders());
   return {std::move(own), file.controller};
 }
 

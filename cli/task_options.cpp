@@ -22,17 +22,8 @@ void TaskOptions::add_to(Command& command, const std::string& otherwise) {
 TaskSpec TaskOptions::load() const {
   if (!task) throw error(Failure::usage, "--task is required; 'evo-inspect tasks' lists the tasks");
   TaskSpec spec = load_task(*task, data_folders());
-  change_physics(spec);
+  change_physics(spec, physics, data_folders());
   return spec;
-}
-
-void TaskOptions::change_physics(TaskSpec& spec) const {
-  if (physics.empty()) return;
-  const auto [profile, settings] = profile_words(physics);
-  Physics changed = profile ? physics_profiles().load(*profile, data_folders()) : spec.physics;
-  for (const std::string& assignment : settings) physics_profiles().assign(changed, assignment);
-  physics_profiles().check(changed);
-  set_physics(spec, changed);
 }
 
 }  // namespace evo::cli

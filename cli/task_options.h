@@ -20,8 +20,6 @@ struct TaskOptions {
   bool given() const { return task.has_value(); }
   // The task, with physics changed as asked. Throws Error(usage) without --task.
   TaskSpec load() const;
-  // Changes the physics of a task that came from elsewhere (a policy file).
-  void change_physics(TaskSpec& spec) const;
 };
 
 }  // namespace evo::cli

@@ -69,6 +69,13 @@ std::string text_of(const char* text, const char* name) {
   return text;
 }
 
+std::vector<std::string> texts_of(const char* const* texts, std::size_t count, const char* name) {
+  if (texts == nullptr && count > 0) throw error(Failure::usage, "`{}` is NULL", name);
+  std::vector<std::string> list;
+  for (std::size_t i = 0; i < count; ++i) list.push_back(text_of(texts[i], name));
+  return list;
+}
+
 std::span<const Vec2> points_of(const double* positions, std::size_t count) {
   static_assert(sizeof(Vec2) == 2 * sizeof(double));
   return {reinterpret_cast<const Vec2*>(positions), count};

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "evo/evo.h"
 #include "formats/io/data_folders.h"
@@ -68,6 +69,7 @@ T& target(T* place, const char* name) {
 }
 
 std::string text_of(const char* text, const char* name);  // refuses NULL
+std::vector<std::string> texts_of(const char* const* texts, std::size_t count, const char* name);
 
 // Throws Error(usage) for less than 1 thread, or more than anybody means.
 void check_threads(std::int32_t threads);

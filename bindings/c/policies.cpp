@@ -43,10 +43,8 @@ std::unique_ptr<evo_policy> policy_of(evo::PolicyFile file) {
 evo::TrainingSettings settings_of(const evo_training& training) {
   evo::TrainingSettings settings = evo::training_profiles().load(
       training.profile == nullptr ? "default" : training.profile, data_folders());
-  if (training.set == nullptr && training.set_count > 0)
-    throw evo::Error(Failure::usage, "`set` is NULL");
-  for (std::size_t i = 0; i < training.set_count; ++i)
-    evo::training_profiles().assign(settings, text_of(training.set[i], "set"));
+  for (const std::string& setting : texts_of(training.set, training.set_count, "set"))
+    evo::training_profiles().assign(settings, setting);
   if (training.steps != 0)
     evo::training_profiles().assign(settings, "steps=" + std::to_string(training.steps));
   evo::check(settings);

@@ -29,17 +29,6 @@ const Robot& robot_at(const evo_robots& robots, std::size_t index) {
 
 }  // namespace evo::c
 
-namespace {
-
-// A task's physics, and the text that says it.
-void change_physics(evo_task& task, const evo::Physics& physics) {
-  evo::TaskSpec changed = task.spec;
-  evo::set_physics(changed, physics);
-  task = *task_of(std::move(changed));
-}
-
-}  // namespace
-
 int evo_task_open(const char* name_or_file, evo_task** task) {
   return open(task, [&] {
     return task_of(evo::load_task(text_of(name_or_file, "name_or_file"), data_folders()));
@@ -48,20 +37,11 @@ int evo_task_open(const char* name_or_file, evo_task** task) {
 
 void evo_task_free(evo_task* task) { close(task); }
 
-int evo_task_set_physics(evo_task* task, const char* profile_or_file) {
+int evo_task_set_physics(evo_task* task, const char* const* words, size_t count) {
   return guarded([&] {
-    change_physics(
-        object_of(task),
-        evo::physics_profiles().load(text_of(profile_or_file, "profile_or_file"), data_folders()));
-  });
-}
-
-int evo_task_set(evo_task* task, const char* assignment) {
-  return guarded([&] {
-    evo::Physics physics = object_of(task).spec.physics;
-    evo::physics_profiles().assign(physics, text_of(assignment, "assignment"));
-    evo::physics_profiles().check(physics);
-    change_physics(object_of(task), physics);
+    evo::TaskSpec changed = object_of(task).spec;
+    evo::change_physics(changed, texts_of(words, count, "words"), data_folders());
+    object_of(task) = *task_of(std::move(changed));
   });
 }
 

@@ -52,6 +52,18 @@ DataFolders data_folders(const fs::path& root) {
   return folders;
 }
 
+ProfileWords profile_words(const std::vector<std::string>& values) {
+  ProfileWords words;
+  for (const std::string& value : values) {
+    const std::size_t equals = value.find('=');
+    if (equals != std::string::npos && value.find('/') > equals)
+      words.settings.push_back(value);
+    else
+      words.profile = value;
+  }
+  return words;
+}
+
 std::optional<fs::path> find_data_file(const DataFolders& folders, const std::string& subfolder,
                                        const std::string& name) {
   for (const fs::path& folder : folders) {

@@ -27,6 +27,14 @@ inline bool is_file_name(const std::string& name_or_file) {
          path.extension() == ".yml";
 }
 
+// The values of --physics or --train: the last profile named, by name or file, and settings
+// ("gravity=50") that change it, in order.
+struct ProfileWords {
+  std::optional<std::string> profile;
+  std::vector<std::string> settings;
+};
+ProfileWords profile_words(const std::vector<std::string>& values);
+
 // SUBFOLDER/NAME.yaml in the first folder that has it.
 std::optional<std::filesystem::path> find_data_file(const DataFolders& folders,
                                                     const std::string& subfolder,

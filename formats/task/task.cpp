@@ -288,9 +288,15 @@ std::vector<std::string> task_names(const DataFolders& folders) {
   return names;
 }
 
-void set_physics(TaskSpec& task, const Physics& physics) {
-  if (task.physics == physics) return;
-  task.physics = physics;
+void change_physics(TaskSpec& task, const std::vector<std::string>& words,
+                    const DataFolders& folders) {
+  const Profiles<Physics>& profiles = physics_profiles();
+  const auto [profile, constants] = profile_words(words);
+  Physics changed = profile ? profiles.load(*profile, folders) : task.physics;
+  for (const std::string& constant : constants) profiles.assign(changed, constant);
+  profiles.check(changed);
+  if (task.physics == changed) return;
+  task.physics = changed;
   task.source = task_to_yaml(task);
 }
 

@@ -26,8 +26,10 @@ TaskSpec parse_task(std::string_view text, const std::string& where,
 // The whole task, worlds drawn, physics complete: parse_task gives it back.
 std::string task_to_yaml(const TaskSpec& task);
 
-// Another physics for a task that was loaded, its source included.
-void set_physics(TaskSpec& task, const Physics& physics);
+// Changes the physics of a task that was loaded, its source included, by profile_words such as
+// those of --physics. Throws Error(usage), and as Profiles::load; constants are checked together.
+void change_physics(TaskSpec& task, const std::vector<std::string>& words,
+                    const DataFolders& folders);
 
 // All tasks in the folders, by name (aliases left out).
 std::vector<std::string> task_names(const DataFolders& folders);

@@ -70,9 +70,8 @@ typedef struct evo_task evo_task;
 EVO_API int evo_task_open(const char* name_or_file, evo_task** task);
 EVO_API void evo_task_free(evo_task* task);
 
-/* As --physics of the tools: "paper", a file; "gravity=50". */
-EVO_API int evo_task_set_physics(evo_task* task, const char* profile_or_file);
-EVO_API int evo_task_set(evo_task* task, const char* assignment);
+/* As --physics of the tools: a profile by name or file ("paper"), constants ("gravity=50"). */
+EVO_API int evo_task_set_physics(evo_task* task, const char* const* words, size_t count);
 
 typedef struct evo_task_facts {
   const char* name; /* these two as long as the task is not changed or freed */

@@ -14,7 +14,7 @@ import sys
 from ctypes import (POINTER, Structure, byref, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t,
                     c_uint64, c_uint8, c_void_p)
 from pathlib import Path
-from typing import Any, Sequence
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 
@@ -169,8 +169,7 @@ _STATE = [_HANDLE, Whole32, POINTER(c_void_p), POINTER(c_size_t)]
 _RENDER = [_HANDLE, Whole32, c_void_p, POINTER(View), c_size_t, c_void_p, c_size_t]
 SIGNATURES = {
     "evo_task_open": [c_char_p, _OPENED],
-    "evo_task_set_physics": [_HANDLE, c_char_p],
-    "evo_task_set": [_HANDLE, c_char_p],
+    "evo_task_set_physics": [_HANDLE, POINTER(c_char_p), c_size_t],
     "evo_task_describe": [_HANDLE, POINTER(TaskFacts), c_size_t],
     "evo_robots_new": [_OPENED],
     "evo_robots_read": [c_char_p, _OPENED],
@@ -306,6 +305,15 @@ def text_of(value: Any) -> bytes:
     return text.encode()
 
 
+def texts_of(values: Sequence[Any]) -> Any:
+    return (c_char_p * len(values))(*map(text_of, values))
+
+
+def assignments(settings: Mapping[str, Any] | None) -> list[str]:
+    """As the tools take settings: ``gravity=50``."""
+    return [f"{name}={value}" for name, value in (settings or {}).items()]
+
+
 def address(values: np.ndarray) -> int:
     try:  # three times as quick as what follows
         return ctypes.addressof(ctypes.c_char.from_buffer(values))
@@ -416,8 +424,6 @@ def count_of(name: str, *arguments: Any) -> int:
 def task_of(task: Any, physics: Any, settings: Any) -> Handle:
     """A task by name or file, with its physics changed as --physics does; or one opened before."""
     opened = task if isinstance(task, Handle) else Handle("task", "evo_task_open", text_of(task))
-    if physics is not None:
-        call("evo_task_set_physics", opened, text_of(physics))
-    for key, value in (settings or {}).items():
-        call("evo_task_set", opened, f"{key}={value}".encode())
+    words = texts_of(([] if physics is None else [physics]) + assignments(settings))
+    call("evo_task_set_physics", opened, words, len(words))
     return opened

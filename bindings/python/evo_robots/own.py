@@ -24,8 +24,8 @@ from typing import Any, Callable, Iterator, Mapping
 import numpy as np
 
 from .library import (CurvePoint, EvoError, Handle, LearnerFacts, OwnEpisode, PolicyFacts, Training,
-                      address, call, facts, failure, library, needs, numbers, targets, task_of, text_of, whole,
-                      whole64)
+                      address, assignments, call, facts, failure, library, needs, numbers, targets, task_of,
+                      text_of, texts_of, whole, whole64)
 from .robots import Robot
 from .simulator import Simulator
 from .video import Video
@@ -358,12 +358,9 @@ class _Wanted:
 
     def __init__(self, profile: Any, settings: Mapping[str, Any] | None, steps: int | None,
                  seed: int) -> None:
-        texts = [f"{name}={value}".encode() for name, value in (settings or {}).items()]
-        self._texts = (ctypes.c_char_p * max(1, len(texts)))(*texts)
+        self._texts = texts_of(assignments(settings))
         self._profile = text_of(profile)
-        if any(b"\0" in text for text in texts):
-            raise ValueError("settings: a NUL is in one of them")
-        self.struct = Training(self._profile, self._texts, len(texts),
+        self.struct = Training(self._profile, self._texts, len(self._texts),
                                0 if steps is None else whole("steps", steps, 1, (1 << 63) - 1),
                                whole64("seed", seed))
 

@@ -131,7 +131,8 @@ class One(unittest.TestCase):
             env.close()
             return observation
         plain = after()
-        for changed in ({"settings": {"gravity": 50}}, {"jitter": 1e-3}):
+        for changed in ({"settings": {"gravity": 50}}, {"settings": {"min_target": 1.7, "max_target": 1.8}},
+                        {"jitter": 1e-3}):
             self.assertFalse(np.array_equal(plain, after(**changed)), changed)
 
 

@@ -205,12 +205,12 @@ TEST_CASE("c: objects that cannot stand in a world are refused") {
 TEST_CASE("c: misuse is answered, not died of") {
   const Session s("Walker-v0", 2);
   evo_arrays at{};
-  fails(EVO_USAGE, "evo_task is expected, not NULL", evo_task_set(nullptr, "gravity=1"));
+  fails(EVO_USAGE, "evo_task is expected, not NULL", evo_task_set_physics(nullptr, nullptr, 0));
   evo_task* task = nullptr;
   fails(EVO_USAGE, "`name_or_file` is NULL", evo_task_open(nullptr, &task));
-  fails(EVO_USAGE, "`assignment` is NULL", evo_task_set(s.task, nullptr));
+  fails(EVO_USAGE, "`words` is NULL", evo_task_set_physics(s.task, nullptr, 1));
   fails(EVO_USAGE, "not of evo_robots",
-        evo_task_set(reinterpret_cast<evo_task*>(s.robots), "gravity=1"));
+        evo_task_set_physics(reinterpret_cast<evo_task*>(s.robots), nullptr, 0));
   fails(EVO_USAGE, "struct", evo_envs_arrays(s.envs, nullptr, sizeof at));
   fails(EVO_USAGE, "bytes is not of this version", evo_envs_arrays(s.envs, &at, sizeof at + 8));
   fails(EVO_USAGE, "bytes is not of this version", evo_envs_arrays(s.envs, &at, 0));
@@ -243,7 +243,7 @@ TEST_CASE("c: misuse is answered, not died of") {
   REQUIRE(evo_task_open("Walker-v0", &freed) == EVO_OK);
   evo_task_free(freed);
   evo_task_free(freed);  // again
-  fails(EVO_USAGE, "was freed", evo_task_set(freed, "gravity=1"));
+  fails(EVO_USAGE, "was freed", evo_task_set_physics(freed, nullptr, 0));
   evo_task_free(nullptr);
   evo_envs_free(reinterpret_cast<evo_envs*>(s.task));  // of another kind: left alone
   evo_task_facts facts{};
@@ -252,7 +252,7 @@ TEST_CASE("c: misuse is answered, not died of") {
 }
 
 TEST_CASE("c: the last error is the thread's own") {
-  CHECK(evo_task_set(nullptr, "x") == EVO_USAGE);
+  CHECK(evo_task_set_physics(nullptr, nullptr, 0) == EVO_USAGE);
   const std::string mine = evo_error();
   std::thread([] { CHECK(std::string(evo_error()).empty()); }).join();
   CHECK(evo_error() == mine);
@@ -462,8 +462,7 @@ TEST_CASE("c: every function refuses handles of other kinds, and NULL where it w
   using H = AnyHandle;
   using W = Writes;
   const std::vector<std::function<int(H handle, W places)>> calls{
-      [&](H h, W) { return evo_task_set(h, nullptr); },
-      [&](H h, W) { return evo_task_set_physics(h, nullptr); },
+      [&](H h, W) { return evo_task_set_physics(h, nullptr, 1); },
       [&](H h, W w) { return evo_task_describe(h, w(task_facts), sizeof task_facts); },
       [&](H h, W w) { return evo_robots_count(h, w(count)); },
       [&](H h, W) { return evo_robots_append(h, nullptr, 0); },

@@ -22,9 +22,7 @@ std::string lines(const TaskSpec& task, const TrainingSettings& settings = {},
 }
 
 TaskSpec with_physics(TaskSpec task, const std::string& assignment) {
-  Physics physics = task.physics;
-  physics_profiles().assign(physics, assignment);
-  set_physics(task, physics);
+  change_physics(task, {assignment}, data);
   return task;
 }
 

@@ -411,10 +411,9 @@ TEST_CASE("a task may choose and change its physics, and stays complete") {
 
   TaskSpec changed = parse_task(good, "t.yaml", "", data);
   CHECK(changed.source == good);
-  Physics physics = changed.physics;
-  physics_profiles().assign(physics, "gravity=55");
-  set_physics(changed, physics);
+  change_physics(changed, {"gravity=55", "min_target=1.7", "max_target=1.8"}, data);
   CHECK(parse_task(changed.source, "alone").physics.gravity == 55.0);
+  CHECK_THROWS_WITH(change_physics(changed, {"max_target=1"}, data), Catch::Contains("max_target"));
 
   CHECK_THAT(
       message(good + "physics: papr\n"),

@@ -164,8 +164,9 @@ void check_files(const Settings& settings, const std::vector<Robot>& robots,
   cli::check_outputs(rollouts, inputs);
 }
 
+// `threads`: for this robot.
 Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
-              std::uint64_t seed, const Warn& warn) {
+              std::uint64_t seed, int threads, const Warn& warn) {
   const std::optional<std::string> rollout_path = rollout_of(settings, robot);
   const Trial trial = make_trial(settings, task, robot, warn);
   const Arena arena(trial.task, robot.body);
@@ -179,6 +180,7 @@ Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, con
   evaluation.seed = seed;
   evaluation.jitter = settings.jitter;
   evaluation.max_steps = settings.max_steps.value_or(0);
+  evaluation.threads = threads;
   if (settings.draws) evaluation.draws = parse_draws(*settings.draws, arena.task());
 
   Controller controller = trial.controller;
@@ -289,10 +291,11 @@ int main(int argc, char** argv) {
     cli::TrainingProgress progress(shows ? cli::Progress::none : command.progress_style(),
                                    robots.size());
     cli::Workers workers(command, robots.size());
+    const int threads = std::max(1, command.jobs / std::max(1, static_cast<int>(robots.size())));
     workers.pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
       const Robot& robot = robots[i];
       try {
-        Robot measured = measure(settings, task, robot, command.seed, warn);
+        Robot measured = measure(settings, task, robot, command.seed, threads, warn);
         double steps = 0.0;
         for (const Json& length : measured.document.at("lengths")) steps += length.get<double>();
         progress.update(i, {robot.id, 1.0, {}, 0.0}, steps);

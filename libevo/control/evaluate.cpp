@@ -6,6 +6,7 @@
 #include <memory>
 #include <numeric>
 
+#include "libevo/base/parallel.h"
 #include "libevo/control/actor.h"
 
 namespace evo {
@@ -106,6 +107,7 @@ Choose lane_by_lane(std::size_t actions, PerLane per_lane) {
 
 struct Prepare {
   const Arena& arena;
+  const EvaluationSettings& settings;
   Work& work;
 
   std::size_t actions() const { return static_cast<std::size_t>(arena.action_length()); }
@@ -134,12 +136,18 @@ struct Prepare {
       require_fit(*planner.sequence, arena);
       work.limit = planner.sequence->steps();
     }
-    work.choose = [replanner = std::make_shared<Replanner>(arena, planner), a = actions()](
-                      const VecEnv& env, std::span<Running> lanes, std::span<double> targets) {
-      for (std::size_t l = 0; l < lanes.size(); ++l)
-        if (Running& lane = lanes[l]; lane.job >= 0)
-          replanner->act(env, static_cast<int>(l), lane.steps, lane.start, lane.random,
-                         targets.subspan(l * a, a));
+    const auto pool = std::make_shared<ThreadPool>(
+        std::clamp(std::min(settings.threads, settings.lanes), 1, std::max(work.jobs, 1)));
+    const auto planners = std::make_shared<std::vector<Replanner>>();
+    for (int k = 0; k < pool->threads(); ++k) planners->emplace_back(arena, planner);
+    work.choose = [pool, planners, a = actions()](const VecEnv& env, std::span<Running> lanes,
+                                                  std::span<double> targets) {
+      pool->run(planners->size(), [&](std::size_t k, int /*worker*/) {
+        for (std::size_t l = k; l < lanes.size(); l += planners->size())
+          if (Running& lane = lanes[l]; lane.job >= 0)
+            (*planners)[k].act(env, static_cast<int>(l), lane.steps, lane.start, lane.random,
+                               targets.subspan(l * a, a));
+      });
     };
   }
 };
@@ -175,7 +183,7 @@ Evaluation evaluate(const Arena& arena, const Controller& controller,
   work.jobs = settings.episodes;
   work.episode = [](int job) { return job; };
   // By way of a lambda: the compiler then says here which controller has no case.
-  std::visit([prepare = Prepare{arena, work}](const auto& c) { prepare(c); }, controller);
+  std::visit([prepare = Prepare{arena, settings, work}](const auto& c) { prepare(c); }, controller);
   return run(arena, settings, work, observer);
 }
 

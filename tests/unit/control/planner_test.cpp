@@ -29,6 +29,8 @@ TEST_CASE("a free planner earns more than rest, whatever episodes run beside it"
   CHECK(planned.mean() > evaluate(arena, rest, evaluation).mean() + 0.1);
   CHECK(planned.mean() > evaluate(arena, planner(1), evaluation).mean() + 0.1);
   CHECK(planned.returns[0] != planned.returns[1]);
+  evaluation.threads = 3;
+  CHECK(evaluate(arena, planner(5), evaluation).returns == planned.returns);
   evaluation.lanes = 1;
   CHECK(evaluate(arena, planner(5), evaluation).returns == planned.returns);
 }

@@ -100,8 +100,6 @@ Race::Race(const std::vector<Episode>& episodes, const RenderOptions& options) :
   std::vector<Clip*> clips;
   for (Clip& clip : clips_) clips.push_back(&clip);
   share_value_scale(clips);
-  if (options_.camera.objects.empty())
-    options_.camera.objects = {clips_.front().mesh().objects.front().name};
   views_ = camera_path(boxes(clips_, options_.camera), options_.camera, aspect);
 }
 

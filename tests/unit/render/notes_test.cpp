@@ -117,8 +117,10 @@ TEST_CASE("who runs along the ground has a lane, and a place when it has arrived
                               [](const Text& text) { return text.text.starts_with("1st"); }) == 2);
 }
 
-TEST_CASE("a lane shows its robot from the feet to the top, from the first moment") {
-  const Rollout rollout = example::simulate("Walker-v0", example::walker, 60);
+TEST_CASE("a lane shows what the task follows from the feet to the top, from the first moment") {
+  const std::string task = GENERATE("Walker-v0", "Carrier-v0");  // and its package
+  Rollout rollout = example::simulate(task, example::walker, 60);
+  rollout.task_yaml = task_to_yaml(example::task(task));
   RenderOptions options;
   options.size = {640, 480};
   constexpr float lane = 160;

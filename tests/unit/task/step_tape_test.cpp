@@ -124,13 +124,14 @@ TEST_CASE("gradients of rewards and observations are central differences in ever
 
 // `test_task "[.table]"` prints the one of docs/gradients.md.
 TEST_CASE("relative errors of gradients, task by task", "[.table]") {
-  std::cout << "| task | rewards: median | three of four | observations: median | three of four |\n"
-               "|---|---|---|---|---|\n";
+  std::cout << "| task | rewards: median | three of four | worst | observations: median | three of "
+               "four | worst |\n"
+               "|---|---|---|---|---|---|---|\n";
   for (const std::string& task : task_names({std::string(EVO_SOURCE_DIR) + "/tasks"})) {
     std::cout << "| " << task;
     for (const bool of_rewards : {true, false}) {
       const std::vector<double> errors = errors_of(task, of_rewards);
-      for (const std::size_t at : {errors.size() / 2, errors.size() * 3 / 4})
+      for (const std::size_t at : {errors.size() / 2, errors.size() * 3 / 4, errors.size() - 1})
         std::cout << " | " << fmt::format("{:.0e}", errors[at]);
     }
     std::cout << " |\n";

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -46,8 +45,6 @@ constexpr std::string_view sine_actions = "sine:";
 constexpr std::string_view free_planner = "free";
 constexpr std::string_view holding_planner = "hold";
 
-using Warn = std::function<void(const std::string&)>;
-
 // Where a robot is measured and what drives it.
 struct Trial {
   TaskSpec task;
@@ -81,28 +78,29 @@ PlannerController parse_planner(const std::string& text) {
 
 // `task`: what --task names, if it was given; else the policy's own is used.
 Trial policy_trial(const Settings& settings, const std::optional<TaskSpec>& task,
-                   const Robot& robot, const std::string& path, const Warn& warn) {
+                   const Robot& robot, const std::string& path) {
   PolicyFile file = read_policy(path);
   // One for any body was trained for this one as well.
   if (file.robot.id != robot.id && !std::holds_alternative<ModularPolicy>(file.controller))
-    warn(fmt::format("{} was trained for robot {}, not for {}", path, file.robot.id, robot.id));
+    cli::log::warn(
+        fmt::format("{} was trained for robot {}, not for {}", path, file.robot.id, robot.id));
   if (task && task->name != file.task)
-    warn(fmt::format("{} was trained on {}, not on {}", path, file.task, task->name));
+    cli::log::warn(fmt::format("{} was trained on {}, not on {}", path, file.task, task->name));
   if (task) return {*task, file.controller};
   TaskSpec own = policy_task(file, path);
   change_physics(own, settings.task.physics, cli::data_folders());
   return {std::move(own), file.controller};
 }
 
-Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
-                 const Warn& warn) {
-  if (settings.policy) return policy_trial(settings, task, robot, *settings.policy, warn);
+Trial make_trial(const Settings& settings, const std::optional<TaskSpec>& task,
+                 const Robot& robot) {
+  if (settings.policy) return policy_trial(settings, task, robot, *settings.policy);
   if (!settings.actions) {
     const auto policy = robot.policy();
     if (settings.planner && !parse_planner(*settings.planner).sequence && (task || !policy))
       return {task ? *task : settings.task.load(), {}};
     if (!policy) throw error(Failure::usage, "it has no policy; give --policy or --actions");
-    return policy_trial(settings, task, robot, *policy, warn);
+    return policy_trial(settings, task, robot, *policy);
   }
   const TaskSpec spec = task ? *task : settings.task.load();
   const Physics& physics = spec.physics;
@@ -166,9 +164,9 @@ void check_files(const Settings& settings, const std::vector<Robot>& robots,
 
 // `threads`: for this robot.
 Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, const Robot& robot,
-              std::uint64_t seed, int threads, const Warn& warn) {
+              std::uint64_t seed, int threads) {
   const std::optional<std::string> rollout_path = rollout_of(settings, robot);
-  const Trial trial = make_trial(settings, task, robot, warn);
+  const Trial trial = make_trial(settings, task, robot);
   const Arena arena(trial.task, robot.body);
   if (const int limit = arena.task().episode_steps; settings.max_steps.value_or(0) > limit)
     throw error(Failure::usage,
@@ -283,7 +281,6 @@ int main(int argc, char** argv) {
                   *settings.rollout, robots.size());
     check_files(settings, robots, files, command.output);
     if (records_each) make_folders(*settings.rollout);
-    const Warn warn = cli::log::warn;
     OrderedWriter out(command.output);
     // Robots that go to the terminal are progress enough.
     const bool shows = command.progress == "auto" && command.output == standard_stream &&
@@ -295,7 +292,7 @@ int main(int argc, char** argv) {
     workers.pool.run(robots.size(), [&](std::size_t i, int /*worker*/) {
       const Robot& robot = robots[i];
       try {
-        Robot measured = measure(settings, task, robot, command.seed, threads, warn);
+        Robot measured = measure(settings, task, robot, command.seed, threads);
         double steps = 0.0;
         for (const Json& length : measured.document.at("lengths")) steps += length.get<double>();
         progress.update(i, {robot.id, 1.0, {}, 0.0}, steps);

@@ -70,7 +70,9 @@ typedef struct evo_task evo_task;
 EVO_API int evo_task_open(const char* name_or_file, evo_task** task);
 EVO_API void evo_task_free(evo_task* task);
 
-/* As --physics of the tools: a profile by name or file ("paper"), constants ("gravity=50"). */
+/* As --physics of the tools: a profile by name or file ("paper"), constants ("gravity=50"), in
+ * any order, checked together. What is refused (EVO_USAGE, EVO_DATA, EVO_NO_INPUT) changes
+ * nothing. */
 EVO_API int evo_task_set_physics(evo_task* task, const char* const* words, size_t count);
 
 typedef struct evo_task_facts {

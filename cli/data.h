@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +20,8 @@ std::filesystem::path data_root();
 // Folders in $EVO_TASKS (separated by colons), then data_root()'s tasks.
 DataFolders data_folders();
 
-// Such values, for completion: names of the profiles in a folder of tasks/, then settings.
+// Values of --physics or --train, for completion: names of the profiles in a folder of tasks/, then
+// settings.
 std::vector<std::string> profiles_and_settings(const std::string& folder,
                                                const std::vector<std::string>& settings);
 

@@ -425,5 +425,6 @@ def task_of(task: Any, physics: Any, settings: Any) -> Handle:
     """A task by name or file, with its physics changed as --physics does; or one opened before."""
     opened = task if isinstance(task, Handle) else Handle("task", "evo_task_open", text_of(task))
     words = texts_of(([] if physics is None else [physics]) + assignments(settings))
-    call("evo_task_set_physics", opened, words, len(words))
+    if words:
+        call("evo_task_set_physics", opened, words, len(words))
     return opened

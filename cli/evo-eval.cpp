@@ -56,7 +56,7 @@ PlannerController parse_planner(const std::string& text) {
   const std::string kind = text.substr(0, colon);
   PlannerController planner;
   if (kind == holding_planner) {
-    planner.window = 24;
+    planner.window = 40;
     planner.committed = 4;
     planner.rounds = 4;
     planner.sequence.emplace();
@@ -241,7 +241,7 @@ int main(int argc, char** argv) {
           "--planner", settings.planner, "WHAT",
           "plan in the simulation: free, to earn the most; hold, to come back to the way of the "
           "policy's unperturbed episode; either with :WINDOW,COMMITTED,ROUNDS,LANES "
-          "[free:96,16,8,8 hold:24,4,4,8]")
+          "[free:96,16,8,8 hold:40,4,4,8]")
       .excludes({actions});
   command.section("Episodes");
   command.option("--episodes", settings.episodes, "N", "episodes of each robot").at_least(1);

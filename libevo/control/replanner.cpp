@@ -1,5 +1,7 @@
 #include "libevo/control/replanner.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -152,7 +154,7 @@ void Replanner::simulate(std::span<const std::uint8_t> from, std::size_t window,
     for (std::size_t i = 0; i < lanes_.size(); ++i)
       if (active[i] != 0)
         targets_of(lanes_[i].plan, k, std::span(targets).subspan(i * actuators(), actuators()));
-    env_.step(targets, active, nullptr, &tapes_[k]);
+    env_.step(targets, active, nullptr, way.empty() ? &tapes_[k] : nullptr);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (active[i] == 0) continue;
       Lane& lane = lanes_[i];
@@ -168,11 +170,12 @@ void Replanner::simulate(std::span<const std::uint8_t> from, std::size_t window,
         const std::span<const Vec2> points = env_.positions(environment);
         for (std::size_t p = 0; p < points.size(); ++p) {
           const Vec2 aim = way[k * points.size() + p];
-          const Vec2 off{points[p].x - aim.x, points[p].y - aim.y};
-          lane.off.push_back(off);
-          off_way -= off.x * off.x + off.y * off.y;
+          for (const double off : {points[p].x - aim.x, points[p].y - aim.y}) {
+            lane.off.push_back(off);
+            off_way += off * off;
+          }
         }
-        lane.value += off_way;
+        lane.value -= off_way;
         if (k + 1 < window && lane.is_over)  // and the way leads on
           lane.value = -std::numeric_limits<double>::infinity();
       }
@@ -191,22 +194,18 @@ void Replanner::climb(std::size_t window) {
   const std::size_t a = actuators();
   const auto environments = static_cast<std::size_t>(env_.environments());
   std::vector<Gradient> gradients(environments, zero_gradient(arena_->model()));
-  const bool pays = !settings_->sequence;
-  std::vector<double> by_rewards(environments, pays ? 1.0 + steps_beyond : 0.0);
+  std::vector<double> by_rewards(environments, 1.0 + steps_beyond);
   std::vector<double> by_actions(environments * a);
   std::size_t longest = 0;
-  for (const Lane& lane : lanes_) longest = std::max(longest, lane.steps);
+  for (Lane& lane : lanes_) {
+    longest = std::max(longest, lane.steps);
+    lane.mean.resize(lane.plan.size());
+    lane.square.resize(lane.plan.size());
+  }
   for (std::size_t k = longest; k-- > 0;) {
-    if (pays && k + 1 < window) std::fill(by_rewards.begin(), by_rewards.end(), 1.0);
-    for (std::size_t i = 0; i < lanes_.size(); ++i) {
-      if (pays && lanes_[i].is_over) by_rewards[i] = 1.0;
-      const std::size_t points = gradients[i].state.x.size();
-      for (std::size_t p = 0; !pays && lanes_[i].steps > k && p < points; ++p) {
-        const Vec2 off = lanes_[i].off[k * points + p];
-        gradients[i].state.x[p] -= 2.0 * off.x;
-        gradients[i].state.y[p] -= 2.0 * off.y;
-      }
-    }
+    if (k + 1 < window) std::fill(by_rewards.begin(), by_rewards.end(), 1.0);
+    for (std::size_t i = 0; i < lanes_.size(); ++i)
+      if (lanes_[i].is_over) by_rewards[i] = 1.0;
     tapes_[k].pull_back(by_rewards, {}, gradients, by_actions);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       Lane& lane = lanes_[i];
@@ -231,6 +230,43 @@ void Replanner::climb(std::size_t window) {
       lane.plan[entry] =
           std::clamp(lane.plan[entry] + step_length * lane.mean[entry] / norm, -farthest, farthest);
   }
+}
+
+// ---- back to the way --------------------------------------------------------------------
+
+// Gauss-Newton without derivatives (Ralston and Jennrich, Technometrics 20, 1978): what plans
+// differ from the best one, and what that does to the distances from the way.
+void Replanner::come_back(int round, Stream& random) {
+  using Eigen::Index;
+  constexpr double damping = 0.01;  // of each difference alone
+  for (Lane& lane : lanes_)
+    if (std::isfinite(lane.value)) tried_.push_back(std::move(lane));
+  if (tried_.empty()) return;
+  std::iter_swap(tried_.begin(),
+                 std::max_element(tried_.begin(), tried_.end(),
+                                  [](const Lane& a, const Lane& b) { return a.value < b.value; }));
+  const auto off = [&](Index i) {
+    const std::vector<double>& values = tried_[static_cast<std::size_t>(i)].off;
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Index>(values.size()));
+  };
+  const auto others = static_cast<Index>(tried_.size()) - 1;
+  Eigen::MatrixXd moved(off(0).size(), others);
+  for (Index i = 0; i < others; ++i) moved.col(i) = off(i + 1) - off(0);
+  Eigen::MatrixXd normal = moved.transpose() * moved;
+  normal.diagonal() *= 1.0 + damping;
+  normal.diagonal().array() += 1e-12;  // a plan may be there twice
+  const Eigen::VectorXd shares = normal.ldlt().solve(-moved.transpose() * off(0));
+
+  const Plan& best = tried_.front().plan;
+  Plan next = best;
+  for (std::size_t entry = 0; entry < next.size(); ++entry) {
+    for (Index i = 0; i < others; ++i)
+      next[entry] +=
+          shares(i) * (tried_[static_cast<std::size_t>(i) + 1].plan[entry] - best[entry]);
+    next[entry] = std::clamp(next[entry], -farthest, farthest);
+  }
+  const double size = std::ldexp(0.2, -round);
+  for (Lane& lane : lanes_) lane = {&lane == &lanes_.front() ? next : noisy(next, size, random)};
 }
 
 // ---- windows ----------------------------------------------------------------------------
@@ -262,21 +298,24 @@ Replanner::Part Replanner::next_part(const Episode& episode, const Part& before,
                                      Stream& random) {
   const auto done = static_cast<std::size_t>(t);
   const std::size_t points = env_.positions(0).size();
-  const std::size_t window =
-      std::min({steps_of(episode) - done, static_cast<std::size_t>(settings_->window),
-                longest_window(arena_->model(), settings_->lanes)});
+  std::size_t window =
+      std::min(steps_of(episode) - done, static_cast<std::size_t>(settings_->window));
   std::span<const Vec2> way;
-  if (settings_->sequence) way = std::span(episode.way).subspan(done * points, window * points);
+  if (settings_->sequence)
+    way = std::span(episode.way).subspan(done * points, window * points);
+  else
+    window = std::min(window, longest_window(arena_->model(), settings_->lanes));
   lanes_.clear();
-  for (Plan& plan : first_plans(before, t, window, random)) {
-    const std::size_t size = plan.size();
-    lanes_.push_back({std::move(plan), std::vector<double>(size), std::vector<double>(size)});
-  }
+  tried_.clear();
+  for (Plan& plan : first_plans(before, t, window, random)) lanes_.push_back({std::move(plan)});
   const std::size_t committed = std::min(static_cast<std::size_t>(settings_->committed), window);
   Part best{lanes_.front().plan, static_cast<int>(committed), {}, false};
   double value = -std::numeric_limits<double>::infinity();
   for (int round = 0; round < settings_->rounds; ++round) {
-    if (round > 0) climb(window);
+    if (round > 0 && way.empty())
+      climb(window);
+    else if (round > 0)
+      come_back(round, random);
     simulate(before.after, window, committed, way);
     for (Lane& lane : lanes_) {
       if (!(lane.value > value)) continue;

@@ -5,10 +5,11 @@
 // that senses can.
 //
 // The simulation looks a window ahead from one moment in several lanes, each with a plan of its
-// own, and every plan climbs the gradient of what it earns (libevo/task/step_tape.h), again and
-// again. Windows are short, since gradients through many contacts grow without bound, and each
-// plan has one length of step, since entries that decide nothing have gradients of nearly 0, and
-// must not be scaled up to the others.
+// own. To earn the most, every plan climbs the gradient of what it earns (libevo/task/step_tape.h),
+// again and again. Windows are short, since gradients through many contacts grow without bound, and
+// each plan has one length of step, since entries that decide nothing have gradients of nearly 0,
+// and must not be scaled up to the others. To hold to a way needs no gradient: a few drifts make up
+// most of what a body is off, and what the plans of all lanes do to them tells how to undo them.
 #pragma once
 
 #include <cstddef>
@@ -66,11 +67,11 @@ class Replanner {
   // A plan at work.
   struct Lane {
     Plan plan;
-    std::vector<double> mean;    // of gradients
-    std::vector<double> square;  // of their squares
+    std::vector<double> mean = {};    // of gradients
+    std::vector<double> square = {};  // of their squares
     // Of the last simulation.
     std::size_t steps = 0;                 // done in the window
-    std::vector<Vec2> off = {};            // its points from the way, after each of them
+    std::vector<double> off = {};          // its points from the way, x and y after each of them
     std::vector<std::uint8_t> after = {};  // the state after those that may be done
     double value = 0.0;                    // what the window earned, and would for a while after it
     bool is_over = false;                  // the episode ended in it
@@ -94,6 +95,8 @@ class Replanner {
                 std::span<const Vec2> way);
   // Each plan goes a step up the gradient of what it earned.
   void climb(std::size_t window);
+  // The next plans are the sum of those tried that should lead back to the way, and others around.
+  void come_back(int round, Stream& random);
   Part next_part(const Episode& episode, const Part& before, int t, Stream& random);
   void plan_ahead(Episode& episode, int t, Stream& random);
 
@@ -103,6 +106,7 @@ class Replanner {
   double half_;
   VecEnv env_;
   std::vector<Lane> lanes_;
+  std::vector<Lane> tried_;        // in this window, for a way
   std::vector<StepTape> tapes_;    // of each step of a window
   std::vector<Episode> episodes_;  // of each lane
 };

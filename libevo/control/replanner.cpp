@@ -234,8 +234,8 @@ void Replanner::climb(std::size_t window) {
 
 // ---- back to the way --------------------------------------------------------------------
 
-// Gauss-Newton without derivatives (Ralston and Jennrich, Technometrics 20, 1978): what plans
-// differ from the best one, and what that does to the distances from the way.
+// Gauss-Newton without derivatives (Ralston and Jennrich, Technometrics 20, 1978): the Jacobian is
+// known along the differences of the plans tried from the best one, [2 points x steps] x others.
 void Replanner::come_back(int round, Stream& random) {
   using Eigen::Index;
   constexpr double damping = 0.01;  // of each difference alone

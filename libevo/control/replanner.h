@@ -8,8 +8,8 @@
 // own. To earn the most, every plan climbs the gradient of what it earns (libevo/task/step_tape.h),
 // again and again. Windows are short, since gradients through many contacts grow without bound, and
 // each plan has one length of step, since entries that decide nothing have gradients of nearly 0,
-// and must not be scaled up to the others. To hold to a way needs no gradient: a few drifts make up
-// most of what a body is off, and what the plans of all lanes do to them tells how to undo them.
+// and must not be scaled up to the others. To hold to a way, what the plans of all lanes do to the
+// distances from it tells which sum of them leads back: least squares, without a gradient.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,6 @@
 // Frames drawn by several processes and handed over in order. GL contexts in
 // threads of one process take turns; processes do not. Each worker is forked
-// with its own buffers of shared memory, draws every n-th frame, and is told when
-// a buffer is free again.
+// with a pipe of its own, into which it writes every n-th frame.
 #pragma once
 
 #include <cstddef>

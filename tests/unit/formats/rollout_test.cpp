@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <vector>
@@ -13,7 +12,6 @@
 #include "formats/io/hdf5.h"
 #include "libevo/base/random.h"
 #include "tests/unit/expect.h"
-#include "tests/unit/formats/damage.h"
 
 using namespace evo;
 using namespace evo::test;
@@ -320,15 +318,4 @@ TEST_CASE("Actions: from CSV") {
   CHECK(contains(refused(""), "no actions"));
   CHECK(contains(refused("a,b\n"), "no actions"));
   CHECK(contains(refused("a,b\nc,d\n"), "line 2"));
-}
-
-TEST_CASE("Rollout: a damaged file throws Error and nothing else") {
-  const ScratchFolder folder;
-  write_rollout(folder / "r.h5", example());
-  const int refused =
-      refusals({read_file(folder / "r.h5")}, 500, any_byte, [&](const std::string& bytes) {
-        std::ofstream(folder / "damaged.h5", std::ios::binary) << bytes;
-        (void)read_rollout(folder / "damaged.h5");
-      });
-  CHECK(refused > 250);
 }

@@ -36,9 +36,6 @@ Policy network_policy() {
   policy.log_std = Vector::Constant(3, -0.25F);
   policy.normalizer.mean = Eigen::VectorXd::LinSpaced(7, -1.0, 1.0);
   policy.normalizer.variance = Eigen::VectorXd::Constant(7, 1.0 / 3.0);
-  policy.normalizer.count = 512.0001;
-  policy.action_map = ActionMap::squash;
-  policy.low = 0.7;
   return policy;
 }
 
@@ -46,7 +43,6 @@ Policy network_policy() {
 Policy policy_on_gait() {
   Stream stream(2, "policy");
   Policy policy = network_policy();
-  policy.action_map = ActionMap::offset;
   policy.clock = {40.0, 17.5};
   policy.base = shifted_wave();
   policy.actor = orthogonal_network(7 + 4, {8, 6}, 3, 1.4, 1.0, stream);
@@ -54,39 +50,10 @@ Policy policy_on_gait() {
   return policy;
 }
 
-ModularPolicy modular_policy() {
-  TrainingSettings settings;
-  settings.hidden = {6, 5};
-  settings.clock = {20};
-  ModularPolicy policy = initial_modular_policy(settings, 3, 0.6, 1.5, Stream(4, "policy"));
-  policy.local.mean.setLinSpaced(-1.0, 1.0);
-  policy.task.count = 77.25;
-  for (Gate& gate : policy.actor.gates) {
-    gate.scale.setConstant(0.25F);
-    gate.shift.setConstant(-0.75F);
-  }
-  return policy;
-}
-
 PolicyFile example(TrainedController controller) {
   PolicyFile file;
   file.robot = Robot(Body::from_rows({"HV", "VS"}));
-  file.robot.document["fitness"] = 3.5;
-  file.task = "Walker-v0";
-  file.task_yaml = "name: Walker-v0\n";
-  file.physics_yaml = "gravity: 110\n";
-  file.training_yaml = "gamma: 0.99\n";
-  file.layout = {{"velocity(robot)", 0, 2}, {"relative_positions(robot)", 2, 5}};
-  file.seed = 18446744073709551615U;
-  file.created_by = "evo-train 0.1.0";
-  file.identity = "evo-training 2\nseed=1\n";
-  file.settings_hash = std::string(64, 'a');
   file.controller = std::move(controller);
-  file.fitness = 10.25;
-  file.best_step = 4096;
-  file.steps = 8192;
-  file.curve = {{4096, 10.25, 10.25}, {8192, 9.5, 10.25}};
-  file.final_score = FinalScore{5, 10.0, 0.125};
   return file;
 }
 
@@ -113,7 +80,10 @@ TEST_CASE("a JSON controller that does not fit together is refused with its plac
         std::string::npos);
   CHECK(problem([](Json& d) { d.erase("action"); }) == "policy:1:1: key 'action' is missing");
 
-  Json gated = Json::parse(policy_to_json(example(modular_policy())));
+  TrainingSettings settings;
+  settings.hidden = {6, 5};
+  Json gated = Json::parse(
+      policy_to_json(example(initial_modular_policy(settings, 3, 0.6, 1.5, Stream(4, "policy")))));
   CHECK_NOTHROW(read_controller(to_node(gated, "policy")));
   gated["actor"]["gates"].erase(1);
   CHECK_THROWS_WITH(read_controller(to_node(gated, "policy")),
@@ -157,39 +127,25 @@ TEST_CASE("files that are no policies are refused with file and place") {
   CHECK_THAT(message_reading(folder / "text.h5"), Catch::Contains("text.h5"));
 
   const auto path = folder / "p.h5";
-  const auto header = [&](hdf5::Writer& file, const char* format, std::int64_t version) {
+  const auto message_of = [&](const char* format, std::int64_t version) {
+    hdf5::Writer file(path);
     file.attribute("/", "format", format);
     file.attribute("/", "version", version);
+    file.commit();
+    return message_reading(path);
   };
-  {
-    hdf5::Writer file(path);
-    header(file, "evo/rollout", 1);
-    file.commit();
-  }
-  CHECK_THAT(message_reading(path),
+  CHECK_THAT(message_of("evo/rollout", 1),
              Catch::Contains("'evo/policy' is expected") && Catch::Contains("evo/rollout"));
-  {
-    hdf5::Writer file(path);
-    header(file, "evo/policy", 2);
-    file.commit();
-  }
-  CHECK_THAT(message_reading(path), Catch::Contains("version 2 is newer"));
-  {
-    hdf5::Writer file(path);
-    header(file, "evo/policy", 1);
-    file.commit();
-  }
-  CHECK_THAT(message_reading(path), Catch::Contains("p.h5") && Catch::Contains("robot"));
+  CHECK_THAT(message_of("evo/policy", 2), Catch::Contains("version 2 is newer"));
+  CHECK_THAT(message_of("evo/policy", 1), Catch::Contains("p.h5") && Catch::Contains("robot"));
 }
 
 TEST_CASE("networks whose shapes do not fit are refused") {
   const ScratchFolder folder;
-  PolicyFile file = example(network_policy());
   Policy policy = network_policy();
   policy.actor.layers[1].bias = Vector::Zero(9);
-  file.controller = policy;
   const auto path = folder / "a.policy.h5";
-  write_policy(path, file);
+  write_policy(path, example(policy));
   CHECK_THAT(message_reading(path), Catch::Contains("actor: layer 1 has 9 biases"));
 }
 

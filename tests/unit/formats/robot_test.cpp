@@ -105,6 +105,9 @@ TEST_CASE("Robot: several documents in every form") {
   CHECK(ids("H\n\n\nHV\nHV\n\nV\n") == "H HV V ");
   CHECK(ids("body: [H]\n---\nbody: [V]\n---\n") == "H V ");
   CHECK(ids("- body: [H]\n- body: [V]\n") == "H V ");
+  CHECK(ids("3 3\n4 4\n\n4 4\n3 3\n") == "HH VV ");
+  CHECK(ids("[[[3,3],[4,4]], [[4]]]") == "HH V ");
+  CHECK(ids("[[3 3]\n [4 4]]\n[[4]]\n") == "HH V ");
   CHECK(ids("").empty());
   CHECK(ids(" \n\t\r\n").empty());
 }
@@ -145,6 +148,12 @@ TEST_CASE("Robot: connections are part of the robot, but only where they say som
   const Robot full = one(R"({"body":["HH","VV"],"connections":[[0,1],[0,2],[1,3],[2,3]]})");
   CHECK_FALSE(full.document.contains("connections"));
   CHECK(full.id == one(R"({"body":["HH","VV"]})").id);
+
+  // As two lists of cells, as the benchmark has them; but [2, 2] are two pairs.
+  CHECK(one(R"({"body":["HHH","V.V"],"connections":[[0,1,0,2],[1,2,3,5]]})").body.links ==
+        std::vector<Link>{{0, 1}, {0, 3}, {1, 2}, {2, 5}});
+  CHECK(one(R"({"body":["HV","S."],"connections":[[0,1],[0,2]]})").body.links ==
+        std::vector<Link>{{0, 1}, {0, 2}});
 }
 
 TEST_CASE("Robot: stiffness is part of the robot, but only where it says something") {
@@ -376,24 +385,13 @@ TEST_CASE("Robot: damaged text throws Error and nothing else") {
   CHECK(refused < 6000);
 }
 
-// As the benchmark's scripts and numpy.savetxt write bodies.
-TEST_CASE("Robot: matrices of numbers are bodies") {
-  const std::vector<std::string> rows{"HHH", "V.V"};
+// As the benchmark's scripts and numpy.savetxt write them, and as people keep them; right values
+// are the benchmark's.
+TEST_CASE("Robot: bodies that others write, print and keep are read") {
   for (const char* text :
        {"3 3 3\n4 0 4\n", "3.000000000000000000e+00 3.0 3\n4 0e0 4\n", "3,3,3\n4,0,4",
-        "3, 3, 3\n4, 0, 4\n", "[[3,3,3],[4,0,4]]", "[[3.0, 3.0, 3.0],\n [4.0, 0.0, 4.0]]\n"}) {
-    INFO(text);
-    CHECK(one(text).body.to_rows() == rows);
-    CHECK(one(text).id == "9bdfd2342d8b");
-  }
-  CHECK(parse_robots("3 3\n4 4\n\n4 4\n3 3\n", "in").size() == 2);
-  CHECK(parse_robots("[[[3,3],[4,4]], [[4]]]", "in").size() == 2);
-}
-
-// As people keep them; right values are the benchmark's.
-TEST_CASE("Robot: bodies that others print and keep are read") {
-  for (const char* text :
-       {"333/404", "333\n404\n", "HHH/V.V\n", R"({"body":"333/404"})", "body: [333, 404]\n",
+        "3, 3, 3\n4, 0, 4\n", "[[3,3,3],[4,0,4]]", "[[3.0, 3.0, 3.0],\n [4.0, 0.0, 4.0]]\n",
+        "333/404", "333\n404\n", "HHH/V.V\n", R"({"body":"333/404"})", "body: [333, 404]\n",
         "[[3. 3. 3.]\n [4. 0. 4.]]\n", "[[3 3 3]\n [4 0 4]]", R"({"structure":[[3,3,3],[4,0,4]]})",
         R"({"env_name":"Walker-v0","robot":[[3,3,3],[4,0,4]],"genes":[0.1]})",
         R"({"robot":{"body":["HHH","V.V"]},"score":3})"}) {
@@ -401,19 +399,8 @@ TEST_CASE("Robot: bodies that others print and keep are read") {
     CHECK(one(text).id == "9bdfd2342d8b");
     CHECK(one(robot_to_line(one(text))).id == "9bdfd2342d8b");
   }
-  CHECK(parse_robots("[[3 3]\n [4 4]]\n[[4]]\n", "in").size() == 2);
   CHECK(one(R"({"robot":[[3,4]],"fitness":1.25,"n_in":15})").fitness() == 1.25);
   CHECK(one(R"({"body":["HV"],"structure":"mine"})").document["structure"] == "mine");
-}
-
-TEST_CASE("Robot: connections as two lists of cells, as the benchmark has them") {
-  const Robot pairs = one(R"({"body":["HHH","V.V"],"connections":[[0,1],[1,2],[0,3],[2,5]]})");
-  const Robot lists = one(R"({"body":["HHH","V.V"],"connections":[[0,1,0,2],[1,2,3,5]]})");
-  CHECK(lists.body == pairs.body);
-  CHECK(lists.id == pairs.id);
-  // [2, 2] are two pairs.
-  CHECK(one(R"({"body":["HV","S."],"connections":[[0,1],[0,2]]})").body.links ==
-        std::vector<Link>{{0, 1}, {0, 2}});
 }
 
 TEST_CASE("Robot: NumPy's files and worlds of the design tool are robots, told by their bytes") {

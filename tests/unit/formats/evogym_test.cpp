@@ -113,31 +113,22 @@ TEST_CASE("EvoGym world: single cells, enclosed objects, links from one end") {
   CHECK(same(world_of(parsed(world)), world));
 }
 
-// As published collections of terrain have them; the benchmark uses grid_width alone.
-TEST_CASE("EvoGym world: cells above grid_height make the grid higher, with a warning") {
-  Json document = Json::parse(example);
-  const World expected = world_of(document);
-  document["grid_height"] = 1;
-  std::vector<std::string> warnings;
-  const auto warn = [&](const std::string& text) { warnings.push_back(text); };
-  CHECK(same(world_of(document, warn), expected));
-  CHECK(warnings ==
-        std::vector<std::string>{
-            "w.json:1:31: /grid_height: is 1, but there are cells up to row 2; read as 3"});
-  warnings.clear();
-  world_of(Json::parse(example), warn);
-  CHECK(warnings.empty());
-}
-
 TEST_CASE("EvoGym world: what the benchmark passes over is told and passed over") {
-  const auto told = [](const char* place, const Json& value) {
-    Json document = Json::parse(example);
-    document[Json::json_pointer(place)] = value;
+  const auto told_of = [](const Json& document) {
     std::vector<std::string> warnings;
     CHECK(same(world_of(document, [&](const std::string& text) { warnings.push_back(text); }),
                world_of(Json::parse(example))));
     return fmt::format("{}", fmt::join(warnings, "; "));
   };
+  CHECK(told_of(Json::parse(example)).empty());
+  const auto told = [&](const char* place, const Json& value) {
+    Json document = Json::parse(example);
+    document[Json::json_pointer(place)] = value;
+    return told_of(document);
+  };
+  // As published collections of terrain have it; the benchmark uses grid_width alone.
+  CHECK(told("/grid_height", 1) ==
+        "w.json:1:31: /grid_height: is 1, but there are cells up to row 2; read as 3");
   CHECK(told("/grid_height", "3") ==
         "w.json:1:31: /grid_height: '3' is no number of rows; read as 3");
   CHECK(contains(told("/grid_height", nullptr), "nothing is no number of rows"));
@@ -155,12 +146,9 @@ TEST_CASE("EvoGym world: what the benchmark passes over is told and passed over"
   block["indices"].insert(block["indices"].begin(), block["indices"][0]);
   block["types"].insert(block["types"].begin(), 2);
   block["neighbors"]["x"] = {99};
-  std::vector<std::string> warnings;
-  CHECK(same(world_of(twice, [&](const std::string& text) { warnings.push_back(text); }),
-             world_of(Json::parse(example))));
-  REQUIRE(warnings.size() == 2);
-  CHECK(contains(warnings[0], "/indices/1: cell 12 is listed twice; its last type counts"));
-  CHECK(contains(warnings[1], "/neighbors/x: 'x' is not a cell of this object; left out"));
+  CHECK_THAT(told_of(twice),
+             Catch::Matches(R"([^;]*/indices/1: cell 12 is listed twice; its last type counts; )"
+                            R"([^;]*/neighbors/x: 'x' is not a cell of this object; left out)"));
 }
 
 TEST_CASE("EvoGym world: partial links are kept") {
@@ -247,10 +235,20 @@ TEST_CASE("EvoGym world: what the format cannot hold is not written") {
   });
 }
 
-TEST_CASE("EvoGym world: a robot is a world of one object") {
-  const Robot robot(Body::from_rows({"HVH", "S.S"}));
-  const World world = evogym_world_of_robot(robot);
-  CHECK(robot_from_evogym_world(world_of(parsed(world)), "r.json").id == robot.id);
+TEST_CASE("EvoGym world: a robot is a world of one object, with its empty border and id") {
+  for (const auto& rows : std::vector<std::vector<std::string>>{{"HVH", "S.S"},
+                                                                {"...", ".H.", "..."},
+                                                                {".HV", "..."},
+                                                                {"..", "H.", "V."},
+                                                                {"H.", ".."}}) {
+    const Robot robot(Body::from_rows(rows));
+    const World world = world_of(parsed(evogym_world_of_robot(robot)));
+    const Robot back = robot_from_evogym_world(world, "r.json");
+    CHECK(back.id == robot.id);
+    CHECK(back.body == robot.body);
+    CHECK(world.objects.front().x == 0);
+    CHECK(world.objects.front().y == 0);
+  }
   const World two = world_of(Json::parse(example));
   CHECK(contains(error_of(Failure::data, [&] { (void)robot_from_evogym_world(two, "r.json"); }),
                  "r.json: a world of 2 objects, 0 with actuators; one is expected, the robot"));
@@ -323,19 +321,6 @@ TEST_CASE("EvoGym world: damaged text throws Error and nothing else") {
       REQUIRE_FALSE(defect(object.body, false));
   });
   CHECK(refused > 2500);
-}
-
-TEST_CASE("EvoGym world: a robot keeps its empty border, its id with it") {
-  for (const auto& rows : std::vector<std::vector<std::string>>{
-           {"...", ".H.", "..."}, {".HV", "..."}, {"..", "H.", "V."}, {"H.", ".."}}) {
-    const Robot robot(Body::from_rows(rows));
-    const World world = world_of(parsed(evogym_world_of_robot(robot)));
-    const Robot back = robot_from_evogym_world(world, "r.json");
-    CHECK(back.id == robot.id);
-    CHECK(back.body == robot.body);
-    CHECK(world.objects.front().x == 0);
-    CHECK(world.objects.front().y == 0);
-  }
 }
 
 TEST_CASE("EvoGym world: 200x200 cells are written and read") {

@@ -84,14 +84,6 @@ world:
         physics_profiles().load("paper", data));
 }
 
-TEST_CASE("an easier world has a name, and is none of the tasks that are listed") {
-  const TaskSpec easier = load_task("PlatformJumper-v0-1", data);
-  CHECK(easier.name == "PlatformJumper-v0-1");
-  CHECK(easier.robot_y == load_task("PlatformJumper-v0", data).robot_y);
-  const auto names = task_names(data);
-  CHECK(std::find(names.begin(), names.end(), "PlatformJumper-v0-1") == names.end());
-}
-
 TEST_CASE("every easier world observes what its task does") {
   int worlds = 0;
   for (const auto& entry : fs::directory_iterator(task_folder / "easier")) {

@@ -46,9 +46,9 @@ Behaviour after(const Model& model, const std::vector<std::vector<Vec2>>& steps)
   return meter.behaviour();
 }
 
-// An episode with all targets as the clock says.
+// An episode with all targets as the clock says; the rewards are added to `total`.
 template <typename Target>
-Behaviour simulated(const Arena& arena, int steps, Target target) {
+Behaviour simulated(const Arena& arena, int steps, Target target, double& total) {
   VecEnv env(arena, 1);
   env.reset(0, {});
   BehaviourMeter meter;
@@ -57,6 +57,7 @@ Behaviour simulated(const Arena& arena, int steps, Target target) {
   for (int step = 0; step < steps; ++step) {
     for (std::size_t k = 0; k < targets.size(); ++k) targets[k] = target(step, k);
     env.step(targets);
+    total += env.rewards()[0];
     meter.add(env.model(0), env.positions(0));
   }
   return meter.behaviour();
@@ -109,8 +110,9 @@ TEST_CASE("a robot that falls is aloft until it lands, and has not risen") {
   task.robot_y += 3;
   const Arena arena(std::move(task), Body::from_rows({"HHH", "HHH"}));
   const auto still = [](int, std::size_t) { return 1.0; };
-  CHECK(simulated(arena, 5, still).aloft == 1.0);
-  const Behaviour landed = simulated(arena, 100, still);
+  double rewards = 0.0;
+  CHECK(simulated(arena, 5, still, rewards).aloft == 1.0);
+  const Behaviour landed = simulated(arena, 100, still, rewards);
   CHECK(landed.aloft > 0.05);
   CHECK(landed.aloft < 0.9);
   CHECK(landed.rise == 0.0);
@@ -122,16 +124,8 @@ TEST_CASE("a walker comes as far as its task says") {
   const auto wave = [](int step, std::size_t k) {
     return 1.1 + 0.5 * std::sin(0.3 * step + 0.7 * static_cast<double>(k));
   };
-  const Behaviour walk = simulated(arena, 200, wave);
-  VecEnv env(arena, 1);
-  env.reset(0, {});
   double total = 0.0;  // the task pays the way of the centre, raw units
-  std::vector<double> targets(static_cast<std::size_t>(arena.action_length()));
-  for (int step = 0; step < 200; ++step) {
-    for (std::size_t k = 0; k < targets.size(); ++k) targets[k] = wave(step, k);
-    env.step(targets);
-    total += env.rewards()[0];
-  }
+  const Behaviour walk = simulated(arena, 200, wave, total);
   CHECK(std::abs(total) > 0.1);
   CHECK(walk.distance * arena.model().physics().voxel_length == Approx(total).margin(1e-9));
   CHECK(walk.aloft < 1.0);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libevo/base/random.h"
+#include "libevo/task/measure.h"
 #include "tests/unit/expect.h"
 #include "tests/unit/sim/fixtures.h"
 
@@ -66,25 +67,14 @@ void reset_all(const Arena& arena, VecEnv& env) {
               {arena.draw(9, static_cast<std::uint64_t>(i)), 0.01, static_cast<std::uint64_t>(i)});
 }
 
-// A translated copy of the start, at rest.
-Snapshot moved(const Model& model, double dx, double dy) {
+// The start, at rest, the robot moved to the right.
+Snapshot moved(const Model& model, double dx) {
   Snapshot snapshot;
   snapshot.positions = model.initial_positions();
   snapshot.velocities.resize(snapshot.positions.size());
-  const ModelObject& robot = model.objects().front();
-  for (int i = 0; i < robot.points; ++i) {
+  for (int i = 0; i < model.objects().front().points; ++i)
     snapshot.positions[static_cast<std::size_t>(i)].x += dx;
-    snapshot.positions[static_cast<std::size_t>(i)].y += dy;
-  }
   return snapshot;
-}
-
-double robot_x(const Model& model, const Snapshot& snapshot) {
-  const ModelObject& robot = model.objects().front();
-  double sum = 0.0;
-  for (int i = 0; i < robot.points; ++i)
-    sum += snapshot.positions[static_cast<std::size_t>(i)].x / 0.1 * 0.1;
-  return sum / robot.points;
 }
 
 }  // namespace
@@ -219,14 +209,12 @@ TEST_CASE("an episode continues from any of its moments, in any environment, to 
   std::vector<std::uint8_t> moment;
   std::vector<double> rewards;
   const auto length = static_cast<std::size_t>(arena.observation_length());
-  std::vector<double> seen;
   for (int step = 0; step < 9; ++step) {
     if (step == 4) moment = env.save(1);
     env.step(actions(arena, 3, step));
     if (step >= 4) rewards.push_back(env.rewards()[1]);
   }
-  const auto last = env.observations().subspan(length, length);
-  seen.assign(last.begin(), last.end());
+  const auto seen = copy(env.observations().subspan(length, length));
   for (const int to : {2, 1}) {
     const auto others = env.save(0);
     env.load(to, moment);
@@ -287,16 +275,13 @@ TEST_CASE("a perturbed episode continues from where it was, every point moved a 
 
 TEST_CASE("saved draws that are not the task's are refused") {
   // Two tasks have the same observation and world, and one draws goals.
-  const TaskSpec with_goals = seeking();
+  TaskSpec with_goals = seeking();
+  with_goals.observation.clear();
+  with_goals.reward.clear();
   TaskSpec without = with_goals;
   without.goals.reset();
-  without.observation.clear();
-  TaskSpec same_observation = with_goals;
-  same_observation.observation.clear();
-  same_observation.reward.clear();
-  without.reward.clear();
   without.rules.clear();
-  const Arena goals(same_observation, walker());
+  const Arena goals(with_goals, walker());
   const Arena none(without, walker());
   VecEnv from(none, 1);
   from.reset(0, {});
@@ -345,11 +330,11 @@ TEST_CASE("rules add up, and need not end the episode") {
   const Arena arena(task, walker());
   const Model& model = arena.model();
   Episode episode;
-  const Snapshot start = moved(model, 0.0, 0.0);
-  StepOutcome outcome = judge(arena, model, episode, start, moved(model, 0.7, 0.0), {}, false);
+  const Snapshot start = moved(model, 0.0);
+  StepOutcome outcome = judge(arena, model, episode, start, moved(model, 0.7), {}, false);
   CHECK(outcome.reward == 5.0);
   CHECK_FALSE(outcome.terminated);
-  outcome = judge(arena, model, episode, start, moved(model, 1.0, 0.0), {}, false);
+  outcome = judge(arena, model, episode, start, moved(model, 1.0), {}, false);
   CHECK(outcome.reward == 5.5);
   CHECK(outcome.terminated);
 }
@@ -401,9 +386,10 @@ TEST_CASE("an action that is held is the same action in so many control steps") 
 TEST_CASE("bounds are strict or not, as named") {
   const Arena plain(walking(), walker());
   const Model& model = plain.model();
-  const Snapshot start = moved(model, 0.0, 0.0);
+  const Snapshot start = moved(model, 0.0);
   // The exact centre, as the arena measures it.
-  const double x = robot_x(model, start);
+  const double x =
+      centre(PointRange{0, model.objects().front().points}.of(start.positions), 0.1).raw.x;
   const auto rewarded = [&](const condition::Position& position) {
     TaskSpec task = walking();
     task.reward.clear();

@@ -1,7 +1,6 @@
 // What the lists in the code name, the schemas and the manual name, too.
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <filesystem>
 
 #include "formats/io/files.h"
 #include "formats/io/json.h"
@@ -15,9 +14,7 @@ using namespace evo;
 
 namespace {
 
-std::string document(const std::string& name) {
-  return read_file(std::filesystem::path(EVO_SOURCE_DIR) / "docs" / name);
-}
+std::string document(const std::string& name) { return read_file("docs/" + name); }
 
 // Whether `name` is a key or a value anywhere in the schema.
 bool mentions(const Json& schema, const std::string& name) {

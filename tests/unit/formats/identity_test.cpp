@@ -1,7 +1,6 @@
 #include "formats/training/identity.h"
 
 #include <catch2/catch.hpp>
-#include <filesystem>
 
 #include "formats/io/files.h"
 #include "formats/task/physics_profile.h"
@@ -12,7 +11,7 @@ using namespace evo;
 
 namespace {
 
-const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+const DataFolders data{"tasks"};
 
 const Body robot = Body::from_rows({"HV", "VS"});
 

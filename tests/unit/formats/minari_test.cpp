@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 Rollout reference(const std::string& name) {
-  return read_rollout(fs::path(EVO_TEST_DATA) / "reference" / (name + ".h5"));
+  return read_rollout("tests/data/reference/" + name + ".h5");
 }
 
 }  // namespace

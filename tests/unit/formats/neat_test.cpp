@@ -87,7 +87,7 @@ TEST_CASE("a state that cannot be right is refused with its path") {
 }
 
 TEST_CASE("tasks/neat.yaml spells out the built-in settings, every one of them") {
-  const std::string file = std::string(EVO_SOURCE_DIR) + "/tasks/neat.yaml";
+  const std::string file = "tasks/neat.yaml";
   CHECK(load_neat_settings(file) == NeatSettings{});
   // Another value of each number or flag must arrive somewhere: no key is deaf.
   const Node document = Node::yaml(read_file(file), file);
@@ -130,7 +130,7 @@ std::string as_ini(const Node& document) {
 }
 
 TEST_CASE("neat-python's own files are read, or refused with their line") {
-  const std::string file = std::string(EVO_SOURCE_DIR) + "/tasks/neat.yaml";
+  const std::string file = "tasks/neat.yaml";
   const std::string ini = as_ini(Node::yaml(read_file(file), file));
   CHECK(begins_as_ini(ini));
   CHECK(parse_neat_settings(ini, "neat.cfg") == NeatSettings{});

@@ -41,13 +41,13 @@ TEST_CASE("npz: the members are NumPy arrays as EvoGym writes them") {
 
 TEST_CASE("npz: NumPy's own files are read") {
   const Body expected = Body::from_rows({"HH.", "V.S", "VRS"});
-  const fs::path data = fs::path(EVO_TEST_DATA) / "formats";
+  const fs::path data = "tests/data/formats";
   // int64, as for robots from JSON
   CHECK(read_npz(data / "numpy_int64.npz") == expected);
   // float32 by columns, int32 links with one given in both directions, deflated
   CHECK(read_npz(data / "numpy_compressed_fortran.npz") == expected);
   // No links but None, as a body's default; arrays that are not in the order of their names.
-  const fs::path field = fs::path(EVO_TEST_DATA) / "field";
+  const fs::path field = "tests/data/field";
   for (const char* name : {"body_and_none.npz", "members_in_other_order.npz"})
     CHECK(read_npz(field / name) == Body::from_rows({"HHH", "V.V"}));
   CHECK(contains(error_of(Failure::data, [&] { (void)read_npz(field / "body_twice.npz"); }),
@@ -81,8 +81,7 @@ TEST_CASE("npz: bad files are refused with member and reason") {
 
 TEST_CASE("npz: a damaged file throws Error and nothing else") {
   const std::string original = body_to_npz(Body::from_rows({"RHHHR", "VSSSV", "VHRHV"}));
-  const std::string compressed =
-      read_file(fs::path(EVO_TEST_DATA) / "formats" / "numpy_compressed_fortran.npz");
+  const std::string compressed = read_file("tests/data/formats/numpy_compressed_fortran.npz");
   const int refused =
       refusals({original, compressed}, 6000, any_byte, [](const std::string& bytes) {
         const Body body = body_from_npz(bytes, "in");

@@ -20,7 +20,7 @@ using namespace evo::test;
 
 namespace {
 
-const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+const DataFolders data{"tasks"};
 
 SineController shifted_wave() {
   SineController wave = travelling_wave(3, 0.3, 17.5, 0.4);

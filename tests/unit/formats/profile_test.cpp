@@ -17,7 +17,7 @@ using namespace evo::test;
 
 namespace {
 
-const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+const DataFolders data{"tasks"};
 
 template <typename Settings>
 Settings read(const Profiles<Settings>& profiles, const std::string& text) {

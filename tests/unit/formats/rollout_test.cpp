@@ -43,9 +43,7 @@ Rollout example() {
   return rollout;
 }
 
-fs::path reference(const std::string& name) {
-  return fs::path(EVO_TEST_DATA) / "reference" / (name + ".h5");
-}
+fs::path reference(const std::string& name) { return "tests/data/reference/" + name + ".h5"; }
 
 // A file that is made so is refused with these words.
 void refuses(const std::string& words, const std::function<void(hdf5::Writer&)>& make,

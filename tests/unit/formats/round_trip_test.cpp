@@ -25,7 +25,7 @@ using namespace evo::test;
 
 namespace {
 
-const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+const DataFolders data{"tasks"};
 
 // ---- random parts -----------------------------------------------------------------------
 

@@ -62,12 +62,11 @@ void replay(const Rollout& rollout, const TaskSpec& task) {
 
 TEST_CASE("every reference trajectory is reproduced, positions to the last bit") {
   int files = 0;
-  for (const auto& entry :
-       fs::recursive_directory_iterator(fs::path(EVO_TEST_DATA) / "reference")) {
+  for (const auto& entry : fs::recursive_directory_iterator("tests/data/reference")) {
     if (entry.path().extension() != ".h5") continue;
     INFO(entry.path().filename().string());
     const Rollout rollout = read_rollout(entry.path());
-    replay(rollout, load_task(rollout.task, {fs::path(EVO_SOURCE_DIR) / "tasks"}));
+    replay(rollout, load_task(rollout.task, {"tasks"}));
     ++files;
   }
   CHECK(files == 70);  // two bodies in each of 32 tasks, and six special ones

@@ -16,7 +16,7 @@ using namespace evo;
 
 namespace {
 
-const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+const DataFolders data{"tasks"};
 constexpr double pi = std::numbers::pi;
 constexpr double v = 0.1;  // voxel
 

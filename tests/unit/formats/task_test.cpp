@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path task_folder = fs::path(EVO_SOURCE_DIR) / "tasks";
+const fs::path task_folder = "tasks";
 const DataFolders data{task_folder};
 
 const Body body_c = full_body(5, 5);
@@ -490,6 +490,6 @@ TEST_CASE("the examples of the guide load and run") {
 }
 
 TEST_CASE("the page on tasks shows its example as it is") {
-  CHECK_THAT(read_file(fs::path(EVO_SOURCE_DIR) / "docs/make-a-task.md"),
+  CHECK_THAT(read_file("docs/make-a-task.md"),
              Catch::Contains(read_file(task_folder / "examples/ramp.yaml")));
 }

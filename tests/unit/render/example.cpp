@@ -20,9 +20,7 @@ double centre_x(const ModelObject& object, const std::vector<Vec2>& points) {
 const std::vector<std::string> walker{"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"};
 const std::vector<std::string> small_box{"HSH", "VRV", "V.V"};
 
-TaskSpec task(const std::string& name) {
-  return load_task(name, {std::string(EVO_SOURCE_DIR) + "/tasks"});
-}
+TaskSpec task(const std::string& name) { return load_task(name, {"tasks"}); }
 
 Model build(const TaskSpec& task, const std::vector<std::string>& body) {
   World world;

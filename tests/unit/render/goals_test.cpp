@@ -34,7 +34,7 @@ TEST_CASE("the goal moves on when the robot's centre is nearer than the radius")
 
 TEST_CASE("a flag stands on the ground") {
   Rollout rollout = example::simulate("BidirectionalWalker-v0", example::walker, 5);
-  rollout.task_yaml = read_file(EVO_SOURCE_DIR "/tasks/BidirectionalWalker-v0.yaml");
+  rollout.task_yaml = read_file("tasks/BidirectionalWalker-v0.yaml");
   CHECK_FALSE(Clip({&rollout, 0, ""}, {}, 1.5).scene(3).goal);
   rollout.episodes[0].random_draws = {{"goals", {40, 20}}};
   const Clip clip({&rollout, 0, ""}, {}, 1.5);

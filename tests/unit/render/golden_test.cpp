@@ -30,7 +30,7 @@ constexpr double most_large_differences = 0.002;  // share of pixels
 
 void compare(const std::string& name, const Drawing& drawing) {
   const Image picture = paint(drawing);
-  const fs::path golden = fs::path(EVO_TEST_DATA) / "render" / (name + ".png");
+  const fs::path golden = "tests/data/render/" + name + ".png";
   if (std::getenv("UPDATE_GOLDEN") != nullptr) write_png(golden, view(picture));
   const Image expected = read_png(golden);
   REQUIRE(picture.size == expected.size);
@@ -127,8 +127,8 @@ TEST_CASE("golden: sheets") {
 
 // Shapes and text, without the rasteriser, whose pixels the pictures above compare.
 TEST_CASE("pinned: every task at reset and after 100 steps") {
-  const fs::path table = fs::path(EVO_TEST_DATA) / "render" / "tasks.tsv";
-  const auto tasks = task_names({fs::path(EVO_SOURCE_DIR) / "tasks"});
+  const fs::path table = "tests/data/render/tasks.tsv";
+  const auto tasks = task_names({"tasks"});
   CHECK(tasks.size() == 32);
   std::map<std::string, std::string> pinned;
   std::istringstream rows(read_file(table));

@@ -79,7 +79,7 @@ TEST_CASE("cairo paints what OpenGL does, but for the borders") {
 // Pictures as text; UPDATE_GOLDEN=1 writes them anew, then look at them.
 void compare(const std::string& name, const Drawing& drawing) {
   const std::string text = svg(drawing);
-  const std::string golden = std::string(EVO_TEST_DATA) + "/render/" + name + ".svg";
+  const std::string golden = "tests/data/render/" + name + ".svg";
   if (std::getenv("UPDATE_GOLDEN") != nullptr) write_file(golden, text);
   if (text != read_file(golden)) write_file("differs-" + name + ".svg", text);
   CHECK(text == read_file(golden));

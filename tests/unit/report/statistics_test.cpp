@@ -22,7 +22,7 @@ std::vector<double> numbers(const std::string& text) {
 }  // namespace
 
 TEST_CASE("rank tests, effect sizes and intervals are scipy's") {
-  std::ifstream table(std::string(EVO_TEST_DATA) + "/rank-tests.tsv");
+  std::ifstream table("tests/data/rank-tests.tsv");
   int cases = 0;
   for (std::string line; std::getline(table, line);) {
     if (line.starts_with('#') || line.starts_with("a\t")) continue;

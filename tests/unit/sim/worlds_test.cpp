@@ -63,7 +63,7 @@ void append(const std::vector<Vec2>& values, std::string& bytes) {
 }  // namespace
 
 TEST_CASE("2 000 random worlds have the bits of the benchmark's package in every step") {
-  std::ifstream table(EVO_TEST_DATA "/pinned/worlds.tsv");
+  std::ifstream table("tests/data/pinned/worlds.tsv");
   std::string line;
   REQUIRE(std::getline(table, line));
   std::uint64_t number = 0;

@@ -14,7 +14,7 @@
 namespace evo {
 namespace {
 
-const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+const DataFolders data{"tasks"};
 
 // A robot of two by two voxels, its lower left corner at (4, `height`), above four cells
 // of ground.

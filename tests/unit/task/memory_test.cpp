@@ -11,7 +11,7 @@
 namespace evo {
 namespace {
 
-const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+const DataFolders data{"tasks"};
 
 // Bytes given out by the allocator at present; 0 under sanitizers, which have one of
 // their own (and look for leaks themselves).

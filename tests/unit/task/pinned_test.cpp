@@ -21,7 +21,7 @@ using pinned::whole;
 
 namespace {
 
-const char* const table_file = EVO_TEST_DATA "/pinned/trajectories.tsv";
+const char* const table_file = "tests/data/pinned/trajectories.tsv";
 
 struct Pinned {
   std::string task;
@@ -65,15 +65,15 @@ std::vector<Way> quick_ways() {
 
 Pinned run(const std::string& task, const Way& way, int steps) {
   select_isa(way.isa);
-  const pinned::Hashes hashes = pinned::run(
-      load_task(task, {std::string(EVO_SOURCE_DIR) + "/tasks"}), way.width, way.threads, steps);
+  const pinned::Hashes hashes =
+      pinned::run(load_task(task, {"tasks"}), way.width, way.threads, steps);
   return {task, hashes.after_quick, hashes.after_whole};
 }
 
 void update_table() {
   std::ostringstream table;
   table << "task\tafter_" << quick << "\tafter_" << whole << "\n" << std::hex;
-  for (const std::string& task : task_names({std::string(EVO_SOURCE_DIR) + "/tasks"})) {
+  for (const std::string& task : task_names({"tasks"})) {
     const Pinned row = run(task, {best_isa(), 8, 1}, whole);
     table << row.task << "\t0x" << row.after_quick << "\t0x" << row.after_whole << "\n";
   }

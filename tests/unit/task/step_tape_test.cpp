@@ -57,7 +57,7 @@ std::vector<double> random_values(std::size_t count, double middle, double scale
 
 // Relative errors of derivatives along random directions of a task's first actions.
 std::vector<double> errors_of(const std::string& task, bool of_rewards) {
-  const Arena arena(load_task(task, {std::string(EVO_SOURCE_DIR) + "/tasks"}), body());
+  const Arena arena(load_task(task, {"tasks"}), body());
   VecEnv env(arena, lanes);
   Stream random(1, "gradients", task);
   for (int i = 0; i < lanes; ++i)
@@ -114,7 +114,7 @@ std::vector<double> errors_of(const std::string& task, bool of_rewards) {
 
 // A few directions change contacts, and what a difference says of those is a jump's.
 TEST_CASE("gradients of rewards and observations are central differences in every task") {
-  for (const std::string& task : task_names({std::string(EVO_SOURCE_DIR) + "/tasks"}))
+  for (const std::string& task : task_names({"tasks"}))
     for (const bool of_rewards : {true, false}) {
       INFO(task << (of_rewards ? ", rewards" : ", observations"));
       const std::vector<double> errors = errors_of(task, of_rewards);
@@ -127,7 +127,7 @@ TEST_CASE("relative errors of gradients, task by task", "[.table]") {
   std::cout << "| task | rewards: median | three of four | worst | observations: median | three of "
                "four | worst |\n"
                "|---|---|---|---|---|---|---|\n";
-  for (const std::string& task : task_names({std::string(EVO_SOURCE_DIR) + "/tasks"})) {
+  for (const std::string& task : task_names({"tasks"})) {
     std::cout << "| " << task;
     for (const bool of_rewards : {true, false}) {
       const std::vector<double> errors = errors_of(task, of_rewards);

@@ -12,7 +12,7 @@
 namespace evo {
 namespace {
 
-const DataFolders data{std::filesystem::path(EVO_SOURCE_DIR) / "tasks"};
+const DataFolders data{"tasks"};
 
 std::vector<double> copy(std::span<const double> values) { return {values.begin(), values.end()}; }
 

@@ -53,6 +53,11 @@ Robot scored(const std::vector<std::string>& rows, double fitness) {
   return result;
 }
 
+Robot after(Robot robot, int steps) {
+  robot.document["steps"] = steps;
+  return robot;
+}
+
 Robot failed(const std::vector<std::string>& rows) {
   Robot result = robot(rows);
   result.document["fitness"] = nullptr;
@@ -245,10 +250,6 @@ TEST_CASE("where one controller learns on all robots, they count with their last
   CHECK_FALSE(RunSettings("ga", {{"steps", "1000"}}).shares(0));
 
   const RunFolder run = begin(scratch.path() / "run", settings);
-  const auto after = [](Robot robot, int steps) {
-    robot.document["steps"] = steps;
-    return robot;
-  };
   const std::vector<std::string> one{"HV"}, two{"VH"}, three{"VV"};
   write_robots(run.scores(0), {after(scored(one, 3.0), 500), after(scored(two, 2.0), 500)});
   RunHistory history(run);
@@ -276,10 +277,6 @@ TEST_CASE(
     CHECK(settings.steps(3 * race + 1) == 500);
     CHECK(settings.steps(3 * race + 2) == 1000);
   }
-  const auto after = [](Robot robot, int steps) {
-    robot.document["steps"] = steps;
-    return robot;
-  };
   const std::vector<std::string> one{"HV"}, two{"VH"}, three{"VV"};
   write_robots(run.scores(0), {after(scored(one, 1.0), 250), after(scored(two, 2.0), 250),
                                after(scored(three, 0.0), 250)});

@@ -52,16 +52,10 @@ void compare(const std::string& name, const Drawing& drawing) {
   CHECK(same);
 }
 
-RenderOptions small() {
-  RenderOptions options;
-  options.size = {208, 118};
-  return options;
-}
-
 std::vector<Robot> robots(std::size_t n) {
   std::vector<Robot> result;
   const std::vector<std::vector<std::string>> bodies{
-      {"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"}, {"HSH", "VRV", "V.V"}, {"S.V", "SHV", "RRR"}};
+      example::walker, example::small_box, {"S.V", "SHV", "RRR"}};
   for (std::size_t k = 0; k < n; ++k) {
     Robot robot(Body::from_rows(bodies[k % bodies.size()]));
     if (k % 5 == 3)
@@ -75,7 +69,7 @@ std::vector<Robot> robots(std::size_t n) {
 
 TEST_CASE("golden: both themes, with all overlays") {
   const Rollout rollout = example::simulate("Carrier-v0", example::walker, 60);
-  RenderOptions options = small();
+  RenderOptions options;
   options.size = {480, 270};
   compare("frame-light", draw_moment({&rollout, 0, ""}, 60, options));
   options.theme = "dark";
@@ -87,7 +81,7 @@ TEST_CASE("golden: strain with velocities; contacts with a curve") {
   Rollout rollout = example::simulate("Carrier-v0", example::walker, 60);
   rollout.physics_yaml = physics_profiles().to_yaml(example::task("Carrier-v0").physics);
   rollout.episodes[0].truncations.back() = 1;
-  RenderOptions options = small();
+  RenderOptions options;
   options.size = {480, 270};
   options.overlays.tint = Tint::strain;
   options.overlays.velocities = true;
@@ -105,7 +99,7 @@ TEST_CASE("golden: strain with velocities; contacts with a curve") {
 
 TEST_CASE("golden: a thumbnail, a tall picture, and a picture without overlays") {
   const Rollout rollout = example::simulate("BridgeWalker-v0", example::small_box, 40);
-  RenderOptions options = small();
+  RenderOptions options;
   options.size = {160, 90};
   compare("thumbnail", draw_moment({&rollout, 0, ""}, 40, options));
   options.size = {90, 200};
@@ -116,7 +110,7 @@ TEST_CASE("golden: a thumbnail, a tall picture, and a picture without overlays")
 }
 
 TEST_CASE("golden: sheets") {
-  RenderOptions options = small();
+  RenderOptions options;
   options.size = {480, 480};
   compare("robot", draw_robot(robots(1)[0], options));
   compare("robots", draw_robots(robots(7), options));
@@ -143,7 +137,8 @@ TEST_CASE("pinned: every task at reset and after 100 steps") {
     CHECK(pinned[picture] == hash);
   };
   for (const std::string& task : tasks) {
-    RenderOptions options = small();
+    RenderOptions options;
+    options.size = {208, 118};
     const Rollout rollout = example::simulate(task, example::walker, 100);
     check(task + "-100", draw_moment({&rollout, 0, ""}, 100, options));
     options.camera.mode = CameraMode::world;

@@ -40,24 +40,20 @@ TEST_CASE("frames arrive in order for any number of workers") {
   CHECK(no_children());
 }
 
-TEST_CASE("an error in a worker arrives with its kind and message") {
-  expect_error(Failure::cannot_create, Contains("no room for frame 5"), [] {
-    run_workers({10, 4, 2,
-                 [](Painter&, std::size_t frame, std::span<std::uint8_t> slot) {
-                   if (frame == 5) throw Error(Failure::cannot_create, "no room for frame 5");
-                   put_number(frame, slot);
-                 },
-                 [](std::size_t, std::span<const std::uint8_t>) {}});
-  });
-  CHECK(no_children());
-}
-
-TEST_CASE("a worker that dies is an error, not a hang") {
+TEST_CASE("an error in a worker arrives with its kind and message, its death as an error") {
+  struct Trouble {
+    Failure kind;
+    const char* words;
+    void (*happens)();
+  };
+  const Trouble trouble = GENERATE(values<Trouble>(
+      {{Failure::cannot_create, "no room", [] { throw Error(Failure::cannot_create, "no room"); }},
+       {Failure::work, "signal 9", [] { ::raise(SIGKILL); }}}));
   const int workers = GENERATE(1, 2);
-  expect_error(Failure::work, Contains("signal 9"), [=] {
+  expect_error(trouble.kind, Contains(trouble.words), [&] {
     run_workers({10, 4, workers,
-                 [](Painter&, std::size_t frame, std::span<std::uint8_t> slot) {
-                   if (frame == 4) ::raise(SIGKILL);
+                 [&](Painter&, std::size_t frame, std::span<std::uint8_t> slot) {
+                   if (frame == 4) trouble.happens();
                    put_number(frame, slot);
                  },
                  [](std::size_t, std::span<const std::uint8_t>) {}});

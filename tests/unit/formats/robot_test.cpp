@@ -259,13 +259,9 @@ TEST_CASE("Robot: deep or endless documents are refused, not followed") {
   for (int i = 1; i < 40; ++i) doubling += fmt::format("x{0}: &x{0} [*x{1}, *x{1}]\n", i, i - 1);
   CHECK(contains(refused(doubling), "aliases repeat too much"));
   CHECK(contains(refused(std::string(largest_side + 1, 'H')), "the largest robot is 1000x1000"));
-  CHECK(contains(refused(fmt::format("{{\"body\":[{}\"H\"]}}",
-                                     [] {
-                                       std::string rows;
-                                       for (int i = 0; i < largest_side; ++i) rows += "\"H\",";
-                                       return rows;
-                                     }())),
-                 "the largest robot"));
+  Json high;
+  high["body"] = std::vector<std::string>(largest_side + 1, "H");
+  CHECK(contains(refused(high.dump()), "the largest robot"));
   CHECK(one(std::string(largest_side, 'H')).body.cols == largest_side);
 }
 
@@ -315,21 +311,16 @@ TEST_CASE("Robot: an input is a file, and an HDF5 file stands for its robot") {
   write_file(folder / "p.jsonl", example + "\n" + example + "\n");
   CHECK(read_robots((folder / "p.jsonl").string()).size() == 2);
   error_of(Failure::no_input, [&] { (void)read_robots((folder / "none").string()); });
-  {
+  const auto hdf5_with = [&](const std::string& robot) {
     hdf5::Writer file(folder / "r.h5");
-    file.attribute("/", "robot", example);
+    file.attribute("/", "robot", robot);
     file.commit();
-  }
-  const auto robots = read_robots((folder / "r.h5").string());
+    return (folder / "r.h5").string();
+  };
+  const auto robots = read_robots(hdf5_with(example));
   REQUIRE(robots.size() == 1);
   CHECK(robot_to_line(robots[0]) == example);
-  {
-    hdf5::Writer file(folder / "x.h5");
-    file.attribute("/", "robot", "{");
-    file.commit();
-  }
-  CHECK(contains(error_of(Failure::data, [&] { (void)read_robots((folder / "x.h5").string()); }),
-                 "@robot"));
+  CHECK(contains(error_of(Failure::data, [&] { (void)read_robots(hdf5_with("{")); }), "@robot"));
 }
 
 TEST_CASE("Robot: what cannot be robots is refused before it is read to its end") {

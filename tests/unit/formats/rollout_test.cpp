@@ -194,24 +194,19 @@ TEST_CASE("Actions: from HDF5") {
   CHECK(actions.steps == 2);
   CHECK(actions.actuators == 3);
   CHECK(actions.values == std::vector<double>{1, 2, 3, 4, 5, 6});
-  refuses(
-      "/actions: is missing", [](auto& f) { f.group("/x"); }, read_actions);
-  refuses(
-      "2 episodes, actions are of one",
-      [](auto& f) {
-        for (const char* actions : {"/episode_0/actions", "/episode_1/actions"})
-          f.array(actions, {1, 1}, std::vector<double>{1});
-      },
-      read_actions);
-  refuses(
-      "expected [any x any]", [](auto& f) { f.vector("/actions", std::vector<double>{1}); },
-      read_actions);
-  refuses(
-      "step 1 holds nan",
-      [](auto& f) {
-        f.array("/actions", {2, 1}, std::vector<double>{1, std::nan("")});
-      },
-      read_actions);
+  const auto refuses_actions = [](const char* words, const auto& make) {
+    refuses(words, make, read_actions);
+  };
+  refuses_actions("/actions: is missing", [](auto& f) { f.group("/x"); });
+  refuses_actions("2 episodes, actions are of one", [](auto& f) {
+    for (const char* actions : {"/episode_0/actions", "/episode_1/actions"})
+      f.array(actions, {1, 1}, std::vector<double>{1});
+  });
+  refuses_actions("expected [any x any]",
+                  [](auto& f) { f.vector("/actions", std::vector<double>{1}); });
+  refuses_actions("step 1 holds nan", [](auto& f) {
+    f.array("/actions", {2, 1}, std::vector<double>{1, std::nan("")});
+  });
 }
 
 TEST_CASE("Whatever reads a rollout looks at its version") {

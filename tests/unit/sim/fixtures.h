@@ -1,6 +1,7 @@
 // Worlds and comparisons that several tests of the simulator use.
 #pragma once
 
+#include <bit>
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <span>
@@ -11,7 +12,6 @@
 #include "libevo/sim/batch.h"
 #include "libevo/sim/isa.h"
 #include "libevo/sim/world.h"
-#include "tests/unit/task/pinned.h"
 
 namespace evo {
 
@@ -57,9 +57,22 @@ inline LaneStatus step_alone(const Model& model, State& state) {
   return batch.status(0);
 }
 
+class Hash {  // FNV-1a, a word at a time
+ public:
+  void add(std::uint64_t word) {
+    value_ = (value_ ^ word) * 0x100000001B3U;
+    value_ ^= value_ >> 32;
+  }
+  void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }  // -0 and 0 differ
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xCBF29CE484222325U;
+};
+
 // The bits of everything that continues; -0 and 0 count as different.
 inline std::uint64_t hash_of(const State& state) {
-  pinned::Hash hash;
+  Hash hash;
   for (const auto* values :
        {&state.x, &state.y, &state.vx, &state.vy, &state.previous_x, &state.previous_y})
     for (const double value : *values) hash.add(value);

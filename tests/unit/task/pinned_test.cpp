@@ -12,14 +12,20 @@
 #include <vector>
 
 #include "formats/task/task.h"
+#include "libevo/base/parallel.h"
+#include "libevo/base/random.h"
+#include "libevo/task/env.h"
 #include "tests/unit/sim/fixtures.h"
-#include "tests/unit/task/pinned.h"
 
 using namespace evo;
-using pinned::quick;
-using pinned::whole;
 
 namespace {
+
+// Chains of random episodes of a task.
+constexpr int chains = 4;         // of episodes, each begun again where one ends
+constexpr int quick = 100;        // control steps of a chain
+constexpr int whole = 500;        // as many as most tasks give an episode
+constexpr double jitter = 0.001;  // voxels, of odd chains; even ones start in exact contact
 
 const char* const table_file = "tests/data/pinned/trajectories.tsv";
 
@@ -63,11 +69,81 @@ std::vector<Way> quick_ways() {
   return ways;
 }
 
+// Some chains of random episodes of one arena, side by side.
+class Runner {
+ public:
+  Runner(const Arena& arena, int first_chain, int width)
+      : arena_(arena),
+        first_chain_(static_cast<std::uint64_t>(first_chain)),
+        env_(arena, width),
+        hashes_(static_cast<std::size_t>(width)),
+        episodes_(static_cast<std::size_t>(width)) {
+    for (int i = 0; i < width; ++i) {
+      random_.emplace_back(1, "pinned/actions", first_chain_ + static_cast<std::uint64_t>(i));
+      reset(i);
+    }
+  }
+
+  void step(ThreadPool& pool) {
+    const Physics& physics = arena_.task().physics;
+    std::vector<double> actions;
+    for (Stream& random : random_)
+      for (int k = 0; k < arena_.action_length(); ++k)
+        actions.push_back(physics.min_target +
+                          (physics.max_target - physics.min_target) * random.uniform());
+    env_.step(actions, {}, &pool);
+    for (int i = 0; i < env_.environments(); ++i) {
+      record(i);
+      const auto e = static_cast<std::size_t>(i);
+      if (env_.terminated()[e] || env_.truncated()[e]) reset(i);
+    }
+  }
+
+  std::uint64_t hash(int i) const { return hashes_[static_cast<std::size_t>(i)].value(); }
+
+ private:
+  void reset(int i) {
+    const std::uint64_t chain = first_chain_ + static_cast<std::uint64_t>(i);
+    const std::uint64_t episode = 1000 * chain + episodes_[static_cast<std::size_t>(i)]++;
+    env_.reset(i, {arena_.draw(1, episode), chain % 2 == 1 ? jitter : 0.0, episode});
+  }
+
+  void record(int i) {
+    const auto e = static_cast<std::size_t>(i);
+    const auto length = static_cast<std::size_t>(arena_.observation_length());
+    Hash& hash = hashes_[e];
+    for (const Vec2& p : env_.positions(i)) hash.add(p.x), hash.add(p.y);
+    for (const Vec2& v : env_.velocities(i)) hash.add(v.x), hash.add(v.y);
+    for (const double o : env_.observations().subspan(e * length, length)) hash.add(o);
+    hash.add(env_.rewards()[e]);
+    hash.add(std::uint64_t{env_.terminated()[e]} << 1U | env_.truncated()[e]);
+  }
+
+  const Arena& arena_;
+  std::uint64_t first_chain_;
+  VecEnv env_;
+  std::vector<Hash> hashes_;
+  std::vector<std::uint64_t> episodes_;
+  std::vector<Stream> random_;
+};
+
+// After `quick` steps, and after `whole` ones if so many are asked for.
 Pinned run(const std::string& task, const Way& way, int steps) {
   select_isa(way.isa);
-  const pinned::Hashes hashes =
-      pinned::run(load_task(task, {"tasks"}), way.width, way.threads, steps);
-  return {task, hashes.after_quick, hashes.after_whole};
+  const Arena arena(load_task(task, {"tasks"}), body_a());
+  ThreadPool pool(way.threads);
+  Hash after_quick;
+  Hash after_whole;
+  for (int first = 0; first < chains; first += way.width) {
+    Runner runner(arena, first, way.width);
+    const int members = std::min(way.width, chains);
+    for (int step = 1; step <= steps; ++step) {
+      runner.step(pool);
+      Hash* const hash = step == quick ? &after_quick : step == whole ? &after_whole : nullptr;
+      for (int i = 0; hash && i < members; ++i) hash->add(runner.hash(i));
+    }
+  }
+  return {task, after_quick.value(), steps >= whole ? after_whole.value() : 0};
 }
 
 void update_table() {

@@ -4,18 +4,9 @@
 
 #include "formats/task/task.h"
 #include "libevo/sim/batch.h"
+#include "libevo/task/measure.h"
 
 namespace evo::example {
-namespace {
-
-double centre_x(const ModelObject& object, const std::vector<Vec2>& points) {
-  double sum = 0;
-  for (int k = 0; k < object.points; ++k)
-    sum += points[static_cast<std::size_t>(object.first_point + k)].x;
-  return sum / object.points;
-}
-
-}  // namespace
 
 const std::vector<std::string> walker{"RHHHR", "VSSSV", "VHRHV", "V...V", "V...V"};
 const std::vector<std::string> small_box{"HSH", "VRV", "V.V"};
@@ -56,11 +47,11 @@ Rollout simulate(const std::string& name, const std::vector<std::string>& body, 
     }
     episode.actions.insert(episode.actions.end(), targets.begin(), targets.end());
     batch.step();
-    const ModelObject& robot = model.objects().front();
-    const double before = centre_x(robot, positions);
+    const PointRange robot{model.objects().front().first_point, model.objects().front().points};
+    const double before = mean(robot.of(positions)).x;
     batch.read_moving(0, positions, velocities);
     episode.positions.insert(episode.positions.end(), positions.begin(), positions.end());
-    episode.rewards.push_back(centre_x(robot, positions) - before);
+    episode.rewards.push_back(mean(robot.of(positions)).x - before);
     episode.terminations.push_back(0);
     episode.truncations.push_back(0);
   }

@@ -1,7 +1,6 @@
 #include "libevo/base/random.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <vector>
 
 using evo::Stream;

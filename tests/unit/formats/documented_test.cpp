@@ -1,5 +1,4 @@
 // What the lists in the code name, the schemas and the manual name, too.
-#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "formats/io/files.h"

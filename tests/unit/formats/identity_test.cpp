@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "formats/io/files.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
 #include "formats/training/training.h"

@@ -2,7 +2,6 @@
 #include "formats/io/profile.h"
 
 #include <catch2/catch.hpp>
-#include <filesystem>
 #include <fstream>
 #include <utility>
 #include <vector>

@@ -1,6 +1,5 @@
 #include "formats/rollout/rollout.h"
 
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>

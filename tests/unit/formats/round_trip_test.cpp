@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "formats/io/files.h"
-#include "formats/robot/genome.h"
 #include "formats/rollout/rollout.h"
 #include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
@@ -17,7 +16,6 @@
 #include "formats/training/training.h"
 #include "libevo/body/operators.h"
 #include "libevo/control/modular_passes.h"
-#include "libevo/evolve/cppn_neat.h"
 #include "tests/unit/expect.h"
 
 using namespace evo;

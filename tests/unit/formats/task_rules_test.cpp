@@ -1,11 +1,9 @@
 // Reward and end of every benchmark task on synthetic states, against formulas
 // written here once more from docs/tasks.md, "A step", "Orientation" and "Rewards and ends".
 #include <algorithm>
-#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <numbers>
 
 #include "formats/task/task.h"

@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "formats/io/files.h"
 #include "formats/rollout/ending.h"
 #include "formats/task/physics_profile.h"
 #include "libevo/task/contacts.h"

@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
-#include <regex>
 
 #include "formats/io/files.h"
 #include "formats/run/best_so_far.h"

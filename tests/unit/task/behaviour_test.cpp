@@ -2,12 +2,9 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <string>
 #include <vector>
 
-#include "formats/task/physics_profile.h"
 #include "formats/task/task.h"
-#include "libevo/task/contacts.h"
 #include "libevo/task/env.h"
 #include "tests/unit/sim/fixtures.h"
 

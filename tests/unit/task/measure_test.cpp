@@ -1,9 +1,7 @@
 #include "libevo/task/measure.h"
 
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "libevo/base/random.h"

@@ -174,115 +174,109 @@ struct Edge {
 struct Spec {
   const char* task;
   Formula reward;
-  Rules rules = no_rules;
   std::vector<Edge> edges = {};
+  Rules rules = no_rules;
   std::vector<double> tilts = {};  // radians
 };
 
 const std::vector<Spec> specs{
-    {"Walker-v0", walk, beyond_x(99 * v, 1), {{"robot", 'x', 99 * v}}},
-    {"BridgeWalker-v0", walk, beyond_x(60 * v, 1), {{"robot", 'x', 60 * v}}},
+    {"Walker-v0", walk, {{"robot", 'x', 99 * v}}, beyond_x(99 * v, 1)},
+    {"BridgeWalker-v0", walk, {{"robot", 'x', 60 * v}}, beyond_x(60 * v, 1)},
     {"Carrier-v0",
      [](const Look& a, const Look& b) {
        return 0.5 * dX(a, b) + 0.5 * dX(a, b, "package") + drop(a, b, 3.0 * v);
      },
-     beyond_x(99 * v, 1),
-     {{"robot", 'x', 99 * v}, {"package", 'y', 3.0 * v}}},
+     {{"robot", 'x', 99 * v}, {"package", 'y', 3.0 * v}},
+     beyond_x(99 * v, 1)},
     {"Carrier-v1",
      [](const Look& a, const Look& b) {
        const double height = b.X("package") > 20 * v ? 4.0 * v : 6.0 * v;
        return std::abs(40 * v - a.X()) - std::abs(40 * v - b.X()) + drop(a, b, height);
      },
-     no_rules,
      {{"robot", 'x', 40 * v},
       {"package", 'x', 20 * v},
       {"package", 'y', 4 * v},
       {"package", 'y', 6 * v}}},
-    {"Pusher-v0", push, beyond_x(99 * v, 1), {{"robot", 'x', 99 * v}, {"package", 'y', 0}}},
-    {"Pusher-v1", push, beyond_x(69 * v, 1), {{"robot", 'x', 69 * v}, {"package", 'y', 0}}},
+    {"Pusher-v0", push, {{"robot", 'x', 99 * v}, {"package", 'y', 0}}, beyond_x(99 * v, 1)},
+    {"Pusher-v1", push, {{"robot", 'x', 69 * v}, {"package", 'y', 0}}, beyond_x(69 * v, 1)},
     {"Thrower-v0",
      [](const Look& a, const Look& b) {
        const double movement = -0.25 * dX(a, b);
        return dX(a, b, "package") + (b.X() < 0 ? -movement : movement);
      },
-     no_rules,
      {{"robot", 'x', 0}}},
     {"Catcher-v0",
      [](const Look& a, const Look& b) { return nearer(a, b, "package") + drop(a, b, 5.0 * v); },
-     no_rules,
      {{"package", 'y', 5.0 * v}}},
     {"BeamToppler-v0",
      [](const Look& a, const Look& b) {
        return nearer(a, b, "beam") + std::abs(dX(a, b, "beam")) + 3 * std::abs(dY(a, b, "beam")) -
               10 * dY(a, b, "beam");
      },
-     beam_left,
-     {{"beam", 'x', 2 * v}}},
+     {{"beam", 'x', 2 * v}},
+     beam_left},
     {"BeamSlider-v0",
      [](const Look& a, const Look& b) { return nearer(a, b, "beam") + dX(a, b, "beam"); },
-     beam_left,
-     {{"beam", 'x', 2 * v}}},
+     {{"beam", 'x', 2 * v}},
+     beam_left},
     {"Lifter-v0",
      [](const Look& a, const Look& b) {
        return 10 * dY(a, b, "package") +
               10 * (std::abs(5.5 * v - a.X("package")) - std::abs(5.5 * v - b.X("package"))) +
               (b.Y() < 3 * v ? 20 * dY(a, b) : 0.0);
      },
-     no_rules,
      {{"robot", 'y', 3 * v}, {"package", 'x', 5.5 * v}}},
-    {"Climber-v0", climb, beyond_y(86 * v, 1), {{"robot", 'y', 86 * v}}},
-    {"Climber-v1", climb, beyond_y(65 * v, 1), {{"robot", 'y', 65 * v}}},
+    {"Climber-v0", climb, {{"robot", 'y', 86 * v}}, beyond_y(86 * v, 1)},
+    {"Climber-v1", climb, {{"robot", 'y', 65 * v}}, beyond_y(65 * v, 1)},
     {"Climber-v2", [](const Look& a, const Look& b) { return dY(a, b) + 0.2 * dX(a, b); }},
     {"UpStepper-v0",
      walk,
-     beyond_x_or_tilted(69 * v, 2, pi / 2 - pi / 12, 3 * pi / 2 + pi / 12),
      {{"robot", 'x', 69 * v}},
+     beyond_x_or_tilted(69 * v, 2, pi / 2 - pi / 12, 3 * pi / 2 + pi / 12),
      {pi / 2 - pi / 12, 3 * pi / 2 + pi / 12}},
     {"DownStepper-v0",
      walk,
-     beyond_x_or_tilted(74 * v, 2, pi / 2, 3 * pi / 2),
      {{"robot", 'x', 74 * v}},
+     beyond_x_or_tilted(74 * v, 2, pi / 2, 3 * pi / 2),
      {pi / 2, 3 * pi / 2}},
     {"ObstacleTraverser-v0",
      walk,
-     beyond_x_or_tilted(79 * v, 2, pi / 2, 3 * pi / 2),
      {{"robot", 'x', 79 * v}},
+     beyond_x_or_tilted(79 * v, 2, pi / 2, 3 * pi / 2),
      {pi / 2, 3 * pi / 2}},
-    {"ObstacleTraverser-v1", walk, beyond_x(59 * v, 2), {{"robot", 'x', 59 * v}}, {pi / 2}},
-    {"Hurdler-v0", walk, beyond_x_or_tilted(1e9, 0, pi / 2, 3 * pi / 2), {}, {pi / 2, 3 * pi / 2}},
+    {"ObstacleTraverser-v1", walk, {{"robot", 'x', 59 * v}}, beyond_x(59 * v, 2), {pi / 2}},
+    {"Hurdler-v0", walk, {}, beyond_x_or_tilted(1e9, 0, pi / 2, 3 * pi / 2), {pi / 2, 3 * pi / 2}},
     {"PlatformJumper-v0",
      walk,
+     {{"robot", 'y', 0.4}},
      [](const Look& post, Verdict& verdict) {
        verdict.rule(post.Y() < 0.4, -3.0);
        verdict.rule(tilted(post, pi / 2, 3 * pi / 2), -3.0);
      },
-     {{"robot", 'y', 0.4}},
      {pi / 2, 3 * pi / 2}},
     {"GapJumper-v0",
      walk,
-     [](const Look& post, Verdict& verdict) { verdict.rule(post.Y() < 4 * v, -3.0); },
      {{"robot", 'y', 4 * v}},
+     [](const Look& post, Verdict& verdict) { verdict.rule(post.Y() < 4 * v, -3.0); },
      {pi / 2}},
-    {"Traverser-v0", walk, beyond_x(59 * v, 2), {{"robot", 'x', 59 * v}}, {pi / 2}},
-    {"CaveCrawler-v0", walk, beyond_x(69 * v, 1), {{"robot", 'x', 69 * v}}},
+    {"Traverser-v0", walk, {{"robot", 'x', 59 * v}}, beyond_x(59 * v, 2), {pi / 2}},
+    {"CaveCrawler-v0", walk, {{"robot", 'x', 69 * v}}, beyond_x(69 * v, 1)},
     {"AreaMaximizer-v0", [](const Look& a, const Look& b) { return 10 * (b.area() - a.area()); }},
     {"AreaMinimizer-v0", [](const Look& a, const Look& b) { return 10 * (a.area() - b.area()); }},
     {"WingspanMazimizer-v0", [](const Look& a, const Look& b) { return b.width() - a.width(); }},
     {"HeightMaximizer-v0", [](const Look& a, const Look& b) { return b.height() - a.height(); }},
     {"Flipper-v0",
      flip,
-     [](const Look& post, Verdict& verdict) { verdict.rule(post.X() < 1 * v, 0.0); },
      {{"robot", 'x', 1 * v}},
+     [](const Look& post, Verdict& verdict) { verdict.rule(post.X() < 1 * v, 0.0); },
      {0.0, pi / 3, 5 * pi / 3}},
     {"Jumper-v0",
      [](const Look& a, const Look& b) { return 10 * dY(a, b) - 5 * std::abs(dX(a, b)); }},
     {"Balancer-v0",
      [](const Look& a, const Look& b) { return balance(a, b, 17 * v, 5.0 * v); },
-     no_rules,
      {{"robot", 'x', 17 * v}, {"robot", 'y', 5 * v}}},
     {"Balancer-v1",
      [](const Look& a, const Look& b) { return balance(a, b, 17.5 * v, 6 * v); },
-     no_rules,
      {{"robot", 'x', 17.5 * v}, {"robot", 'y', 6 * v}}},
 };
 

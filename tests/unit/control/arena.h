@@ -1,7 +1,7 @@
-// Small worlds for the tests of this room.
+// Small worlds and whole trainings for the tests of this room.
 #pragma once
 
-#include "libevo/task/env.h"
+#include "libevo/control/trainer.h"
 #include "tests/unit/sim/fixtures.h"
 
 namespace evo::test {
@@ -23,5 +23,16 @@ inline TaskSpec walker(int steps, int length = 40) {
 using evo::body_a;
 
 inline Body small_body() { return Body::from_rows({"HHH", "V.V"}); }
+
+// Of an arena, or of several that get one controller.
+inline TrainResult trained(const auto& robots, const TrainingSettings& settings, std::uint64_t seed,
+                           const char* name, std::optional<Inheritance> inheritance = {}) {
+  Trainer trainer(robots, settings, seed, name, std::move(inheritance));
+  return train(trainer);
+}
+
+inline Inheritance heritage(const Arena& arena, const TrainResult& result) {
+  return {*result.controller, anatomy(arena)};
+}
 
 }  // namespace evo::test

@@ -410,10 +410,7 @@ TEST_CASE("what a body does and learns does not depend on what is beside it") {
 
 TEST_CASE("one modular policy for several robots learns, and to the same bytes") {
   const Robots robots(three_bodies());
-  const auto run = [&] {
-    Trainer trainer(robots.all(), small_settings(), 5, "shared");
-    return train(trainer);
-  };
+  const auto run = [&] { return trained(robots.all(), small_settings(), 5, "shared"); };
   const TrainResult result = run();
   REQUIRE_FALSE(result.failure);
   CHECK(result.steps == 4 * 3 * 16);
@@ -477,11 +474,9 @@ TEST_CASE("robots take turns where an update learns from some of them") {
 
 TEST_CASE("a child of another body starts with its parent's controller as it is") {
   const Robots robots(three_bodies());
-  Trainer parent(robots.arenas[0], small_settings(), 5, "parent");
-  const TrainResult learned = train(parent);
-  const Inheritance inheritance{*learned.controller,
-                                anatomy(robots.arenas[0].robot(), robots.arenas[0].layout())};
-  Trainer child(robots.arenas[1], small_settings(), 5, "child", inheritance);
+  const TrainResult learned = trained(robots.arenas[0], small_settings(), 5, "parent");
+  Trainer child(robots.arenas[1], small_settings(), 5, "child",
+                heritage(robots.arenas[0], learned));
   child.advance();
   EvaluationSettings evaluation;
   evaluation.seed = 5;
@@ -495,8 +490,7 @@ TEST_CASE("what a modular policy cannot do is said in one line") {
   const TrainingSettings settings = small_settings();
   TrainingSettings ppo;
   ppo.steps = 4096;
-  Trainer trainer(robots.arenas[0], settings, 5, "parent");
-  const TrainResult learned = train(trainer);
+  const TrainResult learned = trained(robots.arenas[0], settings, 5, "parent");
   const Inheritance modular{*learned.controller, {}};
   CHECK_THROWS_WITH(Trainer({robots.all()[0], robots.all()[1]}, ppo, 1, "x"),
                     "training: ppo makes a controller for each robot; modular makes one "
@@ -541,7 +535,6 @@ TEST_CASE("a modular policy learns to walk on several bodies at once", "[.slow]"
   settings.initial_log_std = -0.5;
   settings.steps = 150'000;
   settings.evaluation_interval = 20;
-  Trainer trainer(robots.all(), settings, 1, "shared");
-  const TrainResult result = train(trainer);
+  const TrainResult result = trained(robots.all(), settings, 1, "shared");
   CHECK(*result.fitness > 0.5);  // voxels in 200 steps, in the mean; at rest 0
 }

@@ -13,6 +13,7 @@
 #include "tests/unit/expect.h"
 
 using namespace evo;
+using test::heritage, test::trained;
 
 namespace {
 
@@ -79,10 +80,6 @@ void check_resumes(int advances, const Make& make) {
   CHECK(resumed.checkpoint() == checkpoint);
   check_equal(train(resumed), train(whole));
   CHECK(resumed.checkpoint() == whole.checkpoint());
-}
-
-Inheritance heritage(const Arena& arena, const TrainResult& result) {
-  return {*result.controller, anatomy(arena.robot(), arena.layout())};
 }
 
 }  // namespace
@@ -167,14 +164,10 @@ TEST_CASE("a bad end is felt as the settings say, and counted as the task says")
 TEST_CASE("results depend on seed and robot id, and on nothing else") {
   const Arena arena(test::walker(10), test::small_body());
   const TrainingSettings settings = brief(GENERATE(from_range(algorithm_names())));
-  const auto run = [&](std::uint64_t seed, const char* id) {
-    Trainer trainer(arena, settings, seed, id);
-    return train(trainer);
-  };
-  const TrainResult reference = run(1, "a");
-  check_equal(run(1, "a"), reference);
-  CHECK_FALSE(run(2, "a").controller == reference.controller);
-  CHECK_FALSE(run(1, "b").controller == reference.controller);
+  const TrainResult reference = trained(arena, settings, 1, "a");
+  check_equal(trained(arena, settings, 1, "a"), reference);
+  CHECK_FALSE(trained(arena, settings, 2, "a").controller == reference.controller);
+  CHECK_FALSE(trained(arena, settings, 1, "b").controller == reference.controller);
 }
 
 TEST_CASE("trainings side by side are each as alone", "[threads]") {
@@ -286,8 +279,7 @@ double untrained_return(const Arena& arena, const TrainingSettings& settings) {
 TEST_CASE("training makes body A walk") {
   const Arena arena(test::walker(100), test::body_a());
   const TrainingSettings settings = lively(20 * 1024);
-  Trainer trainer(arena, settings, 1, "robot");
-  const TrainResult result = train(trainer);
+  const TrainResult result = trained(arena, settings, 1, "robot");
   const double before = untrained_return(arena, settings);
   INFO("untrained " << before << ", trained " << *result.fitness);
   CHECK(before < 0.1);
@@ -297,8 +289,7 @@ TEST_CASE("training makes body A walk") {
 TEST_CASE("training makes body A walk the length of Walker-v0", "[.slow]") {
   const Arena arena(test::walker(500, 100), test::body_a());
   const TrainingSettings settings = lively(200 * 1024);
-  Trainer trainer(arena, settings, 1, "robot");
-  const TrainResult result = train(trainer);
+  const TrainResult result = trained(arena, settings, 1, "robot");
   CHECK(untrained_return(arena, settings) < 0.5);
   CHECK(*result.fitness > 6.0);
   CHECK(result.curve.back().evaluation > 0.8 * *result.fitness);
@@ -347,16 +338,14 @@ TEST_CASE("a training starts from what another robot has learned, and that count
                                                 {"sequence", "ppo"}}));
   INFO(method << " from " << old_method);
   const Arena old_arena(test::walker(10), test::small_body());
-  Trainer old_trainer(old_arena, brief(old_method), 1, "old");
-  const TrainResult old_result = train(old_trainer);
+  const TrainResult old_result = trained(old_arena, brief(old_method), 1, "old");
   const Inheritance inheritance = heritage(old_arena, old_result);
   TrainingSettings settings = brief(method);
   settings.hidden = {16, 16};  // as those of the network inherited
 
   SECTION("on the same body it earns what it earned") {
     if (method == "ppo" && old_method == "gait") return;  // which is what its network acts on
-    Trainer trainer(old_arena, settings, 2, "new", inheritance);
-    const TrainResult result = train(trainer);
+    const TrainResult result = trained(old_arena, settings, 2, "new", inheritance);
     const CurvePoint& first = result.curve.front();
     if (method == "ppo") {
       CHECK(first.step == 0);
@@ -375,10 +364,9 @@ TEST_CASE("a training starts from what another robot has learned, and that count
 
 TEST_CASE("a search for a gait starts afresh from a network that has none") {
   const Arena arena(test::walker(10), test::small_body());
-  Trainer plain(arena, brief("gait"), 1, "robot");
-  Trainer networks(arena, brief(), 1, "robot");
-  Trainer heir(arena, brief("gait"), 1, "robot", heritage(arena, train(networks)));
-  check_equal(train(heir), train(plain));
+  const Inheritance network = heritage(arena, trained(arena, brief(), 1, "robot"));
+  check_equal(trained(arena, brief("gait"), 1, "robot", network),
+              trained(arena, brief("gait"), 1, "robot"));
 }
 
 TEST_CASE("a search for a sequence stays within its budget, and is what it claims") {
@@ -494,9 +482,7 @@ TEST_CASE("episodes begin at moments of what is inherited") {
   const Arena arena(test::walker(10), test::small_body());
   const TrainingSettings old_settings =
       GENERATE(brief_sequence(), brief_search(Algorithm("gait")), brief());
-  Trainer old_trainer(arena, old_settings, 1, "old");
-  const TrainResult old_result = train(old_trainer);
-  const Inheritance inheritance = heritage(arena, old_result);
+  const Inheritance inheritance = heritage(arena, trained(arena, old_settings, 1, "old"));
   TrainingSettings settings = brief();
   settings.moment_share = 0.7;
   settings.start_jitter = 1e-3;
@@ -557,8 +543,7 @@ TEST_CASE("a sequence is searched from the start that it is judged from") {
 
 TEST_CASE("a network is trained on an inherited sequence") {
   const Arena arena(test::walker(10), test::small_body());
-  Trainer searcher(arena, brief_sequence(), 1, "old");
-  const TrainResult found = train(searcher);
+  const TrainResult found = trained(arena, brief_sequence(), 1, "old");
   const auto& sequence = std::get<ReplayController>(*found.controller);
   const Inheritance inheritance = heritage(arena, found);
   TrainingSettings settings = brief();
@@ -567,8 +552,7 @@ TEST_CASE("a network is trained on an inherited sequence") {
   settings.gait_log_std = -3.0;
 
   SECTION("it begins where the sequence is, and keeps it") {
-    Trainer trainer(arena, settings, 1, "new", inheritance);
-    const TrainResult result = train(trainer);
+    const TrainResult result = trained(arena, settings, 1, "new", inheritance);
     CHECK(result.curve.front().evaluation == Approx(*found.fitness).margin(1e-6));
     CHECK(std::get<ReplayController>(std::get<Policy>(*result.controller).base.value()) ==
           sequence);
@@ -577,16 +561,15 @@ TEST_CASE("a network is trained on an inherited sequence") {
     check_resumes(3, [&] { return Trainer(arena, settings, 1, "new", inheritance); });
   }
   SECTION("a child keeps its parent's sequence with the parent's network") {
-    Trainer trainer(arena, settings, 1, "new", inheritance);
-    const TrainResult parent = train(trainer);
+    const TrainResult parent = trained(arena, settings, 1, "new", inheritance);
     settings.keep_sequence = false;
-    Trainer child(arena, settings, 1, "child", heritage(arena, parent));
-    CHECK(train(child).curve.front().evaluation == Approx(*parent.fitness).margin(1e-9));
+    const TrainResult child = trained(arena, settings, 1, "child", heritage(arena, parent));
+    CHECK(child.curve.front().evaluation == Approx(*parent.fitness).margin(1e-9));
   }
   SECTION("without the setting the network is alone") {
     settings.keep_sequence = false;
-    Trainer trainer(arena, settings, 1, "new", inheritance);
-    CHECK_FALSE(std::get<Policy>(*train(trainer).controller).base);
+    const TrainResult result = trained(arena, settings, 1, "new", inheritance);
+    CHECK_FALSE(std::get<Policy>(*result.controller).base);
   }
   SECTION("there has to be one") {
     CHECK_THROWS_WITH(Trainer(arena, settings, 1, "robot"), Catch::Contains("keep_sequence"));

@@ -12,8 +12,6 @@ using namespace evo;
 
 namespace {
 
-Anatomy anatomy_of(const Arena& arena) { return anatomy(arena.robot(), arena.layout()); }
-
 Policy fresh_policy(const Arena& arena, std::uint64_t seed) {
   TrainingSettings settings;
   settings.hidden = {12, 10};
@@ -24,12 +22,6 @@ Policy fresh_policy(const Arena& arena, std::uint64_t seed) {
   for (double& variance : policy.normalizer.variance) variance = 1.0 + stream.uniform();
   policy.normalizer.count = 50000;
   return policy;
-}
-
-std::vector<double> outputs(const Policy& policy, const std::vector<double>& observation) {
-  std::vector<double> targets(static_cast<std::size_t>(policy.action_length()));
-  act(policy, observation, std::vector<int>{0}, targets);
-  return targets;
 }
 
 }  // namespace
@@ -44,27 +36,20 @@ TEST_CASE("points and actuators are known by their places on the lattice") {
 }
 
 TEST_CASE("carried over to the same body, a policy acts as it did and keeps what it has seen") {
-  const Arena arena(test::walker(10), test::small_body());
+  const bool corners = GENERATE(false, true);
+  const Arena arena(test::walker(10),
+                    corners ? Body::from_rows({"HH.", "H.H", "HHH"}) : test::small_body());
+  const Anatomy body = anatomy(arena);
+  // With corners, voxels touch at one alone: two points are in the same place.
+  const auto at_corner = std::count(body.points.begin(), body.points.end(), Anatomy::Place{1, 2});
+  REQUIRE(at_corner == (corners ? 2 : 1));
   const Policy old_policy = fresh_policy(arena, 1);
   const Policy fresh = fresh_policy(arena, 2);
-  const Policy policy = transferred(old_policy, anatomy_of(arena), fresh, anatomy_of(arena));
+  const Policy policy = transferred(old_policy, body, fresh, body);
   CHECK(policy.actor == old_policy.actor);
   CHECK(policy.critic == old_policy.critic);
   CHECK(policy.normalizer == old_policy.normalizer);
   CHECK(policy.log_std == fresh.log_std);
-}
-
-TEST_CASE("carried over to the same body, it acts as it did where voxels touch at a corner alone") {
-  // The second voxel and that below it to the right have a point each in the same place.
-  const Arena arena(test::walker(10), Body::from_rows({"HH.", "H.H", "HHH"}));
-  const Anatomy body = anatomy_of(arena);
-  REQUIRE(std::count(body.points.begin(), body.points.end(), Anatomy::Place{1, 2}) == 2);
-  const Policy old_policy = fresh_policy(arena, 1);
-  const Policy policy = transferred(old_policy, body, fresh_policy(arena, 2), body);
-  CHECK(policy.actor == old_policy.actor);
-  CHECK(policy.critic == old_policy.critic);
-  CHECK(policy.normalizer.mean == old_policy.normalizer.mean);
-  CHECK(policy.normalizer.variance == old_policy.normalizer.variance);
 }
 
 TEST_CASE("where a body has one point for two of the old one, it is read as both") {
@@ -72,9 +57,9 @@ TEST_CASE("where a body has one point for two of the old one, it is read as both
   const Arena joined(test::walker(10), Body::from_rows({"HHH", "H.H", "HHH"}));
   const Policy old_policy = fresh_policy(apart, 1);
   const Policy policy =
-      transferred(old_policy, anatomy_of(apart), fresh_policy(joined, 2), anatomy_of(joined));
-  const std::vector<Anatomy::Place> from = anatomy_of(apart).points;
-  const std::vector<Anatomy::Place> to = anatomy_of(joined).points;
+      transferred(old_policy, anatomy(apart), fresh_policy(joined, 2), anatomy(joined));
+  const std::vector<Anatomy::Place> from = anatomy(apart).points;
+  const std::vector<Anatomy::Place> to = anatomy(joined).points;
   const auto column = [](const Policy& of, const std::vector<Anatomy::Place>& points,
                          std::vector<Anatomy::Place>::const_iterator point) {
     return of.actor.layers.front().weight.col(2 + (point - points.begin()));
@@ -92,11 +77,11 @@ TEST_CASE("carried over to a body with a voxel more, old actuators do what they 
   const Arena large(test::walker(10), Body::from_rows({"HHH", "VHV"}));
   const Policy old_policy = fresh_policy(small, 1);
   const Policy policy =
-      transferred(old_policy, anatomy_of(small), fresh_policy(large, 2), anatomy_of(large));
+      transferred(old_policy, anatomy(small), fresh_policy(large, 2), anatomy(large));
   CHECK(policy.normalizer.count == 10000);  // adapts
   // All points are the old ones but for their order: put them where they are.
-  const std::vector<Anatomy::Place> from = anatomy_of(small).points;
-  const std::vector<Anatomy::Place> to = anatomy_of(large).points;
+  const std::vector<Anatomy::Place> from = anatomy(small).points;
+  const std::vector<Anatomy::Place> to = anatomy(large).points;
   Stream stream(3, "test");
   std::vector<double> old_seen(static_cast<std::size_t>(small.observation_length()));
   for (double& x : old_seen) x = stream.gaussian();
@@ -110,25 +95,22 @@ TEST_CASE("carried over to a body with a voxel more, old actuators do what they 
       seen[2 + axis * to.size() + p] =
           old_seen[2 + axis * from.size() + static_cast<std::size_t>(old - from.begin())];
     }
-  const std::vector<double> before = outputs(old_policy, old_seen);
-  const std::vector<double> after = outputs(policy, seen);
-  REQUIRE(after.size() == 6);
+  REQUIRE(policy.action_length() == 6);
+  std::vector<double> before(5);
+  std::vector<double> after(6);
+  act(old_policy, old_seen, std::vector{0}, before);
+  act(policy, seen, std::vector{0}, after);
   const std::vector<std::size_t> old_ones{0, 1, 2, 3, 5};  // the new one is in the middle below
   for (std::size_t i = 0; i < 5; ++i) CHECK(after[old_ones[i]] == Approx(before[i]).margin(1e-5));
 }
 
-TEST_CASE("a gait is carried over to the nearest actuators") {
+TEST_CASE("gaits and sequences are carried over to the nearest actuators") {
   const Anatomy from = anatomy(test::small_body(), {});
   const Anatomy to = anatomy(Body::from_rows({"HHH", "VHV"}), {});
-  SineController gait = travelling_wave(5, 0.3, 21.0, 0.5);
-  const SineController carried = transferred(gait, from, to);
-  CHECK(carried.period == 21.0);
-  CHECK(carried.phase == std::vector<double>{0.0, 0.5, 1.0, 1.5, 0.5, 2.0});
-}
+  const SineController gait = transferred(travelling_wave(5, 0.3, 21.0, 0.5), from, to);
+  CHECK(gait.period == 21.0);
+  CHECK(gait.phase == std::vector<double>{0.0, 0.5, 1.0, 1.5, 0.5, 2.0});
 
-TEST_CASE("a sequence is carried over to the nearest actuators, step by step") {
-  const Anatomy from = anatomy(test::small_body(), {});
-  const Anatomy to = anatomy(Body::from_rows({"HHH", "VHV"}), {});
   const ReplayController sequence{{1.0, 1.1, 1.2, 1.3, 1.4, 0.6, 0.7, 0.8, 0.9, 1.0}, 5};
   const ReplayController carried = transferred(sequence, from, to);
   CHECK(carried.actuators == 6);
@@ -141,10 +123,10 @@ TEST_CASE("networks of another shape are refused") {
   const Policy old_policy = fresh_policy(arena, 1);
   Policy fresh = fresh_policy(arena, 2);
   fresh.actor.layers.erase(fresh.actor.layers.begin());
-  CHECK_THROWS_WITH(transferred(old_policy, anatomy_of(arena), fresh, anatomy_of(arena)),
+  CHECK_THROWS_WITH(transferred(old_policy, anatomy(arena), fresh, anatomy(arena)),
                     Catch::Contains("hidden layers"));
   fresh = fresh_policy(arena, 2);
   fresh.action_map = ActionMap::squash;
-  CHECK_THROWS_WITH(transferred(old_policy, anatomy_of(arena), fresh, anatomy_of(arena)),
+  CHECK_THROWS_WITH(transferred(old_policy, anatomy(arena), fresh, anatomy(arena)),
                     Catch::Contains("action_map"));
 }

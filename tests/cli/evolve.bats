@@ -7,7 +7,8 @@ quick="--train evaluation_episodes=1 --train evaluation_jitter=0 --train final_e
 settings=(--task Walker-v0 --pop 4 --evals 9 --steps 2048 --seed 1 --train-options "$quick" --video gif
   --video-options "--size 160x90 --speed 10")
 
-evolve() { evo-evolve "$1" --run "$2" "${settings[@]}" "${@:3}"; }
+# METHOD FOLDER [OPTION]...; a method may have a word of its own, as "recipe FILE" has.
+evolve() { evo-evolve $1 --run "$2" "${settings[@]}" "${@:3}"; }
 
 # Everything of a run that must not depend on how it came about.
 essence() {
@@ -29,7 +30,7 @@ END
 kill_and_repeat() {
   local method=$1 folder=$2 kills=$3 i pid
   for ((i = 0; i < kills; i++)); do
-    setsid evo-evolve "$method" --run "$folder" "${settings[@]}" -j2 > /dev/null 2>&1 3>&- &
+    setsid evo-evolve $method --run "$folder" "${settings[@]}" -j2 > /dev/null 2>&1 3>&- &
     pid=$!
     random_pause
     kill -KILL -- "-$pid" 2> /dev/null || true
@@ -119,10 +120,6 @@ kill_and_repeat() {
   [ "$(jq -r .id run/history.jsonl | sort -u | wc -l)" -eq "$(wc -l < run/history.jsonl)" ]
   jq -e '.genome.kind == "cppn"' run/best.json
   evo-inspect run > /dev/null
-}
-
-@test "a population without room for children is refused" {
-  fails_with 2 "no room for children" -- evo-evolve ga --run run --pop 2 --evals 42
 }
 
 @test "10 000 robots are planned, and make knows what is left of them" {
@@ -423,6 +420,7 @@ refused() {
   refused 2 "did you mean" ga --run run --eval 8
   refused 2 "unknown option --grace; see evo-evolve --help" ga --run run --grace 2
   refused 2 "--shape" ga --run run --shape 5
+  refused 2 "no room for children" ga --run run --pop 2 --evals 42
   refused 2 "evo-sample: error: --weights: expected 5" ga --run run --sample-options '--weights 1'
   refused 2 "evo-mutate: error: --rate" ga --run run --mutate-options '--rate 5'
   refused 2 "evo-archive: error: --features: 'height'" map --run run --features height
@@ -511,22 +509,16 @@ rounds:
 END
   settings=(--task Walker-v0 --seed 1 --video gif --video-options "--size 160x90 --speed 5" --train gait
     --train-options "--train population=4")
-  rounds() { evo-evolve recipe rounds.yaml --run "$1" "${settings[@]}" "${@:2}"; }
-  rounds calm -q -j2
+  local rounds="recipe rounds.yaml"
+  evolve "$rounds" calm -q -j2
   ids() { jq -r .id "$@" | sort; }
   diff <(evo-select --keep 3 calm/1/history.jsonl | ids) <(ids calm/2/gen-000/population.jsonl)
   diff <(evo-select --keep 2 calm/2/history.jsonl | ids) <(ids calm/3/history.jsonl)
   [ "$(cat calm/*/run.yaml | grep -c '^seed: [123]$')" -eq 3 ]
   [ -s calm/3/report.html ] && [ ! -e calm/1/report.html ]
-  for _ in 1 2 3 4; do
-    setsid evo-evolve recipe rounds.yaml --run stormy "${settings[@]}" -j2 > /dev/null 2>&1 3>&- &
-    random_pause
-    kill -KILL -- "-$!" 2> /dev/null || true
-    wait "$!" 2> /dev/null || true
-  done
-  rounds stormy -q -j2
+  kill_and_repeat "$rounds" stormy 4
   for round in 1 2 3; do diff calm/$round/history.jsonl stormy/$round/history.jsonl; done
-  fails_with 73 "calm/1 belongs to a run with other settings (seed: 1 there, 2 asked for)" -- rounds calm --seed 2
+  fails_with 73 "calm/1 belongs to a run with other settings (seed: 1 there, 2 asked for)" -- evolve "$rounds" calm --seed 2
   fails_with 2 "--pop is decided round by round" -- evo-evolve recipe rounds.yaml --run no --pop 3
   fails_with 2 "unknown recipe 'nets'" -- evo-evolve recipe nets --run no
   fails_with 2 "there is no easier world for Walker-v0" -- evo-evolve recipe easier --run no

@@ -9,7 +9,7 @@ setup() {
 }
 evolve() {
   evo-evolve ga -q --run "$1" --task Walker-v0 --pop 4 --evals 8 --train gait --steps 4000 --seed "$2" \
-    --train-options "--train population=4" --no-video
+    --train-options "--train population=4" --no-video "${@:3}"
 }
 
 @test "a run's best robot becomes the record, is replayed, and is beaten only by a better one" {
@@ -125,8 +125,7 @@ evolve() {
 
 @test "a record whose founders came from another run says so, and counts what that took" {
   evolve scout 1
-  evo-evolve ga -q --run next --task Walker-v0 --pop 4 --evals 6 --train gait --steps 4000 --seed 2 \
-    --train-options "--train population=4" --founders scout --no-video
+  evolve next 2 --evals 6 --founders scout
   "$EVO_SOURCE/scripts/add-record" next
   record=records/Walker-v0/record.json
   [[ $(jq -r .command $record) == "evo evolve ga --run runs/scout "*" && evo evolve ga --run runs/record "*" --founders runs/scout "* ]]
@@ -134,8 +133,7 @@ evolve() {
   [ "$(jq -r .tools $record)" = "$(evo-train --version | sed 's/ [^ ]*$//')" ]  # one build made both
   [ "$(jq .steps $record)" -eq "$(cat scout/history.jsonl next/history.jsonl | jq -s 'map(.steps) | add')" ]
   # As far back as it goes.
-  evo-evolve ga -q --run last --task Walker-v0 --pop 4 --evals 5 --train gait --steps 4000 --seed 3 \
-    --train-options "--train population=4" --founders next --no-video
+  evolve last 3 --evals 5 --founders next
   rm -r records/Walker-v0
   "$EVO_SOURCE/scripts/add-record" last
   [ "$(jq -r .command $record | grep -oE -- '--(run|founders) [^ ]*' | xargs)" = \
@@ -147,8 +145,7 @@ evolve() {
 
 @test "a record keeps the bodies of a file that its run began with, and its command finds them" {
   evo-sample -n 2 --seed 5 > bodies.jsonl
-  evo-evolve ga -q --run drawn --task Walker-v0 --pop 2 --evals 2 --train gait --steps 4000 --seed 1 \
-    --train-options "--train population=4" --founders bodies.jsonl --no-video
+  evolve drawn 1 --pop 2 --evals 2 --founders bodies.jsonl
   "$EVO_SOURCE/scripts/add-record" drawn
   diff <(jq -c .body bodies.jsonl) <(jq -c .body records/Walker-v0/founders.jsonl)
   command=$(jq -r .command records/Walker-v0/record.json)
@@ -204,8 +201,7 @@ evolve() {
 }
 
 @test "a record of a task with draws is replayed with those that it was trained on" {
-  evo-evolve ga -q --run run --task Catcher-v0 --pop 4 --evals 4 --train gait --steps 4000 --seed 5 --video gif \
-    --video-options "--size 160x90 --speed 25" --train-options "--train population=4"
+  evolve run 5 --task Catcher-v0 --evals 4
   "$EVO_SOURCE/scripts/add-record" run
   jq -e '.seed == 5' records/Catcher-v0/record.json
   "$EVO_SOURCE/scripts/verify-records"

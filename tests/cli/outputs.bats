@@ -6,7 +6,6 @@ setup_file() {
   export made="$BATS_FILE_TMPDIR"
   printf 'HV\nHV\n' > small.txt
   evo-eval small.txt --task Walker-v0 --actions random --max-steps 3 --rollout walk.h5 > scored.jsonl
-  evo-neat -n 4 --state-out species.json | jq -c '.fitness = 1' > neat.jsonl
 }
 
 @test "one name for two outputs is refused" {

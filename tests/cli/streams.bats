@@ -11,7 +11,6 @@ setup_file() {
   tiny_profile > tiny.yaml
   evo-eval small.txt --task Walker-v0 --actions random --max-steps 3 --rollout walk.h5 > scored.jsonl
   evo-train small.txt --task Walker-v0 --train gait --steps 8000 --out-dir . -o trained.json
-  evo-neat -n 4 --state-out species.json -o neat.jsonl
 }
 
 @test "a result that cannot be written: status 74, whatever the number of robots and threads" {

@@ -64,6 +64,8 @@ load helpers
   evo-eval h --task Walker-v0 --actions random --max-steps 2 --rollout r.h5 > /dev/null
   fails_with 2 "--episode: '1.5'" -- evo-render r.h5 --episode 1.5 -o x.gif
   fails_with 2 "--envs" "'0'" "1 to 4096" -- evo-bench --envs 1,0
+  # A constant is named in full.
+  fails_with 2 "'soft.edge'" "'x'" -- evo-eval --task Walker-v0 --actions random --physics soft.edge=x h
 }
 
 @test "a list for a training setting is read as it is written in files" {
@@ -72,11 +74,6 @@ load helpers
   for hidden in '[8, 8]' '8,8' '[8,8]'; do
     evo-train h --task Walker-v0 --train tiny.yaml --steps 2 --out-dir p --train "hidden=$hidden" > /dev/null
   done
-}
-
-@test "a wrong constant is named in full" {
-  printf 'H\n' > h
-  fails_with 2 "'soft.edge'" "'x'" -- evo-eval --task Walker-v0 --actions random --physics soft.edge=x h
 }
 
 @test "what would be ignored is refused, or told" {

@@ -1,8 +1,11 @@
 """Valid files of every kind, made by the tools themselves."""
+import contextlib
 import os
 import shutil
 import subprocess
 import zipfile
+from glob import glob
+from pathlib import Path
 
 import numpy
 
@@ -12,19 +15,13 @@ def run(*words, **options):
 
 
 def make(folder, source):
-    """Fills the current folder's `folder`; its file names are those in readers.py."""
+    """Fills the folder; its file names are those in readers.py."""
     os.makedirs(folder)
-    here = os.getcwd()
-    os.chdir(folder)
-    try:
-        with open("letters.txt", "w") as file:
-            file.write("HVH\nS.R\nHVH\n\nHV\nVH\n")
-        with open("one.txt", "w") as file:
-            file.write("HV\nVH\n")
-        with open("numbers.txt", "w") as file:
-            file.write("3 3 3\n4 0 4\n\n3.0e+00,4.0e+00\n0.0e+00,1.0e+00\n")
-        with open("lists.json", "w") as file:
-            file.write("[[3, 3, 3], [4, 0, 4]]\n")
+    with contextlib.chdir(folder):
+        Path("letters.txt").write_text("HVH\nS.R\nHVH\n\nHV\nVH\n")
+        Path("one.txt").write_text("HV\nVH\n")
+        Path("numbers.txt").write_text("3 3 3\n4 0 4\n\n3.0e+00,4.0e+00\n0.0e+00,1.0e+00\n")
+        Path("lists.json").write_text("[[3, 3, 3], [4, 0, 4]]\n")
         numpy.save("body.npy", numpy.array([[3, 3, 3], [4, 0, 4]]))
         numpy.save("actions.npy", numpy.array([[1.0, 1.1, 0.6, 1.6], [0.9, 1.2, 1.1, 1.0]]))
         with zipfile.ZipFile("model.zip", "w") as file:
@@ -42,22 +39,17 @@ def make(folder, source):
             "--rollout", "rollout.h5")
         run("evo-train", "one.txt", "--task", "Walker-v0", "--train", "gait", "--steps", "2000",
             "--out-dir", ".", "--train", "population=4", "-o", "sine.json")
-        os.rename(next(n for n in os.listdir(".") if n.endswith(".policy.h5")), "sine.h5")
-        with open("tiny.yaml", "w") as file:
-            file.write("base: paper\nenvironments: 1\nrollout: 2\nminibatches: 1\nhidden: [4]\n"
-                       "final_episodes: 0\n")
+        os.rename(*glob("*.policy.h5"), "sine.h5")
+        Path("tiny.yaml").write_text(
+            "base: paper\nenvironments: 1\nrollout: 2\nminibatches: 1\nhidden: [4]\nfinal_episodes: 0\n")
         run("evo-train", "one.txt", "--task", "Walker-v0", "--train", "tiny.yaml", "--steps", "8",
             "--out-dir", ".", "-o", "trained.json")
-        policy = next(n for n in os.listdir(".") if n.endswith(".policy.h5"))
-        os.rename(policy, "network.h5")
-        for name in os.listdir("."):
-            if name.endswith(".log"):
-                os.remove(name)
+        os.rename(*glob("*.policy.h5"), "network.h5")
+        for log in glob("*.log"):
+            os.remove(log)
         run("evo-neat", "-n", "3", "--shape", "3x3", "--state-out", "species.json", "-o",
             "genomes.jsonl")
-        scored = run("jq", "-c", ".fitness = 1", "genomes.jsonl")
-        with open("genomes.jsonl", "wb") as file:
-            file.write(scored)
+        Path("genomes.jsonl").write_bytes(run("jq", "-c", ".fitness = 1", "genomes.jsonl"))
         shutil.copy(f"{source}/tasks/Carrier-v1.yaml", "task.yaml")
         shutil.copy(f"{source}/tasks/examples/ramp.yaml", "ramp.yaml")
         shutil.copy(f"{source}/tasks/physics/evogym.yaml", "physics.yaml")
@@ -69,12 +61,9 @@ def make(folder, source):
                 key, colon, value = line.partition("#")[0].partition(":")
                 if colon and key not in ("format", "version"):
                     ini.write(f"{key} = {value.strip(' []') or ''}".rstrip() + "\n")
-        with open("actions.csv", "w") as file:
-            file.write("a,b,c,d\n1.0,1.1,0.6,1.6\n0.9,1.2,1.1,1.0\n")
-        with open("requests.jsonl", "w") as file:
-            file.write('{"reset":{"seed":1,"jitter":1e-4}}\n{"step":[[1.0,1.1,0.6,1.6]]}\n{"save":{"environments":[0]}}\n')
+        Path("actions.csv").write_text("a,b,c,d\n1.0,1.1,0.6,1.6\n0.9,1.2,1.1,1.0\n")
+        Path("requests.jsonl").write_text(
+            '{"reset":{"seed":1,"jitter":1e-4}}\n{"step":[[1.0,1.1,0.6,1.6]]}\n{"save":{"environments":[0]}}\n')
         run("evo-evolve", "neat", "--run", "run", "--pop", "3", "--evals", "6", "--steps", "512", "--shape", "2x2",
             "--train-options=--train environments=2 --train rollout=16", "--seed", "1", "-q")
         shutil.copy("run/run.yaml", "run.yaml")
-    finally:
-        os.chdir(here)

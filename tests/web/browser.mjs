@@ -47,10 +47,10 @@ const checkKeyboard = async () => {
   await play('#task=Walker-v0&body=...-...-...&gait=0.5,20,0.7');
   await evaluate(`(() => { document.querySelector('#rows').value = 3; document.querySelector('#columns').value = 3; document.querySelector('#rows').dispatchEvent(new Event('change')); document.querySelector('#grid [tabindex="0"]').focus(); })()`);
   await press('Home');
-  for (const [r, row] of ['HHH', 'VSV', 'V.V'].entries()) {
+  for (const row of ['HHH', 'VSV', 'V.V']) {
     for (const [c, letter] of [...row].entries()) {
       await press(letter.toLowerCase(), letter.toLowerCase());
-      if (c < 2) await press(r % 2 ? 'ArrowRight' : 'ArrowRight');
+      if (c < 2) await press('ArrowRight');
     }
     await press('ArrowDown'); await press('ArrowLeft'); await press('ArrowLeft');
   }
@@ -60,6 +60,13 @@ const checkKeyboard = async () => {
   check('and it walks', await until(stepped), await text('#moment'));
   check('without a complaint', (await text('#message')) === '', await text('#message'));
 };
+
+// A file as if it were dropped on the page.
+const drop = (name, content) => evaluate(`(() => {
+  const transfer = new DataTransfer();
+  transfer.items.add(new File([Uint8Array.from(atob('${Buffer.from(content).toString('base64')}'), (c) => c.charCodeAt(0))], '${name}'));
+  dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, cancelable: true }));
+})()`);
 
 const at = (r, c) => `#grid [data-r="${r}"][data-c="${c}"]`;
 const checkTouch = async () => {
@@ -179,41 +186,27 @@ const checkOwn = async () => {
 // What the page reads from a file, dropped or opened.
 const checkFiles = async () => {
   await play();
-  const drop = (name, content) => evaluate(`(() => {
-    const transfer = new DataTransfer();
-    transfer.items.add(new File([${JSON.stringify(content)}], ${JSON.stringify(name)}));
-    dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, cancelable: true }));
-  })()`);
   await drop('robot.json', JSON.stringify({ body: ['HVH', 'V.V'], task: 'UpStepper-v0' }));
   check('a dropped robot is taken', (await until(`document.getElementById('task').value === 'UpStepper-v0'`)) && (await body()) === 'HVH-V.V', await body());
   await drop('bad.json', '{"body": ["RR", "RR"]}');
   check('a robot without muscles is refused in the words of the tools', await until(`document.getElementById('message').textContent.includes('there is no actuator (H or V), nothing can move this robot')`), await text('#message'));
-  const record = readFileSync(`${site}/records/Walker-v0.js`, 'utf8').replace(/^[^=]*= /, '').replace(/^'use strict';\nEvo.controllers[^=]*= /, '').replace(/;\n$/, '');
-  await drop('policy.json', record.slice(record.indexOf('{"format"')));
-  check('a dropped policy in JSON drives its robot', await until(`document.getElementById('gait-about').textContent.includes('network of policy.json')`), await text('#gait-about'));
 };
 
 // Policies that the tools wrote.
 const checkPolicies = async () => {
-  const folder = process.env.EVO_FILES;
-  const drop = async (name) => {
+  const open = async (name) => {
     await play();
-    const content = readFileSync(`${folder}/${name}`).toString('base64');
-    await evaluate(`(() => {
-      const transfer = new DataTransfer();
-      transfer.items.add(new File([Uint8Array.from(atob('${content}'), (c) => c.charCodeAt(0))], '${name}'));
-      dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, cancelable: true }));
-    })()`);
+    await drop(name, readFileSync(`${process.env.EVO_FILES}/${name}`));
   };
   const about = () => text('#gait-about');
   const earned = async (expected) => {
     await evaluate(`(document.getElementById('speed').value = 10, document.getElementById('speed').dispatchEvent(new Event('change')))`);
     return await until(`document.getElementById('moment').textContent.includes('over')`, 60) && (await text('#return')) === (await evaluate(`Evo.number(${expected})`));
   };
-  await drop('policy.json');
+  await open('policy.json');
   check('a dropped policy drives its robot', await until(`document.getElementById('gait-about').textContent.startsWith('Driven by the network of policy.json')`), await about());
   check('and moves', await until(stepped), await text('#moment'));
-  await drop('modular.json');
+  await open('modular.json');
   check('a modular policy drives its robot', await until(`document.getElementById('gait-about').textContent.startsWith('Driven by the modular policy of modular.json')`), await about());
   for (const [name, size] of [['rows', 2], ['columns', 3]])
     await evaluate(`(() => { const pick = document.getElementById('${name}'); pick.value = ${size}; pick.dispatchEvent(new Event('change')); })()`);
@@ -227,9 +220,9 @@ const checkPolicies = async () => {
   check('it drives that one, too', (await about()).startsWith('Driven by the modular policy') && await earned(process.env.EVO_OTHER_BODY), [await about(), await text('#return'), process.env.EVO_OTHER_BODY]);
   check('the command draws the same', (await text('#command')) === `printf 'HVH\\nV.V\\n' |\n  evo-eval --policy modular.h5`, await text('#command'));
   await photograph('any-body');
-  await drop('policy.h5');
+  await open('policy.h5');
   check('a file in HDF5 is answered with the way', await until(`document.getElementById('message').textContent.endsWith('evo-convert policy.h5 --to json -o policy.json')`), await text('#message'));
-  await drop('cut.json');
+  await open('cut.json');
   check('a damaged file is refused', await until(`document.getElementById('message').textContent.startsWith('cut.json: ')`), await text('#message'));
   check('and the robot from before is there', await until(stepped), await text('#moment'));
 };

@@ -49,21 +49,3 @@ TEST_CASE("candidates that failed rank last") {
   CHECK(maximise(strategy, stream, 100, half_failed) == Approx(1.0).margin(0.05));
   CHECK(std::isfinite(strategy.sigma()));
 }
-
-TEST_CASE("the evolution strategy continues from a checkpoint") {
-  Stream stream(3, "es");
-  EvolutionStrategy strategy(std::vector<double>(5, 0.0), 0.5, 8);
-  maximise(strategy, stream, 5, &ellipsoid);
-  Checkpoint checkpoint;
-  const Archive saving = Archive::saving(checkpoint);
-  strategy.serialize(saving.part("es"));
-  saving.stream("stream", stream);
-  EvolutionStrategy resumed(std::vector<double>(5, 0.0), 0.5, 8);
-  Stream resumed_stream(3, "es");
-  const Archive loading = Archive::loading(checkpoint);
-  resumed.serialize(loading.part("es"));
-  loading.stream("stream", resumed_stream);
-  CHECK(maximise(strategy, stream, 5, &ellipsoid) ==
-        maximise(resumed, resumed_stream, 5, &ellipsoid));
-  CHECK(strategy.mean() == resumed.mean());
-}

@@ -36,14 +36,19 @@ void draw(Batch& batch, std::size_t lane, int step, std::size_t as_lane) {
   draw_targets(batch.targets(lane), random);
 }
 
+// Steps `from` to `to` of all lanes, the first of them as lane `first` of so many.
+void run(Batch& batch, int from, int to, std::size_t first = 0, std::size_t of = 1000) {
+  for (int t = from; t < to; ++t) {
+    for (std::size_t i = 0; i < batch.lanes(); ++i) draw(batch, i, t, (first + i) % of);
+    batch.step();
+  }
+}
+
 // States of one lane, stepped alone.
 State alone(const std::shared_ptr<const Model>& model, std::size_t as_lane, int steps) {
   Batch batch(1);
   batch.place(0, model);
-  for (int t = 0; t < steps; ++t) {
-    draw(batch, 0, t, as_lane);
-    batch.step();
-  }
+  run(batch, 0, steps, as_lane);
   return batch.state(0);
 }
 
@@ -100,13 +105,7 @@ TEST_CASE("a lane takes another model, and its neighbours continue") {
   const auto models = mixed_bodies(4);
   Batch batch(6);
   for (std::size_t i = 0; i < 6; ++i) batch.place(i, models[0]);
-  const auto run = [&](int from, int to) {
-    for (int t = from; t < to; ++t) {
-      for (std::size_t i = 0; i < 6; ++i) draw(batch, i, t, i);
-      batch.step();
-    }
-  };
-  run(0, 10);
+  run(batch, 0, 10);
   batch.place(1, models[2]);
   batch.place(4, models[3]);
   for (int t = 0; t < 10; ++t) {
@@ -121,7 +120,7 @@ TEST_CASE("a lane takes another model, and its neighbours continue") {
   batch.place(1, models[0]);
   for (std::size_t i = 0; i < 6; ++i)
     if (i != 1) batch.place(i, models[0]);
-  run(0, 10);
+  run(batch, 0, 10);
   for (std::size_t i = 0; i < 6; ++i) CHECK(batch.state(i) == alone(models[0], i, 10));
 }
 
@@ -129,16 +128,10 @@ TEST_CASE("states can be saved, perturbed and restored") {
   const auto models = mixed_bodies(1);
   Batch batch(5);
   for (std::size_t i = 0; i < 5; ++i) batch.place(i, models[0]);
-  for (int t = 0; t < 10; ++t) {
-    for (std::size_t i = 0; i < 5; ++i) draw(batch, i, t, i);
-    batch.step();
-  }
+  run(batch, 0, 10);
   const State saved = batch.state(3);
   const auto go_on = [&] {
-    for (int t = 10; t < 20; ++t) {
-      for (std::size_t i = 0; i < 5; ++i) draw(batch, i, t, i);
-      batch.step();
-    }
+    run(batch, 10, 20);
     return batch.state(3);
   };
   const State went_on = go_on();
@@ -152,10 +145,7 @@ TEST_CASE("states can be saved, perturbed and restored") {
   Batch other(1);
   other.place(0, models[0]);
   other.set_state(0, moved);
-  for (int t = 10; t < 20; ++t) {
-    draw(other, 0, t, 3);
-    other.step();
-  }
+  run(other, 10, 20, 3);
   CHECK(go_on() == other.state(0));
   CHECK_FALSE(batch.state(3) == went_on);
 
@@ -175,20 +165,14 @@ TEST_CASE("two batches live at the same time, each in a thread", "[threads]") {
   const auto models = mixed_bodies(count);
   std::vector<State> expected;
   for (std::size_t i = 0; i < count; ++i) expected.push_back(alone(models[i], i, steps));
-  const auto run = [&](Batch& batch, std::size_t first) {
-    for (int t = 0; t < steps; ++t) {
-      for (std::size_t i = 0; i < count; ++i) draw(batch, i, t, (first + i) % count);
-      batch.step();
-    }
-  };
   Batch one(count);
   Batch other(count);
   for (std::size_t i = 0; i < count; ++i) {
     one.place(i, models[i]);
     other.place(i, models[(i + 1) % count]);
   }
-  std::thread thread([&] { run(one, 0); });
-  run(other, 1);
+  std::thread thread([&] { run(one, 0, steps, 0, count); });
+  run(other, 0, steps, 1, count);
   thread.join();
   for (std::size_t i = 0; i < count; ++i) {
     CHECK(one.state(i) == expected[i]);
@@ -200,12 +184,8 @@ TEST_CASE("two batches live at the same time, each in a thread", "[threads]") {
     other.place(i, models[(i + 1) % count]);
   }
   for (int t = 0; t < steps; ++t) {
-    for (std::size_t i = 0; i < count; ++i) {
-      draw(one, i, t, i);
-      draw(other, i, t, (i + 1) % count);
-    }
-    one.step();
-    other.step();
+    run(one, t, t + 1, 0, count);
+    run(other, t, t + 1, 1, count);
   }
   for (std::size_t i = 0; i < count; ++i)
     CHECK(one.state(i) == other.state((i + count - 1) % count));

@@ -39,11 +39,12 @@ bool HasFma() { return has_fma; }
 
 // How many of sqrt(s[i]), a[i] / sqrt(s[i]) and a[i] / 6 differ from IEEE's; quotients
 // that AreOrdinary() warns of do not count.
-std::size_t count_wrong(const double* s, const double* a, std::size_t n) {
+std::size_t count_wrong([[maybe_unused]] const double* s, const double* a, std::size_t n) {
   const hn::ScalableTag<double> d;
   using V = hn::Vec<hn::ScalableTag<double>>;
   constexpr std::size_t width = hn::MaxLanes(d);
-  HWY_ALIGN double root[2 * width], quotient[2 * width], sixth[width];
+  [[maybe_unused]] HWY_ALIGN double root[2 * width], quotient[2 * width];
+  HWY_ALIGN double sixth[width];
   std::size_t wrong = 0;
   for (std::size_t i = 0; i + 2 * width <= n; i += 2 * width) {
 #if HWY_NATIVE_FMA
@@ -61,10 +62,6 @@ std::size_t count_wrong(const double* s, const double* a, std::size_t n) {
       wrong += root[k] != std::sqrt(s[i + k]);
       wrong += ordinary && quotient[k] != a[i + k] / std::sqrt(s[i + k]);
     }
-#else
-    static_cast<void>(s);
-    static_cast<void>(root);
-    static_cast<void>(quotient);
 #endif
     hn::Store(SixthOf(d, V(hn::LoadU(d, a + i))), d, sixth);
     for (std::size_t k = 0; k < width; ++k) wrong += sixth[k] != a[i + k] / 6.0;
@@ -74,7 +71,8 @@ std::size_t count_wrong(const double* s, const double* a, std::size_t n) {
 
 // How many roots of s[i] differ from IEEE's when the estimates of their reciprocals
 // are off by the factor 1 + `error`, as another maker's processor may have it.
-std::size_t count_wrong_roots(const double* s, std::size_t n, double error) {
+std::size_t count_wrong_roots([[maybe_unused]] const double* s, [[maybe_unused]] std::size_t n,
+                              [[maybe_unused]] double error) {
   std::size_t wrong = 0;
 #if HWY_NATIVE_FMA
   const hn::ScalableTag<double> d;
@@ -89,18 +87,16 @@ std::size_t count_wrong_roots(const double* s, std::size_t n, double error) {
     hn::Store(length[0], d, root);
     for (std::size_t k = 0; k < width; ++k) wrong += root[k] != std::sqrt(s[i + k]);
   }
-#else
-  static_cast<void>(s);
-  static_cast<void>(n);
-  static_cast<void>(error);
 #endif
   return wrong;
 }
 
 // How many of a[i] / d[i] differ from IEEE's, the reciprocals beginning `off` units in
 // the last place off; `ordinary` counts those that AreOrdinary() lets pass.
-std::size_t count_wrong_quotients(const double* a, const double* divisors, std::size_t n, int off,
-                                  std::size_t& ordinary) {
+std::size_t count_wrong_quotients([[maybe_unused]] const double* a,
+                                  [[maybe_unused]] const double* divisors,
+                                  [[maybe_unused]] std::size_t n, [[maybe_unused]] int off,
+                                  [[maybe_unused]] std::size_t& ordinary) {
   std::size_t wrong = 0;
 #if HWY_NATIVE_FMA
   const hn::ScalableTag<double> d;
@@ -121,12 +117,6 @@ std::size_t count_wrong_quotients(const double* a, const double* divisors, std::
     hn::Store(q[0], d, quotient);
     for (std::size_t k = 0; k < width; ++k) wrong += quotient[k] != a[i + k] / divisors[i + k];
   }
-#else
-  static_cast<void>(a);
-  static_cast<void>(divisors);
-  static_cast<void>(n);
-  static_cast<void>(off);
-  static_cast<void>(ordinary);
 #endif
   return wrong;
 }

@@ -9,14 +9,11 @@ first such command on nothing is compared. Python fences are run, too.
 With --in-full the indented commands are run as they stand, and all that they print is
 compared; with --update it is written into the file.
 """
-import contextlib
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
-import time
 
 ROUNDS = r"printf 'rounds:\\n  - {pop: %d, evals: %d, steps: 2048}\\n  - {pop: %d, evals: %d, steps: 2048}\\n' > small.yaml; "
 SMALLER = [  # what costs hours of a core
@@ -69,23 +66,6 @@ def blocks(text):
             yield "sh", command, "\n".join(output).strip("\n")
 
 
-@contextlib.contextmanager
-def temporary_folder():
-    """In which jobs of a cluster may still be ending when it goes."""
-    folder = tempfile.mkdtemp()
-    try:
-        yield folder
-    finally:
-        for left in reversed(range(20)):
-            try:
-                shutil.rmtree(folder)
-                break
-            except OSError:
-                if not left:
-                    raise
-                time.sleep(0.5)
-
-
 def indented(lines):
     return "".join(f"    {line}\n" if line else "\n" for line in lines.split("\n"))
 
@@ -96,7 +76,8 @@ def run(path, in_full, update):
     found = [block for block in blocks(text) if not in_full or block[2] is not None]
     assert found, f"{path}: no commands"
     changed, compared = False, 0
-    with temporary_folder() as folder:
+    # Jobs of a cluster may still be ending when it goes.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         for kind, command, output in found:
             less = command if in_full else smaller(command)
             changed = changed or less != command

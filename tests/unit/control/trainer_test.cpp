@@ -17,46 +17,28 @@ using test::heritage, test::trained;
 
 namespace {
 
-// A training of a second or less: 6 updates of 4 x 16 steps, episodes of 10.
-TrainingSettings brief() {
+// A training of a second or less, of episodes of 10 steps. A new algorithm is taken for a search.
+TrainingSettings brief(const std::string& algorithm = "ppo") {
   TrainingSettings s;
-  s.steps = 6 * 64 + 13;
-  s.rollout = 16;
-  s.hidden = {16, 16};
-  s.evaluation_interval = 4;
-  s.learning_rate = 1e-3;
-  s.learning_rate_horizon = 0;
-  return s;
-}
-
-TrainingSettings brief_search(Algorithm algorithm) {
-  TrainingSettings s;
-  s.algorithm = algorithm;
-  s.population = 6;
-  s.steps = 6 * 10 * 5 + 59;
-  return s;
-}
-
-// Three stretches of exploration.
-TrainingSettings brief_sequence() {
-  TrainingSettings s = brief_search(Algorithm("sequence"));
-  s.environments = 2;
-  s.rollout = 16;
-  s.evaluation_interval = 3;
-  s.steps = 2 * 10 + 3 * (96 + 20);
-  return s;
-}
-
-// For any algorithm: a new one is taken for a search.
-TrainingSettings brief(const std::string& algorithm) {
-  if (algorithm == "ppo") return brief();
-  if (algorithm == "modular") {
-    TrainingSettings settings = brief();
-    settings.algorithm = Algorithm(algorithm);
-    return settings;
+  s.algorithm = Algorithm(algorithm);
+  if (algorithm == "ppo" || algorithm == "modular") {  // 6 updates of 4 x 16 steps
+    s.steps = 6 * 64 + 13;
+    s.rollout = 16;
+    s.hidden = {16, 16};
+    s.evaluation_interval = 4;
+    s.learning_rate = 1e-3;
+    s.learning_rate_horizon = 0;
+  } else {
+    s.population = 6;
+    s.steps = 6 * 10 * 5 + 59;
   }
-  if (algorithm == "sequence") return brief_sequence();
-  return brief_search(Algorithm(algorithm));
+  if (algorithm == "sequence") {  // three stretches of exploration
+    s.environments = 2;
+    s.rollout = 16;
+    s.evaluation_interval = 3;
+    s.steps = 2 * 10 + 3 * (96 + 20);
+  }
+  return s;
 }
 
 void check_equal(const TrainResult& a, const TrainResult& b) {
@@ -173,8 +155,7 @@ TEST_CASE("results depend on seed and robot id, and on nothing else") {
 TEST_CASE("trainings side by side are each as alone", "[threads]") {
   const Arena arena(test::walker(10), test::small_body());
   const Arena other(test::walker(10), test::body_a());
-  const std::vector<TrainingSettings> settings{brief(), brief_search(Algorithm("gait")),
-                                               brief_sequence()};
+  const std::vector<TrainingSettings> settings{brief(), brief("gait"), brief("sequence")};
   const auto run = [&](std::size_t i) {
     Trainer trainer(i % 2 == 0 ? arena : other, settings[i % settings.size()], 1,
                     std::to_string(i));
@@ -319,7 +300,7 @@ TEST_CASE("settings that make no sense are refused by name") {
              }),
              Catch::Contains("one generation"));
   CHECK_THAT(message([](auto& s) {
-               s = brief_sequence();
+               s = brief("sequence");
                s.steps = 2 * 10 + 2 * 10 - 1;
              }),
              Catch::Contains("give at least 40"));
@@ -338,7 +319,7 @@ TEST_CASE("a checkpoint of another training is refused") {
   wider.hidden = {32, 32};
   Trainer two(arena, wider, 1, "robot");
   CHECK_THROWS_WITH(two.restore(one.checkpoint()), Catch::Contains("learner/policy/parameters"));
-  Trainer search(arena, brief_search(Algorithm("gait")), 1, "robot");
+  Trainer search(arena, brief("gait"), 1, "robot");
   CHECK_THROWS_WITH(search.restore(one.checkpoint()), Catch::Contains("no array '"));
 }
 
@@ -385,7 +366,7 @@ TEST_CASE("a search for a gait starts afresh from a network that has none") {
 
 TEST_CASE("a search for a sequence begins with one for a gait") {
   const Arena arena(test::walker(10), test::small_body());
-  TrainingSettings without = brief_sequence();
+  TrainingSettings without = brief("sequence");
   without.gait_share = 0.08;  // less than a generation
   without.steps += 320;
   TrainingSettings settings = without;
@@ -436,7 +417,7 @@ std::string turns_of(Trainer& trainer, std::vector<Checkpoint>* checkpoints = nu
 
 TEST_CASE("searches for a gait and for a sequence take turns, and each step of them is resumed") {
   const Arena arena(test::walker(20), test::small_body());
-  TrainingSettings settings = brief_sequence();
+  TrainingSettings settings = brief("sequence");
   settings.steps = 6000;
   settings.gait_share = 0.1;
   Trainer trainer(arena, settings, 1, "robot");
@@ -459,7 +440,7 @@ TEST_CASE("searches for a gait and for a sequence take turns, and each step of t
 
 TEST_CASE("a search for a sequence continues with the gait where waves gain more") {
   const Arena arena(test::walker(60), test::body_a());  // flat ground
-  TrainingSettings settings = brief_sequence();
+  TrainingSettings settings = brief("sequence");
   settings.population = 8;
   settings.rollout = 64;
   settings.steps = 24000;
@@ -475,8 +456,7 @@ TEST_CASE("a search for a sequence continues with the gait where waves gain more
 
 TEST_CASE("episodes begin at moments of what is inherited") {
   const Arena arena(test::walker(10), test::small_body());
-  const TrainingSettings old_settings =
-      GENERATE(brief_sequence(), brief_search(Algorithm("gait")), brief());
+  const TrainingSettings old_settings = brief(GENERATE("sequence", "gait", "ppo"));
   const Inheritance inheritance = heritage(arena, trained(arena, old_settings, 1, "old"));
   TrainingSettings settings = brief();
   settings.moment_share = 0.7;
@@ -520,7 +500,7 @@ TEST_CASE("episodes begin at moments of what is inherited") {
 
 TEST_CASE("a sequence is searched from the start that it is judged from") {
   const Arena arena(test::walker(10), test::small_body());
-  TrainingSettings settings = brief_sequence();
+  TrainingSettings settings = brief("sequence");
   settings.evaluation_jitter = 1e-2;
   Trainer trainer(arena, settings, 3, "robot");
   const TrainResult result = train(trainer);
@@ -538,7 +518,7 @@ TEST_CASE("a sequence is searched from the start that it is judged from") {
 
 TEST_CASE("a network is trained on an inherited sequence") {
   const Arena arena(test::walker(10), test::small_body());
-  const TrainResult found = trained(arena, brief_sequence(), 1, "old");
+  const TrainResult found = trained(arena, brief("sequence"), 1, "old");
   const auto& sequence = std::get<ReplayController>(*found.controller);
   const Inheritance inheritance = heritage(arena, found);
   TrainingSettings settings = brief();
@@ -590,7 +570,7 @@ TEST_CASE("a wave's middle comes back from a checkpoint") {
 
 TEST_CASE("a finished training continues with more steps") {
   const Arena arena(test::walker(10), test::small_body());
-  TrainingSettings settings = GENERATE(brief(), brief_search(Algorithm("gait")), brief_sequence());
+  TrainingSettings settings = brief(GENERATE("ppo", "gait", "sequence"));
   Trainer first(arena, settings, 4, "robot");
   const TrainResult part = train(first);
   settings.steps += 10 * 64;

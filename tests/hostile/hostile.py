@@ -3,11 +3,9 @@
 
     hostile.py [--runs N] [--first K] [--seed S] [--jobs J] [--keep DIR]
 
-Each run must end by itself with a documented status, in at most 20 s of processor
-time and 200 MB; a failure in exactly one line of printable text on standard
-error. Runs are numbered from 0, or from K, and depend on seed and number alone;
---only N does one again, and --keep leaves the damaged files of failures in a
-folder. The tools are found in $EVO_BIN, the data in $EVO_SOURCE.
+How a run has to end: docs/hostile.md. Runs are numbered from 0, or from K; --only N
+does one again, and --keep leaves the damaged files of failures in a folder. The tools
+are found in $EVO_BIN, the data in $EVO_SOURCE.
 """
 import argparse
 import contextlib

@@ -294,6 +294,10 @@ TEST_CASE("settings that make no sense are refused by name") {
   };
   CHECK_THAT(message([](auto& s) { s.minibatches = 65; }), Catch::Contains("minibatches is 65"));
   CHECK_THAT(message([](auto& s) { s.steps = 63; }), Catch::Contains("63 steps"));
+  // With nothing to inherit.
+  CHECK_THAT(message([](auto& s) { s.moment_share = 0.5; }),
+             Catch::Contains("moment_share is 0.5"));
+  CHECK_THAT(message([](auto& s) { s.keep_sequence = true; }), Catch::Contains("keep_sequence"));
   CHECK_THAT(message([](auto& s) {
                s.algorithm = Algorithm("gait");
                s.steps = 100;
@@ -546,16 +550,6 @@ TEST_CASE("a network is trained on an inherited sequence") {
     const TrainResult result = trained(arena, settings, 1, "new", inheritance);
     CHECK_FALSE(std::get<Policy>(*result.controller).base);
   }
-  SECTION("there has to be one") {
-    CHECK_THROWS_WITH(Trainer(arena, settings, 1, "robot"), Catch::Contains("keep_sequence"));
-  }
-}
-
-TEST_CASE("moments without a controller to inherit are refused") {
-  const Arena arena(test::walker(10), test::small_body());
-  TrainingSettings settings = brief();
-  settings.moment_share = 0.5;
-  CHECK_THROWS_WITH(Trainer(arena, settings, 1, "robot"), Catch::Contains("moment_share is 0.5"));
 }
 
 TEST_CASE("a wave's middle comes back from a checkpoint") {

@@ -110,12 +110,6 @@ TEST_CASE("a search that starts from a gait does all that this does") {
   offered.offer(gait);
   offered.explore(60 + 4 * 60);
   CHECK(best_of(arena, offered.news()) >= earns);
-  Checkpoint checkpoint;
-  search.serialize(Archive::saving(checkpoint));
-  SequenceSearch resumed(arena, brief(), once(), stream(7), gait);
-  resumed.serialize(Archive::loading(checkpoint));
-  CHECK(resumed.explore(500) == search.explore(500));
-  CHECK(resumed.news() == search.news());
 }
 
 TEST_CASE("levels stay so many that they fit in memory") {

@@ -9,15 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import evo_robots
-from evo_robots import Simulator, Trained, files, find_tool, robot_document
-
-FEW = {"environments": 4, "rollout": 32, "minibatches": 4, "evaluation_interval": 4}
-SMALL = np.array([[3, 4], [4, 3]])
-
-
-def tool(name, *arguments):
-    return subprocess.run([find_tool(name), *map(str, arguments)], capture_output=True, text=True,
-                          check=True).stdout
+from common import FEW_OPTIONS, SMALL, tool
+from evo_robots import Simulator, Trained, files, robot_document
 
 
 class Files(unittest.TestCase):
@@ -92,7 +85,7 @@ class Files(unittest.TestCase):
                 files.read_run()
             self.skipTest("pandas is not installed")
         trained = self.run_of("walk", "--task", "Walker-v0", "--seed", 1, "--steps", 512, "--no-video",
-                              "--train-options", " ".join(f"--train {k}={v}" for k, v in FEW.items()))
+                              "--train-options", FEW_OPTIONS)
         scored = self.run_of("own", "--evaluate", "jq -c '.fitness = (.body | length)'", "--seed", 2,
                              "--name", "rows")
         (scored / "gen-000" / "scores.jsonl").unlink()  # as of a run that is not finished
@@ -120,7 +113,7 @@ class Files(unittest.TestCase):
 
     def test_logs_and_tensorboard(self):
         run = self.run_of("walk", "--task", "Walker-v0", "--seed", 1, "--steps", 512, "--no-video",
-                          "--train-options", " ".join(f"--train {k}={v}" for k, v in FEW.items()))
+                          "--train-options", FEW_OPTIONS)
         log = next(run.glob("policies/*.log"))
         [line] = files.read_log(log)
         self.assertEqual(line["charts/global_step"], 512)

@@ -22,10 +22,7 @@ import evo_robots
 from evo_robots import EvoError
 from evo_robots.environment import Environment
 import test_own
-
-WALKER = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
-                   [4, 0, 0, 0, 4]])
-SMALL = np.array([[3, 4], [4, 3]])
+from common import SMALL, WALKER, tool
 
 
 class One(unittest.TestCase):
@@ -173,9 +170,8 @@ class Many(unittest.TestCase):
             robot = Path(folder, "robot.json")
             robot.write_text(json.dumps(sims._made["robots"][0]))
             np.save(Path(folder, "actions.npy"), actions)
-            said = json.loads(subprocess.run(
-                [evo_robots.find_tool("evo-eval"), robot, "--task", task, "--actions", f"{folder}/actions.npy",
-                 "--max-steps", "40", "--seed", "3"], capture_output=True, text=True, check=True).stdout)
+            said = json.loads(tool("evo-eval", robot, "--task", task, "--actions", f"{folder}/actions.npy",
+                                   "--max-steps", 40, "--seed", 3))
             self.assertEqual(said["returns"], [total])
             self.assertEqual(copy.deepcopy(env.unwrapped).step(actions[0])[1], env.step(actions[0])[1])
             plain = gymnasium.make("evo/Walker-v0", body=WALKER)

@@ -14,10 +14,7 @@ import numpy as np
 import evo_robots
 from evo_robots import EvoError, Simulator, Task, Trained, World
 from evo_robots.own import TaskEnvironments
-
-WALKER = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
-                   [4, 0, 0, 0, 4]])
-FEW = {"environments": 4, "rollout": 32, "minibatches": 4, "evaluation_interval": 4}
+from common import FEW, FEW_OPTIONS, WALKER, tool
 
 
 def careful(folder):
@@ -196,20 +193,20 @@ class Training(unittest.TestCase):
             official.rollout(rollout)
             self.assertEqual(sorted(os.listdir(folder)), ["walk.policy.h5", "walk.rollout.h5"])
 
-            def tool(name, *words):
+            def ended(name, *words):
                 return subprocess.run([evo_robots.find_tool(name), *words], capture_output=True, text=True)
 
-            self.assertRegex(tool("evo-inspect", policy).stdout, "on Walk, 2048(?s:.*)perturbed .*8 episodes")
+            self.assertRegex(tool("evo-inspect", policy), "on Walk, 2048(?s:.*)perturbed .*8 episodes")
             self.assertAlmostEqual(official.final["mean"], official.fitness, delta=0.3 * abs(official.fitness))
-            self.assertEqual(tool("evo-inspect", "--check", "--replay", folder).returncode, 0)
+            tool("evo-inspect", "--check", "--replay", folder)
             for picture in (["--strip", "4", "-o", f"{folder}/strip.svg"], ["-o", f"{folder}/film.gif"]):
-                self.assertEqual(tool("evo-render", rollout, "--size", "160x90", *picture).stderr, "")
-            refused = tool("evo-eval", "--policy", policy, policy)
+                self.assertEqual(ended("evo-render", rollout, "--size", "160x90", *picture).stderr, "")
+            refused = ended("evo-eval", "--policy", policy, policy)
             self.assertEqual(refused.returncode, 65)
             self.assertRegex(refused.stderr, "^evo-eval: .* is of Walk, a task in Python .*--rollout.*\n$")
             # Another policy's episode, and that of another robot.
             Trained.read(policy).rollout(rollout, Fast)
-            self.assertEqual(tool("evo-inspect", "--check", "--replay", folder).returncode, 65)
+            self.assertEqual(ended("evo-inspect", "--check", "--replay", folder).returncode, 65)
             self.assertEqual(len(Trained.read(policy).video(Walk)), 251)
             self.assertEqual(len(Trained.read(policy).video(careful(folder))), 1 + 500 * 5 // 2)
 
@@ -220,10 +217,8 @@ class Training(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             robot = Path(folder, "robot.json")
             robot.write_text(json.dumps(evo_robots.robot_document(WALKER)))
-            said = subprocess.run(
-                [evo_robots.find_tool("evo-train"), robot, "--task", "Walker-v0", "--steps", "2048", "--seed",
-                 "3", "--out-dir", folder, *[f"--train={k}={v}" for k, v in FEW.items()]],
-                capture_output=True, text=True, check=True).stdout
+            said = tool("evo-train", robot, "--task", "Walker-v0", "--steps", 2048, "--seed", 3, "--out-dir", folder,
+                        *FEW_OPTIONS.split())
             self.assertEqual(json.loads(said)["fitness"], trained.fitness)
 
     def test_ctrl_c_ends_a_training(self):
@@ -294,9 +289,8 @@ class Training(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "walk.py").write_text(WALK)
             command = [sys.executable, "-m", "evo_robots", f"{folder}/walk.py:Walk", "--steps", "512", "--out-dir",
-                       folder, *[f"--train={k}={v}" for k, v in FEW.items()]]
-            robots = subprocess.run([evo_robots.find_tool("evo-sample"), "-n", "2", "--seed", "1"],
-                                    capture_output=True, text=True, check=True).stdout
+                       folder, *FEW_OPTIONS.split()]
+            robots = tool("evo-sample", "-n", 2, "--seed", 1)
             said = subprocess.run(command, input=robots, capture_output=True, text=True, check=True).stdout
             found = [json.loads(line) for line in said.splitlines()]
             self.assertEqual([robot["id"] for robot in found],

@@ -4,7 +4,6 @@ import hashlib
 import json
 import pickle
 import signal
-import subprocess
 import tempfile
 import threading
 import unittest
@@ -14,11 +13,8 @@ import h5py
 import numpy as np
 
 import evo_robots
+from common import SMALL, WALKER, tool
 from evo_robots import EvoError, Simulator
-
-WALKER = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
-                   [4, 0, 0, 0, 4]])
-SMALL = np.array([[3, 4], [4, 3]])
 
 
 class Bodies(unittest.TestCase):
@@ -63,9 +59,7 @@ class Bodies(unittest.TestCase):
         np.testing.assert_array_equal(evo_robots.robot_arrays(benchmarks)[1], links)
 
     def test_task_names_are_those_of_the_tools(self):
-        names = subprocess.run([evo_robots.find_tool("evo-data"), "--names", "tasks"],
-                               capture_output=True, text=True, check=True).stdout.split()
-        self.assertEqual(sorted(evo_robots.TASKS), sorted(names))
+        self.assertEqual(sorted(evo_robots.TASKS), sorted(tool("evo-data", "--names", "tasks").split()))
         for name, limit in evo_robots.TASKS.items():
             with Simulator(name, WALKER) as simulator:
                 self.assertEqual(simulator.info["episode_steps"], limit)
@@ -97,10 +91,8 @@ class Stepping(unittest.TestCase):
                 file["actions"] = actions
             Path(folder, "robot.json").write_text(json.dumps(evo_robots.robot_document(WALKER)))
             for kind in ("npy", "npz", "h5"):
-                subprocess.run(
-                    [evo_robots.find_tool("evo-eval"), "--task", "Walker-v0", "--actions", f"{folder}/actions.{kind}",
-                     "--rollout", f"{folder}/rollout.h5", f"{folder}/robot.json"],
-                    capture_output=True, check=True)
+                tool("evo-eval", "--task", "Walker-v0", "--actions", f"{folder}/actions.{kind}",
+                     "--rollout", f"{folder}/rollout.h5", f"{folder}/robot.json")
                 with h5py.File(f"{folder}/rollout.h5") as file:
                     positions = file["episode_0/infos/positions"][1:, robot]
                 self.assertEqual(digest(positions), wanted, kind)
@@ -439,16 +431,13 @@ class Views(unittest.TestCase):
             document = lambda body: json.dumps(evo_robots.robot_document(body)) + "\n"
             with open(f"{folder}/robots", "w", encoding="utf-8") as file:
                 file.write(document(WALKER) + document(SMALL))
-            def tool(name, *arguments):
-                return subprocess.run([evo_robots.find_tool(name), "-q", *arguments], check=True, text=True,
-                                      stdout=subprocess.PIPE, cwd=folder).stdout
-            tool("evo-train", "robots", "--task", "Walker-v0", "--train", "modular", "--train",
-                 "environments=2", "--train", "clock=20", "--steps", "512", "--shared", "one.policy.h5", "-o", "scored")
+            tool("evo-train", "-q", "robots", "--task", "Walker-v0", "--train", "modular", "--train", "environments=2",
+                 "--train", "clock=20", "--steps", 512, "--shared", "one.policy.h5", "-o", "scored", cwd=folder)
             other = evo_robots.sample_robot((4, 3), rng=np.random.default_rng(1))[0]
             with open(f"{folder}/other", "w", encoding="utf-8") as file:
                 file.write(document(other))
             expected = [json.loads(line)["fitness"] for line in
-                        tool("evo-eval", "--policy", "one.policy.h5", "robots", "other").splitlines()]
+                        tool("evo-eval", "-q", "--policy", "one.policy.h5", "robots", "other", cwd=folder).splitlines()]
             policy = evo_robots.Trained.read(f"{folder}/one.policy.h5")
         simulator = Simulator("Walker-v0", [WALKER, SMALL, other], envs=2)
         simulator.reset()

@@ -1,7 +1,6 @@
 """A PPO of Stable-Baselines3 trains on the environments, and its policy goes back
 to the tools."""
 import json
-import subprocess
 import tempfile
 import unittest
 import warnings
@@ -15,11 +14,10 @@ from stable_baselines3.common.env_checker import check_env
 from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack, VecNormalize
 
 import evo_robots
+from common import WALKER as BODY, tool
 from evo_robots.stable_baselines3 import Sb3Environments, write_sb3_policy
 
 torch.set_num_threads(1)
-BODY = np.array([[1, 3, 3, 3, 1], [4, 2, 2, 2, 4], [4, 3, 1, 3, 4], [4, 0, 0, 0, 4],
-                 [4, 0, 0, 0, 4]])
 
 
 class Training(unittest.TestCase):
@@ -45,14 +43,10 @@ class Training(unittest.TestCase):
             document = evo_robots.robot_document(BODY)
             robot.write_text(json.dumps(document))
             write_sb3_policy(policy, model, envs.inner.simulator, document)
-            said = json.loads(subprocess.run(
-                [evo_robots.find_tool("evo-eval"), policy, "--policy", policy,
-                 "--rollout", Path(folder, "walk.h5")],
-                capture_output=True, text=True, check=True).stdout)
+            said = json.loads(tool("evo-eval", policy, "--policy", policy, "--rollout", Path(folder, "walk.h5")))
             # Single precision sums differently in torch: the episodes drift apart slowly.
             self.assertAlmostEqual(said["fitness"], after, delta=0.1 * abs(after))
-            subprocess.run([evo_robots.find_tool("evo-render"), Path(folder, "walk.h5"), "--strip",
-                            "4", "-o", Path(folder, "walk.png")], check=True)
+            tool("evo-render", Path(folder, "walk.h5"), "--strip", 4, "-o", Path(folder, "walk.png"))
         envs.close()
 
     def test_what_a_policy_holds_is_taken_over_and_the_rest_refused(self):

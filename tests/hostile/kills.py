@@ -22,24 +22,20 @@ import time
 
 import valid
 
-SMALL = ["--train", "hidden=8", "--train", "environments=2", "--train", "rollout=32",
-         "--train", "final_episodes=2"]
 # Command, and the files it makes. @ is the folder of valid files.
 TOOLS = [
-    (["evo-sample", "-n", "2000", "-o", "o.jsonl"], ["o.jsonl"]),
-    (["evo-mutate", "-n", "1000", "@/robots.jsonl", "-o", "o.jsonl"], ["o.jsonl"]),
-    (["evo-select", "@/many.jsonl", "-o", "o.jsonl"], ["o.jsonl"]),
-    (["evo-suggest", "-q", "-n", "5", "@/scored.jsonl", "-o",
-      "o.jsonl"], ["o.jsonl"]),
-    (["evo-neat", "-n", "200", "--state-out", "s.json", "-o", "o.jsonl"], ["s.json", "o.jsonl"]),
-    (["evo-convert", "@/many.jsonl", "-o", "o.yaml"], ["o.yaml"]),
-    (["evo-convert", "@/rollout.h5", "--to", "minari", "-o", "set"], ["set"]),
-    (["evo-eval", "--task", "Walker-v0", "--actions", "random", "@/robots.jsonl", "--rollout", "r/", "-o",
-      "o.jsonl"], ["o.jsonl"]),
-    (["evo-train", "--task", "Walker-v0", "--steps", "1280", "@/one.txt", "--out-dir", "p", "-o",
-      "o.jsonl", "--checkpoint-every", "64", "--resume", *SMALL], ["o.jsonl", "p/{id}.policy.h5"]),
-    (["evo-render", "@/one.txt", "-o", "o.png"], ["o.png"]),
-    (["evo-render", "-j2", "@/rollout.h5", "--size", "64x64", "-o", "o.gif"], ["o.gif"]),
+    ("evo-sample -n 2000 -o o.jsonl", "o.jsonl"),
+    ("evo-mutate -n 1000 @/robots.jsonl -o o.jsonl", "o.jsonl"),
+    ("evo-select @/many.jsonl -o o.jsonl", "o.jsonl"),
+    ("evo-suggest -q -n 5 @/scored.jsonl -o o.jsonl", "o.jsonl"),
+    ("evo-neat -n 200 --state-out s.json -o o.jsonl", "s.json o.jsonl"),
+    ("evo-convert @/many.jsonl -o o.yaml", "o.yaml"),
+    ("evo-convert @/rollout.h5 --to minari -o set", "set"),
+    ("evo-eval --task Walker-v0 --actions random @/robots.jsonl --rollout r/ -o o.jsonl", "o.jsonl"),
+    ("evo-train --task Walker-v0 --steps 1280 @/one.txt --out-dir p -o o.jsonl --checkpoint-every 64 --resume"
+     " --train hidden=8 --train environments=2 --train rollout=32 --train final_episodes=2", "o.jsonl p/{id}.policy.h5"),
+    ("evo-render @/one.txt -o o.png", "o.png"),
+    ("evo-render -j2 @/rollout.h5 --size 64x64 -o o.gif", "o.gif"),
 ]
 faults = []
 
@@ -66,8 +62,8 @@ def run(words, folder, **options):
                           **options)
 
 
-def resolve(words, folder, identity):
-    return [word.replace("@", folder).replace("{id}", identity) for word in words]
+def resolve(text, folder, identity):
+    return [word.replace("@", folder).replace("{id}", identity) for word in text.split()]
 
 
 def is_spare(name):
@@ -157,8 +153,7 @@ def main():
                                  input=valid.run("evo-sample", "-n", "1000")))
         identity = valid.run("jq", "-r", ".id", os.path.join(made, "robot.json")).decode().strip()
         for words, outputs in TOOLS:
-            words = resolve(words, made, identity)
-            outputs = resolve(outputs, made, identity)
+            words, outputs = (resolve(text, made, identity) for text in (words, outputs))
             kill_tool(words, outputs, asked.kills, folder)
             if mounts:
                 full_disk(words, outputs, folder)

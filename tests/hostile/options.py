@@ -4,20 +4,18 @@ import subprocess
 
 # Commands that are quick and succeed as they stand.
 TOOLS = {
-    "evo-sample": ["-n", "1"],
-    "evo-mutate": ["-n", "1", "valid/one.txt"],
-    "evo-select": ["valid/scored.jsonl"],
-    "evo-suggest": ["-q", "-n", "1"],
-    "evo-neat": ["-n", "2", "--shape", "2x2", "--state-out", "o.json"],
-    "evo-convert": ["valid/robots.jsonl"],
-    "evo-inspect": ["valid/robot.json"],
-    "evo-eval": ["-j1", "--task", "Walker-v0", "--actions", "random", "--max-steps", "2", "valid/one.txt"],
-    "evo-train": ["-j1", "--task", "Walker-v0", "--train", "valid/tiny.yaml", "--steps", "2", "--out-dir",
-                  "policies", "--force", "valid/one.txt"],
-    "evo-bench": ["--sizes", "3", "--seconds", "0.001"],
-    "evo-report": ["valid"],
-    "evo-evolve": ["neat", "--run", "r", "--pop", "3", "--evals", "6", "--steps", "512", "--shape", "2x2",
-                   "--plan", "-q"],
+    "evo-sample": "-n 1",
+    "evo-mutate": "-n 1 valid/one.txt",
+    "evo-select": "valid/scored.jsonl",
+    "evo-suggest": "-q -n 1",
+    "evo-neat": "-n 2 --shape 2x2 --state-out o.json",
+    "evo-convert": "valid/robots.jsonl",
+    "evo-inspect": "valid/robot.json",
+    "evo-eval": "-j1 --task Walker-v0 --actions random --max-steps 2 valid/one.txt",
+    "evo-train": "-j1 --task Walker-v0 --train valid/tiny.yaml --steps 2 --out-dir policies --force valid/one.txt",
+    "evo-bench": "--sizes 3 --seconds 0.001",
+    "evo-report": "valid",
+    "evo-evolve": "neat --run r --pop 3 --evals 6 --steps 512 --shape 2x2 --plan -q",
 }
 VALUES = [
     "", " ", "0", "-1", "1.5", "nan", "inf", "-inf", "1e308", "1e999", "99999999999999999999",
@@ -43,4 +41,4 @@ def cases():
         for option in options_of(tool):
             for value in VALUES:
                 if (tool, option, value) not in MEANT:
-                    yield [tool, *words, option, value]
+                    yield [tool, *words.split(), option, value]

@@ -105,8 +105,7 @@ ModularSamples plausible_batch(const ModularPolicy& policy, const Bodies& bodies
   prepare(policy.critic, bodies, prepared);
   forward_critic(policy, bodies, prepared, batch.states, pass, values);
   const double deviation = std::exp(static_cast<double>(policy.log_std[0]));
-  for (Vector* v : {&batch.log_probs, &batch.values, &batch.advantages, &batch.returns})
-    v->resize(samples);
+  batch.resize(samples);
   std::size_t next = 0;
   for (Eigen::Index m = 0; m < samples; ++m) {
     double log_prob = 0.0;

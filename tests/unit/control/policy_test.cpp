@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "libevo/control/ppo.h"
+
 using namespace evo;
 
 TEST_CASE("orthogonal layers have orthogonal rows or columns of the given gain") {
@@ -23,9 +25,7 @@ TEST_CASE("orthogonal layers have orthogonal rows or columns of the given gain")
 
 TEST_CASE("running moments are those of all observations at once") {
   Stream stream(4, "test");
-  Normalizer running;
-  running.mean = Eigen::VectorXd::Zero(3);
-  running.variance = Eigen::VectorXd::Ones(3);
+  Normalizer running = fresh_normalizer(3);
   running.count = 1e-12;  // a prior that weighs nothing
   std::vector<double> all;
   for (const int rows : {4, 1, 7, 16}) {
@@ -84,9 +84,7 @@ TEST_CASE("acting on a batch is acting on each row") {
   policy.actor = orthogonal_network(inputs, {64, 64}, 3, std::sqrt(2.0), 1.0, stream);
   policy.critic = orthogonal_network(inputs, {64, 64}, 1, std::sqrt(2.0), 1.0, stream);
   policy.log_std = Vector::Zero(3);
-  policy.normalizer.mean = Eigen::VectorXd::Zero(7);
-  policy.normalizer.variance = Eigen::VectorXd::Ones(7);
-  policy.normalizer.count = 1;
+  policy.normalizer = fresh_normalizer(7);
   std::vector<double> observations(7 * 9);
   for (double& o : observations) o = stream.gaussian();
   std::vector<double> together(3 * 9);
@@ -104,8 +102,7 @@ TEST_CASE("networks see the clock of the episode after the observation, and act 
   Policy policy;
   policy.actor.layers = {{Matrix::Zero(2, 3 + 2), Vector::Zero(2)}};
   policy.log_std = Vector::Zero(2);
-  policy.normalizer.mean = Eigen::VectorXd::Zero(3);
-  policy.normalizer.variance = Eigen::VectorXd::Ones(3);
+  policy.normalizer = fresh_normalizer(3);
   policy.clock = {8.0};
   CHECK(policy.observation_length() == 3);
 
@@ -134,8 +131,7 @@ TEST_CASE("a network on a sequence adds to its targets, and to the last of them 
   Policy policy;
   policy.actor.layers = {{Matrix::Zero(2, 1), Vector{{0.1F, -0.1F}}}};
   policy.log_std = Vector::Zero(2);
-  policy.normalizer.mean = Eigen::VectorXd::Zero(1);
-  policy.normalizer.variance = Eigen::VectorXd::Ones(1);
+  policy.normalizer = fresh_normalizer(1);
   policy.base = ReplayController{{0.9, 1.0, 1.2, 1.55}, 2};
   std::vector<double> targets(6);
   act(policy, std::vector<double>{0, 0, 0}, std::vector<int>{0, 1, 7}, targets);

@@ -113,8 +113,7 @@ StatedSamples plausible_batch(const Policy& policy, int samples, Stream& stream)
   Activations value;
   forward(policy.actor, batch.states, mean);
   forward(policy.critic, batch.states, value);
-  for (Vector* v : {&batch.log_probs, &batch.values, &batch.advantages, &batch.returns})
-    v->resize(samples);
+  batch.resize(samples);
   for (Eigen::Index i = 0; i < samples; ++i) {
     double log_prob = 0.0;
     for (Eigen::Index j = 0; j < actions; ++j) {

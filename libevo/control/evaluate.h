@@ -17,11 +17,11 @@ namespace evo {
 struct EvaluationSettings {
   int episodes = 1;
   std::uint64_t seed = 0;
-  double jitter = 0.0;         // of every start coordinate, voxels
-  int max_steps = 0;           // episodes end here at the latest; 0: the task's limit alone
-  std::optional<Draws> draws;  // of every episode, instead of those of (seed, k)
-  int lanes = 16;              // episodes side by side: speed, not results
-  int threads = 1;             // that planners share: speed, too
+  double jitter = 0.0;              // of every start coordinate, voxels
+  int max_steps = 0;                // episodes end here at the latest; 0: the task's limit alone
+  std::optional<Draws> draws = {};  // of every episode, instead of those of (seed, k)
+  int lanes = 16;                   // episodes side by side: speed, not results
+  int threads = 1;                  // that planners share: speed, too
 };
 
 // How an episode of an evaluation, counted from 0, begins.

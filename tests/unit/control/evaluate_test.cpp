@@ -30,11 +30,7 @@ TEST_CASE("episodes do not depend on those beside them, for any controller") {
   const Controller controller =
       GENERATE_REF(Controller(policy_for(arena)), Controller(travelling_wave(5, 0.4, 9.0, 1.0)),
                    Controller(RandomController{}));
-  EvaluationSettings settings;
-  settings.episodes = 5;
-  settings.seed = 3;
-  settings.jitter = 1e-3;
-  settings.lanes = 1;
+  EvaluationSettings settings{.episodes = 5, .seed = 3, .jitter = 1e-3, .lanes = 1};
   const Evaluation alone = evaluate(arena, controller, settings);
   REQUIRE(alone.returns.size() == 5);
   CHECK(alone.lengths == std::vector<int>(5, 12));
@@ -58,8 +54,7 @@ TEST_CASE("recorded actions give the episode again, and end it") {
   double sum = 0.0;
   int moments = 0;
   int last = 0;
-  EvaluationSettings settings;
-  settings.max_steps = 15;
+  EvaluationSettings settings{.max_steps = 15};
   const Evaluation original =
       evaluate(arena, RandomController{}, settings, [&](const EpisodeMoment& moment) {
         ++moments;
@@ -100,9 +95,7 @@ TEMPLATE_TEST_CASE("many open-loop controllers at once are each as if alone", ""
     else
       controllers.push_back(recorded(arena, wave, {}));
   }
-  EvaluationSettings settings;
-  settings.episodes = 2;
-  settings.jitter = 1e-3;
+  const EvaluationSettings settings{.episodes = 2, .jitter = 1e-3};
   const OpenLoopEvaluation all = evaluate_each(arena, controllers, settings);
   CHECK(all.steps == 5 * 2 * 10);
   for (std::size_t i = 0; i < controllers.size(); ++i)
@@ -111,10 +104,9 @@ TEMPLATE_TEST_CASE("many open-loop controllers at once are each as if alone", ""
 
 TEST_CASE("an episode's peak is its highest return") {
   const Arena arena(test::walker(30), test::small_body());
-  EvaluationSettings settings;
   std::vector<double> sums;
   const Evaluation result =
-      evaluate(arena, travelling_wave(5, 0.5, 12.0, 1.3), settings, [&](const EpisodeMoment& m) {
+      evaluate(arena, travelling_wave(5, 0.5, 12.0, 1.3), {}, [&](const EpisodeMoment& m) {
         if (m.targets.empty()) return;
         sums.push_back((sums.empty() ? 0.0 : sums.back()) + m.env.rewards()[0]);
       });

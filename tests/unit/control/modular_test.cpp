@@ -383,10 +383,7 @@ TEST_CASE("what a body does and learns does not depend on what is beside it") {
   Stream stream(10, "beside");
   const ModularPolicy policy = example_policy(stream);
   const Robots robots(three_bodies());
-  EvaluationSettings settings;
-  settings.episodes = 5;
-  settings.jitter = 0.01;
-  settings.lanes = 1;
+  EvaluationSettings settings{.episodes = 5, .jitter = 0.01, .lanes = 1};
   const Evaluation alone = evaluate(robots.arenas[1], policy, settings);
   settings.lanes = 5;
   CHECK(evaluate(robots.arenas[1], policy, settings).returns == alone.returns);
@@ -409,11 +406,8 @@ TEST_CASE("one modular policy for several robots learns, and to the same bytes")
   CHECK(policy.local.count == Approx(voxels * static_cast<double>(result.best_step) / 3 * 17 / 16));
 
   double mean = 0.0;
-  for (const Arena& arena : robots.arenas) {
-    EvaluationSettings evaluation;
-    evaluation.seed = 5;
-    mean += evaluate(arena, policy, evaluation).mean() / 3.0;
-  }
+  for (const Arena& arena : robots.arenas)
+    mean += evaluate(arena, policy, {.seed = 5}).mean() / 3.0;
   CHECK(mean == Approx(*result.fitness));
 }
 
@@ -462,11 +456,9 @@ TEST_CASE("a child of another body starts with its parent's controller as it is"
   Trainer child(robots.arenas[1], small_settings(), 5, "child",
                 heritage(robots.arenas[0], learned));
   child.advance();
-  EvaluationSettings evaluation;
-  evaluation.seed = 5;
   // Its deviation differs, which the deterministic controller does not see.
   CHECK(child.result().curve.front().evaluation ==
-        evaluate(robots.arenas[1], *learned.controller, evaluation).mean());
+        evaluate(robots.arenas[1], *learned.controller, {.seed = 5}).mean());
 }
 
 TEST_CASE("what a modular policy cannot do is said in one line") {

@@ -18,9 +18,7 @@ TEST_CASE("a plan ends with its episode") {
 
 TEST_CASE("a free planner earns more than rest, whatever episodes run beside it") {
   const Arena arena(test::walker(80), test::body_a());
-  EvaluationSettings evaluation;
-  evaluation.episodes = 2;
-  evaluation.jitter = 1e-3;
+  EvaluationSettings evaluation{.episodes = 2, .jitter = 1e-3};
   const auto planner = [](int rounds) {
     return PlannerController{.window = 32, .committed = 16, .rounds = rounds, .lanes = 3};
   };
@@ -44,9 +42,7 @@ TEST_CASE("a planner comes back to the way of a sequence") {
       sequence.actions.push_back(random.integer(0, 1) == 0 ? 0.7 : 1.4);
   const auto ends = [&](const Controller& controller, double jitter) {
     std::vector<Vec2> points;
-    EvaluationSettings evaluation;
-    evaluation.jitter = jitter;
-    evaluate(arena, controller, evaluation, [&](const EpisodeMoment& moment) {
+    evaluate(arena, controller, {.jitter = jitter}, [&](const EpisodeMoment& moment) {
       const auto now = moment.env.positions(moment.lane);
       points.assign(now.begin(), now.end());
     });

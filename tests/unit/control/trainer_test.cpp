@@ -98,9 +98,7 @@ TEST_CASE("a training takes its updates, evaluates when due, and keeps the best"
     CHECK(std::count(names.begin(), names.end(), name) > 0);
 
   // The controller kept is the one that was evaluated.
-  EvaluationSettings evaluation;
-  evaluation.seed = 1;
-  CHECK(evaluate(arena, *result.controller, evaluation).mean() == *result.fitness);
+  CHECK(evaluate(arena, *result.controller, {.seed = 1}).mean() == *result.fitness);
   REQUIRE(result.final_score);
   CHECK(result.final_score->episodes == 3);
   CHECK(result.final_score->standard_error > 0.0);
@@ -231,9 +229,7 @@ TEST_CASE("open-loop searches stay within their budget, and are what they claim"
     CHECK(result.curve.size() >= 3);
     CHECK(std::holds_alternative<ReplayController>(*result.controller));
   }
-  EvaluationSettings evaluation;
-  evaluation.seed = 1;
-  CHECK(evaluate(arena, *result.controller, evaluation).mean() == *result.fitness);
+  CHECK(evaluate(arena, *result.controller, {.seed = 1}).mean() == *result.fitness);
 }
 
 namespace {
@@ -510,11 +506,8 @@ TEST_CASE("a sequence is searched from the start that it is judged from") {
   const TrainResult result = train(trainer);
   const Checkpoint end = trainer.checkpoint();
   // The first moment of the archive, before any step.
-  EvaluationSettings judged;
-  judged.seed = 3;
-  judged.jitter = 1e-2;
   VecEnv env(arena, 1);
-  env.reset(0, start_of(arena, judged, 0));
+  env.reset(0, start_of(arena, {.seed = 3, .jitter = 1e-2}, 0));
   const auto first = env.save(0);
   const auto& states = end.get<std::uint8_t>("search/soonest");
   CHECK(std::search(states.begin(), states.end(), first.begin(), first.end()) != states.end());

@@ -37,12 +37,14 @@ inline constexpr bool has_fma = false;
 
 bool HasFma() { return has_fma; }
 
+// A register of numbers.
+constexpr hn::ScalableTag<double> d;
+using V = hn::Vec<hn::ScalableTag<double>>;
+constexpr std::size_t width = hn::MaxLanes(d);
+
 // How many of sqrt(s[i]), a[i] / sqrt(s[i]) and a[i] / 6 differ from IEEE's; quotients
 // that AreOrdinary() warns of do not count.
 std::size_t count_wrong([[maybe_unused]] const double* s, const double* a, std::size_t n) {
-  const hn::ScalableTag<double> d;
-  using V = hn::Vec<hn::ScalableTag<double>>;
-  constexpr std::size_t width = hn::MaxLanes(d);
   [[maybe_unused]] HWY_ALIGN double root[2 * width], quotient[2 * width];
   HWY_ALIGN double sixth[width];
   std::size_t wrong = 0;
@@ -75,9 +77,6 @@ std::size_t count_wrong_roots([[maybe_unused]] const double* s, [[maybe_unused]]
                               [[maybe_unused]] double error) {
   std::size_t wrong = 0;
 #if HWY_NATIVE_FMA
-  const hn::ScalableTag<double> d;
-  using V = hn::Vec<hn::ScalableTag<double>>;
-  constexpr std::size_t width = hn::MaxLanes(d);
   HWY_ALIGN double root[width];
   for (std::size_t i = 0; i + width <= n; i += width) {
     const V square[1] = {hn::LoadU(d, s + i)};
@@ -99,9 +98,6 @@ std::size_t count_wrong_quotients([[maybe_unused]] const double* a,
                                   [[maybe_unused]] std::size_t& ordinary) {
   std::size_t wrong = 0;
 #if HWY_NATIVE_FMA
-  const hn::ScalableTag<double> d;
-  using V = hn::Vec<hn::ScalableTag<double>>;
-  constexpr std::size_t width = hn::MaxLanes(d);
   HWY_ALIGN double quotient[width];
   for (std::size_t i = 0; i + width <= n; i += width) {
     const V numerator[1] = {hn::LoadU(d, a + i)};

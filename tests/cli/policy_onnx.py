@@ -82,14 +82,10 @@ def modular_episode(policy, robot):
     return {name: np.concatenate(values) for name, values in seen.items()}, np.concatenate(recorded)
 
 
-def recorded_episode(arguments):
-    """What a controller saw, and what it did."""
-    return (episode if len(arguments) == 3 else modular_episode)(*arguments[2:])
-
-
 if __name__ == "__main__":
     model = onnx.load(sys.argv[1])
-    inputs, recorded = recorded_episode(sys.argv)
+    # What a controller saw, and what it did.
+    inputs, recorded = (episode if len(sys.argv) == 3 else modular_episode)(*sys.argv[2:])
     wanted = {value.name for value in model.graph.input}
     inputs = {name: value for name, value in inputs.items() if name in wanted}
     worst = 0.0

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "libevo/base/error.h"
 #include "libevo/evolve/cppn.h"
+#include "tests/unit/expect.h"
 
 using namespace evo;
 
@@ -85,13 +85,8 @@ TEST_CASE("a shape without enough robots is an error, not an endless search") {
   settings.pop_size = 3;
   NeatState state;
   std::set<std::string> seen;
-  try {
-    first_robots(settings, 1, 1, seen, state, 2);
-    FAIL("no error");
-  } catch (const Error& error) {
-    CHECK(error.kind() == Failure::work);
-    CHECK_THAT(error.what(), Catch::Contains("2 of 3 found"));
-  }
+  test::expect_error(Failure::work, Catch::Contains("2 of 3 found"),
+                     [&] { first_robots(settings, 1, 1, seen, state, 2); });
 }
 
 TEST_CASE("networks of other shapes are refused") {

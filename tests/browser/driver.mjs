@@ -14,7 +14,7 @@ export const launch = async (program, profile, { offline = false } = {}) => {
     { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
   const answers = new Map();
   const complaints = [], requests = [];
-  let session, count = 0, received = '';
+  let session, count = 0;
   // JSON messages that end with a zero byte.
   const call = (method, params = {}) => new Promise((resolve, reject) => {
     answers.set(++count, { resolve, reject });
@@ -41,8 +41,7 @@ export const launch = async (program, profile, { offline = false } = {}) => {
     let rest = data;
     for (let at; (at = rest.indexOf(0)) >= 0; rest = rest.subarray(at + 1)) {
       parts.push(rest.subarray(0, at));
-      received = Buffer.concat(parts.splice(0)).toString();
-      hear(JSON.parse(received));
+      hear(JSON.parse(Buffer.concat(parts.splice(0)).toString()));
     }
     if (rest.length) parts.push(rest);
   });

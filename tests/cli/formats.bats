@@ -25,7 +25,6 @@ schema() { /usr/bin/python3 "$EVO_SOURCE/tests/cli/check_schema.py" "$1"; }
   schema neat-state < next.json
   evo-eval --task Walker-v0 --actions random --max-steps 3 sampled | tee scored | schema robot
   evo-select --keep 3 scored | schema robot
-  evo-eval --task Walker-v0 --actions random --max-steps 3 sampled | schema robot
   schema robot < net.json
   schema robot < sine.json
   evo-train small.txt --task Walker-v0 --steps 64 --out-dir bad --failures skip --train learning_rate=1e300 --train environments=2 --train rollout=8 | schema robot

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "libevo/base/error.h"
 #include "tests/unit/control/arena.h"
 
 using namespace evo;

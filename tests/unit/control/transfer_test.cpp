@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <cmath>
 
-#include "libevo/base/error.h"
 #include "libevo/control/policy_passes.h"
 #include "tests/unit/control/arena.h"
 

@@ -1,7 +1,6 @@
 #include "libevo/evolve/archive.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <limits>
 
 #include "libevo/base/error.h"

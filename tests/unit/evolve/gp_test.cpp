@@ -1,6 +1,5 @@
 #include "libevo/evolve/gp.h"
 
-#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>

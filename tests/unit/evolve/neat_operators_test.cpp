@@ -1,6 +1,5 @@
 #include "libevo/evolve/neat_operators.h"
 
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>

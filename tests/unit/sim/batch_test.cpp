@@ -7,7 +7,6 @@
 #include <thread>
 #include <vector>
 
-#include "libevo/base/error.h"
 #include "libevo/base/parallel.h"
 #include "libevo/body/operators.h"
 #include "tests/unit/sim/fixtures.h"

@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "libevo/base/error.h"
 #include "libevo/sim/compiled.h"
 #include "tests/unit/sim/fixtures.h"
 

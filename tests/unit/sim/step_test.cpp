@@ -5,9 +5,7 @@
 #include <limits>
 #include <memory>
 
-#include "libevo/base/error.h"
 #include "libevo/body/operators.h"
-#include "libevo/sim/compiled.h"
 #include "tests/unit/sim/fixtures.h"
 
 namespace evo {

@@ -1,6 +1,5 @@
 // Random worlds against what the benchmark's own package computed in them, which
 // benchmarks/peer/worlds.py wrote down.
-#include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cstdint>

@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <concepts>
 #include <csignal>
 #include <cstdint>
@@ -475,10 +474,9 @@ int Command::answer(int argc, char** argv, const std::function<int()>& work) {
   const std::string level = impl.quiet ? "error" : impl.verbose ? "debug" : impl.level;
   log::set(level, impl.log_file);
   resolve(level);
-  const auto start = std::chrono::steady_clock::now();
+  const Clock clock;
   const int status = work();
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-  log::debug(fmt::format("took {}", duration(taken.count())));
+  log::debug(fmt::format("took {}", duration(clock.seconds())));
   return status;
 }
 

@@ -1,7 +1,6 @@
 #include "cli/train.h"
 
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <exception>
@@ -23,11 +22,6 @@ namespace evo {
 namespace {
 
 namespace fs = std::filesystem;
-using SteadyClock = std::chrono::steady_clock;
-
-double seconds_since(SteadyClock::time_point start) {
-  return std::chrono::duration<double>(SteadyClock::now() - start).count();
-}
 
 // ---- what a robot's document says of its training -----------------------------------
 
@@ -174,16 +168,16 @@ class Training {
     log.begin(cli::created_by("evo-train"), plan_.task.name, start_.checkpoint.has_value());
     cli::Journal::Work work;
     work.started = cli::seconds_since_1970();
-    const auto began = SteadyClock::now();
-    work.finished = advance(trainer, log, work.steps, began);
+    const cli::Clock clock;
+    work.finished = advance(trainer, log, work.steps, clock);
     std::vector<Robot> measured;
     if (work.finished) {
-      log.end(seconds_since(began));
+      log.end(clock.seconds());
       measured = finish(trainer, replaces_part);
     } else {
       save(trainer);
     }
-    work.seconds = seconds_since(began);
+    work.seconds = clock.seconds();
     journal_.add(journal_name(plan_, first()), work);
     return measured;
   }
@@ -204,15 +198,14 @@ class Training {
   }
 
   // To the end of the training, or false: interrupted. `steps` are those taken.
-  bool advance(Trainer& trainer, TrainingLog& log, std::int64_t& steps,
-               SteadyClock::time_point began) {
+  bool advance(Trainer& trainer, TrainingLog& log, std::int64_t& steps, const cli::Clock& clock) {
     const std::int64_t first_step = trainer.result().steps;  // of this process
     std::int64_t saved_step = first_step;
     while (!trainer.done()) {
       const TrainingReport report = trainer.advance();
       steps = report.step - first_step;
       if (metric(report, "eval/return"))
-        log.line(report, static_cast<double>(steps) / std::max(seconds_since(began), 1e-9));
+        log.line(report, static_cast<double>(steps) / std::max(clock.seconds(), 1e-9));
       follower_.progress(index_, report);
       if (trainer.done()) break;
       if (cli::interrupted() != 0) return false;

@@ -295,7 +295,7 @@ int main(int argc, char** argv) {
         Robot measured = measure(settings, task, robot, command.seed, threads);
         double steps = 0.0;
         for (const Json& length : measured.document.at("lengths")) steps += length.get<double>();
-        progress.update(i, {robot.id, 1.0, {}, 0.0}, steps);
+        progress.update(i, {robot.id, 1.0, {}, 0.0, steps});
         out.put(i, std::move(measured));
       } catch (const Error& e) {
         if (!settings.skip_failures || e.kind() != Failure::work) throw e.at("robot " + robot.id);

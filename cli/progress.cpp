@@ -118,22 +118,17 @@ void LiveLine::erase() {
 
 // ---- trainings ------------------------------------------------------------------
 
-void TrainingProgress::update(std::size_t index, const TrainingView& view, double steps) {
+void TrainingProgress::update(std::size_t index, const TrainingView& view) {
   const std::lock_guard lock(mutex_);
-  const auto found = std::find_if(running_.begin(), running_.end(),
-                                  [&](const auto& entry) { return entry.first == index; });
-  steps_ += steps;
-  if (found == running_.end()) {
-    running_.emplace_back(index, view);
-  } else {
-    found->second = view;
-  }
+  TrainingView& shown = running_[index];
+  steps_ += view.steps - shown.steps;
+  shown = view;
   draw();
 }
 
 void TrainingProgress::finish(std::size_t index) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(running_, [&](const auto& entry) { return entry.first == index; });
+  running_.erase(index);
   ++finished_;
   draw();
 }

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -56,6 +57,7 @@ struct TrainingView {
   double done = 0.0;                // share of its steps
   std::vector<double> evaluations;  // so far, drawn as a small curve
   double best = 0.0;
+  double steps = 0.0;  // taken
 };
 
 // A curve in one character per column, "▁▂▅█", scaled to its own range; "_.=#" where a
@@ -78,8 +80,8 @@ class TrainingProgress {
  public:
   TrainingProgress(Progress style, std::size_t total) : line_(style), total_(total) {}
 
-  // The training with this number stands so; `steps` more were taken.
-  void update(std::size_t index, const TrainingView& view, double steps);
+  // The training with this number stands so.
+  void update(std::size_t index, const TrainingView& view);
   void finish(std::size_t index);
 
  private:
@@ -90,7 +92,7 @@ class TrainingProgress {
   std::mutex mutex_;
   std::size_t finished_ = 0;
   double steps_ = 0.0;
-  std::vector<std::pair<std::size_t, TrainingView>> running_;
+  std::map<std::size_t, TrainingView> running_;
 };
 
 }  // namespace evo::cli

@@ -85,40 +85,6 @@ void save_policy(const fs::path& path, const PolicyFile& policy, bool replace) {
   }
 }
 
-// ---- progress -------------------------------------------------------------------------
-
-// Who follows trainings; called from several threads.
-class Follower {
- public:
-  Follower(const cli::Command& command, const std::vector<Robot>& robots)
-      : robots_(robots),
-        line_(command.progress_style(), robots.size()),
-        views_(robots.size()),
-        last_steps_(robots.size(), 0) {}
-
-  void progress(std::size_t i, const TrainingReport& report) {
-    cli::TrainingView& view = views_[i];
-    view.id = robots_[i].id;
-    view.done = static_cast<double>(report.step) / static_cast<double>(report.steps);
-    if (const auto value = metric(report, "eval/return")) {
-      view.evaluations.push_back(*value);
-      view.best = metric(report, "eval/best").value_or(*value);
-      cli::log::debug(fmt::format("robot {}: step {} of {}, return {:.4g}, best {:.4g}", view.id,
-                                  report.step, report.steps, *value, view.best));
-    }
-    line_.update(i, view, static_cast<double>(report.step - last_steps_[i]));
-    last_steps_[i] = report.step;
-  }
-
-  void ended(std::size_t i) { line_.finish(i); }
-
- private:
-  const std::vector<Robot>& robots_;
-  cli::TrainingProgress line_;
-  std::vector<cli::TrainingView> views_;  // each of one thread at a time
-  std::vector<std::int64_t> last_steps_;
-};
-
 // ---- one training ---------------------------------------------------------------------
 
 // One training from its start to its files, or to a checkpoint where it is interrupted: of
@@ -126,12 +92,13 @@ class Follower {
 class Training {
  public:
   Training(const TrainingPlan& plan, std::span<const Robot> robots, std::size_t index,
-           const cli::Journal& journal, Follower& follower)
+           const cli::Journal& journal, cli::TrainingProgress& progress)
       : plan_(plan),
         robots_(robots),
         index_(index),
         journal_(journal),
-        follower_(follower),
+        progress_(progress),
+        view_{robots.front().id, 0.0, {}, 0.0, 0.0},
         paths_(training_paths(plan, robots.front().id)) {
     for (const Robot& robot : robots) {
       try {
@@ -197,6 +164,18 @@ class Training {
     write_checkpoint(paths_.checkpoint, trainer.checkpoint(), start_.identity);
   }
 
+  void show(const TrainingReport& report) {
+    view_.steps = static_cast<double>(report.step);
+    view_.done = view_.steps / static_cast<double>(report.steps);
+    if (const auto value = metric(report, "eval/return")) {
+      view_.evaluations.push_back(*value);
+      view_.best = metric(report, "eval/best").value_or(*value);
+      cli::log::debug(fmt::format("robot {}: step {} of {}, return {:.4g}, best {:.4g}", view_.id,
+                                  report.step, report.steps, *value, view_.best));
+    }
+    progress_.update(index_, view_);
+  }
+
   // To the end of the training, or false: interrupted. `steps` are those taken.
   bool advance(Trainer& trainer, TrainingLog& log, std::int64_t& steps, const cli::Clock& clock) {
     const std::int64_t first_step = trainer.result().steps;  // of this process
@@ -206,7 +185,7 @@ class Training {
       steps = report.step - first_step;
       if (metric(report, "eval/return"))
         log.line(report, static_cast<double>(steps) / std::max(clock.seconds(), 1e-9));
-      follower_.progress(index_, report);
+      show(report);
       if (trainer.done()) break;
       if (cli::interrupted() != 0) return false;
       if (plan_.checkpoint_every > 0 && report.step - saved_step >= plan_.checkpoint_every) {
@@ -289,7 +268,8 @@ class Training {
   std::span<const Robot> robots_;
   std::size_t index_;  // of the first
   const cli::Journal& journal_;
-  Follower& follower_;
+  cli::TrainingProgress& progress_;
+  cli::TrainingView view_;
   TrainingPaths paths_;
   std::deque<Arena> arenas_;  // of each robot
   std::vector<const Arena*> pointers_;
@@ -368,14 +348,14 @@ int train_robots(const cli::Command& command, const TrainingPlan& plan,
   const std::size_t trainings =
       plan.shared ? std::min<std::size_t>(robots.size(), 1) : robots.size();
   for (std::size_t i = 0; i < trainings; ++i) journal.take(journal_name(plan, robots[i]));
-  Follower follower(command, robots);
+  cli::TrainingProgress progress(command.progress_style(), robots.size());
   const auto train = [&](std::span<const Robot> of, std::size_t index) {
-    const std::vector<Robot> measured = Training(plan, of, index, journal, follower).run();
+    const std::vector<Robot> measured = Training(plan, of, index, journal, progress).run();
     for (std::size_t i = 0; i < measured.size(); ++i) {
       stop_at_failure(plan, measured[i]);
       put(index + i, measured[i]);
     }
-    for (std::size_t i = 0; i < of.size(); ++i) follower.ended(index + i);
+    for (std::size_t i = 0; i < of.size(); ++i) progress.finish(index + i);
     journal.ended(journal_name(plan, of.front()));
   };
   cli::Workers workers(command, plan.shared ? 1 : robots.size());

@@ -54,11 +54,7 @@ Robot keep_better(const TrainingPlan& plan, const std::vector<TrainingPlan>& sta
     best = std::move(file);
     best->fitness = mean;  // its training's own value is the best of many on a few starts
   }
-  if (!best) {
-    Robot failed = robot;
-    failed.set_failure({"no network was trained", steps, plan.seed});
-    return failed;
-  }
+  if (!best) return robot.failed({"no network was trained", steps, plan.seed});
   const Evaluation last =
       evaluate(arena, best->controller, perturbed(final_from, derive_seed(plan.seed, "final")));
   best->final_score = FinalScore{starts, last.mean(), last.standard_error()};

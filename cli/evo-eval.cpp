@@ -209,12 +209,6 @@ Robot measure(const Settings& settings, const std::optional<TaskSpec>& task, con
   return measured;
 }
 
-Robot failed(const Robot& robot, const std::string& why, std::uint64_t seed) {
-  Robot result = robot;
-  result.set_failure({why, std::nullopt, seed});
-  return result;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -299,7 +293,7 @@ int main(int argc, char** argv) {
         out.put(i, std::move(measured));
       } catch (const Error& e) {
         if (!settings.skip_failures || e.kind() != Failure::work) throw e.at("robot " + robot.id);
-        out.put(i, failed(robot, e.what(), command.seed));
+        out.put(i, robot.failed({e.what(), std::nullopt, command.seed}));
       }
       progress.finish(i);
     });

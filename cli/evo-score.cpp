@@ -40,8 +40,7 @@ Robot scored(const std::string& program, const Robot& robot, const std::string& 
     throw error(Failure::data, "{}: it gave another one, {}", where, answer.id);
   if (!answer.document.contains("fitness"))
     throw error(Failure::data, "{}: the robot it gave has no fitness", where);
-  if (!answer.fitness() && !answer.failure())
-    answer.set_failure({"its program gave no fitness", std::nullopt, std::nullopt});
+  if (!answer.fitness() && !answer.failure()) return answer.failed({"its program gave no fitness"});
   return answer;
 }
 
@@ -64,11 +63,8 @@ std::optional<Robot> score(const Options& options, const Robot& robot) {
       throw error(Failure::data, "'{}' ended with status {} for robot {}", options.program, status,
                   robot.id);
   }
-  Robot failed = robot;
-  failed.set_failure(
-      {fmt::format("its program ended with status {}, {} times", status, options.tries),
-       std::nullopt, std::nullopt});
-  return failed;
+  return robot.failed(
+      {fmt::format("its program ended with status {}, {} times", status, options.tries)});
 }
 
 int score_all(const cli::Command& command, const Options& options,
@@ -84,11 +80,8 @@ int score_all(const cli::Command& command, const Options& options,
     }
     journal.take(robot.id);
     if (const auto machine = options.give_up ? journal.killed_on(robot.id) : std::nullopt) {
-      Robot failed = robot;
-      failed.set_failure(
-          {fmt::format("its program was killed on {}", *machine), std::nullopt, std::nullopt});
       journal.ended(robot.id);
-      out.write(failed);
+      out.write(robot.failed({fmt::format("its program was killed on {}", *machine)}));
       continue;
     }
     journal.begun(robot.id);

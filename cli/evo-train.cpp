@@ -70,9 +70,7 @@ std::optional<Robot> given_up(const TrainingPlan& plan, const Robot& robot,
                               const cli::Journal& journal) {
   const auto machine = journal.killed_on(robot.id);
   if (!machine) return std::nullopt;
-  Robot failed = robot;
-  failed.set_failure(
-      {fmt::format("its training was killed on {}", *machine), std::nullopt, std::nullopt});
+  Robot failed = robot.failed({fmt::format("its training was killed on {}", *machine)});
   failed.document["task"] = plan.task.name;
   return failed;
 }

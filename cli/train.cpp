@@ -39,8 +39,7 @@ Json behaviour_of(const TrainingPlan& plan, const Robot& robot, const Controller
 }
 
 Robot failed(const TrainingPlan& plan, const Robot& robot, const TrainingFailure& failure) {
-  Robot result = robot;
-  result.set_failure({failure.why, failure.step, failure.seed});
+  Robot result = robot.failed({failure.why, failure.step, failure.seed});
   result.document["task"] = plan.task.name;
   result.document["steps"] = failure.step;
   return result;
@@ -233,7 +232,7 @@ class Training {
                         .mean());
       } catch (const Error& e) {
         if (e.kind() != Failure::work) throw;
-        all[i].set_failure({e.what(), std::nullopt, plan_.seed});
+        all[i] = all[i].failed({e.what(), std::nullopt, plan_.seed});
       }
       if (all[i].fitness() && (!all[best].fitness() || *all[i].fitness() > *all[best].fitness()))
         best = i;

@@ -516,12 +516,14 @@ void Robot::set_fitness(double fitness) {
   document["fitness"] = fitness;
 }
 
-void Robot::set_failure(const RobotFailure& failure) {
-  document.erase("behaviour");
-  document["fitness"] = nullptr;
-  Json& written = document["failure"] = {{"why", failure.why}};
+Robot Robot::failed(const RobotFailure& failure) const {
+  Robot result = *this;
+  result.document.erase("behaviour");
+  result.document["fitness"] = nullptr;
+  Json& written = result.document["failure"] = {{"why", failure.why}};
   if (failure.step) written["step"] = *failure.step;
   if (failure.seed) written["seed"] = *failure.seed;
+  return result;
 }
 
 std::optional<double> number_of(const Robot& robot, const std::string& name) {

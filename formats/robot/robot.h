@@ -17,8 +17,8 @@ namespace evo {
 // Why a robot has no fitness.
 struct RobotFailure {
   std::string why;
-  std::optional<std::int64_t> step;   // environment steps of training until then
-  std::optional<std::uint64_t> seed;  // that it can be repeated with
+  std::optional<std::int64_t> step = {};   // environment steps of training until then
+  std::optional<std::uint64_t> seed = {};  // that it can be repeated with
 };
 
 struct Robot {
@@ -40,7 +40,7 @@ struct Robot {
   // How the robot was last measured, in place of the time before; how it behaved then
   // goes, too.
   void set_fitness(double fitness);
-  void set_failure(const RobotFailure& failure);  // fitness is null
+  Robot failed(const RobotFailure& failure) const;  // a copy, whose fitness is null
 };
 
 // A number of the robot's document, within objects by dots: "fitness", "final.mean".

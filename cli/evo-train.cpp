@@ -41,29 +41,7 @@ void warn_of_fewer_steps(const TrainingSettings& settings) {
                   trained, settings.steps, settings.batch()));
 }
 
-// Whether the robots could be trained as planned, with or without parents.
-void check_trainings(const TrainingPlan& plan, const std::vector<Robot>& robots) {
-  const bool init_is_one = plan.init && !fs::is_directory(*plan.init);
-  const auto inherits = [](bool it_does) { return it_does ? Inherits::yes : Inherits::no; };
-  if (robots.empty()) return;
-  const Body& body = robots.front().body;
-  if (plan.shared) {
-    check_settings(plan, plan.children, body.rows, body.cols, inherits(false),
-                   static_cast<int>(robots.size()));
-    return;
-  }
-  check_settings(plan, plan.founders, body.rows, body.cols,
-                 inherits(plan.founders_from || init_is_one));
-  check_settings(plan, plan.children, body.rows, body.cols, inherits(plan.init.has_value()));
-}
-
 // ---- robots that are not to be trained ------------------------------------------------
-
-// A robot whose training has failed stays so when it is gone on with.
-std::optional<Robot> failed_before(const TrainingPlan& plan, const Robot& robot) {
-  if (!plan.resume || !robot.failure()) return std::nullopt;
-  return robot;
-}
 
 // One whose training was killed, if that is to count as its failure.
 std::optional<Robot> given_up(const TrainingPlan& plan, const Robot& robot,
@@ -108,8 +86,11 @@ int train(const cli::Command& command, const TrainingPlan& plan, std::vector<Rob
   std::vector<Robot> trained_now;
   std::vector<std::size_t> places;  // of these in the output
   for (std::size_t k = 0; k < robots.size(); ++k) {
-    std::optional<Robot> ended = failed_before(plan, robots[k]);
-    if (!ended && options.give_up && !plan.shared) ended = given_up(plan, robots[k], journal);
+    std::optional<Robot> ended;
+    if (plan.resume && robots[k].failure())
+      ended = robots[k];  // it stays so when it is gone on with
+    else if (options.give_up && !plan.shared)
+      ended = given_up(plan, robots[k], journal);
     if (ended) {
       journal.ended(journal_name(plan, robots[k]));
       out.put(k, *ended);

@@ -323,20 +323,26 @@ std::string stream_name(const TrainingPlan& plan, const Robot& robot) {
   return plan.shared ? "shared" : robot.id;
 }
 
-void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, int rows, int cols,
-                    Inherits inherits, int robots) {
+void check_trainings(const TrainingPlan& plan, const std::vector<Robot>& robots) {
+  if (robots.empty()) return;
   std::optional<Arena> arena;
   try {
-    arena.emplace(plan.task, full_body(rows, cols));
+    arena.emplace(plan.task, full_body(robots.front().body.rows, robots.front().body.cols));
   } catch (const Error&) {
     return;
   }
-  std::optional<Inheritance> inheritance;
-  // A modular policy would have to be of the settings' own shape to say anything.
-  if (inherits == Inherits::yes && !abilities(settings.algorithm).shares)
-    inheritance = {travelling_wave(arena->action_length(), 0.5, 20.0, 0.5), anatomy(*arena)};
-  const std::vector<const Arena*> all(static_cast<std::size_t>(robots), &*arena);
-  (void)Trainer(all, settings, plan.seed, "", std::move(inheritance));
+  const auto begin = [&](const TrainingSettings& settings, bool inherits, std::size_t count) {
+    std::optional<Inheritance> inheritance;
+    // A modular policy would have to be of the settings' own shape to say anything.
+    if (inherits && !abilities(settings.algorithm).shares)
+      inheritance = {travelling_wave(arena->action_length(), 0.5, 20.0, 0.5), anatomy(*arena)};
+    const std::vector<const Arena*> all(count, &*arena);
+    (void)Trainer(all, settings, plan.seed, "", std::move(inheritance));
+  };
+  if (plan.shared) return begin(plan.children, false, robots.size());
+  const bool init_is_one = plan.init && !fs::is_directory(*plan.init);
+  begin(plan.founders, plan.founders_from || init_is_one, 1);
+  begin(plan.children, plan.init.has_value(), 1);
 }
 
 int train_robots(const cli::Command& command, const TrainingPlan& plan,

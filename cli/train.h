@@ -64,13 +64,10 @@ std::string stream_name(const TrainingPlan& plan, const Robot& robot);
 Robot scored(const TrainingPlan& plan, const Robot& robot, double fitness,
              const std::filesystem::path& path, const PolicyFile& policy, const Arena& arena);
 
-// Whether a robot of this shape could be trained as planned: settings and steps allow it,
-// from the controller of another one, too, where it `inherits`. Throws what the beginning
-// of its training would throw. A shape that cannot stand in the task passes.
-// With `robots` it is one controller for so many.
-enum class Inherits { no, yes };
-void check_settings(const TrainingPlan& plan, const TrainingSettings& settings, int rows, int cols,
-                    Inherits inherits, int robots = 1);
+// Whether robots of the first one's shape could be trained as planned, with or without parents:
+// settings and steps allow it. Throws what the beginning of their trainings would throw. A shape
+// that cannot stand in the task passes.
+void check_trainings(const TrainingPlan& plan, const std::vector<Robot>& robots);
 
 // Trains the robots, or one controller for all of them, on the command's threads with a live line
 // of progress; each that has ended is put at its place, with its fitness or failure, in any order,

@@ -22,24 +22,13 @@ struct evo_learner {
             seed, name) {}
 
   // What a rollout consists of, in this order; learn() comes where act() would begin it anew.
-  enum class Call { observe, act, reward };
-  static const char* name_of(Call call) {
-    switch (call) {
-      case Call::observe:
-        return "evo_learner_observe";
-      case Call::act:
-        return "evo_learner_act";
-      case Call::reward:
-        return "evo_learner_reward";
-    }
-    return "";
-  }
+  static constexpr std::string_view observe = "evo_learner_observe";
+  static constexpr std::string_view act = "evo_learner_act";
+  static constexpr std::string_view reward = "evo_learner_reward";
+  static constexpr std::string_view learn = "evo_learner_learn";
   std::size_t environments() const { return static_cast<std::size_t>(settings.environments); }
-  bool collected() const { return rounds == settings.rollout; }
-  void expect(Call call) const {
-    if (call != next || (call == Call::act && collected()))
-      throw evo::error(Failure::usage, "{} is out of turn: {} is next", name_of(call),
-                       next == Call::act && collected() ? "evo_learner_learn" : name_of(next));
+  void expect(std::string_view call) const {
+    if (call != next) throw evo::error(Failure::usage, "{} is out of turn: {} is next", call, next);
   }
 
   evo::TrainingSettings settings;
@@ -48,7 +37,7 @@ struct evo_learner {
   std::size_t actions;
   evo::Ppo<evo::PolicyPasses> ppo;
   std::optional<evo::Error> failure;  // its numbers have left the finite ones
-  Call next = Call::observe;
+  std::string_view next = observe;
   int rounds = 0;  // of the rollout
   std::vector<double> learned;
   std::atomic_flag busy;
@@ -134,26 +123,26 @@ int evo_learner_describe(const evo_learner* learner, evo_learner_facts* facts, s
 int evo_learner_observe(evo_learner* learner, const double* observations, size_t values,
                         const int32_t* steps, size_t environments) {
   return teach(learner, [&](evo_learner& own) {
-    own.expect(evo_learner::Call::observe);
+    own.expect(evo_learner::observe);
     check_count(environments, own.environments(), "environments");
     check_count(values, own.environments() * own.observations, "observations");
     target(observations, "observations");
     target(steps, "steps");
     require_finite({observations, values}, "an observation");
     own.ppo.observe({observations, values}, {steps, environments});
-    own.next = evo_learner::Call::act;
+    own.next = own.rounds == own.settings.rollout ? evo_learner::learn : evo_learner::act;
   });
 }
 
 int evo_learner_act(evo_learner* learner, double* actions, size_t values) {
   return teach(learner, [&](evo_learner& own) {
-    own.expect(evo_learner::Call::act);
+    own.expect(evo_learner::act);
     check_count(values, own.environments() * own.actions, "actions");
     target(actions, "actions");
     const std::span<const double> chosen = own.ppo.act();
     require_finite(chosen, "an action");
     std::ranges::copy(chosen, actions);
-    own.next = evo_learner::Call::reward;
+    own.next = evo_learner::reward;
   });
 }
 
@@ -161,7 +150,7 @@ int evo_learner_reward(evo_learner* learner, const double* rewards, const uint8_
                        const uint8_t* truncated, const double* reached, size_t values,
                        const int32_t* steps, size_t environments) {
   return teach(learner, [&](evo_learner& own) {
-    own.expect(evo_learner::Call::reward);
+    own.expect(evo_learner::reward);
     check_count(environments, own.environments(), "environments");
     check_count(values, own.environments() * own.observations, "observations");
     target(rewards, "rewards");
@@ -172,18 +161,19 @@ int evo_learner_reward(evo_learner* learner, const double* rewards, const uint8_
     own.ppo.reward(learned_rewards(own, rewards, terminated), {terminated, environments},
                    {truncated, environments}, {reached, values}, {steps, environments});
     ++own.rounds;
-    own.next = evo_learner::Call::observe;
+    own.next = evo_learner::observe;
   });
 }
 
 int evo_learner_learn(evo_learner* learner) {
   return teach(learner, [](evo_learner& own) {
-    if (own.next != evo_learner::Call::act || !own.collected())
+    if (own.next != evo_learner::learn)
       throw evo::error(Failure::usage,
                        "the rollout has {} of its {} rounds of act, reward, observe", own.rounds,
                        own.settings.rollout);
     own.ppo.learn();
     own.rounds = 0;
+    own.next = evo_learner::act;
   });
 }
 

@@ -122,7 +122,7 @@ struct evo_envs {
   std::vector<std::size_t> observation_offsets;
   std::vector<std::size_t> action_offsets;
   std::vector<std::size_t> point_offsets;
-  std::atomic_flag busy;
+  std::mutex busy;
 };
 
 namespace {

@@ -5,7 +5,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <mutex>
 #include <shared_mutex>
 #include <system_error>
 #include <unordered_map>
@@ -132,11 +131,6 @@ char* given(std::string_view text) {
   std::memcpy(copy, text.data(), text.size());
   copy[text.size()] = '\0';
   return copy;
-}
-
-Busy::Busy(std::atomic_flag& flag) : flag_(flag) {
-  if (flag_.test_and_set())
-    throw Error(Failure::usage, "another thread is changing what this handle stands for");
 }
 
 Owner::Owner(int threads) : process_(threads > 1 ? getpid() : 0) {}

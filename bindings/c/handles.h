@@ -2,9 +2,9 @@
 // and a text.
 #pragma once
 
-#include <atomic>
 #include <cstring>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <span>
 #include <string>
@@ -131,18 +131,6 @@ char* given(std::string_view text);
 void give(std::string_view text, char** place, const char* name);
 void give(std::string_view state, void** bytes, std::size_t* count);
 
-// One thread at a time changes a handle.
-class Busy {
- public:
-  explicit Busy(std::atomic_flag& flag);
-  ~Busy() { flag_.clear(); }
-  Busy(const Busy&) = delete;
-  Busy& operator=(const Busy&) = delete;
-
- private:
-  std::atomic_flag& flag_;
-};
-
 // The process that threads were started in: a child forked from it has none of them.
 class Owner {
  public:
@@ -182,7 +170,9 @@ int change(Handle* handle, const Work& work) {
   return guarded([&] {
     Handle& object = object_of(handle);
     if constexpr (requires { object.owner; }) object.owner.check();
-    const Busy busy(object.busy);
+    const std::unique_lock changing(object.busy, std::try_to_lock);
+    if (!changing)
+      throw Error(Failure::usage, "another thread is changing what this handle stands for");
     work(object);
   });
 }
@@ -205,5 +195,5 @@ struct evo_policy {
   static constexpr const char* kind = "evo_policy";
   std::shared_ptr<evo::PolicyFile> file;  // shared with environments that it acts in
   std::vector<evo_curve_point> curve;
-  std::atomic_flag busy;
+  std::mutex busy;
 };

@@ -40,7 +40,7 @@ struct evo_learner {
   std::string_view next = observe;
   int rounds = 0;  // of the rollout
   std::vector<double> learned;
-  std::atomic_flag busy;
+  std::mutex busy;
 };
 
 namespace {

@@ -152,7 +152,7 @@ struct evo_sims {
   std::string seal;              // of world and physics
   double onset = -1.0;           // of tapes; below 0: steps are not kept
   std::vector<evo::Tape> tapes;  // of steps, the last one not yet gone back through last
-  std::atomic_flag busy;
+  std::mutex busy;
 };
 
 namespace {

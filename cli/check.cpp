@@ -147,7 +147,7 @@ std::string check_file(const fs::path& path, Policies& policies) {
     return "settings of a run";
   }
   const std::string text = read_robot_text(path.string());
-  if (const std::string kind = document_kind(text, path.string()); !kind.empty()) return kind;
+  if (const auto document = describe_document(text, path.string())) return document->kind;
   const std::vector<Robot> robots = parse_robots(text, path.string());
   for (const Robot& robot : robots) check_policy_of(robot, path.parent_path(), policies);
   return robots.size() == 1 ? "robot " + robots.front().id

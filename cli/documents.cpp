@@ -1,9 +1,8 @@
 #include "cli/documents.h"
 
 #include <filesystem>
-#include <optional>
+#include <map>
 #include <string_view>
-#include <vector>
 
 #include "cli/data.h"
 #include "cli/terminal.h"
@@ -29,8 +28,7 @@ namespace fs = std::filesystem;
 fs::path folder_of(const std::string& name) { return fs::path(name).parent_path(); }
 
 std::string describe_task_file(const std::string& text, const std::string& name) {
-  const TaskSpec task = parse_task(text, name, folder_of(name), data_folders());
-  return describe_task(task);
+  return describe_task(parse_task(text, name, folder_of(name), data_folders()));
 }
 
 std::string describe_physics(const std::string& text, const std::string& name) {
@@ -94,24 +92,6 @@ std::string format_of(const std::string& text) {
   return text.substr(at, text.find_first_of(" \t\r\n\",}#", at) - at);
 }
 
-struct Kind {
-  std::string name;
-  std::string (*describe)(const std::string& text, const std::string& name);
-};
-
-std::optional<Kind> kind_of(const std::string& text) {
-  static const std::vector<Kind> kinds{
-      {format::task.name, describe_task_file},        {format::physics.name, describe_physics},
-      {format::training.name, describe_training},     {format::neat.name, describe_neat_settings},
-      {format::neat_state.name, describe_neat_state}, {format::run.name, describe_run}};
-  const std::string found = format_of(text);
-  for (const Kind& kind : kinds)
-    if (kind.name == found) return kind;
-  if (begins_as_ini(text)) return Kind{format::neat.name, describe_neat_settings};
-  if (text.find("\"grid_width\"") == std::string::npos) return std::nullopt;
-  return Kind{"world of the design tool", describe_world};
-}
-
 }  // namespace
 
 std::string describe_task(const TaskSpec& task) {
@@ -121,17 +101,17 @@ std::string describe_task(const TaskSpec& task) {
   return describe_task(task, full_body(rows, cols));
 }
 
-bool print_document(const std::string& text, const std::string& name) {
-  const auto kind = kind_of(text);
-  if (kind) fmt::print("{}", printable_lines(kind->describe(text, name)));
-  return kind.has_value();
-}
-
-std::string document_kind(const std::string& text, const std::string& name) {
-  const auto kind = kind_of(text);
-  if (!kind) return {};
-  (void)kind->describe(text, name);
-  return kind->name;
+std::optional<Document> describe_document(const std::string& text, const std::string& name) {
+  using Describe = std::string (*)(const std::string& text, const std::string& name);
+  static const std::map<std::string, Describe> kinds{
+      {format::task.name, describe_task_file},        {format::physics.name, describe_physics},
+      {format::training.name, describe_training},     {format::neat.name, describe_neat_settings},
+      {format::neat_state.name, describe_neat_state}, {format::run.name, describe_run}};
+  auto known = kinds.find(format_of(text));
+  if (known == kinds.end() && begins_as_ini(text)) known = kinds.find(format::neat.name);
+  if (known != kinds.end()) return Document{known->first, known->second(text, name)};
+  if (text.find("\"grid_width\"") == std::string::npos) return std::nullopt;
+  return Document{"world of the design tool", describe_world(text, name)};
 }
 
 }  // namespace evo::cli

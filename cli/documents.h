@@ -2,6 +2,7 @@
 // NEAT states, worlds.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "libevo/task/spec.h"
@@ -12,12 +13,13 @@ namespace evo::cli {
 // what ends an episode.
 std::string describe_task(const TaskSpec& task);
 
-// Checks the document and prints what it is. False, and nothing printed, for a text
-// that is none of these: robots, or nothing known. Throws Error(data).
-bool print_document(const std::string& text, const std::string& name);
+struct Document {
+  std::string kind;  // "evo/task"
+  std::string says;  // what it is, in lines
+};
 
-// Checks it as well, prints nothing, and gives its kind: "evo/task"; empty where the
-// other says false.
-std::string document_kind(const std::string& text, const std::string& name);
+// Checks the document. Nothing for a text that is none of these: robots, or nothing known. Throws
+// Error(data).
+std::optional<Document> describe_document(const std::string& text, const std::string& name);
 
 }  // namespace evo::cli

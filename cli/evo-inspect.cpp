@@ -422,7 +422,11 @@ void print_file(const std::string& name) {
   if (name != standard_stream && hdf5::is_hdf5(name)) return print_hdf5(name);
   const std::string text = read_robot_text(name);
   const bool is_hdf5 = hdf5::begins_as_hdf5(text);
-  if (!is_hdf5 && !begins_as_numpy(text) && cli::print_document(text, input_label(name))) return;
+  if (!is_hdf5 && !begins_as_numpy(text))
+    if (const auto document = cli::describe_document(text, input_label(name))) {
+      fmt::print("{}", printable_lines(document->says));
+      return;
+    }
   const std::vector<Robot> robots = is_hdf5
                                         ? parse_robots(hdf5::Reader(text, name).text("/", "robot"),
                                                        input_label(name), BodyCheck::any)

@@ -104,7 +104,7 @@ void LiveLine::draw(const std::vector<std::string>& lines) {
   }
   std::string text = home();
   for (std::size_t k = 0; k < lines.size(); ++k)
-    text += (k == 0 ? "" : "\n") + cut_to_width(lines[k], terminal_columns() - 1);
+    text += fmt::format("{}{:.{}}", k == 0 ? "" : "\n", lines[k], terminal_columns() - 1);
   drawn_ = lines.size();
   if (drawn_ > 1) text += fmt::format("\x1b[{}A\r", drawn_ - 1);
   std::fputs(text.c_str(), stderr);  // a terminal gone is no failure

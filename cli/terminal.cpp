@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <string_view>
 
 #include "formats/io/text.h"
 #include "libevo/base/error.h"
@@ -16,29 +17,27 @@
 namespace evo::cli {
 namespace {
 
-// Background colours of the 256-colour palette, the kinds' colours in pictures.
-// A contrast of 4.5 and more.
+// A background and a letter of the 256-colour palette, the kinds' colours in pictures. A contrast
+// of 4.5 and more.
 struct Paint {
   int background;
   int letter;
 };
+constexpr std::array<Paint, 6> paints{
+    // by kind, which is empty first
+    {{-1, -1}, {241, 254}, {250, 236}, {214, 52}, {74, 17}, {245, 232}}};
 
-Paint paint(Voxel voxel) {
-  switch (voxel) {
-    case Voxel::rigid:
-      return {241, 254};
-    case Voxel::soft:
-      return {250, 236};
-    case Voxel::horizontal:
-      return {214, 52};
-    case Voxel::vertical:
-      return {74, 17};
-    case Voxel::fixed:
-      return {245, 232};
-    case Voxel::empty:
-      break;
-  }
-  return {-1, -1};
+// Of the terminal at a stream; 0 where it is none, or does not say.
+winsize size_of(int stream) {
+  winsize size{};
+  return ::ioctl(stream, TIOCGWINSZ, &size) == 0 ? size : winsize{};
+}
+
+// How many there are in UTF-8 text whose characters are one column wide.
+std::size_t characters(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
 }
 
 }  // namespace
@@ -57,7 +56,7 @@ std::string draw_body(const Body& body) {
       } else if (voxel == Voxel::empty) {
         text += "  ";
       } else {
-        const Paint p = paint(voxel);
+        const Paint& p = paints.at(static_cast<std::size_t>(voxel));
         text += fmt::format("\x1b[48;5;{}m\x1b[38;5;{}m{} \x1b[0m", p.background, p.letter, symbol);
       }
     }
@@ -75,17 +74,13 @@ std::string duration(double seconds) {
 }
 
 std::size_t terminal_columns() {
-  constexpr std::size_t usual = 80;
-  winsize size{};
-  const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return known ? size.ws_col : usual;
+  const std::size_t known = size_of(STDERR_FILENO).ws_col;
+  return known > 0 ? known : 80;
 }
 
 std::size_t terminal_rows() {
-  constexpr std::size_t usual = 24;
-  winsize size{};
-  const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0;
-  return known ? size.ws_row : usual;
+  const std::size_t known = size_of(STDERR_FILENO).ws_row;
+  return known > 0 ? known : 24;
 }
 
 bool terminal_redraws() {
@@ -106,16 +101,9 @@ bool shows_blocks() {
 }
 
 std::optional<std::size_t> output_columns() {
-  winsize size{};
   if (isatty(STDOUT_FILENO) != 1) return std::nullopt;
-  const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return known ? size.ws_col : 80;
-}
-
-std::size_t characters(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-  }));
+  const std::size_t known = size_of(STDOUT_FILENO).ws_col;
+  return known > 0 ? known : 80;
 }
 
 std::string as_line(const std::vector<std::string>& parts, std::optional<std::size_t> columns) {
@@ -159,7 +147,7 @@ void wrap_line(const std::string& line, std::size_t columns, std::size_t further
     }
   }
   for (;;) {
-    const std::string head = cut_to_width(rest, columns);
+    const std::string head = fmt::format("{:.{}}", rest, columns);
     if (head.size() == rest.size()) break;
     std::size_t blank = rest[head.size()] == ' ' ? head.size() : head.rfind(' ');
     // A word as long as a line is not broken.
@@ -191,15 +179,6 @@ void print_wrapped(const std::string& text) {
   const auto columns = output_columns();
   const std::string shown = printable_lines(text);
   fmt::print("{}", columns ? wrapped(shown, *columns) : shown);
-}
-
-std::string cut_to_width(const std::string& text, std::size_t columns) {
-  std::size_t characters = 0;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const bool begins = (static_cast<unsigned char>(text[k]) & 0xC0U) != 0x80U;
-    if (begins && characters++ == columns) return text.substr(0, k);
-  }
-  return text;
 }
 
 std::string file_size(double bytes) {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "libevo/body/body.h"
@@ -29,9 +28,6 @@ bool shows_blocks();
 // The width of standard output; nothing where it is not a terminal.
 std::optional<std::size_t> output_columns();
 
-// How many there are in UTF-8 text whose characters are one column wide.
-std::size_t characters(std::string_view text);
-
 // As many of the parts as fit into a line, two blanks between them; those that do not are left
 // out, not cut. All of them where there is no width.
 std::string as_line(const std::vector<std::string>& parts, std::optional<std::size_t> columns);
@@ -43,9 +39,6 @@ std::string wrapped(const std::string& text, std::size_t columns, std::size_t fu
 
 // To standard output; on a terminal, long lines are wrapped to its width.
 void print_wrapped(const std::string& text);
-
-// The first `columns` characters of UTF-8 text whose characters are one column wide.
-std::string cut_to_width(const std::string& text, std::size_t columns);
 
 // "812 B", "4.1 MB"
 std::string file_size(double bytes);

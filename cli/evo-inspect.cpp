@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -290,20 +291,6 @@ void print_work(const cli::RunWork& work) {
   if (!work.failures.empty()) fmt::print("failed       {}\n", cli::tally(work.failures, " x "));
 }
 
-std::string state_word(SlotState state) {
-  switch (state) {
-    case SlotState::waiting:
-      return "waiting";
-    case SlotState::training:
-      return "training";
-    case SlotState::done:
-      return "done";
-    case SlotState::failed:
-      return "failed";
-  }
-  return "";
-}
-
 // What there is to say of a slot in its state: fitness, share done, why it failed.
 std::string detail(const SlotStatus& slot, const RunHistory& history) {
   if (slot.state == SlotState::done)
@@ -318,11 +305,12 @@ std::string detail(const SlotStatus& slot, const RunHistory& history) {
 
 void print_slots(const fs::path& folder) {
   const RunHistory history{RunFolder(folder)};
+  static constexpr std::array words{"waiting", "training", "done", "failed"};  // of SlotState
   fmt::print("generation\tslot\trobot\tstate\tdetail\n");
   for (const RunHistory::Generation& generation : history.generations())
     for (const SlotStatus& slot : history.slots(generation))
       fmt::print("{}\t{}\t{}\t{}\t{}\n", slot.address.generation, slot.address.slot, slot.robot,
-                 state_word(slot.state), detail(slot, history));
+                 words.at(static_cast<std::size_t>(slot.state)), detail(slot, history));
 }
 
 void print_run(const fs::path& folder) {

@@ -1,6 +1,7 @@
 #include "bindings/c/session.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "formats/task/physics_profile.h"
@@ -34,15 +35,8 @@ void check_jitter(double jitter) {
 }
 
 const char* to_string(EnvironmentStatus status) {
-  switch (status) {
-    case EnvironmentStatus::ok:
-      return "ok";
-    case EnvironmentStatus::unreset:
-      return "unreset";
-    case EnvironmentStatus::unstable:
-      return "unstable";
-  }
-  return "";
+  static constexpr std::array names{"ok", "unreset", "unstable"};
+  return names.at(static_cast<std::size_t>(status));
 }
 
 Session::Session(const TaskSpec& task, std::vector<Robot> robots, int per_robot, std::uint64_t seed,

@@ -110,16 +110,12 @@ class RunMakefile {
       add_window();
     else if (method_ == "ga")
       add_ga();
-    else if (method_ == "neat")
-      add_neat();
-    else if (method_ == "bo" || method_ == "map")
-      add_batches();
-    else if (method_ == "random" || method_ == "program")
-      add_drawn();
     else if (method_ == "race")
       add_races();
-    else
+    else if (method_ == "modular")
       add_modular();
+    else
+      add_batches();
     const std::string generations = std::move(rules_);
     rules_ = "\n# ---- results\n\n";
     add_results();
@@ -205,51 +201,32 @@ class RunMakefile {
     }
   }
 
-  void add_neat() {
-    for (int number = 0; number < (evals_ + pop_ - 1) / pop_; ++number)
-      generation(pop_, number == 0 ? "" : folder(number - 1) + "/scores.jsonl seen.txt",
-                 number == 0 ? first_robots(pop_)
-                             : fmt::format("$(call reproduce,{},{})", folder(number - 1),
-                                           stage_seed(number)));
-  }
-
-  // Batches of bo, and of map, whose elites stay until a new robot is better.
+  // Generations of neat, batches of bo, of map, whose elites stay until a new robot is better, and
+  // of what no rule of ours chooses: drawn, or proposed by a program.
   void add_batches() {
     for (int number = 0; number * pop_ < evals_; ++number) {
-      const int robots = std::min(pop_, evals_ - number * pop_);
-      if (number == 0) {
-        generation(robots, "", first_robots(robots));
-        continue;
-      }
-      const std::string before = folder(number - 1);
-      const std::string elites = number == 1 ? "" : before + "/elites.jsonl ";
-      if (method_ == "bo")
-        generation(robots, before + "/scores.jsonl",
-                   fmt::format("$(call suggest,{},{})", robots, stage_seed(number)));
-      else
-        generation(robots, before + "/scores.jsonl seen.txt",
-                   fmt::format("$(call breed,{},{}{}/scores.jsonl,{},{})", before, elites, before,
-                               robots, stage_seed(number)));
-    }
-  }
-
-  // Batches that no rule of ours chooses: drawn, or proposed by a program.
-  void add_drawn() {
-    for (int number = 0; number * pop_ < evals_; ++number) {
-      const int robots = std::min(pop_, evals_ - number * pop_);
+      const int robots = method_ == "neat" ? pop_ : std::min(pop_, evals_ - number * pop_);
       const std::string before = number == 0 ? "" : folder(number - 1);
+      const std::string scores = number == 0 ? "" : before + "/scores.jsonl";
+      const std::string seed = stage_seed(number);
+      const std::string known = number == 0 ? ": >" : "evo-convert " + all("scores.jsonl") + " -o";
       if (method_ == "program")
-        generation(
-            robots, number == 0 ? "" : before + "/scores.jsonl",
-            fmt::format("{}$(call propose,{},{})",
-                        number == 0 ? ": > scored.jsonl\n\t"
-                                    : "evo-convert " + all("scores.jsonl") + " -o scored.jsonl\n\t",
-                        robots, stage_seed(number)));
+        generation(robots, scores,
+                   fmt::format("{} scored.jsonl\n\t$(call propose,{},{})", known, robots, seed));
       else if (number == 0)
         generation(robots, "", first_robots(robots));
+      else if (method_ == "neat")
+        generation(robots, scores + " seen.txt",
+                   fmt::format("$(call reproduce,{},{})", before, seed));
+      else if (method_ == "bo")
+        generation(robots, scores, fmt::format("$(call suggest,{},{})", robots, seed));
+      else if (method_ == "map")
+        generation(robots, scores + " seen.txt",
+                   fmt::format("$(call breed,{},{}{},{},{})", before,
+                               number == 1 ? "" : before + "/elites.jsonl ", scores, robots, seed));
       else  // waits for no score
         generation(robots, before + "/population.jsonl seen.txt",
-                   fmt::format("$(call sample,{},{},{})", before, robots, stage_seed(number)));
+                   fmt::format("$(call sample,{},{},{})", before, robots, seed));
     }
   }
 

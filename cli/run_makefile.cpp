@@ -754,9 +754,10 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
   const std::string method = settings.text("method");
   const std::string shape = settings.text("shape");
   std::vector<Trial> list;
-  const auto add = [&](std::vector<std::string> words, const std::vector<std::string>& more = {}) {
+  const auto add = [&](std::vector<std::string> words, const std::vector<std::string>& more = {},
+                       const std::string& input = "") {
     words.insert(words.end(), more.begin(), more.end());
-    list.push_back({std::move(words), ""});
+    list.push_back({std::move(words), input});
   };
   add({"evo-sample", "-n", "0", "--shape", shape, "-o", "/dev/null"},
       words_of(settings, "sample_options"));
@@ -778,18 +779,12 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
   const bool is_python = is_python_task(settings.text("task"));
   // A film of a moment, where such a body can stand in the task.
   if (settings.find("video_options") != nullptr && settings.value("video") != "none") {
-    std::vector<std::string> words{
-        "bash",
-        "-c",
+    const std::string lines =
         "task=$1 kind=$2 d=$(mktemp -d); trap 'rm -r \"$d\"' EXIT; "
         "evo-eval -q --task \"$task\" --actions random --max-steps 2 --rollout \"$d/r.h5\" "
-        "> \"$d/said\" 2>&1 || exit 0; evo-render -q \"$d/r.h5\" \"${@:3}\" -o \"$d/best.$kind\"",
-        "bash",
-        is_python ? "Walker-v0" : in_full(settings.text("task")),
-        settings.text("video")};
-    const std::vector<std::string> more = film(settings);
-    words.insert(words.end(), more.begin(), more.end());
-    list.push_back({std::move(words), body});
+        "> \"$d/said\" 2>&1 || exit 0; evo-render -q \"$d/r.h5\" \"${@:3}\" -o \"$d/best.$kind\"";
+    const std::string task = is_python ? "Walker-v0" : in_full(settings.text("task"));
+    add({"bash", "-c", lines, "bash", task, settings.text("video")}, film(settings), body);
   }
   if (is_python) {
     std::string line =
@@ -809,19 +804,19 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
     train.insert(train.end(), {"--physics", in_full(settings.text("physics"))});
   const std::vector<std::string> more = words_of(settings, "train_options");
   train.insert(train.end(), more.begin(), more.end());
-  const auto add_training = [&](std::vector<std::string> words, int robots) {
-    words.insert(words.begin(), train.begin(), train.end());
-    list.push_back({std::move(words), ""});
+  const auto add_training = [&](const std::vector<std::string>& words, int robots) {
+    add(train, words);
     for (int k = 0; k < robots; ++k) list.back().input += body;
   };
   if (method == "modular") {
     constexpr int enough = 64;  // robots, to see whether the first steps are too few
     add_training({"--steps", settings.text("steps"), "--shared", "none.policy.h5"},
                  std::min(settings.number("pop"), enough));
-    std::vector<std::string> own =
-        option_words(fmt::format("--steps {}{}", settings.number("steps") / 2, champions_training),
-                     "--champions");
-    if (settings.number("champions") > 0) add_training(own, 1);
+    if (settings.number("champions") > 0)
+      add_training(option_words(fmt::format("--steps {}{}", settings.number("steps") / 2,
+                                            champions_training),
+                                "--champions"),
+                   1);
     return list;
   }
   std::vector<std::string> words{

@@ -26,9 +26,9 @@ constexpr const char* champions_training =
 
 // ---- words --------------------------------------------------------------------------
 
-std::string for_make(const std::string& line) {
+std::string for_make(const std::string& line, const char* hash = "$(hash)") {
   std::string made;
-  for (const char c : line) made += c == '$' ? "$$" : c == '#' ? "$(hash)" : std::string(1, c);
+  for (const char c : line) made += c == '$' ? "$$" : c == '#' ? hash : std::string(1, c);
   return made;
 }
 
@@ -394,7 +394,7 @@ class RunMakefile {
         "MAKEFLAGS += --no-builtin-rules --no-print-directory\n",
         method_, is_evaluated() ? "scored by" : "on", comment(settings_.scored_by()));
     if (!around_.tools.empty())
-      text += fmt::format("export PATH := {}:$(PATH)\n", make_text(around_.tools));
+      text += fmt::format("export PATH := {}:$(PATH)\n", for_make(around_.tools, "\\#"));
     text +=
         "hash := \\#\n\n"
         "LAUNCH ?=\n"
@@ -642,12 +642,6 @@ class RunMakefile {
     rule("report.html", has_video() ? video() : "best.rollout.h5", "evo-report -q . -o $@");
   }
 
-  // Text of a variable or a comment, outside of recipes.
-  static std::string make_text(const std::string& text) {
-    std::string made;
-    for (const char c : text) made += c == '$' ? "$$" : c == '#' ? "\\#" : std::string(1, c);
-    return made;
-  }
   static std::string comment(const std::string& text) {
     return !text.empty() && text.back() == '\\' ? text + " " : text;
   }

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -99,12 +100,7 @@ class WorldObject:
         return self.name
 
     def copy(self) -> "WorldObject":
-        other = WorldObject()
-        other.name, other.pos = self.name, self.pos.copy()
-        other.grid, other.grid_size = self.grid.copy(), self.grid_size.copy()
-        other.voxels = [voxel.copy() for voxel in self.voxels]
-        other.neighbors = {a.copy(): [b.copy() for b in near] for a, near in self.neighbors.items()}
-        return other
+        return deepcopy(self)
 
     __copy__ = copy
 

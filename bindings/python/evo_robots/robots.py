@@ -22,16 +22,11 @@ def get_full_connectivity(robot: np.ndarray) -> np.ndarray:
     the neighbour to its right, then the one below."""
     body = np.asarray(robot)
     rows, cols = body.shape
-    pairs = []
-    for cell in range(rows * cols):
-        r, c = divmod(cell, cols)
-        if body[r, c] == 0:
-            continue
-        if c + 1 < cols and body[r, c + 1] != 0:
-            pairs.append((cell, cell + 1))
-        if r + 1 < rows and body[r + 1, c] != 0:
-            pairs.append((cell, cell + cols))
-    return np.array(pairs, int).reshape(-1, 2).T
+    cells = np.arange(body.size).reshape(rows, cols)
+    pairs = np.hstack([(cells[:, :-1].ravel(), cells[:, 1:].ravel()),
+                       (cells[:-1].ravel(), cells[1:].ravel())])
+    pairs = pairs[:, (body.ravel()[pairs] != 0).all(axis=0)]
+    return pairs[:, np.lexsort(pairs[::-1])]
 
 
 def is_connected(robot: np.ndarray) -> bool:

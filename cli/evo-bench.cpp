@@ -145,39 +145,26 @@ Measurement measure(const Subject& subject, int envs, std::uint64_t seed, double
   return result;
 }
 
-class Report {
- public:
-  explicit Report(bool json) : json_(json) {
-    if (!json_)
-      fmt::print("{:<22} {:>7} {:>6} {:>4} {:>10} {:>9} {:>14}\n", "task", "shape", "voxels",
-                 "envs", "isa", "steps/s", "steps*voxels/s");
+void print(const Measurement& m, const std::string& isa, bool json) {
+  if (json) {
+    const Json line{{"task", m.task},
+                    {"shape", {m.body.rows, m.body.cols}},
+                    {"voxels", m.voxels},
+                    {"body", m.body.to_rows()},
+                    {"seed", m.seed},
+                    {"width", m.envs},
+                    {"isa", isa},
+                    {"steps_per_second", m.median()},
+                    {"steps_per_second_min", m.rates.front()},
+                    {"steps_per_second_max", m.rates.back()}};
+    fmt::print("{}\n", line.dump());
+  } else {
+    fmt::print("{:<22} {:>7} {:>6} {:>4} {:>10} {:>9.0f} {:>14.0f}\n", m.task,
+               fmt::format("{}x{}", m.body.rows, m.body.cols), m.voxels, m.envs, isa, m.median(),
+               m.median() * m.voxels);
   }
-
-  void add(const Measurement& m, const std::string& isa) const {
-    if (json_) {
-      const Json line{{"task", m.task},
-                      {"shape", {m.body.rows, m.body.cols}},
-                      {"voxels", m.voxels},
-                      {"body", m.body.to_rows()},
-                      {"seed", m.seed},
-                      {"width", m.envs},
-                      {"isa", isa},
-                      {"steps_per_second", m.median()},
-                      {"steps_per_second_min", m.rates.front()},
-                      {"steps_per_second_max", m.rates.back()}};
-      fmt::print("{}\n", line.dump());
-    } else {
-      fmt::print("{:<22} {:>7} {:>6} {:>4} {:>10} {:>9.0f} {:>14.0f}\n", m.task, shape(m.body),
-                 m.voxels, m.envs, isa, m.median(), m.median() * m.voxels);
-    }
-    std::fflush(stdout);
-  }
-
-  static std::string shape(const Body& body) { return fmt::format("{}x{}", body.rows, body.cols); }
-
- private:
-  bool json_;
-};
+  std::fflush(stdout);
+}
 
 std::vector<std::string> isas(const std::string& text) {
   if (text == "best") return {best_isa()};
@@ -191,11 +178,14 @@ int bench(const Settings& settings, std::uint64_t seed) {
   const std::vector<Subject> measured = subjects(settings, seed);
   const std::vector<std::string> chosen = isas(settings.isa);
   select_isa(chosen.front());  // refused before anything is written
-  const Report report(settings.json);
+  if (!settings.json)
+    fmt::print("{:<22} {:>7} {:>6} {:>4} {:>10} {:>9} {:>14}\n", "task", "shape", "voxels", "envs",
+               "isa", "steps/s", "steps*voxels/s");
   for (const std::string& isa : chosen) {
     select_isa(isa);
     for (const Subject& subject : measured)
-      for (const int n : envs) report.add(measure(subject, n, seed, settings.seconds), isa);
+      for (const int n : envs)
+        print(measure(subject, n, seed, settings.seconds), isa, settings.json);
   }
   return 0;
 }

@@ -5,8 +5,8 @@
 Evo.stepsPerSecond = 50;  // control steps at speed 1
 Evo.Player = class {
   // `told` is called after every drawing, and once more when the episode is over.
-  constructor(canvas, told = () => {}) {
-    Object.assign(this, { canvas, told, speed: 1, zoom: 1, loop: true, playing: false, player: null, view: Evo.Stage.camera(), colors: Evo.Stage.look() });
+  constructor(canvas, told) {
+    Object.assign(this, { canvas, told, speed: 1, zoom: 1, playing: false, player: null, view: Evo.Stage.camera(), colors: Evo.Stage.look() });
     this.tick = this.tick.bind(this);
     new ResizeObserver(() => this.draw()).observe(canvas);
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { this.colors = Evo.Stage.look(); this.draw(); });
@@ -47,7 +47,7 @@ Evo.Player = class {
     this.last = now;
     if (this.over) {
       this.rest += passed;
-      if (this.rest > 1.5) { if (this.loop) this.restart(); else { this.pause(); return; } }
+      if (this.rest > 1.5) this.restart();
     } else {
       this.due += passed * Evo.stepsPerSecond * this.speed;
       const steps = Math.min(Math.floor(this.due), 60);
@@ -56,7 +56,7 @@ Evo.Player = class {
         if (steps > 1) this.player.step(steps - 1);
         if (steps > 0) { this.before = this.player.positions().slice(); this.player.step(1); }
         this.draw(this.over ? 1 : this.due, passed);
-      } catch (refusal) { this.failed = refusal; this.pause(); throw refusal; }
+      } catch (refusal) { this.pause(); throw refusal; }
     }
     requestAnimationFrame(this.tick);
   }
@@ -77,5 +77,4 @@ Evo.Player = class {
     Evo.Stage.paint(canvas, this.scene, x, y, this.view.at(canvas, centres, this.zoom, passed), this.colors);
     this.told(this);
   }
-  close() { this.playing = false; this.player?.close(); this.player = null; }
 };

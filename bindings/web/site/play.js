@@ -106,16 +106,14 @@ Evo.playPage = (evo) => {
     showUndo();
   };
   const showUndo = () => { id('undo').disabled = !past.length; id('redo').disabled = !future.length; };
+  const showAll = () => { drawGrid(); showGait(); showOther(); showTask(); };
   const travel = (from, to) => {
     if (!from.length) return;
     stopEvolving();
     to.push(shown);
     keptBy = null;
     Object.assign(state, shown = from.pop());
-    drawGrid();
-    showGait();
-    showOther();
-    showTask();
+    showAll();
     build();
     showUndo();
   };
@@ -128,8 +126,7 @@ Evo.playPage = (evo) => {
     if (key === 'y' || event.shiftKey) travel(future, past); else travel(past, future);
   });
 
-  id('play').addEventListener('click', () => theatre.playing ? theatre.pause() : theatre.play());
-  id('stage').addEventListener('click', () => theatre.playing ? theatre.pause() : theatre.play());
+  for (const name of ['play', 'stage']) id(name).addEventListener('click', () => theatre.playing ? theatre.pause() : theatre.play());
   id('restart').addEventListener('click', () => theatre.restart());
   id('step').addEventListener('click', () => theatre.step());
   id('speed').addEventListener('change', () => { theatre.speed = Number(id('speed').value); });
@@ -459,9 +456,7 @@ Evo.playPage = (evo) => {
     state.body = robot.body;
     if (Array.isArray(robot.origin?.sine) && robot.origin.sine.length === 3) state.gait = robot.origin.sine;
     if (Evo.tasks.some(({ name }) => name === robot.task)) state.task = robot.task;
-    showTask();
-    drawGrid();
-    showGait();
+    showAll();
     build();
   };
   const useText = (name, text) => {
@@ -511,14 +506,12 @@ Evo.playPage = (evo) => {
       if (body) state.body = body;
       const gait = given.get('gait')?.split(',').map(Number);
       if (gait?.length === 3 && gait.every(Number.isFinite) && gait[1] > 0) state.gait = gait;
-      if (!isSound(state.body)) { state.body = begin.body; drawGrid(); showGait(); showTask(); build(); say(unsound); return; }
-      drawGrid();
-      showGait();
-      showTask();
+      if (!isSound(state.body)) { state.body = begin.body; showAll(); build(); say(unsound); return; }
+      showAll();
       if (!build()) {  // an address that does not work shows why, beside a robot that does
         const why = message.textContent;
         Object.assign(state, begin);
-        drawGrid(); showGait(); showTask();
+        showAll();
         build();
         say(why);
       }

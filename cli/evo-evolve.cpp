@@ -274,18 +274,18 @@ constexpr const char* shell_lines =
 void plan_recipe(const fs::path& folder, const std::string& name, const Given& given,
                  cli::Surroundings around) {
   const auto task = given.find("task");
-  const cli::Recipe recipe =
+  const std::vector<std::vector<RunSetting>> rounds =
       cli::load_recipe(name, task == given.end() ? "Walker-v0" : task->second, cli::data_folders());
   const std::int64_t seed = given.contains("seed") ? std::stoll(given.at("seed")) : 0;
   std::vector<std::string> names;
-  for (std::size_t k = 1; k <= recipe.rounds.size(); ++k) names.push_back(fmt::format("{}", k));
+  for (std::size_t k = 1; k <= rounds.size(); ++k) names.push_back(fmt::format("{}", k));
   check_collection(folder, names);
   std::string makefile = fmt::format(
       "# A run of evo evolve recipe {}: in each round the best of the one before begin.\n\n{}",
       name, shell_lines);
-  for (std::size_t k = 1; k <= recipe.rounds.size(); ++k) {
+  for (std::size_t k = 1; k <= rounds.size(); ++k) {
     Given round = given;
-    for (const auto& [setting, value] : recipe.rounds[k - 1]) {
+    for (const auto& [setting, value] : rounds[k - 1]) {
       if (setting != "task" && given.contains(setting))
         throw error(Failure::usage, "{} is decided round by round in recipe {}",
                     find_run_setting(setting)->option(), name);
@@ -302,7 +302,7 @@ void plan_recipe(const fs::path& folder, const std::string& name, const Given& g
       if (round["inherit"] == "all") round["inherit"] = "no";
     }
     plan_or_compare(folder / fmt::format("{}", k), "ga", round, around);
-    const bool last = k == recipe.rounds.size();
+    const bool last = k == rounds.size();
     makefile += fmt::format(
         "\n{}:{}\n\t+$(MAKE) -C {}{}\n", last ? "all" : fmt::format("{}/history.jsonl", k),
         k == 1 ? "" : fmt::format(" | {}/history.jsonl", k - 1), k, last ? "" : " history.jsonl");

@@ -37,7 +37,8 @@ std::vector<std::string> easier_worlds(const std::string& task, const DataFolder
 
 }  // namespace
 
-Recipe load_recipe(const std::string& name, const std::string& task, const DataFolders& folders) {
+std::vector<std::vector<RunSetting>> load_recipe(const std::string& name, const std::string& task,
+                                                 const DataFolders& folders) {
   std::string file = name;
   if (!is_file_name(name)) {
     const auto found = find_data_file(folders, "recipes", name);
@@ -49,24 +50,24 @@ Recipe load_recipe(const std::string& name, const std::string& task, const DataF
   const Node document = Node::yaml(read_file(file, largest_document), file);
   check_format(document, format::recipe);
   const Mapping mapping(document, "recipe", {"format", "version", "description", "rounds"});
-  Recipe recipe;
-  if (const auto text = mapping.find("description")) recipe.description = text->string();
+  if (const auto description = mapping.find("description")) (void)description->string();
+  std::vector<std::vector<RunSetting>> rounds;
   for (const Node& node : mapping.at("rounds").items()) {
     const std::vector<RunSetting> round = round_of(node);
     const auto easier = std::find_if(round.begin(), round.end(), [](const RunSetting& setting) {
       return setting.name == "task" && setting.value == "easier";
     });
     if (easier == round.end()) {
-      recipe.rounds.push_back(round);
+      rounds.push_back(round);
       continue;
     }
     for (const std::string& world : easier_worlds(task, folders)) {
-      recipe.rounds.push_back(round);
-      recipe.rounds.back()[static_cast<std::size_t>(easier - round.begin())].value = world;
+      rounds.push_back(round);
+      rounds.back()[static_cast<std::size_t>(easier - round.begin())].value = world;
     }
   }
-  if (recipe.rounds.empty()) throw mapping.at("rounds").error("a recipe has a round at least");
-  return recipe;
+  if (rounds.empty()) throw mapping.at("rounds").error("a recipe has a round at least");
+  return rounds;
 }
 
 }  // namespace evo::cli

@@ -12,13 +12,10 @@ namespace evo::cli {
 
 inline constexpr const char* default_recipe = "moments";
 
-struct Recipe {
-  std::string description;
-  std::vector<std::vector<RunSetting>> rounds;  // of method ga
-};
-
-// By name or file. A round whose task is "easier" stands for one on each of the worlds that are
-// easier than `task` (tasks/easier). Throws Error(usage, no_input, data).
-Recipe load_recipe(const std::string& name, const std::string& task, const DataFolders& folders);
+// Rounds of method ga, of a recipe by name or file. A round whose task is "easier" stands for one
+// on each of the worlds that are easier than `task` (tasks/easier). Throws Error(usage, no_input,
+// data).
+std::vector<std::vector<RunSetting>> load_recipe(const std::string& name, const std::string& task,
+                                                 const DataFolders& folders);
 
 }  // namespace evo::cli

@@ -197,9 +197,7 @@ int evo_envs_reset(evo_envs* envs, const int32_t* environments, size_t count,
 int evo_envs_step(evo_envs* envs, const double* actions, size_t values, const uint8_t* active,
                   size_t active_values) {
   return change_session(envs, [&](evo::Session& session) {
-    if (values != session.action_values())
-      throw evo::error(Failure::usage, "{} actions are expected, not {}", session.action_values(),
-                       values);
+    check_count(values, session.action_values(), "actions");
     if (active != nullptr && active_values != static_cast<std::size_t>(session.environments()))
       throw evo::error(Failure::usage, "`active` has {} values for {} environments", active_values,
                        session.environments());
@@ -251,9 +249,7 @@ int evo_envs_look(evo_envs* envs, double* local, size_t local_values, double* ta
 
 int evo_envs_act(evo_envs* envs, const evo_policy* policy, double* actions, size_t values) {
   return change(envs, [&](evo_envs& all) {
-    if (values != all.session.action_values())
-      throw evo::error(Failure::usage, "{} actions are expected, not {}",
-                       all.session.action_values(), values);
+    check_count(values, all.session.action_values(), "actions");
     if (values > 0) target(actions, "actions");
     all.act(object_of(policy), {actions, values});
   });

@@ -58,6 +58,11 @@ void require(const void* handle, std::string_view kind) {
     throw error(Failure::usage, "a handle of {} is expected, not of {}", kind, found->second);
 }
 
+void check_count(std::size_t given, std::size_t expected, const char* what) {
+  if (given != expected)
+    throw error(Failure::usage, "{} {} are expected, not {}", expected, what, given);
+}
+
 void check_threads(std::int32_t threads) {
   if (threads < 1 || threads > most_threads)
     throw error(Failure::usage, "there may be 1 to {} threads, not {}", most_threads, threads);
@@ -96,8 +101,7 @@ const ModelObject& object_at(const Model& model, std::size_t index) {
 void orientations(const Model& model, const ModelObject& object, const double* given,
                   std::span<const Vec2> now, double* angles, std::size_t count) {
   const auto own = static_cast<std::size_t>(model.points());
-  if (given == nullptr && count * own != now.size())
-    throw error(Failure::usage, "{} angles are expected, not {}", now.size() / own, count);
+  if (given == nullptr) check_count(count, now.size() / own, "angles");
   target(angles, "angles");
   const PointRange range{object.first_point, object.points};
   const InitialShape initial(range.of(model.initial_positions()));

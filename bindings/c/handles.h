@@ -71,6 +71,9 @@ T& target(T* place, const char* name) {
 std::string text_of(const char* text, const char* name);  // refuses NULL
 std::vector<std::string> texts_of(const char* const* texts, std::size_t count, const char* name);
 
+// Throws Error(usage) unless as many values are given as expected.
+void check_count(std::size_t given, std::size_t expected, const char* what);
+
 // Throws Error(usage) for less than 1 thread, or more than anybody means.
 void check_threads(std::int32_t threads);
 

@@ -64,11 +64,6 @@ void require_finite(std::span<const double> values, const char* what) {
     if (!std::isfinite(value)) throw evo::error(Failure::work, "{} is not a finite number", what);
 }
 
-void check_count(std::size_t given, std::size_t expected, const char* what) {
-  if (given != expected)
-    throw evo::error(Failure::usage, "{} {} are expected, not {}", expected, what, given);
-}
-
 // As the suite counts bad ends: by the share that the settings say.
 std::span<const double> learned_rewards(evo_learner& own, const double* rewards,
                                         const std::uint8_t* terminated) {

@@ -15,20 +15,11 @@
 #include "formats/io/json.h"
 #include "formats/run/run.h"
 #include "libevo/base/error.h"
+#include "libevo/base/random.h"
 
 namespace evo::cli {
-namespace {
 
 namespace fs = std::filesystem;
-
-// The byte of the lock that stands for a name: an id is twelve hexadecimal digits.
-std::uint64_t byte_of(const std::string& name) {
-  std::uint64_t hash = 14695981039346656037U;  // FNV-1a
-  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
-  return hash >> 2U;  // a positive offset of a file
-}
-
-}  // namespace
 
 double seconds_since_1970() {
   using namespace std::chrono;
@@ -51,7 +42,8 @@ std::optional<std::string> Journal::killed_on(const std::string& name) const {
 void Journal::take(const std::string& name) const {
   if (!lock_) return;
   bool told = false;
-  while (!lock_->take(byte_of(name)) && interrupted() == 0) {
+  const std::uint64_t byte = derive_seed(0, name) >> 2U;  // a positive offset of a file
+  while (!lock_->take(byte) && interrupted() == 0) {
     if (!told) log::info(fmt::format("{}: waiting for another process that trains it", name));
     told = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));

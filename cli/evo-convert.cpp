@@ -67,11 +67,6 @@ const Robot& single(const std::vector<Robot>& robots, const std::string& format)
   return robots.front();
 }
 
-// Robots as proposed: what trainings and operators of another run said of them goes.
-void keep_bodies(std::vector<Robot>& robots) {
-  for (Robot& robot : robots) robot = Robot(robot.body);
-}
-
 // An evolution cannot continue from robots that have all failed.
 void need_fitness(const std::vector<Robot>& robots) {
   std::map<std::string, int> reasons;
@@ -104,10 +99,6 @@ void copy_policy(const std::vector<Robot>& robots, const std::string& output) {
   const auto policy = single(robots, "policy").policy();
   if (!policy) throw error(Failure::data, "robot {} has no policy", robots.front().id);
   write_output(output, read_file(*policy));
-}
-
-std::string letters(const Body& body) {
-  return fmt::format("{}\n", fmt::join(body.to_rows(), "\n"));
 }
 
 // ---- what robots are written as -----------------------------------------------------
@@ -145,7 +136,7 @@ void write_letters(const Robots& robots, const std::string& output) {
   std::string text;
   for (const Robot& robot : robots) {
     if (!text.empty()) text += "\n";
-    text += letters(plain(robot, "text").body);
+    text += fmt::format("{}\n", fmt::join(plain(robot, "text").body.to_rows(), "\n"));
   }
   write_output(output, text);
 }
@@ -157,52 +148,6 @@ void write_npz(const Robots& robots, const std::string& output) {
 void write_design(const Robots& robots, const std::string& output) {
   write_output(output, evogym_world_to_json(
                            evogym_world_of_robot(plain(single(robots, "evogym"), "evogym"))));
-}
-
-struct Target {
-  std::string name;                  // of --to
-  std::vector<std::string> endings;  // of files that are written so without --to
-  // Null: not for robots, but for policies, rollouts or worlds.
-  void (*write)(const Robots& robots, const std::string& output);
-};
-
-const std::vector<Target>& targets() {
-  static const std::vector<Target> list{{"jsonl", {".jsonl"}, write_lines},
-                                        {"json", {".json"}, write_json},
-                                        {"yaml", {".yaml", ".yml"}, write_yaml},
-                                        {"text", {".txt"}, write_letters},
-                                        {"npz", {".npz"}, write_npz},
-                                        {"onnx", {".onnx"}, nullptr},
-                                        {"policy", {}, copy_policy},
-                                        {"ids", {}, nullptr},
-                                        {"evogym", {}, write_design},
-                                        {"minari", {}, nullptr},
-                                        {"task", {}, nullptr}};
-  return list;
-}
-
-std::vector<std::string> target_names() {
-  std::vector<std::string> names;
-  for (const Target& target : targets()) names.push_back(target.name);
-  return names;
-}
-
-// The target asked for, or the one of the output's ending, or JSON Lines.
-const Target& target_of(const std::optional<std::string>& asked, const std::string& output) {
-  if (asked) {
-    for (const Target& target : targets())
-      if (target.name == *asked) return target;
-    throw error(Failure::usage, "--to: unknown format '{}'{}; allowed: {}", *asked,
-                did_you_mean(*asked, target_names()), fmt::join(target_names(), ", "));
-  }
-  const std::string ending = fs::path(output).extension().string();
-  for (const Target& target : targets())
-    if (std::find(target.endings.begin(), target.endings.end(), ending) != target.endings.end())
-      return target;
-  if (!ending.empty())
-    throw error(Failure::usage, "{}: no format has the ending {}; choose one by --to ({})", output,
-                ending, fmt::join(target_names(), ", "));
-  return targets().front();
 }
 
 // Rollouts as a dataset for offline learning.
@@ -246,11 +191,57 @@ bool write_policy_document(const std::vector<std::string>& files, const std::str
 }
 
 // A world of the design tool as the beginning of a task.
-void write_task(const std::vector<std::string>& files, const std::string& output,
-                const WorldWarning& warn) {
+void write_task(const std::vector<std::string>& files, const std::string& output) {
   const std::string& file = only(files, "task", "world");
   const std::string name = file == standard_stream ? "my-task" : fs::path(file).stem().string();
-  write_output(output, draft_task(read_evogym_world(file, warn), name));
+  write_output(output, draft_task(read_evogym_world(file, cli::log::warn), name));
+}
+
+struct Target {
+  std::string name;                  // of --to
+  std::vector<std::string> endings;  // of files that are written so without --to
+  void (*write)(const Robots& robots, const std::string& output) = nullptr;
+  // Of files that hold something else; neither for onnx, which write_policy_document() writes.
+  void (*make)(const std::vector<std::string>& files, const std::string& output) = nullptr;
+};
+
+const std::vector<Target>& targets() {
+  static const std::vector<Target> list{{"jsonl", {".jsonl"}, write_lines},
+                                        {"json", {".json"}, write_json},
+                                        {"yaml", {".yaml", ".yml"}, write_yaml},
+                                        {"text", {".txt"}, write_letters},
+                                        {"npz", {".npz"}, write_npz},
+                                        {"onnx", {".onnx"}},
+                                        {"policy", {}, copy_policy},
+                                        {"ids", {}, nullptr, write_ids},
+                                        {"evogym", {}, write_design},
+                                        {"minari", {}, nullptr, write_dataset},
+                                        {"task", {}, nullptr, write_task}};
+  return list;
+}
+
+std::vector<std::string> target_names() {
+  std::vector<std::string> names;
+  for (const Target& target : targets()) names.push_back(target.name);
+  return names;
+}
+
+// The target asked for, or the one of the output's ending, or JSON Lines.
+const Target& target_of(const std::optional<std::string>& asked, const std::string& output) {
+  if (asked) {
+    for (const Target& target : targets())
+      if (target.name == *asked) return target;
+    throw error(Failure::usage, "--to: unknown format '{}'{}; allowed: {}", *asked,
+                did_you_mean(*asked, target_names()), fmt::join(target_names(), ", "));
+  }
+  const std::string ending = fs::path(output).extension().string();
+  for (const Target& target : targets())
+    if (std::find(target.endings.begin(), target.endings.end(), ending) != target.endings.end())
+      return target;
+  if (!ending.empty())
+    throw error(Failure::usage, "{}: no format has the ending {}; choose one by --to ({})", output,
+                ending, fmt::join(target_names(), ", "));
+  return targets().front();
 }
 
 // The world of a task, without a robot, for EvoGym's design tool.
@@ -304,27 +295,18 @@ int main(int argc, char** argv) {
       write_task_world(task, command.output);
       return 0;
     }
-    const WorldWarning warn = cli::log::warn;
     const Target& target = target_of(format, command.output);
     const std::string& to = target.name;
     if (to != "ids") cli::keep_inputs(command.output, files);  // to which ids may be added
-    if (to == "minari") {
-      write_dataset(files, command.output);
-      return 0;
-    }
-    if (to == "task") {
-      write_task(files, command.output, warn);
-      return 0;
-    }
-    if (to == "ids") {
-      write_ids(files, command.output);
+    if (target.make != nullptr) {
+      target.make(files, command.output);
       return 0;
     }
     if (write_policy_document(files, to, body, command.output)) return 0;
-    if (target.write == nullptr) throw error(Failure::usage, "--to {} is not for robots", to);
     std::vector<Robot> robots = read_any(files);
     if (unique) keep_one_of_each(robots);
-    if (bodies) keep_bodies(robots);
+    if (bodies)  // what trainings and operators of another run said of them goes
+      for (Robot& robot : robots) robot = Robot(robot.body);
     if (fitness_needed) need_fitness(robots);
     target.write(robots, command.output);
     return 0;

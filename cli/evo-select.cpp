@@ -29,11 +29,6 @@ double value_of(const Robot& robot, const std::string& name) {
   return number_of(robot, name).value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
-bool is_null(const Robot& robot, const std::string& name) {
-  const auto found = robot.document.find(name);
-  return found != robot.document.end() && found->is_null();
-}
-
 // What is maximised, of each robot.
 std::vector<double> scores_of(const std::vector<Robot>& robots, std::string name) {
   const double sign = name.front() == '-' ? -1.0 : 1.0;
@@ -43,7 +38,7 @@ std::vector<double> scores_of(const std::vector<Robot>& robots, std::string name
   for (const Robot& robot : robots) {
     scores.push_back(sign * value_of(robot, name));
     // That of robots that have all failed is null, which is no misspelt name.
-    known |= !std::isnan(scores.back()) || is_null(robot, name);
+    known |= !std::isnan(scores.back()) || robot.document.value(name, Json(0)).is_null();
   }
   if (!known && name == "fitness")
     throw Error(Failure::data,

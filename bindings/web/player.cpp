@@ -71,10 +71,6 @@ Robot one_robot(const std::string& text) {
   return std::move(robots.front());
 }
 
-std::string read_conditions_words(const std::vector<Condition>& when, const Physics& physics) {
-  return when.empty() ? std::string() : conditions_to_words(when, physics);
-}
-
 Json facts(const TaskSpec& task) {
   Json observation = Json::array();
   for (const ObservationPart& part : task.observation)
@@ -85,7 +81,7 @@ Json facts(const TaskSpec& task) {
     reward.push_back({{"formula", words.formula},
                       {"words", words.words},
                       {"weight", term.weight},
-                      {"when", read_conditions_words(term.when, task.physics)}});
+                      {"when", conditions_to_words(term.when, task.physics)}});
   }
   Json rules = Json::array();
   for (const Rule& rule : task.rules)

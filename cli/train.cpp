@@ -23,21 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ---- what a robot's document says of its training -----------------------------------
-
-EvaluationSettings evaluation_of_fitness(const TrainingPlan& plan, const Robot& robot) {
-  return evaluation_of(plan.settings(robot), plan.seed);
-}
-
-// The best evaluation once more, to look at: it has the same bits.
-Json behaviour_of(const TrainingPlan& plan, const Robot& robot, const Controller& controller,
-                  const Arena& arena) {
-  BehaviourGauge gauge;
-  evaluate(arena, controller, evaluation_of_fitness(plan, robot),
-           [&](const EpisodeMoment& moment) { gauge.record(moment); });
-  return gauge.mean();
-}
-
 Robot failed(const TrainingPlan& plan, const Robot& robot, const TrainingFailure& failure) {
   Robot result = robot.failed({failure.why, failure.step, failure.seed});
   result.document["task"] = plan.task.name;
@@ -226,10 +211,10 @@ class Training {
       try {
         // An unstable one once more, for the reason.
         const bool known = i < result.each.size() && !std::isnan(result.each[i]);
-        all[i].set_fitness(
-            known ? result.each[i]
-                  : evaluate(arenas_[i], *result.controller, evaluation_of_fitness(plan_, all[i]))
-                        .mean());
+        all[i].set_fitness(known ? result.each[i]
+                                 : evaluate(arenas_[i], *result.controller,
+                                            evaluation_of(plan_.settings(all[i]), plan_.seed))
+                                       .mean());
       } catch (const Error& e) {
         if (e.kind() != Failure::work) throw;
         all[i] = all[i].failed({e.what(), std::nullopt, plan_.seed});
@@ -296,7 +281,11 @@ Robot scored(const TrainingPlan& plan, const Robot& robot, double fitness, const
     result.document["final"] = {{"episodes", score->episodes},
                                 {"mean", score->mean},
                                 {"standard_error", score->standard_error}};
-  result.document["behaviour"] = behaviour_of(plan, robot, policy.controller, arena);
+  // The best evaluation once more, to look at: it has the same bits.
+  BehaviourGauge gauge;
+  evaluate(arena, policy.controller, evaluation_of(plan.settings(robot), plan.seed),
+           [&](const EpisodeMoment& moment) { gauge.record(moment); });
+  result.document["behaviour"] = gauge.mean();
   return result;
 }
 

@@ -393,7 +393,7 @@ void Command::common_options() {
     command->impl_->app->set_help_flag("-h,--help", "")->group("");
   const Option level = option("--log-level", impl_->level, "LEVEL",
                               "what is said: debug, info, warning, error or off")
-                           .one_of(log::levels());
+                           .one_of({"debug", "info", "warning", "error", "off"});
   const Option quiet = flag("-q,--quiet", impl_->quiet, "say nothing but errors").excludes({level});
   flag("-v,--verbose", impl_->verbose, "say more: --log-level debug").excludes({level, quiet});
   option("--log-file", impl_->log_file, "FILE",

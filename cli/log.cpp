@@ -28,11 +28,6 @@ void begin(const std::string& tool) {
   spdlog::set_default_logger(std::make_shared<spdlog::logger>(tool, terminal));
 }
 
-const std::vector<std::string>& levels() {
-  static const std::vector<std::string> words{"debug", "info", "warning", "error", "off"};
-  return words;
-}
-
 void set(const std::string& level, const std::optional<std::string>& file) {
   const auto logger = spdlog::default_logger();
   logger->set_level(spdlog::level::from_str(level));

@@ -5,16 +5,14 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace evo::cli::log {
 
 // The process has one logger, named after the tool; to be called before the others.
 void begin(const std::string& tool);
 
-const std::vector<std::string>& levels();  // "debug", "info", "warning", "error", "off"
-// What is less important is not said. `file` gets the same lines, after those it has.
-// Throws Error(cannot_create).
+// What is less important than this ("debug", "info", "warning", "error", "off") is not said.
+// `file` gets the same lines, after those it has. Throws Error(cannot_create).
 void set(const std::string& level, const std::optional<std::string>& file);
 
 void debug(const std::string& text);

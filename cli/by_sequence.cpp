@@ -8,7 +8,6 @@
 #include <string>
 
 #include "cli/data.h"
-#include "formats/io/values.h"
 #include "formats/training/policy.h"
 #include "libevo/base/error.h"
 #include "libevo/control/evaluate.h"

@@ -7,11 +7,8 @@
 #include <optional>
 #include <span>
 
-#include "cli/data.h"
 #include "cli/documents.h"
-#include "cli/robots.h"
 #include "cli/run_source.h"
-#include "cli/terminal.h"
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/hdf5.h"
@@ -22,7 +19,6 @@
 #include "formats/run/run.h"
 #include "formats/task/task.h"
 #include "formats/training/policy.h"
-#include "formats/training/training.h"
 #include "libevo/control/evaluate.h"
 #include "libevo/control/method.h"
 

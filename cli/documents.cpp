@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "cli/data.h"
-#include "cli/terminal.h"
 #include "formats/io/format.h"
 #include "formats/io/node.h"
 #include "formats/io/text.h"

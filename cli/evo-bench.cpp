@@ -7,7 +7,6 @@
 
 #include "cli/command.h"
 #include "cli/data.h"
-#include "cli/robots.h"
 #include "cli/task_options.h"
 #include "formats/io/json.h"
 #include "formats/io/values.h"

@@ -5,7 +5,6 @@
 #include <map>
 
 #include "cli/command.h"
-#include "cli/data.h"
 #include "cli/outputs.h"
 #include "cli/robots.h"
 #include "cli/task_options.h"

@@ -1,5 +1,4 @@
 // evo-neat: the next population of CPPN genomes.
-#include <filesystem>
 #include <limits>
 #include <map>
 #include <utility>

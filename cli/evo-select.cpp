@@ -7,7 +7,6 @@
 #include "cli/command.h"
 #include "cli/outputs.h"
 #include "cli/robots.h"
-#include "formats/io/values.h"
 #include "formats/robot/writer.h"
 #include "libevo/evolve/select.h"
 

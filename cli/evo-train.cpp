@@ -1,5 +1,4 @@
 // evo-train: a controller for every robot read.
-#include <algorithm>
 #include <filesystem>
 #include <set>
 

@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <memory>
 
-#include "cli/terminal.h"
 #include "formats/io/text.h"
 #include "libevo/base/error.h"
 

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cmath>
 #include <deque>
-#include <exception>
 #include <span>
 #include <string_view>
 #include <system_error>

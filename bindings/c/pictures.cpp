@@ -1,6 +1,5 @@
 // Pictures of evo/evo.h, of whatever has a model and positions.
 #include <algorithm>
-#include <array>
 
 #include "bindings/c/handles.h"
 #include "render/still.h"

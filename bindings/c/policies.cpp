@@ -3,7 +3,6 @@
 #include <variant>
 
 #include "bindings/c/handles.h"
-#include "formats/task/task.h"
 #include "formats/training/training.h"
 #include "libevo/control/trainer.h"
 

@@ -1,6 +1,5 @@
 #include "bindings/web/player.h"
 
-#include <cmath>
 #include <memory>
 #include <new>
 #include <optional>

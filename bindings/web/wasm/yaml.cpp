@@ -1,7 +1,6 @@
 // YAML where there is no yaml-cpp: in a browser the page reads it (bindings/web/site/yaml.js) and
 // answers with a tree.
 #include <memory>
-#include <utility>
 
 #include "formats/io/json.h"
 #include "formats/io/node_builder.h"

@@ -6,7 +6,6 @@ import ctypes
 import ctypes.util
 import functools
 import importlib
-import json
 import operator
 import os
 import shutil
@@ -396,23 +395,6 @@ def array_at(owner: Handle, place: int, shape: tuple, kind: Any) -> np.ndarray:
     values = np.frombuffer(memory, np.dtype(kind)).reshape(shape)
     values.flags.writeable = False
     return values
-
-
-def robots_of(robots: Any) -> Handle:
-    """A list of robots: see ``evo_robots.robots.listed``."""
-    from .robots import listed, robot_document
-
-    found = Handle("robots", "evo_robots_new")
-    for robot in listed(robots):
-        if isinstance(robot, (str, os.PathLike)):
-            if "\n" in os.fspath(robot):
-                raise ValueError("a text is the name of a robot's file; this one has several lines")
-            part = Handle("robots", "evo_robots_read", text_of(robot))
-        else:
-            part = Handle("robots", "evo_robots_parse", json.dumps(robot_document(robot)).encode())
-        for index in range(count_of("evo_robots_count", part)):
-            call("evo_robots_append", found, part, index)
-    return found
 
 
 def count_of(name: str, *arguments: Any) -> int:

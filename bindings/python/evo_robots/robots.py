@@ -9,6 +9,8 @@ from typing import Any, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from .library import Handle, RobotFacts, call, count_of, facts, text_given, text_of
+
 __all__ = ["Robot", "VOXEL_TYPES", "get_full_connectivity", "has_actuator", "is_connected",
            "robot_document", "robot_arrays", "sample_robot"]
 
@@ -164,14 +166,27 @@ def listed(robots: Any) -> list:
     return list(robots)
 
 
+def robots_of(robots: Any) -> Handle:
+    """A list of robots: see ``listed``."""
+    found = Handle("robots", "evo_robots_new")
+    for robot in listed(robots):
+        if isinstance(robot, (str, os.PathLike)):
+            if "\n" in os.fspath(robot):
+                raise ValueError("a text is the name of a robot's file; this one has several lines")
+            part = Handle("robots", "evo_robots_read", text_of(robot))
+        else:
+            part = Handle("robots", "evo_robots_parse", json.dumps(robot_document(robot)).encode())
+        for index in range(count_of("evo_robots_count", part)):
+            call("evo_robots_append", found, part, index)
+    return found
+
+
 class Robot:
     """A robot that shows itself in notebooks. From a body, a tuple ``(body, connections)``, a
     document, or a file of one robot; ``body, connections = robot`` gives them back. stiffness: a
     matrix as the body, factors of each voxel's stiffness, 0.1 to 10 [all 1: None]."""
 
     def __init__(self, robot: Any, connections: Any = None, stiffness: Any = None) -> None:
-        from .library import RobotFacts, count_of, facts, robots_of
-
         known = robot if connections is None else document_of(robot, connections)
         self._handle = robots_of(known if stiffness is None else stiffened(known, stiffness))
         count = count_of("evo_robots_count", self._handle)
@@ -186,8 +201,6 @@ class Robot:
 
     def svg(self, width: int = 240) -> str:
         """A picture, with the robot's id below."""
-        from .library import text_given
-
         return text_given("evo_robots_svg", self._handle, 0, width)
 
     def _repr_svg_(self) -> str:

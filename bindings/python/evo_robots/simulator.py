@@ -11,9 +11,9 @@ from typing import Any, Mapping, Sequence
 import numpy as np
 
 from .library import (EnvArrays, EnvObject, EvoError, Handle, RobotFacts, Start, TaskFacts, VoxelFacts,
-                      address, array_at, bytes_given, call, count_of, facts, failure, library, picture,
-                      robots_of, targets, task_of, text_given, whole, whole64)
-from .robots import stiffened
+                      address, array_at, bytes_given, call, count_of, facts, failure, library, picture, targets,
+                      task_of, text_given, whole, whole64)
+from .robots import robots_of, stiffened
 
 __all__ = ["STATUS", "Simulator", "State", "Voxels", "env_mask"]
 

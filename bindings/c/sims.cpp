@@ -334,12 +334,13 @@ int evo_sims_pull_back(evo_sims* sims, const evo_sim_gradients* gradients, size_
         if (object.is_static) continue;
         for (int p = object.first_point; p < object.first_point + object.points; ++p, ++i) {
           const std::size_t o = 2 * (sim * points + static_cast<std::size_t>(p));
-          visit(state.x[i], by.positions[o]);
-          visit(state.y[i], by.positions[o + 1]);
-          visit(state.vx[i], by.velocities[o]);
-          visit(state.vy[i], by.velocities[o + 1]);
-          visit(state.previous_x[i], by.previous[o]);
-          visit(state.previous_y[i], by.previous[o + 1]);
+          const auto pair = [&](evo::Vec2& inside, double* outside) {
+            visit(inside.x, outside[o]);
+            visit(inside.y, outside[o + 1]);
+          };
+          pair(state.positions[i], by.positions);
+          pair(state.velocities[i], by.velocities);
+          pair(state.previous[i], by.previous);
         }
       }
     };

@@ -197,12 +197,13 @@ class StepAdjoint {
   void for_each_derivative(State& state, std::size_t lane, Visit visit) const {
     for (std::size_t p = 0; p < plan_.site_of.size(); ++p) {
       const std::size_t o = offset(plan_.site_of[p]) + lane;
-      visit(state.x[p], position_[o]);
-      visit(state.y[p], position_[o + width_]);
-      visit(state.vx[p], velocity_[o]);
-      visit(state.vy[p], velocity_[o + width_]);
-      visit(state.previous_x[p], previous_[o]);
-      visit(state.previous_y[p], previous_[o + width_]);
+      const auto pair = [&](Vec2& outside, double* row) {
+        visit(outside.x, row[o]);
+        visit(outside.y, row[o + width_]);
+      };
+      pair(state.positions[p], position_);
+      pair(state.velocities[p], velocity_);
+      pair(state.previous[p], previous_);
     }
   }
 
@@ -218,9 +219,8 @@ class StepAdjoint {
   void store_to(std::span<Gradient> gradients) {
     for (std::size_t i = first_; i < record_.members.size(); ++i)
       if (!record_.members[i].is_done)
-        for_each_array(gradients[record_.members[i].lane].state, [](std::vector<double>& values) {
-          std::fill(values.begin(), values.end(), 0.0);
-        });
+        for_each_array(gradients[record_.members[i].lane].state,
+                       [](auto& values) { values.assign(values.size(), {}); });
     for_each_member([&](std::size_t i, const StepRecord::Member& member) {
       Gradient& gradient = gradients[member.lane];
       for_each_derivative(gradient.state, i,
@@ -584,10 +584,10 @@ void check_sizes(const Gradient& gradient, const Model& model) {
   const auto actuators = static_cast<std::size_t>(model.compiled().dynamics.actuators);
   bool fits = gradient.stiffness.empty() || gradient.stiffness.size() == model.cells().size();
   fits = fits && (gradient.constants.empty() || gradient.constants.size() == gradient_constants);
-  for_each_array(gradient.state, [&](const std::vector<double>& values) {
-    const bool of_targets = &values == &gradient.state.targets;
-    fits = fits && values.size() == (of_targets ? actuators : points);
-  });
+  fits = fits && gradient.state.targets.size() == actuators;
+  for (const auto* array :
+       {&gradient.state.positions, &gradient.state.velocities, &gradient.state.previous})
+    fits = fits && array->size() == points;
   if (!fits) throw error(Failure::data, "a gradient does not have the sizes of its model");
 }
 
@@ -596,8 +596,8 @@ void check_sizes(const Gradient& gradient, const Model& model) {
 Gradient zero_gradient(const Model& model, GradientParts wanted) {
   Gradient gradient;
   const auto points = static_cast<std::size_t>(model.compiled().moving_points);
-  for_each_array(gradient.state, [&](std::vector<double>& values) { values.assign(points, 0.0); });
-  gradient.state.targets.assign(static_cast<std::size_t>(model.compiled().dynamics.actuators), 0.0);
+  for_each_array(gradient.state, [&](auto& values) { values.resize(points); });
+  gradient.state.targets.resize(static_cast<std::size_t>(model.compiled().dynamics.actuators));
   if (wanted.stiffness) gradient.stiffness.assign(model.cells().size(), 0.0);
   if (wanted.constants) gradient.constants.assign(gradient_constants, 0.0);
   return gradient;

@@ -275,17 +275,13 @@ State Batch::state(std::size_t lane) const {
   const std::size_t width = group->width();
   const std::size_t points = plan.site_of.size();
   State state;
-  for (std::vector<double>* values :
-       {&state.x, &state.y, &state.vx, &state.vy, &state.previous_x, &state.previous_y})
-    values->resize(points);
+  for (auto* array : {&state.positions, &state.velocities, &state.previous}) array->resize(points);
   for (std::size_t p = 0; p < points; ++p) {
     const std::size_t o = pair_offset(plan.site_of[p], width) + column;
-    state.x[p] = group->rows.position[o];
-    state.y[p] = group->rows.position[o + width];
-    state.vx[p] = group->rows.velocity[o];
-    state.vy[p] = group->rows.velocity[o + width];
-    state.previous_x[p] = group->rows.previous[o];
-    state.previous_y[p] = group->rows.previous[o + width];
+    const auto pair = [&](const double* row) { return Vec2{row[o], row[o + width]}; };
+    state.positions[p] = pair(group->rows.position);
+    state.velocities[p] = pair(group->rows.velocity);
+    state.previous[p] = pair(group->rows.previous);
   }
   state.targets = impl_->lanes[lane].targets;
   return state;
@@ -297,23 +293,23 @@ void Batch::set_state(std::size_t lane, const State& state) {
   const Plan& plan = group->kind->plan();
   const std::size_t width = group->width();
   const std::size_t points = plan.site_of.size();
-  for (const std::vector<double>* values :
-       {&state.x, &state.y, &state.vx, &state.vy, &state.previous_x, &state.previous_y})
-    if (values->size() != points)
+  for (const auto* array : {&state.positions, &state.velocities, &state.previous})
+    if (array->size() != points)
       throw error(Failure::data, "a state of {} points does not belong to a model of {}",
-                  values->size(), points);
+                  array->size(), points);
   const auto actuators = static_cast<std::size_t>(it.model->compiled().dynamics.actuators);
   if (state.targets.size() != actuators)
     throw error(Failure::data, "a state of {} targets does not belong to a model of {} actuators",
                 state.targets.size(), actuators);
   for (std::size_t p = 0; p < points; ++p) {
     const std::size_t o = pair_offset(plan.site_of[p], width) + column;
-    group->rows.position[o] = state.x[p];
-    group->rows.position[o + width] = state.y[p];
-    group->rows.velocity[o] = state.vx[p];
-    group->rows.velocity[o + width] = state.vy[p];
-    group->rows.previous[o] = state.previous_x[p];
-    group->rows.previous[o + width] = state.previous_y[p];
+    const auto put = [&](Vec2 v, double* row) {
+      row[o] = v.x;
+      row[o + width] = v.y;
+    };
+    put(state.positions[p], group->rows.position);
+    put(state.velocities[p], group->rows.velocity);
+    put(state.previous[p], group->rows.previous);
   }
   it.targets = state.targets;
   it.contacts.invalidate();

@@ -9,31 +9,24 @@ State initial_state(const Model& model) {
   const Model::Compiled& world = model.compiled();
   const auto n = static_cast<std::size_t>(world.moving_points);
   State state;
-  state.x.resize(n);
-  state.y.resize(n);
+  state.positions.resize(n);
   for (std::size_t i = 0; i < world.point_indices.size(); ++i) {
     const auto r = static_cast<std::size_t>(world.point_indices[i]);
-    if (r >= n) continue;
-    state.x[r] = world.initial_positions[i].x;
-    state.y[r] = world.initial_positions[i].y;
+    if (r < n) state.positions[r] = world.initial_positions[i];
   }
-  state.previous_x = state.x;
-  state.previous_y = state.y;
-  state.vx.assign(n, 0.0);
-  state.vy.assign(n, 0.0);
+  state.previous = state.positions;
+  state.velocities.resize(n);
   state.targets.assign(static_cast<std::size_t>(world.dynamics.actuators), 1.0);
   return state;
 }
 
 void perturb(State& state, double amount, std::uint64_t seed) {
   Stream stream(seed, "perturb");
-  for (std::size_t i = 0; i < state.x.size(); ++i) {
+  for (std::size_t i = 0; i < state.positions.size(); ++i) {
     const double dx = amount * (2.0 * stream.uniform() - 1.0);
     const double dy = amount * (2.0 * stream.uniform() - 1.0);
-    state.x[i] += dx;
-    state.y[i] += dy;
-    state.previous_x[i] += dx;
-    state.previous_y[i] += dy;
+    state.positions[i] += {dx, dy};
+    state.previous[i] += {dx, dy};
   }
 }
 
@@ -43,10 +36,8 @@ void translate(const Model& model, std::size_t object, Vec2 by, State& state) {
     if (!model.objects()[k].is_static) first += static_cast<std::size_t>(model.objects()[k].points);
   const std::size_t end = first + static_cast<std::size_t>(model.objects()[object].points);
   for (std::size_t i = first; i < end; ++i) {
-    state.x[i] += by.x;
-    state.y[i] += by.y;
-    state.previous_x[i] += by.x;
-    state.previous_y[i] += by.y;
+    state.positions[i] += by;
+    state.previous[i] += by;
   }
 }
 

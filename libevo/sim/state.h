@@ -9,13 +9,12 @@
 
 namespace evo {
 
-// Plain arrays over the points that can move, in world order (static objects
-// have none here): [M] each, M of them.
+// Of the points that can move, in world order (static objects have none here).
 struct State {
-  std::vector<double> x, y;                    // positions, raw length
-  std::vector<double> vx, vy;                  // the integrator's velocity
-  std::vector<double> previous_x, previous_y;  // positions one substep ago
-  std::vector<double> targets;                 // per actuator of any robot, share of rest length
+  std::vector<Vec2> positions;   // raw length
+  std::vector<Vec2> velocities;  // the integrator's
+  std::vector<Vec2> previous;    // positions one substep ago
+  std::vector<double> targets;   // per actuator of any robot, share of rest length
 
   bool operator==(const State&) const = default;
 };
@@ -23,12 +22,9 @@ struct State {
 // Calls `visit` with each of its arrays: one list for all who save, load or compare a state.
 template <typename AnyState, typename Visit>
 void for_each_array(AnyState& state, const Visit& visit) {
-  visit(state.x);
-  visit(state.y);
-  visit(state.vx);
-  visit(state.vy);
-  visit(state.previous_x);
-  visit(state.previous_y);
+  visit(state.positions);
+  visit(state.velocities);
+  visit(state.previous);
   visit(state.targets);
 }
 

@@ -8,6 +8,7 @@ namespace evo {
 struct Vec2 {
   double x = 0.0;
   double y = 0.0;
+  bool operator==(const Vec2&) const = default;
 };
 inline Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
 inline Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }

@@ -118,12 +118,11 @@ void clip(std::span<const double> targets, const Physics& physics, std::vector<d
 
 void shift(State& state, double amount, std::uint64_t seed) {
   Stream stream(seed, "jitter");
-  for (std::size_t i = 0; i < state.x.size(); ++i) {
-    state.x[i] += amount * (2.0 * stream.uniform() - 1.0);
-    state.y[i] += amount * (2.0 * stream.uniform() - 1.0);
+  for (Vec2& position : state.positions) {
+    position.x += amount * (2.0 * stream.uniform() - 1.0);
+    position.y += amount * (2.0 * stream.uniform() - 1.0);
   }
-  state.previous_x = state.x;
-  state.previous_y = state.y;
+  state.previous = state.positions;
 }
 
 }  // namespace

@@ -171,9 +171,7 @@ void pull_back_hull_area(std::span<const Vec2> points, double by, std::span<Vec2
   for (std::size_t i = 0; i < corners; ++i) {
     const Vec2 before = hull[(i + corners - 1) % corners];
     const Vec2 after = hull[i + 1];
-    const auto at = std::find_if(points.begin(), points.end(), [&](const Vec2& p) {
-      return p.x == hull[i].x && p.y == hull[i].y;
-    });
+    const auto at = std::find(points.begin(), points.end(), hull[i]);
     Vec2& by_point = by_points[static_cast<std::size_t>(at - points.begin())];
     by_point.x += 0.5 * by * (after.y - before.y);
     by_point.y += 0.5 * by * (before.x - after.x);

@@ -11,16 +11,12 @@ namespace {
 using Step = StepTape::Impl::Step;
 
 // Derivatives by points of the world to those by the points that can move.
-void add_moving(const Model& model, std::span<const Vec2> by_points, std::vector<double>& x,
-                std::vector<double>& y) {
+void add_moving(const Model& model, std::span<const Vec2> by_points, std::vector<Vec2>& by_moving) {
   std::size_t to = 0;
   for (const ModelObject& object : model.objects()) {
     if (object.is_static) continue;
-    for (int i = 0; i < object.points; ++i, ++to) {
-      const Vec2& by = by_points[static_cast<std::size_t>(object.first_point + i)];
-      x[to] += by.x;
-      y[to] += by.y;
-    }
+    for (int i = 0; i < object.points; ++i, ++to)
+      by_moving[to] += by_points[static_cast<std::size_t>(object.first_point + i)];
   }
 }
 
@@ -45,8 +41,8 @@ class StepAdjoint {
     if (!by_observations.empty()) observation(by_observations, by_positions, by_velocities);
     pull_back_measures(arena_, step_.initial_shapes, step_.after, by_after_, by_positions);
     const Model& model = step_.world->model;
-    add_moving(model, by_positions, gradient.state.x, gradient.state.y);
-    add_moving(model, by_velocities, gradient.state.vx, gradient.state.vy);
+    add_moving(model, by_positions, gradient.state.positions);
+    add_moving(model, by_velocities, gradient.state.velocities);
     std::vector<double>& targets = gradient.state.targets;
     for (std::size_t i = 0; i < targets.size(); ++i) {
       const bool is_free = clipped_[i] == step_.targets[i];
@@ -57,7 +53,7 @@ class StepAdjoint {
   void end(Gradient& gradient, std::span<double> by_actions) {
     std::vector<Vec2> by_positions(step_.before.size());
     pull_back_measures(arena_, step_.initial_shapes, step_.before, by_before_, by_positions);
-    add_moving(step_.world->model, by_positions, gradient.state.x, gradient.state.y);
+    add_moving(step_.world->model, by_positions, gradient.state.positions);
     std::copy(gradient.state.targets.begin(), gradient.state.targets.end(), by_actions.begin());
     gradient.state.targets = by_targets_before_;
   }

@@ -16,10 +16,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool equal(std::span<const Vec2> ours, std::span<const Vec2> theirs) {
-  return std::ranges::equal(ours, theirs, [](Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; });
-}
-
 double largest_difference(std::span<const double> ours, const double* theirs) {
   double largest = 0.0;
   for (std::size_t i = 0; i < ours.size(); ++i) {
@@ -44,7 +40,8 @@ void replay(const Rollout& rollout, const TaskSpec& task) {
   double worst_observation = 0.0;
   double worst_reward = 0.0;
   for (std::size_t t = 0;; ++t) {
-    CHECK(equal(env.positions(0), std::span(episode.positions).subspan(t * points, points)));
+    CHECK(std::ranges::equal(env.positions(0),
+                             std::span(episode.positions).subspan(t * points, points)));
     worst_observation =
         std::max(worst_observation,
                  largest_difference(env.observations(), &episode.observations[t * length]));

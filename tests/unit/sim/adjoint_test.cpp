@@ -55,9 +55,9 @@ std::vector<Case> cases() {
 
 std::vector<double*> values_of(State& state) {
   std::vector<double*> values;
-  for_each_array(state, [&](std::vector<double>& array) {
-    for (double& value : array) values.push_back(&value);
-  });
+  for (auto* points : {&state.positions, &state.velocities, &state.previous})
+    for (Vec2& point : *points) values.insert(values.end(), {&point.x, &point.y});
+  for (double& target : state.targets) values.push_back(&target);
   return values;
 }
 
@@ -83,12 +83,12 @@ struct Flock {
       batch.place(i, model);
       State state = batch.state(i);
       Stream random(7, "flock", i);
-      for (std::size_t p = 0; p < state.x.size(); ++p) {
-        const bool moves = model.compiled().dynamics.fixed[p] == 0;
-        state.previous_x[p] = state.x[p] += moves ? 1e-3 * random.gaussian() : 0.0;
-        state.previous_y[p] = state.y[p] += moves ? 1e-3 * random.gaussian() : 0.0;
-        state.vy[p] = moves ? -of.fall : 0.0;
+      for (std::size_t p = 0; p < state.positions.size(); ++p) {
+        if (model.compiled().dynamics.fixed[p] != 0) continue;
+        state.positions[p] += {1e-3 * random.gaussian(), 1e-3 * random.gaussian()};
+        state.velocities[p].y = -of.fall;
       }
+      state.previous = state.positions;
       batch.set_state(i, state);
     }
     for (int t = 0; t < steps; ++t) {
@@ -136,19 +136,18 @@ enum Kind { positions, velocities, targets };
 State direction(const Model& model, State like, Kind kind, Stream& random) {
   for (double* value : values_of(like)) *value = 0.0;
   const std::vector<std::uint8_t>& fixed = model.compiled().dynamics.fixed;
-  const auto fill = [&](std::vector<double>& values, double size) {
-    for (std::size_t p = 0; p < values.size(); ++p)
-      values[p] = fixed[p] != 0 ? 0.0 : size * random.gaussian();
+  const auto fill = [&](std::vector<Vec2>& points, double size) {
+    for (const auto axis : {&Vec2::x, &Vec2::y})
+      for (std::size_t p = 0; p < points.size(); ++p)
+        points[p].*axis = fixed[p] != 0 ? 0.0 : size * random.gaussian();
   };
   if (kind == velocities) {
-    fill(like.vx, 1.0);
-    fill(like.vy, 1.0);
+    fill(like.velocities, 1.0);
   } else if (kind == positions) {
-    for (auto* values : {&like.x, &like.y, &like.previous_x, &like.previous_y}) fill(*values, 1e-3);
-    for (std::size_t p = 0; p < fixed.size(); ++p) {  // friction knows the difference alone
-      like.previous_x[p] = like.x[p] + 1e-3 * like.previous_x[p];
-      like.previous_y[p] = like.y[p] + 1e-3 * like.previous_y[p];
-    }
+    fill(like.positions, 1e-3);
+    fill(like.previous, 1e-3);
+    for (std::size_t p = 0; p < fixed.size(); ++p)  // friction knows the difference alone
+      like.previous[p] = like.positions[p] + like.previous[p] * 1e-3;
   } else {
     for (double& value : like.targets) value = 0.1 * random.gaussian();
   }
@@ -176,11 +175,10 @@ void compare(Flock& flock, double eps, Errors& errors) {
   std::vector<Gradient> weights;
   for (std::size_t i = 0; i < lanes; ++i) {
     Gradient weight = zero_gradient(flock.model);
-    for (auto* values : {&weight.state.x, &weight.state.y, &weight.state.previous_x,
-                         &weight.state.previous_y, &weight.state.vx, &weight.state.vy})
-      for (double& value : *values) value = random.gaussian();
-    for (auto* values : {&weight.state.vx, &weight.state.vy})
-      for (double& value : *values) value *= 1e-3;
+    for (auto* points : {&weight.state.positions, &weight.state.previous, &weight.state.velocities})
+      for (const auto axis : {&Vec2::x, &Vec2::y})
+        for (Vec2& point : *points) point.*axis = random.gaussian();
+    for (Vec2& velocity : weight.state.velocities) velocity = velocity * 1e-3;
     weights.push_back(weight);
     errors.touches += touched[i].size();
   }
@@ -244,13 +242,14 @@ TEST_CASE("gradients by stiffness are central differences over other bodies") {
     batch.place(0, model);
     State state = batch.state(0);
     Stream random(5, "stretched");
-    for (double& x : state.x) x += 3e-3 * random.gaussian();
-    state.previous_x = state.x;
+    for (Vec2& position : state.positions) position.x += 3e-3 * random.gaussian();
+    state.previous = state.positions;
     batch.set_state(0, state);
     draw_targets(batch.targets(0), random);
     batch.step({}, nullptr, {}, &tape);
     double sum = 0.0;
-    for (const double vx : batch.state(0).vx) sum += vx * random.gaussian();
+    const State after = batch.state(0);
+    for (const Vec2& velocity : after.velocities) sum += velocity.x * random.gaussian();
     return std::pair(sum, model);
   };
   Tape tape(0.0);
@@ -258,9 +257,9 @@ TEST_CASE("gradients by stiffness are central differences over other bodies") {
   const auto model = step(0, 0.0, tape).second;
   std::vector<Gradient> gradient{zero_gradient(*model, {.stiffness = true})};
   Stream random(5, "stretched");
-  for (std::size_t i = 0; i < gradient[0].state.x.size(); ++i) random.gaussian();
+  for (std::size_t i = 0; i < gradient[0].state.positions.size(); ++i) random.gaussian();
   for (std::size_t i = 0; i < gradient[0].state.targets.size(); ++i) random.uniform();
-  for (double& vx : gradient[0].state.vx) vx = random.gaussian();
+  for (Vec2& velocity : gradient[0].state.velocities) velocity.x = random.gaussian();
   tape.pull_back(gradient);
   REQUIRE(model->cells()[2].type == Voxel::vertical);
   for (const auto& [cell, place] : {std::pair{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 5}}) {
@@ -283,8 +282,11 @@ TEST_CASE("gradients by constants of the physics are central differences over ot
     warm.step();
   }
   const State start = warm.state(0);
-  std::vector<double> share;
-  for (std::size_t i = 0; i < start.vx.size(); ++i) share.push_back(random.gaussian());
+  std::vector<Vec2> share;
+  for (std::size_t i = 0; i < start.velocities.size(); ++i) {
+    const double of_both = random.gaussian();
+    share.push_back({of_both, of_both});
+  }
   std::vector<Tape> tapes;
   for (int t = 0; t < 4; ++t) tapes.emplace_back(0.0);
   const auto run_with = [&](const Physics& physics) {
@@ -295,12 +297,11 @@ TEST_CASE("gradients by constants of the physics are central differences over ot
     for (Tape& tape : tapes) batch.step({}, nullptr, {}, &tape);
     const State after = batch.state(0);
     double sum = 0.0;
-    for (std::size_t i = 0; i < share.size(); ++i) sum += share[i] * (after.vx[i] + after.vy[i]);
+    for (std::size_t i = 0; i < share.size(); ++i) sum += dot(share[i], after.velocities[i]);
     return std::pair(sum, model);
   };
   std::vector<Gradient> gradient{zero_gradient(*run_with({}).second, {.constants = true})};
-  gradient[0].state.vx = share;
-  gradient[0].state.vy = share;
+  gradient[0].state.velocities = share;
   for (auto tape = tapes.rbegin(); tape != tapes.rend(); ++tape) tape->pull_back(gradient);
   const std::pair<GradientConstant, double Physics::*> constants[] = {
       {GradientConstant::gravity, &Physics::gravity},
@@ -344,8 +345,8 @@ std::vector<Run> run(Flock& flock, const std::vector<std::vector<double>>& targe
   for (std::size_t i = 0; i < lanes; ++i) {
     const State state = flock.batch.state(i);
     for (std::size_t p = 0; p < points; ++p) {
-      runs[i].x += state.x[p] / static_cast<double>(points);
-      gradients[i].state.x[p] = 1.0 / static_cast<double>(points);
+      runs[i].x += state.positions[p].x / static_cast<double>(points);
+      gradients[i].state.positions[p].x = 1.0 / static_cast<double>(points);
     }
   }
   for (auto tape = tapes.rbegin(); tape != tapes.rend(); ++tape) tape->pull_back(gradients);
@@ -426,14 +427,13 @@ TEST_CASE("a tape changes no bits, and gradients have the same bits in any compa
       CHECK(hash_of(batch.state(0)) == hash_of(plain.state(0)));
       std::vector<Gradient> gradients(count,
                                       zero_gradient(model, {.stiffness = true, .constants = true}));
-      for (Gradient& gradient : gradients) gradient.state.x.assign(gradient.state.x.size(), 1.0);
+      for (Gradient& gradient : gradients)
+        for (Vec2& position : gradient.state.positions) position.x = 1.0;
       for (auto tape = tapes.rbegin(); tape != tapes.rend(); ++tape) tape->pull_back(gradients);
       seen.push_back(gradients[0].stiffness);
       seen.back().insert(seen.back().end(), gradients[0].constants.begin(),
                          gradients[0].constants.end());
-      for_each_array(gradients[0].state, [&](const std::vector<double>& values) {
-        seen.back().insert(seen.back().end(), values.begin(), values.end());
-      });
+      for (const double* value : values_of(gradients[0].state)) seen.back().push_back(*value);
       CHECK(seen.back() == seen.front());
     }
   });
@@ -444,14 +444,14 @@ TEST_CASE("nothing is pulled back through a step that folds") {
   Batch batch(1);
   batch.place(0, model);
   State state = batch.state(0);
-  for (double& y : state.y) y = 0.1 + 0.01 * y;
-  state.previous_y = state.y;
+  for (Vec2& position : state.positions) position.y = 0.1 + 0.01 * position.y;
+  state.previous = state.positions;
   batch.set_state(0, state);
   Tape tape;
   batch.step({}, nullptr, {}, &tape);
   REQUIRE(batch.status(0) != LaneStatus::done);
   std::vector<Gradient> gradients{zero_gradient(model)};
-  gradients[0].state.x.assign(gradients[0].state.x.size(), 1.0);
+  for (Vec2& position : gradients[0].state.positions) position.x = 1.0;
   tape.pull_back(gradients);
   CHECK(gradients[0].state == zero_gradient(model).state);
 }
@@ -467,7 +467,7 @@ TEST_CASE("gradients of other sizes, and onsets too wide, are refused") {
   CHECK_THROWS_AS(tape.pull_back(gradients), Error);
   gradients.push_back(zero_gradient(model, {.stiffness = true}));
   CHECK_NOTHROW(tape.pull_back(gradients));
-  gradients[1].state.x.pop_back();
+  gradients[1].state.positions.pop_back();
   CHECK_THROWS_AS(tape.pull_back(gradients), Error);
   CHECK_THROWS_AS(Tape(0.2), Error);
   CHECK_THROWS_AS(Tape(-0.1), Error);

@@ -136,8 +136,8 @@ TEST_CASE("states can be saved, perturbed and restored") {
   const State went_on = go_on();
   // Far from where its contacts were found: they must be found anew by themselves.
   State moved = saved;
-  for (double& x : moved.x) x += 0.35;
-  moved.previous_x = moved.x;
+  for (Vec2& position : moved.positions) position.x += 0.35;
+  moved.previous = moved.positions;
   batch.set_state(3, moved);
   CHECK(batch.state(3) == moved);
   State fresh = moved;
@@ -151,7 +151,7 @@ TEST_CASE("states can be saved, perturbed and restored") {
   batch.set_state(3, saved);
   CHECK(go_on() == went_on);
 
-  fresh.x.pop_back();
+  fresh.positions.pop_back();
   CHECK_THROWS_WITH(batch.set_state(3, fresh), Catch::Contains("does not belong to a model"));
   fresh = moved;
   fresh.targets.push_back(1.0);
@@ -231,10 +231,9 @@ TEST_CASE("voxels of another length move as they do at 0.1, to the last bit") {
   for (const double scale : {0.125, 8.0}) {
     INFO(scale);
     const State other = after(scaled(scale), 80);
-    for (std::size_t p = 0; p < usual.x.size(); ++p) {
-      CHECK(other.x[p] == scale * usual.x[p]);
-      CHECK(other.y[p] == scale * usual.y[p]);
-      CHECK(other.vx[p] == scale * usual.vx[p]);
+    for (std::size_t p = 0; p < usual.positions.size(); ++p) {
+      CHECK(other.positions[p] == usual.positions[p] * scale);
+      CHECK(other.velocities[p].x == scale * usual.velocities[p].x);
     }
   }
 }
@@ -243,7 +242,7 @@ TEST_CASE("robots of small and large voxels do not sink into the terrain") {
   for (const double voxel_length : {0.01, 0.1, 1.0}) {
     const State state = after(scaled(voxel_length / 0.1), 150);
     INFO(voxel_length);
-    CHECK(*std::min_element(state.y.begin(), state.y.end()) > 0.9 * voxel_length);
+    for (const Vec2& position : state.positions) CHECK(position.y > 0.9 * voxel_length);
   }
 }
 

@@ -334,10 +334,11 @@ void check_same_bits(Choice choice) {
   group.lanes = {&lane};
   const Plan& plan = lane.kind->plan();
   const State start = plain.state(0);
-  for (std::size_t p = 0; p < start.x.size(); ++p) {
+  for (std::size_t p = 0; p < start.positions.size(); ++p) {
     const std::size_t o = pair_offset(plan.site_of[p], group.width());
-    group.rows.position[o] = group.rows.previous[o] = start.x[p];
-    group.rows.position[o + group.width()] = group.rows.previous[o + group.width()] = start.y[p];
+    const auto [x, y] = start.positions[p];
+    group.rows.position[o] = group.rows.previous[o] = x;
+    group.rows.position[o + group.width()] = group.rows.previous[o + group.width()] = y;
   }
   Workspace workspace;
   Stream random(1, "targets");
@@ -348,12 +349,11 @@ void check_same_bits(Choice choice) {
     HWY_DYNAMIC_DISPATCH(StepChosen)(choice, group, workspace);
   }
   const State end = plain.state(0);
-  for (std::size_t p = 0; p < end.x.size(); ++p) {
+  for (std::size_t p = 0; p < end.positions.size(); ++p) {
     const std::size_t o = pair_offset(plan.site_of[p], group.width());
-    CHECK(group.rows.position[o] == end.x[p]);
-    CHECK(group.rows.position[o + group.width()] == end.y[p]);
-    CHECK(group.rows.velocity[o] == end.vx[p]);
-    CHECK(group.rows.velocity[o + group.width()] == end.vy[p]);
+    CHECK(Vec2{group.rows.position[o], group.rows.position[o + group.width()]} == end.positions[p]);
+    CHECK(Vec2{group.rows.velocity[o], group.rows.velocity[o + group.width()]} ==
+          end.velocities[p]);
   }
 }
 

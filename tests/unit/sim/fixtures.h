@@ -73,9 +73,9 @@ class Hash {  // FNV-1a, a word at a time
 // The bits of everything that continues; -0 and 0 count as different.
 inline std::uint64_t hash_of(const State& state) {
   Hash hash;
-  for (const auto* values :
-       {&state.x, &state.y, &state.vx, &state.vy, &state.previous_x, &state.previous_y})
-    for (const double value : *values) hash.add(value);
+  for (const auto* points : {&state.positions, &state.velocities, &state.previous})
+    for (const auto axis : {&Vec2::x, &Vec2::y})
+      for (const Vec2& point : *points) hash.add(point.*axis);
   return hash.value();
 }
 

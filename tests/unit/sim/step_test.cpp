@@ -153,8 +153,8 @@ TEST_CASE("a lane that folds stops alone, with the state of its folding substep"
   Batch batch(4);
   for (std::size_t i = 0; i < 4; ++i) batch.place(i, model);
   State alone = batch.state(2);
-  for (double& y : alone.y) y = 0.1 + 0.01 * y;  // squashed: folds in the second substep
-  alone.previous_y = alone.y;
+  for (Vec2& at : alone.positions) at.y = 0.1 + 0.01 * at.y;  // folds in the second substep
+  alone.previous = alone.positions;
   batch.set_state(2, alone);
   batch.step();
   CHECK(step_alone(model, alone) == LaneStatus::self_folding);
@@ -190,10 +190,10 @@ TEST_CASE("an unstable lane says so and leaves its neighbours alone") {
     Batch batch(5);
     for (std::size_t i = 0; i < 5; ++i) batch.place(i, model);
     State state = batch.state(1);
-    state.x[3] = bad;
+    state.positions[3].x = bad;
     batch.set_state(1, state);
     state = batch.state(2);
-    state.vy[0] = bad;
+    state.velocities[0].y = bad;
     batch.set_state(2, state);
     for (int t = 0; t < 3; ++t) batch.step();
     INFO(bad);

@@ -372,7 +372,7 @@ TEST_CASE("an action that is held is the same action in so many control steps") 
       earned += one.rewards()[0];
     }
     five.step(targets);
-    CHECK(distance(one.positions(0), five.positions(0)) == 0.0);
+    CHECK(std::ranges::equal(one.positions(), five.positions()));
     CHECK(five.rewards()[0] == Approx(earned).margin(1e-12));
   }
   CHECK(five.steps(0) == 8);

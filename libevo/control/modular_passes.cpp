@@ -24,19 +24,24 @@ ModularPolicy initial_modular_policy(const TrainingSettings& s, int task_length,
   return policy;
 }
 
-ModularPasses::ModularPasses(ModularPolicy policy, std::vector<Group> groups)
+ModularPasses::ModularPasses(ModularPolicy policy, std::span<const Arena* const> robots,
+                             int environments, int groups)
     : policy_(std::move(policy)), gradients_(zero_gradients(policy_)) {
-  std::size_t environments = 0;
+  const auto count = static_cast<std::size_t>(groups);
+  std::size_t first = 0;
   std::size_t targets = 0;
-  for (Group& group : groups) {
-    Turn turn{std::move(group), environments, targets, {0}, {0}};
-    for (const int body : turn.group.body_of) {
-      const VoxelViews& views = turn.group.bodies[body];
+  for (std::size_t g = 0; g < count; ++g) {
+    const std::size_t begin = g * robots.size() / count;
+    const std::size_t end = (g + 1) * robots.size() / count;
+    Turn turn{Bodies(robots.subspan(begin, end - begin)), {}, first, targets, {0}, {0}};
+    for (int e = 0; e < environments * turn.bodies.size(); ++e) {
+      turn.body_of.push_back(e / environments);
+      const VoxelViews& views = turn.bodies[turn.body_of.back()];
       turn.first_voxel.push_back(turn.first_voxel.back() + views.voxels());
       turn.first_action.push_back(turn.first_action.back() + views.actuators().size());
       most_actions_ = std::max(most_actions_, views.actuators().size());
     }
-    environments += turn.group.body_of.size();
+    first += turn.body_of.size();
     targets += turn.first_action.back();
     turns_.push_back(std::move(turn));
   }

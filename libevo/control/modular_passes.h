@@ -11,20 +11,16 @@
 
 namespace evo {
 
-// Environments that step side by side between two updates, and what bodies they have.
-struct Group {
-  Bodies bodies;
-  std::vector<int> body_of;  // [E_g], of `bodies`
-};
-
 class ModularPasses {
  public:
   using Policy = ModularPolicy;
   using Seen = const VecEnv&;
   static const VecEnv& seen(const VecEnv& env) { return env; }
 
-  // Environments are numbered through the groups, which take turns.
-  ModularPasses(ModularPolicy policy, std::vector<Group> groups);
+  // So many environments of each robot. The robots in their order, as evenly as can be in groups
+  // that take turns; environments are numbered through them.
+  ModularPasses(ModularPolicy policy, std::span<const Arena* const> robots, int environments,
+                int groups);
 
   const ModularPolicy& policy() const { return policy_; }
   auto parameters() { return parameter_blocks(policy_); }
@@ -78,16 +74,18 @@ class ModularPasses {
   void serialize(const Archive& archive);
 
  private:
-  // A group, and where its environments, voxels and actuators begin among those of all.
+  // The environments of a group, which step side by side between two updates, and where they,
+  // their voxels and actuators begin among those of all.
   struct Turn {
-    Group group;
+    Bodies bodies;
+    std::vector<int> body_of;               // [E_g], of `bodies`
     std::size_t first;                      // environment, of all
     std::size_t first_target;               // actuator, of all
     std::vector<Eigen::Index> first_voxel;  // [E_g + 1] of the group's
     std::vector<std::size_t> first_action;  // [E_g + 1] of the group's
   };
-  const Bodies& bodies() const { return turn_->group.bodies; }
-  const std::vector<int>& body_of() const { return turn_->group.body_of; }
+  const Bodies& bodies() const { return turn_->bodies; }
+  const std::vector<int>& body_of() const { return turn_->body_of; }
   void look_at(const VecEnv& env, std::size_t environment);
   void forward_chunk(const VoxelSamples& samples, std::size_t first_sample);
   void backward_chunk(const VoxelSamples& samples);

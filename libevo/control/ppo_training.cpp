@@ -119,21 +119,8 @@ struct Kind<ModularPasses> {
     return settings;
   }
   static ModularPolicy first(const TrainingJob& job) { return first_modular_policy(job); }
-  // The robots in their order, as evenly as can be in groups of `robots_per_update`.
   static ModularPasses passes(const TrainingJob& job) {
-    const auto count = static_cast<std::size_t>(groups_in(job));
-    std::vector<Group> groups;
-    for (std::size_t g = 0; g < count; ++g) {
-      const std::size_t begin = g * job.robots.size() / count;
-      const std::size_t end = (g + 1) * job.robots.size() / count;
-      std::vector<int> body_of;
-      for (std::size_t robot = begin; robot < end; ++robot)
-        body_of.insert(body_of.end(), static_cast<std::size_t>(job.settings.environments),
-                       static_cast<int>(robot - begin));
-      groups.push_back(
-          {Bodies(std::span(job.robots).subspan(begin, end - begin)), std::move(body_of)});
-    }
-    return {first_modular_policy(job), std::move(groups)};
+    return {first_modular_policy(job), job.robots, job.settings.environments, groups_in(job)};
   }
 };
 

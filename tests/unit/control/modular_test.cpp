@@ -251,7 +251,7 @@ TEST_CASE("a modular policy's gradients agree with finite differences in double 
   REQUIRE_FALSE(defect(policy));
   const ModularSamples batch = plausible_batch(policy, bodies, 20, stream);
   const TrainingSettings objective;
-  ModularPasses passes(policy, {Group{bodies, {0, 1, 2}}});
+  ModularPasses passes(policy, robots.all(), 1, 1);
   passes.begin_turn(0, 1);
   passes.minibatch() = batch.states;
   Gaussians pi;

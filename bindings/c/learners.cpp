@@ -84,7 +84,7 @@ int evo_learner_open(const evo_training* training, size_t size, int32_t observat
     const evo::TrainingSettings settings = settings_of(wanted);
     if (!evo::abilities(settings.algorithm).own_tasks)
       throw evo::error(Failure::usage, "a learner is of {}; algorithm {} needs a task of the suite",
-                       evo::algorithm_that(&evo::Abilities::own_tasks), settings.algorithm.name());
+                       evo::algorithm_that(&evo::Abilities::own_tasks), word(settings.algorithm));
     if (settings.updates() < 1)
       throw evo::error(Failure::usage, "{} steps are less than one rollout of {} x {}",
                        settings.steps, settings.environments, settings.rollout);

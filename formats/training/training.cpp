@@ -1,18 +1,6 @@
 #include "formats/training/training.h"
 
 namespace evo {
-
-template <>
-struct setting::Value<Algorithm> : Word<Algorithm, setting::Value<Algorithm>> {
-  static std::vector<std::string> all() { return algorithm_names(); }
-  static std::optional<Algorithm> parse(std::string_view text, const Range&) {
-    for (const std::string& name : algorithm_names())
-      if (text == name) return Algorithm(name);
-    return std::nullopt;
-  }
-  static std::string text(const Algorithm& algorithm) { return algorithm.name(); }
-};
-
 namespace {
 
 // In the order of libevo/control/settings.h.

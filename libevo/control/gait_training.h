@@ -22,7 +22,7 @@ std::int64_t generation_cost(const TrainingJob& job);
 
 class GaitTraining {
  public:
-  static constexpr const char* name = "gait";
+  static constexpr Algorithm algorithm = Algorithm::gait;
   static constexpr Abilities can{};
   static void check(const TrainingSettings&) {}
 

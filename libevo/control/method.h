@@ -65,8 +65,7 @@ concept TrainingMethod = std::movable<T> && std::constructible_from<T, const Tra
     requires(T method, const T& constant, const TrainingJob& job, TrainResult& result,
              const TrainResult& so_far, Metrics& metrics, const Archive& archive,
              const TrainingSettings& settings) {
-  // As profiles name it.
-  { T::name } -> std::convertible_to<const char*>;
+  { T::algorithm } -> std::convertible_to<Algorithm>;
   { T::can } -> std::convertible_to<Abilities>;
   // Throws Error(usage) for settings that make no sense with this method.
   T::check(settings);

@@ -9,26 +9,18 @@
 namespace evo {
 namespace {
 
-// Calls function(std::type_identity<T>{}) for the method of this name.
+// Calls function(std::type_identity<T>{}) for the method of this algorithm.
 template <typename Function>
-void with_method(const Algorithm& algorithm, Function function) {
+void with_method(Algorithm algorithm, Function function) {
   for_each_alternative<Method>([&]<typename T>(std::type_identity<T> type) {
     static_assert(TrainingMethod<T>);
-    if (algorithm.name() == T::name) function(type);
+    if (algorithm == T::algorithm) function(type);
   });
 }
 
 }  // namespace
 
-std::vector<std::string> algorithm_names() { return names_of<Method>(); }
-
-Algorithm::Algorithm(std::string_view name) : name_(name) {
-  bool known = false;
-  with_method(*this, [&](auto) { known = true; });
-  if (!known) throw error(Failure::usage, "unknown algorithm '{}'", name);
-}
-
-Abilities abilities(const Algorithm& algorithm) {
+Abilities abilities(Algorithm algorithm) {
   Abilities abilities;
   with_method(algorithm, [&]<typename T>(std::type_identity<T>) { abilities = T::can; });
   return abilities;
@@ -37,7 +29,7 @@ Abilities abilities(const Algorithm& algorithm) {
 std::string algorithm_that(bool Abilities::*can) {
   std::string name;
   for_each_alternative<Method>([&]<typename T>(std::type_identity<T>) {
-    if (name.empty() && T::can.*can) name = T::name;
+    if (name.empty() && T::can.*can) name = word(T::algorithm);
   });
   return name;
 }

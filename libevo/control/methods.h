@@ -1,6 +1,6 @@
 // The ways of training. A new one is a class that fulfils TrainingMethod
-// (method.h) and a line here: profiles, messages and checkpoints know it
-// by its name from then on.
+// (method.h), a line here and a word in settings.h: profiles, messages and checkpoints know it
+// from then on.
 #pragma once
 
 #include <variant>
@@ -11,14 +11,11 @@
 
 namespace evo {
 
-using Method = std::variant<PpoTraining<PolicyPasses>,  // ppo
-                            GaitTraining,               // gait
-                            SequenceTraining,           // sequence
-                            PpoTraining<ModularPasses>  // modular
-                            >;
+using Method = std::variant<PpoTraining<PolicyPasses>, GaitTraining, SequenceTraining,
+                            PpoTraining<ModularPasses>>;
 
-Abilities abilities(const Algorithm& algorithm);
-// The first method that has an ability.
+Abilities abilities(Algorithm algorithm);
+// The first method that has an ability, by its word.
 std::string algorithm_that(bool Abilities::*can);
 
 // The method that settings.algorithm names, ready to begin.

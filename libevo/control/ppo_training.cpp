@@ -72,7 +72,7 @@ ModularPolicy first_modular_policy(const TrainingJob& job) {
   const auto* old = std::get_if<ModularPolicy>(&job.inheritance->controller);
   if (old == nullptr)
     throw error(Failure::usage, "training: {} can start from a modular policy only",
-                PpoTraining<ModularPasses>::name);
+                word(Algorithm::modular));
   require(old->task_length() == fresh.task_length(), "inputs of the task");
   require(same_shape(old->actor, fresh.actor) && same_shape(old->critic, fresh.critic),
           "hidden layers");
@@ -145,10 +145,11 @@ TrainedController inherited_controller(const TrainingJob& job) {
 template <typename Passes>
 void PpoTraining<Passes>::check(const TrainingSettings& s) {
   if (for_any && s.hidden.size() < 2)
-    throw error(Failure::usage, "training: {} needs two layers in hidden at least", name);
+    throw error(Failure::usage, "training: {} needs two layers in hidden at least",
+                word(algorithm));
   if (for_any && s.moment_share > 0.0)
     throw error(Failure::usage, "training: moment_share is {}; {} has no moments to start from",
-                s.moment_share, name);
+                s.moment_share, word(algorithm));
   if (s.updates() < 1)
     throw error(Failure::usage, "training: {} steps are less than one rollout of {} x {}", s.steps,
                 s.environments, s.rollout);

@@ -21,7 +21,7 @@ class PpoTraining {
  public:
   // Its policy is for any body.
   static constexpr bool for_any = std::is_same_v<Passes, ModularPasses>;
-  static constexpr const char* name = for_any ? "modular" : "ppo";
+  static constexpr Algorithm algorithm = for_any ? Algorithm::modular : Algorithm::ppo;
   static constexpr Abilities can{
       .shares = for_any, .own_tasks = !for_any, .whole_updates = !for_any};
   static void check(const TrainingSettings& settings);

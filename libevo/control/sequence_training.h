@@ -21,7 +21,7 @@ namespace evo {
 
 class SequenceTraining {
  public:
-  static constexpr const char* name = "sequence";
+  static constexpr Algorithm algorithm = Algorithm::sequence;
   static constexpr Abilities can{};
   static void check(const TrainingSettings&) {}
 

@@ -4,8 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "libevo/base/words.h"
@@ -13,36 +11,25 @@
 
 namespace evo {
 
-// What trains, by its name in methods.h:
+// What trains (methods.h):
 //   ppo     a policy network, by proximal policy optimisation
 //   gait    open-loop waves, by an evolution strategy
 //   modular a network that every voxel shares, for one robot or for many, by proximal policy
 //           optimisation
 //   sequence  open loop, every actuator's target at every step: exploration from the best
 //           moments reached so far
-class Algorithm {
- public:
-  Algorithm() : Algorithm("ppo") {}
-  // Throws Error(usage) for a name that there is no method of.
-  explicit Algorithm(std::string_view name);
-
-  const std::string& name() const { return name_; }
-  bool operator==(const Algorithm&) const = default;
-
- private:
-  std::string name_;
-};
-std::vector<std::string> algorithm_names();
+enum class Algorithm { ppo, gait, sequence, modular };
+// As profiles write it (libevo/base/words.h).
+constexpr auto words_for(Algorithm) { return std::array{"ppo", "gait", "sequence", "modular"}; }
 
 enum class TimeLimit { end, bootstrap };  // what an episode cut off by time counts as
-// As profiles write it (libevo/base/words.h).
 constexpr auto words_for(TimeLimit) { return std::array{"end", "bootstrap"}; }
 
 // Every number that decides a training, as in the profile `paper` (docs/methods.md, "PPO in
 // the paper"). What each means and may be stands in the table of formats/training/training.cpp,
 // whatever else is read, written or said of them comes from there.
 struct TrainingSettings {
-  Algorithm algorithm;
+  Algorithm algorithm = Algorithm::ppo;
   std::int64_t steps = 512000;
   // Rollout
   int environments = 4;

@@ -68,7 +68,7 @@ struct Trainer::Impl {
 
   static Method begin(const TrainingJob& job) {
     check(job.settings);
-    const std::string& name = job.settings.algorithm.name();
+    const std::string name = word(job.settings.algorithm);
     const Abilities can = abilities(job.settings.algorithm);
     if (job.inheritance && !can.shares &&
         std::holds_alternative<ModularPolicy>(job.inheritance->controller))

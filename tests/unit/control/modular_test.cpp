@@ -37,7 +37,7 @@ struct Robots {
 
 TrainingSettings small_settings() {
   TrainingSettings settings;
-  settings.algorithm = Algorithm("modular");
+  settings.algorithm = Algorithm::modular;
   settings.environments = 1;
   settings.rollout = 16;
   settings.minibatches = 3;

@@ -91,9 +91,9 @@ TEST_CASE("a setting stands in one table, and is read, written, checked and iden
 TEST_CASE("schema and help of the setting algorithm name every algorithm") {
   const std::vector<std::string> listed =
       training_profiles().schema().at("properties").at("algorithm").at("enum");
-  CHECK(listed == algorithm_names());
+  CHECK(listed == words_of<Algorithm>());
   const SettingRow algorithm = training_profiles().rows({}).front();
   REQUIRE(algorithm.key == "algorithm");
-  for (const std::string& name : algorithm_names())
+  for (const std::string& name : words_of<Algorithm>())
     CHECK_THAT(algorithm.meaning, Catch::Contains(name));
 }

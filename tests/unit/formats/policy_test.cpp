@@ -155,8 +155,8 @@ TEST_CASE("the same training is the same file, and its policy earns its fitness 
   const ScratchFolder folder;
   const Robot robot(Body::from_rows({"HHH", "V.V"}));
   TrainingSettings settings;
-  settings.algorithm = GENERATE(Algorithm("ppo"), Algorithm("gait"), Algorithm("sequence"));
-  settings.steps = settings.algorithm == Algorithm("ppo") ? 512 : 4000;
+  settings.algorithm = GENERATE(Algorithm::ppo, Algorithm::gait, Algorithm::sequence);
+  settings.steps = settings.algorithm == Algorithm::ppo ? 512 : 4000;
   settings.population = 4;
   settings.evaluation_interval = 2;  // stretches of a sequence
   const Arena arena(load_task("Walker-v0", data), robot.body);

@@ -575,24 +575,6 @@ void pull_back(const StepRecord& record, std::span<Gradient> gradients) {
 
 // ---- tapes -------------------------------------------------------------------------------
 
-namespace {
-
-constexpr double widest_onset = 0.1;
-
-void check_sizes(const Gradient& gradient, const Model& model) {
-  const auto points = static_cast<std::size_t>(model.compiled().moving_points);
-  const auto actuators = static_cast<std::size_t>(model.compiled().dynamics.actuators);
-  bool fits = gradient.stiffness.empty() || gradient.stiffness.size() == model.cells().size();
-  fits = fits && (gradient.constants.empty() || gradient.constants.size() == gradient_constants);
-  fits = fits && gradient.state.targets.size() == actuators;
-  for (const auto* array :
-       {&gradient.state.positions, &gradient.state.velocities, &gradient.state.previous})
-    fits = fits && array->size() == points;
-  if (!fits) throw error(Failure::data, "a gradient does not have the sizes of its model");
-}
-
-}  // namespace
-
 Gradient zero_gradient(const Model& model, GradientParts wanted) {
   Gradient gradient;
   const auto points = static_cast<std::size_t>(model.compiled().moving_points);
@@ -604,6 +586,7 @@ Gradient zero_gradient(const Model& model, GradientParts wanted) {
 }
 
 Tape::Tape(double onset) : impl_(std::make_unique<Impl>()) {
+  constexpr double widest_onset = 0.1;
   if (!(onset >= 0.0 && onset <= widest_onset))
     throw error(Failure::usage, "the onset of contact is spread over 0 to {} voxels, not {}",
                 widest_onset, onset);
@@ -615,11 +598,6 @@ Tape& Tape::operator=(Tape&&) noexcept = default;
 
 void Tape::pull_back(std::span<Gradient> gradients, ThreadPool* pool) const {
   const std::span records = std::span(impl_->records).first(impl_->used);
-  if (gradients.size() != impl_->lanes)
-    throw error(Failure::data, "{} gradients for {} lanes", gradients.size(), impl_->lanes);
-  for (const StepRecord& record : records)
-    for (const StepRecord::Member& member : record.members)
-      check_sizes(gradients[member.lane], *member.model);
   const auto run = [&](std::size_t i, int) { evo::pull_back(records[i], gradients); };
   if (pool != nullptr && pool->threads() > 1 && records.size() > 1) {
     pool->run(records.size(), run);

@@ -62,8 +62,8 @@ class Tape {
   // For every lane that the step moved: from derivatives by the state after it to those by the
   // state before, whose targets are those of the step. They are in the state after it, too: who
   // sets other targets before the next step takes their derivatives, and leaves 0. Those by
-  // stiffness and constants are added to. [lanes of the batch], the others are left alone. Throws
-  // Error(data) where one does not have the sizes of its model.
+  // stiffness and constants are added to. [lanes of the batch], each in the sizes of its model; the
+  // others are left alone.
   void pull_back(std::span<Gradient> gradients, ThreadPool* pool = nullptr) const;
 
   struct Impl;  // private to libevo/sim

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "libevo/base/error.h"
 #include "libevo/sim/contact.h"
 #include "libevo/sim/group.h"
 #include "libevo/sim/kernels.h"
@@ -293,14 +292,6 @@ void Batch::set_state(std::size_t lane, const State& state) {
   const Plan& plan = group->kind->plan();
   const std::size_t width = group->width();
   const std::size_t points = plan.site_of.size();
-  for (const auto* array : {&state.positions, &state.velocities, &state.previous})
-    if (array->size() != points)
-      throw error(Failure::data, "a state of {} points does not belong to a model of {}",
-                  array->size(), points);
-  const auto actuators = static_cast<std::size_t>(it.model->compiled().dynamics.actuators);
-  if (state.targets.size() != actuators)
-    throw error(Failure::data, "a state of {} targets does not belong to a model of {} actuators",
-                state.targets.size(), actuators);
   for (std::size_t p = 0; p < points; ++p) {
     const std::size_t o = pair_offset(plan.site_of[p], width) + column;
     const auto put = [&](Vec2 v, double* row) {
@@ -341,7 +332,7 @@ void Batch::step(std::span<const std::uint8_t> active, ThreadPool* pool, const S
   impl.group_for(active, threads);
   if (impl.workspaces.size() < static_cast<std::size_t>(threads))
     impl.workspaces.resize(static_cast<std::size_t>(threads));
-  if (tape != nullptr) tape->impl().begin(impl.running.size(), lanes());
+  if (tape != nullptr) tape->impl().begin(impl.running.size());
   const auto run = [&](std::size_t i, int worker) {
     Group& group = *impl.running[i];
     StepRecord* record = tape == nullptr ? nullptr : &tape->impl().records[i];

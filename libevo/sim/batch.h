@@ -50,8 +50,7 @@ class Batch {
   void place(std::size_t lane, const Model& model);
   const Model& model(std::size_t lane) const;
 
-  // A lane's state, whole; one that is put back continues to the same bits.
-  // Throws Error(data) for a state of another number of points or actuators.
+  // A lane's state, whole; one that is put back, of the same model, continues to the same bits.
   State state(std::size_t lane) const;
   void set_state(std::size_t lane, const State& state);
 

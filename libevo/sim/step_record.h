@@ -72,15 +72,13 @@ class StepRecord {
 };
 
 struct Tape::Impl {
-  void begin(std::size_t groups, std::size_t lanes_of_batch) {
-    lanes = lanes_of_batch;
+  void begin(std::size_t groups) {
     used = groups;
     if (records.size() < groups) records.resize(groups);
   }
 
-  double onset = 0.0;     // voxels
-  std::size_t lanes = 0;  // of the batch
-  std::size_t used = 0;   // of `records`, one for each group of the last step
+  double onset = 0.0;    // voxels
+  std::size_t used = 0;  // of `records`, one for each group of the last step
   std::vector<StepRecord> records;
 };
 

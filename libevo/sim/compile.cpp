@@ -323,7 +323,6 @@ void append(Model::Compiled& world, const Object& object, const Built& built) {
     s.object = object_index;
     s.row = c.row;
     s.col = c.col;
-    s.is_static = info.is_static;
     for (std::size_t k = 0; k < 4; ++k) {
       s.corners[k] = base + c.corners[k];
       const Spring& edge = built.springs[static_cast<std::size_t>(c.edges[k])];
@@ -380,21 +379,15 @@ std::vector<int> number_blocks(Model::Compiled& world) {
   return first;
 }
 
-void list_contact_cells(Model::Compiled& world) {
-  const auto site = [&](int index) {
-    return index < world.moving_points ? world.plan.site_of[static_cast<std::size_t>(index)]
-                                       : index;
+// From indices of points to their sites.
+void name_sites(Model::Compiled& world) {
+  const auto to_site = [&](std::int32_t& point) {
+    if (point < world.moving_points) point = world.plan.site_of[static_cast<std::size_t>(point)];
   };
-  for (const SurfaceCell& cell : world.surface) {
-    ContactCell c;
-    for (std::size_t k = 0; k < 4; ++k) {
-      c.corners[k] = site(cell.corners[k]);
-      c.edges[k] = {site(cell.edges[k][0]), site(cell.edges[k][1])};
-    }
-    c.surface = cell.surface;
-    c.is_static = cell.is_static;
-    c.object = cell.object;
-    world.contact_cells.push_back(c);
+  for (SurfaceCell& cell : world.surface) {
+    for (std::int32_t& corner : cell.corners) to_site(corner);
+    for (auto& edge : cell.edges)
+      for (std::int32_t& end : edge) to_site(end);
   }
 }
 
@@ -435,7 +428,7 @@ TerrainGrid map_terrain(const Model::Compiled& world, const std::vector<const Ob
   int y1 = 0;
   bool any = false;
   for (const SurfaceCell& c : world.surface) {
-    if (!c.is_static) continue;
+    if (!world.is_static(c)) continue;
     grid.x0 = any ? std::min(grid.x0, world_x(c)) : world_x(c);
     grid.y0 = any ? std::min(grid.y0, world_y(c)) : world_y(c);
     x1 = std::max(x1, world_x(c) + 1);
@@ -449,7 +442,7 @@ TerrainGrid map_terrain(const Model::Compiled& world, const std::vector<const Ob
                     none);
   for (std::size_t i = 0; i < world.surface.size(); ++i) {
     const SurfaceCell& c = world.surface[i];
-    if (!c.is_static) continue;
+    if (!world.is_static(c)) continue;
     const auto row = static_cast<std::size_t>(world_y(c) - grid.y0);
     const auto col = static_cast<std::size_t>(world_x(c) - grid.x0);
     grid.cells[row * static_cast<std::size_t>(grid.width) + col] = static_cast<std::int32_t>(i);
@@ -482,7 +475,7 @@ Model::Compiled compile(const World& world, const Physics& physics) {
                 "the world has {} objects with {} surface cells; at most {} and {} are possible",
                 compiled.objects.size(), compiled.surface.size(), max_objects, max_surface_cells);
   compiled.plan = make_plan(compiled.dynamics, number_blocks(compiled), physics);
-  list_contact_cells(compiled);
+  name_sites(compiled);
   compiled.terrain = map_terrain(compiled, order);
   return compiled;
 }

@@ -46,15 +46,15 @@ struct VoxelSpring {
   double stiffness = 0.0;
 };
 
-// A cell with at least one side that has no linked neighbour.
+// A cell with at least one side that has no linked neighbour. Its points by site of the plan,
+// static ones from Plan::sites on.
 struct SurfaceCell {
-  int object = 0;  // world order
-  int row = 0;     // in the object's matrix
-  int col = 0;
-  bool is_static = false;
-  std::array<int, 4> corners{};               // by Corner
-  std::array<std::array<int, 2>, 4> edges{};  // ends a, b by Side
-  std::array<bool, 4> surface{};              // by Side
+  std::array<std::int32_t, 4> corners{};               // by Corner
+  std::array<std::array<std::int32_t, 2>, 4> edges{};  // ends a, b by Side
+  std::array<bool, 4> surface{};                       // by Side
+  std::int32_t object = 0;                             // world order
+  std::int32_t row = 0;                                // in the object's matrix
+  std::int32_t col = 0;
 };
 
 // The part of the world that can move, over State's points. Models with equal
@@ -73,16 +73,6 @@ struct Dynamics {
 struct SurfaceRange {
   int first = 0;
   int count = 0;
-};
-
-// A SurfaceCell as contact reads it: points by site of the plan, static ones
-// from Plan::sites on.
-struct ContactCell {
-  std::array<std::int32_t, 4> corners{};
-  std::array<std::array<std::int32_t, 2>, 4> edges{};
-  std::array<bool, 4> surface{};
-  bool is_static = false;
-  std::int32_t object = 0;
 };
 
 // Which surface cell lies at a cell of the world's grid, for terrain.
@@ -119,9 +109,10 @@ struct Model::Compiled {
   std::vector<int> object_of_block;
 
   Plan plan;
-  std::vector<ContactCell> contact_cells;  // as `surface`
   TerrainGrid terrain;
   std::vector<BoundingTree> trees;  // [objects]
+
+  bool is_static(const SurfaceCell& cell) const { return cell.corners[0] >= plan.sites; }
 };
 
 }  // namespace evo

@@ -15,7 +15,6 @@
 namespace evo {
 namespace {
 
-using contact::cell_of;
 using contact::Meeting;
 using contact::Points;
 using contact::SearchOrder;
@@ -58,8 +57,8 @@ class Pusher {
   using Push = ContactPushes::Push;
 
   std::pair<std::int32_t, std::int32_t> objects(const ContactCandidate& candidate) const {
-    return std::minmax(cell_of(world_, candidate.corner / 4).object,
-                       cell_of(world_, candidate.cell).object);
+    return std::minmax(world_.surface[candidate.corner / 4].object,
+                       world_.surface[candidate.cell].object);
   }
   std::pair<std::uint32_t, std::uint32_t> cells(const ContactCandidate& candidate) const {
     return std::minmax(candidate.corner / 4, candidate.cell);
@@ -125,7 +124,7 @@ class Pusher {
     if (i == j) {
       meetings_.push_back({leaf(one, i), leaf(other, i), pair});
       meetings_.push_back({leaf(other, i), leaf(one, i), pair + 1});
-    } else if (cell_of(world_, one).object == i) {
+    } else if (world_.surface[one].object == i) {
       meetings_.push_back({leaf(one, i), leaf(other, j), pair});
     } else {
       meetings_.push_back({leaf(other, i), leaf(one, j), pair + 1});
@@ -133,8 +132,8 @@ class Pusher {
   }
 
   std::optional<Push> push_of(const ContactCandidate& candidate) const {
-    const ContactCell& cell = cell_of(world_, candidate.cell);
-    const ContactCell& owner = cell_of(world_, candidate.corner / 4);
+    const SurfaceCell& cell = world_.surface[candidate.cell];
+    const SurfaceCell& owner = world_.surface[candidate.corner / 4];
     const std::uint32_t corner = candidate.corner % 4;
     const std::int32_t point = owner.corners[corner];
     const Vec2 p = points_(point);

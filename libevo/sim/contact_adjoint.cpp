@@ -9,7 +9,6 @@
 
 namespace evo {
 
-using contact::cell_of;
 using contact::Points;
 
 // A corner that is not due for longer than `reach` is farther away than that.
@@ -22,8 +21,8 @@ void find_missed(const Model::Compiled& world, const ContactLists& lists, const 
     for (std::uint32_t i = group.first; i < group.last; ++i) {
       if (within < lists.pairs.due[i]) continue;
       const auto& [corner, other] = lists.pairs.all[i];
-      const ContactCell& cell = cell_of(world, other);
-      const std::int32_t point = cell_of(world, corner / 4).corners[corner % 4];
+      const SurfaceCell& cell = world.surface[other];
+      const std::int32_t point = world.surface[corner / 4].corners[corner % 4];
       for (std::size_t side = 0; side < 4; ++side) {
         if (!cell.surface[side]) continue;
         const Vec2 a = points(cell.edges[side][0]);

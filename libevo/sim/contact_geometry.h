@@ -63,7 +63,7 @@ class Points {
     return view_.force + offset(site);
   }  // of one that moves
   double travel(std::uint32_t block) const { return view_.travel[block * view_.stride]; }
-  Box box(const ContactCell& c) const {
+  Box box(const SurfaceCell& c) const {
     const Vec2 tl = (*this)(c.corners[top_left]);
     const Vec2 tr = (*this)(c.corners[top_right]);
     const Vec2 bl = (*this)(c.corners[bottom_left]);
@@ -82,9 +82,5 @@ class Points {
   std::int32_t sites_;
   const Vec2* terrain_;
 };
-
-inline const ContactCell& cell_of(const Model::Compiled& world, std::uint32_t cell) {
-  return world.contact_cells[cell];
-}
 
 }  // namespace evo::contact

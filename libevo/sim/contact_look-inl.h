@@ -98,7 +98,7 @@ class ContactLook {
       for (; bits != 0; bits &= bits - 1) {
         const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(bits));
         put_corner(world, view, candidates.all[i].corner);
-        put_cell(world, view, contact::cell_of(world, candidates.all[i].cell));
+        put_cell(world, view, world.surface[candidates.all[i].cell]);
         candidate_[count_] = &candidates.all[i];
         lane_[count_] = lane;
         now_[count_] = travel;
@@ -110,15 +110,15 @@ class ContactLook {
   }
 
   void put_corner(const Model::Compiled& world, const PointView& view, std::uint32_t corner) {
-    const ContactCell& owner = contact::cell_of(world, corner / 4);
-    if (owner.is_static)
+    const SurfaceCell& owner = world.surface[corner / 4];
+    if (world.is_static(owner))
       put_static(own, world, owner.corners[corner % 4]);
     else
       put_moving(own, view, owner.corners[corner % 4]);
   }
-  void put_cell(const Model::Compiled& world, const PointView& view, const ContactCell& cell) {
+  void put_cell(const Model::Compiled& world, const PointView& view, const SurfaceCell& cell) {
     constexpr Corner corners[] = {top_left, top_right, bottom_left, bottom_right};
-    if (cell.is_static)
+    if (world.is_static(cell))
       for (const Corner c : corners) put_static(c, world, cell.corners[c]);
     else
       for (const Corner c : corners) put_moving(c, view, cell.corners[c]);

@@ -7,7 +7,6 @@
 namespace evo {
 
 using contact::Box;
-using contact::cell_of;
 using contact::Points;
 using contact::reach_slack;
 
@@ -81,9 +80,9 @@ namespace {
 // of it.
 void list_corners(const Model::Compiled& world, const Points& points, std::uint32_t a,
                   std::uint32_t b, const Box& box, double skin, ContactCandidates& found) {
-  const ContactCell& cell = cell_of(world, b);
+  const SurfaceCell& cell = world.surface[b];
   for (const std::uint32_t k : {top_left, top_right, bottom_right, bottom_left}) {
-    const std::int32_t corner = cell_of(world, a).corners[k];
+    const std::int32_t corner = world.surface[a].corners[k];
     if (!within(points(corner), box, skin)) continue;
     if (std::find(cell.corners.begin(), cell.corners.end(), corner) != cell.corners.end()) continue;
     found.all.push_back({4 * a + k, b});
@@ -152,7 +151,7 @@ void ContactSearch::find_self(const Model::Compiled& world, std::size_t block,
 
   boxes_.clear();
   for (int c = range.first; c < range.first + range.count; ++c)
-    boxes_.push_back(points.box(world.contact_cells[static_cast<std::size_t>(c)]));
+    boxes_.push_back(points.box(world.surface[static_cast<std::size_t>(c)]));
 
   // Pairs of cells from the last to the first, corners of either in the other. Each
   // pair pushes twice (contact.cpp).
@@ -229,7 +228,7 @@ void ContactSearch::find_pairs(const Model::Compiled& world, const PointView& vi
     Box& all = object_boxes_[static_cast<std::size_t>(i)];
     for (int c = range.first; c < range.first + range.count; ++c) {
       const Box box = boxes_[static_cast<std::size_t>(c)] =
-          points.box(world.contact_cells[static_cast<std::size_t>(c)]);
+          points.box(world.surface[static_cast<std::size_t>(c)]);
       if (c == range.first) all = box;
       all.low = {std::min(all.low.x, box.low.x), std::min(all.low.y, box.low.y)};
       all.high = {std::max(all.high.x, box.high.x), std::max(all.high.y, box.high.y)};
@@ -265,10 +264,11 @@ void ContactSearch::list_pairs(const Model::Compiled& world, ContactLists& lists
       const std::uint32_t first = lists.pairs.count();
       lists.groups.push_back({first, first, {travel_block(world, i), travel_block(world, j)}, 0.0});
     }
-    const bool terrain = cell_of(world, a).is_static || cell_of(world, b).is_static;
+    const bool terrain = world.is_static(world.surface[a]) || world.is_static(world.surface[b]);
     const double skin = (terrain ? terrain_skin : moving_skin) * world.length_scale;
-    const auto box = [&](std::uint32_t cell) {
-      return cell_of(world, cell).is_static ? points.box(cell_of(world, cell)) : boxes_[cell];
+    const auto box = [&](std::uint32_t i) {
+      const SurfaceCell& cell = world.surface[i];
+      return world.is_static(cell) ? points.box(cell) : boxes_[i];
     };
     list_corners(world, points, a, b, box(b), skin, lists.pairs);
     list_corners(world, points, b, a, box(a), skin, lists.pairs);
@@ -295,7 +295,7 @@ bool ContactSearch::is_folding(const Model::Compiled& world, ContactLists& lists
         world.surface_ranges[static_cast<std::size_t>(world.object_of_block[block])];
     boxes_.clear();
     for (int c = range.first; c < range.first + range.count; ++c)
-      boxes_.push_back(points.box(world.contact_cells[static_cast<std::size_t>(c)]));
+      boxes_.push_back(points.box(world.surface[static_cast<std::size_t>(c)]));
     const auto first = static_cast<std::size_t>(range.first);
     gaps_.clear();
     std::ptrdiff_t overlaps = 0;

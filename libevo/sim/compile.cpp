@@ -1,8 +1,6 @@
 // Builds point masses, springs and surfaces of every object in the order that
 // the benchmark's simulator creates them (docs/physics.md, "Building an object"): results
 // depend on that order to the last bits.
-#include "libevo/sim/compile.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "libevo/base/error.h"
+#include "libevo/sim/compiled.h"
 
 namespace evo {
 namespace {

@@ -115,4 +115,7 @@ struct Model::Compiled {
   bool is_static(const SurfaceCell& cell) const { return cell.corners[0] >= plan.sites; }
 };
 
+// Throws Error(data) as the constructor of Model does.
+Model::Compiled compile(const World& world, const Physics& physics);
+
 }  // namespace evo

@@ -1,6 +1,6 @@
 #include "libevo/sim/model.h"
 
-#include "libevo/sim/compile.h"
+#include "libevo/sim/compiled.h"
 
 namespace evo {
 

@@ -104,20 +104,6 @@ std::vector<compiled::Test> bind_conditions(const std::vector<Condition>& condit
   return tests;
 }
 
-// Every part writes what it declared, or no episode begins.
-void try_observation(const Arena::Compiled& arena, const Draws& draws) {
-  const std::vector<Vec2>& positions = arena.world->model.initial_positions();
-  const std::vector<Vec2> velocities(positions.size());
-  std::vector<double> quantities(arena.quantities);
-  std::vector<double> observation(static_cast<std::size_t>(arena.observation_length));
-  std::vector<Vec2> work;
-  Episode episode;
-  episode.draws = draws;
-  if (arena.has_goals) episode.draws.goals = {arena.task.goals->start};
-  measure(arena, make_initial_shapes(arena, positions), positions, work, quantities);
-  observe(arena, arena.world->terrains, episode, {positions, velocities}, quantities, observation);
-}
-
 // ---- draws and world ----------------------------------------------------------
 
 int drawn(const Draws& draws, const std::string& name) {
@@ -201,7 +187,6 @@ Arena::Compiled bind_task(TaskSpec task, Body robot) {
     arena.robot_x = bind.centre(robot_name, Axis::x);
   }
   arena.world = make_episode_world(arena, draws);
-  try_observation(arena, draws);
   return arena;
 }
 

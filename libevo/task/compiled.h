@@ -9,7 +9,6 @@
 #include <functional>
 #include <memory>
 #include <span>
-#include <stdexcept>
 #include <vector>
 
 #include "libevo/task/env.h"
@@ -60,25 +59,6 @@ struct Step {
   std::span<const double> targets;  // [A], clipped
 };
 
-// Where a part writes its numbers: as many as it declared, all of them. Throws
-// std::logic_error for one too many.
-class PartWriter {
- public:
-  explicit PartWriter(std::span<double> out) : rest_(out) {}
-
-  void add(double value) { take(1)[0] = value; }
-  std::span<double> take(std::size_t count) {
-    if (count > rest_.size()) throw std::logic_error("more numbers than declared");
-    const std::span<double> taken = rest_.first(count);
-    rest_ = rest_.subspan(count);
-    return taken;
-  }
-  bool full() const { return rest_.empty(); }
-
- private:
-  std::span<double> rest_;
-};
-
 // Derivatives of one number by what a part of the observation sees, to be added to.
 struct ViewSlopes {
   std::span<Vec2> positions;
@@ -95,7 +75,7 @@ struct StepSlopes {
 };
 
 struct Part {
-  std::function<void(const View&, PartWriter&)> write;
+  std::function<void(const View&, std::span<double> numbers)> write;
   // From derivatives by its numbers; none: it does not change with the simulation.
   std::function<void(const View&, std::span<const double> by_part, ViewSlopes&)> pull_back;
 };
@@ -177,10 +157,6 @@ void pull_back_measures(const Arena::Compiled& arena,
 
 // Whether all conditions of a rule or a reward term hold.
 bool all_hold(const std::vector<compiled::Test>& tests, const compiled::Step& step);
-
-// Throws std::logic_error where the part does not write what it declared.
-void write_part(const compiled::Part& part, const ObservationSlice& slice,
-                const compiled::View& view, std::span<double> observation);
 
 void observe(const Arena::Compiled& arena, std::span<const Terrain> terrains,
              const Episode& episode, const compiled::SnapshotView& now,

@@ -1,7 +1,6 @@
 // Observation, reward and end of one step. See docs/tasks.md, "A step".
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "libevo/task/binder.h"
 
@@ -103,21 +102,15 @@ void pull_back_measures(const Arena::Compiled& arena,
   }
 }
 
-void write_part(const compiled::Part& part, const ObservationSlice& slice,
-                const compiled::View& view, std::span<double> observation) {
-  compiled::PartWriter out(observation.subspan(static_cast<std::size_t>(slice.offset),
-                                               static_cast<std::size_t>(slice.length)));
-  part.write(view, out);
-  if (!out.full())
-    throw std::logic_error("observation part '" + slice.name + "' writes less than it declares");
-}
-
 void observe(const Arena::Compiled& arena, std::span<const Terrain> terrains,
              const Episode& episode, const compiled::SnapshotView& now,
              std::span<const double> quantities, std::span<double> observation) {
   const compiled::View view{episode, now, quantities, terrains};
-  for (std::size_t i = 0; i < arena.parts.size(); ++i)
-    write_part(arena.parts[i], arena.layout[i], view, observation);
+  for (std::size_t i = 0; i < arena.parts.size(); ++i) {
+    const auto& [name, offset, length] = arena.layout[i];
+    arena.parts[i].write(view, observation.subspan(static_cast<std::size_t>(offset),
+                                                   static_cast<std::size_t>(length)));
+  }
 }
 
 StepOutcome judge(const Arena::Compiled& arena, Episode& episode, std::span<const double> pre,

@@ -8,7 +8,6 @@ namespace evo {
 namespace {
 
 using compiled::Part;
-using compiled::PartWriter;
 using compiled::View;
 using compiled::ViewSlopes;
 
@@ -18,10 +17,10 @@ int length(const observation::Velocity&, int /*points*/) { return 2; }
 std::string arguments(const observation::Velocity& part) { return part.of; }
 Part bind_one(const observation::Velocity& part, Binder& bind) {
   const PointRange points = bind.points(part.of);
-  return {[points](const View& view, PartWriter& out) {
+  return {[points](const View& view, std::span<double> out) {
             const Vec2 v = mean(points.of(view.now.velocities));
-            out.add(v.x);
-            out.add(v.y);
+            out[0] = v.x;
+            out[1] = v.y;
           },
           [points](const View&, std::span<const double> by, ViewSlopes& slopes) {
             pull_back_mean({by[0], by[1]}, points.of(slopes.velocities));
@@ -32,7 +31,7 @@ int length(const observation::Orientation&, int) { return 1; }
 std::string arguments(const observation::Orientation& part) { return part.of; }
 Part bind_one(const observation::Orientation& part, Binder& bind) {
   const std::size_t angle = bind.orientation(part.of);
-  return {[angle](const View& view, PartWriter& out) { out.add(view.quantities[angle]); },
+  return {[angle](const View& view, std::span<double> out) { out[0] = view.quantities[angle]; },
           [angle](const View&, std::span<const double> by, ViewSlopes& slopes) {
             slopes.quantities[angle] += by[0];
           }};
@@ -43,12 +42,14 @@ std::string arguments(const observation::RelativePositions& part) { return part.
 Part bind_one(const observation::RelativePositions& part, Binder& bind) {
   const PointRange range = bind.points(part.of);
   const std::size_t centre = bind.centre(part.of);
-  return {[range, centre, voxel = bind.voxel_length()](const View& view, PartWriter& out) {
+  return {[range, centre, voxel = bind.voxel_length()](const View& view, std::span<double> out) {
             const auto points = range.of(view.now.positions);
             const double x = view.quantities[centre + raw_x];
             const double y = view.quantities[centre + raw_y];
-            for (const Vec2& p : points) out.add(p.x / voxel * voxel - x);
-            for (const Vec2& p : points) out.add(p.y / voxel * voxel - y);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+              out[i] = points[i].x / voxel * voxel - x;
+              out[points.size() + i] = points[i].y / voxel * voxel - y;
+            }
           },
           [range, centre](const View&, std::span<const double> by, ViewSlopes& slopes) {
             const auto by_points = range.of(slopes.positions);
@@ -69,9 +70,9 @@ std::string arguments(const observation::Offset& part) {
 Part bind_one(const observation::Offset& part, Binder& bind) {
   const std::size_t of = bind.centre(part.of);
   const std::size_t from = bind.centre(part.from);
-  return {[of, from](const View& view, PartWriter& out) {
-            out.add(view.quantities[of + raw_x] - view.quantities[from + raw_x]);
-            out.add(view.quantities[of + raw_y] - view.quantities[from + raw_y]);
+  return {[of, from](const View& view, std::span<double> out) {
+            for (const std::size_t axis : {raw_x, raw_y})
+              out[axis] = view.quantities[of + axis] - view.quantities[from + axis];
           },
           [of, from](const View&, std::span<const double> by, ViewSlopes& slopes) {
             for (const std::size_t axis : {raw_x, raw_y}) {
@@ -87,14 +88,12 @@ template <typename Clearance>
 Part bind_clearance(const Clearance& part, Terrain::Side side, Binder& bind) {
   const std::size_t terrain = bind.terrain(part.over);
   const std::size_t robot = bind.centre(robot_name);
-  const auto columns = static_cast<std::size_t>(2 * part.width + 1);
   const auto centre = [robot](const View& view) {
     return Vec2{view.quantities[robot + voxel_x], view.quantities[robot + voxel_y]};
   };
   return {
-      [=, range = part.range](const View& view, PartWriter& out) {
-        view.terrains[terrain].clearance(side, centre(view), range, view.now.positions,
-                                         out.take(columns));
+      [=, range = part.range](const View& view, std::span<double> out) {
+        view.terrains[terrain].clearance(side, centre(view), range, view.now.positions, out);
       },
       [=, range = part.range](const View& view, std::span<const double> by, ViewSlopes& slopes) {
         slopes.quantities[robot + voxel_y] += view.terrains[terrain].pull_back(
@@ -120,15 +119,15 @@ int length(const observation::GoalIndex&, int) { return 1; }
 std::string arguments(const observation::GoalIndex&) { return ""; }
 Part bind_one(const observation::GoalIndex& part, Binder& bind) {
   bind.need_goals(part.name);
-  return {[](const View& view, PartWriter& out) { out.add(view.episode.goal); }, {}};
+  return {[](const View& view, std::span<double> out) { out[0] = view.episode.goal; }, {}};
 }
 
 int length(const observation::GoalPosition&, int) { return 1; }
 std::string arguments(const observation::GoalPosition&) { return ""; }
 Part bind_one(const observation::GoalPosition& part, Binder& bind) {
   bind.need_goals(part.name);
-  return {[voxel = bind.voxel_length()](const View& view, PartWriter& out) {
-            out.add(current_goal(view.episode, voxel));
+  return {[voxel = bind.voxel_length()](const View& view, std::span<double> out) {
+            out[0] = current_goal(view.episode, voxel);
           },
           {}};
 }
@@ -138,8 +137,8 @@ std::string arguments(const observation::GoalOffset&) { return ""; }
 Part bind_one(const observation::GoalOffset& part, Binder& bind) {
   bind.need_goals(part.name);
   const std::size_t robot = bind.centre(robot_name, Axis::x);
-  return {[robot, voxel = bind.voxel_length()](const View& view, PartWriter& out) {
-            out.add(current_goal(view.episode, voxel) - view.quantities[robot]);
+  return {[robot, voxel = bind.voxel_length()](const View& view, std::span<double> out) {
+            out[0] = current_goal(view.episode, voxel) - view.quantities[robot];
           },
           [robot](const View&, std::span<const double> by, ViewSlopes& slopes) {
             slopes.quantities[robot] -= by[0];

@@ -1,7 +1,6 @@
 #include "libevo/sim/batch.h"
 
 #include <algorithm>
-#include <cassert>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -64,7 +63,6 @@ struct Batch::Impl {
   void regroup();
   void deal(std::vector<std::size_t> waiting, bool singly);
   void put_together(std::span<const std::size_t> members);
-  bool is_consistent() const;  // what the functions above keep true, for assertions
 
   std::vector<Lane> lanes;
   std::vector<Place> places;               // [lanes]
@@ -77,37 +75,6 @@ struct Batch::Impl {
   bool one_by_one = false;
   std::vector<Group*> running;  // those of the active lanes
 };
-
-// Every lane that holds a simulation is in one place, and its group says so; no group is
-// empty, wider than its rows or of several kinds; `running` holds the groups with active
-// lanes, which have no other.
-bool Batch::Impl::is_consistent() const {
-  std::size_t placed = 0;
-  for (std::size_t i = 0; i < lanes.size(); ++i) {
-    const auto& [group, lane] = places[i];
-    if (group == nullptr) {
-      if (lanes[i].model != nullptr) return false;
-      continue;
-    }
-    ++placed;
-    if (lane >= group->lanes.size() || group->lanes[lane] != &lanes[i]) return false;
-    if (lanes[i].kind != group->kind) return false;
-  }
-  std::size_t held = 0;
-  for (const auto& group : groups) {
-    held += group->lanes.size();
-    if (group->lanes.empty() || group->lanes.size() > group->width()) return false;
-  }
-  if (placed != held) return false;
-  if (active.empty()) return true;
-  std::size_t stepped = 0;
-  for (const Group* group : running) {
-    stepped += group->lanes.size();
-    for (const Lane* lane : group->lanes)
-      if (active[index_of(lane)] == 0) return false;
-  }
-  return stepped == static_cast<std::size_t>(std::count(active.begin(), active.end(), 1));
-}
 
 std::shared_ptr<Kind> Batch::Impl::kind_of(const std::shared_ptr<const Model>& model) {
   std::erase_if(kinds, [](const std::weak_ptr<Kind>& kind) { return kind.expired(); });
@@ -128,7 +95,6 @@ void Batch::Impl::settle(std::size_t lane, std::shared_ptr<Kind> kind) {
   groups.push_back(std::make_unique<Group>(std::move(kind), layout));
   groups.back()->lanes = {&lanes[lane]};
   places[lane] = {groups.back().get(), 0};
-  assert(is_consistent());
 }
 
 void Batch::Impl::leave(std::size_t lane) {
@@ -148,7 +114,8 @@ void Batch::Impl::leave(std::size_t lane) {
 }
 
 // ---- grouping --------------------------------------------------------------------------
-// Groups hold either lanes that are stepped or lanes that are not. They are made when
+// Every lane that holds a simulation is in one place, and its group says so. Groups are of one kind
+// and hold either lanes that are stepped (`running`) or lanes that are not. They are made when
 // that changes, or a lane's kind, or the instruction set; as a rule once.
 
 void Batch::Impl::group_for(std::span<const std::uint8_t> marked, int threads) {
@@ -194,7 +161,6 @@ void Batch::Impl::regroup() {
   running.clear();
   for (std::size_t i = 0; i < lanes.size(); ++i)
     if (active[i] != 0 && places[i].lane == 0) running.push_back(places[i].group);
-  assert(is_consistent());
 }
 
 // Puts lanes of one kind together, a register full at a time.
@@ -218,8 +184,6 @@ void Batch::Impl::deal(std::vector<std::size_t> waiting, bool singly) {
 
 void Batch::Impl::put_together(std::span<const std::size_t> members) {
   const std::shared_ptr<Kind> kind = lanes[members[0]].kind;
-  assert(std::all_of(members.begin(), members.end(),
-                     [&](std::size_t i) { return lanes[i].kind == kind; }));
   const Layout layout = layout_of(members.size());
   const Group& old = *places[members[0]].group;
   const bool together =

@@ -6,6 +6,7 @@
 #include <memory>
 #include <numeric>
 
+#include "libevo/base/overloaded.h"
 #include "libevo/base/parallel.h"
 #include "libevo/control/actor.h"
 
@@ -24,20 +25,10 @@ struct Running {
 using Choose = std::function<void(const VecEnv&, std::span<Running>, std::span<double>)>;
 
 struct Work {
-  int jobs = 0;
+  int jobs = 0;                                 // job k is episode k % settings.episodes
   int limit = std::numeric_limits<int>::max();  // control steps of an episode
-  std::function<int(int)> episode;              // of a job
   Choose choose;
 };
-
-void start(const Arena& arena, const EvaluationSettings& settings, const Work& work, VecEnv& env,
-           int environment, Running& lane) {
-  const int episode = work.episode(lane.job);
-  lane.steps = 0;
-  lane.random = Stream(settings.seed, "random", static_cast<std::uint64_t>(episode));
-  lane.start = start_of(arena, settings, episode);
-  env.reset(environment, lane.start);
-}
 
 // Runs all jobs, each lane taking the next one when its episode has ended.
 Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Work& work,
@@ -57,13 +48,17 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
   int next = 0;
   std::size_t running = 0;
   const auto begin = [&](std::size_t l) {
-    lanes[l].job = next < work.jobs ? next++ : -1;
-    active[l] = lanes[l].job >= 0 ? 1 : 0;
+    Running& lane = lanes[l];
+    lane.job = next < work.jobs ? next++ : -1;
+    active[l] = lane.job >= 0 ? 1 : 0;
     if (active[l] == 0) return;
     ++running;
-    start(arena, settings, work, env, static_cast<int>(l), lanes[l]);
-    if (observer)
-      observer({work.episode(lanes[l].job), env, static_cast<int>(l), {}, false, lanes[l].start});
+    const int episode = lane.job % settings.episodes;
+    lane.steps = 0;
+    lane.random = Stream(settings.seed, "random", static_cast<std::uint64_t>(episode));
+    lane.start = start_of(arena, settings, episode);
+    env.reset(static_cast<int>(l), lane.start);
+    if (observer) observer({episode, env, static_cast<int>(l), {}, false, lane.start});
   };
   for (std::size_t l = 0; l < count; ++l) begin(l);
 
@@ -84,7 +79,7 @@ Evaluation run(const Arena& arena, const EvaluationSettings& settings, const Wor
                         lane.steps >= work.limit ||
                         (settings.max_steps > 0 && lane.steps >= settings.max_steps);
       if (observer)
-        observer({work.episode(lane.job), env, static_cast<int>(l),
+        observer({lane.job % settings.episodes, env, static_cast<int>(l),
                   std::span<const double>(targets).subspan(l * actions, actions), over,
                   lane.start});
       if (!over) continue;
@@ -105,52 +100,51 @@ Choose lane_by_lane(std::size_t actions, PerLane per_lane) {
   };
 }
 
-struct Prepare {
-  const Arena& arena;
-  const EvaluationSettings& settings;
-  Work& work;
-
-  std::size_t actions() const { return static_cast<std::size_t>(arena.action_length()); }
-
-  void operator()(const TrainedController& trained) const {
-    work.choose = [actor = Actor(trained, arena), steps = std::vector<int>{}](
-                      const VecEnv& env, std::span<Running> lanes,
-                      std::span<double> targets) mutable {
-      steps.clear();
-      for (const Running& lane : lanes) steps.push_back(lane.steps);
-      actor.act(env, 0, steps, targets);
-    };
-    if (const auto* sequence = std::get_if<ReplayController>(&trained))
-      work.limit = sequence->steps();
-  }
-
-  void operator()(const RandomController& random) const {
-    work.choose = lane_by_lane(actions(), [&random](Running& lane, std::span<double> targets) {
-      for (double& target : targets)
-        target = random.low + (random.high - random.low) * lane.random.uniform();
-    });
-  }
-
-  void operator()(const PlannerController& planner) const {
-    if (planner.sequence) {
-      require_fit(*planner.sequence, arena);
-      work.limit = planner.sequence->steps();
-    }
-    const auto pool = std::make_shared<ThreadPool>(
-        std::clamp(std::min(settings.threads, settings.lanes), 1, std::max(work.jobs, 1)));
-    const auto planners = std::make_shared<std::vector<Replanner>>();
-    for (int k = 0; k < pool->threads(); ++k) planners->emplace_back(arena, planner);
-    work.choose = [pool, planners, a = actions()](const VecEnv& env, std::span<Running> lanes,
-                                                  std::span<double> targets) {
-      pool->run(planners->size(), [&](std::size_t k, int /*worker*/) {
-        for (std::size_t l = k; l < lanes.size(); l += planners->size())
-          if (Running& lane = lanes[l]; lane.job >= 0)
-            (*planners)[k].act(env, static_cast<int>(l), lane.steps, lane.start, lane.random,
-                               targets.subspan(l * a, a));
-      });
-    };
-  }
-};
+Work work_for(const Arena& arena, const Controller& controller,
+              const EvaluationSettings& settings) {
+  Work work;
+  work.jobs = settings.episodes;
+  const auto actions = static_cast<std::size_t>(arena.action_length());
+  const Overloaded by_kind{
+      [&](const TrainedController& trained) {
+        work.choose = [actor = Actor(trained, arena), steps = std::vector<int>{}](
+                          const VecEnv& env, std::span<Running> lanes,
+                          std::span<double> targets) mutable {
+          steps.clear();
+          for (const Running& lane : lanes) steps.push_back(lane.steps);
+          actor.act(env, 0, steps, targets);
+        };
+        if (const auto* sequence = std::get_if<ReplayController>(&trained))
+          work.limit = sequence->steps();
+      },
+      [&](const RandomController& random) {
+        work.choose = lane_by_lane(actions, [&random](Running& lane, std::span<double> targets) {
+          for (double& target : targets)
+            target = random.low + (random.high - random.low) * lane.random.uniform();
+        });
+      },
+      [&](const PlannerController& planner) {
+        if (planner.sequence) {
+          require_fit(*planner.sequence, arena);
+          work.limit = planner.sequence->steps();
+        }
+        const auto pool = std::make_shared<ThreadPool>(
+            std::clamp(std::min(settings.threads, settings.lanes), 1, std::max(work.jobs, 1)));
+        const auto planners = std::make_shared<std::vector<Replanner>>();
+        for (int k = 0; k < pool->threads(); ++k) planners->emplace_back(arena, planner);
+        work.choose = [pool, planners, actions](const VecEnv& env, std::span<Running> lanes,
+                                                std::span<double> targets) {
+          pool->run(planners->size(), [&](std::size_t k, int /*worker*/) {
+            for (std::size_t l = k; l < lanes.size(); l += planners->size())
+              if (Running& lane = lanes[l]; lane.job >= 0)
+                (*planners)[k].act(env, static_cast<int>(l), lane.steps, lane.start, lane.random,
+                                   targets.subspan(l * actions, actions));
+          });
+        };
+      }};
+  std::visit(by_kind, controller);
+  return work;
+}
 
 }  // namespace
 
@@ -179,12 +173,7 @@ std::int64_t Evaluation::steps() const {
 
 Evaluation evaluate(const Arena& arena, const Controller& controller,
                     const EvaluationSettings& settings, const EpisodeObserver& observer) {
-  Work work;
-  work.jobs = settings.episodes;
-  work.episode = [](int job) { return job; };
-  // By way of a lambda: the compiler then says here which controller has no case.
-  std::visit([prepare = Prepare{arena, settings, work}](const auto& c) { prepare(c); }, controller);
-  return run(arena, settings, work, observer);
+  return run(arena, settings, work_for(arena, controller, settings), observer);
 }
 
 ReplayController recorded(const Arena& arena, const Controller& controller,
@@ -204,7 +193,6 @@ OpenLoopEvaluation evaluate_each(const Arena& arena,
   const int episodes = settings.episodes;
   Work work;
   work.jobs = episodes * static_cast<int>(controllers.size());
-  work.episode = [episodes](int job) { return job % episodes; };
   work.choose = lane_by_lane(static_cast<std::size_t>(arena.action_length()),
                              [&](const Running& lane, std::span<double> targets) {
                                const auto c = static_cast<std::size_t>(lane.job / episodes);

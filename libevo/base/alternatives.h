@@ -2,29 +2,22 @@
 // as finding one by its name, without a list that could be forgotten.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
 namespace evo {
 
-namespace detail {
-template <typename Variant>
-struct Alternatives;
-template <typename... Types>
-struct Alternatives<std::variant<Types...>> {
-  template <typename Function>
-  static void each(Function& function) {
-    (function(std::type_identity<Types>{}), ...);
-  }
-};
-}  // namespace detail
-
 // Calls function(std::type_identity<T>{}) for every alternative T, in order.
 template <typename Variant, typename Function>
 void for_each_alternative(Function function) {
-  detail::Alternatives<Variant>::each(function);
+  const auto call = [&]<std::size_t... k>(std::index_sequence<k...>) {
+    (function(std::type_identity<std::variant_alternative_t<k, Variant>>{}), ...);
+  };
+  call(std::make_index_sequence<std::variant_size_v<Variant>>{});
 }
 
 // T::name of every alternative T, in order.

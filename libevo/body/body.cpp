@@ -152,15 +152,7 @@ int count_actuators(const Body& body) {
   return static_cast<int>(std::count_if(body.cells.begin(), body.cells.end(), is_actuator));
 }
 
-bool is_connected(const Body& body) {
-  // Every link that joins two parts leaves one part less.
-  int parts = count_voxels(body);
-  if (parts == 0) return false;
-  Components components(body.cells.size());
-  for (const Link& link : body.links)
-    if (components.join(link.a, link.b)) --parts;
-  return parts == 1;
-}
+bool is_connected(const Body& body) { return !connection_defect(body); }
 
 bool is_valid_robot(const Body& body) { return count_actuators(body) > 0 && is_connected(body); }
 

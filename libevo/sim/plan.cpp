@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <tuple>
+#include <map>
 #include <utility>
 
 #include "libevo/sim/compiled.h"
@@ -40,21 +40,13 @@ StrainLimit strain_limit(double rest, double limit) {
   return result;
 }
 
-// Springs have two rest lengths, so limits are worked out once a length.
-class LimitTable {
- public:
-  explicit LimitTable(double limit) : limit_(limit) {}
-  const StrainLimit& of(double rest) {
-    for (const auto& [known, found] : known_)
-      if (known == rest) return found;
-    known_.emplace_back(rest, strain_limit(rest, limit_));
-    return known_.back().second;
-  }
-
- private:
-  double limit_;
-  std::vector<std::pair<double, StrainLimit>> known_;
-};
+// By rest length: springs have two, so limits are worked out once a length.
+using LimitTable = std::map<double, StrainLimit>;
+const StrainLimit& limit_of(double rest, double limit, LimitTable& known) {
+  const auto [found, is_new] = known.try_emplace(rest);
+  if (is_new) found->second = strain_limit(rest, limit);
+  return found->second;
+}
 
 enum class Role : std::uint8_t { free, anchored, held };
 
@@ -259,7 +251,7 @@ class Planner {
   }
 
   void list_strain_limits() {
-    LimitTable limits(physics_.strain_limit);
+    LimitTable known;
     Plan::Strain& strain = plan_.strain;
     strain.springs = live_.size();
     for (std::size_t n = 0; n < padded(live_.size()); ++n) {
@@ -268,18 +260,18 @@ class Planner {
       strain.b.push_back(plan_.site_of[at(s.b)]);
       strain.a_free.push_back(dynamics_.fixed[at(s.a)] ? 0 : 1);
       strain.b_free.push_back(dynamics_.fixed[at(s.b)] ? 0 : 1);
-      strain.limits.push_back(limits.of(s.rest));
+      strain.limits.push_back(limit_of(s.rest, physics_.strain_limit, known));
       strain.shortest_square.push_back(strain.limits.back().shortest_square);
       strain.longest_square.push_back(strain.limits.back().longest_square);
     }
   }
 
   void list_rigid_edges() {
-    LimitTable limits(physics_.rigid_strain_limit);
+    LimitTable known;
     for (const int edge : dynamics_.rigid_edges) {
       const Spring& s = dynamics_.springs[at(edge)];
-      plan_.rigid_edges.push_back(
-          {plan_.site_of[at(s.a)], plan_.site_of[at(s.b)], limits.of(s.rest)});
+      plan_.rigid_edges.push_back({plan_.site_of[at(s.a)], plan_.site_of[at(s.b)],
+                                   limit_of(s.rest, physics_.rigid_strain_limit, known)});
     }
   }
 

@@ -15,7 +15,7 @@
 #include "formats/training/training_log.h"
 #include "libevo/base/error.h"
 #include "libevo/control/methods.h"
-#include "libevo/control/sine.h"
+#include "libevo/control/open_loop.h"
 
 namespace evo {
 namespace {

@@ -5,10 +5,9 @@
 #include <variant>
 
 #include "libevo/control/modular_policy.h"
+#include "libevo/control/open_loop.h"
 #include "libevo/control/policy.h"
 #include "libevo/control/replanner.h"
-#include "libevo/control/replay.h"
-#include "libevo/control/sine.h"
 
 namespace evo {
 

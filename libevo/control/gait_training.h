@@ -13,7 +13,7 @@
 #include "libevo/base/random.h"
 #include "libevo/control/evolution_strategy.h"
 #include "libevo/control/method.h"
-#include "libevo/control/sine.h"
+#include "libevo/control/open_loop.h"
 
 namespace evo {
 

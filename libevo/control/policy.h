@@ -9,13 +9,11 @@
 #include <span>
 #include <string>
 #include <type_traits>
-#include <variant>
 #include <vector>
 
 #include "libevo/base/random.h"
 #include "libevo/control/matrix.h"
-#include "libevo/control/replay.h"
-#include "libevo/control/sine.h"
+#include "libevo/control/open_loop.h"
 
 namespace evo {
 
@@ -51,10 +49,6 @@ struct Normalizer {
 //   squash: target = middle + half * tanh(a), bounded by construction
 enum class ActionMap { offset, squash };
 constexpr auto words_for(ActionMap) { return std::array{"offset", "squash"}; }
-
-// What a network's actions can be added to: waves, or a sequence, whose last targets
-// continue to the end of the episode.
-using OpenLoop = std::variant<SineController, ReplayController>;
 
 struct Policy {
   Network actor;

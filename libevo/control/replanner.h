@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "libevo/base/random.h"
-#include "libevo/control/replay.h"
+#include "libevo/control/open_loop.h"
 #include "libevo/task/env.h"
 #include "libevo/task/step_tape.h"
 

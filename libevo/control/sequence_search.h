@@ -28,7 +28,7 @@
 #include "libevo/control/checkpoint.h"
 #include "libevo/control/controller.h"
 #include "libevo/control/evaluate.h"
-#include "libevo/control/replay.h"
+#include "libevo/control/open_loop.h"
 #include "libevo/control/settings.h"
 #include "libevo/control/transfer.h"
 #include "libevo/task/env.h"

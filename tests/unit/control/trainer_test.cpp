@@ -7,8 +7,8 @@
 #include "libevo/base/error.h"
 #include "libevo/base/parallel.h"
 #include "libevo/control/evaluate.h"
+#include "libevo/control/open_loop.h"
 #include "libevo/control/policy_passes.h"
-#include "libevo/control/sine.h"
 #include "tests/unit/control/arena.h"
 #include "tests/unit/expect.h"
 

@@ -1,11 +1,7 @@
 // A controller that any body can wear: one small network, the same for every voxel, reads
 // the voxel's own view (voxel_views.h) and puts out the target of that voxel, as in Talamini
-// et al. 2019 and Mertan and Cheney 2023. Hidden layers after the first also read the mean of
-// what all voxels computed in the layer before. What a voxel is and where it stands scales and
-// shifts its hidden units (feature-wise modulation, Perez et al. 2018; by the body, Xiong et al.
-// 2023). The critic pools what its first layer says of all voxels and values the body as a
-// whole. Single precision; the same bits everywhere, as in matrix.h. See docs/modular.md; in files
-// docs/formats/policy.md.
+// et al. 2019 and Mertan and Cheney 2023 (docs/modular.md, "The network"; in files
+// docs/formats/policy.md). Single precision; the same bits everywhere, as in matrix.h.
 #pragma once
 
 #include <optional>

@@ -2,15 +2,9 @@
 // turns derivatives by the states after it into derivatives by the states before it, by the
 // targets, by the stiffness of voxels and by constants of the physics. See docs/gradients.md.
 //
-// What is differentiated is the step as it was computed: the four stages of Runge-Kutta,
-// springs and their rest lengths, drag, the world's floor, contact with damping and friction,
-// and both strain limits, with the contacts of this step. Contact begins with a jump that
-// this derivative cannot see: a foot that is lifted a little more would lose its grip. So
-// the jump is smoothed, in the derivative alone: forces that begin at a depth of 0 count as if
-// they began anywhere within `onset` of it.
-//
-// Nothing is pulled back through a step in which a robot folds onto itself or the simulation
-// becomes unstable: all derivatives of such a lane are 0.
+// What is differentiated is the step as it was computed, with its contacts, but for their onset,
+// which is smoothed ("What is smoothed"). All derivatives of a lane are 0 where its robot folds
+// onto itself or the simulation becomes unstable.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
-// What a Model holds: the world as arrays that stepping reads. Private to
-// libevo/sim (and to tests that check it against the plain simulator).
+// What a Model holds: the world as arrays that stepping reads. Private to libevo/sim and its tests.
 //
 // Points are named by an index: i < moving_points is the i-th point of the
 // objects that can move, its index in State; i >= moving_points is point

@@ -1,14 +1,10 @@
 // Contact between objects and of an object with itself, and self-folding, for
 // one environment at the positions at the start of a substep (docs/physics.md,
-// "Contact" and "Self-folding"). Scalar code: contacts are few and never alike in two lanes.
+// "Contact", "Self-folding" and "Contact lists").
 //
-// Two steps. Finding (contact_search.h): which corners may come to touch which cells,
-// kept in ContactLists until something has moved by half a skin. Pushing: of those
-// candidates, the ones inside a cell, with their forces (contact_push.h). A candidate that is
-// outside is not looked at again before something has moved far enough to bring
-// it inside. Candidates are looked at side by side, a register of them at a time; forces
-// are scalar code: contacts are few. Forces are summed in the benchmark's order (contact_order.h),
-// so the result does not depend on when that was.
+// Two steps. Finding (contact_search.h): which corners may come to touch which cells. Pushing: of
+// those candidates, looked at side by side (contact_look-inl.h), the ones inside a cell, with their
+// forces (contact_push.h), which are scalar code: contacts are few and never alike in two lanes.
 #pragma once
 
 #include <cstddef>

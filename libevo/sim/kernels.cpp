@@ -1,8 +1,7 @@
 // The solver: one substep of 1e-4 after the other (docs/physics.md, "Order of one substep"; how
 // arrays are laid out: "How it is laid out").
 //
-// Design. What moves is a set of point masses joined by springs; everything in
-// a substep but contact is the same arithmetic for every spring, then for every
+// Everything in a substep but contact is the same arithmetic for every spring, then for every
 // point. It is done in one of two ways:
 //
 //   SideBySide  environments with equal springs share registers: lane i of
@@ -13,19 +12,10 @@
 // Both do, value for value, the operations of docs/physics.md in its order,
 // each rounded once (no fused multiply-add, IEEE sqrt and divide), so the bits
 // of a trajectory depend neither on which way was taken nor on how wide the
-// registers are. tests/unit/sim compares both with a plain scalar simulator.
+// registers are.
 //
-// A substep is
-//   contacts      candidates side by side, forces one by one (contact.h)
-//   4 x { springs: length, force
-//         points: gather, integrate }   in turns, where environments fill the lanes
-//   strain limits, first all springs at once, then rigid cells one by one
-//
-// Forces are stored by spring and gathered by point, in the order in which
-// that page sums them: no scatter, no read-modify-write. The rest length L
-// ("Actuation") needs the length that stage 1 of Runge-Kutta needs, so a spring
-// takes four roots per substep. Strain limits compare squares against bounds
-// found when the model was compiled (plan.h); only springs beyond them compute.
+// The rest length L ("Actuation") needs the length that stage 1 of Runge-Kutta
+// needs, so a spring takes four roots per substep.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "libevo/sim/kernels.cpp"
 // Highway's macros: which instruction sets; then this file once for each of them.

@@ -94,8 +94,6 @@ Trainer::Trainer(std::vector<const Arena*> robots, const TrainingSettings& setti
                                                std::move(inheritance)})) {}
 
 Trainer::~Trainer() = default;
-Trainer::Trainer(Trainer&&) noexcept = default;
-Trainer& Trainer::operator=(Trainer&&) noexcept = default;
 
 bool Trainer::done() const {
   const Impl& it = *impl_;

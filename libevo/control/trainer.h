@@ -94,8 +94,6 @@ class Trainer {
           std::string_view name, std::optional<Inheritance> inheritance = {})
       : Trainer(std::vector{&robot}, settings, seed, name, std::move(inheritance)) {}
   ~Trainer();
-  Trainer(Trainer&&) noexcept;
-  Trainer& operator=(Trainer&&) noexcept;
 
   bool done() const;
   // One update of PPO or one generation of the search, and the evaluation

@@ -594,7 +594,6 @@ Tape::Tape(double onset) : impl_(std::make_unique<Impl>()) {
 }
 Tape::~Tape() = default;
 Tape::Tape(Tape&&) noexcept = default;
-Tape& Tape::operator=(Tape&&) noexcept = default;
 
 void Tape::pull_back(std::span<Gradient> gradients, ThreadPool* pool) const {
   const std::span records = std::span(impl_->records).first(impl_->used);

@@ -51,7 +51,6 @@ class Tape {
   explicit Tape(double onset = usual_onset);
   ~Tape();
   Tape(Tape&&) noexcept;
-  Tape& operator=(Tape&&) noexcept;
 
   // For every lane that the step moved: from derivatives by the state after it to those by the
   // state before, whose targets are those of the step. They are in the state after it, too: who

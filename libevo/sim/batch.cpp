@@ -213,7 +213,6 @@ void Batch::Impl::put_together(std::span<const std::size_t> members) {
 Batch::Batch(std::size_t lanes) : impl_(std::make_unique<Impl>(lanes)) {}
 Batch::~Batch() = default;
 Batch::Batch(Batch&&) noexcept = default;
-Batch& Batch::operator=(Batch&&) noexcept = default;
 
 std::size_t Batch::lanes() const { return impl_->lanes.size(); }
 const Model& Batch::model(std::size_t lane) const { return *impl_->lanes[lane].model; }

@@ -39,7 +39,6 @@ class Batch {
   explicit Batch(std::size_t lanes);
   ~Batch();
   Batch(Batch&&) noexcept;
-  Batch& operator=(Batch&&) noexcept;
 
   std::size_t lanes() const;
 

@@ -8,7 +8,6 @@ Model::Model(const World& world, const Physics& physics)
     : compiled_(std::make_unique<const Compiled>(compile(world, physics))) {}
 Model::~Model() = default;
 Model::Model(Model&&) noexcept = default;
-Model& Model::operator=(Model&&) noexcept = default;
 
 const Physics& Model::physics() const { return compiled_->physics; }
 const std::vector<ModelObject>& Model::objects() const { return compiled_->objects; }

@@ -40,7 +40,6 @@ class Model {
   Model(const World& world, const Physics& physics);
   ~Model();
   Model(Model&&) noexcept;
-  Model& operator=(Model&&) noexcept;
 
   const Physics& physics() const;
   const std::vector<ModelObject>& objects() const;  // world order

@@ -98,7 +98,6 @@ class StepAdjoint {
 StepTape::StepTape(double onset) : impl_(std::make_unique<Impl>(onset)) {}
 StepTape::~StepTape() = default;
 StepTape::StepTape(StepTape&&) noexcept = default;
-StepTape& StepTape::operator=(StepTape&&) noexcept = default;
 
 void StepTape::pull_back(std::span<const double> by_rewards,
                          std::span<const double> by_observations, std::span<Gradient> gradients,

@@ -17,7 +17,6 @@ class StepTape {
   explicit StepTape(double onset = usual_onset);  // as of Tape
   ~StepTape();
   StepTape(StepTape&&) noexcept;
-  StepTape& operator=(StepTape&&) noexcept;
 
   // For every environment that the step moved, from derivatives by the state after it to those
   // by the state before; targets are those of the step before, which only action_change knows.

@@ -109,21 +109,19 @@ class TouchAdjoint {
   }
 
  private:
-  std::size_t offset(std::int32_t site) const {
-    return 2 * static_cast<std::size_t>(site) * stride_;
-  }
   Vec2 velocity(std::int32_t site) const {
     return (points_(site) - points_.previous(site)) / physics_.substep;
   }
   Vec2 by_force(std::int32_t site) const {
     if (!points_.moves(site)) return {};
-    const double* at = adjoint_.by_force + offset(site);
+    const double* at = adjoint_.by_force + pair_offset(site, stride_);
     return {at[0], at[stride_]};
   }
   void add_to(double* pairs, std::int32_t site, Vec2 v) const {
     if (!points_.moves(site)) return;
-    pairs[offset(site)] += v.x;
-    pairs[offset(site) + stride_] += v.y;
+    double* const at = pairs + pair_offset(site, stride_);
+    at[0] += v.x;
+    at[stride_] += v.y;
   }
   void add(GradientConstant which, double by) const {
     adjoint_.by_constants[static_cast<std::size_t>(which) * stride_] += by;

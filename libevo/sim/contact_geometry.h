@@ -45,12 +45,12 @@ class Points {
   bool moves(std::int32_t site) const { return site < sites_; }
   Vec2 operator()(std::int32_t site) const {
     if (!moves(site)) return terrain_[site - sites_];
-    const double* p = view_.position + offset(site);
+    const double* p = view_.position + pair_offset(site, view_.stride);
     return {p[0], p[view_.stride]};
   }
   Vec2 previous(std::int32_t site) const {
     if (!moves(site)) return (*this)(site);
-    const double* p = view_.previous + offset(site);
+    const double* p = view_.previous + pair_offset(site, view_.stride);
     return {p[0], p[view_.stride]};
   }
   void add_force(std::int32_t site, Vec2 f) const {
@@ -60,7 +60,7 @@ class Points {
     at[view_.stride] += f.y;
   }
   double* force(std::int32_t site) const {
-    return view_.force + offset(site);
+    return view_.force + pair_offset(site, view_.stride);
   }  // of one that moves
   double travel(std::uint32_t block) const { return view_.travel[block * view_.stride]; }
   Box box(const SurfaceCell& c) const {
@@ -74,10 +74,6 @@ class Points {
   }
 
  private:
-  std::size_t offset(std::int32_t site) const {
-    return 2 * static_cast<std::size_t>(site) * view_.stride;
-  }
-
   PointView view_;
   std::int32_t sites_;
   const Vec2* terrain_;

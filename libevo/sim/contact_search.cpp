@@ -133,7 +133,7 @@ std::uint32_t travel_block(const Model::Compiled& world, int object) {
 void ContactSearch::copy_positions(const PlanBlock& block, const PointView& view, double* listing) {
   for (int site = block.first; site < block.first + block.count; ++site) {
     const auto s = static_cast<std::size_t>(site);
-    const std::size_t o = 2 * s * view.stride;
+    const std::size_t o = pair_offset(site, view.stride);
     positions_[2 * s] = listing[o] = view.position[o];
     positions_[2 * s + 1] = listing[o + view.stride] = view.position[o + view.stride];
   }

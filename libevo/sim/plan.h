@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -30,6 +31,11 @@ struct PlanBlock {
   int integrated = 0;  // free and anchored
   int count = 0;
 };
+
+// Where the pair of a site begins in arrays of one pair per site.
+constexpr std::size_t pair_offset(std::int32_t site, std::size_t lanes) {
+  return 2 * static_cast<std::size_t>(site) * lanes;
+}
 
 // A point with the springs it gathers, in the order in which forces are summed:
 // first those whose end a it is, then those whose end b.

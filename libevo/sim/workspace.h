@@ -22,11 +22,6 @@ namespace evo {
 
 // ---- addresses ------------------------------------------------------------------------
 
-// Where the pair of a site begins in arrays of one pair per site.
-constexpr std::size_t pair_offset(std::int32_t site, std::size_t lanes) {
-  return 2 * static_cast<std::size_t>(site) * lanes;
-}
-
 // A record of Arrays::motion: what is known of R successive points of the plan, R being
 // Layout::record_points. Every quantity is R pairs side by side, the first at [n*W*R], n
 // being its number here: neighbours share a register.

@@ -11,9 +11,8 @@
 #include <algorithm>
 #include <cstddef>
 
-// One target for each level the project names: x86-64 (emulated with 128-bit
-// arrays, which the compiler turns into SSE2), -v3, -v4.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#include "libevo/sim/targets.h"
+//
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "libevo/control/matrix.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep

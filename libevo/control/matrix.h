@@ -16,6 +16,12 @@ using Vector = Eigen::VectorXf;
 using MatrixView = Eigen::Ref<const Matrix, 0, Eigen::OuterStride<>>;
 using MatrixBlock = Eigen::Ref<Matrix, 0, Eigen::OuterStride<>>;
 
+// Eigen's own comparison takes equal sizes for granted.
+template <typename Dense>
+bool same(const Dense& a, const Dense& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+}
+
 // C += A B          A [m x k], B [k x n], C [m x n]
 void add_product(const MatrixView& a, const MatrixView& b, MatrixBlock c);
 // C += A B'         A [m x k], B [n x k], C [m x n]

@@ -11,11 +11,6 @@
 namespace evo {
 namespace {
 
-template <typename Dense>
-bool same(const Dense& a, const Dense& b) {
-  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
-}
-
 // Calls use(numbers) for each run of parameters, in the order of parameter_blocks().
 template <typename Net, typename Use>
 void each_block(Net& network, Use use) {

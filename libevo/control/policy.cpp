@@ -45,12 +45,6 @@ Network zeros_like(const Network& network) {
   return zeros;
 }
 
-// Eigen's own comparison takes equal sizes for granted.
-template <typename Dense>
-bool same(const Dense& a, const Dense& b) {
-  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
-}
-
 }  // namespace
 
 bool Layer::operator==(const Layer& other) const {

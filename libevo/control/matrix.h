@@ -16,10 +16,12 @@ using Vector = Eigen::VectorXf;
 using MatrixView = Eigen::Ref<const Matrix, 0, Eigen::OuterStride<>>;
 using MatrixBlock = Eigen::Ref<Matrix, 0, Eigen::OuterStride<>>;
 
-// Eigen's own comparison takes equal sizes for granted.
-template <typename Dense>
-bool same(const Dense& a, const Dense& b) {
-  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+// Eigen's own comparison takes equal sizes for granted. This one, which defaulted comparisons of
+// the structures below find, does not.
+template <typename Scalar, int rows, int cols, int options>
+bool operator==(const Eigen::Matrix<Scalar, rows, cols, options>& a,
+                const Eigen::Matrix<Scalar, rows, cols, options>& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a.cwiseEqual(b).all();
 }
 
 // C += A B          A [m x k], B [k x n], C [m x n]

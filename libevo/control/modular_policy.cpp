@@ -257,22 +257,6 @@ void backward_hidden(const ModularPolicy& policy, std::size_t l, const Matrix& s
 
 // ---- parameters ---------------------------------------------------------------------------
 
-bool Gate::operator==(const Gate& other) const {
-  return same(scale, other.scale) && same(shift, other.shift);
-}
-
-bool ModularNetwork::operator==(const ModularNetwork& other) const {
-  return same(local, other.local) && same(task, other.task) && same(fixed, other.fixed) &&
-         same(bias, other.bias) && rest == other.rest && gates == other.gates;
-}
-
-bool ModularPolicy::operator==(const ModularPolicy& other) const {
-  return actor == other.actor && critic == other.critic && same(log_std, other.log_std) &&
-         local == other.local && task == other.task && action_map == other.action_map &&
-         action_offset == other.action_offset && low == other.low && high == other.high &&
-         clock == other.clock;
-}
-
 std::optional<std::string> defect(const ModularPolicy& policy) {
   const auto task = policy.task.mean.size() + 2 * std::ssize(policy.clock);
   // Hidden layers of `rest` read `reads` times the layer below; the first `gated` have gates.

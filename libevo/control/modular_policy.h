@@ -18,7 +18,7 @@ namespace evo {
 struct Gate {
   Matrix scale;  // [H x VoxelViews::fixed_length]
   Matrix shift;  // as large; of the first layer none, since that is its `fixed`
-  bool operator==(const Gate& other) const;
+  bool operator==(const Gate&) const = default;
 };
 
 // y = tanh((local l' + task t' + bias) (1 + scale f') + fixed f') for the parts l, t, f of a
@@ -31,7 +31,7 @@ struct ModularNetwork {
   Network rest;
   // For every hidden layer that a voxel has: the critic's is the first alone.
   std::vector<Gate> gates;
-  bool operator==(const ModularNetwork& other) const;
+  bool operator==(const ModularNetwork&) const = default;
 };
 
 struct ModularPolicy {
@@ -50,7 +50,7 @@ struct ModularPolicy {
   std::vector<double> clock;  // as in Policy
 
   int task_length() const { return static_cast<int>(task.mean.size()); }
-  bool operator==(const ModularPolicy& other) const;
+  bool operator==(const ModularPolicy&) const = default;
 };
 
 // What is wrong with the shapes of its networks, in words, or nothing.

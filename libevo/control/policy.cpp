@@ -47,22 +47,6 @@ Network zeros_like(const Network& network) {
 
 }  // namespace
 
-bool Layer::operator==(const Layer& other) const {
-  return same(weight, other.weight) && same(bias, other.bias);
-}
-
-bool Normalizer::operator==(const Normalizer& other) const {
-  return same(mean, other.mean) && same(variance, other.variance) && count == other.count &&
-         clip == other.clip && epsilon == other.epsilon;
-}
-
-bool Policy::operator==(const Policy& other) const {
-  return actor == other.actor && critic == other.critic && same(log_std, other.log_std) &&
-         normalizer == other.normalizer && action_map == other.action_map &&
-         action_offset == other.action_offset && low == other.low && high == other.high &&
-         clock == other.clock && base == other.base;
-}
-
 int Policy::observation_length() const {
   return static_cast<int>(actor.layers.front().weight.cols()) - 2 * static_cast<int>(clock.size());
 }

@@ -20,7 +20,7 @@ namespace evo {
 struct Layer {
   Matrix weight;  // [outputs x inputs]
   Vector bias;    // [outputs]
-  bool operator==(const Layer& other) const;
+  bool operator==(const Layer&) const = default;
 };
 
 // tanh after every layer but the last.
@@ -40,7 +40,7 @@ struct Normalizer {
   double count = 0.0;  // 0: observations pass unchanged but for the clip
   double clip = 10.0;
   double epsilon = 1e-8;
-  bool operator==(const Normalizer& other) const;
+  bool operator==(const Normalizer&) const = default;
 };
 
 // How network outputs become actuator targets.
@@ -66,7 +66,7 @@ struct Policy {
 
   int observation_length() const;  // without the clock
   int action_length() const;
-  bool operator==(const Policy& other) const;
+  bool operator==(const Policy&) const = default;
 };
 
 // The shape of the loss's gradient with respect to a policy's parameters.

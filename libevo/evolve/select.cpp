@@ -8,15 +8,6 @@
 #include "libevo/base/error.h"
 
 namespace evo {
-namespace {
-
-Indices all_indices(std::size_t n) {
-  Indices indices(n);
-  std::iota(indices.begin(), indices.end(), std::size_t{0});
-  return indices;
-}
-
-}  // namespace
 
 int paper_survivors(int population, int created, int max_evaluations) {
   if (population < 1)
@@ -63,7 +54,8 @@ int steady_parents(int population, int known, int max_evaluations) {
 }
 
 Indices rank(std::span<const double> scores) {
-  Indices order = all_indices(scores.size());
+  Indices order(scores.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     if (std::isnan(scores[a]) || std::isnan(scores[b]))
       return !std::isnan(scores[a]) && std::isnan(scores[b]);

@@ -49,19 +49,14 @@ class HashOrder {
 };
 
 struct Draft {
-  double left = 0.0, right = 0.0, bottom = 0.0, top = 0.0;
+  Box box;
   std::array<int, 2> children{-1, -1};
   int cell = -1;
   bool is_free = true;  // not yet a child
   HashOrder neighbours;
-
-  double area() const { return (right - left) * (top - bottom); }
 };
 
-double area_of_both(const Draft& a, const Draft& b) {
-  return (std::max(a.right, b.right) - std::min(a.left, b.left)) *
-         (std::max(a.top, b.top) - std::min(a.bottom, b.bottom));
-}
+double area(const Box& box) { return (box.high.x - box.low.x) * (box.high.y - box.low.y); }
 
 // Leaves in the package's order of surface cells.
 std::vector<Draft> draft_leaves(std::span<const TreeCell> cells) {
@@ -77,10 +72,7 @@ std::vector<Draft> draft_leaves(std::span<const TreeCell> cells) {
     const TreeCell& cell = cells[static_cast<std::size_t>(index[number])];
     node_at[{cell.row, cell.col}] = static_cast<int>(nodes.size());
     Draft& node = nodes.emplace_back();
-    node.left = cell.left;
-    node.right = cell.right;
-    node.bottom = cell.bottom;
-    node.top = cell.top;
+    node.box = cell.box;
     node.cell = index[number];
   }
   for (Draft& node : nodes) {
@@ -111,8 +103,8 @@ std::pair<int, int> next_pair(const std::vector<Draft>& nodes, const std::vector
     const Draft& a = nodes[static_cast<std::size_t>(i)];
     const Draft& b = nodes[static_cast<std::size_t>(j)];
     if (!b.is_free) return;
-    if (const double area = area_of_both(a, b); area < smallest) {
-      smallest = area;
+    if (const double both = area(around(a.box, b.box)); both < smallest) {
+      smallest = both;
       pair = {i, j};
     }
   };
@@ -130,10 +122,7 @@ void merge(std::vector<Draft>& nodes, int i, int j) {
   Draft& a = nodes[static_cast<std::size_t>(i)];
   Draft& b = nodes[static_cast<std::size_t>(j)];
   Draft node;
-  node.left = std::min(a.left, b.left);
-  node.right = std::max(a.right, b.right);
-  node.bottom = std::min(a.bottom, b.bottom);
-  node.top = std::max(a.top, b.top);
+  node.box = around(a.box, b.box);
   node.children = {i, j};
   a.is_free = b.is_free = false;
   for (const int k : a.neighbours.numbers()) node.neighbours.insert(k);
@@ -172,7 +161,7 @@ BoundingTree make_bounding_tree(std::span<const TreeCell> cells) {
     node.left = draft.children[0];
     node.right = draft.children[1];
     node.first = static_cast<std::int32_t>(tree.leaves.size());
-    node.area = draft.area();
+    node.area = area(draft.box);
     if (draft.cell >= 0) {
       tree.leaf_of[static_cast<std::size_t>(draft.cell)] = node.first;
       tree.leaves.push_back(draft.cell);

@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "libevo/sim/vec2.h"
+
 namespace evo {
 
 struct BoundingTree {
@@ -32,7 +34,7 @@ struct TreeCell {
   int col = 0;
   std::array<bool, 4> linked{};           // by Side
   std::array<bool, 4> linked_diagonal{};  // by Corner: over two links
-  double left = 0.0, right = 0.0, bottom = 0.0, top = 0.0;
+  Box box;
 };
 
 // How many cells a tree may have: it takes their square of time.

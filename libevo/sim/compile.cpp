@@ -396,17 +396,15 @@ BoundingTree tree_of(const Object& object, const Built& built) {
   for (std::size_t i = 0; i < built.cells.size(); ++i) {
     const Built::Cell& c = built.cells[i];
     if (!is_on_surface(c)) continue;
-    TreeCell cell{static_cast<int>(i), c.row, c.col, c.linked, c.linked_diagonal};
     const auto corner = [&](Corner at) {
       return built.points[static_cast<std::size_t>(c.corners[at])];
     };
-    const Vec2 low = corner(bottom_left);
-    const Vec2 high = corner(top_right);
-    cell.left = low.x;
-    cell.right = high.x;
-    cell.bottom = low.y;
-    cell.top = high.y;
-    cells.push_back(cell);
+    cells.push_back({static_cast<int>(i),
+                     c.row,
+                     c.col,
+                     c.linked,
+                     c.linked_diagonal,
+                     {corner(bottom_left), corner(top_right)}});
   }
   if (cells.size() > max_tree_cells)
     throw error(Failure::data, "object '{}' has {} cells on its surface; at most {} are possible",

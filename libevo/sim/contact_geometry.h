@@ -14,11 +14,6 @@ namespace evo::contact {
 
 inline constexpr double reach_slack = 1e-9;  // raw length, far above all roundings
 
-struct Box {
-  Vec2 low;
-  Vec2 high;
-};
-
 // Boxes that touch overlap.
 inline bool within(const Box& a, const Box& b, double gap) {
   return a.low.x - gap <= b.high.x && b.low.x - gap <= a.high.x && a.low.y - gap <= b.high.y &&

@@ -35,9 +35,7 @@ double SearchOrder::Tree::area(std::int32_t i) const {
   Box all{{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
   for (std::int32_t leaf = node.first; leaf < node.last; ++leaf) {
     const auto cell = static_cast<std::uint32_t>(tree_.leaves[static_cast<std::size_t>(leaf)]);
-    const Box box = points_.box(world_.surface[first_cell_ + cell]);
-    all.low = {std::min(all.low.x, box.low.x), std::min(all.low.y, box.low.y)};
-    all.high = {std::max(all.high.x, box.high.x), std::max(all.high.y, box.high.y)};
+    all = around(all, points_.box(world_.surface[first_cell_ + cell]));
   }
   const Vec2 size = all.high - all.low;
   known = {size.x, size.y, travel_, look_};

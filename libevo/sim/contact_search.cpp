@@ -6,9 +6,10 @@
 
 namespace evo {
 
-using contact::Box;
+using contact::gap;
 using contact::Points;
 using contact::reach_slack;
+using contact::within;
 
 // ---- cells near each other ---------------------------------------------------------
 
@@ -229,9 +230,7 @@ void ContactSearch::find_pairs(const Model::Compiled& world, const PointView& vi
     for (int c = range.first; c < range.first + range.count; ++c) {
       const Box box = boxes_[static_cast<std::size_t>(c)] =
           points.box(world.surface[static_cast<std::size_t>(c)]);
-      if (c == range.first) all = box;
-      all.low = {std::min(all.low.x, box.low.x), std::min(all.low.y, box.low.y)};
-      all.high = {std::max(all.high.x, box.high.x), std::max(all.high.y, box.high.y)};
+      all = c == range.first ? box : around(all, box);
     }
   }
 

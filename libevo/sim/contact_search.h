@@ -16,7 +16,7 @@ namespace evo {
 class NearCells {
  public:
   // `boxes` outlive the search; near is what `gap` or less lies between.
-  void start(const std::vector<contact::Box>& boxes, double gap, double pitch);
+  void start(const std::vector<Box>& boxes, double gap, double pitch);
 
   // Those before `i` that are near it, the last first; good until the next call.
   const std::vector<std::uint32_t>& before(std::uint32_t i);
@@ -35,11 +35,9 @@ class NearCells {
     double pitch_ = 1.0;
   };
 
-  std::size_t tile(const contact::Box& box) const {
-    return y_.of(box.low.y) * x_.tiles + x_.of(box.low.x);
-  }
+  std::size_t tile(const Box& box) const { return y_.of(box.low.y) * x_.tiles + x_.of(box.low.x); }
 
-  const std::vector<contact::Box>* boxes_ = nullptr;
+  const std::vector<Box>* boxes_ = nullptr;
   double gap_ = 0.0;
   Vec2 widest_;
   Axis x_, y_;
@@ -75,10 +73,10 @@ class ContactSearch {
   void find_moving_pairs(const Model::Compiled& world, int i, int j);
   void list_pairs(const Model::Compiled& world, ContactLists& lists);
 
-  std::vector<double> positions_;           // [sites x 2] of one environment alone
-  std::vector<contact::Box> boxes_;         // of the surface cells of one or all objects
-  std::vector<contact::Box> object_boxes_;  // of all objects
-  std::vector<std::uint32_t> reachable_;    // surface cells of one object near another one
+  std::vector<double> positions_;         // [sites x 2] of one environment alone
+  std::vector<Box> boxes_;                // of the surface cells of one or all objects
+  std::vector<Box> object_boxes_;         // of all objects
+  std::vector<std::uint32_t> reachable_;  // surface cells of one object near another one
   std::vector<CellPair> cell_pairs_;
   std::vector<double> gaps_;  // between the cells that count for folding
   NearCells near_;

@@ -52,7 +52,8 @@ class Bytes {
     auto* bytes = reinterpret_cast<std::uint8_t*>(values.data());
     const std::size_t length = values.size_bytes();
     if (!reads_) {
-      written_.insert(written_.end(), bytes, bytes + length);
+      written_.resize(written_.size() + length);
+      std::copy_n(bytes, length, written_.end() - static_cast<std::ptrdiff_t>(length));
       return;
     }
     if (length > rest_.size()) refuse();

@@ -6,6 +6,7 @@
 
 #include "libevo/base/error.h"
 #include "libevo/body/changes.h"
+#include "libevo/body/extent.h"
 #include "render/figures/key.h"
 #include "render/figures/label.h"
 #include "render/figures/legend.h"
@@ -28,17 +29,11 @@ void centred(std::string_view text, Point at, float size, Color color, bool bold
 
 // The centre of the box around all cells.
 Vec2 centre_of_voxels(const Mesh& mesh, const std::vector<Vec2>& points) {
-  Vec2 low = points.back();
-  Vec2 high = points.back();
-  bool first = true;
+  if (mesh.cells.empty()) return points.back();
+  Bounds box;
   for (const ModelCell& cell : mesh.cells)
-    for (const int k : cell.points) {
-      const Vec2& p = points[static_cast<std::size_t>(k)];
-      low = first ? p : Vec2{std::min(low.x, p.x), std::min(low.y, p.y)};
-      high = first ? p : Vec2{std::max(high.x, p.x), std::max(high.y, p.y)};
-      first = false;
-    }
-  return {(low.x + high.x) / 2, (low.y + high.y) / 2};
+    for (const int k : cell.points) box.add(points[static_cast<std::size_t>(k)]);
+  return {(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2};
 }
 
 // ---- cards ------------------------------------------------------------------------
@@ -159,16 +154,8 @@ GridLayout lay_out(const std::vector<Robot>& robots, int width) {
 // ---- robots -------------------------------------------------------------------------
 
 Span span_of(const Body& body) {
-  int left = body.cols, right = -1, top = body.rows, low = -1;
-  for (int row = 0; row < body.rows; ++row)
-    for (int col = 0; col < body.cols; ++col) {
-      if (body.at(row, col) == Voxel::empty) continue;
-      left = std::min(left, col);
-      right = std::max(right, col);
-      top = std::min(top, row);
-      low = std::max(low, row);
-    }
-  return {std::max(1, right - left + 1), std::max(1, low - top + 1)};
+  const Extent around = extent(body);
+  return {std::max(1, around.cols()), std::max(1, around.rows())};
 }
 
 void draw_body(const Body& body, const Span& span, const Theme& theme, const Rect& area,

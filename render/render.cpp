@@ -87,9 +87,7 @@ struct Film {
       clips.emplace_back(episodes[k], chosen, aspect_of(areas[k]));
       longest = std::max(longest, clips.back().steps());
     }
-    std::vector<Clip*> all;
-    for (Clip& clip : clips) all.push_back(&clip);
-    share_value_scale(all);
+    share_value_scale(clips);
     steps = timeline(chosen, longest, clips.front().steps_per_second());
   }
 
@@ -181,9 +179,7 @@ Drawing draw_moment(const std::vector<Episode>& episodes, double step,
     clips.emplace_back(episode, closer, moment_aspect(episodes.size()));
     longest = std::max(longest, clips.back().steps());
   }
-  std::vector<Clip*> all;
-  for (Clip& clip : clips) all.push_back(&clip);
-  share_value_scale(all);
+  share_value_scale(clips);
   if (!(step >= 0 && step <= longest))
     throw error(Failure::usage, "there is no step {}: the longest episode has steps 0 to {}", step,
                 longest);

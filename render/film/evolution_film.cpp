@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "libevo/base/error.h"
 #include "libevo/body/changes.h"
@@ -65,9 +66,7 @@ EvolutionFilm::EvolutionFilm(const std::vector<Champion>& champions, const Rende
     frames_ += part.standing + part.running + part.ended;
     parts_.push_back(std::move(part));
   }
-  std::vector<Clip*> clips;
-  for (Part& part : parts_) clips.push_back(&part.clip);
-  share_value_scale(clips);
+  share_value_scale(parts_ | std::views::transform(&Part::clip));
 }
 
 Drawing EvolutionFilm::frame(std::size_t k, Typesetter& typesetter) const {

@@ -97,9 +97,7 @@ Race::Race(const std::vector<Episode>& episodes, const RenderOptions& options) :
   }
   find_finish(episodes);
   rank();
-  std::vector<Clip*> clips;
-  for (Clip& clip : clips_) clips.push_back(&clip);
-  share_value_scale(clips);
+  share_value_scale(clips_);
   views_ = camera_path(boxes(clips_, options_.camera), options_.camera, aspect);
 }
 

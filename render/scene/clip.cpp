@@ -394,12 +394,6 @@ Caption Clip::caption(double step) const {
   return caption;
 }
 
-void share_value_scale(std::span<Clip* const> clips) {
-  ValueScale shared = clips.front()->value_scale();
-  for (const Clip* clip : clips) shared = widest(shared, clip->value_scale());
-  for (Clip* clip : clips) clip->value_scale(shared);
-}
-
 ViewRect view_at(const std::vector<ViewRect>& path, double step) {
   const auto [whole, share] = split(step, static_cast<int>(path.size()) - 1);
   const ViewRect& a = path[static_cast<std::size_t>(whole)];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <ranges>
 #include <span>
 #include <string>
 #include <vector>
@@ -103,7 +104,12 @@ class Clip {
 };
 
 // One colour is the same value in all of them.
-void share_value_scale(std::span<Clip* const> clips);
+template <std::ranges::forward_range Clips>
+void share_value_scale(Clips&& clips) {
+  ValueScale shared = (*std::ranges::begin(clips)).value_scale();
+  for (const Clip& clip : clips) shared = widest(shared, clip.value_scale());
+  for (Clip& clip : clips) clip.value_scale(shared);
+}
 
 // Between two steps, the view is in between, too.
 ViewRect view_at(const std::vector<ViewRect>& path, double step);

@@ -179,8 +179,7 @@ TEST_CASE("one colour is one value in all generations of a film, and in all its 
   for (const Champion& champion : two.champions) clips.emplace_back(champion.episode, options, 1.5);
   clips[0].value_scale({"strain", -0.1, 0, 0.2});
   clips[1].value_scale({"strain", -0.5, 0, 0.1});
-  const std::array<Clip*, 2> all{&clips[0], &clips[1]};
-  share_value_scale(all);
+  share_value_scale(clips);
   for (const Clip& clip : clips) {
     CHECK(clip.scene(5).value_scale.low == -0.5);
     CHECK(clip.scene(5).value_scale.high == 0.2);

@@ -35,8 +35,7 @@ void check_world(const Rollout& rollout) {
   int points = 0;
   int first_cell = 0;
   for (const ModelObject& object : objects) {
-    if (object.first_point != points || object.points < 0 || object.first_cell != first_cell ||
-        object.cells < 0)
+    if (object.first_point != points || object.first_cell != first_cell)
       throw error(Failure::data,
                   "object '{}' of the rollout's world does not follow the one before", object.name);
     points += object.points;
@@ -47,11 +46,6 @@ void check_world(const Rollout& rollout) {
                 "the objects of the rollout's world have {} points and {} cells, the rollout {} "
                 "and {}",
                 points, first_cell, rollout.points, cells.size());
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    for (const int p : cells[c].points)
-      if (p < 0 || p >= points)
-        throw error(Failure::data, "cell {} of the rollout's world has point {} of {}", c, p,
-                    points);
 }
 
 void check_positions(const Rollout& rollout, const RolloutEpisode& episode) {

@@ -112,7 +112,6 @@ TEST_CASE("what cannot be drawn is refused with the reason") {
        {"no episodes", [](Rollout& it) { it.episodes.clear(); }},
        {"point 5 is at", [](Rollout& it) { it.episodes[0].positions[5].y = std::nan(""); }},
        {"positions", [](Rollout& it) { it.episodes[0].positions.pop_back(); }},
-       {"cell 2", [](Rollout& it) { it.world.cells[2].points[1] = it.points; }},
        {"points", [](Rollout& it) { it.world.objects[1].points += 1; }}}));
   damage.of(rollout);
   expect_error(Failure::data, Contains(damage.words), [&] { open(0); });

@@ -30,12 +30,12 @@ struct Stretch {
 // How far the shape at step a is from that at step b, each about its own centre; voxels squared.
 double apart(const Clip& clip, int a, int b) {
   const ModelObject& robot = clip.mesh().objects.front();
+  const auto before = clip.points(a, robot);
+  const auto after = clip.points(b, robot);
   double sum = 0;
-  for (int k = robot.first_point; k < robot.first_point + robot.points; ++k) {
-    const auto p = static_cast<std::size_t>(k);
-    const double x =
-        (clip.points(b)[p].x - clip.centre(b).x) - (clip.points(a)[p].x - clip.centre(a).x);
-    const double y = clip.points(b)[p].y - clip.points(a)[p].y;
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    const double x = (after[k].x - clip.centre(b).x) - (before[k].x - clip.centre(a).x);
+    const double y = after[k].y - before[k].y;
     sum += x * x + y * y;
   }
   return sum / robot.points;

@@ -67,9 +67,8 @@ void check_positions(const Rollout& rollout, const RolloutEpisode& episode) {
 double voxel_length(const Rollout& rollout, const RolloutEpisode& episode) {
   double sum = 0;
   for (const ModelCell& cell : rollout.world.cells) {
-    const Vec2& a = episode.positions[static_cast<std::size_t>(cell.points[0])];
-    const Vec2& b = episode.positions[static_cast<std::size_t>(cell.points[1])];
-    sum += std::hypot(a.x - b.x, a.y - b.y);
+    sum += distance(episode.positions[static_cast<std::size_t>(cell.points[0])],
+                    episode.positions[static_cast<std::size_t>(cell.points[1])]);
   }
   const double length = sum / static_cast<double>(rollout.world.cells.size());
   if (length <= 0) throw Error(Failure::data, "the voxels of the rollout have no size");
@@ -107,9 +106,7 @@ std::vector<ModelObject> followed(const Rollout& rollout, const Mesh& mesh, cons
   return objects;
 }
 
-Vec2 between(Vec2 a, Vec2 b, double share) {
-  return {a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share};
-}
+Vec2 between(Vec2 a, Vec2 b, double share) { return a + (b - a) * share; }
 
 // An arrow of a velocity ends where its point would be after that.
 constexpr double velocity_seconds = 0.12;
@@ -125,6 +122,12 @@ Moment split(double step, int steps) {
   const double clamped = std::clamp(step, 0.0, static_cast<double>(steps));
   const int whole = std::min(static_cast<int>(clamped), std::max(0, steps - 1));
   return {whole, clamped - whole};
+}
+
+// The last step that is over by then.
+int finished(double step, int steps) {
+  const auto [whole, share] = split(step, steps);
+  return whole + (share >= 1.0 ? 1 : 0);
 }
 
 // `value` as wide as `widest`, so that the numbers of a video stand still.
@@ -152,8 +155,8 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
   steps_ = data.steps();
   const double voxel = voxel_length(rollout, data);
   points_.reserve(data.positions.size());
-  for (const Vec2& p : data.positions) points_.push_back({p.x / voxel, p.y / voxel});
-  for (int t = 0; t <= steps_; ++t) centres_.push_back(centre_of(mesh_.objects.front(), t));
+  for (const Vec2& p : data.positions) points_.push_back(p / voxel);
+  for (int t = 0; t <= steps_; ++t) centres_.push_back(mean(points(t, mesh_.objects.front())));
   goals_ = goals_by_step(rollout, data, centres_);
   heights_ = rewards_height(rollout);
   if (rewards_turning(rollout)) count_turns();
@@ -167,7 +170,7 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
     for (const ModelObject& object : mesh_.objects) {
       std::vector<Vec2>& centres = object_centres_.emplace_back();
       for (int t = 0; !object.is_static && t <= steps_; ++t)
-        centres.push_back(centre_of(object, t));
+        centres.push_back(mean(points(t, object)));
     }
   }
   returns_.push_back(0);
@@ -177,8 +180,7 @@ Clip::Clip(const Episode& episode, const RenderOptions& options, double aspect)
 
 Bounds Clip::extent(int step, const ModelObject& object) const {
   Bounds extent;
-  for (int k = object.first_point; k < object.first_point + object.points; ++k)
-    extent.add(points(step)[static_cast<std::size_t>(k)]);
+  for (const Vec2& p : points(step, object)) extent.add(p);
   return extent;
 }
 
@@ -186,23 +188,13 @@ std::vector<Bounds> Clip::boxes(const Camera& camera) const {
   std::vector<Bounds> boxes(static_cast<std::size_t>(steps_) + 1);
   for (const ModelObject& object : followed(*episode_.rollout, mesh_, camera))
     for (int t = 0; t <= steps_; ++t)
-      for (int k = object.first_point; k < object.first_point + object.points; ++k)
-        boxes[static_cast<std::size_t>(t)].add(at(t)[k]);
+      for (const Vec2& p : points(t, object)) boxes[static_cast<std::size_t>(t)].add(p);
   return boxes;
 }
 
 const Vec2* Clip::at(int step) const {
   return points_.data() +
          static_cast<std::ptrdiff_t>(step) * static_cast<std::ptrdiff_t>(episode_.rollout->points);
-}
-
-Vec2 Clip::centre_of(const ModelObject& object, int step) const {
-  Vec2 sum;
-  for (int k = object.first_point; k < object.first_point + object.points; ++k) {
-    sum.x += at(step)[k].x;
-    sum.y += at(step)[k].y;
-  }
-  return {sum.x / object.points, sum.y / object.points};
 }
 
 Scene Clip::scene(double step) const {
@@ -224,7 +216,7 @@ Scene Clip::scene(double step) const {
   scene.values = values(whole + share);
   scene.value_scale = value_scale_;
   if (!goals_.empty()) {
-    const auto now = static_cast<std::size_t>(share < 1 ? whole : next);
+    const auto now = static_cast<std::size_t>(finished(step, steps_));
     scene.goal = {{goals_[now].x, ground(goals_[now].x)}, goals_[now].x - centres_[now].x};
   }
   if (overlays_.trail) add_trail(whole + share, scene);
@@ -256,9 +248,7 @@ double Clip::ground(double x) const {
 Vec2 Clip::velocity(int step, int point) const {
   const int before = std::max(0, step - 1);
   const int after = std::min(steps_, before + 1);
-  const Vec2 a = at(before)[point];
-  const Vec2 b = at(after)[point];
-  return {(b.x - a.x) * steps_per_second_, (b.y - a.y) * steps_per_second_};
+  return (at(after)[point] - at(before)[point]) * steps_per_second_;
 }
 
 std::vector<float> Clip::values(double step) const {
@@ -288,10 +278,7 @@ void Clip::add_contacts(double step, Scene& scene) const {
   Contacts contacts = contacts_of(mesh_.objects, mesh_.cells, scene.points);
   if (!contacts.ground.empty()) {
     Vec2 foot;
-    for (const Vec2& p : contacts.ground) {
-      foot.x += p.x / static_cast<double>(contacts.ground.size());
-      foot.y += p.y / static_cast<double>(contacts.ground.size());
-    }
+    for (const Vec2& p : contacts.ground) foot += p / static_cast<double>(contacts.ground.size());
     contacts.held.push_back(0);
     Vec2 force;
     for (const std::size_t k : contacts.held) {
@@ -301,10 +288,9 @@ void Clip::add_contacts(double step, Scene& scene) const {
                   outside_force(centres, std::min(whole + 1, steps_), *physics_), share);
       const double weights = static_cast<double>(mesh_.objects[k].points) /
                              static_cast<double>(mesh_.objects.front().points);
-      force = {force.x + weights * own.x, force.y + weights * own.y};
+      force += own * weights;
     }
-    scene.arrows.push_back(
-        {foot, {foot.x + force.x * force_length, foot.y + force.y * force_length}, true});
+    scene.arrows.push_back({foot, foot + force * force_length, true});
   }
   scene.touches = std::move(contacts.points);
 }
@@ -317,8 +303,7 @@ void Clip::add_arrows(double step, Scene& scene) const {
     for (int k = object.first_point; k < object.first_point + object.points; ++k) {
       const Vec2 v = between(velocity(whole, k), velocity(whole + 1, k), share);
       const Vec2 from = scene.points[static_cast<std::size_t>(k)];
-      scene.arrows.push_back(
-          {from, {from.x + v.x * velocity_seconds, from.y + v.y * velocity_seconds}});
+      scene.arrows.push_back({from, from + v * velocity_seconds});
     }
   }
 }
@@ -329,15 +314,15 @@ void Clip::count_turns() {
   double angle = 0;
   turns_.push_back(0);
   for (int t = 0; t < steps_; ++t) {
-    const Vec2 a = centres_[static_cast<std::size_t>(t)];
-    const Vec2 b = centres_[static_cast<std::size_t>(t) + 1];
+    const auto before = points(t, robot);
+    const auto after = points(t + 1, robot);
     double cosine = 0;
     double sine = 0;
-    for (int k = robot.first_point; k < robot.first_point + robot.points; ++k) {
-      const Vec2 p{at(t)[k].x - a.x, at(t)[k].y - a.y};
-      const Vec2 q{at(t + 1)[k].x - b.x, at(t + 1)[k].y - b.y};
-      cosine += p.x * q.x + p.y * q.y;
-      sine += p.x * q.y - p.y * q.x;
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      const Vec2 p = before[k] - centre(t);
+      const Vec2 q = after[k] - centre(t + 1);
+      cosine += dot(p, q);
+      sine += cross(p, q);
     }
     angle += std::atan2(sine, cosine);
     turns_.push_back(angle / (2 * std::numbers::pi));
@@ -346,9 +331,7 @@ void Clip::count_turns() {
 
 std::string Clip::turns(double step) const {
   if (turns_.empty()) return {};
-  const auto [whole, share] = split(step, steps_);
-  return fmt::format("{:.1f} turns",
-                     turns_[static_cast<std::size_t>(whole) + (share >= 1.0 ? 1 : 0)]);
+  return fmt::format("{:.1f} turns", turns_[static_cast<std::size_t>(finished(step, steps_))]);
 }
 
 std::string signed_score(double value) {
@@ -356,14 +339,11 @@ std::string signed_score(double value) {
 }
 
 double Clip::score(double step) const {
-  const auto [whole, share] = split(step, steps_);
-  const std::size_t k = static_cast<std::size_t>(whole) + (share >= 1.0 ? 1 : 0);
-  return returns_[k];
+  return returns_[static_cast<std::size_t>(finished(step, steps_))];
 }
 
 Caption Clip::caption(double step) const {
-  const auto [whole, share] = split(step, steps_);
-  const int shown = whole + (share >= 1.0 ? 1 : 0);
+  const int shown = finished(step, steps_);
   Caption caption;
   caption.title = episode_.rollout->task;
   caption.detail = !episode_.label.empty()   ? episode_.label

@@ -9,6 +9,7 @@
 
 #include "formats/rollout/rollout.h"
 #include "libevo/task/bounds.h"
+#include "libevo/task/measure.h"
 #include "render/scene/goals.h"
 #include "render/scene/quantity.h"
 #include "render/scene/scene.h"
@@ -64,10 +65,12 @@ class Clip {
   void value_scale(const ValueScale& scale) { value_scale_ = scale; }
 
   const Mesh& mesh() const { return mesh_; }
-  // Places of all objects' points, of an object, or of the first one's centre, at a whole step;
-  // voxels.
+  // Places of all points, of an object's, or of the first one's centre, at a whole step; voxels.
   std::span<const Vec2> points(int step) const {
     return {at(step), static_cast<std::size_t>(episode_.rollout->points)};
+  }
+  std::span<const Vec2> points(int step, const ModelObject& object) const {
+    return PointRange{object.first_point, object.points}.of(points(step));
   }
   Bounds extent(int step, const ModelObject& object) const;
   // Around what a camera keeps in view, at every step. Throws Error(usage) for an unknown object.
@@ -76,7 +79,6 @@ class Clip {
 
  private:
   const Vec2* at(int step) const;
-  Vec2 centre_of(const ModelObject& object, int step) const;
   void count_turns();
   void add_trail(double step, Scene& scene) const;
   void add_arrows(double step, Scene& scene) const;

@@ -17,16 +17,13 @@ constexpr int longest_period = 80;
 double difference(const Clip& clip, int from, int to, int lag) {
   double sum = 0;
   std::size_t count = 0;
-  const auto points = static_cast<std::size_t>(clip.mesh().objects.front().points);
+  const ModelObject& robot = clip.mesh().objects.front();
   for (int t = from; t + lag <= to; ++t) {
-    const auto a = clip.points(t);
-    const auto b = clip.points(t + lag);
-    const Vec2 ca = clip.centre(t);
-    const Vec2 cb = clip.centre(t + lag);
-    for (std::size_t k = 0; k < points; ++k) {
-      const double x = (b[k].x - cb.x) - (a[k].x - ca.x);
-      const double y = (b[k].y - cb.y) - (a[k].y - ca.y);
-      sum += x * x + y * y;
+    const auto a = clip.points(t, robot);
+    const auto b = clip.points(t + lag, robot);
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      const Vec2 off = (b[k] - clip.centre(t + lag)) - (a[k] - clip.centre(t));
+      sum += dot(off, off);
       ++count;
     }
   }
@@ -95,11 +92,8 @@ class Looks {
     for (const ModelObject& object : clip.mesh().objects) {
       if (object.is_static) continue;
       const double weight = 1 / std::sqrt(object.points);
-      for (int k = object.first_point; k < object.first_point + object.points; ++k) {
-        const Vec2& p = clip.points(t)[static_cast<std::size_t>(k)];
-        look.push_back(weight * p.x);
-        look.push_back(weight * p.y);
-      }
+      for (const Vec2& p : clip.points(t, object))
+        look.insert(look.end(), {weight * p.x, weight * p.y});
     }
     return look;
   }

@@ -328,28 +328,6 @@ Robot read_member(const fs::path& generation_folder, int generation, const Ranke
   return robot;
 }
 
-// Robots in the order first seen, each body once.
-class Collection {
- public:
-  void add(Robot robot) {
-    const auto [known, added] = places_.emplace(robot.id, robots_.size());
-    if (added) {
-      robots_.push_back(std::move(robot));
-      return;
-    }
-    Robot& first = robots_[known->second];
-    const auto fitness = robot.fitness();
-    if (fitness && (!first.fitness() || *fitness > *first.fitness()))
-      first.document["fitness"] = *fitness;
-  }
-
-  std::vector<Robot> take() { return std::move(robots_); }
-
- private:
-  std::vector<Robot> robots_;
-  std::unordered_map<std::string, std::size_t> places_;  // by id
-};
-
 }  // namespace
 
 // ---- public ---------------------------------------------------------------------------
@@ -412,7 +390,14 @@ std::vector<Robot> read_evogym_experiment(const fs::path& folder) {
   if (generations.empty())
     throw error(Failure::no_input, "{}: not an experiment folder of EvoGym: no generation_0 in it",
                 folder.string());
-  Collection robots;
+  std::vector<Robot> robots;
+  std::unordered_map<std::string, std::size_t> places;  // by id
+  const auto add = [&](Robot robot) {
+    const auto [known, added] = places.emplace(robot.id, robots.size());
+    if (added) return robots.push_back(std::move(robot));
+    Robot& first = robots[known->second];
+    if (robot.fitness() > first.fitness()) first.document["fitness"] = *robot.fitness();
+  };
   for (const int generation : generations) {
     const fs::path place = folder / fmt::format("{}{}", generation_prefix, generation);
     const std::vector<Ranked> ranking = read_ranking(place / "output.txt");
@@ -421,13 +406,13 @@ std::vector<Robot> read_evogym_experiment(const fs::path& folder) {
       if (!ranked_labels.insert(ranked.label).second)
         throw error(Failure::data, "{}: label {} is ranked twice", (place / "output.txt").string(),
                     ranked.label);
-      robots.add(read_member(place, generation, ranked));
+      add(read_member(place, generation, ranked));
     }
     for (const int label : numbered_entries(place / "structure", "", ".npz"))
       if (!ranked_labels.contains(label))
-        robots.add(read_member(place, generation, {label, std::nullopt}));
+        add(read_member(place, generation, {label, std::nullopt}));
   }
-  return robots.take();
+  return robots;
 }
 
 bool is_evogym_experiment(const fs::path& folder) {

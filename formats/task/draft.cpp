@@ -14,12 +14,6 @@ constexpr int episode_steps = 500;
 constexpr int floor_width = 5;
 constexpr int usual_width = 5;  // of a robot
 
-bool moves(const Object& object) {
-  return std::any_of(object.body.cells.begin(), object.body.cells.end(), [](Voxel voxel) {
-    return voxel == Voxel::horizontal || voxel == Voxel::vertical;
-  });
-}
-
 // The lowest cell above all that stands in the first columns.
 int free_row(const std::vector<Placement>& scenery) {
   int row = 0;
@@ -43,9 +37,8 @@ std::string draft_task(const World& world, const std::string& name) {
   const Object* robot = nullptr;
   std::vector<Placement> scenery;
   for (const Object& object : world.objects) {
-    if (!moves(object)) {
-      scenery.emplace_back();
-      scenery.back().object = object;
+    if (count_actuators(object.body) == 0) {
+      scenery.emplace_back().object = object;
     } else if (robot != nullptr) {
       throw error(Failure::data, "objects '{}' and '{}' both have actuators; a task has one robot",
                   robot->name, object.name);

@@ -96,6 +96,11 @@ class Graph {
     return constant(name, {values.rows(), values.cols()},
                     std::span<const float>(values.data(), static_cast<std::size_t>(values.size())));
   }
+  template <typename T>
+  std::string vector(const std::string& name, const Eigen::Matrix<T, Eigen::Dynamic, 1>& values) {
+    return constant(name, {values.size()},
+                    std::span<const T>(values.data(), static_cast<std::size_t>(values.size())));
+  }
   std::string places(const std::string& name, const std::vector<std::int64_t>& values) {
     Message tensor;
     tensor.integer(1, std::ssize(values)).integer(2, int64).integers(7, values).text(8, name);
@@ -120,10 +125,6 @@ class Graph {
     add(operation, operands, attribute, "");
   }
   void cast(ElementType type) { apply("Cast", {}, Attribute{"to", type}); }
-  // last W^T + b
-  void affine(const std::string& weight, const std::string& bias) {
-    apply("Gemm", {weight, bias}, Attribute{"transB", 1});
-  }
 
   std::string model(const std::string& name) const {
     Message graph(nodes_);
@@ -164,17 +165,12 @@ class Graph {
   int made_ = 0;
 };
 
-std::span<const double> values(const Eigen::VectorXd& vector) {
-  return {vector.data(), static_cast<std::size_t>(vector.size())};
-}
-
 // `part` ends the names of its constants.
 void add_normalizer(Graph& graph, const Normalizer& normalizer, const std::string& part = "") {
   const Eigen::VectorXd deviation = (normalizer.variance.array() + normalizer.epsilon).sqrt();
   if (normalizer.count != 0.0) {
-    graph.apply("Sub",
-                {graph.constant("mean" + part, {deviation.size()}, values(normalizer.mean))});
-    graph.apply("Div", {graph.constant("deviation" + part, {deviation.size()}, values(deviation))});
+    graph.apply("Sub", {graph.vector("mean" + part, normalizer.mean)});
+    graph.apply("Div", {graph.vector("deviation" + part, deviation)});
   }
   graph.apply("Clip", {graph.number("lowest" + part, -normalizer.clip),
                        graph.number("highest" + part, normalizer.clip)});
@@ -184,14 +180,9 @@ void add_normalizer(Graph& graph, const Normalizer& normalizer, const std::strin
 void add_network(Graph& graph, const Network& network) {
   for (std::size_t l = 0; l < network.layers.size(); ++l) {
     const Layer& layer = network.layers[l];
-    const auto all = [](const auto& x) {
-      return std::span<const float>(x.data(), static_cast<std::size_t>(x.size()));
-    };
-    const std::string weight = graph.constant(
-        fmt::format("weight_{}", l), {layer.weight.rows(), layer.weight.cols()}, all(layer.weight));
-    const std::string bias =
-        graph.constant(fmt::format("bias_{}", l), {layer.bias.size()}, all(layer.bias));
-    graph.affine(weight, bias);
+    const std::string weight = graph.matrix(fmt::format("weight_{}", l), layer.weight);
+    const std::string bias = graph.vector(fmt::format("bias_{}", l), layer.bias);
+    graph.apply("Gemm", {weight, bias}, Attribute{"transB", 1});  // last W^T + b
     if (l + 1 < network.layers.size()) graph.apply("Tanh", {});
   }
 }
@@ -237,10 +228,7 @@ void add_task(Graph& graph, const ModularPolicy& policy) {
 // y W^T + b, a row for each voxel.
 void add_layer(Graph& graph, const Layer& layer, std::size_t l) {
   graph.apply("MatMul", {graph.matrix(fmt::format("weight_{}", l), layer.weight.transpose())});
-  graph.apply(
-      "Add", {graph.constant(fmt::format("bias_{}", l), {layer.bias.size()},
-                             std::span<const float>(layer.bias.data(),
-                                                    static_cast<std::size_t>(layer.bias.size())))});
+  graph.apply("Add", {graph.vector(fmt::format("bias_{}", l), layer.bias)});
 }
 
 std::string modular_to_onnx(const ModularPolicy& policy, const PolicyFile& file,

@@ -35,8 +35,6 @@ constexpr std::string_view npy_magic = "\x93NUMPY";
 constexpr std::size_t npy_version_1_prefix = 10;  // magic, version, 16-bit length
 constexpr std::size_t npy_alignment = 64;
 
-using NpyArray = NumpyMatrix;
-
 // What stands after 'key': in the header, up to the comma or brace that ends it.
 std::string_view header_value(std::string_view header, const std::string& key) {
   const std::size_t found = header.find("'" + key + "':");
@@ -117,7 +115,7 @@ bool is_none(std::string_view npy) {
          npy.substr(npy.size() - longest_end).find("Nat") != std::string_view::npos;
 }
 
-NpyArray parse_npy(std::string_view npy) {
+NumpyMatrix parse_npy(std::string_view npy) {
   const auto [header, begin] = split_npy(npy);
   const NumberType& type = number_type(header_value(header, "descr"));
   const auto sizes = sizes_in(header_value(header, "shape"));
@@ -125,7 +123,7 @@ NpyArray parse_npy(std::string_view npy) {
   if (!sizes || sizes->empty() || sizes->size() > 2)
     throw Error(Failure::data, "expected an array of two dimensions");
   const auto most = (npy.size() - begin) / type.size;
-  NpyArray array;
+  NumpyMatrix array;
   array.dimensions = static_cast<int>(sizes->size());
   array.is_single = type.name == "f4";
   array.rows = sizes->size() == 2 ? sizes->front() : 1;
@@ -254,9 +252,13 @@ zip_int64_t choose(const Names& names, const Names& wanted, zip_int64_t other) {
 
 // ---- body and links -------------------------------------------------------------
 
-Body body_of(const NpyArray& matrix) {
+void check_dimensions(const NumpyMatrix& matrix) {
   if (matrix.dimensions != 2)
     throw error(Failure::data, "{} numbers in a row, expected a matrix", matrix.cols);
+}
+
+Body body_of(const NumpyMatrix& matrix) {
+  check_dimensions(matrix);
   if (matrix.rows < 1 || matrix.cols < 1 || matrix.rows > largest_side ||
       matrix.cols > largest_side)
     throw error(Failure::data, "a body of {}x{} cells; rows and columns go from 1 to {}",
@@ -272,7 +274,7 @@ Body body_of(const NpyArray& matrix) {
   return {static_cast<int>(matrix.rows), static_cast<int>(matrix.cols), std::move(cells)};
 }
 
-std::vector<Link> links_of(const NpyArray& pairs, const Body& body) {
+std::vector<Link> links_of(const NumpyMatrix& pairs, const Body& body) {
   if (pairs.values.empty()) return {};
   if (pairs.rows != 2)
     throw error(Failure::data, "{} x {} numbers, expected two rows", pairs.rows, pairs.cols);
@@ -322,39 +324,34 @@ std::string bytes_of(zip_source_t* source) {
   throw Error(Failure::io, "an archive cannot be made in memory");
 }
 
-}  // namespace
-
-Body body_from_npz(std::string_view bytes, const std::string& where) {
-  try {
-    const Zip<zip_t> archive = open_archive(bytes);
-    const std::vector<std::string> names = member_names(archive.get());
-    const Names links{"arr_1", "connections"};
-    const zip_int64_t first =
-        choose(names, {"arr_0", "body", "structure"}, names.size() > 1 ? named(names, links) : -1);
-    if (first < 0) throw error(Failure::data, "an archive without a body matrix");
-    Body body = from_member(archive.get(), first,
-                            [](const std::string& npy) { return body_of(parse_npy(npy)); });
-    const zip_int64_t second = choose(names, links, first);
-    if (second < 0) return body;
-    from_member(archive.get(), second, [&](const std::string& npy) {
-      if (is_none(npy)) return;
-      body.links = links_of(parse_npy(npy), body);
-      if (const auto wrong = link_defect(body)) throw Error(Failure::data, *wrong);
-    });
-    return body;
-  } catch (const Error& failure) {
-    throw failure.at(where);
-  }
+Body body_from_npz(std::string_view bytes) {
+  const Zip<zip_t> archive = open_archive(bytes);
+  const std::vector<std::string> names = member_names(archive.get());
+  const Names links{"arr_1", "connections"};
+  const zip_int64_t first =
+      choose(names, {"arr_0", "body", "structure"}, names.size() > 1 ? named(names, links) : -1);
+  if (first < 0) throw error(Failure::data, "an archive without a body matrix");
+  Body body = from_member(archive.get(), first,
+                          [](const std::string& npy) { return body_of(parse_npy(npy)); });
+  const zip_int64_t second = choose(names, links, first);
+  if (second < 0) return body;
+  from_member(archive.get(), second, [&](const std::string& npy) {
+    if (is_none(npy)) return;
+    body.links = links_of(parse_npy(npy), body);
+    if (const auto wrong = link_defect(body)) throw Error(Failure::data, *wrong);
+  });
+  return body;
 }
+
+}  // namespace
 
 bool begins_as_numpy(std::string_view bytes) {
   return bytes.starts_with("PK") || bytes.starts_with(npy_magic);
 }
 
 Body body_from_numpy(std::string_view bytes, const std::string& where) {
-  if (!bytes.starts_with(npy_magic)) return body_from_npz(bytes, where);
   try {
-    return body_of(parse_npy(bytes));
+    return bytes.starts_with(npy_magic) ? body_of(parse_npy(bytes)) : body_from_npz(bytes);
   } catch (const Error& failure) {
     throw failure.at(where);
   }
@@ -374,8 +371,7 @@ NumpyMatrix matrix_from_numpy(std::string_view bytes, const std::string& name,
         throw error(Failure::data, "{} arrays, none of which is called {}", names.size(), name);
       matrix = from_member(archive.get(), index, parse_npy);
     }
-    if (matrix.dimensions != 2)
-      throw error(Failure::data, "{} numbers in a row, expected a matrix", matrix.cols);
+    check_dimensions(matrix);
     return matrix;
   } catch (const Error& failure) {
     throw failure.at(where);

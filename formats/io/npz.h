@@ -18,12 +18,11 @@ namespace evo {
 // may be absent (all adjacent pairs) and given twice. Cells and links make
 // sense, connectivity is not asked for. Throws Error(no_input, io, data).
 Body read_npz(const std::filesystem::path& path);
-Body body_from_npz(std::string_view bytes, const std::string& where);
-
-// Whether bytes begin as NumPy's do: an .npz archive, or one array (.npy). Such an array
-// alone is a body matrix whose adjacent cells are all linked.
-bool begins_as_numpy(std::string_view bytes);
+// Of an .npz archive, or one array (.npy): alone, it is a body matrix whose adjacent cells are all
+// linked.
 Body body_from_numpy(std::string_view bytes, const std::string& where);
+// Whether bytes begin as one of them does.
+bool begins_as_numpy(std::string_view bytes);
 
 // An array of numbers, which has two dimensions.
 struct NumpyMatrix {

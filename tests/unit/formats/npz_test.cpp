@@ -20,7 +20,7 @@ TEST_CASE("npz: what is written is what is read, links included") {
     Body body = sample_body(stream.integer(1, 6), stream.integer(1, 6), default_weights, stream);
     if (body.links.size() > 3 && stream.below(2) == 0) body.links.pop_back();
     const std::string bytes = body_to_npz(body);
-    REQUIRE(body_from_npz(bytes, "in") == body);
+    REQUIRE(body_from_numpy(bytes, "in") == body);
     REQUIRE(body_to_npz(body) == bytes);
   }
   const ScratchFolder folder;
@@ -56,7 +56,7 @@ TEST_CASE("npz: NumPy's own files are read") {
 
 TEST_CASE("npz: bad files are refused with member and reason") {
   const auto refused = [](std::string_view bytes) {
-    return error_of(Failure::data, [&] { (void)body_from_npz(bytes, "in.npz"); });
+    return error_of(Failure::data, [&] { (void)body_from_numpy(bytes, "in.npz"); });
   };
   CHECK(contains(refused("text"), "in.npz: not an .npz file"));
   CHECK(contains(refused(""), "an archive without a body matrix"));
@@ -84,7 +84,7 @@ TEST_CASE("npz: a damaged file throws Error and nothing else") {
   const std::string compressed = read_file("tests/data/formats/numpy_compressed_fortran.npz");
   const int refused =
       refusals({original, compressed}, 6000, any_byte, [](const std::string& bytes) {
-        const Body body = body_from_npz(bytes, "in");
+        const Body body = body_from_numpy(bytes, "in");
         CHECK_FALSE(link_defect(body));
       });
   CHECK(refused > 3000);

@@ -528,12 +528,10 @@ Robot Robot::failed(const RobotFailure& failure) const {
 
 std::optional<double> number_of(const Robot& robot, const std::string& name) {
   const Json* at = &robot.document;
-  for (std::size_t begin = 0; begin <= name.size();) {
-    const std::size_t end = std::min(name.find('.', begin), name.size());
-    const auto found = at->find(name.substr(begin, end - begin));  // none unless it is an object
+  for (const std::string_view part : split(name, ".")) {
+    const auto found = at->find(std::string(part));  // none unless it is an object
     if (found == at->end()) return std::nullopt;
     at = &*found;
-    begin = end + 1;
   }
   return at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
 }

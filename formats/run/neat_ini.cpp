@@ -81,10 +81,8 @@ std::string yaml_of(const Entry& entry, const std::string& where) {
 }  // namespace
 
 bool begins_as_ini(std::string_view text) {
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = trimmed(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
+  for (const std::string_view whole : split(text, "\n")) {
+    const std::string_view line = trimmed(whole);
     if (line.empty() || is_comment(line)) continue;
     // A section, of whatever name: the reader says which there are.
     constexpr std::string_view letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_- ";

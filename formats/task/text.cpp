@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "formats/io/values.h"
 #include "formats/task/drawing.h"
 #include "formats/task/pieces.h"
 #include "libevo/base/join.h"
@@ -44,12 +45,8 @@ std::string world_drawing(const TaskSpec& task, const Body& robot) {
   constexpr int columns = 76;
   constexpr int rows = 24;
   std::string text;
-  const std::string drawing = draw_task(task, robot, columns, rows);
-  for (std::size_t from = 0; from < drawing.size();) {
-    const std::size_t end = drawing.find('\n', from) + 1;
-    text += "  " + drawing.substr(from, end - from);
-    from = end;
-  }
+  for (const std::string& line : split_list(draw_task(task, robot, columns, rows), '\n'))
+    text += "  " + line + "\n";
   return text;
 }
 

@@ -52,14 +52,11 @@ std::string task_lines(const std::string& task_yaml) {
   return lines;
 }
 
-std::map<std::string, std::string> by_key(std::string_view lines) {
+std::map<std::string, std::string> by_key(const std::string& lines) {
   std::map<std::string, std::string> values;
-  while (!lines.empty()) {
-    const std::size_t end = std::min(lines.find('\n'), lines.size());
-    const std::string_view line = lines.substr(0, end);
+  for (const std::string& line : split_list(lines, '\n')) {
     const std::size_t equals = std::min(line.find('='), line.size());
-    values[std::string(line.substr(0, equals))] = line.substr(std::min(equals + 1, line.size()));
-    lines.remove_prefix(std::min(end + 1, lines.size()));
+    values[line.substr(0, equals)] = line.substr(std::min(equals + 1, line.size()));
   }
   return values;
 }

@@ -1,8 +1,7 @@
 #include "formats/training/training_log.h"
 
-#include <string_view>
-
 #include "formats/io/number.h"
+#include "formats/io/text.h"
 #include "libevo/base/error.h"
 
 namespace evo {
@@ -44,14 +43,9 @@ std::optional<double> metric(const TrainingReport& report, const std::string& na
 }
 
 std::optional<double> logged(std::string_view line, std::string_view name) {
-  for (std::size_t start = 0; start < line.size();) {
-    const std::size_t end = std::min(line.find('\t', start), line.size());
-    const std::string_view pair = line.substr(start, end - start);
-    if (pair.starts_with(name) && pair.size() > name.size() && pair[name.size()] == ' ') {
+  for (const std::string_view pair : split(line, "\t"))
+    if (pair.starts_with(name) && pair.size() > name.size() && pair[name.size()] == ' ')
       return number_in<double>(pair.substr(name.size() + 1));
-    }
-    start = end + 1;
-  }
   return std::nullopt;
 }
 

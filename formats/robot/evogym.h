@@ -17,13 +17,10 @@ namespace evo {
 using WorldWarning = std::function<void(const std::string&)>;
 
 // The objects in file order, each as large as its cells, at its place. Any
-// order of objects and cells; a link counts from whichever end it is listed. As the
-// benchmark does, with a warning each: cells above `grid_height`, or a `grid_height` that is
-// none, make the grid as high as its cells; a cell listed twice has its last type; neighbours
-// that are not adjacent, and those of no cell, are left out. Refused: a
-// missing field, collections of different lengths, a cell that is none, a neighbour that is
-// no cell of the object, an object without voxels or in several pieces (which the benchmark
-// leaves out), two objects in one cell. Throws Error(data).
+// order of objects and cells; a link counts from whichever end it is listed. What else the
+// benchmark reads, each with a warning, and what is refused: docs/formats/foreign.md. A
+// `grid_height` that is none is as high as the cells; neighbours of no cell are left out.
+// Throws Error(data).
 World read_evogym_world(const Node& document, const WorldWarning& warn = {});
 World read_evogym_world(const std::filesystem::path& path, const WorldWarning& warn = {});
 

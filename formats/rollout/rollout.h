@@ -62,10 +62,8 @@ std::string write_episode(hdf5::Writer& file, const Rollout& rollout, std::size_
 // file and dataset.
 Rollout read_rollout(const std::filesystem::path& path);
 
-// HDF5: `actions` at the root, or those of a rollout's only episode, [T x A] row-major. CSV, or
-// blanks between the numbers: a row per step, # for comments, a heading allowed. NumPy's .npy
-// [T x A], or .npz of that called `actions`. "-" is standard input. Throws Error(no_input, io,
-// data).
+// Actions in any of the forms of docs/formats/foreign.md, [T x A] row-major; "-" is standard input.
+// Throws Error(no_input, io, data).
 struct ActionSequence {
   int steps = 0;
   int actuators = 0;

@@ -1,28 +1,8 @@
 // A run folder: an evolution as files, so that it can be killed, continued,
-// inspected with everyday tools and worked on by many machines.
-// docs/run-folder.md shows it by example.
+// inspected with everyday tools and worked on by many machines. docs/run-folder.md lists them.
 //
-//   run.yaml                  what the run is: `format: evo/run`, `version: 1`, its method and
-//                             a setting per line (formats/run/settings.h); never changed
-//   Makefile                  how the rest is made of it, by small tools
-//   gen-003/population.jsonl  the robots of a generation; line k, from 0, is slot k
-//   gen-003/07.json           slot 7 after its training: the robot with its fitness, or with
-//                             what made its training fail; 05-09.json: slots 5 to 9; 07-.json:
-//                             slot 7 and all after it
-//   gen-003/scores.jsonl      all slots in order, once every slot is there; the generation is
-//                             finished
-//   policies/ID.policy.h5     policies/ID.log     by robot, not by slot: a survivor
-//                             is in many slots and trained once
-//   policies/gen-003.*        of all robots of a generation, where they have one
-//                             controller: policy and log
-//   journal/ID.running        while a process trains robot ID: its machine
-//   journal/HOST.jsonl        what trainings took; lines are only appended, each
-//                             machine to a file of its own
-//   history.jsonl             all robots trained, in order, each once
-//   best.json, best.*         the champion
-//
-// Every file but those of the journal appears whole under its name, and what exists is
-// done. No result depends on a time of day or a machine: those are in logs and
+// Every file but those of the journal, to which lines are appended, appears whole under its name,
+// and what exists is done. No result depends on a time of day or a machine: those are in logs and
 // the journal alone.
 #pragma once
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "formats/robot/robot.h"
-#include "libevo/sim/model.h"
 #include "render/figures/poster.h"
 #include "render/figures/sheet.h"
 #include "render/film/evolution_film.h"

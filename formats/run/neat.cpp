@@ -1,7 +1,6 @@
 #include "formats/run/neat.h"
 
 #include <algorithm>
-#include <functional>
 #include <set>
 #include <sstream>
 #include <utility>

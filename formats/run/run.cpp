@@ -1,6 +1,5 @@
 #include "formats/run/run.h"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <fmt/ranges.h>
@@ -8,10 +7,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <climits>
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <string_view>

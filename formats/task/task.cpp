@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <utility>
 
 #include "formats/io/files.h"
 #include "formats/io/format.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "formats/io/values.h"
 #include "formats/task/drawing.h"

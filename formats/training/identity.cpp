@@ -6,7 +6,6 @@
 #include <map>
 #include <optional>
 #include <string_view>
-#include <utility>
 
 #include "formats/io/node.h"
 #include "formats/io/values.h"

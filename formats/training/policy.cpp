@@ -13,7 +13,6 @@
 #include "formats/training/policy_json.h"
 #include "formats/training/training.h"
 #include "libevo/base/alternatives.h"
-#include "libevo/base/digest.h"
 #include "libevo/base/error.h"
 
 namespace evo {

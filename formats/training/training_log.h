@@ -10,7 +10,6 @@
 // "resumed".
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <optional>

@@ -1,7 +1,6 @@
 #include "render/figures/label.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace evo::render {
 namespace {

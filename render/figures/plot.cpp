@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "libevo/base/error.h"
-#include "render/figures/label.h"
 #include "render/scene/quantity.h"
 #include "render/scene/round_numbers.h"
 

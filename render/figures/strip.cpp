@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "libevo/task/spec.h"
 #include "render/figures/key.h"

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "formats/rollout/ending.h"
 #include "libevo/base/error.h"

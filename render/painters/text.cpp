@@ -1,6 +1,5 @@
 #include "render/painters/text.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>

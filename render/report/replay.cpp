@@ -8,7 +8,7 @@
 
 #include "formats/io/base64.h"
 #include "formats/rollout/ending.h"
-#include "render/report/markup.h"
+#include "libevo/task/spec.h"
 #include "render/scene/clip.h"
 
 namespace evo::report {

@@ -1,8 +1,6 @@
 // Episodes small enough to lie in a page by the dozen, for replay.js to draw.
 #pragma once
 
-#include <string>
-
 #include "formats/io/json.h"
 #include "formats/rollout/rollout.h"
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "libevo/base/error.h"
-
 namespace evo::render {
 namespace {
 

@@ -1,7 +1,5 @@
 #include "render/scene/options.h"
 
-#include <cmath>
-
 #include "formats/io/number.h"
 #include "libevo/base/error.h"
 #include "render/painters/drawing.h"

@@ -1,7 +1,6 @@
 #include "render/scene/quantity.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>

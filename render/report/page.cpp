@@ -8,13 +8,21 @@
 
 #include "formats/io/values.h"
 #include "libevo/base/join.h"
-#include "render/report/assets.h"
+#include "render/painters/embed.h"
 #include "render/report/cards.h"
 #include "render/report/comparison.h"
 #include "render/report/figures.h"
 #include "render/report/markup.h"
 #include "render/report/robot_data.h"
 #include "render/report/verdict.h"
+
+// Files beside this one, and bindings/web/site/stage.js.
+EVO_EMBED(evo_report_page, EVO_REPORT_PAGE);
+EVO_EMBED(evo_report_style, EVO_REPORT_STYLE);
+EVO_EMBED(evo_report_script, EVO_REPORT_SCRIPT);
+EVO_EMBED(evo_report_charts, EVO_REPORT_CHARTS);
+EVO_EMBED(evo_report_stage, EVO_REPORT_STAGE);
+EVO_EMBED(evo_report_replay, EVO_REPORT_REPLAY);
 
 namespace evo::report {
 namespace {
@@ -317,15 +325,15 @@ std::string make_page(const std::vector<Run>& runs, const std::string& generator
     if (!alone) page.navigate(anchor_of(k), runs[k].label);
     add_run(runs[k], anchor_of(k), alone, page);
   }
-  return fill(page_template(),
+  return fill(EVO_EMBEDDED(evo_report_page),
               {{"title", escaped(title_of(runs))},
                {"lead", lead(runs)},
                {"generator", escaped(generator)},
-               {"style", std::string(style())},
-               {"charts_script", std::string(charts_script())},
-               {"stage_script", std::string(stage_script())},
-               {"replay_script", std::string(replay_script())},
-               {"script", std::string(script())},
+               {"style", std::string(EVO_EMBEDDED(evo_report_style))},
+               {"charts_script", std::string(EVO_EMBEDDED(evo_report_charts))},
+               {"stage_script", std::string(EVO_EMBEDDED(evo_report_stage))},
+               {"replay_script", std::string(EVO_EMBEDDED(evo_report_replay))},
+               {"script", std::string(EVO_EMBEDDED(evo_report_script))},
                {"navigation", page.navigation},
                {"sections", page.sections},
                {"kinds", legend()},

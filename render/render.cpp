@@ -253,7 +253,7 @@ Image paint(const Drawing& drawing) {
 std::string encode_picture(const Drawing& drawing, const std::string& title,
                            const std::string& name) {
   const std::string extension = fs::path(name).extension().string();
-  if (extension == ".png") return encode_png(view(paint(drawing)));
+  if (extension == ".png") return encode_png(paint(drawing));
   Typesetter typesetter;
   if (extension == ".svg") return encode_svg(drawing, title, typesetter);
   if (extension == ".pdf") return encode_pdf(drawing, title, typesetter);

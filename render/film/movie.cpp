@@ -80,7 +80,7 @@ void write_sequence(const Movie& movie, const Pattern& pattern) {
                [&movie, &pattern, image = Image(movie.size)](Painter& painter, std::size_t k,
                                                              std::span<std::uint8_t>) mutable {
                  paint_frame(movie, painter, k, image.rgba);
-                 write_png(pattern.name(k), view(image), Effort::quick);
+                 write_file(pattern.name(k), encode_png(image, Effort::quick));
                },
                [&movie](std::size_t k, std::span<const std::uint8_t>) { finished(movie, k); }});
 }

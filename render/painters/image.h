@@ -33,16 +33,11 @@ struct Image {
       : size(s), rgba(static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height) * 4) {}
 };
 
-// Pixels of somebody else, an Image or a buffer of shared memory: to read, to paint.
-struct PixelView {
-  Size size;
-  std::span<const std::uint8_t> rgba;
-};
+// Pixels of somebody else, an Image or a buffer, to paint.
 struct PixelTarget {
   Size size;
   std::span<std::uint8_t> rgba;
 };
-inline PixelView view(const Image& image) { return {image.size, image.rgba}; }
 inline PixelTarget target(Image& image) { return {image.size, image.rgba}; }
 
 }  // namespace evo::render

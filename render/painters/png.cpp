@@ -4,12 +4,11 @@
 
 #include <vector>
 
-#include "formats/io/files.h"
 #include "libevo/base/error.h"
 
 namespace evo::render {
 
-std::string encode_png(const PixelView& image, Effort effort) {
+std::string encode_png(const Image& image, Effort effort) {
   std::vector<std::uint8_t> rgb(image.rgba.size() / 4 * 3);
   for (std::size_t pixel = 0; pixel < image.rgba.size() / 4; ++pixel)
     for (std::size_t c = 0; c < 3; ++c) rgb[3 * pixel + c] = image.rgba[4 * pixel + c];
@@ -26,10 +25,6 @@ std::string encode_png(const PixelView& image, Effort effort) {
                 image.size.width, image.size.height, png.message);
   file.resize(bytes);
   return file;
-}
-
-void write_png(const std::filesystem::path& path, const PixelView& image, Effort effort) {
-  write_file(path, encode_png(image, effort));
 }
 
 }  // namespace evo::render

@@ -1,7 +1,6 @@
-// PNG files, through libpng.
+// PNG, through libpng.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "render/painters/image.h"
@@ -11,9 +10,6 @@ namespace evo::render {
 enum class Effort { small, quick };  // what the file is to be
 
 // The bytes of a whole file.
-std::string encode_png(const PixelView& image, Effort effort = Effort::small);
-// Throws Error(cannot_create, io).
-void write_png(const std::filesystem::path& path, const PixelView& image,
-               Effort effort = Effort::small);
+std::string encode_png(const Image& image, Effort effort = Effort::small);
 
 }  // namespace evo::render

@@ -31,7 +31,7 @@ constexpr double most_large_differences = 0.002;  // share of pixels
 void compare(const std::string& name, const Drawing& drawing) {
   const Image picture = paint(drawing);
   const fs::path golden = "tests/data/render/" + name + ".png";
-  if (std::getenv("UPDATE_GOLDEN") != nullptr) write_png(golden, view(picture));
+  if (std::getenv("UPDATE_GOLDEN") != nullptr) write_file(golden, encode_png(picture));
   const Image expected = read_png(golden);
   REQUIRE(picture.size == expected.size);
   double sum = 0;
@@ -47,7 +47,7 @@ void compare(const std::string& name, const Drawing& drawing) {
   const auto pixels = static_cast<double>(count);
   const bool same = sum / pixels <= most_mean_difference &&
                     static_cast<double>(large) / pixels <= most_large_differences;
-  if (!same) write_png("differs-" + name + ".png", view(picture));
+  if (!same) write_file("differs-" + name + ".png", encode_png(picture));
   INFO(name << ": mean difference " << sum / pixels << ", " << large << " pixels differ much");
   CHECK(same);
 }

@@ -297,9 +297,9 @@ std::string detail(const SlotStatus& slot, const RunHistory& history) {
     return fmt::format("{}", *history.robots()[history.by_id().at(slot.robot)].fitness);
   if (slot.state == SlotState::failed) return printable(slot.why);
   if (slot.state == SlotState::waiting) return "";
-  const fs::path log = history.folder().log(slot.address.generation, slot.robot);
+  const fs::path log = history.folder().log(slot.generation, slot.robot);
   if (!fs::exists(log)) return "0.00";
-  const double steps = history.folder().settings().steps(slot.address.generation);
+  const double steps = history.folder().settings().steps(slot.generation);
   return fmt::format("{:.2f}", read_training_log(log).step / std::max(1.0, steps));
 }
 
@@ -309,7 +309,7 @@ void print_slots(const fs::path& folder) {
   fmt::print("generation\tslot\trobot\tstate\tdetail\n");
   for (const RunHistory::Generation& generation : history.generations())
     for (const SlotStatus& slot : history.slots(generation))
-      fmt::print("{}\t{}\t{}\t{}\t{}\n", slot.address.generation, slot.address.slot, slot.robot,
+      fmt::print("{}\t{}\t{}\t{}\t{}\n", slot.generation, slot.slot, slot.robot,
                  words.at(static_cast<std::size_t>(slot.state)), detail(slot, history));
 }
 

@@ -97,7 +97,7 @@ std::vector<SlotStatus> RunStatus::running() const {
 }
 
 TrainingView RunStatus::view(const SlotStatus& slot) const {
-  const int generation = slot.address.generation;
+  const int generation = slot.generation;
   LoggedTraining log = read_training_log(folder().log(generation, slot.robot));
   const double steps = folder().settings().steps(generation);
   return {folder().settings().shares(generation) ? "all robots" : slot.robot,

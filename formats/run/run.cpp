@@ -391,7 +391,8 @@ std::vector<SlotStatus> RunHistory::slots(const Generation& generation) const {
   std::vector<SlotStatus> list;
   for (std::size_t k = 0; k < generation.slots.size(); ++k) {
     SlotStatus status;
-    status.address = {generation.number, static_cast<int>(k)};
+    status.generation = generation.number;
+    status.slot = static_cast<int>(k);
     if (const auto& index = generation.slots[k]) {
       const TrainedRobot& trained = robots_[*index];
       status.robot = trained.robot.id;

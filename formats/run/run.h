@@ -82,14 +82,7 @@ class RunSettings {
 // What a run on this task is called after: a name, the stem of a file, CLASS of FILE.py:CLASS.
 std::string task_label(const std::string& task);
 
-// ---- slots and times --------------------------------------------------------------
-
-// A place in a population, from 0.
-struct SlotAddress {
-  int generation = 0;
-  int slot = 0;
-  bool operator==(const SlotAddress&) const = default;
-};
+// ---- machines ---------------------------------------------------------------------
 
 // What this machine is called: by Slurm, where it runs us, else by itself.
 std::string this_machine();
@@ -155,7 +148,8 @@ struct TrainedRobot {
 enum class SlotState { waiting, training, done, failed };
 
 struct SlotStatus {
-  SlotAddress address;
+  int generation = 0;
+  int slot = 0;       // from 0
   std::string robot;  // id
   SlotState state = SlotState::waiting;
   std::string why;  // failed

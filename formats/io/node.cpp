@@ -24,8 +24,6 @@ bool Node::is_text() const { return is_scalar() && !(data_->plain && data_->docu
 bool Node::is_plain() const { return data_->plain; }
 const std::string& Node::text() const { return data_->text; }
 std::size_t Node::size() const { return data_->children.size() / (is_mapping() ? 2 : 1); }
-const std::string& Node::file() const { return data_->document->file; }
-int Node::line() const { return data_->line; }
 
 std::string Node::path() const {
   std::string path;
@@ -40,7 +38,8 @@ std::string Node::path() const {
 }
 
 std::string Node::where() const {
-  const std::string place = fmt::format("{}:{}:{}", file(), data_->line, data_->column);
+  const std::string place =
+      fmt::format("{}:{}:{}", data_->document->file, data_->line, data_->column);
   const std::string steps = data_->document->is_json ? path() : "";
   return steps.empty() ? place : place + ": " + steps;
 }

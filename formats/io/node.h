@@ -39,8 +39,6 @@ class Node {
   const std::string& text() const;  // of a scalar, empty or not
   std::size_t size() const;         // items of a sequence, entries of a mapping
 
-  const std::string& file() const;
-  int line() const;  // from 1
   // "tasks/walk.yaml:12:5"; with a path in JSON, whose lines are long:
   // "robots.jsonl:7:40: /genome/nodes/2/bias".
   std::string where() const;

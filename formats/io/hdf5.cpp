@@ -193,7 +193,6 @@ NumberType type_of() {
   if constexpr (std::is_same_v<T, float>) return {H5T_NATIVE_FLOAT, H5T_IEEE_F32LE};
   if constexpr (std::is_same_v<T, std::uint8_t>) return {H5T_NATIVE_UINT8, H5T_STD_U8LE};
   if constexpr (std::is_same_v<T, std::int32_t>) return {H5T_NATIVE_INT32, H5T_STD_I32LE};
-  if constexpr (std::is_same_v<T, std::uint32_t>) return {H5T_NATIVE_UINT32, H5T_STD_U32LE};
   if constexpr (std::is_same_v<T, std::int64_t>) return {H5T_NATIVE_INT64, H5T_STD_I64LE};
   if constexpr (std::is_same_v<T, std::uint64_t>) return {H5T_NATIVE_UINT64, H5T_STD_U64LE};
 }
@@ -337,7 +336,7 @@ Writer::~Writer() = default;
 void Writer::group(const std::string& path) { file_->make_groups(path); }
 
 template <Number T>
-void Writer::array(const std::string& path, const Shape& shape, std::span<const T> values) {
+void Writer::array(const std::string& path, const Shape& shape, const std::vector<T>& values) {
   std::size_t elements = 1;
   for (const std::size_t n : shape) elements *= n;
   if (elements != values.size())
@@ -717,20 +716,19 @@ bool is_hdf5(const std::filesystem::path& path) {
 
 // ---- the numbers that can be stored ------------------------------------------
 
-#define EVO_HDF5_NUMBER(T)                                                              \
-  template void Writer::array<T>(const std::string&, const Shape&, std::span<const T>); \
-  template void Writer::attribute<T>(const std::string&, const std::string&, T);        \
-  template void Writer::attribute<T>(const std::string&, const std::string&,            \
-                                     const std::vector<T>&);                            \
-  template Array<T> Reader::array<T>(const std::string&) const;                         \
-  template Array<T> Reader::array<T>(const std::string&, const Shape&) const;           \
-  template T Reader::number<T>(const std::string&, const std::string&) const;           \
+#define EVO_HDF5_NUMBER(T)                                                                 \
+  template void Writer::array<T>(const std::string&, const Shape&, const std::vector<T>&); \
+  template void Writer::attribute<T>(const std::string&, const std::string&, T);           \
+  template void Writer::attribute<T>(const std::string&, const std::string&,               \
+                                     const std::vector<T>&);                               \
+  template Array<T> Reader::array<T>(const std::string&) const;                            \
+  template Array<T> Reader::array<T>(const std::string&, const Shape&) const;              \
+  template T Reader::number<T>(const std::string&, const std::string&) const;              \
   template std::vector<T> Reader::numbers<T>(const std::string&, const std::string&) const;
 EVO_HDF5_NUMBER(double)
 EVO_HDF5_NUMBER(float)
 EVO_HDF5_NUMBER(std::uint8_t)
 EVO_HDF5_NUMBER(std::int32_t)
-EVO_HDF5_NUMBER(std::uint32_t)
 EVO_HDF5_NUMBER(std::int64_t)
 EVO_HDF5_NUMBER(std::uint64_t)
 #undef EVO_HDF5_NUMBER

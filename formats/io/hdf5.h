@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,9 +32,8 @@ struct Array {
 
 // The numbers that can be stored. Readers convert between them.
 template <typename T>
-concept Number =
-    std::same_as<T, double> || std::same_as<T, float> || std::same_as<T, std::uint8_t> ||
-    std::same_as<T, std::int32_t> || std::same_as<T, std::uint32_t> ||
+concept Number = std::same_as<T, double> || std::same_as<T, float> ||
+    std::same_as<T, std::uint8_t> || std::same_as<T, std::int32_t> ||
     std::same_as<T, std::int64_t> || std::same_as<T, std::uint64_t>;
 
 // Writes a new file that appears under its name with commit(), or not at all.
@@ -52,11 +50,7 @@ class Writer {
   // Chunked along the first dimension, shuffled, deflate level 1. `values` has
   // the product of `shape` elements.
   template <Number T>
-  void array(const std::string& path, const Shape& shape, std::span<const T> values);
-  template <Number T>
-  void array(const std::string& path, const Shape& shape, const std::vector<T>& values) {
-    array(path, shape, std::span<const T>(values));
-  }
+  void array(const std::string& path, const Shape& shape, const std::vector<T>& values);
   template <Number T>
   void vector(const std::string& path, const std::vector<T>& values) {
     array(path, {values.size()}, values);

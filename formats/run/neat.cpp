@@ -66,19 +66,6 @@ void check_keys(const NeatState& state, const Node& document) {
   }
 }
 
-NeatState read_state(const Node& document) {
-  check_format(document, format::neat_state);
-  NeatState state;
-  state.generation = document.at("generation").integer(0, largest_count);
-  state.next_genome_key = document.at("next_genome_key").integer(1, largest_count);
-  state.next_node_key = document.at("next_node_key").integer(0, largest_count);
-  state.next_species_key = document.at("next_species_key").integer(1, largest_count);
-  for (const Node& species : document.at("species").items())
-    state.species.push_back(read_species(species, state.generation));
-  check_keys(state, document);
-  return state;
-}
-
 // ---- settings -------------------------------------------------------------------
 
 }  // namespace
@@ -208,14 +195,25 @@ std::string neat_state_to_text(const NeatState& state) {
 }
 
 NeatState parse_neat_state(std::string_view text, const std::string& where) {
-  return read_state(Node::json(text, where));
+  const Node document = Node::json(text, where);
+  check_format(document, format::neat_state);
+  NeatState state;
+  state.generation = document.at("generation").integer(0, largest_count);
+  state.next_genome_key = document.at("next_genome_key").integer(1, largest_count);
+  state.next_node_key = document.at("next_node_key").integer(0, largest_count);
+  state.next_species_key = document.at("next_species_key").integer(1, largest_count);
+  for (const Node& species : document.at("species").items())
+    state.species.push_back(read_species(species, state.generation));
+  check_keys(state, document);
+  return state;
 }
 
 NeatState load_neat_state(const std::string& file) {
   return parse_neat_state(read_input(file, largest_value), input_label(file));
 }
 
-NeatSettings neat_settings_from_yaml(const Node& node) {
+NeatSettings parse_neat_settings(const std::string& text, const std::string& where) {
+  const Node node = Node::yaml(begins_as_ini(text) ? neat_ini_to_yaml(text, where) : text, where);
   std::vector<std::string> keys = table().keys();
   for (const char* key : {"format", "version", "feed_forward"}) keys.emplace_back(key);
   const Mapping mapping(node, "NEAT settings", keys);
@@ -226,11 +224,6 @@ NeatSettings neat_settings_from_yaml(const Node& node) {
   NeatSettings settings;
   table().read(settings, mapping);
   return settings;
-}
-
-NeatSettings parse_neat_settings(const std::string& text, const std::string& where) {
-  return neat_settings_from_yaml(
-      Node::yaml(begins_as_ini(text) ? neat_ini_to_yaml(text, where) : text, where));
 }
 
 NeatSettings load_neat_settings(const std::string& file) {

@@ -8,7 +8,6 @@
 
 #include "formats/io/data_folders.h"
 #include "formats/io/json.h"
-#include "formats/io/node.h"
 #include "libevo/evolve/neat.h"
 
 namespace evo {
@@ -23,7 +22,6 @@ NeatState load_neat_state(const std::string& file);
 
 // Settings: what is not given has the value of NeatSettings. Throws Error(data)
 // with file, line and column. Text may also be neat-python's own (neat_ini.h).
-NeatSettings neat_settings_from_yaml(const Node& node);
 NeatSettings parse_neat_settings(const std::string& text, const std::string& where);
 NeatSettings load_neat_settings(const std::string& file);
 // The JSON Schema of them.

@@ -38,9 +38,7 @@ void read_changed_state(Change change) {
   parse_neat_state(document.dump(), "s.json");
 }
 
-NeatSettings settings_of(const std::string& text) {
-  return neat_settings_from_yaml(Node::yaml(text, "n.yaml"));
-}
+NeatSettings settings_of(const std::string& text) { return parse_neat_settings(text, "n.yaml"); }
 
 }  // namespace
 

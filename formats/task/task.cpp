@@ -33,12 +33,16 @@ Rule read_rule(const Node& node, const Scope& scope) {
 
 // ---- random parts -----------------------------------------------------------------------
 
+std::vector<Node> read_range(const Node& node) {
+  std::vector<Node> bounds = node.items();
+  if (bounds.size() == 2) return bounds;
+  throw node.error("a range [low, high] of whole numbers, both included, is expected");
+}
+
 std::vector<DrawnInteger> read_draws(const Node& node) {
   std::vector<DrawnInteger> draws;
   for (const auto& [name, range] : node.entries()) {
-    const auto& bounds = range.items();
-    if (bounds.size() != 2)
-      throw range.error("a range [low, high] of whole numbers, both included, is expected");
+    const auto bounds = read_range(range);
     const int low = bounds[0].integer(-largest_draw, largest_draw);
     draws.push_back({name.string(), low, bounds[1].integer(low, largest_draw)});
   }
@@ -49,10 +53,7 @@ DrawnGoals read_goals(const Node& node) {
   const Mapping mapping(node, "goals", {"start", "between", "distance", "radius"});
   DrawnGoals goals;
   goals.start = mapping.at("start").integer(-largest_draw, largest_draw);
-  const Node between = mapping.at("between");
-  const auto& bounds = between.items();
-  if (bounds.size() != 2)
-    throw between.error("a range [low, high] of whole numbers, both included, is expected");
+  const auto bounds = read_range(mapping.at("between"));
   goals.low = bounds[0].integer(-largest_draw, largest_draw - 1);
   goals.high = bounds[1].integer(goals.low + 1, largest_draw);
   goals.distance = mapping.at("distance").integer(1, longest_goal_path);
@@ -186,23 +187,17 @@ TaskSpec load_file(const fs::path& path, const DataFolders& folders, int depth) 
                    depth);
 }
 
-// The head of a task file; nothing for other YAML that lives in the folder.
-struct TaskFile {
-  std::string name;  // of the file
-  fs::path path;
-  std::vector<std::string> aliases;
-};
-
-// Throws Error(data) for a file that is not YAML.
-std::optional<TaskFile> read_head(const std::string& name, const fs::path& path) {
+// The aliases in a task file; nothing for other YAML that lives in the folder. Throws Error(data)
+// for a file that is not YAML.
+std::optional<std::vector<std::string>> task_aliases(const fs::path& path) {
   const Node root = Node::yaml(read_file(path, largest_document), path.string());
-  TaskFile file{name, path, {}};
+  std::vector<std::string> aliases;
   bool is_task = false;
   for (const auto& [key, value] : root.entries()) {
     if (key.string() == "format") is_task = value.string() == format::task.name;
-    if (key.string() == "aliases") file.aliases = read_words(value);
+    if (key.string() == "aliases") aliases = read_words(value);
   }
-  return is_task ? std::optional(file) : std::nullopt;
+  return is_task ? std::optional(aliases) : std::nullopt;
 }
 
 // "Walker" of "Walker-v0".
@@ -243,21 +238,22 @@ TaskSpec load(const std::string& name_or_file, const DataFolders& folders, int d
     return load_file(name_or_file, folders, depth);
   }
   const auto path = find_task(folders, name_or_file);
-  if (path && read_head(name_or_file, *path)) return load_file(*path, folders, depth);
+  if (path && task_aliases(*path)) return load_file(*path, folders, depth);
 
   std::vector<std::string> names;
   std::string unreadable;  // the first file that may be what is looked for
   for (const std::string& name : data_names(folders, "")) {
-    std::optional<TaskFile> file;
+    const fs::path file = *find_data_file(folders, "", name);
+    std::optional<std::vector<std::string>> aliases;
     try {
-      file = read_head(name, *find_data_file(folders, "", name));
+      aliases = task_aliases(file);
     } catch (const Error& failure) {
       if (unreadable.empty()) unreadable = fmt::format("; not read: {}", failure.what());
     }
-    if (!file) continue;
-    if (std::find(file->aliases.begin(), file->aliases.end(), name_or_file) != file->aliases.end())
-      return load_file(file->path, folders, depth);
-    names.push_back(file->name);
+    if (!aliases) continue;
+    if (std::find(aliases->begin(), aliases->end(), name_or_file) != aliases->end())
+      return load_file(file, folders, depth);
+    names.push_back(name);
   }
   if (name_or_file.find(".py:") != std::string::npos)
     throw error(Failure::usage,
@@ -283,7 +279,7 @@ TaskSpec load_task(const std::string& name_or_file, const DataFolders& folders) 
 std::vector<std::string> task_names(const DataFolders& folders) {
   std::vector<std::string> names;
   for (const std::string& name : data_names(folders, ""))
-    if (read_head(name, *find_data_file(folders, "", name))) names.push_back(name);
+    if (task_aliases(*find_data_file(folders, "", name))) names.push_back(name);
   return names;
 }
 

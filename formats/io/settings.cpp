@@ -4,7 +4,6 @@
 
 #include "formats/io/number.h"
 #include "formats/io/text.h"
-#include "formats/io/values.h"
 
 namespace evo {
 namespace setting {
@@ -37,8 +36,6 @@ std::optional<double> parse_real(std::string_view text) {
   if (!over || !under || !std::isfinite(*over / *under)) return std::nullopt;
   return *over / *under;
 }
-
-std::optional<std::int64_t> parse_whole_number(std::string_view text) { return whole_number(text); }
 
 std::vector<std::string_view> items_of(std::string_view list) {
   if (list.starts_with('[') && list.ends_with(']')) list = list.substr(1, list.size() - 2);

@@ -25,6 +25,7 @@
 #include "formats/io/format.h"
 #include "formats/io/json.h"
 #include "formats/io/node.h"
+#include "formats/io/values.h"
 #include "libevo/base/error.h"
 #include "libevo/base/words.h"
 
@@ -56,11 +57,10 @@ struct SettingRow {
 
 namespace setting {
 
-std::string kind_of_number(const char* noun, const Range& range);       // "number >= 0"
-std::string expected_number(const char* noun, const Range& range);      // "a number of at least 0"
-std::optional<double> parse_real(std::string_view text);                // "0.2", or "3e8/3.5"
-std::optional<std::int64_t> parse_whole_number(std::string_view text);  // "12", "3M", "5e5"
-std::vector<std::string_view> items_of(std::string_view list);          // "[a, b]" or "a,b"
+std::string kind_of_number(const char* noun, const Range& range);   // "number >= 0"
+std::string expected_number(const char* noun, const Range& range);  // "a number of at least 0"
+std::optional<double> parse_real(std::string_view text);            // "0.2", or "3e8/3.5"
+std::vector<std::string_view> items_of(std::string_view list);      // "[a, b]" or "a,b"
 Json number_schema(const Range& range);
 
 // For every type of value: kind, what is expected, reading, writing and its JSON Schema. More
@@ -113,7 +113,7 @@ struct Value<T> {
   static std::string kind(const Range& range) { return kind_of_number("whole", range); }
   static std::string expected(const Range& range) { return expected_number("whole number", range); }
   static std::optional<T> parse(std::string_view text, const Range& range) {
-    const auto value = parse_whole_number(text);
+    const auto value = whole_number(text);  // "12", "3M", "5e5"
     if (!value || !range.contains(static_cast<double>(*value)) || !std::in_range<T>(*value))
       return std::nullopt;
     return static_cast<T>(*value);
@@ -223,9 +223,7 @@ template <typename Settings>
 class SettingTable {
  public:
   // `check` throws Error(usage) for settings that make no sense together.
-  explicit SettingTable(
-      std::vector<Setting<Settings>> settings,
-      void (*check)(const Settings&) = [](const Settings&) {})
+  SettingTable(std::vector<Setting<Settings>> settings, void (*check)(const Settings&))
       : settings_(std::move(settings)), check_(check) {
     for (const Setting<Settings>& one : settings_) keys_.push_back(one.key);
   }

@@ -241,20 +241,6 @@ void set_identity(Robot& robot) {
     robot.document["stiffness"] = stiffness_to_json(robot.body);
 }
 
-// The document with its fields in canonical order and complete.
-Json in_canonical_order(Robot robot) {
-  set_identity(robot);
-  robot.document["format"] = format::robot.name;
-  robot.document["version"] = format::robot.version;
-  Json ordered = Json::object();
-  for (const char* name : canonical_fields)
-    if (const auto found = robot.document.find(name); found != robot.document.end())
-      ordered[name] = std::move(*found);
-  for (auto& [name, value] : robot.document.items())
-    if (!is_canonical(name)) ordered[name] = std::move(value);
-  return ordered;
-}
-
 // ---- the forms of text ------------------------------------------------------
 
 constexpr std::size_t most_robots = 1'000'000;                 // of one input
@@ -588,13 +574,24 @@ Robot read_robot(const Node& node, BodyCheck check) {
   return robot;
 }
 
-Json robot_to_document(const Robot& robot) { return in_canonical_order(robot); }
+Json robot_to_document(Robot robot) {
+  set_identity(robot);
+  robot.document["format"] = format::robot.name;
+  robot.document["version"] = format::robot.version;
+  Json ordered = Json::object();
+  for (const char* name : canonical_fields)
+    if (const auto found = robot.document.find(name); found != robot.document.end())
+      ordered[name] = std::move(*found);
+  for (auto& [name, value] : robot.document.items())
+    if (!is_canonical(name)) ordered[name] = std::move(value);
+  return ordered;
+}
 
-std::string robot_to_line(const Robot& robot) { return compact(in_canonical_order(robot)); }
+std::string robot_to_line(const Robot& robot) { return compact(robot_to_document(robot)); }
 
 std::string robot_to_json(const Robot& robot) {
   // One field per line, but the body as a picture.
-  const Json document = in_canonical_order(robot);
+  const Json document = robot_to_document(robot);
   std::string text = "{";
   for (const auto& [name, value] : document.items()) {
     text += fmt::format("{}\n  {}: ", text.size() > 1 ? "," : "", compact(name));
@@ -611,7 +608,7 @@ std::string robot_to_json(const Robot& robot) {
 
 std::string robot_to_yaml(const Robot& robot) {
   // JSON values are YAML values; only the outer level is written the YAML way.
-  const Json document = in_canonical_order(robot);
+  const Json document = robot_to_document(robot);
   std::string text;
   for (const auto& [name, value] : document.items()) {
     if (!text.empty()) text += '\n';

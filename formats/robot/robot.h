@@ -70,7 +70,7 @@ Robot checked(Robot robot, const std::string& where, BodyCheck check = BodyCheck
 void read_links(const Node& connections, Body& body);
 // The document in its canonical field order, unknown fields last; body, links
 // and id as in `robot`. Ends without newline.
-Json robot_to_document(const Robot& robot);
+Json robot_to_document(Robot robot);
 std::string robot_to_line(const Robot& robot);  // JSON Lines
 std::string robot_to_json(const Robot& robot);  // indented, for a file of its own
 std::string robot_to_yaml(const Robot& robot);

@@ -70,11 +70,9 @@ std::string printable(std::string_view text) {
 
 std::string printable_lines(std::string_view text) {
   std::string shown;
-  for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n')) {
-    shown += printable(text.substr(0, end)) + '\n';
-    text.remove_prefix(end + 1);
-  }
-  return shown + printable(text);
+  for (const std::string_view line : split(text, "\n")) shown += printable(line) + '\n';
+  shown.pop_back();
+  return shown;
 }
 
 std::string escaped(std::string_view text) {

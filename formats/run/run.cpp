@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <climits>
 #include <cstdlib>
 #include <fstream>
@@ -17,6 +16,7 @@
 #include "formats/io/files.h"
 #include "formats/io/format.h"
 #include "formats/io/node.h"
+#include "formats/io/number.h"
 #include "formats/run/settings.h"
 #include "libevo/base/digest.h"
 
@@ -30,11 +30,8 @@ constexpr std::string_view generation_prefix = "gen-";
 constexpr std::string_view slot_suffix = ".json";
 
 std::optional<int> whole_number(std::string_view text) {
-  int value = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc() || result.ptr != text.data() + text.size() || value < 0)
-    return std::nullopt;
-  return value;
+  const auto value = number_in<int>(text);
+  return value && *value >= 0 ? value : std::nullopt;
 }
 
 std::string why_failed(const Robot& robot) {

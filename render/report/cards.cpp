@@ -34,10 +34,8 @@ std::string verdict_card(const Run& run) {
   const char* look = verdict.level == Verdict::Level::good    ? "good"
                      : verdict.level == Verdict::Level::doubt ? "doubt"
                                                               : "bad";
-  std::string html =
-      fmt::format("<section class=\"card verdict {}\">\n<h3>{}</h3>\n<p>{}</p>\n", look,
-                  escaped(verdict.headline), escaped(joined(verdict.sentences, " ")));
-  return html + "</section>\n";
+  return fmt::format("<section class=\"card verdict {}\">\n<h3>{}</h3>\n<p>{}</p>\n</section>\n",
+                     look, escaped(verdict.headline), escaped(joined(verdict.sentences, " ")));
 }
 
 std::string next_card(const Run& run, const std::string& anchor) {

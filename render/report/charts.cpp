@@ -341,8 +341,7 @@ FigureGroup voxels(const Run& run) {
   return group;
 }
 
-// ---- the archive
-// -----------------------------------------------------------------------------------
+// ---- the archive ------------------------------------------------------------------------
 
 // Around and between its bins.
 std::vector<std::string> ends(const FeatureAxis& axis) {

@@ -103,9 +103,8 @@ void advise(const Run& run, bool robust, Verdict& verdict) {
   const auto longer = [&](long factor) {
     std::vector<std::pair<std::string, std::string>> changed{
         {"steps", times(factor, run.setting("steps"))}};
-    for (const char* name : {"founder_steps"})
-      if (const std::string steps = run.setting(name); !steps.empty())
-        changed.emplace_back(name, times(factor, steps));
+    if (const std::string steps = run.setting("founder_steps"); !steps.empty())
+      changed.emplace_back("founder_steps", times(factor, steps));
     return run_command(run, run.folder + "-longer", changed);
   };
   if (!over) add("continue where it is", run_command(run, run.folder));

@@ -40,10 +40,9 @@ std::string why_failed(const Robot& robot) {
 }
 
 std::optional<std::size_t> first_fittest(const std::vector<TrainedRobot>& robots) {
-  std::optional<std::size_t> best;
-  for (std::size_t k = 0; k < robots.size(); ++k)
-    if (robots[k].fitness && (!best || *robots[k].fitness > *robots[*best].fitness)) best = k;
-  return best;
+  const auto best = std::ranges::max_element(robots, {}, &TrainedRobot::fitness);
+  if (best == robots.end() || !best->fitness) return std::nullopt;
+  return static_cast<std::size_t>(best - robots.begin());
 }
 
 }  // namespace

@@ -28,7 +28,6 @@ using render::Series;
 using Look = Series::Look;
 using Point = Series::Point;
 
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t many = 400;  // robots whose lines would be a thicket
 
 // A chart's colours, in chart_color().
@@ -40,8 +39,6 @@ constexpr std::size_t grey = 7;
 Point at(double x, double value, std::size_t robot = render::no_robot) {
   return {x, value, value, value, robot};
 }
-
-double better(double best, double value) { return std::isnan(best) || value > best ? value : best; }
 
 // What a chart shows of the robots, `all` of them or some.
 std::string points_of(const Run& run, const std::string& all) {
@@ -80,21 +77,18 @@ Figure generations(const Run& run) {
   Series so_far{"best so far", Look::thick, accent};
   Series best{"best", Look::line, plain};
   Series middle{"median of new ones", Look::line, other, "quartiles"};
-  double highest_yet = nothing;
+  std::optional<double> highest_yet;
   for (const Generation& generation : run.generations) {
+    const auto highest = generation.best();
+    if (!highest) continue;
+    highest_yet = std::max(highest_yet, highest);
+    so_far.points.push_back(at(generation.number, *highest_yet));
+    best.points.push_back(at(generation.number, *highest));
     std::vector<double> fresh;
-    double highest = nothing;
-    for (std::size_t place = 0; place < generation.members.size(); ++place) {
-      const auto& score = generation.scores[place];
-      if (!score) continue;
-      highest = better(highest, *score);
-      if (run.robots[generation.members[place]].generation == generation.number)
+    for (std::size_t place = 0; place < generation.members.size(); ++place)
+      if (const auto& score = generation.scores[place];
+          score && run.robots[generation.members[place]].generation == generation.number)
         fresh.push_back(*score);
-    }
-    if (std::isnan(highest)) continue;
-    highest_yet = better(highest_yet, highest);
-    so_far.points.push_back(at(generation.number, highest_yet));
-    best.points.push_back(at(generation.number, highest));
     if (!fresh.empty())
       middle.points.push_back(median_and_quartiles(generation.number, std::move(fresh)));
   }
@@ -158,13 +152,9 @@ FigureGroup controller(const Run& run) {
         logged.try_emplace(series.name, Series{"", Look::line, plain})
             .first->second.points.push_back(at(begin + step, value));
     begin += static_cast<double>(shared.training.steps);
-    for (const Generation& generation : run.generations) {
-      if (generation.number != shared.generation) continue;
-      double highest = nothing;
-      for (const auto& score : generation.scores)
-        if (score) highest = better(highest, *score);
-      if (!std::isnan(highest)) best.points.push_back(at(begin, highest));
-    }
+    for (const Generation& generation : run.generations)
+      if (const auto highest = generation.best(); highest && generation.number == shared.generation)
+        best.points.push_back(at(begin, *highest));
   }
   group.figures.push_back({"controller", "return", "", Chart{steps, "return", true, {mean, best}}});
   for (auto& [name, series] : logged)

@@ -142,6 +142,10 @@ void read_recording(const fs::path& folder, const std::string& id, Run& run) {
 
 }  // namespace
 
+std::optional<double> Generation::best() const {
+  return scores.empty() ? std::nullopt : std::ranges::max(scores);
+}
+
 std::string Run::setting(const std::string& name) const {
   for (const RunSetting& setting : settings)
     if (setting.name == name) return setting.value;

@@ -39,6 +39,8 @@ struct Generation {
   std::vector<std::size_t> members;           // in Run::robots, by slot; survivors are there again
   std::vector<std::optional<double>> scores;  // of each member, then; nothing: it failed
   std::size_t planned = 0;                    // robots of the population, trained or not
+
+  std::optional<double> best() const;  // of its scores
 };
 
 // The way of a robot in one picture, for paper, and where there is no JavaScript: SVG documents.

@@ -11,14 +11,6 @@
 namespace evo::report {
 namespace {
 
-// Fitness of the best of a generation's scored robots.
-std::optional<double> best_of(const Generation& generation) {
-  std::optional<double> best;
-  for (const auto& score : generation.scores)
-    if (score && (!best || *score > *best)) best = score;
-  return best;
-}
-
 std::string where(const Run& run) {
   return run.is_evaluated() ? "by a fitness of its own" : "on " + run.setting("task");
 }
@@ -46,7 +38,7 @@ std::string times(long factor, const std::string& number) {  // 2, "512000": "10
 
 // "from 2.07", the best of the first generation.
 std::string progress(const Run& run, double best) {
-  const auto start = best_of(run.generations.front());
+  const auto start = run.generations.front().best();
   return start && best > *start ? "from " + run.text(start) : "no better than the first generation";
 }
 

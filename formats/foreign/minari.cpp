@@ -138,42 +138,21 @@ Json metadata(const std::vector<Rollout>& rollouts, const std::string& dataset_i
           {"physics_yaml", first.physics_yaml}};
 }
 
-// A folder under a temporary name beside its own, renamed by commit().
-class NewFolder {
- public:
-  explicit NewFolder(const fs::path& path)
-      : path_(path.has_filename() ? path : path.parent_path()), temporary_(path_) {
-    std::error_code failed;
-    if (fs::exists(path_, failed))
-      throw error(Failure::cannot_create, "{}: exists already", path_.string());
-    temporary_.replace_filename(fmt::format(".{}.{}.tmp", path_.filename().string(), ::getpid()));
-    if (!fs::create_directory(temporary_, failed))
-      throw error(Failure::cannot_create, "{}: cannot be created: {}", path_.string(),
-                  failed ? failed.message() : "its temporary name is taken");
+void write_data(const fs::path& data, const std::vector<Rollout>& rollouts,
+                const std::string& dataset_id) {
+  const fs::path main_data = data / "main_data.hdf5";
+  hdf5::Writer file(main_data);
+  std::size_t id = 0;
+  for (const Rollout& rollout : rollouts) {
+    for (std::size_t k = 0; k < rollout.episodes.size(); ++k) {
+      const std::string group = write_episode(file, rollout, k, id++, FlagType::boolean);
+      if (rollout.robot) file.attribute(group, "robot", robot_to_line(*rollout.robot));
+    }
   }
-  ~NewFolder() {
-    std::error_code ignored;
-    if (!committed_) fs::remove_all(temporary_, ignored);
-  }
-  NewFolder(const NewFolder&) = delete;
-  NewFolder& operator=(const NewFolder&) = delete;
-
-  const fs::path& temporary() const { return temporary_; }
-
-  void commit() {
-    std::error_code failed;
-    fs::rename(temporary_, path_, failed);
-    if (failed)
-      throw error(Failure::cannot_create, "{}: cannot be created: {}", path_.string(),
-                  failed.message());
-    committed_ = true;
-  }
-
- private:
-  fs::path path_;
-  fs::path temporary_;
-  bool committed_ = false;
-};
+  file.commit();
+  write_file(data / "metadata.json",
+             compact(metadata(rollouts, dataset_id, fs::file_size(main_data))) + "\n");
+}
 
 }  // namespace
 
@@ -191,25 +170,27 @@ void write_minari(const fs::path& folder, const std::vector<Rollout>& rollouts,
                 "dataset id '{}': expected (namespace/)name-v<number>, of letters, digits, - and _",
                 dataset_id);
   check(rollouts);
-  NewFolder output(folder);
-  const fs::path data = output.temporary() / "data";
+  const auto refused = [](const fs::path& path, const std::string& why) {
+    return error(Failure::cannot_create, "{}: cannot be created: {}", path.string(), why);
+  };
   std::error_code failed;
-  if (!fs::create_directory(data, failed))
-    throw error(Failure::cannot_create, "{}: cannot be created: {}", folder.string(),
-                failed.message());
-  const fs::path main_data = data / "main_data.hdf5";
-  hdf5::Writer file(main_data);
-  std::size_t id = 0;
-  for (const Rollout& rollout : rollouts) {
-    for (std::size_t k = 0; k < rollout.episodes.size(); ++k) {
-      const std::string group = write_episode(file, rollout, k, id++, FlagType::boolean);
-      if (rollout.robot) file.attribute(group, "robot", robot_to_line(*rollout.robot));
-    }
+  const fs::path path = folder.has_filename() ? folder : folder.parent_path();
+  if (fs::exists(path, failed))
+    throw error(Failure::cannot_create, "{}: exists already", path.string());
+  // Under a temporary name beside its own, until it is complete.
+  fs::path temporary = path;
+  temporary.replace_filename(fmt::format(".{}.{}.tmp", path.filename().string(), ::getpid()));
+  if (!fs::create_directory(temporary, failed))
+    throw refused(path, failed ? failed.message() : "its temporary name is taken");
+  try {
+    if (!fs::create_directory(temporary / "data", failed)) throw refused(folder, failed.message());
+    write_data(temporary / "data", rollouts, dataset_id);
+    fs::rename(temporary, path, failed);
+    if (failed) throw refused(path, failed.message());
+  } catch (...) {
+    fs::remove_all(temporary, failed);
+    throw;
   }
-  file.commit();
-  write_file(data / "metadata.json",
-             compact(metadata(rollouts, dataset_id, fs::file_size(main_data))) + "\n");
-  output.commit();
 }
 
 }  // namespace evo

@@ -28,21 +28,14 @@ using FontFace = std::unique_ptr<cairo_font_face_t, Release<cairo_font_face_dest
 
 // The built-in fonts. cairo keeps a face as long as a surface uses it, so they live
 // as long as the program.
-class Fonts {
- public:
-  static cairo_font_face_t* get(bool bold) {
-    static const Fonts fonts;
-    return (bold ? fonts.bold_ : fonts.regular_).get();
-  }
-
- private:
-  Fonts() {
-    const FT_Library library = start_freetype();
-    regular_.reset(cairo_ft_font_face_create_for_ft_face(open_font(library, false), 0));
-    bold_.reset(cairo_ft_font_face_create_for_ft_face(open_font(library, true), 0));
-  }
-  FontFace regular_, bold_;
-};
+cairo_font_face_t* font_face(bool bold) {
+  static const FT_Library library = start_freetype();
+  const auto open = [](bool heavy) {
+    return FontFace(cairo_ft_font_face_create_for_ft_face(open_font(library, heavy), 0));
+  };
+  static const FontFace faces[] = {open(false), open(true)};
+  return faces[bold ? 1 : 0].get();
+}
 
 // Shapes on a surface of cairo's.
 class Page {
@@ -122,7 +115,7 @@ class Page {
 
   void text(const Text& text, Typesetter& typesetter) {
     cairo_reset_clip(cairo_);
-    cairo_set_font_face(cairo_, Fonts::get(text.bold));
+    cairo_set_font_face(cairo_, font_face(text.bold));
     cairo_set_font_size(cairo_, text.size);
     double x = text.at.x;
     if (text.align != Align::left) {

@@ -14,8 +14,6 @@
 #include "formats/io/values.h"
 #include "formats/rollout/episodes.h"
 #include "formats/rollout/rollout.h"
-#include "formats/run/best_so_far.h"
-#include "formats/run/lineage.h"
 #include "formats/run/run.h"
 #include "formats/run/run_policy.h"
 #include "formats/training/policy.h"

@@ -14,7 +14,6 @@
 #include "cli/command.h"
 #include "cli/terminal.h"
 #include "formats/io/text.h"
-#include "formats/run/best_so_far.h"
 #include "formats/training/training_log.h"
 
 namespace evo::cli {

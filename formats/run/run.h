@@ -6,9 +6,11 @@
 // the journal alone.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -221,5 +223,42 @@ class RunHistory {
   // When each training recorded began and ended, seconds since 1970.
   std::vector<std::pair<double, double>> worked_;
 };
+
+// ---- curves and lines of descent -------------------------------------------------------
+
+// The best fitness after each of `robots` (each with its `fitness`, or nothing: it failed); NaN
+// while all have failed.
+template <typename Robots>
+std::vector<double> best_so_far(const Robots& robots) {
+  std::vector<double> curve;
+  double best = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& robot : robots) {
+    if (robot.fitness && !(*robot.fitness <= best)) best = *robot.fitness;
+    curve.push_back(best);
+  }
+  return curve;
+}
+
+// From the first ancestor to the robot itself, each by the first parent it names that is
+// among `robots` (each with its document as `robot`), whose places `by_id` tells. Files
+// edited by hand may make a robot its own ancestor: the line ends there.
+template <typename Robots>
+std::vector<std::size_t> lineage(const Robots& robots,
+                                 const std::map<std::string, std::size_t>& by_id,
+                                 std::size_t robot) {
+  std::vector<std::size_t> line;
+  for (bool more = true; more;) {
+    line.push_back(robot);
+    more = false;
+    for (const std::string& id : robots[robot].robot.parents())
+      if (const auto known = by_id.find(id); known != by_id.end()) {
+        robot = known->second;
+        more = std::find(line.begin(), line.end(), robot) == line.end();
+        break;
+      }
+  }
+  std::reverse(line.begin(), line.end());
+  return line;
+}
 
 }  // namespace evo

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "formats/io/values.h"
-#include "formats/run/lineage.h"
 #include "libevo/base/join.h"
 #include "render/report/choice.h"
 #include "render/report/markup.h"

@@ -10,8 +10,6 @@
 
 #include "formats/io/values.h"
 #include "formats/robot/archive.h"
-#include "formats/run/best_so_far.h"
-#include "formats/run/lineage.h"
 #include "libevo/base/error.h"
 #include "render/report/choice.h"
 #include "render/report/repetitions.h"

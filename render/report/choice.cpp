@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "formats/run/lineage.h"
-
 namespace evo::report {
 namespace {
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "formats/run/best_so_far.h"
 #include "render/report/parts.h"
 
 namespace evo::report {

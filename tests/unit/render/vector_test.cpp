@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "formats/io/files.h"
-#include "formats/run/best_so_far.h"
+#include "formats/run/run.h"
 #include "render/film/race.h"
 #include "render/painters/raster.h"
 #include "render/render.h"

@@ -146,7 +146,7 @@ Comparison compare(const std::vector<const Run*>& runs) {
   for (auto& [result, curves] : results) {
     result.leader_ahead = superiority(leader, result.best);
     result.needed = robots_for(curves, comparison.robots, comparison.target);
-    p.push_back(rank_test(leader, result.best).p);
+    p.push_back(rank_test(leader, result.best));
   }
   p.erase(p.begin());  // the leader against itself
   p = corrected(p);

@@ -78,7 +78,8 @@ double median(std::vector<double> values) {
   return quantile(values, 0.5);
 }
 
-Interval median_interval(const std::vector<double>& values, double confidence) {
+Interval median_interval(const std::vector<double>& values) {
+  constexpr double confidence = 0.95;
   constexpr std::size_t resamples = 10000;
   Stream stream(0, "report/bootstrap");
   std::vector<double> medians;
@@ -92,13 +93,14 @@ Interval median_interval(const std::vector<double>& values, double confidence) {
   return {quantile(medians, (1.0 - confidence) / 2.0), quantile(medians, (1.0 + confidence) / 2.0)};
 }
 
-RankTest rank_test(const std::vector<double>& a, const std::vector<double>& b) {
+double rank_test(const std::vector<double>& a, const std::vector<double>& b) {
+  constexpr std::size_t most_exact = 30;
   const auto n = static_cast<double>(a.size());
   const auto m = static_cast<double>(b.size());
   const double u = pairs_won(a, b);
   const std::vector<double> tied = ties(a, b);
   const bool exact = tied.empty() && std::max(a.size(), b.size()) <= most_exact;
-  return {u, exact ? exact_p(u, a.size(), b.size()) : normal_p(u, n, m, tied)};
+  return exact ? exact_p(u, a.size(), b.size()) : normal_p(u, n, m, tied);
 }
 
 double least_p(std::size_t a, std::size_t b) { return exact_p(static_cast<double>(a * b), a, b); }

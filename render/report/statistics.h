@@ -16,19 +16,15 @@ struct Interval {
   double low = 0.0;
   double high = 0.0;
 };
-// An interval of the median with that confidence: percentile bootstrap (Efron, 1979), 10 000
-// resamples drawn from a stream of their own, so that the same values give the same interval.
-Interval median_interval(const std::vector<double>& values, double confidence = 0.95);
+// The 95 % interval of the median: percentile bootstrap (Efron, 1979), 10 000 resamples drawn from
+// a stream of their own, so that the same values give the same interval.
+Interval median_interval(const std::vector<double>& values);
 
-// Mann and Whitney's U test (1947) of two samples, two-sided. Exact without ties and up to
-// `most_exact` values in each; else the normal approximation with corrections for ties and
-// continuity. As scipy.stats.mannwhitneyu does with the same method.
-struct RankTest {
-  double u = 0.0;  // pairs in which `a` is higher; ties count half
-  double p = 1.0;  // of a U at least so far from its mean, were there no difference
-};
-inline constexpr std::size_t most_exact = 30;
-RankTest rank_test(const std::vector<double>& a, const std::vector<double>& b);
+// p of Mann and Whitney's U test (1947) of two samples, two-sided: of a U at least so far from its
+// mean, were there no difference. Exact without ties and up to 30 values in each; else the normal
+// approximation with corrections for ties and continuity. As scipy.stats.mannwhitneyu does with the
+// same method.
+double rank_test(const std::vector<double>& a, const std::vector<double>& b);
 
 // The least p that the test can give for samples of that size.
 double least_p(std::size_t a, std::size_t b);

@@ -35,9 +35,7 @@ TEST_CASE("rank tests, effect sizes and intervals are scipy's") {
     const auto a = numbers(a_text);
     const auto b = numbers(b_text);
     INFO(line);
-    const RankTest test = rank_test(a, b);
-    CHECK(test.u == u);
-    CHECK(std::abs(test.p - p) < 1e-9);
+    CHECK(std::abs(rank_test(a, b) - p) < 1e-9);
     CHECK(superiority(a, b) == u / static_cast<double>(a.size() * b.size()));
     // Two draws of resamples differ by what a percentile of 10 000 is uncertain by.
     const Interval interval = median_interval(a);
@@ -52,11 +50,11 @@ TEST_CASE("rank tests, effect sizes and intervals are scipy's") {
 
 TEST_CASE("a rank test by hand") {
   // All of three above all of three: one of 20 arrangements at either end.
-  CHECK(rank_test({4, 5, 6}, {1, 2, 3}).u == 9);
-  CHECK(rank_test({4, 5, 6}, {1, 2, 3}).p == Approx(0.1));
+  CHECK(rank_test({4, 5, 6}, {1, 2, 3}) == Approx(0.1));
+  CHECK(superiority({4, 5, 6}, {1, 2, 3}) == 1.0);
   CHECK(least_p(3, 3) == Approx(0.1));
   CHECK(least_p(1, 1) == 1.0);
-  CHECK(rank_test({1, 1}, {1, 1}).p == 1.0);
+  CHECK(rank_test({1, 1}, {1, 1}) == 1.0);
   CHECK(superiority({1, 1}, {1, 1}) == 0.5);
 }
 

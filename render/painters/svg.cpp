@@ -54,7 +54,6 @@ double signed_area(const std::vector<Point>& points) {
 // that share a border leave no hairline between them, and the file stays small.
 class Document {
  public:
-  // With a style, a part of a page.
   explicit Document(const PageStyle* style) : page_(style) {}
 
   void clip(const Rect& area, const Rect& whole) {
@@ -213,8 +212,10 @@ class Document {
   bool grouped_ = false;
 };
 
-std::string encode(const Drawing& drawing, const std::string& title, Typesetter& typesetter,
-                   const PageStyle* style) {
+}  // namespace
+
+std::string encode_svg(const Drawing& drawing, const std::string& title, Typesetter& typesetter,
+                       const PageStyle* style) {
   Document document(style);
   for (const Drawing::Item& item : drawing.items()) {
     document.clip(item.clip, drawing.whole());
@@ -222,17 +223,6 @@ std::string encode(const Drawing& drawing, const std::string& title, Typesetter&
   }
   for (const Text& text : drawing.texts()) document.text(text, typesetter);
   return document.finish(drawing.size(), title);
-}
-
-}  // namespace
-
-std::string encode_svg(const Drawing& drawing, const std::string& title, Typesetter& typesetter) {
-  return encode(drawing, title, typesetter, nullptr);
-}
-
-std::string inline_svg(const Drawing& drawing, const std::string& title, Typesetter& typesetter,
-                       const PageStyle& style) {
-  return encode(drawing, title, typesetter, &style);
 }
 
 }  // namespace evo::render

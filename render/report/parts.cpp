@@ -26,7 +26,7 @@ std::string Page::chart(const render::Figure& figure, render::Size size, const R
   charts[key] = figure_data(figure, frame, run);
   return fmt::format(
       "<div class=\"chart\" data-chart=\"{}\" data-run=\"{}\" data-name=\"{}\">\n{}</div>\n", key,
-      anchor, escaped(figure.name), inline_svg(drawing, figure.title, typesetter, style));
+      anchor, escaped(figure.name), encode_svg(drawing, figure.title, typesetter, &style));
 }
 
 void Page::navigate(const std::string& anchor, const std::string& text) {

@@ -24,11 +24,10 @@ struct Column {
   }
 };
 
-Rect plate(const Rect& inside, float size, const Theme& theme, Drawing& drawing) {
-  const Rect area{inside.x - 0.75F * size, inside.y - 0.5F * size, inside.width + 1.5F * size,
-                  inside.height + size};
-  drawing.rounded_rectangle(area, 0.5F * size, theme.label);
-  return area;
+void plate(const Rect& inside, float size, const Theme& theme, Drawing& drawing) {
+  drawing.rounded_rectangle({inside.x - 0.75F * size, inside.y - 0.5F * size,
+                             inside.width + 1.5F * size, inside.height + size},
+                            0.5F * size, theme.label);
 }
 
 void draw_arrow_key(double pixels_of_one, const char* one, const char* many, Color color,

@@ -154,8 +154,62 @@ std::string rules(const Theme& theme, double scale) {
 // One loop: what is repeated, how it is seen, and its parts as SVG.
 class Loop {
  public:
-  Loop(const Clip& clip, int from, int to, Size size);
-  std::string svg(const std::string& title) const;
+  Loop(const Clip& clip, int from, int to, Size size)
+      : clip_(clip),
+        size_(size),
+        cycle_(best_cycle(clip, from, to)),
+        stretch_(cycle_ ? *cycle_ : liveliest(clip, from, to)),
+        start_(clip.centre(stretch_.first).x),
+        advance_(cycle_ ? clip.centre(stretch_.last).x - start_ : 0.0),
+        ground_(cycle_ ? *floor_below(clip, stretch_) : 0.0) {
+    const int stride = cycle_ ? 1 : 2;
+    for (int t = stretch_.first; t == stretch_.first || t < stretch_.last; t += stride)
+      steps_.push_back(t);
+    for (std::size_t k = steps_.size(); stretch_.back && k-- > 1;) steps_.push_back(steps_[k - 1]);
+    if (cycle_) steps_.push_back(stretch_.first);
+    duration_ = fmt::format("{:.2f}s", clip.seconds(stride * static_cast<int>(steps_.size() - 1)));
+
+    Bounds seen;
+    for (int t = stretch_.first; t <= stretch_.last; ++t)
+      for (const ModelObject& each : clip.mesh().objects) {
+        if (!is_company(clip, each, t)) continue;
+        const Bounds box = clip.extent(t, each);
+        seen.add({box.x0 - camera(t), box.y0});
+        seen.add({box.x1 - camera(t), box.y1});
+      }
+    constexpr double margin = 1.0;
+    constexpr double earth = 1.6;
+    const double lowest = cycle_ ? ground_ - earth : std::max(seen.y0 - margin, -earth);
+    const double highest = std::max(seen.y1, ground_ + 1) + margin;
+    scale_ = std::min(size.width / (seen.width() + 2 * margin), size.height / (highest - lowest));
+    left_ = (seen.x0 + seen.x1 - size.width / scale_) / 2;
+    // What is not used is sky, or on both sides where no floor is seen.
+    const double spare = size.height / scale_ - (highest - lowest);
+    low_ = cycle_ ? lowest : std::max(lowest - spare / 2, -earth);
+  }
+
+  std::string svg(const std::string& title) const {
+    std::string svg = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
+        "height=\"{1}\" role=\"img\"><title>{2}</title><style>svg{{stroke-linejoin:round}}{3}"
+        "@media(prefers-color-scheme:dark){{{4}}}</style>",
+        size_.width, size_.height, escaped(title), rules(theme_by_name("light"), scale_),
+        rules(theme_by_name("dark"), scale_));
+    for (const auto& [name, end, y] :
+         {std::tuple{"s", "t", 0.0}, std::tuple{"e", "b", std::max(0.0, y_of(0))}})
+      svg += fmt::format(
+          "<linearGradient id=\"{0}\" x2=\"0\" y2=\"1\"><stop class=\"{0}\"/><stop class=\"{1}\" "
+          "offset=\"1\"/></linearGradient><rect fill=\"url(#{0})\" y=\"{2}\" width=\"100%\" "
+          "height=\"{3}\"/>",
+          name, end, tenths(y), tenths(std::max(0.0, size_.height - y)));
+    svg += grid("g", std::max(0.0, std::ceil(low_)), top());
+    if (ground_ > 0)
+      svg += fmt::format("<path class=\"f w\" d=\"M-9 {}H{}V{}H-9z\"/>{}", tenths(y_of(ground_)),
+                         size_.width + 9, tenths(y_of(0)), grid("c", 0, ground_));
+    for (const ModelObject& each : clip_.mesh().objects | std::views::reverse)
+      if (!cycle_ || is_company(clip_, each, stretch_.first)) svg += object(each);
+    return svg + "</svg>\n";
+  }
 
  private:
   // The camera moves evenly, as fast as the robot does over a cycle; else it stands still.
@@ -166,14 +220,94 @@ class Loop {
   double y_of(double y) const { return size_.height - (y - low_) * scale_; }
   double top() const { return low_ + size_.height / scale_; }
 
-  bool is_seen(int point) const;  // at the start, or nearly
-  std::string points(std::span<const int> points, int at, double shift) const;
-  std::string grid(const char* name, double from, double to) const;
+  // At the start, or nearly.
+  bool is_seen(int point) const {
+    const Vec2 p = clip_.points(stretch_.first)[static_cast<std::size_t>(point)];
+    const double margin = 2 * scale_;
+    return x_of(p.x - start_) > -margin && x_of(p.x - start_) < size_.width + margin &&
+           y_of(p.y) > -margin && y_of(p.y) < size_.height + margin;
+  }
+
+  std::string points(std::span<const int> points, int at, double shift) const {
+    std::string text;
+    for (const int k : points) {
+      const Vec2 p = clip_.points(at)[static_cast<std::size_t>(k)];
+      text += fmt::format("{}{},{}", text.empty() ? "" : " ", tenths(x_of(p.x - shift)),
+                          tenths(y_of(p.y)));
+    }
+    return text;
+  }
+
+  // Squares of about a voxel. A cycle takes them on by whole ones, so that they meet.
+  std::string grid(const char* name, double from, double to) const {
+    const double squares = std::max(1.0, std::round(std::abs(advance_)));
+    const double square = cycle_ ? std::abs(advance_) / squares : 1.0;
+    std::string path;
+    for (double y = from; y < to; ++y)
+      path += fmt::format("M{} {}H{}", -size_.width, tenths(y_of(y)), 2 * size_.width);
+    const double first = cycle_ ? left_ - squares * square : std::ceil(start_ + left_) - start_;
+    const double last = left_ + size_.width / scale_ + squares * square;
+    for (double x = first; square > 0.5 && x < last; x += square)
+      path += fmt::format("M{} {}V{}", tenths(x_of(x)), tenths(y_of(from)), tenths(y_of(to)));
+    return fmt::format(
+        "<path class=\"{}\" d=\"{}\"><animateTransform attributeName=\"transform\" "
+        "type=\"translate\" from=\"0 0\" to=\"{} 0\" dur=\"{}\" repeatCount=\"indefinite\"/>"
+        "</path>",
+        name, path, tenths(-advance_ * scale_), duration_);
+  }
+
   // Animates an attribute over the pictures.
-  std::string animated(const char* attribute, const std::function<std::string(int)>& value) const;
+  std::string animated(const char* attribute, const std::function<std::string(int)>& value) const {
+    std::string values;
+    for (const int t : steps_) values += (values.empty() ? "" : ";") + value(t);
+    return fmt::format(
+        "<animate attributeName=\"{}\" dur=\"{}\" repeatCount=\"indefinite\" values=\"{}\"/>",
+        attribute, duration_, values);
+  }
+
   std::string shape(const std::string& name, std::span<const int> corners, bool closed, bool still,
-                    const std::string& more = "") const;
-  std::string object(const ModelObject& object) const;
+                    const std::string& more = "") const {
+    if (corners.size() < 2) return "";
+    const std::string motion =
+        still ? "" : animated("points", [&](int t) { return points(corners, t, camera(t)); });
+    return fmt::format("<poly{0} class=\"{1}\" points=\"{2}\">{3}{4}</poly{0}>",
+                       closed ? "gon" : "line", name, points(corners, steps_.front(), start_),
+                       motion, more);
+  }
+
+  std::string object(const ModelObject& object) const {
+    const Mesh& mesh = clip_.mesh();
+    const bool robot = &object == &mesh.objects.front();
+    std::string svg;
+    for (int c = object.first_cell; c < object.first_cell + object.cells; ++c) {
+      const ModelCell& cell = mesh.cells[static_cast<std::size_t>(c)];
+      const auto corner = [&](int t, std::size_t k) {
+        return clip_.points(t)[static_cast<std::size_t>(cell.points[k])];
+      };
+      if (!is_seen(cell.points[0])) continue;
+      const auto tint = [&](int t) {
+        return hex(tinted(color_of(theme_by_name("light"), cell.type), cell.type,
+                          {corner(t, 0), corner(t, 1), corner(t, 2), corner(t, 3)}));
+      };
+      const auto [tl, tr, bl, br] = cell.points;
+      svg += shape("c " + fill_class(cell.type, robot), std::array{tl, tr, br, bl}, true,
+                   object.is_static, robot && is_actuator(cell.type) ? animated("fill", tint) : "");
+    }
+    // Outlines, as far as they are seen.
+    for (const Mesh::Outline& line :
+         mesh.outlines[static_cast<std::size_t>(&object - mesh.objects.data())]) {
+      const char* name = line.fixed ? "f" : "l";
+      std::vector<int> part;
+      for (const int k : line.points) {
+        if (is_seen(k)) part.push_back(k);
+        if (is_seen(k) || part.empty()) continue;
+        svg += shape(name, part, false, object.is_static);
+        part.clear();
+      }
+      svg += shape(name, part, line.closed && part.size() == line.points.size(), object.is_static);
+    }
+    return svg;
+  }
 
   const Clip& clip_;
   Size size_;
@@ -188,151 +322,6 @@ class Loop {
   double low_;
   double scale_;
 };
-
-Loop::Loop(const Clip& clip, int from, int to, Size size)
-    : clip_(clip),
-      size_(size),
-      cycle_(best_cycle(clip, from, to)),
-      stretch_(cycle_ ? *cycle_ : liveliest(clip, from, to)),
-      start_(clip.centre(stretch_.first).x),
-      advance_(cycle_ ? clip.centre(stretch_.last).x - start_ : 0.0),
-      ground_(cycle_ ? *floor_below(clip, stretch_) : 0.0) {
-  const int stride = cycle_ ? 1 : 2;
-  for (int t = stretch_.first; t == stretch_.first || t < stretch_.last; t += stride)
-    steps_.push_back(t);
-  for (std::size_t k = steps_.size(); stretch_.back && k-- > 1;) steps_.push_back(steps_[k - 1]);
-  if (cycle_) steps_.push_back(stretch_.first);
-  duration_ = fmt::format("{:.2f}s", clip.seconds(stride * static_cast<int>(steps_.size() - 1)));
-
-  Bounds seen;
-  for (int t = stretch_.first; t <= stretch_.last; ++t)
-    for (const ModelObject& each : clip.mesh().objects) {
-      if (!is_company(clip, each, t)) continue;
-      const Bounds box = clip.extent(t, each);
-      seen.add({box.x0 - camera(t), box.y0});
-      seen.add({box.x1 - camera(t), box.y1});
-    }
-  constexpr double margin = 1.0;
-  constexpr double earth = 1.6;
-  const double lowest = cycle_ ? ground_ - earth : std::max(seen.y0 - margin, -earth);
-  const double highest = std::max(seen.y1, ground_ + 1) + margin;
-  scale_ = std::min(size.width / (seen.width() + 2 * margin), size.height / (highest - lowest));
-  left_ = (seen.x0 + seen.x1 - size.width / scale_) / 2;
-  // What is not used is sky, or on both sides where no floor is seen.
-  const double spare = size.height / scale_ - (highest - lowest);
-  low_ = cycle_ ? lowest : std::max(lowest - spare / 2, -earth);
-}
-
-bool Loop::is_seen(int point) const {
-  const Vec2 p = clip_.points(stretch_.first)[static_cast<std::size_t>(point)];
-  const double margin = 2 * scale_;
-  return x_of(p.x - start_) > -margin && x_of(p.x - start_) < size_.width + margin &&
-         y_of(p.y) > -margin && y_of(p.y) < size_.height + margin;
-}
-
-std::string Loop::points(std::span<const int> points, int at, double shift) const {
-  std::string text;
-  for (const int k : points) {
-    const Vec2 p = clip_.points(at)[static_cast<std::size_t>(k)];
-    text += fmt::format("{}{},{}", text.empty() ? "" : " ", tenths(x_of(p.x - shift)),
-                        tenths(y_of(p.y)));
-  }
-  return text;
-}
-
-// Squares of about a voxel. A cycle takes them on by whole ones, so that they meet.
-std::string Loop::grid(const char* name, double from, double to) const {
-  const double squares = std::max(1.0, std::round(std::abs(advance_)));
-  const double square = cycle_ ? std::abs(advance_) / squares : 1.0;
-  std::string path;
-  for (double y = from; y < to; ++y)
-    path += fmt::format("M{} {}H{}", -size_.width, tenths(y_of(y)), 2 * size_.width);
-  const double first = cycle_ ? left_ - squares * square : std::ceil(start_ + left_) - start_;
-  const double last = left_ + size_.width / scale_ + squares * square;
-  for (double x = first; square > 0.5 && x < last; x += square)
-    path += fmt::format("M{} {}V{}", tenths(x_of(x)), tenths(y_of(from)), tenths(y_of(to)));
-  return fmt::format(
-      "<path class=\"{}\" d=\"{}\"><animateTransform attributeName=\"transform\" "
-      "type=\"translate\" from=\"0 0\" to=\"{} 0\" dur=\"{}\" repeatCount=\"indefinite\"/>"
-      "</path>",
-      name, path, tenths(-advance_ * scale_), duration_);
-}
-
-std::string Loop::animated(const char* attribute,
-                           const std::function<std::string(int)>& value) const {
-  std::string values;
-  for (const int t : steps_) values += (values.empty() ? "" : ";") + value(t);
-  return fmt::format(
-      "<animate attributeName=\"{}\" dur=\"{}\" repeatCount=\"indefinite\" values=\"{}\"/>",
-      attribute, duration_, values);
-}
-
-std::string Loop::shape(const std::string& name, std::span<const int> corners, bool closed,
-                        bool still, const std::string& more) const {
-  if (corners.size() < 2) return "";
-  const std::string motion =
-      still ? "" : animated("points", [&](int t) { return points(corners, t, camera(t)); });
-  return fmt::format("<poly{0} class=\"{1}\" points=\"{2}\">{3}{4}</poly{0}>",
-                     closed ? "gon" : "line", name, points(corners, steps_.front(), start_), motion,
-                     more);
-}
-
-std::string Loop::object(const ModelObject& object) const {
-  const Mesh& mesh = clip_.mesh();
-  const bool robot = &object == &mesh.objects.front();
-  std::string svg;
-  for (int c = object.first_cell; c < object.first_cell + object.cells; ++c) {
-    const ModelCell& cell = mesh.cells[static_cast<std::size_t>(c)];
-    const auto corner = [&](int t, std::size_t k) {
-      return clip_.points(t)[static_cast<std::size_t>(cell.points[k])];
-    };
-    if (!is_seen(cell.points[0])) continue;
-    const auto tint = [&](int t) {
-      return hex(tinted(color_of(theme_by_name("light"), cell.type), cell.type,
-                        {corner(t, 0), corner(t, 1), corner(t, 2), corner(t, 3)}));
-    };
-    const auto [tl, tr, bl, br] = cell.points;
-    svg += shape("c " + fill_class(cell.type, robot), std::array{tl, tr, br, bl}, true,
-                 object.is_static, robot && is_actuator(cell.type) ? animated("fill", tint) : "");
-  }
-  // Outlines, as far as they are seen.
-  for (const Mesh::Outline& line :
-       mesh.outlines[static_cast<std::size_t>(&object - mesh.objects.data())]) {
-    const char* name = line.fixed ? "f" : "l";
-    std::vector<int> part;
-    for (const int k : line.points) {
-      if (is_seen(k)) part.push_back(k);
-      if (is_seen(k) || part.empty()) continue;
-      svg += shape(name, part, false, object.is_static);
-      part.clear();
-    }
-    svg += shape(name, part, line.closed && part.size() == line.points.size(), object.is_static);
-  }
-  return svg;
-}
-
-std::string Loop::svg(const std::string& title) const {
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
-      "height=\"{1}\" role=\"img\"><title>{2}</title><style>svg{{stroke-linejoin:round}}{3}"
-      "@media(prefers-color-scheme:dark){{{4}}}</style>",
-      size_.width, size_.height, escaped(title), rules(theme_by_name("light"), scale_),
-      rules(theme_by_name("dark"), scale_));
-  for (const auto& [name, end, y] :
-       {std::tuple{"s", "t", 0.0}, std::tuple{"e", "b", std::max(0.0, y_of(0))}})
-    svg += fmt::format(
-        "<linearGradient id=\"{0}\" x2=\"0\" y2=\"1\"><stop class=\"{0}\"/><stop class=\"{1}\" "
-        "offset=\"1\"/></linearGradient><rect fill=\"url(#{0})\" y=\"{2}\" width=\"100%\" "
-        "height=\"{3}\"/>",
-        name, end, tenths(y), tenths(std::max(0.0, size_.height - y)));
-  svg += grid("g", std::max(0.0, std::ceil(low_)), top());
-  if (ground_ > 0)
-    svg += fmt::format("<path class=\"f w\" d=\"M-9 {}H{}V{}H-9z\"/>{}", tenths(y_of(ground_)),
-                       size_.width + 9, tenths(y_of(0)), grid("c", 0, ground_));
-  for (const ModelObject& each : clip_.mesh().objects | std::views::reverse)
-    if (!cycle_ || is_company(clip_, each, stretch_.first)) svg += object(each);
-  return svg + "</svg>\n";
-}
 
 }  // namespace
 

@@ -47,27 +47,23 @@ struct Row {
     drawing.text({x, baseline}, size, text, theme.text);
     x += typesetter.width(text, size) + 1.4F * size;
   }
-  void robot(const std::set<Voxel>& kinds);
-  void objects(const std::set<Voxel>& kinds);
+  void robot(const std::set<Voxel>& kinds) {
+    for (const Voxel kind : voxel_kinds) {
+      if (!kinds.contains(kind)) continue;
+      const Body voxel = Body::from_rows({std::string(1, letter(kind))});
+      draw_body(voxel, {1, 1}, theme, {x, top, side, side}, drawing);
+      name(kind_name(kind) + std::string(is_actuator(kind) ? " actuator" : ""));
+    }
+  }
+  void objects(const std::set<Voxel>& kinds) {
+    for (const Voxel type : {Voxel::rigid, Voxel::soft}) {
+      if (!kinds.contains(type)) continue;
+      drawing.rectangle({x, top, side, side}, theme.outline);
+      drawing.rectangle({x + 1.5F, top + 1.5F, side - 3, side - 3}, color_of_object(theme, type));
+      name(type == Voxel::rigid ? "object" : "soft object");
+    }
+  }
 };
-
-void Row::robot(const std::set<Voxel>& kinds) {
-  for (const Voxel kind : voxel_kinds) {
-    if (!kinds.contains(kind)) continue;
-    const Body voxel = Body::from_rows({std::string(1, letter(kind))});
-    draw_body(voxel, {1, 1}, theme, {x, top, side, side}, drawing);
-    name(kind_name(kind) + std::string(is_actuator(kind) ? " actuator" : ""));
-  }
-}
-
-void Row::objects(const std::set<Voxel>& kinds) {
-  for (const Voxel type : {Voxel::rigid, Voxel::soft}) {
-    if (!kinds.contains(type)) continue;
-    drawing.rectangle({x, top, side, side}, theme.outline);
-    drawing.rectangle({x + 1.5F, top + 1.5F, side - 3, side - 3}, color_of_object(theme, type));
-    name(type == Voxel::rigid ? "object" : "soft object");
-  }
-}
 
 constexpr float least_size = 5.5F;  // pixels; smaller cannot be read
 

@@ -9,7 +9,6 @@
 #include "libevo/base/join.h"
 #include "libevo/task/contacts.h"
 #include "render/scene/camera.h"
-#include "render/scene/force.h"
 
 namespace evo::render {
 namespace {

@@ -1,6 +1,6 @@
 // What cells feel, at every step of an episode: strain, stress, commanded length.
 // Strain needs positions alone; the others follow from actions and the physics that a
-// rollout carries, without simulating.
+// rollout carries, without simulating. And what pushes an object, from its motion alone.
 #pragma once
 
 #include <span>
@@ -50,5 +50,11 @@ Physics physics_of(const Rollout& rollout);
 
 // Targets of the first robot's actuators: the cell of each, in the order of actions.
 std::vector<int> actuators_of(const Mesh& mesh);
+
+// What everything outside presses on an object with, in its own weights, y upwards: the
+// force that its centre's acceleration, its weight and the drag leave to explain, a mean
+// over the steps around `step`. `centres` in voxels, one per step; zero for fewer than
+// three.
+Vec2 outside_force(std::span<const Vec2> centres, int step, const Physics& physics);
 
 }  // namespace evo::render

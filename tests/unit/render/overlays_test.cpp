@@ -7,7 +7,6 @@
 #include "libevo/task/contacts.h"
 #include "render/figures/plot.h"
 #include "render/render.h"
-#include "render/scene/force.h"
 #include "render/scene/quantity.h"
 #include "tests/unit/expect.h"
 #include "tests/unit/render/example.h"

@@ -50,8 +50,9 @@ constexpr int most_steps = 1'000'000'000;
 
 render::Size parse_size(const std::string& text) {
   constexpr int most = 32'768;
-  const Pair pair = parse_pair(text, "--size", most, "WIDTHxHEIGHT in pixels, such as 1280x720");
-  return {pair.first, pair.second};
+  const auto [width, height] =
+      parse_pair(text, "--size", most, "WIDTHxHEIGHT in pixels, such as 1280x720");
+  return {width, height};
 }
 
 // One picture of an episode.

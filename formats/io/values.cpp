@@ -4,7 +4,6 @@
 #include <limits>
 #include <optional>
 #include <string_view>
-#include <utility>
 
 #include "formats/io/number.h"
 #include "formats/io/text.h"
@@ -108,8 +107,8 @@ std::vector<int> parse_wholes(const std::string& text, const std::string& option
   return numbers;
 }
 
-Pair parse_pair(const std::string& text, const std::string& option, int most,
-                const std::string& form) {
+std::pair<int, int> parse_pair(const std::string& text, const std::string& option, int most,
+                               const std::string& form) {
   const std::size_t x = std::min(text.find('x'), text.size());
   const auto first = number_in<int>(std::string_view(text).substr(0, x));
   const auto second = number_in<int>(std::string_view(text).substr(std::min(x + 1, text.size())));
@@ -119,10 +118,10 @@ Pair parse_pair(const std::string& text, const std::string& option, int most,
 }
 
 Shape parse_shape(const std::string& text) {
-  const Pair pair =
+  const auto [rows, cols] =
       parse_pair(text, "--shape", static_cast<int>(largest_side),
                  fmt::format("ROWSxCOLS with numbers from 1 to {}, such as 5x5", largest_side));
-  return {pair.first, pair.second};
+  return {rows, cols};
 }
 
 std::vector<std::string> split_list(const std::string& text, char separator) {

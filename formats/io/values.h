@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace evo {
@@ -27,13 +28,9 @@ std::vector<double> parse_numbers(const std::string& text, const std::string& op
 std::vector<int> parse_wholes(const std::string& text, const std::string& option, int low,
                               int high);
 
-// "1280x720" as two whole numbers from 1 to `most`; `example` says what is meant.
-struct Pair {
-  int first = 0;
-  int second = 0;
-};
-Pair parse_pair(const std::string& text, const std::string& option, int most,
-                const std::string& form);
+// "1280x720" as two whole numbers from 1 to `most`; `form` says what is meant.
+std::pair<int, int> parse_pair(const std::string& text, const std::string& option, int most,
+                               const std::string& form);
 
 // "5x7" as rows and columns of a body.
 struct Shape {

@@ -120,11 +120,7 @@ struct Film {
   }
 };
 
-}  // namespace
-
 // ---- stills -----------------------------------------------------------------------------------
-
-namespace {
 
 // The film of one episode that shows `step`, whatever range was asked for.
 Film film_at(const Episode& episode, double step, const RenderOptions& options) {

@@ -1,6 +1,5 @@
 #include "render/film/movie.h"
 
-#include <algorithm>
 #include <filesystem>
 
 #include "formats/io/files.h"
@@ -48,8 +47,7 @@ struct Pattern {
   std::string before, after;
   std::size_t digits = 1;
   std::string name(std::size_t k) const {
-    const std::string number = std::to_string(k);
-    return before + std::string(digits - std::min(digits, number.size()), '0') + number + after;
+    return fmt::format("{}{:0{}}{}", before, k, digits, after);
   }
 };
 

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "formats/io/json.h"
 #include "formats/io/number.h"
 #include "formats/robot/evogym.h"
 #include "libevo/body/extent.h"
@@ -345,19 +346,7 @@ std::vector<Placement> world_from_yaml(const Node& node, const std::filesystem::
 
 // ---- writing ----------------------------------------------------------------------------
 
-std::string yaml_scalar(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    if (c == '\n')
-      quoted += "\\n";
-    else if (c == '\t')
-      quoted += "\\t";
-    else
-      quoted += c;
-  }
-  return quoted + "\"";
-}
+std::string yaml_scalar(const std::string& text) { return compact(Json(text)); }
 
 namespace {
 

@@ -21,7 +21,7 @@ std::vector<Placement> world_from_yaml(const Node& node, const std::filesystem::
 // spaces.
 std::string world_to_yaml(const std::vector<Placement>& objects);
 
-// Text as a YAML scalar, quoted where it has to be.
+// Text as a YAML scalar, quoted as in JSON, whose texts are YAML.
 std::string yaml_scalar(const std::string& text);
 
 }  // namespace evo

@@ -116,7 +116,7 @@ Cells read_cells(const Node& record, const Grid& grid, const Note& note) {
 }
 
 // Where the box around the cells lies.
-struct Box {
+struct CellBox {
   int left = 0;
   int bottom = 0;
   int right = 0;  // inclusive
@@ -129,9 +129,9 @@ struct Box {
   }
 };
 
-Box box_around(const Cells& cells, const Grid& grid) {
+CellBox box_around(const Cells& cells, const Grid& grid) {
   const Cell first = grid.at(cells.begin()->first);
-  Box box{first.x, first.y, first.x, first.y};
+  CellBox box{first.x, first.y, first.x, first.y};
   for (const auto& [index, type] : cells) {
     const Cell cell = grid.at(index);
     box.left = std::min(box.left, cell.x);
@@ -144,7 +144,8 @@ Box box_around(const Cells& cells, const Grid& grid) {
 
 std::vector<std::pair<std::int64_t, std::int64_t>> read_neighbors(const Node& record,
                                                                   const Cells& cells,
-                                                                  const Grid& grid, const Box& box,
+                                                                  const Grid& grid,
+                                                                  const CellBox& box,
                                                                   const Note& note) {
   std::vector<std::pair<std::int64_t, std::int64_t>> pairs;
   for (const auto& [key, list] : record.at("neighbors").entries()) {
@@ -180,7 +181,7 @@ std::vector<std::pair<std::int64_t, std::int64_t>> read_neighbors(const Node& re
 Object read_object(const std::string& name, const Node& record, const Grid& grid,
                    const Note& note) {
   const Cells cells = read_cells(record, grid, note);
-  const Box box = box_around(cells, grid);
+  const CellBox box = box_around(cells, grid);
   const std::size_t reach =
       static_cast<std::size_t>(box.width()) + static_cast<std::size_t>(box.height()) - 1;
   if (reach > cells.size() || std::int64_t{box.width()} * box.height() > largest_box)

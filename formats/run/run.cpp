@@ -29,7 +29,7 @@ constexpr const char* settings_name = "run.yaml";
 constexpr std::string_view generation_prefix = "gen-";
 constexpr std::string_view slot_suffix = ".json";
 
-std::optional<int> whole_number(std::string_view text) {
+std::optional<int> count_in(std::string_view text) {
   const auto value = number_in<int>(text);
   return value && *value >= 0 ? value : std::nullopt;
 }
@@ -141,7 +141,7 @@ const std::string& RunSettings::text(const std::string& name) const {
 }
 
 int RunSettings::number(const std::string& name) const {
-  const auto value = whole_number(text(name));
+  const auto value = count_in(text(name));
   if (!value) throw error(Failure::data, "{}: '{}' is not a number of {}", file_, text(name), name);
   return *value;
 }
@@ -221,7 +221,7 @@ std::vector<int> RunFolder::generations() const {
   for (const auto& entry : fs::directory_iterator(path_)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(generation_prefix)) continue;
-    if (const auto number = whole_number(std::string_view(name).substr(generation_prefix.size())))
+    if (const auto number = count_in(std::string_view(name).substr(generation_prefix.size())))
       numbers.push_back(*number);
   }
   std::sort(numbers.begin(), numbers.end());
@@ -244,7 +244,7 @@ std::map<int, fs::path> RunFolder::trained_slots(int generation_number) const {
     const std::string name = entry.path().filename().string();
     if (!name.ends_with(slot_suffix) || !entry.is_regular_file()) continue;
     if (const auto first =
-            whole_number(std::string_view(name).substr(0, name.find_first_not_of("0123456789"))))
+            count_in(std::string_view(name).substr(0, name.find_first_not_of("0123456789"))))
       found[*first] = entry.path();
   }
   return found;

@@ -11,10 +11,10 @@ constexpr float endless = 1e6F;  // half length of a box without ends
 
 Vertex plain(Point p, Color color) { return {p.x, p.y, 0, 0, 0, 0, 0, color}; }
 
-float distance(Point a, Point b) { return std::hypot(b.x - a.x, b.y - a.y); }
+float length_between(Point a, Point b) { return std::hypot(b.x - a.x, b.y - a.y); }
 
 Point direction(Point from, Point to) {
-  const float length = distance(from, to);
+  const float length = length_between(from, to);
   return length > 0 ? Point{(to.x - from.x) / length, (to.y - from.y) / length} : Point{0, 0};
 }
 
@@ -85,7 +85,7 @@ class Builder {
       return direction(points[piece % n], points[(piece + 1) % n]);
     };
     for (std::size_t k = 0; k < pieces; ++k) {
-      if (distance(points[k], points[(k + 1) % n]) == 0) continue;
+      if (length_between(points[k], points[(k + 1) % n]) == 0) continue;
       const Point here = unit(k);
       const bool first = k == 0 && !closed;
       const bool last = k + 1 == pieces && !closed;
@@ -128,7 +128,7 @@ class Builder {
   }
 
   void rounded_line(Point from, Point to, float width, Color color) {
-    const float length = distance(from, to);
+    const float length = length_between(from, to);
     const Point along = length > 0 ? direction(from, to) : Point{1, 0};
     const float radius = std::max(width, 1.0F) / 2;
     box({(from.x + to.x) / 2, (from.y + to.y) / 2}, along, length / 2 + radius, radius, radius,

@@ -1,6 +1,6 @@
 // Contact between objects and of an object with itself, and self-folding, for
 // one environment at the positions at the start of a substep (docs/physics.md,
-// "Contact", "Self-folding" and "Contact lists").
+// "Contact" and "Self-folding").
 //
 // Two steps. Finding (contact_search.h): which corners may come to touch which cells. Pushing: of
 // those candidates, looked at side by side (contact_look-inl.h), the ones inside a cell, with their

@@ -1,5 +1,5 @@
-// The solver: one substep of 1e-4 after the other (docs/physics.md, "Order of one substep"; how
-// arrays are laid out: "How it is laid out").
+// The solver: one substep of 1e-4 after the other (docs/physics.md, "Order of one substep"); how
+// arrays are laid out: workspace.h.
 //
 // Everything in a substep but contact is the same arithmetic for every spring, then for every
 // point. It is done in one of two ways:

@@ -7,7 +7,7 @@ digits of the SHA-256 of all positions and velocities after each of those steps,
 world: "NAME X Y ROWS", ROWS from the top divided by /, and what is linked, "A-B", if not
 all neighbours are, cells being counted by rows. Targets of actuators are 0.6 to 1.6, drawn
 by a linear congruential generator that begins with w. Needs evogym, as benchmarks/peer/run
-installs it."""
+installs it; the table is that of evogym 2.0.0, simulator 2.2.5."""
 import hashlib
 import os
 import sys

@@ -514,7 +514,6 @@ int run_as(const std::string& executable, const std::function<int()>& work,
   return static_cast<int>(Failure::work);
 }
 
-std::string version() { return EVO_VERSION; }
 std::string created_by(const std::string& tool) {
   return fmt::format("{} {} ({})", tool, EVO_VERSION, EVO_COMMIT);
 }

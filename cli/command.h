@@ -176,7 +176,6 @@ int run_as(const std::string& executable, const std::function<int()>& work,
 
 // "evo 0.1.0 (105ad79)", with the commit of the build; goes into the files the tools write.
 std::string created_by(const std::string& tool);
-std::string version();
 
 // Set by SIGINT, SIGTERM and SIGHUP after catch_interrupts(); 0, or the signal. One
 // that comes over a second later ends the process at once.

@@ -63,6 +63,31 @@ std::string options(const RunSettings& settings, const std::string& name) {
   return text.empty() ? "" : " " + text;
 }
 
+// What evo-train is told of every training; in a race and in modular its steps depend on the
+// generation. `parents`: the folder of their controllers.
+std::vector<std::string> training(const RunSettings& settings, const Surroundings& around,
+                                  const std::string& parents) {
+  const std::string method = settings.text("method");
+  const std::string inherit = method == "modular" ? "no" : settings.value("inherit");
+  std::vector<std::string> words{"--task", in_full(settings.text("task"))};
+  const auto add = [&](const char* option, const std::string& value) {
+    words.insert(words.end(), {option, value});
+  };
+  if (settings.find("physics") != nullptr) add("--physics", in_full(settings.text("physics")));
+  add("--train", in_full(settings.text("train")));
+  if (method != "race" && method != "modular") {
+    add("--steps", settings.text("steps"));
+    if (settings.find("founder_steps") != nullptr)
+      add("--founder-steps", settings.text("founder_steps"));
+  }
+  add("--seed", settings.text("seed"));
+  if (inherit == "yes" || inherit == "all") add("--init", parents);
+  if (inherit == "all") add("--founder-init", around.founders->policies);
+  const std::vector<std::string> more = words_of(settings, "train_options");
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
 // What evo-render is told of the champion's film.
 std::vector<std::string> film(const RunSettings& settings) {
   std::vector<std::string> words = words_of(settings, "video_options");
@@ -129,9 +154,6 @@ class RunMakefile {
   // One seed per purpose and generation.
   std::string stage_seed(int generation) const {
     return fmt::format("{}", seed_ * 1'000'000 + static_cast<std::uint64_t>(generation));
-  }
-  std::string file_setting(const std::string& name) const {
-    return make_word(in_full(settings_.value(name)));
   }
   // Files of all generations, whose numbers have three digits, then four, and so on.
   std::string all(const std::string& file) const {
@@ -340,26 +362,6 @@ class RunMakefile {
 
   // ---- above and below the rules -------------------------------------------------------
 
-  std::string physics() const {
-    return settings_.find("physics") == nullptr ? "" : " --physics " + file_setting("physics");
-  }
-
-  std::string training() const {
-    std::string text = fmt::format("evo-train --task {}{} --train {}", file_setting("task"),
-                                   physics(), file_setting("train"));
-    if (method_ != "race" && method_ != "modular") {
-      text += fmt::format(" --steps {}", settings_.number("steps"));
-      if (settings_.find("founder_steps") != nullptr)
-        text += fmt::format(" --founder-steps {}", settings_.number("founder_steps"));
-    }
-    text += fmt::format(" --seed {}", seed_);
-    const std::string inherit = settings_.value("inherit");
-    if (method_ != "modular" && (inherit == "yes" || inherit == "all")) text += " --init policies";
-    if (method_ != "modular" && inherit == "all")
-      text += " --founder-init " + make_word(around_.founders->policies);
-    return text + options(settings_, "train_options");
-  }
-
   std::string program() const {
     if (is_evaluated())
       return fmt::format("cd {} && {}", shell_word(around_.here), settings_.text("evaluate"));
@@ -408,10 +410,9 @@ class RunMakefile {
           make_word(program()));
     else
       text += fmt::format(
-          "TRAIN = $(LAUNCH) {} \\\n  --out-dir policies --journal journal --resume --failures "
-          "skip "
-          "--progress never -j $(CORES){}\n",
-          training(), method_ == "race" ? " -q" : "");
+          "TRAIN = $(LAUNCH) evo-train {} \\\n  --out-dir policies --journal journal --resume "
+          "--failures skip --progress never -j $(CORES){}\n",
+          joined(training(settings_, around_, "policies")), method_ == "race" ? " -q" : "");
     text += proposer();
     text +=
         "\n.PHONY: all same\n"
@@ -448,8 +449,9 @@ class RunMakefile {
 
   std::string proposer() const {
     if (method_ == "neat") {
-      const std::string own =
-          settings_.find("neat") == nullptr ? "" : " --neat " + file_setting("neat");
+      const std::string own = settings_.find("neat") == nullptr
+                                  ? ""
+                                  : " --neat " + make_word(in_full(settings_.text("neat")));
       return fmt::format("NEAT = evo-neat -n {}{}\n", pop_, own);
     }
     if (method_ == "program")
@@ -789,17 +791,10 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
     add({"bash", "-c", line});
     return list;
   }
-  const std::string inherit = settings.value("inherit");
-  std::vector<std::string> train{"evo-train", "--check",
-                                 "--task",    in_full(settings.text("task")),
-                                 "--train",   in_full(settings.text("train")),
-                                 "--seed",    settings.text("seed")};
-  if (settings.find("physics") != nullptr)
-    train.insert(train.end(), {"--physics", in_full(settings.text("physics"))});
-  const std::vector<std::string> more = words_of(settings, "train_options");
-  train.insert(train.end(), more.begin(), more.end());
-  const auto add_training = [&](const std::vector<std::string>& words, int robots) {
-    add(train, words);
+  const std::vector<std::string> train = training(settings, around, ".");
+  const auto add_training = [&](std::vector<std::string> words, int robots) {
+    words.insert(words.begin(), train.begin(), train.end());
+    add({"evo-train", "--check"}, words);
     for (int k = 0; k < robots; ++k) list.back().input += body;
   };
   if (method == "modular") {
@@ -813,13 +808,8 @@ std::vector<Trial> trials(const RunSettings& settings, const Surroundings& aroun
                    1);
     return list;
   }
-  std::vector<std::string> words{
-      "--steps",
-      fmt::format("{}", method == "race" ? settings.steps(0) : settings.number("steps"))};
-  if (settings.find("founder_steps") != nullptr)
-    words.insert(words.end(), {"--founder-steps", settings.text("founder_steps")});
-  if (inherit == "yes" || inherit == "all") words.insert(words.end(), {"--init", "."});
-  if (inherit == "all") words.insert(words.end(), {"--founder-init", around.founders->policies});
+  std::vector<std::string> words;
+  if (method == "race") words = {"--steps", fmt::format("{}", settings.steps(0))};
   add_training(words, 1);
   return list;
 }

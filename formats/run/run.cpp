@@ -93,30 +93,22 @@ RunSettings RunSettings::parse(std::string_view text, const std::string& where) 
   const Node document = Node::yaml(text, where);
   if (!document.is_mapping()) throw document.error("a run's settings are a mapping");
   check_format(document, format::run, Head::required);
-  std::string method;
-  std::string source;
-  std::string source_hash;
-  std::string makefile;
+  std::map<std::string, std::string> own{
+      {"method", ""}, {"source", ""}, {"source_hash", ""}, {"makefile", ""}};
   std::vector<RunSetting> list;
   for (const auto& [key, value] : document.entries()) {
     const std::string name = key.string();
     if (name == "format" || name == "version") continue;
-    if (name == "method")
-      method = value.string();
-    else if (name == "source")
-      source = value.string();
-    else if (name == "source_hash")
-      source_hash = value.string();
-    else if (name == "makefile")
-      makefile = value.string();
+    if (const auto known = own.find(name); known != own.end())
+      known->second = value.string();
     else
       list.push_back({name, value.string()});
   }
   try {
-    RunSettings settings(method, std::move(list));
+    RunSettings settings(own["method"], std::move(list));
     settings.file_ = where;
-    settings.set_source(std::move(source), std::move(source_hash));
-    settings.makefile_ = std::move(makefile);
+    settings.set_source(own["source"], own["source_hash"]);
+    settings.set_makefile(own["makefile"]);
     return settings;
   } catch (const Error& e) {
     throw error(Failure::data, "{}: {}", where, e.what());
@@ -256,9 +248,7 @@ RunHistory::RunHistory(RunFolder folder) : folder_(std::move(folder)) { update()
 
 void RunHistory::update() {
   for (const int number : folder_.generations()) {
-    auto found =
-        std::lower_bound(generations_.begin(), generations_.end(), number,
-                         [](const Generation& known, int wanted) { return known.number < wanted; });
+    auto found = std::ranges::lower_bound(generations_, number, {}, &Generation::number);
     if (found == generations_.end() || found->number != number)
       found = generations_.insert(found, {number, false, {}, {}, {}});
     if (!found->finished) read_generation(*found);
@@ -345,11 +335,7 @@ std::optional<double> RunHistory::seconds_each() const {
   return timed_ > 0 ? std::optional(seconds_ / static_cast<double>(timed_)) : std::nullopt;
 }
 
-double RunHistory::began() const {
-  double first = worked_.empty() ? 0.0 : worked_.front().first;
-  for (const auto& [begin, end] : worked_) first = std::min(first, begin);
-  return first;
-}
+double RunHistory::began() const { return worked_.empty() ? 0.0 : std::ranges::min(worked_).first; }
 
 double RunHistory::ended() const {
   double last = 0.0;

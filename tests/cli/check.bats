@@ -40,20 +40,17 @@ setup_file() {
 @test "what was changed is found: a value in a policy, a fitness, another's policy" {
   cp "$made"/* .
   jq -c '.fitness += 1' trained.json > inflated.json
-  run --separate-stderr evo-inspect --check inflated.json
-  [ "$status" -eq 65 ]
+  run -65 --separate-stderr evo-inspect --check inflated.json
   [[ $output == *"fitness"* ]]
   [[ $stderr == *"1 of 1"* ]]
   jq -c '.body = ["HH"] | del(.id)' trained.json > other.json
-  run evo-inspect --check other.json
-  [ "$status" -eq 65 ]
+  run -65 evo-inspect --check other.json
   [[ $output == *"is the policy of robot"* ]]
   local policy; policy=$(ls ./*.policy.h5)
   cp "$policy" whole
   printf '\377' | dd of="$policy" bs=1 seek=3000 conv=notrunc status=none
   fails_with 65 "checksum" -- evo-eval trained.json
-  run evo-inspect --check "$policy"
-  [ "$status" -eq 65 ]
+  run -65 evo-inspect --check "$policy"
   [[ $output == *"checksum"* ]]
   # Nothing to compare with, but the fitness.
   mv whole "$policy"
@@ -61,8 +58,7 @@ setup_file() {
 import h5py, sys
 with h5py.File(sys.argv[1], 'r+') as f: f['actor/layer_0/bias'][0] += 0.5" "$policy"
   evo-inspect --check "$policy"
-  run evo-inspect --check --replay "$policy"
-  [ "$status" -eq 65 ]
+  run -65 evo-inspect --check --replay "$policy"
   [[ $output == *"not its fitness"* ]]
 }
 
@@ -114,8 +110,7 @@ with h5py.File(sys.argv[1], 'r+') as f:
   fails_with 65 "actuator" -- evo-render idle.txt -o x.png
   fails_with 65 "actuator" -- evo-suggest idle.txt
   fails_with 65 "actuator" -- evo-sample -n 1 --avoid idle.txt
-  run --separate-stderr evo-inspect idle.txt
-  [ "$status" -eq 65 ]
+  run -65 --separate-stderr evo-inspect idle.txt
   [[ $stderr == *"actuator"* ]]
   [[ $output == *"R S"* ]]
 }

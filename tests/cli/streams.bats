@@ -31,10 +31,8 @@ setup_file() {
     "evo-bench --sizes 3 --seconds 0.01" "evo-inspect task Walker-v0" "evo-sample --help")
   local command
   for command in "${commands[@]}"; do
-    run --separate-stderr bash -c "$command > /dev/full"
-    echo "$command: $status, $stderr"
-    [ "$status" -eq 74 ]
-    [ "$(wc -l <<<"$stderr")" -eq 1 ]
+    echo "$command"
+    fails_with 74 -- bash -c "$command > /dev/full"
   done
 }
 
@@ -89,8 +87,7 @@ setup_file() {
   cp "$made/small.txt" .
   fails_with 74 "standard output" -- bash -c 'evo-train small.txt --task Walker-v0 --train gait --steps 8000 --out-dir out >&-'
   cmp out/*.policy.h5 "$made"/*.policy.h5
-  run bash -c 'evo-train small.txt --task Walker-v0 --train gait --steps 8000 --out-dir quiet -o x.json 2>&-'
-  [ "$status" -eq 0 ]
+  run -0 bash -c 'evo-train small.txt --task Walker-v0 --train gait --steps 8000 --out-dir quiet -o x.json 2>&-'
   cmp quiet/*.policy.h5 "$made"/*.policy.h5
   fails_with 74 "standard input" -- bash -c 'evo-select <&-'
 }

@@ -47,8 +47,7 @@ load helpers
   command -v script > /dev/null || skip "script is not installed"
   printf '\4' | script -qec "evo-mutate -n 0" /dev/null > said
   grep -q "reading robots from the terminal; Ctrl-D" said
-  run script -qec "evo-inspect" /dev/null < /dev/null
-  [ "$status" -eq 2 ]
+  run -2 script -qec "evo-inspect" /dev/null < /dev/null
   [[ $output == *"name a file or a run folder"* ]]
 }
 
@@ -81,8 +80,7 @@ load helpers
   fails_with 2 "x.foo" ".foo" "--to" -- evo-convert r.txt -o x.foo
   [ ! -e x.foo ]
   fails_with 2 "--max-steps 1000" "500 steps" -- evo-eval --task Walker-v0 --actions random --max-steps 1000 r.txt
-  run --separate-stderr evo-train r.txt --task Walker-v0 --steps 2e3 -j1
-  [ "$status" -eq 0 ]
+  run -0 --separate-stderr evo-train r.txt --task Walker-v0 --steps 2e3 -j1
   [[ $stderr == *"1024 of 2000 steps are trained"* ]]
 }
 

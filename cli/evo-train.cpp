@@ -3,16 +3,22 @@
 
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <set>
 #include <string>
 
+#include "cli/command.h"
+#include "cli/data.h"
 #include "cli/outputs.h"
 #include "cli/robots.h"
-#include "cli/training_options.h"
+#include "cli/task_options.h"
+#include "cli/train.h"
 #include "formats/io/data_folders.h"
+#include "formats/io/values.h"
 #include "formats/robot/writer.h"
 #include "formats/training/policy.h"
+#include "formats/training/training.h"
 #include "libevo/base/error.h"
 #include "libevo/control/evaluate.h"
 #include "libevo/control/methods.h"
@@ -21,6 +27,94 @@ namespace {
 
 using namespace evo;
 namespace fs = std::filesystem;
+
+// ---- options ----------------------------------------------------------------------------
+
+// And what they mean as a plan.
+struct TrainingOptions {
+  cli::TaskOptions task;
+  std::vector<std::string> train;  // profiles and settings (profile_words)
+  std::optional<std::string> steps;
+  std::optional<std::string> founder_steps;
+  bool by_sequence = false;
+  TrainingPlan files;  // and how they are treated
+
+  // All of them, --seed, --output, --jobs and --progress included.
+  void add_to(cli::Command& command);
+  // Throws Error(usage) for settings that make no sense, and what a task or profile that
+  // cannot be read throws.
+  TrainingPlan plan(std::uint64_t seed) const;
+};
+
+std::int64_t parse_steps(const std::string& text, const char* option) {
+  return parse_whole(text, option, 1, std::numeric_limits<std::int64_t>::max());
+}
+
+void TrainingOptions::add_to(cli::Command& command) {
+  command.section("Task");
+  task.add_to(command);
+  command.section("Training");
+  command.option("--train", train, "PROFILE|KEY=VALUE",
+                 "a training profile by name or file (adapt, default, feedback, gait, lineage, "
+                 "long, modular, moments, paper, sequence), or one setting, such as "
+                 "learning_rate=3e-4 (repeatable); 'evo-inspect training' lists them [default]");
+  command.option("--steps", steps, "N", "environment steps [the profile's]");
+  const cli::Option of_founders =
+      command.option("--founder-steps", founder_steps, "N",
+                     "environment steps of robots without parents [--steps]");
+  const cli::Option start =
+      command.option("--init", files.init, "POLICY|DIR",
+                     "start from this policy, or in a folder from the parent's (<id>.policy.h5); "
+                     "robots without one start from scratch");
+  const cli::Option founders_start = command.option(
+      "--founder-init", files.founders_from, "POLICY|DIR",
+      "start robots without parents from this policy, or in a folder from their own");
+  command.seed_option();
+  command.section("Files");
+  command.option("--out-dir", files.policies, "DIR", "where <id>.policy.h5 and <id>.log go");
+  const cli::Option for_all = command.option(
+      "--shared", files.shared, "FILE.policy.h5",
+      "one controller for all robots read, instead of one for each (--train modular)");
+  command.output_option("where the robots go, with fitness, steps and policy");
+  command.option("--checkpoint-every", files.checkpoint_every, "N",
+                 "save a checkpoint after this many steps; 0: on interruption only");
+  const cli::Option kept =
+      command.flag("--keep-checkpoint", files.keep_checkpoint,
+                   "keep the end of each training, to continue later (--resume with more --steps)");
+  command.flag("--resume", files.resume, "continue from checkpoints where there are any");
+  command.flag("--force", files.replace, "replace policies trained with other settings");
+  command.choice("--failures", files.skip_failures, "WHAT", {{"stop", false}, {"skip", true}},
+                 "a training that diverges: stop, or skip (fitness null, continue)");
+  command
+      .flag(
+          "--by-sequence", by_sequence,
+          "search for a sequence of actions, train two networks along it and keep the better one, "
+          "which takes 2 000 000 steps unless --steps says")
+      .excludes({of_founders, start, founders_start, for_all, kept});
+  command.jobs_option();
+  command.progress_option();
+  command.suggestions("--train", [] {
+    return cli::profiles_and_settings("training", assignments(training_profiles().rows({})));
+  });
+}
+
+TrainingPlan TrainingOptions::plan(std::uint64_t seed) const {
+  TrainingPlan plan = files;
+  plan.task = task.load();
+  const auto [profile, settings] = profile_words(train);
+  plan.children = training_profiles().load(profile.value_or("default"), cli::data_folders());
+  if (steps) plan.children.steps = parse_steps(*steps, "--steps");
+  for (const std::string& assignment : settings)
+    training_profiles().assign(plan.children, assignment);
+  check(plan.children);
+  plan.founders = plan.children;
+  if (founder_steps) plan.founders.steps = parse_steps(*founder_steps, "--founder-steps");
+  check(plan.founders);
+  plan.seed = seed;
+  return plan;
+}
+
+// ---- files ------------------------------------------------------------------------------
 
 // None of the files that the trainings write is another one's.
 void check_files(const TrainingPlan& plan, const std::vector<Robot>& robots,
@@ -167,10 +261,10 @@ Robot keep_better(const TrainingPlan& plan, const std::vector<TrainingPlan>& sta
   return kept;
 }
 
-// As train(), by the options of evo-train: steps are those of all stages, whose files go to folders
+// As train(), by the options: steps are those of all stages, whose files go to folders
 // of --out-dir named by profile. Each stage has a seed of its own: with one for all, a parent would
 // enter with its lucky value on the same starts.
-int train_by_sequence(const cli::Command& command, const cli::TrainingOptions& options,
+int train_by_sequence(const cli::Command& command, const TrainingOptions& options,
                       const std::vector<Robot>& robots) {
   OrderedWriter out(command.output);
   if (const auto profile = profile_words(options.train).profile)
@@ -182,7 +276,7 @@ int train_by_sequence(const cli::Command& command, const cli::TrainingOptions& o
   const std::int64_t steps = options.steps ? plan.children.steps : steps_at_first;
   std::vector<TrainingPlan> plans;
   for (const char* stage : stages) {
-    cli::TrainingOptions of_stage = options;
+    TrainingOptions of_stage = options;
     of_stage.train.insert(of_stage.train.begin(), {stage, "final_episodes=0"});
     const bool last = stage == stages.back();
     of_stage.steps = std::to_string(last ? steps - 2 * (steps / 8) : steps / 8);
@@ -210,7 +304,7 @@ int train_by_sequence(const cli::Command& command, const cli::TrainingOptions& o
 
 int main(int argc, char** argv) {
   cli::Command command("evo-train");
-  cli::TrainingOptions options;
+  TrainingOptions options;
   Options more;
   std::vector<std::string> files;
   command.arguments(files, "FILE", "robots [standard input]");

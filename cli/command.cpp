@@ -434,14 +434,6 @@ Workers::Workers(const Command& command, std::size_t tasks)
                           pool.threads(), wanted));
 }
 
-void Command::resolve(const std::string& level) {
-  quiet = level == "error" || level == "off";
-  verbose = level == "debug";
-  // make runs as many of us as it was asked to; each then has one core.
-  jobs = impl_->jobs.value_or(
-      std::getenv("MAKELEVEL") != nullptr ? 1 : std::min(available_cores(), most_threads));
-}
-
 int Command::answer(int argc, char** argv, const std::function<int()>& work) {
   Impl& impl = *impl_;
   common_options();
@@ -473,7 +465,11 @@ int Command::answer(int argc, char** argv, const std::function<int()>& work) {
   }
   const std::string level = impl.quiet ? "error" : impl.verbose ? "debug" : impl.level;
   log::set(level, impl.log_file);
-  resolve(level);
+  quiet = level == "error" || level == "off";
+  verbose = level == "debug";
+  // make runs as many of us as it was asked to; each then has one core.
+  jobs = impl.jobs.value_or(
+      std::getenv("MAKELEVEL") != nullptr ? 1 : std::min(available_cores(), most_threads));
   const Clock clock;
   const int status = work();
   log::debug(fmt::format("took {}", duration(clock.seconds())));

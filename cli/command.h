@@ -156,7 +156,6 @@ class Command {
   Option add(const std::string& names, const std::string& value, const std::string& help,
              const std::string& initial, const Set& set);
   void common_options();
-  void resolve(const std::string& level);
   int answer(int argc, char** argv, const std::function<int()>& work);
 
   std::unique_ptr<Impl> impl_;

@@ -41,9 +41,6 @@ void add_work(const RunFolder& run, double started, double seconds, bool finishe
 void mark(const RunFolder& run, const std::string& name) {
   write_file(run.journal() / (name + ".running"), "{\"host\":\"n1\",\"process\":7}\n");
 }
-void unmark(const RunFolder& run, const std::string& name) {
-  std::filesystem::remove(run.journal() / (name + ".running"));
-}
 
 Robot robot(const std::vector<std::string>& rows) { return Robot(Body::from_rows(rows)); }
 
@@ -58,12 +55,7 @@ Robot after(Robot robot, int steps) {
   return robot;
 }
 
-Robot failed(const std::vector<std::string>& rows) {
-  Robot result = robot(rows);
-  result.document["fitness"] = nullptr;
-  result.document["failure"] = {{"why", "diverged"}};
-  return result;
-}
+Robot failed(const std::vector<std::string>& rows) { return robot(rows).failed({"diverged"}); }
 
 void write_robots(const std::filesystem::path& file, const std::vector<Robot>& robots) {
   std::filesystem::create_directories(file.parent_path());
@@ -200,7 +192,7 @@ TEST_CASE("a history follows a run while it grows") {
   write_robots(slot(run, 0, "00"), {failed(one)});
   write_robots(run.scores(0), {failed(one), scored(two, 2.0)});
   write_robots(run.population(1), {robot(two), robot(three)});
-  unmark(run, robot(one).id);
+  std::filesystem::remove(run.journal() / (robot(one).id + ".running"));
   add_work(run, 1'700'000'000, 0.5, false);
   add_work(run, 1'700'000'000, 1.0, true);
   history.update();

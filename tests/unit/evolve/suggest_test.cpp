@@ -131,7 +131,7 @@ TEST_CASE("without observations the batch is random, valid and without repetitio
   CHECK(empty / 5000.0 < 0.25);
 }
 
-TEST_CASE("a batch is valid, new, without repetition and the same for the same seed") {
+TEST_CASE("a batch is valid, new, without repetition and another one for another seed") {
   auto observations = random_observations(4, 4, 40, 5);
   observations[3].fitness = failure;
   const std::vector<Design> pending{
@@ -146,14 +146,9 @@ TEST_CASE("a batch is valid, new, without repetition and the same for the same s
     CHECK(seen.insert(s.body.cells).second);
     CHECK(s.stddev > 0.0);
   }
-  const SuggestedBatch again = suggest(4, 4, observations, pending, 12, quick(), 9);
   const SuggestedBatch other = suggest(4, 4, observations, pending, 12, quick(), 10);
   int same = 0;
-  for (std::size_t i = 0; i < 12; ++i) {
-    CHECK(again.designs[i].body == batch.designs[i].body);
-    CHECK(again.designs[i].mean == batch.designs[i].mean);
-    same += other.designs[i].body == batch.designs[i].body;
-  }
+  for (std::size_t i = 0; i < 12; ++i) same += other.designs[i].body == batch.designs[i].body;
   CHECK(same < 12);
 }
 
@@ -184,7 +179,7 @@ TEST_CASE("what is pending counts as observed: less is to be learned near it") {
                     Catch::Contains("pending design has 3 voxels"));
 }
 
-TEST_CASE("the batch is the same for any number of threads", "[threads]") {
+TEST_CASE("the batch is the same for the same seed and any number of threads", "[threads]") {
   const auto observations = random_observations(4, 4, 30, 8);
   const SuggestedBatch alone = suggest(4, 4, observations, {}, 6, quick(), 3);
   for (const int threads : {2, 3, 8}) {

@@ -74,13 +74,10 @@ void need_fitness(const std::vector<Robot>& robots) {
     const auto failure = robot.failure();
     ++reasons[failure ? failure->why : "no fitness"];
   }
-  std::string why = "none was read";
-  int most = 0;
-  for (const auto& [reason, times] : reasons)
-    if (times > most) {
-      most = times;
-      why = fmt::format("{} x {}", times, reason);
-    }
+  const auto most =
+      std::ranges::max_element(reasons, {}, [](const auto& reason) { return reason.second; });
+  const std::string why =
+      reasons.empty() ? "none was read" : fmt::format("{} x {}", most->second, most->first);
   throw error(Failure::data,
               "none of {} robots has a fitness ({}), so there is nothing to evolve from; when the "
               "cause is mended, remove their files and give the same command again",

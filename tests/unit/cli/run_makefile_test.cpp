@@ -84,16 +84,13 @@ TEST_CASE("a window: each robot waits for the scores that it knows, and for no o
   CHECK(has(text, "gen-005/population.jsonl: | gen-004/population.jsonl seen.txt gen-002/00.json"));
 }
 
+// More in evolve.bats, as users see it.
 TEST_CASE("what does not go together is refused") {
   const auto refused = [](const std::string& method, const std::vector<RunSetting>& given) {
     CHECK_THROWS_AS(cli::run_makefile(settings_of(method, given), {"", "/here", "python3", {}}),
                     Error);
   };
-  refused("ga", {{"pop", "2"}, {"evals", "42"}});
   refused("ga", {{"pop", "5"}, {"evals", "4"}});
-  refused("ga", {{"inherit", "all"}});
-  refused("bo", {{"window", "3"}, {"chunk", "4"}});
   refused("neat", {{"pop", "1"}});
-  refused("modular", {{"pop", "4"}, {"children", "2"}});
   refused("race", {{"task", "mine.py:Task"}});
 }

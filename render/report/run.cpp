@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 #include <string_view>
 
+#include "formats/io/files.h"
 #include "formats/io/number.h"
 #include "formats/rollout/ending.h"
 #include "formats/rollout/episodes.h"
 #include "formats/rollout/rollout.h"
 #include "formats/run/run_policy.h"
-#include "formats/training/policy.h"
+#include "formats/training/training_log.h"
 #include "libevo/base/parallel.h"
 #include "render/render.h"
 #include "render/report/choice.h"
@@ -71,6 +73,36 @@ void add_history(const RunHistory& history, Run& run) {
 }
 
 // ---- trainings and episodes --------------------------------------------------------
+
+constexpr std::size_t most_points = 60;  // of a curve: what can be told apart in a small chart
+
+Training training_of(const PolicyFile& policy) {
+  Training training;
+  training.curve = spread(policy.curve, most_points);
+  training.final_score = policy.final_score;
+  training.best_step = policy.best_step;
+  training.steps = policy.steps;
+  training.created_by = policy.created_by;
+  return training;
+}
+
+// Adds entropy, KL and explained variance from a log of evo-train. A log that is not there adds
+// nothing.
+void add_log(const std::filesystem::path& file, Training& training) {
+  if (!std::filesystem::is_regular_file(file)) return;
+  const std::map<std::string, std::string> wanted{
+      {"losses/entropy", "entropy"},
+      {"losses/approx_kl", "KL divergence"},
+      {"losses/explained_variance", "explained variance"}};
+  std::map<std::string, std::vector<std::pair<double, double>>> series;
+  std::istringstream lines(read_file(file));
+  for (std::string line; std::getline(lines, line);)
+    if (const auto step = logged(line, "charts/global_step"))
+      for (const auto& [key, name] : wanted)
+        if (const auto value = logged(line, key)) series[name].emplace_back(*step, *value);
+  for (const auto& [key, name] : wanted)
+    if (!series[name].empty()) training.log.push_back({name, spread(series[name], most_points)});
+}
 
 void read_shared(const RunFolder& folder, Run& run) {
   for (const int generation : folder.generations()) {

@@ -12,9 +12,25 @@
 #include "formats/io/json.h"
 #include "formats/robot/robot.h"
 #include "formats/run/run.h"
-#include "render/report/training.h"
+#include "formats/training/policy.h"
 
 namespace evo::report {
+
+// A number the trainer logged, against environment steps.
+struct LogSeries {
+  std::string name;  // "entropy"
+  std::vector<std::pair<double, double>> points;
+};
+
+// What is known of how one robot was trained: by its policy file and its log.
+struct Training {
+  std::vector<CurvePoint> curve;
+  std::optional<FinalScore> final_score;
+  std::int64_t best_step = 0;
+  std::int64_t steps = 0;
+  std::string created_by;  // tool, version, commit
+  std::vector<LogSeries> log;
+};
 
 // A trained robot, where it was scored first.
 struct Entry {

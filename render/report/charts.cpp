@@ -12,8 +12,7 @@
 #include "formats/robot/archive.h"
 #include "libevo/base/error.h"
 #include "render/report/choice.h"
-#include "render/report/repetitions.h"
-#include "render/report/statistics.h"
+#include "render/report/comparison.h"
 #include "render/scene/round_numbers.h"
 
 namespace evo::report {

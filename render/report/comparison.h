@@ -6,10 +6,18 @@
 #include <utility>
 #include <vector>
 
-#include "render/report/repetitions.h"
+#include "render/report/run.h"
 #include "render/report/statistics.h"
 
 namespace evo::report {
+
+// Runs that are repetitions of each other: they differ in nothing but their seed.
+struct Repetitions {
+  std::string label;  // the method, and settings that tell it from others of that method
+  std::string method;
+  std::vector<const Run*> runs;
+};
+std::vector<Repetitions> repetitions(const std::vector<const Run*>& runs);
 
 // One method, over its runs. Runs count as far as the shortest of all goes.
 struct MethodResult {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/io/base64.h"
 #include "formats/io/values.h"
 #include "libevo/base/join.h"
 #include "render/report/choice.h"
@@ -121,9 +122,9 @@ std::string kinds_of(const Body& body) {
 std::string still_pictures(const Film& film) {
   const auto image = [](const char* theme, const std::string& svg) {
     return fmt::format(
-        "<img class=\"film {}\" src=\"{}\" alt=\"The way of the champion at its task, six moments "
-        "of it\">\n",
-        theme, data_uri("image/svg+xml", svg));
+        "<img class=\"film {}\" src=\"data:image/svg+xml;base64,{}\" alt=\"The way of the champion "
+        "at its task, six moments of it\">\n",
+        theme, base64(svg));
   };
   return image("light", film.light) + image("dark", film.dark);
 }

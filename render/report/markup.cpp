@@ -2,28 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <stdexcept>
-
-#include "formats/io/base64.h"
-
 namespace evo::report {
-std::string data_uri(const std::string& media_type, std::string_view bytes) {
-  return "data:" + media_type + ";base64," + base64(bytes);
-}
-
-std::string fill(std::string_view page, const std::map<std::string, std::string>& values) {
-  std::string filled;
-  for (std::size_t at = 0;;) {
-    const std::size_t open = page.find("{{", at);
-    filled += page.substr(at, open - at);
-    if (open == std::string_view::npos) return filled;
-    const std::size_t close = page.find("}}", open);
-    const auto value = values.find(std::string(page.substr(open + 2, close - open - 2)));
-    if (value == values.end()) throw std::logic_error("a page names a value that is not there");
-    filled += value->second;
-    at = close + 2;
-  }
-}
 
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;

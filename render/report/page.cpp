@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <ctime>
+#include <map>
 
 #include "formats/io/values.h"
 #include "libevo/base/join.h"
@@ -312,6 +313,19 @@ std::string script_data(const Json& data) {
   std::string safe;
   for (const char c : compact(data)) safe += c == '<' ? "\\u003c" : std::string(1, c);
   return safe;
+}
+
+// {{name}} in `page` replaced by values[name]; values are not searched again.
+std::string fill(std::string_view page, const std::map<std::string, std::string>& values) {
+  std::string filled;
+  for (std::size_t at = 0;;) {
+    const std::size_t open = page.find("{{", at);
+    filled += page.substr(at, open - at);
+    if (open == std::string_view::npos) return filled;
+    const std::size_t close = page.find("}}", open);
+    filled += values.at(std::string(page.substr(open + 2, close - open - 2)));
+    at = close + 2;
+  }
 }
 
 }  // namespace

@@ -32,9 +32,9 @@ EVO_EXPORTED int evo_task(const char* task);
 // A robot placed in a task, before its first reset; nothing where that failed.
 EVO_EXPORTED evo_player* evo_open(const char* task, const char* robot);
 EVO_EXPORTED void evo_close(evo_player* player);
-// Answers {"task", "robot": document, "steps", "points", "objects": [{"name", "first", "points",
-// "static"}], "cells": [[object, letter, top left, top right, bottom left, bottom right]..],
-// "follow": [objects], "terms": [name..], "voxel": its length}.
+// Answers {"task", "steps", "points", "objects": [{"name", "first", "points", "static"}],
+// "cells": [[object, letter, top left, top right, bottom left, bottom right]..], "follow":
+// [objects], "terms": how many the reward has, "voxel": its length}.
 EVO_EXPORTED int evo_describe(const evo_player* player);
 
 // What drives the robot, JSON: {"kind": "wave", "amplitude", "period", "phase"} is `--actions

@@ -74,7 +74,7 @@
       // Views into the module's memory: valid until the next call of anything.
       positions: () => view(exports.evo_positions(player), 2 * facts.points),
       counts: () => {
-        const all = view(exports.evo_counts(player), 6 + facts.terms.length);
+        const all = view(exports.evo_counts(player), 6 + facts.terms);
         return { total: all[0], reward: all[1], steps: all[2], ended: all[3], folding: all[4], rules: all[5], terms: [...all.subarray(6)] };
       },
       close: () => call('evo_close', player),

@@ -1,7 +1,7 @@
 """Stands for the benchmark's package in a program that python -m evo_robots.evogym runs, and in the
 processes it starts."""
 
-import importlib
+import pkgutil
 import sys
 import types
 import typing
@@ -19,27 +19,18 @@ _OF_OTHERS = {
     ".envs": "gym error spaces utils seeding np random math os pkg_resources time register Any Dict "
              "List Optional Tuple",
 }
-
-
-def _other(name: str):
-    if hasattr(typing, name):
-        return getattr(typing, name)
-    if name in ("np", "gym"):
-        return importlib.import_module({"np": "numpy", "gym": "gymnasium"}[name])
-    if name in ("error", "spaces", "utils"):
-        return importlib.import_module(f"gymnasium.{name}")
-    if name == "seeding":
-        return importlib.import_module("gymnasium.utils.seeding")
-    if name == "register":
-        return importlib.import_module("gymnasium.envs.registration").register
-    return importlib.import_module(name)
+_PLACES = {  # of those that are no module of that name
+    "np": "numpy", "gym": "gymnasium", "error": "gymnasium.error", "spaces": "gymnasium.spaces",
+    "utils": "gymnasium.utils", "seeding": "gymnasium.utils.seeding",
+    "register": "gymnasium.envs.registration:register",
+    **{name: f"typing:{name}" for name in ("Any", "Dict", "List", "Optional", "Set", "Tuple")}}
 
 
 def _stand_in(name: str, module: types.ModuleType, kind: str, also: tuple = ()) -> None:
     brought = {}
     for other in _OF_OTHERS[kind].split():
         try:
-            brought[other] = _other(other)
+            brought[other] = pkgutil.resolve_name(_PLACES.get(other, other))
         except ModuleNotFoundError:  # pkg_resources, of newer Pythons
             continue
     for given in also:

@@ -132,28 +132,23 @@ class Simulator:
         def lengths(place: int) -> np.ndarray:
             return np.diff(array(place, (self.num_envs + 1,), ctypes.c_size_t).astype(int))
 
+        def each(counts: np.ndarray) -> tuple:  # a row for each environment where all have one length
+            return (len(counts), int(counts[0])) if (counts == counts[0]).all() else (int(counts.sum()),)
+
         self.observation_lengths = lengths(at.observation_offsets)
         self.action_lengths = lengths(at.action_offsets)
         self._actions = at.action_values
-        points = lengths(at.point_offsets)
-        shape = (at.points, 2)
-        if (points == points[0]).all():
-            shape = (self.num_envs, int(points[0]), 2)
+        shape = (*each(lengths(at.point_offsets)), 2)
         self.positions = array(at.positions, shape, ctypes.c_double)
         self.velocities = array(at.velocities, shape, ctypes.c_double)
-        shape = (at.observation_values,)
-        if (self.observation_lengths == self.observation_lengths[0]).all():
-            shape = (self.num_envs, int(self.observation_lengths[0]))
-        self.observations = array(at.observations, shape, ctypes.c_double)
+        self.observations = array(at.observations, each(self.observation_lengths), ctypes.c_double)
         one = (self.num_envs,)
         self.rewards = array(at.rewards, one, ctypes.c_double)
         self.terminated = array(at.terminated, one, ctypes.c_uint8).view(bool)
         self.truncated = array(at.truncated, one, ctypes.c_uint8).view(bool)
         self.status = array(at.status, one, ctypes.c_uint8)
         self.steps = array(at.steps, one, ctypes.c_int32)
-        self._action_shapes = [(self._actions,)]
-        if (self.action_lengths == self.action_lengths[0]).all():
-            self._action_shapes.insert(0, (self.num_envs, int(self.action_lengths[0])))
+        self._action_shapes = [*dict.fromkeys([each(self.action_lengths), (self._actions,)])]
         self._shapes: Any = None  # of what look() returns, once it was called
         self._seeds = np.zeros(self.num_envs, np.uint64)
         self._begun = np.zeros(self.num_envs, bool)  # was reset at least once

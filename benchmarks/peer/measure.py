@@ -53,9 +53,8 @@ def alone(env, actions):
     return rate, np.array(observations)
 
 
-def together(task, body, connections, actuators, **arguments):
-    envs = gymnasium.make_vec("evo/" + task, num_envs=LANES, body=body, connections=connections,
-                              **arguments)
+def together(task, body, connections, actuators):
+    envs = gymnasium.make_vec("evo/" + task, num_envs=LANES, body=body, connections=connections)
     envs.reset(seed=0)
     rng = np.random.default_rng(1)  # other actions for every environment, as in training
     batches = rng.uniform(0.6, 1.6, (97, LANES, actuators))

@@ -14,7 +14,7 @@ import sys
 import time
 
 import numpy as np
-from evogym import EvoSim, EvoWorld, WorldObject
+from evogym import EvoSim, EvoWorld
 
 import evo_robots
 
@@ -30,14 +30,8 @@ GROUND = np.full((1, 100), 5.0)
 def evogym_steps(own):
     """Steps one world on, for ever; yields after each."""
     world = EvoWorld()
-    ground = WorldObject()
-    ground.load_from_array("ground", GROUND)
-    ground.set_pos(0, 0)
-    world.add_object(ground)
-    robot = WorldObject()
-    robot.load_from_array("robot", BODY, LINKS)
-    robot.set_pos(1, 1)
-    world.add_object(robot)
+    world.add_from_array("ground", GROUND, 0, 0)
+    world.add_from_array("robot", BODY, 1, 1, LINKS)
     sim = EvoSim(world)
     sim.reset()
     before = sim.object_pos_at_time(0, "robot").mean(axis=1)

@@ -9,7 +9,6 @@
 #include "formats/io/values.h"
 #include "libevo/base/join.h"
 #include "render/report/choice.h"
-#include "render/report/markup.h"
 #include "render/report/verdict.h"
 
 namespace evo::report {

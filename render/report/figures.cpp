@@ -10,7 +10,6 @@
 #include "formats/io/number.h"
 #include "libevo/base/error.h"
 #include "render/painters/vector.h"
-#include "render/report/markup.h"
 
 namespace evo::report {
 namespace {
@@ -102,6 +101,24 @@ std::string dark_rules() {
   return rules + " }</style>\n";
 }
 
+// The fields of a line of comma-separated values.
+std::vector<std::string> csv_fields(std::string_view line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const char c = line[k];
+    if (quoted && c == '"' && line.substr(k + 1).starts_with('"'))
+      fields.back() += line[++k];
+    else if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      fields.emplace_back();
+    else
+      fields.back() += c;
+  }
+  return fields;
+}
+
 }  // namespace
 
 std::string figure_file(const Figure& figure, double width, const std::string& name,
@@ -125,6 +142,13 @@ std::string figure_file(const Figure& figure, double width, const std::string& n
     throw error(Failure::usage, "{}: a chart ends in .svg or .pdf", name);
   std::string svg = encode_svg(page, figure.title, typesetter);
   return svg.insert(svg.find("<defs>"), dark_rules());
+}
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
 }
 
 std::string figure_csv(const Figure& figure, const Run* run) {

@@ -12,7 +12,11 @@ namespace evo::report {
 std::string figure_file(const render::Figure& figure, double width, const std::string& name,
                         render::Typesetter& typesetter);
 
-// Its numbers, a line each, below titles: look (as in Series), series, x, value, low, high, robot.
+// A field of comma-separated values (RFC 4180), quoted where it has to be.
+std::string csv_field(const std::string& text);
+
+// The numbers of a figure, a line each, below titles: look (as in Series), series, x, value, low,
+// high, robot.
 std::string figure_csv(const render::Figure& figure, const Run* run);
 // A chart from such lines; the last three columns may be absent. `band`: what low and high are;
 // `log`: axes of powers, of "x" and "y". Throws Error(data) with the line, also for a value that is

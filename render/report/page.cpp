@@ -13,7 +13,6 @@
 #include "render/report/cards.h"
 #include "render/report/comparison.h"
 #include "render/report/figures.h"
-#include "render/report/markup.h"
 #include "render/report/robot_data.h"
 #include "render/report/verdict.h"
 

@@ -4,7 +4,6 @@
 
 #include "render/painters/vector.h"
 #include "render/report/figures.h"
-#include "render/report/markup.h"
 
 namespace evo::report {
 
@@ -31,6 +30,17 @@ std::string Page::chart(const render::Figure& figure, render::Size size, const R
 
 void Page::navigate(const std::string& anchor, const std::string& text) {
   navigation += fmt::format("<a href=\"#{}\">{}</a>\n", anchor, escaped(text));
+}
+
+std::string picture(const std::string& id, const Body& body, const std::vector<Change>& changed) {
+  std::string marks;
+  for (const Change& change : changed)
+    marks += fmt::format("M{} {}h1v1h-1z", change.col, change.row);
+  if (!marks.empty()) marks = "<path class=\"changed\" d=\"" + marks + "\"/>";
+  return fmt::format(
+      "<svg class=\"body\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"robot "
+      "{}\"><use href=\"#b-{}\"/>{}</svg>",
+      body.cols, body.rows, id, id, marks);
 }
 
 std::string stage(const std::vector<Actor>& cast) {

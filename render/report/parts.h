@@ -1,9 +1,12 @@
-// The page under construction, and the pieces its sections are made of.
+// The page under construction, and the pieces its sections are made of. Everything
+// that comes from a file goes through escaped().
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "formats/io/text.h"
+#include "libevo/body/changes.h"
 #include "render/figures/chart.h"
 #include "render/report/run.h"
 
@@ -23,6 +26,10 @@ struct Page {
                     const std::string& anchor);
   void navigate(const std::string& anchor, const std::string& text);
 };
+
+// The body, as report.js draws each once, `changed` cells outlined.
+std::string picture(const std::string& id, const Body& body,
+                    const std::vector<Change>& changed = {});
 
 // The place where report.js plays episodes side by side.
 struct Actor {

@@ -11,7 +11,7 @@
 namespace evo::report {
 namespace {
 
-Json rounded(double value) {
+Json rounded_or_null(double value) {
   if (!std::isfinite(value)) return nullptr;
   // More than a chart shows, and enough to be rounded once more as the page's text was.
   return Json::parse(fmt::format("{:.7g}", value), nullptr, false);
@@ -45,10 +45,10 @@ Json genes(const Robot& robot) {
 Json trainings(const Training& training) {
   Json charts = Json::object();
   for (const CurvePoint& point : training.curve)
-    charts["return"].push_back({point.step, rounded(point.evaluation)});
+    charts["return"].push_back({point.step, rounded_or_null(point.evaluation)});
   for (const LogSeries& series : training.log)
     for (const auto& [step, value] : series.points)
-      charts[series.name].push_back({step, rounded(value)});
+      charts[series.name].push_back({step, rounded_or_null(value)});
   return charts;
 }
 
@@ -70,7 +70,7 @@ Json commands(const Run& run, const Entry& entry) {
 Json robot_data(const Run& run, std::size_t k) {
   const Entry& entry = run.robots[k];
   const Training& training = entry.training;
-  Json robot{{"fitness", entry.fitness ? rounded(*entry.fitness) : Json()},
+  Json robot{{"fitness", entry.fitness ? rounded_or_null(*entry.fitness) : Json()},
              {"number", k + 1},
              {"generation", entry.generation},
              {"body", joined(entry.robot.body.to_rows(), "/")},
@@ -79,8 +79,8 @@ Json robot_data(const Run& run, std::size_t k) {
   if (const std::string open = open_sides(entry.robot.body); !open.empty()) robot["open"] = open;
   if (Json counts = genes(entry.robot); !counts.is_null()) robot["genes"] = std::move(counts);
   if (training.final_score)
-    robot["score"] = {rounded(training.final_score->mean),
-                      rounded(training.final_score->standard_error)};
+    robot["score"] = {rounded_or_null(training.final_score->mean),
+                      rounded_or_null(training.final_score->standard_error)};
   if (entry.sharing) robot["sharing"] = *entry.sharing;
   if (training.steps > 0) robot["best"] = {training.best_step, training.steps};
   if (!training.created_by.empty()) robot["tool"] = training.created_by;

@@ -5,7 +5,7 @@
 #include "formats/io/text.h"
 #include "formats/run/run.h"
 #include "render/report/comparison.h"
-#include "render/report/markup.h"
+#include "render/report/figures.h"
 
 namespace evo::report {
 namespace {

@@ -17,12 +17,12 @@
 #include "render/report/verdict.h"
 
 // Files beside this one, and bindings/web/site/stage.js.
-EVO_EMBED(evo_report_page, EVO_REPORT_PAGE);
-EVO_EMBED(evo_report_style, EVO_REPORT_STYLE);
-EVO_EMBED(evo_report_script, EVO_REPORT_SCRIPT);
-EVO_EMBED(evo_report_charts, EVO_REPORT_CHARTS);
-EVO_EMBED(evo_report_stage, EVO_REPORT_STAGE);
-EVO_EMBED(evo_report_replay, EVO_REPORT_REPLAY);
+EVO_EMBED(evo_report_page, EVO_ROOT "/render/report/page.html");
+EVO_EMBED(evo_report_style, EVO_ROOT "/render/report/report.css");
+EVO_EMBED(evo_report_script, EVO_ROOT "/render/report/report.js");
+EVO_EMBED(evo_report_charts, EVO_ROOT "/render/report/charts.js");
+EVO_EMBED(evo_report_stage, EVO_ROOT "/bindings/web/site/stage.js");
+EVO_EMBED(evo_report_replay, EVO_ROOT "/render/report/replay.js");
 
 namespace evo::report {
 namespace {

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -173,26 +173,23 @@ class Simulations:
 
     def gradients(self) -> Gradients:
         """All 0."""
-        return Gradients(*[np.zeros_like(self.positions) for _ in range(3)],
-                         np.zeros((self.num_sims, self.num_actuators)),
-                         np.zeros((self.num_sims, self.num_voxels)),
-                         np.zeros((self.num_sims, len(Gradients.CONSTANTS))))
+        return Gradients(*map(np.zeros, self._gradient_shapes()))
 
     def pull_back(self, by: Gradients) -> None:
         """Back through the last step that is kept and has not been gone back through: derivatives
         by the state after it become those by the state before it, of simulations that it moved.
         Those by targets are set, those by stiffness and constants are added to."""
-        for array, like in ((by.positions, self.positions), (by.velocities, self.positions),
-                            (by.previous, self.positions)):
-            _check(array, like.shape)
-        _check(by.targets, (self.num_sims, self.num_actuators))
-        _check(by.stiffness, (self.num_sims, self.num_voxels))
-        _check(by.constants, (self.num_sims, len(Gradients.CONSTANTS)))
+        arrays = [getattr(by, each.name) for each in fields(by)]
+        for array, shape in zip(arrays, self._gradient_shapes()):
+            _check(array, shape)
         given = SimGradients(self.num_sims, self.positions.shape[1], self.num_actuators,
-                             self.num_voxels, *[address(array) for array in (
-                                 by.positions, by.velocities, by.previous, by.targets,
-                                 by.stiffness, by.constants)])
+                             self.num_voxels, *map(address, arrays))
         call("evo_sims_pull_back", self._handle, ctypes.byref(given), ctypes.sizeof(given))
+
+    def _gradient_shapes(self) -> list[tuple[int, ...]]:
+        """In the order of Gradients and of SimGradients."""
+        widths = self.num_actuators, self.num_voxels, len(Gradients.CONSTANTS)
+        return [self.positions.shape] * 3 + [(self.num_sims, width) for width in widths]
 
     def save(self, sim: int = 0) -> bytes:
         """The state of a simulation: opaque, for restore() in any of the same world."""

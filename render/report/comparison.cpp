@@ -11,6 +11,8 @@
 namespace evo::report {
 namespace {
 
+constexpr double significant = 0.05;
+
 // All settings but the seed, as text.
 std::string without_seed(const Run& run) {
   std::string key;

@@ -53,6 +53,4 @@ std::vector<std::pair<std::string, std::vector<const Run*>>> by_task(const std::
 enum class TableFormat { tsv, csv, latex, text };
 std::string comparison_table(const std::vector<Run>& runs, TableFormat format);
 
-inline constexpr double significant = 0.05;
-
 }  // namespace evo::report

@@ -43,6 +43,21 @@ std::string purpose_of(const PolicyFile& policy) {
   return text && text->is_scalar() ? text->text() : "";
 }
 
+// "train=profiles/fast.yaml" as "train=fast.yaml".
+std::string without_folders(const std::string& text) {
+  constexpr std::string_view ends = " \t\n'\"=,:;()";
+  std::string shorter;
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find_first_of(ends, start), text.size());
+    const std::string_view word = std::string_view(text).substr(start, end - start);
+    const std::size_t slash = word.find_last_of('/');
+    shorter += word.starts_with('/') || word.starts_with('~') ? word.substr(slash + 1) : word;
+    if (end < text.size()) shorter += text[end];
+    start = end + 1;
+  }
+  return shorter;
+}
+
 std::vector<RunSetting> masked(const RunFolder& folder) {
   std::vector<RunSetting> list;
   for (const auto& [name, value] : folder.settings().list())
@@ -257,20 +272,6 @@ void tell_apart(std::vector<Run>& runs, const std::vector<fs::path>& folders) {
   std::map<std::string, int> seen;
   for (Run& run : runs)
     if (by_both.at(run.label) > 1) run.label += fmt::format(" ({})", ++seen[run.label]);
-}
-
-std::string without_folders(const std::string& text) {
-  constexpr std::string_view ends = " \t\n'\"=,:;()";
-  std::string shorter;
-  for (std::size_t start = 0; start < text.size();) {
-    const std::size_t end = std::min(text.find_first_of(ends, start), text.size());
-    const std::string_view word = std::string_view(text).substr(start, end - start);
-    const std::size_t slash = word.find_last_of('/');
-    shorter += word.starts_with('/') || word.starts_with('~') ? word.substr(slash + 1) : word;
-    if (end < text.size()) shorter += text[end];
-    start = end + 1;
-  }
-  return shorter;
 }
 
 }  // namespace evo::report

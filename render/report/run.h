@@ -135,7 +135,4 @@ Run read_run(const std::filesystem::path& folder, const Extent& extent, int thre
 // numbers where that is not enough.
 void tell_apart(std::vector<Run>& runs, const std::vector<std::filesystem::path>& folders);
 
-// "train=profiles/fast.yaml" as "train=fast.yaml".
-std::string without_folders(const std::string& text);
-
 }  // namespace evo::report

@@ -25,10 +25,6 @@ struct Verdict {
   std::vector<Command> commands;  // to copy
 };
 
-// The smallest gain that is called one, in returns; of the benchmark's 32 tasks the
-// hardest to earn in, Balancer-v0, ends at 0.16 in the paper's runs.
-inline constexpr double least_gain = 0.1;
-
 // As many robots are trained as were asked for.
 bool is_over(const Run& run);
 
@@ -36,9 +32,5 @@ Verdict judge(const Run& run);
 
 // "9.99 ± 0.22", as every fitness of the run.
 std::string with_error(const Run& run, double value, double error);
-
-// The command line of the run in a folder, perhaps with settings changed: "evo evolve ga ..".
-std::string run_command(const Run& run, const std::string& folder,
-                        const std::vector<std::pair<std::string, std::string>>& changed = {});
 
 }  // namespace evo::report

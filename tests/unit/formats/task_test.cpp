@@ -20,9 +20,6 @@ namespace {
 const fs::path task_folder = "tasks";
 const DataFolders data{task_folder};
 
-const Body body_c = full_body(5, 5);
-const Body body_d = Body::from_rows({"HHHHH", "HHH.H", "HH.HH", "H...H", "H...V"});
-
 // A small task to spoil, line by line.
 const std::string good = R"(name: test
 steps: 100
@@ -94,7 +91,8 @@ TEST_CASE("every easier world observes what its task does") {
     const TaskSpec task = load_task(name.substr(0, name.rfind('-')), data);
     CHECK(easier.robot_x == task.robot_x);
     CHECK(easier.robot_y == task.robot_y);
-    CHECK(Arena(easier, body_c).observation_length() == Arena(task, body_c).observation_length());
+    const Body body = full_body(5, 5);
+    CHECK(Arena(easier, body).observation_length() == Arena(task, body).observation_length());
     ++worlds;
   }
   CHECK(worlds > 0);
@@ -133,104 +131,6 @@ TEST_CASE("written tasks are read back, with nothing else at hand") {
     CHECK(task_to_yaml(again) == text);
     CHECK(again.source == text);
     CHECK(task_to_yaml(parse_task(task.source, "source")) == text);
-  }
-}
-
-// ---- check values (docs/tasks.md, "Check values") ---------------------------------------------
-
-namespace {
-
-struct CheckValue {
-  const char* task;
-  const Body& body;
-  std::optional<double> orientation;
-  std::vector<double> profile;  // floor, then ceiling
-};
-
-// Bins that are all `rest`, but for those at `places`.
-std::vector<double> at(std::size_t length, double rest, const std::vector<std::size_t>& places = {},
-                       double value = 0.0) {
-  std::vector<double> bins(length, rest);
-  for (const std::size_t i : places) bins[i] = value;
-  return bins;
-}
-
-constexpr double below = 0.275757576;
-constexpr double deeper = 0.375757576;
-
-const std::vector<CheckValue> check_values{
-    {"BridgeWalker-v0", body_c, 0.00091336026005980984, {}},
-    {"BridgeWalker-v0", body_d, 0.00087151417608391946, {}},
-    {"UpStepper-v0", body_c, 0.00073196973623294945, at(11, 0.5, {5, 8}, 0.25)},
-    {"UpStepper-v0", body_d, 0.00026855916703268551, at(11, below, {0}, 0.5)},
-    {"DownStepper-v0", body_c, 0.0010489046492778791, at(11, 0.5, {5, 8}, 0.35)},
-    {"DownStepper-v0", body_d, 0.0010016551810701933, at(11, deeper, {0}, 0.5)},
-    {"ObstacleTraverser-v0", body_c, 0.00059602686374156009, at(11, 0.5, {4, 7}, 0.25)},
-    {"ObstacleTraverser-v0", body_d, 0.00074617633861345128, at(11, below)},
-    {"ObstacleTraverser-v1",
-     body_c,
-     0.0005960269075783915,
-     {0.5, 0.5, 0.5, 0.5, 0.25, 0.5, 0.5, 0.35, 0.5, 0.5, 0.5}},
-    {"ObstacleTraverser-v1", body_d, 0.00019161300874981406,
-     at(11, below, {0, 1, 6, 7, 8, 9, 10}, deeper)},
-    {"Hurdler-v0", body_c, 0.0005960269075783915, at(11, 0.5)},
-    {"Hurdler-v0", body_d, 0.00019161300874981406, at(11, 0.5)},
-    {"GapJumper-v0", body_c, 0.0012716628175524652, at(11, 0.5, {5, 8}, 0.25)},
-    {"GapJumper-v0", body_d, 0.00052065864261104501, at(11, below, {0}, 0.5)},
-    {"PlatformJumper-v0", body_c, 0.0012716628175524652, at(11, 0.5, {5, 8}, 0.25)},
-    {"PlatformJumper-v0", body_d, 0.00052065864261104501, at(11, below, {0}, 0.5)},
-    {"Traverser-v0", body_c, 0.0013241908024056333, at(11, 0.5, {5, 8}, 0.25)},
-    {"Traverser-v0", body_d, 0.00052065864261104501, at(11, below, {0}, 0.5)},
-    {"Climber-v2", body_c, 0.00073196973623294945, at(7, 0.5, {6}, 0.05)},
-    {"Climber-v2", body_d, 0.00026855916703268551, at(7, 0.5, {0, 5, 6}, 0.0242424242)},
-    {"Jumper-v0", body_c, {}, at(5, 0.5)},
-    {"Jumper-v0", body_d, {}, at(5, below)},
-    {"CaveCrawler-v0", body_c, {}, at(22, 0.5, {5, 8}, 0.35)},
-    {"CaveCrawler-v0", body_d, {}, at(22, 0.5, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}, deeper)},
-    {"Flipper-v0", body_c, 0.00061699599731075499, {}},
-    {"Flipper-v0", body_d, 0.001503178916449809, {}},
-    {"Balancer-v0", body_c, 0.00096248628355215346, {}},
-    {"Balancer-v0", body_d, 0.00034963959128342831, {}},
-    {"Balancer-v1", body_c, 0.00096248638938362693, {}},
-    {"Balancer-v1", body_d, 0.00075954822011447902, {}},
-    {"Lifter-v0", body_c, 6.0890317139658554e-09, {}},       // of the package
-    {"BeamToppler-v0", body_c, 5.9163224742113418e-04, {}},  // of the beam
-    {"BeamSlider-v0", body_c, 5.9163224742113418e-04, {}},
-};
-
-std::vector<double> first_observation(const Arena& arena, const Draws& draws = {}) {
-  VecEnv env(arena, 1);
-  env.reset(0, {draws, 0.0, 0});
-  return {env.observations().begin(), env.observations().end()};
-}
-
-// All slices whose names begin like this, one after the other.
-std::vector<double> slices(const Arena& arena, const std::vector<double>& observation,
-                           const std::string& name) {
-  std::vector<double> values;
-  for (const ObservationSlice& slice : arena.layout())
-    if (slice.name.rfind(name, 0) == 0)
-      for (int i = 0; i < slice.length; ++i)
-        values.push_back(observation[static_cast<std::size_t>(slice.offset + i)]);
-  return values;
-}
-
-}  // namespace
-
-TEST_CASE("the check values of reset observations") {
-  for (const CheckValue& check : check_values) {
-    INFO(check.task << ", n = " << (&check.body == &body_c ? "36" : "33"));
-    const Arena arena(load_task(check.task, data), check.body);
-    const auto observation = first_observation(arena);
-    if (check.orientation)
-      CHECK(slices(arena, observation, "orientation").at(0) ==
-            Approx(*check.orientation).epsilon(0).margin(1e-12));
-    auto profile = slices(arena, observation, "floor");
-    const auto ceiling = slices(arena, observation, "ceiling");
-    profile.insert(profile.end(), ceiling.begin(), ceiling.end());
-    REQUIRE(profile.size() == (check.profile.empty() ? 0 : check.profile.size()));
-    for (std::size_t i = 0; i < profile.size(); ++i)
-      CHECK(profile[i] == Approx(check.profile[i]).epsilon(0).margin(1e-9));
   }
 }
 

@@ -1,6 +1,5 @@
-// Robots in, trained controllers out, as files: where a training starts from (start.h),
-// policy, checkpoint and log of each robot, and what is known already. evo-train
-// is this from a command line.
+// Robots in, trained controllers out, as files: policy, checkpoint and log of each robot, and
+// what is known already. evo-train is this from a command line.
 #pragma once
 
 #include <cstdint>
@@ -57,8 +56,6 @@ struct TrainingPaths {
 TrainingPaths training_paths(const TrainingPlan& plan, const std::string& id);
 // What the journal calls a training.
 std::string journal_name(const TrainingPlan& plan, const Robot& robot);
-// What names the random streams of a training.
-std::string stream_name(const TrainingPlan& plan, const Robot& robot);
 
 // The robot with what its policy says of it.
 Robot scored(const TrainingPlan& plan, const Robot& robot, double fitness,

@@ -15,10 +15,11 @@
 #include "cli/command.h"
 #include "cli/data.h"
 #include "cli/process.h"
-#include "cli/recipes.h"
 #include "cli/run_makefile.h"
 #include "cli/run_source.h"
 #include "formats/io/files.h"
+#include "formats/io/format.h"
+#include "formats/io/node.h"
 #include "formats/io/values.h"
 #include "formats/robot/robot.h"
 #include "formats/run/run.h"
@@ -253,6 +254,72 @@ void plan_or_compare(const fs::path& folder, const std::string& method, const Gi
   plan(folder, complete(method, given), around);
 }
 
+// ---- recipes ------------------------------------------------------------------------------
+
+// Evolutions in rounds, as data (tasks/recipes).
+constexpr const char* default_recipe = "moments";
+
+std::vector<RunSetting> round_of(const Node& node) {
+  std::vector<std::string> known;
+  for (const RunSettingInfo& info : run_settings())
+    if (info.belongs_to("ga")) known.push_back(info.name);
+  const Mapping mapping(node, "round", known);
+  std::vector<RunSetting> round;
+  for (const auto& [key, value] : mapping.node().entries()) {
+    const std::string text = value.string();
+    if (const auto defect = find_run_setting(key.string())->defect(text))
+      throw value.error(fmt::format("{} {}", key.string(), *defect));
+    round.push_back({key.string(), text});
+  }
+  return round;
+}
+
+// The easier worlds of a task, the easiest first.
+std::vector<std::string> easier_worlds(const std::string& task, const DataFolders& folders) {
+  std::vector<std::string> found;
+  for (const std::string& name : data_names(folders, "easier"))
+    if (name.starts_with(task + "-")) found.push_back(name);
+  if (found.empty())
+    throw error(Failure::usage, "there is no easier world for {} in tasks/easier", task);
+  return found;
+}
+
+// Rounds of method ga, of a recipe by name or file. A round whose task is "easier" stands for one
+// on each of the worlds that are easier than `task` (tasks/easier). Throws Error(usage, no_input,
+// data).
+std::vector<std::vector<RunSetting>> load_recipe(const std::string& name, const std::string& task) {
+  const DataFolders folders = cli::data_folders();
+  std::string file = name;
+  if (!is_file_name(name)) {
+    const auto found = find_data_file(folders, "recipes", name);
+    if (!found)
+      throw error(Failure::usage, "{}",
+                  unknown_name("recipe", name, data_names(folders, "recipes")));
+    file = found->string();
+  }
+  const Node document = Node::yaml(read_file(file, largest_document), file);
+  check_format(document, format::recipe);
+  const Mapping mapping(document, "recipe", {"format", "version", "description", "rounds"});
+  if (const auto description = mapping.find("description")) (void)description->string();
+  std::vector<std::vector<RunSetting>> rounds;
+  for (const Node& node : mapping.at("rounds").items()) {
+    const std::vector<RunSetting> round = round_of(node);
+    const auto easier = std::find_if(round.begin(), round.end(), [](const RunSetting& setting) {
+      return setting.name == "task" && setting.value == "easier";
+    });
+    if (easier == round.end()) {
+      rounds.push_back(round);
+      continue;
+    }
+    for (const std::string& world : easier_worlds(task, folders)) {
+      rounds.push_back(round);
+      rounds.back()[static_cast<std::size_t>(easier - round.begin())].value = world;
+    }
+  }
+  if (rounds.empty()) throw mapping.at("rounds").error("a recipe has a round at least");
+  return rounds;
+}
+
 // ---- several runs -------------------------------------------------------------------------
 
 // A folder of runs, which have names without hostile characters.
@@ -275,7 +342,7 @@ void plan_recipe(const fs::path& folder, const std::string& name, const Given& g
                  cli::Surroundings around) {
   const auto task = given.find("task");
   const std::vector<std::vector<RunSetting>> rounds =
-      cli::load_recipe(name, task == given.end() ? "Walker-v0" : task->second, cli::data_folders());
+      load_recipe(name, task == given.end() ? "Walker-v0" : task->second);
   const std::int64_t seed = given.contains("seed") ? std::stoll(given.at("seed")) : 0;
   std::vector<std::string> names;
   for (std::size_t k = 1; k <= rounds.size(); ++k) names.push_back(fmt::format("{}", k));
@@ -478,8 +545,8 @@ int main(int argc, char** argv) {
     add_settings(command.subcommand(method.name, method.meaning), options, method.name);
   cli::Command& recipe = command.subcommand(
       "recipe",
-      fmt::format("rounds of ga: a NAME in tasks/recipes, or a file [{}]", cli::default_recipe));
-  std::string recipe_name = cli::default_recipe;
+      fmt::format("rounds of ga: a NAME in tasks/recipes, or a file [{}]", default_recipe));
+  std::string recipe_name = default_recipe;
   recipe.argument(recipe_name, "NAME");
   add_settings(recipe, options, "ga");
   command.suggestions("recipe", [] { return data_names(cli::data_folders(), "recipes"); });

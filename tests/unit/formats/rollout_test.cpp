@@ -171,17 +171,6 @@ TEST_CASE("Rollout: what makes no sense is refused with file and dataset") {
   });
 }
 
-TEST_CASE("Rollout: missing and foreign files") {
-  const ScratchFolder folder;
-  error_of(Failure::no_input, [&] { (void)read_rollout(folder / "none.h5"); });
-  error_of(Failure::no_input, [&] { (void)read_actions(folder / "none.h5"); });
-  write_file(folder / "x.h5", "text");
-  error_of(Failure::data, [&] { (void)read_rollout(folder / "x.h5"); });
-  error_of(Failure::data, [&] { (void)read_draws(folder / "x.h5"); });
-  error_of(Failure::cannot_create,
-           [&] { write_rollout(folder.path() / "no" / "r.h5", example()); });
-}
-
 TEST_CASE("Actions: from HDF5") {
   const ScratchFolder folder;
   {

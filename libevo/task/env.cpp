@@ -8,7 +8,6 @@
 #include "libevo/base/error.h"
 #include "libevo/base/random.h"
 #include "libevo/task/compiled.h"
-#include "libevo/task/step_tape_impl.h"
 
 namespace evo {
 

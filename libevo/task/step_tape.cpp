@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "libevo/task/step_tape_impl.h"
+#include "libevo/task/compiled.h"
 
 namespace evo {
 namespace {
